@@ -23,7 +23,7 @@ from beamcam.posts import plan_seconds, post_of
 LONGEST = 3  #: machines of a chain
 
 
-class Link(Struct, frozen=True):
+class ChainLink(Struct, frozen=True):
     """A machine of a chain, and what it is asked for."""
 
     machine: Machine
@@ -31,7 +31,7 @@ class Link(Struct, frozen=True):
     skips: tuple[str, ...]  #: kinds that it leaves to the next one; of the last, those asked for
 
 
-def chain_of(request: Request, machines: Sequence[Machine]) -> tuple[Link, ...]:
+def chain_of(request: Request, machines: Sequence[Machine]) -> tuple[ChainLink, ...]:
     """The shortest chain that makes the only part of a request, of 3 machines at most, or none.
 
     The last one leaves out only what the request allows. Of machines that leave equally many
@@ -48,7 +48,7 @@ def chain_of(request: Request, machines: Sequence[Machine]) -> tuple[Link, ...]:
 
 def _chains(
     request: Request, part: Part, machines: Sequence[Machine], count: int
-) -> Iterator[tuple[Link, ...]]:
+) -> Iterator[tuple[ChainLink, ...]]:
     """The chains of so many machines.
 
     In order none is planned on behind the first that by itself leaves nothing.
@@ -66,7 +66,7 @@ def _chains(
     plans.sort(key=lambda one: one[:2])
     for left, _, machine, plan in plans:
         if count == 1:
-            yield (Link(machine, part, request.skips),)
+            yield (ChainLink(machine, part, request.skips),)
             continue
         kinds = {o.by.removeprefix("plan-") for o in plan.outcomes if o.how == "skipped"}
         skips = tuple(sorted(kinds & {*SKIP_NAMES}))
@@ -77,7 +77,7 @@ def _chains(
 
         others = [one for one in machines if one is not machine]
         for rest in _chains(request, begun_part(part, plan, machine), others, count - 1):
-            yield (Link(machine, part, skips), *rest)
+            yield (ChainLink(machine, part, skips), *rest)
 
 
 def _planned(
@@ -132,7 +132,7 @@ class InTurn(Sequence[Machine]):
         return self._loaded[name]
 
 
-class Work(Protocol):
+class PlannedProgram(Protocol):
     """A program as it is planned."""
 
     @property
@@ -144,7 +144,7 @@ class Work(Protocol):
         """How it does."""
 
 
-Made = TypeVar("Made", bound=Work)
+Made = TypeVar("Made", bound=PlannedProgram)
 
 
 class Able(Struct, Generic[Made]):

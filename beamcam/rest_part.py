@@ -17,7 +17,7 @@ from beamcam import readers
 from beamcam.checks.asked import rest_faults
 from beamcam.errors import Diagnostic, PlanError, ReadError, VerifyError, errors_in, note
 from beamcam.machine.machine import Machine
-from beamcam.machine_choice import Link, chain_of, none_makes_it
+from beamcam.machine_choice import ChainLink, chain_of, none_makes_it
 from beamcam.model.part import Feature, Part, Plane
 from beamcam.model.plan import NOT_MADE, AnyPlan, unfinished
 from beamcam.model.request import Request
@@ -111,7 +111,7 @@ class Stage(Struct, frozen=True):
 
 def chain_for(
     request: Request, machines: Sequence[Machine]
-) -> tuple[tuple[Link, ...], tuple[Diagnostic, ...]]:
+) -> tuple[tuple[ChainLink, ...], tuple[Diagnostic, ...]]:
     """The chain that makes the only part of a request, and a note. Raises PlanError for none."""
     chain = chain_of(request, machines)
     if not chain:
@@ -120,7 +120,7 @@ def chain_for(
     return chain, (SPLIT.at(request.parts[0].source, found=len(chain), machines=names),)
 
 
-def stages_of(request: Request, chain: Sequence[Link], target: Target) -> Iterator[Stage]:
+def stages_of(request: Request, chain: Sequence[ChainLink], target: Target) -> Iterator[Stage]:
     """The programs of a chain for the only part of a request, in order.
 
     Each part but the first is the rest that the program before leaves, as it is read again. Raises

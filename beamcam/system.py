@@ -178,7 +178,7 @@ LOOK_S = 0.1  #: between two looks at the flag
 _half_made: list[Callable[[], object]] = []
 
 
-class Asked:
+class EndRequest:
     """Whether a run is asked to end."""
 
     def __init__(self) -> None:
@@ -200,13 +200,13 @@ class Asked:
             seconds -= LOOK_S
 
 
-NEVER = Asked()  #: for work that is not interrupted
+NEVER = EndRequest()  #: for work that is not interrupted
 
 
 @contextmanager
-def asked_to_end() -> Iterator[Asked]:
+def asked_to_end() -> Iterator[EndRequest]:
     """The flag that Ctrl-C and the system set meanwhile, where they are not ignored."""
-    interrupt = Asked()
+    interrupt = EndRequest()
     with _handled({n: interrupt.hear for n in _numbers() if signal.getsignal(n) != signal.SIG_IGN}):
         yield interrupt
 

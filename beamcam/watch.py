@@ -17,7 +17,7 @@ from msgspec.structs import replace
 from beamcam.batch.find import Input
 from beamcam.files import write_whole
 from beamcam.readers import has_end
-from beamcam.reports.run import Row, encoded, message_line
+from beamcam.reports.run import FileRow, encoded, message_line
 
 AGAIN_S = 30.0  #: after which what failed for the disk or a process is tried again
 END_S = 60.0  #: after which a file without its end is handed over all the same
@@ -102,7 +102,7 @@ class HotFolder:
         return look([found]).get(found) == self._seen[found].stamp
 
 
-def file_away(found: Input, folder: str, row: Row | None = None) -> str:
+def file_away(found: Input, folder: str, row: FileRow | None = None) -> str:
     """Move an input into `folder`, below it as below the hot folder, and give its path there.
 
     An older one of the name is kept and the new one numbered. With `row` its messages are written

@@ -11,12 +11,12 @@ from script import arguments, start
 from beamcam.geometry.curves import Arc
 from beamcam.motion.densify import DensifyRules, densify
 from beamcam.motion.lookahead import LookAheadRules, plan_speeds
-from beamcam.motion.profile import Limits
+from beamcam.motion.profile import AxisLimits
 
 
 def main() -> None:
     arguments(__doc__).parse_args()
-    axis = Limits(200.0, 1000.0, 20_000.0)
+    axis = AxisLimits(200.0, 1000.0, 20_000.0)
     rules = LookAheadRules((axis, axis))
     dice = np.random.default_rng(1)
     print(f"{'path':8} {'segments':>9} {'seconds':>8} {'us/segment':>11} {'motion s':>10}")

@@ -25,7 +25,7 @@ from beamcam.plain_text import harmless_cell
 from beamcam.planning.stock import first_fit
 from beamcam.reports.hand_list import HEAD as HAND_HEAD
 from beamcam.reports.hand_list import as_csv as hand_csv
-from beamcam.reports.labels import Label, Size, as_pdf, as_zpl, code_rows
+from beamcam.reports.labels import Label, LabelSize, as_pdf, as_zpl, code_rows
 from beamcam.reports.tables import Table, as_csv, as_xlsx
 from tests.conftest import ROOT, examples
 
@@ -225,9 +225,9 @@ def test_labels_are_read_by_a_scanner(tmp_path: Path) -> None:
 @settings(deadline=None, max_examples=examples(15))
 @given(
     st.text(st.characters(codec="utf-8", exclude_categories=("C", "Z")), min_size=1, max_size=40),
-    st.sampled_from((Size(), Size(60, 30), Size(50, 80), Size(40, 25))),
+    st.sampled_from((LabelSize(), LabelSize(60, 30), LabelSize(50, 80), LabelSize(40, 25))),
 )
-def test_any_mark_is_read_back(mark: str, size: Size) -> None:
+def test_any_mark_is_read_back(mark: str, size: LabelSize) -> None:
     label = Label(mark, ("IPE200  L 1000 mm", "S235  1 / 1"), "p.gcode")
     page = pypdfium2.PdfDocument(as_pdf([label], size))[0]
     assert page.get_size() == pytest.approx((size.width * 72 / 25.4, size.height * 72 / 25.4))
@@ -242,7 +242,7 @@ def test_any_mark_is_read_back(mark: str, size: Size) -> None:
 )
 def test_any_mark_is_read_back_as_a_datamatrix(mark: str) -> None:
     label = Label(mark, ("IPE200  L 1000 mm",), "p.gcode")
-    page = pypdfium2.PdfDocument(as_pdf([label], Size(), "datamatrix"))[0]
+    page = pypdfium2.PdfDocument(as_pdf([label], LabelSize(), "datamatrix"))[0]
     found = zxingcpp.read_barcode(page.render(scale=5).to_pil())
     assert found is not None
     assert (found.text, found.format) == (label.code, zxingcpp.BarcodeFormat.DataMatrix)
@@ -264,7 +264,7 @@ def test_labels_take_the_code_that_is_asked_for(tmp_path: Path) -> None:
 @given(st.lists(st.text(max_size=30), min_size=1, max_size=4))
 def test_zpl_holds_the_texts_and_nothing_that_the_printer_obeys(texts: list[str]) -> None:
     label = Label(texts[0], tuple(texts), "p.gcode")
-    text = as_zpl([label], Size())
+    text = as_zpl([label], LabelSize())
     assert text.isascii()
     body, mark = text.split("^FD"), label.code
     fields = [part.split("^FS")[0] for part in body[1:]]
@@ -282,7 +282,7 @@ def test_zpl_holds_the_texts_and_nothing_that_the_printer_obeys(texts: list[str]
 
 
 def test_the_code_of_a_label_stands_clear_of_its_lines() -> None:
-    for size in (Size(40, 25), Size(), Size(300, 300), Size(40, 300)):
+    for size in (LabelSize(40, 25), LabelSize(), LabelSize(300, 300), LabelSize(40, 300)):
         assert 0 < size.code <= min(size.width / 2, size.height)
     assert len(code_rows("A\nB")) >= 21
 

@@ -47,14 +47,14 @@ if TYPE_CHECKING:
 NOT_UNDERSTOOD = {r.code for r in (SYNTAX, WORD, ARC)}
 
 
-class Compared(Struct, frozen=True):
+class ComparisonResult(Struct, frozen=True):
     """What the second of two programs or parts makes otherwise, and what is wrong with them."""
 
     differences: tuple[Difference, ...]
     diagnostics: tuple[Diagnostic, ...]
 
 
-def compared(a: ProgramText, b: ProgramText) -> Compared:
+def compared(a: ProgramText, b: ProgramText) -> ComparisonResult:
     """What the second of two programs makes otherwise.
 
     Raises VerifyError where their blocks are not understood; AskError for a program of bars and one
@@ -74,7 +74,7 @@ def compared(a: ProgramText, b: ProgramText) -> Compared:
             for fault in read_back(one.text, Request((), one.machine, name=one.name))
             if fault.severity is not Severity.NOTE
         )
-    return Compared((*different, *_left_to_hand(a.text, b.text)), diagnostics)
+    return ComparisonResult((*different, *_left_to_hand(a.text, b.text)), diagnostics)
 
 
 def program_text(name: str, text: str, machine: AnyMachine | None) -> ProgramText:
@@ -130,7 +130,7 @@ def diff(
     a: FileInput | Part | Iterable[Part],
     b: FileInput | Part | Iterable[Part],
     machine: AnyMachine | None = None,
-) -> Compared:
+) -> ComparisonResult:
     """What `b` makes otherwise than `a`: two programs, or two parts or lists of them.
 
     Each program is read by the machine that its own head names, unless one is given for both.
@@ -139,7 +139,7 @@ def diff(
     if _is_parts(a) and _is_parts(b):
         from beamcam.comparison.parts import diff_parts
 
-        return Compared(diff_parts(parts_asked(a), parts_asked(b)), ())  # type: ignore[arg-type]
+        return ComparisonResult(diff_parts(parts_asked(a), parts_asked(b)), ())  # type: ignore[arg-type]
     if _is_parts(a) or _is_parts(b):
         raise AskError(ask_type("b", type(b).__name__, "two programs, or two parts"))
     return compared(*(program_text(n, _text(p), machine) for n, p in (("A", a), ("B", b))))
@@ -156,20 +156,20 @@ def recover(
     """
     from beamcam.machine.faults import TABLE_CONTROLLERS
     from beamcam.model.section import measures_of
-    from beamcam.recovery import Stock
+    from beamcam.recovery import KnownStock
     from beamcam.recovery import recover as recover_parts
 
     check_text("name", name)
-    stock = Stock()
+    stock = KnownStock()
     if isinstance(profile, Part):
-        stock = Stock(profile.profile, profile.grade)
+        stock = KnownStock(profile.profile, profile.grade)
     elif profile is not None:
         check_text("profile", profile, Part)
         known = measures_of(profile)
         if known is None:
             raise AskError(ask_type("profile", profile, "a section such as IPE200, or a Part"))
         code, sizes = known
-        stock = Stock(Profile(code, profile.upper(), *sizes))
+        stock = KnownStock(Profile(code, profile.upper(), *sizes))
     used = machine_of(machine)
     if used.controller in TABLE_CONTROLLERS:
         raise AskError(ask_type("machine", used.name, "one for bars, or a table that runs G-code"))

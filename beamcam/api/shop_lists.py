@@ -104,7 +104,7 @@ def labels(
     each part, by default their marks. Raises AskError, LimitError for more than `limits.pieces`,
     PlanError for a mark that no code can hold, and ImportError without beamcam[labels].
     """
-    from beamcam.reports.labels import CODES, Label, Size, as_pdf, as_zpl, code_fault
+    from beamcam.reports.labels import CODES, Label, LabelSize, as_pdf, as_zpl, code_fault
 
     check_choice("to", to, ("pdf", "zpl"))
     check_choice("code", code, CODES)
@@ -123,7 +123,7 @@ def labels(
         for (part, count), name in zip(counted, names, strict=True)
         for piece in range(1, count + 1)
     ]
-    return (as_pdf if to == "pdf" else as_zpl)(each, Size(*size), code)
+    return (as_pdf if to == "pdf" else as_zpl)(each, LabelSize(*size), code)
 
 
 def _counted(parts: Sequence[Part], quantity: Quantity) -> list[tuple[Part, int]]:

@@ -21,7 +21,7 @@ from beamcam.model.description import MarkFrom
 from beamcam.model.part import Part
 from beamcam.model.part_json import part_to_json
 from beamcam.readers.dstv.header import said_of_part
-from beamcam.system import Asked, free_of_devices
+from beamcam.system import EndRequest, free_of_devices
 
 _FORM = re.compile(r"[^{}]?[<>^]?[0-9]{0,2}[sd]?")  #: of a value in a name
 _NOT_IN_NAMES = frozenset('<>:"|?*\\')  #: which Windows has for something else
@@ -185,7 +185,7 @@ def other_content(parts: Sequence[Part]) -> Iterator[Diagnostic]:
 
 def mixed_marks(
     paths: Iterable[str], mark_from: MarkFrom, parts_of: Callable[[str], Sequence[Part]],
-    interrupt: Asked,
+    interrupt: EndRequest,
 ) -> dict[str, Diagnostic]:  # fmt: skip
     """The DSTV files that differ from another one under their mark, and why.
 

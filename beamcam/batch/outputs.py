@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from beamcam.batch import OVER_INPUT, SAME_NAME, WRITE
 from beamcam.batch.names import folded
-from beamcam.batch.record import Record, Standing
+from beamcam.batch.record import OutputState, Record
 from beamcam.errors import Diagnostic, Source
 from beamcam.files import FilesRead, remove_made, write_new, write_whole
 from beamcam.files import write_together as write_files
@@ -26,7 +26,7 @@ class Outputs:
         A `dry` run writes nothing; what is not as a batch made it is written over by `force` only.
         """
         self._folder, self._claims, self._read_files, self._dry = folder, claims, read, dry
-        self._standing = Standing(folder, record, force)
+        self._standing = OutputState(folder, record, force)
         self._folders = {"": folder}  #: that stand, by their names below the first
 
     def write_together(

@@ -23,8 +23,8 @@ from beamcam.batch.names import other_content
 from beamcam.batch.pool import Workers, driven
 from beamcam.batch.recipe import Recipe
 from beamcam.batch.record import Record
-from beamcam.batch.run import BatchError, Run, Slot, recorded
-from beamcam.batch.shares import Look, Lot, ShareTask, stems_of, tasks_of
+from beamcam.batch.run import BatchError, QueuedInput, Run, recorded
+from beamcam.batch.shares import FileLook, Lot, ShareTask, stems_of, tasks_of
 from beamcam.batch.work import BatchSettings, Task, refused_row
 from beamcam.checks.asked import job_faults
 from beamcam.errors import BeamcamError, Diagnostic, PlanError, Source, VerifyError
@@ -33,8 +33,8 @@ from beamcam.model.part import Part
 from beamcam.model.request import Job, Request
 from beamcam.planning import LotKey, Share, remnants_of, shares_of
 from beamcam.reports.part_list import CutBar, CutPiece, PartCount
-from beamcam.reports.run import Message, PartRow, Row, as_message
-from beamcam.system import NEVER, Asked
+from beamcam.reports.run import FileRow, Message, PartRow, as_message
+from beamcam.system import NEVER, EndRequest
 
 THICKNESS_DECIMALS = 2
 
@@ -51,7 +51,7 @@ class ShareRun(Run):
 
     def __init__(
         self, tasks: Sequence[ShareTask], folder: str, shop: BatchSettings, workers: Workers,
-        record: Record, force: bool, read: FilesRead, dry: bool, interrupt: Asked,
+        record: Record, force: bool, read: FilesRead, dry: bool, interrupt: EndRequest,
     ) -> None:  # fmt: skip
         inputs = [Input(task.parts[0].source.file, task.name) for task in tasks]
         super().__init__(
@@ -63,14 +63,14 @@ class ShareRun(Run):
 
     def _read(self, index: int) -> Task | None:
         task = self._tasks[index]
-        slot = Slot(index, self._inputs[index])
+        slot = QueuedInput(index, self._inputs[index])
         self._slots.append(slot)
         return self.to_do(slot, task.key, task)
 
-    def _refuse_mixed(self, row: Row) -> None:
+    def _refuse_mixed(self, row: FileRow) -> None:
         """Marks were compared before the first program."""
 
-    def _warn_of_older(self, slot: Slot, row: Row) -> None:
+    def _warn_of_older(self, slot: QueuedInput, row: FileRow) -> None:
         """Programs of earlier runs are looked for at the end."""
 
 
@@ -80,7 +80,7 @@ class StockRun:
     def __init__(
         self, inputs: Sequence[Input], folder: str, shop: BatchSettings, workers: Workers,
         recipe: Recipe | None = None, force: bool = False, read: FilesRead | None = None,
-        dry: bool = False, interrupt: Asked = NEVER,
+        dry: bool = False, interrupt: EndRequest = NEVER,
     ) -> None:  # fmt: skip
         self._inputs, self._folder, self._shop, self._workers = inputs, folder, shop, workers
         self._recipe, self._force, self._read, self._dry = recipe, force, read, dry
@@ -91,7 +91,7 @@ class StockRun:
         self.told: list[Diagnostic] = []  #: on the run as a whole
         self._said: dict[str, list[Message]] = {}  #: by file, for the first program with its parts
 
-    def rows(self) -> Generator[Row, None, None]:
+    def rows(self) -> Generator[FileRow, None, None]:
         """The rows of files that are refused or failed, then those of the programs.
 
         Raises BatchError before anything is written, for parts that differ under one mark of an
@@ -101,12 +101,12 @@ class StockRun:
         with recorded(self._folder, self._workers, self._recipe, self._dry) as record:
             yield from self._rows(record)
 
-    def _rows(self, record: Record) -> Iterator[Row]:
+    def _rows(self, record: Record) -> Iterator[FileRow]:
         yield from self.planned()
         if not self._asked:
             yield from self._programs(record)
 
-    def planned(self) -> Iterator[Row]:
+    def planned(self) -> Iterator[FileRow]:
         """The rows of files that are refused or failed; then `tasks` are all programs.
 
         Raises BatchError and PlanError as `rows` does.
@@ -129,17 +129,17 @@ class StockRun:
                 "messages": self._said.pop(file, []) + messages,
             }
 
-    def _looked(self) -> Iterator[Row]:
+    def _looked(self) -> Iterator[FileRow]:
         """The row of each input once its parts are known."""
-        rows: dict[int, Row] = {}
+        rows: dict[int, FileRow] = {}
 
-        def tasks() -> Iterator[Look]:
+        def tasks() -> Iterator[FileLook]:
             for index, one in enumerate(self._inputs):
                 data = read_input(one.path)
                 if isinstance(data, Diagnostic):
                     rows[index] = refused_row(one.path, as_message(data))
                 else:
-                    yield Look(index, one.path, data)
+                    yield FileLook(index, one.path, data)
 
         by_index = {made.index: made for made in driven(self._workers, tasks(), self._asked)}
         for index in range(len(self._inputs)):
@@ -206,7 +206,7 @@ class StockRun:
         material = part.grade or machine.torch.material
         return one.machine, round(thickness, THICKNESS_DECIMALS), material
 
-    def _programs(self, record: Record) -> Iterator[Row]:
+    def _programs(self, record: Record) -> Iterator[FileRow]:
         tasks, before = self.tasks, {**record.made}
         run = ShareRun(
             tasks, self._folder, self._shop, self._workers, record, self._force,

@@ -14,7 +14,7 @@ from msgspec import Struct
 
 from beamcam.batch.work import BatchSettings, FileResult, Task, died, make_all, thaw
 from beamcam.processes import Died, Pool
-from beamcam.system import Asked, collector_seldom
+from beamcam.system import EndRequest, collector_seldom
 
 Chunk = tuple[Task, ...]
 CHUNK_BYTES = 256 * 1024  #: a chunk of more is closed
@@ -79,7 +79,7 @@ class Here:
         self._done = None
 
 
-def driven(workers: Workers, tasks: Iterator[Task], interrupt: Asked) -> Iterator[FileResult]:
+def driven(workers: Workers, tasks: Iterator[Task], interrupt: EndRequest) -> Iterator[FileResult]:
     """The result of each task, in any order; nothing more once `interrupt` asks for the end."""
     again: deque[Chunk] = deque()
     away, is_left = 0, True

@@ -31,7 +31,7 @@ from beamcam.errors import Diagnostic, Source
 from beamcam.files import write_whole
 from beamcam.readers.dstv import MADE
 from beamcam.reports.hand_list import LIST_BEGIN, LIST_SUFFIX, as_csv
-from beamcam.reports.run import Row, dumped, loaded, names_in
+from beamcam.reports.run import FileRow, dumped, loaded, names_in
 from beamcam.system import BINARY
 
 RECORD_NAME = ".beamcam-batch.jsonl"
@@ -46,7 +46,7 @@ _RECIPE_HEAD = b'{"recipe":"'
 class Noted(Struct, frozen=True):
     """One input of a record: what was made of it, and what the run was asked for."""
 
-    row: Row
+    row: FileRow
     recipe: Recipe
     input: str  #: its path from the folder of the outputs
     tree: str  #: its path below the folder that all inputs of its run shared
@@ -115,7 +115,7 @@ class Record:
         self._lines.seek(place)
         return self._lines.readline()
 
-    def find(self, key: bytes, found: Input) -> Row | None:
+    def find(self, key: bytes, found: Input) -> FileRow | None:
         """What was made of the input with that key, if all of it still stands as it was made.
 
         It is noted again where the run that made it was asked otherwise for the same.
@@ -125,7 +125,7 @@ class Record:
             return None
         try:
             line = loaded(self._line(place))
-            row: Row = line["row"]
+            row: FileRow = line["row"]
             for part in row["parts"]:
                 path = os.path.join(self._folder, part["output"])
                 with open(path, "rb", buffering=0) as file:
@@ -157,7 +157,7 @@ class Record:
                         self._made |= names_in(loaded(line)["row"])
         return self._made
 
-    def add(self, key: bytes, row: Row, found: Input) -> None:
+    def add(self, key: bytes, row: FileRow, found: Input) -> None:
         """Note what was made of the input with that key. Raises OSError."""
         if not self._kept:
             return
@@ -290,7 +290,7 @@ def noted_in(folder: str) -> tuple[Noted, ...]:
 # by a link out of the folder           refused
 
 
-class Standing:
+class OutputState:
     """What stands in the folder of a batch."""
 
     def __init__(self, folder: str, record: Record, force: bool) -> None:

@@ -30,8 +30,8 @@ from beamcam.model.description import marked
 from beamcam.model.part import Part
 from beamcam.pipeline import counted, judged, sound
 from beamcam.readers import read
-from beamcam.reports.run import PartRow, Row, as_message, names_in
-from beamcam.system import NEVER, Asked, can_sync_all
+from beamcam.reports.run import FileRow, PartRow, as_message, names_in
+from beamcam.system import NEVER, EndRequest, can_sync_all
 
 MOST_HELD = 64 * 1024 * 1024  #: bytes of programs that wait for an earlier one
 MOST_FLYING = 256 * 1024 * 1024  #: bytes of inputs that workers have
@@ -41,14 +41,14 @@ class BatchError(BeamcamError):
     """A batch that cannot be begun."""
 
 
-class Slot(Struct):
+class QueuedInput(Struct):
     """One input on its way to its row."""
 
     index: int
     input: Input
     key: bytes = b""
     size: int = 0  #: bytes of the input, while workers have it; then of its programs
-    row: Row | None = None  #: of an input that needs no work
+    row: FileRow | None = None  #: of an input that needs no work
     made: FileResult | None = None
 
     @property
@@ -60,8 +60,8 @@ def run(
     inputs: Sequence[Input], folder: str, shop: BatchSettings, workers: Workers,
     flat: bool = False, force: bool = False, claims: dict[str, str] | None = None,
     read: FilesRead | None = None, recipe: Recipe | None = None, dry: bool = False,
-    interrupt: Asked = NEVER, marks: dict[MarkKey, str] | None = None,
-) -> Generator[Row, None, None]:  # fmt: skip
+    interrupt: EndRequest = NEVER, marks: dict[MarkKey, str] | None = None,
+) -> Generator[FileRow, None, None]:  # fmt: skip
     """Post every input into `folder` and give its row, in the order of the inputs.
 
     `flat` puts all outputs into one folder, else they lie as their inputs do. `force` does again
@@ -107,15 +107,16 @@ class Run:
     def __init__(
         self, inputs: Sequence[Input], folder: str, shop: BatchSettings, workers: Workers,
         record: Record, flat: bool, force: bool, claims: dict[str, str] | None,
-        read: FilesRead | None, dry: bool, asked: Asked, marks: dict[MarkKey, str] | None = None,
+        read: FilesRead | None, dry: bool, asked: EndRequest,
+        marks: dict[MarkKey, str] | None = None,
     ) -> None:  # fmt: skip
         self._asked = asked
         self._inputs, self._folder, self._shop = inputs, folder, shop
         self._workers, self._record, self._flat, self._force = workers, record, flat, force
         self._settings = sha256(shop.settings).digest()
         self._next = 0
-        self._slots: deque[Slot] = deque()
-        self._away: dict[int, Slot] = {}  #: what workers have, by index
+        self._slots: deque[QueuedInput] = deque()
+        self._away: dict[int, QueuedInput] = {}  #: what workers have, by index
         self._again: deque[Chunk] = deque()
         self._held = self._flying = 0
         self._claims = {} if claims is None else claims  #: name of an output -> input that has it
@@ -129,7 +130,7 @@ class Run:
         self._before: dict[str, list[str]] = {}
         self._mixed: dict[str, Diagnostic] = {}  #: inputs that differ under one mark, and why
 
-    def rows(self) -> Iterator[Row]:
+    def rows(self) -> Iterator[FileRow]:
         if self._shop.chain:
             self._look_back()
         paths = [one.path for one in self._inputs if one.path not in self._own]
@@ -190,7 +191,7 @@ class Run:
     def _read(self, index: int) -> Task | None:
         """Read an input, and give what is to be done if there is anything."""
         found = self._inputs[index]
-        slot = Slot(index, found)
+        slot = QueuedInput(index, found)
         self._slots.append(slot)
         if found.path in self._own:
             diagnostic = OWN_REST.at(Source(found.path))
@@ -207,7 +208,7 @@ class Run:
         key = about.encode("utf-8", "surrogateescape") + data
         return self.to_do(slot, key, Task(index, found.path, data))
 
-    def to_do(self, slot: Slot, key: bytes, task: Task) -> Task | None:
+    def to_do(self, slot: QueuedInput, key: bytes, task: Task) -> Task | None:
         """The task of an input; None where it was done by an earlier run, as its key says."""
         slot.key = sha256(self._settings + key).digest()
         done = None if self._force else self._record.find(slot.key, slot.input)
@@ -238,12 +239,12 @@ class Run:
             slot = self._land(task.index)
             slot.row = died(task.name)
 
-    def _land(self, index: int) -> Slot:
+    def _land(self, index: int) -> QueuedInput:
         slot = self._away.pop(index)
         self._flying -= slot.size
         return slot
 
-    def _finish(self, slot: Slot) -> Row:
+    def _finish(self, slot: QueuedInput) -> FileRow:
         """The row of an input that is done, its outputs written and noted."""
         if slot.made is None:
             row = slot.row
@@ -273,7 +274,7 @@ class Run:
             self._warn_of_older(slot, row)
         return row
 
-    def _refuse_mixed(self, row: Row) -> None:
+    def _refuse_mixed(self, row: FileRow) -> None:
         """Refuse a row if a part of it differs from one of the same mark and order before.
 
         Files are read for it only where marks meet; a worker looks at those within one file.
@@ -298,14 +299,14 @@ class Run:
         reading = judged(read(data, path, **self._shop.reading), self._shop.strict)
         return marked(counted(sound(reading)), self._shop.mark_from)
 
-    def _still_its_own(self, row: Row) -> Row:
+    def _still_its_own(self, row: FileRow) -> FileRow:
         """The row of an unchanged input, unless an earlier one has taken its output's name."""
         clash = self._outputs.claim(names_in(row), row["file"])
         if clash is not None:
             return {**refused_row(row["file"], as_message(clash)), "format": row["format"]}
         return row
 
-    def _write_all(self, slot: Slot, made: FileResult, row: Row) -> None:
+    def _write_all(self, slot: QueuedInput, made: FileResult, row: FileRow) -> None:
         """Write the outputs of an input; keep in its row those that stand."""
         below = "" if self._flat else slot.input.tree.rpartition("/")[0]
         written: list[PartRow] = []
@@ -341,7 +342,7 @@ class Run:
             if diagnostic is not None:
                 row["messages"].append(as_message(diagnostic))
 
-    def _warn_of_older(self, slot: Slot, row: Row) -> None:
+    def _warn_of_older(self, slot: QueuedInput, row: FileRow) -> None:
         """Say so if an output of an earlier run stands where this input's would be."""
         if self._shop.name is not None:
             return  # without the part there is no name to look for
@@ -350,7 +351,7 @@ class Run:
         suffixes = dict.fromkeys(machine.suffix for machine in machines if machine is not None)
         self._warn_of(slot, row, (os.path.splitext(tree)[0] + suffix for suffix in suffixes))
 
-    def _warn_of(self, slot: Slot, row: Row, outputs: Iterable[str]) -> None:
+    def _warn_of(self, slot: QueuedInput, row: FileRow, outputs: Iterable[str]) -> None:
         """Say so of each of these outputs that stands and is none of this run."""
         for output in outputs:
             stands = False

@@ -21,14 +21,14 @@ from beamcam.pipeline import Begun, begin_share, plans_of
 from beamcam.planning import Share, number_of
 from beamcam.reports.hand_list import MARKS, hand_rows
 from beamcam.reports.part_list import ByHand, PartCount
-from beamcam.reports.run import PartRow, Row, StockRow, as_message, dumped
+from beamcam.reports.run import FileRow, PartRow, StockRow, as_message, dumped
 from beamcam.system import free_of_devices
 
 
-class Look(Task, frozen=True):
+class FileLook(Task, frozen=True):
     """One file to be looked at: which machine makes each of its parts."""
 
-    def post(self, shop: BatchSettings, row: Row, work: Found) -> Generator[str, None, None]:
+    def post(self, shop: BatchSettings, row: FileRow, work: Found) -> Generator[str, None, None]:
         """Add each part with the first machine that makes it; those that none makes refuse."""
         parts = parts_in(self, shop, row)
         yield "read the file"
@@ -60,7 +60,7 @@ class ShareTask(Task, frozen=True):
     lengths: tuple[float, ...]  #: of the bar
     program: tuple[int, int]  #: which one of its lot, and of how many
 
-    def post(self, shop: BatchSettings, row: Row, work: Found) -> Generator[str, None, None]:
+    def post(self, shop: BatchSettings, row: FileRow, work: Found) -> Generator[str, None, None]:
         """Add the program."""
         planned = self.planned(shop)
         yield "planned"

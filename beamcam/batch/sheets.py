@@ -26,7 +26,7 @@ from beamcam.pictures.svg import inline_svg
 from beamcam.pipeline import Posted, begin, counted, finished, sound
 from beamcam.processes import Died, Pool
 from beamcam.readers import is_interruptible, read
-from beamcam.reports.run import Row
+from beamcam.reports.run import FileRow
 from beamcam.reports.run_page import Extra
 from beamcam.setup_sheet.content import SheetSources, content_of
 from beamcam.setup_sheet.page import setup_page
@@ -73,7 +73,7 @@ def picture_style() -> str:
 
 
 def sheets_beside(
-    report: str, rows: Iterable[Row], shop: BatchSettings, jobs: int,
+    report: str, rows: Iterable[FileRow], shop: BatchSettings, jobs: int,
     shares: Sequence[ShareTask] = (),
 ) -> dict[str, Extra]:  # fmt: skip
     """Write the sheet of each program of a run into a folder beside its report.
@@ -94,7 +94,7 @@ def sheets_beside(
 
 
 def _made(
-    rows: Iterable[Row], shop: BatchSettings, jobs: int, shares: Mapping[str, ShareTask]
+    rows: Iterable[FileRow], shop: BatchSettings, jobs: int, shares: Mapping[str, ShareTask]
 ) -> Iterator[SetupSheet]:
     maker = SheetMaker(shop.freeze)
     tasks = (

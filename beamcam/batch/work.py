@@ -42,7 +42,7 @@ from beamcam.planning import numbered
 from beamcam.planning.rules import named_skips
 from beamcam.readers import read
 from beamcam.reports.part_list import PartCount
-from beamcam.reports.run import Message, PartRow, RestRow, Row, as_message
+from beamcam.reports.run import FileRow, Message, PartRow, RestRow, as_message
 from beamcam.version import __version__
 from beamcam.writers import target_of_suffix
 
@@ -146,7 +146,7 @@ class Task(Struct, frozen=True):
     name: str  #: of the file, for messages
     data: bytes
 
-    def post(self, shop: BatchSettings, row: Row, work: "Found") -> Generator[str, None, None]:
+    def post(self, shop: BatchSettings, row: FileRow, work: "Found") -> Generator[str, None, None]:
         """Add the programs of all parts that can be made; the others refuse the file."""
         yield from _post_all(self, shop, row, work)
 
@@ -164,7 +164,7 @@ class FileResult(Struct, frozen=True):
     """Result of one file: its programs by name, and its row in the account."""
 
     index: int
-    row: Row
+    row: FileRow
     outputs: tuple[tuple[str, bytes], ...]  #: names below the input's folder, and contents
     refused: tuple[tuple[str, bytes], ...] = ()  #: programs that the read-back refused, likewise
     looked: tuple[PartCount, ...] = ()  #: the parts with what makes them, where that was asked
@@ -198,7 +198,7 @@ def make_all(tasks: Sequence[Task], shop: BatchSettings) -> list[FileResult]:
 
 def making(task: Task, shop: BatchSettings) -> Generator[str, None, FileResult]:
     """The programs of one file, stage by stage."""
-    row: Row = {
+    row: FileRow = {
         "file": task.name, "status": "posted", "format": "", "seconds": 0.0, "parts": [],
         "messages": [],
     }  # fmt: skip
@@ -224,7 +224,7 @@ def making(task: Task, shop: BatchSettings) -> Generator[str, None, FileResult]:
     )  # fmt: skip
 
 
-def refused_row(path: str, message: Message) -> Row:
+def refused_row(path: str, message: Message) -> FileRow:
     """The row of a file that is refused before it is worked on."""
     return {
         "file": path, "status": "refused", "format": "", "seconds": 0.0, "parts": [],
@@ -232,12 +232,12 @@ def refused_row(path: str, message: Message) -> Row:
     }  # fmt: skip
 
 
-def died(path: str) -> Row:
+def died(path: str) -> FileRow:
     """The row of a file that ended its worker."""
     return {**refused_row(path, as_message(DIED.at(Source(path)))), "status": "failed"}
 
 
-def parts_in(task: Task, shop: BatchSettings, row: Row) -> tuple[Part, ...]:
+def parts_in(task: Task, shop: BatchSettings, row: FileRow) -> tuple[Part, ...]:
     """The sound parts of a file; what is said of it is added to its row.
 
     Raises ReadError for a file without any.
@@ -255,7 +255,9 @@ def parts_in(task: Task, shop: BatchSettings, row: Row) -> tuple[Part, ...]:
     return marked(parts, shop.mark_from)
 
 
-def _post_all(task: Task, shop: BatchSettings, row: Row, work: Found) -> Generator[str, None, None]:
+def _post_all(
+    task: Task, shop: BatchSettings, row: FileRow, work: Found
+) -> Generator[str, None, None]:
     parts = parts_in(task, shop, row)
     yield "read the file"
     stem = os.path.splitext(os.path.basename(task.name))[0]
@@ -281,7 +283,7 @@ def _post_all(task: Task, shop: BatchSettings, row: Row, work: Found) -> Generat
             yield from _post_job(each, called, shop, row, names, work)
 
 
-def _mixed(parts: Sequence[Part], row: Row) -> Set[Source]:
+def _mixed(parts: Sequence[Part], row: FileRow) -> Set[Source]:
     """The sources of parts that differ from an earlier one with their mark; the row is refused."""
     if len({*map(mark_key, parts)}) == len(parts):
         return frozenset()
@@ -293,7 +295,7 @@ def _mixed(parts: Sequence[Part], row: Row) -> Set[Source]:
 
 
 def _post_job(
-    planned: Begun, name: str, shop: BatchSettings, row: Row, names: FileNames, work: Found
+    planned: Begun, name: str, shop: BatchSettings, row: FileRow, names: FileNames, work: Found
 ) -> Generator[str, None, None]:
     """Add the program of a part, or of the pieces of it that lie on one bar."""
     part = planned.job.parts[0]
@@ -315,7 +317,7 @@ def _post_job(
 
 def _post_chain(
     part: Part, called: Callable[[Machine, int, str], tuple[str, str]], shop: BatchSettings,
-    row: Row, names: FileNames, work: Found,
+    row: FileRow, names: FileNames, work: Found,
 ) -> Generator[str, None, None]:  # fmt: skip
     """Add the programs of a part on several machines, all of them or none, and what is between.
 
@@ -366,7 +368,7 @@ def _post_chain(
 
 
 def posted_of(
-    planned: Begun, refused_name: Callable[[], str], row: Row, work: Found
+    planned: Begun, refused_name: Callable[[], str], row: FileRow, work: Found
 ) -> Generator[str, None, Posted | None]:
     """The program that was planned; None where it is refused, which its row says."""
     try:

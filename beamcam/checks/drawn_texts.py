@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 Segment = tuple[Point, Point]
 
 
-class Wanted(Struct, frozen=True):
+class RequiredText(Struct, frozen=True):
     """A required text."""
 
     feature: TextMark
@@ -46,17 +46,17 @@ class Wanted(Struct, frozen=True):
             yield tuple(islice(pieces, count))
 
 
-def wanted(feature: TextMark, marks: Marks) -> Wanted:
+def wanted(feature: TextMark, marks: Marks) -> RequiredText:
     """The strokes that a text requires."""
     text = spelled(feature.text, marks.replace).text
     share = body_share() if marks.height_of == "body" else 1.0
     pieces = tuple(_turned(_in_a_row(text, marks.spacing), feature))
     glyphs = (glyph_of(sign) for sign in text)
     counts = tuple(len(s) - 1 for glyph in glyphs if glyph is not None for s in glyph.strokes)
-    return Wanted(feature, text, feature.height * share, pieces, counts)
+    return RequiredText(feature, text, feature.height * share, pieces, counts)
 
 
-def told(feature: TextMark, marks: Marks) -> Wanted | None:
+def told(feature: TextMark, marks: Marks) -> RequiredText | None:
     """What a stamp or printer has to be told of a text, in the box of its characters.
 
     None where it has no characters, no angle or no height for it.
@@ -76,7 +76,7 @@ def told(feature: TextMark, marks: Marks) -> Wanted | None:
     wide = len(spelling.text) * marks.pitch
     corners = ((0.0, 0.0), (wide, 0.0), (wide, 1.0), (0.0, 1.0), (0.0, 0.0))
     pieces = tuple(_turned(iter([*pairwise(corners)]), feature))
-    return Wanted(feature, spelling.text, height, pieces)
+    return RequiredText(feature, spelling.text, height, pieces)
 
 
 def _in_a_row(text: str, spacing: float) -> Iterator[Segment]:
@@ -165,7 +165,9 @@ class DrawnPieces:
                     best, apart = k, away
         return best
 
-    def all_of(self, text: Wanted, min_height: float, max_height: float) -> Iterator[DrawnText]:
+    def all_of(
+        self, text: RequiredText, min_height: float, max_height: float
+    ) -> Iterator[DrawnText]:
         """Each place where all pieces of a text are drawn, in heights between two."""
         if not text.pieces or not self.pieces:
             return
@@ -202,7 +204,7 @@ class DrawnPieces:
         return _Places(x[like] - height * ax, y[like] - height * ay, height)
 
     def _all(
-        self, text: Wanted, x: float, y: float, height: float, anchor: Segment
+        self, text: RequiredText, x: float, y: float, height: float, anchor: Segment
     ) -> DrawnText | None:
         """The text at a place, if all its pieces are drawn there.
 
@@ -227,7 +229,7 @@ class DrawnPieces:
         return DrawnText(x, y, height, pieces, tuple(taken))
 
     def _fitted(
-        self, text: Wanted, taken: Sequence[int], near: tuple[float, float, float]
+        self, text: RequiredText, taken: Sequence[int], near: tuple[float, float, float]
     ) -> tuple[float, float, float]:
         """Place and height that fit all pieces best (least squares of a shift and a scale)."""
         pairs: list[tuple[Point, Point]] = []
@@ -250,7 +252,7 @@ def _number(cells: "NDArray[np.int64]") -> "NDArray[np.int64]":
     return cells[:, 0] * 2**31 + cells[:, 1]
 
 
-def is_where_wanted(text: Wanted, drawn: DrawnText) -> bool:
+def is_where_wanted(text: RequiredText, drawn: DrawnText) -> bool:
     """Whether a text stands where the part has it, in its height."""
     apart = (drawn.x - text.feature.x, drawn.y - text.feature.y, drawn.height - text.height)
     return max(map(abs, apart)) <= EXACT

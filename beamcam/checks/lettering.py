@@ -12,7 +12,7 @@ import numpy as np
 from msgspec import Struct
 
 from beamcam.checks.asked import TEXT_MOVED
-from beamcam.checks.drawn_texts import EXACT, DrawnText, Segment, Wanted, is_where_wanted
+from beamcam.checks.drawn_texts import EXACT, DrawnText, RequiredText, Segment, is_where_wanted
 from beamcam.errors import Diagnostic, error
 from beamcam.geometry.array_types import Floats
 from beamcam.geometry.plane import Point
@@ -73,7 +73,7 @@ def steel_within(pieces: Sequence[Segment]) -> Steel:
     return Steel(shapely.multilinestrings(shapely.linestrings(ends)), ends)
 
 
-def box_of(text: Wanted, x: float, y: float, height: float) -> "Polygon":
+def box_of(text: RequiredText, x: float, y: float, height: float) -> "Polygon":
     """The box around a text along its line."""
     import shapely
     from shapely.affinity import rotate
@@ -98,7 +98,7 @@ def is_clear(
 
 
 def judge(
-    text: Wanted, found: DrawnText, steel: Steel, others: Sequence["Polygon"], marks: Marks,
+    text: RequiredText, found: DrawnText, steel: Steel, others: Sequence["Polygon"], marks: Marks,
     sure: Steel | None = None,
 ) -> Iterator[Diagnostic]:  # fmt: skip
     """What is wrong with the place of a text, or that it is another than the part's.
@@ -126,7 +126,9 @@ def judge(
         )  # fmt: skip
 
 
-def is_surely_clear(text: Wanted, steel: Steel, others: Sequence["Polygon"], marks: Marks) -> bool:
+def is_surely_clear(
+    text: RequiredText, steel: Steel, others: Sequence["Polygon"], marks: Marks
+) -> bool:
     feature = text.feature
     box = box_of(text, feature.x, feature.y, text.height)
     return is_clear(box, steel, others, marks.min_distance + SURE, SURE)
@@ -139,7 +141,7 @@ class Places:
         self._face = steel, others, marks
         self._rooms: dict[object, bool] = {}  #: for texts of one shape the answer is the same
 
-    def has(self, text: Wanted) -> bool:
+    def has(self, text: RequiredText) -> bool:
         """Whether a text might have been drawn: where the part has it, or elsewhere."""
         marks = self._face[2]
         if not text.pieces or text.height < marks.min_height:
@@ -154,7 +156,7 @@ class Places:
         return self._rooms[shape]
 
 
-def _has_room(text: Wanted, steel: Steel, others: Sequence["Polygon"], marks: Marks) -> bool:
+def _has_room(text: RequiredText, steel: Steel, others: Sequence["Polygon"], marks: Marks) -> bool:
     """Whether there is room for the smallest box of a text, with something to spare.
 
     The middle of a box that is clear lies in the steel, and outside of what the box sweeps when it

@@ -19,7 +19,7 @@ from msgspec.structs import replace
 from beamcam.checks.polylines import DrawnPath
 from beamcam.controllers.simotion import read_program, rules
 from beamcam.controllers.simotion.axes import circle_points
-from beamcam.controllers.simotion.job import JobRead, Operation
+from beamcam.controllers.simotion.job import JobRead, TableOperation
 from beamcam.controllers.simotion.trial import trial
 from beamcam.errors import Diagnostic, Rule, Source, add_few, errors_in
 from beamcam.machine.machine import Machine
@@ -32,7 +32,7 @@ _GOES_TO = re.compile(r"x := LREAL#(-?[\d.]+), y := LREAL#(-?[\d.]+)")
 BLOCK = 10  #: lines of a program in which the operation is that a line belongs to
 
 
-def unread(text: str, diagnostics: Sequence[Diagnostic]) -> list[Operation]:
+def unread(text: str, diagnostics: Sequence[Diagnostic]) -> list[TableOperation]:
     """For messages about lines that cannot be read the operation there, or the one before it."""
     lines = text.splitlines()
     operations = []
@@ -40,12 +40,12 @@ def unread(text: str, diagnostics: Sequence[Diagnostic]) -> list[Operation]:
         near = [lines[line - 1 : line + 1], lines[max(line - BLOCK, 0) : line][::-1]]
         places = (_GOES_TO.search(row) for rows in near for row in rows)
         if (place := next(filter(None, places), None)) is not None:
-            operations.append(Operation(line, 0, float(place[1]), float(place[2]), 0.0, None))
+            operations.append(TableOperation(line, 0, float(place[1]), float(place[2]), 0.0, None))
     return operations
 
 
 def with_contours(
-    said: Sequence[Diagnostic], operations: Sequence[Operation], part: Part, machine: Machine,
+    said: Sequence[Diagnostic], operations: Sequence[TableOperation], part: Part, machine: Machine,
     skips: Collection[str],
 ) -> list[Diagnostic]:  # fmt: skip
     """The messages; to those about an operation the contour nearest to its end is added."""
@@ -76,17 +76,17 @@ SLACK = 1e-6  #: a unit of the last of the six decimals that numbers are written
 LONGEST_ARC = 1.1  #: times its two chords; the runtime allows for no more time
 
 
-class HeadStroke(Struct):
+class TableStroke(Struct):
     """The work of the head between tool on and tool off."""
 
     process: TorchProcess
     line: int
     points: list[Place] = field(default_factory=list)
     feeds_mm_min: tuple[float, ...] = ()  #: the speeds asked of the sheet that it may be of
-    moves: list[Operation] = field(default_factory=list)
+    moves: list[TableOperation] = field(default_factory=list)
     rows: list[TorchRow] = field(default_factory=list)  #: those that it may be of
 
-    def repeats(self, other: "HeadStroke") -> bool:
+    def repeats(self, other: "TableStroke") -> bool:
         """Whether a stroke is made by the same operations as another."""
         said = [
             (s.process, s.points[0], [(m.kind, m.x, m.y, m.speed, m.via) for m in s.moves])
@@ -109,12 +109,12 @@ class Execution:
         for row in rows:
             self.rows.setdefault(row.process, []).append(row)
         self.said: list[Diagnostic] = []
-        self.strokes: list[HeadStroke] = []
+        self.strokes: list[TableStroke] = []
         self.here: Place = (0.0, 0.0)
         self.home = self.triggers.home_over(job.thickness)
         self.height = self.home  #: of the torch over the sheet
-        self.on: HeadStroke | None = None
-        self.run: list[Operation] = []  #: the last moves of one speed
+        self.on: TableStroke | None = None
+        self.run: list[TableOperation] = []  #: the last moves of one speed
         self.what, self.shortest = "traverse", inf
 
     def follow(self) -> None:
@@ -155,13 +155,13 @@ class Execution:
 
     # -- tools ------------------------------------------------------------------------------
 
-    def _rests(self, op: Operation, what: str) -> None:
+    def _rests(self, op: TableOperation, what: str) -> None:
         """Note where X or Y of an operation are others than where the head stands."""
         if (op.x, op.y) != self.here or (op.via or self.here) != self.here:
             found, expected = f"X {op.x:g}, Y {op.y:g}", f"X {self.here[0]:g}, Y {self.here[1]:g}"
             self.say(rules.STRAIGHT, op.line, what=what, found=found, expected=expected)
 
-    def _switch(self, op: Operation) -> None:
+    def _switch(self, op: TableOperation) -> None:
         if not LINE < op.kind < ARC:
             expected = f"0 to {ARC if self.triggers.z is None else LIFT}"
             self.say(rules.COMMAND, op.line, found=f"kind {op.kind}", expected=expected)
@@ -190,7 +190,7 @@ class Execution:
             found = f"a wait of {waits:.3f} s behind the start of the tool"
             self.say(rules.TOOL, line, found=found, expected=f"{least:g} s")
         feeds = dict.fromkeys(row.feed_mm_min for row in rows)
-        self.on = HeadStroke(process, line, [self.here], tuple(feeds), rows=rows)
+        self.on = TableStroke(process, line, [self.here], tuple(feeds), rows=rows)
         self.strokes.append(self.on)
         if self.triggers.z is not None and rows:
             self._at_heights(line, "the tool on", "pierce_height", self.on)
@@ -200,7 +200,7 @@ class Execution:
     def _is_at(self, height: float) -> bool:
         return abs(self.height - height) <= SLACK
 
-    def _at_heights(self, line: int, what: str, key: str, on: HeadStroke) -> None:
+    def _at_heights(self, line: int, what: str, key: str, on: TableStroke) -> None:
         """Note a height that none of the tool's rows has, and keep the rows that have it."""
         known = [row for row in on.rows if self._is_at(getattr(row, key))]
         if not known:
@@ -210,7 +210,7 @@ class Execution:
             self.say(rules.HEIGHT, line, found=found, expected=expected)
         on.rows = known or on.rows
 
-    def _lift(self, op: Operation) -> None:
+    def _lift(self, op: TableOperation) -> None:
         """Up or down: with the tool on once, behind its start, from pierce to cut height."""
         z = self.triggers.z
         if z is None:
@@ -232,7 +232,7 @@ class Execution:
         elif self.on is not None and self.on.rows:
             self._at_heights(op.line, "the tool on", "cut_height", self.on)
 
-    def _moves_at(self, op: Operation) -> None:
+    def _moves_at(self, op: TableOperation) -> None:
         """Note a way of X and Y elsewhere than at the clearance, or at the height to cut."""
         z = self.triggers.z
         if z is None:
@@ -246,7 +246,7 @@ class Execution:
 
     # -- motion -----------------------------------------------------------------------------
 
-    def _move(self, op: Operation) -> None:
+    def _move(self, op: TableOperation) -> None:
         end = op.x, op.y
         self._moves_at(op)
         slack = self.torch.tolerance
@@ -267,7 +267,7 @@ class Execution:
             self.on.moves.append(op)
         self.here = end
 
-    def _arc(self, op: Operation) -> list[Place]:
+    def _arc(self, op: TableOperation) -> list[Place]:
         end = op.x, op.y
         if not self.triggers.path_objects or op.via is None:
             self.say(
@@ -286,7 +286,7 @@ class Execution:
             self.say(rules.COMMAND, op.line, found=found, expected=f"at most {LONGEST_ARC} times")
         return points
 
-    def _speed(self, op: Operation, way: float) -> None:
+    def _speed(self, op: TableOperation, way: float) -> None:
         """Note a move; moves of one speed, one after another, are judged together."""
         what = self.on.process if self.on is not None else "traverse"
         if self.run and (self.run[0].speed, self.what) != (op.speed, what):
@@ -366,7 +366,7 @@ def verify_triggers(
     )
 
 
-def _ways(strokes: Sequence[HeadStroke], counts_passes: bool) -> list[DrawnPath]:
+def _ways(strokes: Sequence[TableStroke], counts_passes: bool) -> list[DrawnPath]:
     """What the head draws; a stroke that repeats the one before it is another pass of that."""
     ways: list[DrawnPath] = []
     for k, stroke in enumerate(strokes):

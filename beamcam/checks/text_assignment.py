@@ -15,8 +15,8 @@ from beamcam.checks.drawn_texts import (
     EXACT,
     DrawnPieces,
     DrawnText,
+    RequiredText,
     Segment,
-    Wanted,
     covering,
     is_where_wanted,
 )
@@ -36,7 +36,7 @@ NEVER = 1e13  #: mm that what cannot be the text counts as
 Options = Sequence[Sequence[DrawnText | None]]
 
 
-class Standing(Struct, frozen=True):
+class TextStanding(Struct, frozen=True):
     """Where a text stands, and what is wrong with that."""
 
     x: float
@@ -45,14 +45,15 @@ class Standing(Struct, frozen=True):
     said: tuple[Diagnostic, ...] = ()
 
 
-def _anything(text: Wanted, drawn: DrawnText) -> bool:
+def _anything(text: RequiredText, drawn: DrawnText) -> bool:
     return True
 
 
 def standings(
-    texts: Sequence[Wanted], drawn: DrawnPieces, steel: Steel, sure: Steel | None, marks: Marks,
-    is_ours: Callable[[Wanted, DrawnText], bool] = _anything,
-) -> Iterator[Standing | None]:  # fmt: skip
+    texts: Sequence[RequiredText], drawn: DrawnPieces, steel: Steel, sure: Steel | None,
+    marks: Marks,
+    is_ours: Callable[[RequiredText, DrawnText], bool] = _anything,
+) -> Iterator[TextStanding | None]:  # fmt: skip
     """Of each text of a face where a program draws it, or where the part has it if it has to.
 
     None where it is not drawn and can stand nowhere on the steel: it is left for manual work.
@@ -68,16 +69,16 @@ def standings(
         others = [box for j, box in enumerate(boxes) if j != k and box is not None]
         if one is not None:
             diagnostics = tuple(judge(text, one, steel, others, marks, sure))
-            yield Standing(one.x, one.y, one.height, diagnostics)
+            yield TextStanding(one.x, one.y, one.height, diagnostics)
         elif sure is not None and places.has(text):
-            yield Standing(text.feature.x, text.feature.y, text.height)
+            yield TextStanding(text.feature.x, text.feature.y, text.height)
         else:
             yield None
 
 
 def found_texts(
-    texts: Sequence[Wanted], drawn: DrawnPieces, steel: Steel, marks: Marks,
-    is_ours: Callable[[Wanted, DrawnText], bool] = _anything,
+    texts: Sequence[RequiredText], drawn: DrawnPieces, steel: Steel, marks: Marks,
+    is_ours: Callable[[RequiredText, DrawnText], bool] = _anything,
 ) -> list[DrawnText | None]:  # fmt: skip
     """Where a program draws each text of a face; None for those that it does not draw.
 
@@ -86,7 +87,7 @@ def found_texts(
     """
     numbers: dict[tuple[Segment, ...], int] = {}
     shapes = [numbers.setdefault(text.pieces, len(numbers)) for text in texts]
-    tallest: dict[int, Wanted] = {}
+    tallest: dict[int, RequiredText] = {}
     for shape, text in zip(shapes, texts, strict=True):
         if shape not in tallest or text.height > tallest[shape].height:
             tallest[shape] = text
@@ -103,12 +104,12 @@ def found_texts(
     return assigned(texts, options, steel, marks)
 
 
-def _as_text(text: Wanted, drawn: DrawnText | None) -> DrawnText | None:
+def _as_text(text: RequiredText, drawn: DrawnText | None) -> DrawnText | None:
     return drawn if drawn is not None and drawn.height <= text.height + EXACT else None
 
 
 def assigned(
-    texts: Sequence[Wanted], options: Options, steel: Steel, marks: Marks
+    texts: Sequence[RequiredText], options: Options, steel: Steel, marks: Marks
 ) -> list[DrawnText | None]:
     """What each text is, no two the same; as many as can be have one."""
     result: list[DrawnText | None] = [None] * len(texts)
@@ -137,7 +138,7 @@ def assigned(
     return result
 
 
-def _cost(text: Wanted, drawn: DrawnText | None, may_not_move: bool) -> float:
+def _cost(text: RequiredText, drawn: DrawnText | None, may_not_move: bool) -> float:
     """mm from a text to where the part has it, and more where it may not stand there."""
     if drawn is None:
         return NEVER
@@ -145,7 +146,7 @@ def _cost(text: Wanted, drawn: DrawnText | None, may_not_move: bool) -> float:
     return hypot(drawn.x - text.feature.x, drawn.y - text.feature.y) + WRONG * wrong
 
 
-def _boxes(texts: Sequence[Wanted], options: Options) -> list["Polygon | None"]:
+def _boxes(texts: Sequence[RequiredText], options: Options) -> list["Polygon | None"]:
     """The boxes of the texts that were found; None for one that can be no text."""
     boxes: list[Polygon | None] = []
     for k in range(len(options[0])):
@@ -156,7 +157,7 @@ def _boxes(texts: Sequence[Wanted], options: Options) -> list["Polygon | None"]:
 
 
 def _obstacle(
-    text: Wanted, boxes: Sequence["Polygon | None"], steel: Steel, marks: Marks
+    text: RequiredText, boxes: Sequence["Polygon | None"], steel: Steel, marks: Marks
 ) -> int | None:
     """What keeps a text from standing where the part has it; None if nothing does.
 

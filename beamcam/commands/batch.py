@@ -40,7 +40,7 @@ from beamcam.files import FilesRead, write_whole
 from beamcam.reports.labels import SCHEMA, Label
 from beamcam.reports.labels import as_json as labels_as_json
 from beamcam.reports.part_list import BARS, CUTS, PARTS, bar_list, cutting_list, part_list
-from beamcam.reports.run import Message, Row, as_message
+from beamcam.reports.run import FileRow, Message, as_message
 from beamcam.reports.tables import as_csv
 from beamcam.system import asked_to_end, cores, portable_path
 
@@ -201,7 +201,7 @@ def _is_over_stock(nest: bool | None, options: Mapping[str, Any]) -> bool:
     return over_stock
 
 
-def _would(row: Row, folder: str) -> Iterator[str]:
+def _would(row: FileRow, folder: str) -> Iterator[str]:
     """Planned result for a file: "in/M58.nc1 -> out/M58.gcode, beamline"."""
     for part in row["parts"]:
         unchanged = " (unchanged)" if row["status"] == "unchanged" else ""

@@ -28,7 +28,7 @@ from beamcam.reports.labels import (
     SCHEMA,
     Code,
     Label,
-    Size,
+    LabelSize,
     as_json,
     as_pdf,
     as_zpl,
@@ -41,7 +41,7 @@ FORMATS = ("pdf", "zpl", "json")
 HEAD_BYTES = 100  #: in which a file says what it is
 
 
-def _size(ctx: click.Context, param: click.Parameter, value: str) -> Size:
+def _size(ctx: click.Context, param: click.Parameter, value: str) -> LabelSize:
     try:
         width, height = (float(text) for text in value.lower().split("x"))
     except ValueError:
@@ -50,7 +50,7 @@ def _size(ctx: click.Context, param: click.Parameter, value: str) -> Size:
         raise click.BadParameter(
             f"found {value!r}; expected WIDTHxHEIGHT in mm, 40x25 to 300x300, such as 100x60"
         )
-    return Size(width, height)
+    return LabelSize(width, height)
 
 
 @click.command("labels", cls=Grouped)
@@ -72,7 +72,7 @@ def _size(ctx: click.Context, param: click.Parameter, value: str) -> Size:
 @options.bar
 @list_options
 def command(
-    inputs: tuple[str, ...], output: str, to: str | None, size: Size, code: Code, order: Order,
+    inputs: tuple[str, ...], output: str, to: str | None, size: LabelSize, code: Code, order: Order,
     turn: bool, as_json: bool, console: Console, **asked: Any,
 ) -> None:  # fmt: skip
     """Write a label for each piece of the parts in files and folders.
@@ -169,7 +169,7 @@ def _labels(
     return tuple(labels), tuple(dict.fromkeys(diagnostics))
 
 
-def _written(form: str, labels: Sequence[Label], size: Size, code: Code) -> str | bytes:
+def _written(form: str, labels: Sequence[Label], size: LabelSize, code: Code) -> str | bytes:
     """The labels in a form. Raises ReadError where a library is missing."""
     if form == "zpl":
         return as_zpl(labels, size, code)

@@ -92,7 +92,7 @@ def wanted_profile(
                 "give --time with one of --velocity, --acceleration, --distance; or --points; or, "
                 "for the fastest profile, --distance, --velocity and --acceleration"
             )
-        limits = profiles.Limits(velocity, acceleration, max_jerk or inf)
+        limits = profiles.AxisLimits(velocity, acceleration, max_jerk or inf)
         return profiles.fastest_profile(distance, limits)
     given = [v for v in (velocity, acceleration, distance) if v is not None]
     if len(given) != 1:

@@ -25,7 +25,7 @@ from beamcam.errors import BeamcamError, Diagnostic, ReadError, Source
 from beamcam.files import remove_made, write_whole
 from beamcam.machine import Machine
 from beamcam.reports.hand_list import LIST_BEGIN, LIST_SUFFIX, HandRow, as_csv
-from beamcam.reports.run import Row, as_message
+from beamcam.reports.run import FileRow, as_message
 
 DEFAULT_SAMPLES = Path("samples")
 
@@ -111,7 +111,9 @@ class Recorded:
         for noted in of_run:
             (name,) = noted.outputs
             one = made.get(name)
-            row: Row = {**noted.row, "parts": [], "messages": messages} if one is None else one.row
+            row: FileRow = (
+                {**noted.row, "parts": [], "messages": messages} if one is None else one.row
+            )
             new = {} if one is None else dict(one.outputs)
             yield from self._outputs(noted, row, new, machines_of(row, shop[1]))
             before, now = ({part["sha256"] for part in r["parts"]} for r in (noted.row, row))
@@ -176,7 +178,7 @@ class Recorded:
             self._note(noted, made.row, tuple(new), sample)
 
     def _outputs(
-        self, noted: Noted, row: Row, new: dict[str, bytes], machines: Sequence[Machine]
+        self, noted: Noted, row: FileRow, new: dict[str, bytes], machines: Sequence[Machine]
     ) -> Iterator[Checked]:
         of_name = dict(zip(new, machines, strict=True))
         by_hand = dict(zip(new, (part["by_hand"] for part in row["parts"]), strict=True))
@@ -235,7 +237,7 @@ class Recorded:
         stem, suffix = os.path.splitext(os.path.basename(noted.input))
         return str(sample_of(samples, stem, str(self._path(noted.outputs[0])), suffix.lower()))
 
-    def _note(self, noted: Noted, row: Row, outputs: tuple[str, ...], sample: str) -> None:
+    def _note(self, noted: Noted, row: FileRow, outputs: tuple[str, ...], sample: str) -> None:
         """Let the record know programs that have other names now, or are new."""
         for part, output in zip(row["parts"], outputs, strict=True):
             part["output"] = output
@@ -260,7 +262,7 @@ def accept(results: Sequence[Checked]) -> tuple[Checked, ...]:
     return tuple(one for one in results if one.new is None)
 
 
-def machines_of(row: Row, shop: BatchSettings) -> list[Machine]:
+def machines_of(row: FileRow, shop: BatchSettings) -> list[Machine]:
     """The machine of each program of an input."""
     return [shop.machine_named(part["machine"]) for part in row["parts"]]
 

@@ -18,7 +18,7 @@ from beamcam.model.part import Profile
 from beamcam.model.section import measures_of
 from beamcam.pipeline import as_error
 from beamcam.readers.content import shown_name
-from beamcam.recovery import Stock, recover, with_marks
+from beamcam.recovery import KnownStock, recover, with_marks
 from beamcam.writers import TARGETS
 
 #: controllers whose programs are understood here
@@ -92,18 +92,18 @@ def command(
 
 def _stock(
     profile: str | None, config: Config, console: Console
-) -> tuple[Stock, tuple[Diagnostic, ...]]:
+) -> tuple[KnownStock, tuple[Diagnostic, ...]]:
     """The bar's section and steel, of a part's file or by the section's name. Raises ReadError."""
     if profile is None:
-        return Stock(has_thickness=config.sheet.thickness is not None), ()
+        return KnownStock(has_thickness=config.sheet.thickness is not None), ()
     by_name = measures_of(profile)
     if by_name is not None and not os.path.exists(profile):
         code, sizes = by_name
-        return Stock(Profile(code, profile.upper(), *sizes)), ()
+        return KnownStock(Profile(code, profile.upper(), *sizes)), ()
     if not os.path.exists(profile):
         raise ReadError(SECTION.at(Source(profile), found=profile))
     (reading,) = read_all((profile,), bool(config.strict), {}, console)
     if errors_in(reading.diagnostics) or not reading.parts:
         raise ReadError(reading.diagnostics or (SECTION.at(Source(profile), found=profile),))
     part = reading.parts[0]
-    return Stock(part.profile, part.grade), reading.diagnostics
+    return KnownStock(part.profile, part.grade), reading.diagnostics

@@ -40,7 +40,7 @@ from beamcam.machine.tables import DIALECTS
 from beamcam.model.request import remnant_of
 from beamcam.plain_text import json_text
 from beamcam.readers import is_interruptible
-from beamcam.reports.run import Counts, Message, Row, dumped, ledger_line, loaded, message_line
+from beamcam.reports.run import Counts, FileRow, Message, dumped, ledger_line, loaded, message_line
 from beamcam.system import INTERRUPTED, cores
 
 
@@ -239,7 +239,7 @@ class Progress:
     def __exit__(self, *_: object) -> None:
         self._clear()
 
-    def show(self, row: Row) -> None:
+    def show(self, row: FileRow) -> None:
         """Count a file and print what there is to be said about it."""
         self.counts.add(row)
         if self._voice.as_json:
@@ -308,13 +308,13 @@ class Progress:
             self._drawn = now
 
 
-def what_became_of(row: Row) -> str:
+def what_became_of(row: FileRow) -> str:
     """A file in one line: "in/M58.nc1: posted M58.gcode"."""
     outputs = "".join(f" {part['output']}" for part in row["parts"])
     return f"{row['file']}: {row['status']}{outputs}"
 
 
-def account_lines(row: Row) -> Iterator[str]:
+def account_lines(row: FileRow) -> Iterator[str]:
     """What is printed of a file under --verbose: what became of it and its parts, and the time."""
     yield f"{what_became_of(row)} ({1000 * row['seconds']:.1f} ms)"
     for part in row["parts"]:
@@ -329,7 +329,7 @@ class Report:
         self.path = path
         self._rows: IO[bytes] | None = None
 
-    def add(self, row: Row) -> None:
+    def add(self, row: FileRow) -> None:
         if self.path is not None:
             if self._rows is None:
                 import tempfile
@@ -383,7 +383,7 @@ class Report:
         extras = sheets_beside(self.path, self._read(), shop, jobs, shares)
         return as_html(self._read, counts, messages, extras, picture_style())
 
-    def _read(self) -> Iterator[Row]:
+    def _read(self) -> Iterator[FileRow]:
         if self._rows is not None:
             self._rows.seek(0)
             yield from map(loaded, self._rows)

@@ -17,7 +17,7 @@ from beamcam.commands.common import Console, Grouped, say_lines
 from beamcam.commands.running import Progress, end_run, run_options, shop_of, unused, workers_of
 from beamcam.commands.settings import files_read, settled
 from beamcam.errors import BeamcamError, Diagnostic, Source
-from beamcam.reports.run import Row, as_message
+from beamcam.reports.run import FileRow, as_message
 from beamcam.system import asked_to_end
 from beamcam.watch import END_S, HotFolder, file_away, look
 
@@ -127,7 +127,12 @@ def _make(folder: str) -> None:
 
 
 def _file_away(
-    found: Input, row: Row, hot: HotFolder, done: str | None, refused: str | None, screen: Progress
+    found: Input,
+    row: FileRow,
+    hot: HotFolder,
+    done: str | None,
+    refused: str | None,
+    screen: Progress,
 ) -> None:
     """Move an input to where it belongs now; one that failed is tried again later."""
     if row["status"] == "failed":

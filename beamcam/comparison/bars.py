@@ -12,8 +12,8 @@ from msgspec.structs import astuple, replace
 from beamcam.checks.bars.stations import Bore, Cut, MachinedFeatures, MachinedPath, StampedText
 from beamcam.comparison.pairing import (
     Difference,
-    Kind,
-    Pair,
+    ThingKind,
+    ThingPair,
     differences_of_kind,
     moved,
     paired,
@@ -39,7 +39,7 @@ def diff_programs(
     return tuple(differences)
 
 
-def made_pairs(a: MachinedFeatures, b: MachinedFeatures, resolution: float) -> Iterator[Pair]:
+def made_pairs(a: MachinedFeatures, b: MachinedFeatures, resolution: float) -> Iterator[ThingPair]:
     """The cuts, holes and paths of two programs, each with its like in the other."""
     kinds = _kinds(resolution / 2 + 1e-9)
     cut = kinds.pop("cuts")
@@ -53,19 +53,23 @@ def made_pairs(a: MachinedFeatures, b: MachinedFeatures, resolution: float) -> I
             yield from paired(old, new, kind.place, kind.changes)
 
 
-def _kinds(step: float) -> dict[str, Kind[Any]]:
+def _kinds(step: float) -> dict[str, ThingKind[Any]]:
     """The things that a program makes, by the name that they have in `MachinedFeatures`."""
     return {
-        "cuts": Kind(
+        "cuts": ThingKind(
             "cut", "cuts", _cut_place, lambda cut: f"cut at x {cut.x:.1f}",
             lambda x, y: _cut(x, y, step), lambda x, y: replace(x, x=y.x),
         ),
-        "bores": Kind("hole", "holes", _place, _bore_name, lambda x, y: _bore(x, y, step), _put),
-        "paths": Kind(
+        "bores": ThingKind(
+            "hole", "holes", _place, _bore_name, lambda x, y: _bore(x, y, step), _put
+        ),
+        "paths": ThingKind(
             "feature", "paths", lambda trail: trail.points[0], _path_name,
             lambda x, y: _path(x, y, step), _path_to,
         ),
-        "texts": Kind("feature", "texts", _place, _text_name, lambda x, y: _text(x, y, step), _put),
+        "texts": ThingKind(
+            "feature", "texts", _place, _text_name, lambda x, y: _text(x, y, step), _put
+        ),
     }  # fmt: skip
 
 

@@ -26,7 +26,7 @@ class Difference(Struct, frozen=True):
         return {"what": self.what, "how": self.how, "text": self.text}
 
 
-class Kind(NamedTuple, Generic[T]):
+class ThingKind(NamedTuple, Generic[T]):
     """What is known of the things of one kind that a program makes."""
 
     what: Literal["cut", "hole", "feature"]
@@ -38,7 +38,7 @@ class Kind(NamedTuple, Generic[T]):
 
 
 def differences_of_kind(
-    kind: Kind[T], a: Sequence[T], b: Sequence[T], step: float
+    kind: ThingKind[T], a: Sequence[T], b: Sequence[T], step: float
 ) -> Iterator[Difference]:
     """The differences of one kind of things: of all at once, of those of a face, one by one."""
     if common := _common(kind, a, b, step):
@@ -54,7 +54,7 @@ def differences_of_kind(
 
 
 def _said_of_all(
-    kind: Kind[T], a: Sequence[T], b: Sequence[T], of_all: str
+    kind: ThingKind[T], a: Sequence[T], b: Sequence[T], of_all: str
 ) -> Iterator[Difference]:
     """One difference where it holds of several, else each by itself."""
     if of_all and len(a) > 1:
@@ -64,7 +64,7 @@ def _said_of_all(
         yield replace(one, of_all=of_all)
 
 
-def _common(kind: Kind[T], a: Sequence[T], b: Sequence[T], step: float) -> str:
+def _common(kind: ThingKind[T], a: Sequence[T], b: Sequence[T], step: float) -> str:
     """What is true of each thing of A and its like in B: "X +1.440, feed 90 to 80 mm/min".
 
     "" where there is nothing of the kind, or it is not the same of all.
@@ -175,7 +175,7 @@ def pairs_of(
             yield None, thing
 
 
-class Pair(Struct, frozen=True):
+class ThingPair(Struct, frozen=True):
     """A thing of A and what it is in B; None where it is not there."""
 
     a: object | None
@@ -190,9 +190,9 @@ def paired(
     b: Sequence[T],
     place: Callable[[T], tuple[float, float]],
     changes: Callable[[T, T], list[str]],
-) -> Iterator[Pair]:
+) -> Iterator[ThingPair]:
     """The things of A and B, each with its like in the other."""
     for x, y in pairs_of(a, b, place, changes):
         same = x is not None and y is not None and not changes(x, y)
         at, to = (None if t is None else place(t) for t in (x, y))
-        yield Pair(x, y, at, to, same)
+        yield ThingPair(x, y, at, to, same)

@@ -6,7 +6,7 @@ from msgspec.structs import fields
 
 from beamcam.comparison.pairing import (
     Difference,
-    Pair,
+    ThingPair,
     differences_one_by_one,
     moved,
     paired,
@@ -40,7 +40,7 @@ def diff_parts(a: Sequence[Part], b: Sequence[Part]) -> tuple[Difference, ...]:
     return tuple(differences)
 
 
-def part_pairs(a: Part, b: Part) -> Iterator[Pair]:
+def part_pairs(a: Part, b: Part) -> Iterator[ThingPair]:
     """The features of two parts, each with its like in the other."""
     for _, first, second in _by_face(a, b):
         yield from paired(first, second, _place, _feature)

@@ -11,9 +11,9 @@ from itertools import zip_longest
 from math import dist, isnan
 from typing import NamedTuple
 
-from beamcam.checks.coping.strokes import Stroke
+from beamcam.checks.coping.strokes import TorchStroke
 from beamcam.comparison.bars import diff_programs
-from beamcam.comparison.pairing import Difference, Pair, moved, paired
+from beamcam.comparison.pairing import Difference, ThingPair, moved, paired
 from beamcam.controllers import cell_events, table_events
 from beamcam.controllers.events import (
     Acceleration,
@@ -171,7 +171,9 @@ CLOSED = 0.02  #: mm between the ends of a closed cut
 MOST_OPEN = 2  #: places that no closed cut has
 
 
-def stroke_pairs(a: Sequence[Stroke], b: Sequence[Stroke], resolution: float) -> Iterator[Pair]:
+def stroke_pairs(
+    a: Sequence[TorchStroke], b: Sequence[TorchStroke], resolution: float
+) -> Iterator[ThingPair]:
     """The cuts of two programs face by face, those that are closed and the others.
 
     Places nearer than `resolution` are one.
@@ -182,23 +184,23 @@ def stroke_pairs(a: Sequence[Stroke], b: Sequence[Stroke], resolution: float) ->
         yield from paired(old, new, stroke_place, lambda x, y: _changes(x, y, step))
 
 
-def _sort(stroke: Stroke) -> tuple[str, bool]:
+def _sort(stroke: TorchStroke) -> tuple[str, bool]:
     return stroke.face, is_closed(stroke)
 
 
-def is_closed(stroke: Stroke) -> bool:
+def is_closed(stroke: TorchStroke) -> bool:
     """Whether a cut behind its lead comes back to where it began."""
     ring = stroke.points[1:]
     return len(ring) > MOST_OPEN and dist(ring[0], ring[-1]) <= CLOSED
 
 
-def stroke_place(stroke: Stroke) -> tuple[float, float]:
+def stroke_place(stroke: TorchStroke) -> tuple[float, float]:
     """The middle of a cut without its lead."""
     xs, ys = zip(*(stroke.points[1:] or stroke.points), strict=True)
     return (min(xs) + max(xs)) / 2, (min(ys) + max(ys)) / 2
 
 
-def _changes(a: Stroke, b: Stroke, step: float) -> list[str]:
+def _changes(a: TorchStroke, b: TorchStroke, step: float) -> list[str]:
     (ax, ay), (bx, by) = stroke_place(a), stroke_place(b)
     changes = moved(bx - ax, by - ay, step)
     if len(a.points) != len(b.points) or any(

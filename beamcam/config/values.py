@@ -26,7 +26,7 @@ from beamcam.conversion import (
 from beamcam.errors import BeamcamError, Diagnostic, Source
 from beamcam.machine.machine import Machine
 from beamcam.machine.range_faults import slack_faults
-from beamcam.machine.toml import MAX_TOML_BYTES, Place, TomlError, TomlFile, toml_text
+from beamcam.machine.toml import MAX_TOML_BYTES, TomlError, TomlFile, TomlPlace, toml_text
 from beamcam.machine.torch import Degrees, LayerSettings
 from beamcam.system import beginning_of, portable_path
 
@@ -265,7 +265,7 @@ def load(path: str | Path) -> Config:
         raise ConfigError(diagnostic) from error
     except TomlError as error:
         raise ConfigError(NOT_TOML.at(Source(str(path), error.line), found=error)) from error
-    place = Place({"": (str(path), text)})
+    place = TomlPlace({"": (str(path), text)})
     try:
         read = converted(table, ConfigFile)
         _check_colours(read.map)
@@ -293,7 +293,7 @@ def _from(folder: Path, machine: str) -> str:
     return str(folder / machine.replace("\\", "/")) if machine.endswith(".toml") else machine
 
 
-def _sources(table: Mapping[str, Any], place: Place) -> dict[str, Source]:
+def _sources(table: Mapping[str, Any], place: TomlPlace) -> dict[str, Source]:
     """Source of each key, and of each row of a table."""
     rows = [f"{key}.{row}" for key in table if isinstance(table[key], dict) for row in table[key]]
     return {key: place.child(key).source for key in (*table, *rows)}
@@ -313,7 +313,7 @@ def _check_colours(colours: Mapping[str, object]) -> None:
                 raise Fault("value", ("map", key), key, "a colour such as '#ff0000'") from error
 
 
-def _said(fault: Fault, place: Place) -> Diagnostic:
+def _said(fault: Fault, place: TomlPlace) -> Diagnostic:
     """The message for an invalid key of a configuration."""
     from beamcam.conversion import shown
 

@@ -15,8 +15,8 @@ from msgspec import Struct
 
 from beamcam.machine.machine import Machine
 from beamcam.machine.runtime import PROCESSES, dialect_of, lreal, runtime_of
-from beamcam.machine.tables import Dialect, Triggers
-from beamcam.model.program import Lift, Switch, Travel, TriggerOp, TriggerTable
+from beamcam.machine.tables import TableDialect, Triggers
+from beamcam.model.program import LiftTorch, SwitchTool, Travel, TriggerOp, TriggerTable
 from beamcam.plain_text import comment_text
 
 # --- simotion units -------------------------------------------------------------------------------
@@ -131,10 +131,10 @@ def _rows(operations: Sequence[TriggerOp], height: float) -> Iterator[_Row]:
     """The operations as numbers, from the corner of the work area and the torch at a height on."""
     here = (0.0, 0.0)
     for op in operations:
-        if isinstance(op, Switch):
+        if isinstance(op, SwitchTool):
             kind = 2 * PROCESSES.index(op.process) + (1 if op.on else 2)
             yield _Row(f"{op.process} {'on' if op.on else 'off'}", kind, *here, height, 0.0, here)
-        elif isinstance(op, Lift):
+        elif isinstance(op, LiftTorch):
             direction, height = "up" if op.height > height else "down", op.height
             yield _Row(direction, LIFT, *here, height, op.speed_mm_s, here)
         elif isinstance(op, Travel):
@@ -150,21 +150,21 @@ def _uses(units: Sequence[str]) -> Iterator[str]:
         yield f"    USES {', '.join(units)};\n"
 
 
-def _declarations(table: TriggerTable, triggers: Triggers, dialect: Dialect) -> Iterator[str]:
+def _declarations(table: TriggerTable, triggers: Triggers, dialect: TableDialect) -> Iterator[str]:
     yield f"    {dialect.constants}\n"
     yield f"        LAST_OPERATION : DINT := DINT#{len(table.operations)};\n"
     if triggers.z is not None:
         yield f"        SHEET_THICKNESS : LREAL := {lreal(table.thickness)};\n"
     for process in PROCESSES:
         waits = (op.wait_s for op in table.operations
-                 if isinstance(op, Switch) and op.on and op.process == process)  # fmt: skip
+                 if isinstance(op, SwitchTool) and op.on and op.process == process)  # fmt: skip
         longest = ceil(1000 * max(waits, default=0.0) - 1e-9)
         yield f"        PIERCE_{process.upper()} : TIME := T#{longest}ms;\n"
     yield "    END_VAR\n"
 
 
 def _variables(
-    count: int, chunks: Sequence[_Chunk], triggers: Triggers, dialect: Dialect
+    count: int, chunks: Sequence[_Chunk], triggers: Triggers, dialect: TableDialect
 ) -> Iterator[str]:
     """The triggers of a chain, or the set-points of a table that has no units for them."""
     if chunks and dialect.has_units:
@@ -211,7 +211,7 @@ def _fetches(chunks: Sequence[_Chunk], triggers: Triggers) -> Iterator[str]:
 """
 
 
-def _data_unit(chunk: _Chunk, triggers: Triggers, dialect: Dialect) -> str:
+def _data_unit(chunk: _Chunk, triggers: Triggers, dialect: TableDialect) -> str:
     """A unit of set-points, as it stands behind the program."""
     lines = ["", UNIT_MARK.format(name=chunk.unit), "INTERFACE", f"    {dialect.constants}"]
     lines += _arrays(chunk, triggers)

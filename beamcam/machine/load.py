@@ -29,9 +29,9 @@ from beamcam.machine.range_faults import coper_faults, range_faults, template_fa
 from beamcam.machine.references import marking_faults, name_faults, reference_faults
 from beamcam.machine.toml import (
     MAX_TOML_BYTES,
-    Place,
     TomlError,
     TomlFile,
+    TomlPlace,
     keys_of,
     line_of,
     toml_text,
@@ -62,7 +62,7 @@ _NOT_OF_PROGRAMS = (*_NOT_INHERITED, *_BY_AXES)
 SHIPPED = Path(__file__).resolve().parent.parent / "machines"
 
 
-class Setting(Struct, frozen=True):
+class MachineSetting(Struct, frozen=True):
     """One value of a machine and the place that it comes from."""
 
     key: str  #: dotted
@@ -92,7 +92,7 @@ def source_in(name: str, key: str, text: str) -> Source:
     """
     files = files_of_machine(name)
     _, places = merged(files)
-    source = Place(places).child(key).source
+    source = TomlPlace(places).child(key).source
     if _is_of_shipped_base(source, files):
         return Source(files[0].shown, line_of(files[0].text, key))
     whole = places.get(key, places[""])[1]
@@ -143,7 +143,7 @@ def _described(files: tuple[TomlFile, ...], but: Sequence[str] = ()) -> Machine:
     """The machine of `_machine`, its faults where the values stand; without a key of its file."""
     remarks = tuple(diagnostic for file in files for diagnostic in _renamed(file))
     table, places = merged(files, but)
-    place = Place(places)
+    place = TomlPlace(places)
     _refuse_shipped_name(files[0], table["name"], place)
     try:
         read = converted(table, MachineFile, as_formula)
@@ -154,7 +154,7 @@ def _described(files: tuple[TomlFile, ...], but: Sequence[str] = ()) -> Machine:
     return machine
 
 
-def _refuse_shipped_name(file: TomlFile, name: object, place: Place) -> None:
+def _refuse_shipped_name(file: TomlFile, name: object, place: TomlPlace) -> None:
     """Raises MachineError where a file that is not shipped gives its machine a shipped name.
 
     The head of a program and every message would name a machine that did not make it.
@@ -201,7 +201,7 @@ def _checksum(table: dict[str, Any]) -> str:
     return f"{crc32(json.encode(values, order='deterministic')):08x}"
 
 
-def _said(fault: Fault, place: Place) -> Diagnostic:
+def _said(fault: Fault, place: TomlPlace) -> Diagnostic:
     """The message for an invalid key of a machine file."""
     from beamcam.conversion import shown
 
@@ -214,16 +214,16 @@ def _said(fault: Fault, place: Place) -> Diagnostic:
     return WRONG_VALUE.at(at.source, key=at.key, found=found, expected=fault.expected)
 
 
-def settings(name: str) -> tuple[Setting, ...]:
+def settings(name: str) -> tuple[MachineSetting, ...]:
     """Every value of a machine, the defaults included, each with where it was set.
 
     The last one is its checksum, as in the heads of its programs.
     """
     files = files_of_machine(name)
     table, places = merged(files)
-    place = Place(places)
+    place = TomlPlace(places)
     return tuple(
-        Setting(key, value, place.child(key).source if _is_set(table, key) else None)
+        MachineSetting(key, value, place.child(key).source if _is_set(table, key) else None)
         for key, value in _leaves(_machine(files))
         if not key.startswith("remarks")
     )
@@ -366,7 +366,7 @@ def _size_faults(machine: Machine) -> Iterator[tuple[str, object, str]]:
                 yield key, value, f"0, or a number of at least {MIN_NUMBER:g}"
 
 
-def _check(machine: Machine, place: Place, left_behind: frozenset[str]) -> None:
+def _check(machine: Machine, place: TomlPlace, left_behind: frozenset[str]) -> None:
     """Raise MachineError where keys contradict each other."""
     try:
         _check_keys(machine, place, left_behind)
@@ -378,7 +378,7 @@ def _check(machine: Machine, place: Place, left_behind: frozenset[str]) -> None:
         raise MachineError(diagnostic) from None
 
 
-def _check_keys(machine: Machine, place: Place, left_behind: frozenset[str]) -> None:
+def _check_keys(machine: Machine, place: TomlPlace, left_behind: frozenset[str]) -> None:
     checks = (
         _size_faults, template_faults, code_faults, number_faults, name_faults,
         partial(reference_faults, left_behind=left_behind), spindle_faults, tool_faults,

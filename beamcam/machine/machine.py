@@ -17,7 +17,7 @@ from beamcam.machine.coper import Coper
 from beamcam.machine.stations import Drill, Marks, Pair, Saw, Spindle, ToolSet
 from beamcam.machine.tables import Modbus, Stepper, Triggers
 from beamcam.machine.torch import Torch
-from beamcam.machine.words import Body, Words
+from beamcam.machine.words import MachineBox, Words
 
 #: No machine resolves a nanometre; the texts of all decimals are kept, of more they would not fit.
 Decimals = Annotated[int, Meta(ge=0, le=6)]
@@ -131,7 +131,9 @@ class MachineFile(Keys, frozen=True):
     pairs: tuple[Pair, ...] = ()
     tools: tuple[ToolSet, ...] = ()
     axes: tuple[ControlledAxis, ...] = ()
-    bodies: tuple[Body, ...] = ()  #: that may strike each other; empty: collisions are not checked
+    bodies: tuple[
+        MachineBox, ...
+    ] = ()  #: that may strike each other; empty: collisions are not checked
     modbus: Modbus = Modbus()
     torch: Torch | None = None
     coper: Coper | None = None

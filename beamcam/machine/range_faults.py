@@ -16,7 +16,7 @@ from beamcam.conversion import nearest
 from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
 from beamcam.machine.stations import Drill
-from beamcam.machine.tables import DIALECTS, Dialect, HeightAxis, Triggers
+from beamcam.machine.tables import DIALECTS, HeightAxis, TableDialect, Triggers
 from beamcam.machine.torch import Torch, TorchRow
 from beamcam.machine.words import PART_NAMES, WORD_NAMES
 
@@ -345,7 +345,7 @@ def _height_faults(z: HeightAxis, rows: Sequence[TorchRow]) -> Iterator[Fault]:
                 yield f"torch.rows.{key}", height, expected
 
 
-def _place_faults(triggers: Triggers, dialect: Dialect) -> Iterator[Fault]:
+def _place_faults(triggers: Triggers, dialect: TableDialect) -> Iterator[Fault]:
     """Inputs and outputs that are neither addresses nor names, or that stand for two things."""
     optional = filter(None, (triggers.acknowledge, triggers.stop))
     of_z = triggers.z.limits if triggers.z else ()
@@ -369,7 +369,7 @@ def _place_faults(triggers: Triggers, dialect: Dialect) -> Iterator[Fault]:
             yield "triggers", place, "each input, output and axis once"
 
 
-def _st_name_faults(triggers: Triggers, dialect: Dialect) -> Iterator[Fault]:
+def _st_name_faults(triggers: Triggers, dialect: TableDialect) -> Iterator[Fault]:
     for name in (*triggers.all_axes, triggers.path_object, triggers.technology, *triggers.uses):
         if not _ST_NAME.fullmatch(name):
             yield "triggers.axes", name, "letters, digits and single _, a letter first"

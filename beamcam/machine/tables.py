@@ -31,7 +31,7 @@ PLCOPEN_NAMES = (
 )  # fmt: skip
 
 
-class Dialect(Struct, frozen=True):
+class TableDialect(Struct, frozen=True):
     """What the programs of a family of controllers have of their own besides their text."""
 
     text: str  #: shipped text
@@ -46,7 +46,7 @@ class Dialect(Struct, frozen=True):
 
 
 DIALECTS = {
-    "simotion": Dialect(
+    "simotion": TableDialect(
         text="cut_part",
         homing="homing",
         constants="VAR_GLOBAL CONSTANT",
@@ -55,7 +55,7 @@ DIALECTS = {
         address=r"\d+\.[0-7]",
         renamed=UNCONFIRMED,
     ),
-    "plcopen": Dialect(
+    "plcopen": TableDialect(
         text="plcopen",
         homing="plcopen_homing",
         constants="VAR_OUTPUT",

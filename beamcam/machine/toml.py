@@ -97,15 +97,15 @@ def _depth(table: dict[str, Any]) -> int:
     return depth
 
 
-class Place:
+class TomlPlace:
     """A key of a TOML document, for messages: it knows its file and its line."""
 
     def __init__(self, files: Mapping[str, tuple[str, str]], key: str = "") -> None:
         self._files = files  #: dotted key of a leaf -> (file, text of that file)
         self.key = key
 
-    def child(self, *path: str | int) -> "Place":
-        return Place(self._files, ".".join(map(str, (self.key, *path) if self.key else path)))
+    def child(self, *path: str | int) -> "TomlPlace":
+        return TomlPlace(self._files, ".".join(map(str, (self.key, *path) if self.key else path)))
 
     @property
     def source(self) -> Source:

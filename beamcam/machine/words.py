@@ -131,7 +131,7 @@ def _compiled(text: str) -> Expression:
 SECTION_NAMES = ("height", "width", "flange_thickness", "web_thickness")
 
 
-class Body(Keys, frozen=True):
+class MachineBox(Keys, frozen=True):
     """A box of the machine, placed as it stands when the axes that carry it stand at 0.
 
     x runs downstream along the bar from machine X 0, y across the web from its middle as Y of a
@@ -160,7 +160,7 @@ def signed(carrier: str) -> tuple[str, int]:
 
 
 def body_faults(
-    bodies: tuple[Body, ...], axes: frozenset[str]
+    bodies: tuple[MachineBox, ...], axes: frozenset[str]
 ) -> Iterator[tuple[str, object, str]]:
     """Each key of a body that contradicts another; `axes` are those of the machine."""
     names = [body.name for body in bodies]

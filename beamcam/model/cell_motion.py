@@ -26,7 +26,7 @@ from beamcam.model.plan import SpindleOp
 YZ = tuple[float, float]  #: Y and Z of the machine
 
 
-class Stroke(Struct, frozen=True):
+class StrokePlaces(Struct, frozen=True):
     """One stroke in machine coordinates, along the axis that drives the spindle in."""
 
     across: float  #: place of the axis across the bar
@@ -35,7 +35,7 @@ class Stroke(Struct, frozen=True):
     bottom: float
 
 
-class Strokes:
+class StrokeGeometry:
     """The strokes of a machine's spindles on one section."""
 
     def __init__(self, profile: Profile, machine: Machine) -> None:
@@ -48,7 +48,7 @@ class Strokes:
         spindle = self.spindles[op.faces[0]]
         return spindle.across.axis, spindle.stroke.axis
 
-    def __call__(self, op: SpindleOp, y: float) -> Stroke:
+    def __call__(self, op: SpindleOp, y: float) -> StrokePlaces:
         """The stroke of an operation at `y` on its face.
 
         The depth of a drill counts to its full diameter, and the tip goes beyond; the depth of
@@ -62,7 +62,7 @@ class Strokes:
         values["depth"] = through if op.depth is None else op.depth
         values["tip"] = op.tool.tip if op.tool.kind == "drill" else 0.0
         retract = stroke.retract(values)
-        return Stroke(
+        return StrokePlaces(
             across.position(values),
             retract,
             retract if stroke.approach is None else stroke.approach(values),

@@ -78,18 +78,18 @@ def show(value: object) -> str:
     return text if len(text) <= _SHOWN else text[: _SHOWN - 3] + "..."
 
 
-class Place(Struct, frozen=True):
+class JsonPlace(Struct, frozen=True):
     """A value of a file, for messages: its path is as `contours[2].curves[0].arc.radius`."""
 
     file: str
     path: str = ""
 
-    def at(self, *steps: str | int) -> "Place":
+    def at(self, *steps: str | int) -> "JsonPlace":
         """The place of a key or index below."""
         path = self.path
         for step in steps:
             path += f"[{step}]" if isinstance(step, int) else f".{step}" if path else step
-        return Place(self.file, path)
+        return JsonPlace(self.file, path)
 
     def diagnostic(self, rule: Rule, /, **values: object) -> Diagnostic:
         return rule.at(Source(self.file, None, self.path or "$"), **values)
@@ -102,7 +102,7 @@ class Place(Struct, frozen=True):
         return self.fault(JSON_VALUE, found=show(found), expected=expected)
 
 
-def record_of(value: object, record: type[Record], place: Place) -> Record:
+def record_of(value: object, record: type[Record], place: JsonPlace) -> Record:
     """The record for a value of `json.loads`. Raises ReadError at the key that is wrong."""
     try:
         return converted(value, record)
@@ -110,7 +110,7 @@ def record_of(value: object, record: type[Record], place: Place) -> Record:
         raise ReadError(_said(fault, place.at(*fault.path))) from None
 
 
-def _said(fault: Fault, place: Place) -> Diagnostic:
+def _said(fault: Fault, place: JsonPlace) -> Diagnostic:
     if fault.kind == "missing":
         return place.diagnostic(JSON_KEY_MISSING, key=fault.path[-1], expected="it, it is required")
     if fault.kind == "unknown":
@@ -150,7 +150,7 @@ JSON_EXPRESSION = error("json-expression",
     "The curve is the value of the expression at every place between its ends.")  # fmt: skip
 
 
-def curves_of_function_form(form: FunctionForm, place: Place) -> tuple[Curve, ...]:
+def curves_of_function_form(form: FunctionForm, place: JsonPlace) -> tuple[Curve, ...]:
     """The curves of a function. Raises ReadError at the key that is wrong."""
     tolerance = FUNCTION_TOLERANCE if form.tolerance is None else form.tolerance
     try:
@@ -164,7 +164,7 @@ def curves_of_function_form(form: FunctionForm, place: Place) -> tuple[Curve, ..
     return fit.curves
 
 
-def _graph(form: FunctionForm, tolerance: float, place: Place) -> Approximation:
+def _graph(form: FunctionForm, tolerance: float, place: JsonPlace) -> Approximation:
     if form.x is not None:
         raise place.at("t").fault(JSON_KEY_MISSING, key="t", expected="both ends of a way")
     y = _arithmetic(form.y, "x", place.at("y"))
@@ -172,14 +172,14 @@ def _graph(form: FunctionForm, tolerance: float, place: Place) -> Approximation:
     return curves_of_function(y, low, high, tolerance)
 
 
-def _end(value: float | str | None, place: Place) -> float:
+def _end(value: float | str | None, place: JsonPlace) -> float:
     if value is None:
         key = place.path.rpartition(".")[2]
         raise place.fault(JSON_KEY_MISSING, key=key, expected="an end of the graph")
     return _number(value, place)
 
 
-def _way(form: FunctionForm, tolerance: float, place: Place) -> Approximation:
+def _way(form: FunctionForm, tolerance: float, place: JsonPlace) -> Approximation:
     if form.x is None:
         raise place.at("x").fault(JSON_KEY_MISSING, key="x", expected="x of t")
     for key, end in (("from", form.low), ("to", form.high)):
@@ -195,7 +195,7 @@ def _way(form: FunctionForm, tolerance: float, place: Place) -> Approximation:
     return curves_of_way(x, y, low, high, tolerance)
 
 
-def _arithmetic(text: str, variable: str, place: Place) -> str:
+def _arithmetic(text: str, variable: str, place: JsonPlace) -> str:
     """An expression, which is arithmetic of the variable."""
     try:
         compile_expression(text, (variable,))
@@ -206,7 +206,7 @@ def _arithmetic(text: str, variable: str, place: Place) -> str:
     return text
 
 
-def _number(value: float | str, place: Place) -> float:
+def _number(value: float | str, place: JsonPlace) -> float:
     """A number, or arithmetic without a variable such as "2 * pi"."""
     if not isinstance(value, str):
         return value
@@ -276,7 +276,7 @@ def _lists(points: tuple[tuple[float, float], ...]) -> list[list[float]]:
     return [list(point) for point in points]
 
 
-def curves_of(form: CurveForm, place: Place) -> tuple[Curve, ...]:
+def curves_of(form: CurveForm, place: JsonPlace) -> tuple[Curve, ...]:
     """The curve of one object, or those of a polygon or a function. Raises ReadError."""
     kinds = [kind for kind in form.__struct_fields__ if getattr(form, kind) is not None]
     if not kinds:
@@ -299,7 +299,7 @@ def curves_of(form: CurveForm, place: Place) -> tuple[Curve, ...]:
         raise place.fault(JSON_CURVE, kind=kinds[0], found=error) from None
 
 
-def _curve(form: CurveForm, place: Place) -> Curve:
+def _curve(form: CurveForm, place: JsonPlace) -> Curve:
     """The curve of a form. Raises ReadError, or ValueError of the curve's own."""
     match form:
         case CurveForm(line=tuple(points)):
@@ -332,7 +332,7 @@ def _curve(form: CurveForm, place: Place) -> Curve:
     raise AssertionError("a form of one kind")
 
 
-def _tangent_circle(form: TangentCircleForm, place: Place) -> Circle:
+def _tangent_circle(form: TangentCircleForm, place: JsonPlace) -> Circle:
     """The circle that is meant of those that touch."""
     touched = [_touched(one, place.at("to", k)) for k, one in enumerate(form.to)]
     try:
@@ -350,7 +350,7 @@ def _tangent_circle(form: TangentCircleForm, place: Place) -> Circle:
     return chosen
 
 
-def _touched(form: TouchedForm, place: Place) -> Line | Arc:
+def _touched(form: TouchedForm, place: JsonPlace) -> Line | Arc:
     """The curve that a circle touches."""
     same = CurveForm(line=form.line, arc=form.arc, circle=form.circle)
     (curve,) = curves_of(same, place)
@@ -358,7 +358,7 @@ def _touched(form: TouchedForm, place: Place) -> Line | Arc:
     return curve
 
 
-def _sweep(sweep: float, place: Place) -> float:
+def _sweep(sweep: float, place: JsonPlace) -> float:
     if sweep == 0:
         raise place.at("sweep").wrong(sweep, "an angle from -360 to 360 that is not 0")
     return sweep

@@ -225,7 +225,7 @@ class SectionPoint(Keys, frozen=True):
     radius: Number = 0.0
 
 
-class Comment(Keys, frozen=True):
+class FileComment(Keys, frozen=True):
     """A comment of the file, and the place it precedes."""
 
     text: str
@@ -292,7 +292,7 @@ class Part(Struct, frozen=True):
     tolerance: tuple[float, float] | None = None  #: of the length, lower and upper
     section: tuple[SectionPoint, ...] = ()
     info: tuple[tuple[str, str], ...] = ()  #: word and text (IN)
-    comments: tuple[Comment, ...] = ()
+    comments: tuple[FileComment, ...] = ()
     guid: str | None = None  #: IFC GlobalId
     #: Of a part that another machine has begun: the features that are there, and so are its ends.
     #: None of a whole part, to be made from stock.

@@ -11,9 +11,9 @@ from beamcam.conversion import Keys
 from beamcam.model.part import (
     MAX_NUMBER,
     Bevel,
-    Comment,
     ContourKind,
     EndCuts,
+    FileComment,
     HoleKind,
     Notch,
     Number,
@@ -261,7 +261,7 @@ class PartForm(Keys, frozen=True, kw_only=True):
     tolerance: tuple[Number, Number] | None = None  #: of the length, lower and upper
     section: tuple[SectionPoint, ...] = ()
     info: tuple[tuple[str, str], ...] = ()  #: word and text
-    comments: tuple[Comment, ...] = ()
+    comments: tuple[FileComment, ...] = ()
     guid: str | None = None
     source: Located | None = None
     bbox: Any = None  #: computed, not read

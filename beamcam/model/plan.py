@@ -102,7 +102,7 @@ class PathOp(Struct, frozen=True):
         return self.path[0][1]
 
 
-class Typed(Struct, frozen=True):
+class StampedLetters(Struct, frozen=True):
     """A text as a stamp or printer is told it."""
 
     text: str
@@ -118,7 +118,7 @@ class TextOp(Struct, frozen=True):
     tool: Tool  #: the unit, its diameter the height
     faces: tuple[Face, ...]  #: one
     y: float  #: on the face
-    text: Typed
+    text: StampedLetters
     features: tuple[FeatureRef, ...]
     reasons: tuple[str, ...]
     source: Source

@@ -320,7 +320,7 @@ class ArcTravel(Struct, frozen=True):
     source: Source | None = None
 
 
-class Lift(Struct, frozen=True):
+class LiftTorch(Struct, frozen=True):
     """The torch up or down to a height over the sheet, while X and Y rest."""
 
     height: float
@@ -328,7 +328,7 @@ class Lift(Struct, frozen=True):
     source: Source | None = None
 
 
-class Switch(Struct, frozen=True):
+class SwitchTool(Struct, frozen=True):
     """The tool of a process on or off; the next operation waits for it."""
 
     process: SwitchProcess
@@ -337,7 +337,7 @@ class Switch(Struct, frozen=True):
     source: Source | None = None
 
 
-TriggerOp = Travel | ArcTravel | Lift | Switch
+TriggerOp = Travel | ArcTravel | LiftTorch | SwitchTool
 
 
 class TriggerTable(Struct, frozen=True):

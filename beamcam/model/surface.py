@@ -123,7 +123,7 @@ def patch_of(patches: tuple[Patch, ...], face: Face) -> Patch | None:
 # --- once round -----------------------------------------------------------------------------------
 
 
-class Leg(Struct, frozen=True):
+class SurfacePatch(Struct, frozen=True):
     """A patch of a tube on the way round it."""
 
     patch: Patch
@@ -146,7 +146,7 @@ class Around(Struct, frozen=True):
     s rises from u towards v, o and h, and goes on from turn to turn.
     """
 
-    legs: tuple[Leg, ...]
+    legs: tuple[SurfacePatch, ...]
     turn: float  #: the way once round
     axis: Pair  #: Y and Z of the middle of the section
     half_diagonal: float  #: of the circle that the section sweeps as it turns
@@ -165,7 +165,7 @@ class Around(Struct, frozen=True):
         c, k = cos(radians(90.0 - turned)), sin(radians(90.0 - turned))
         return 90.0 - turned - 360.0 * turns, c * y + k * z, c * z - k * y
 
-    def on_face(self, face: Face) -> Leg:
+    def on_face(self, face: Face) -> SurfacePatch:
         """The leg of a face. Raises StopIteration if there is none."""
         return next(leg for leg in self.legs if leg.patch.name == face)
 
@@ -205,7 +205,7 @@ def around(profile: Profile) -> Around:
     patches = surface_of(profile)
     if profile.code == "RO":
         half = profile.height / 2
-        return Around((Leg(patches[0], 0.0, 1, 0.0),), 2 * pi * half, (half, half), half)
+        return Around((SurfacePatch(patches[0], 0.0, 1, 0.0),), 2 * pi * half, (half, half), half)
     if profile.code != "M" or len(patches) != 8:
         raise ValueError(
             f"expected a tube, found {profile.code} with corners of {profile.radius:g}"
@@ -213,7 +213,7 @@ def around(profile: Profile) -> Around:
     s = patches[0].low - profile.width / 2
     legs = []
     for k, patch in enumerate(patches):
-        legs.append(Leg(patch, s, -1 if patch.name in ("o", "h") else 1, 90.0 * (k // 2)))
+        legs.append(SurfacePatch(patch, s, -1 if patch.name in ("o", "h") else 1, 90.0 * (k // 2)))
         s += patch.high - patch.low
     half_y, half_z = profile.height / 2, profile.width / 2
     r = patches[1].radius

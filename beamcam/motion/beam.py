@@ -9,7 +9,7 @@ from beamcam.caches import BoundedCache, PerObject, PerObjectAndKey
 from beamcam.machine.machine import Machine, drill_of, saw_of
 from beamcam.machine.stations import Drill, Tool, speed_and_feed
 from beamcam.machine.words import PART_NAMES, WORK_WORDS, names_in
-from beamcam.model.cell_motion import Strokes
+from beamcam.model.cell_motion import StrokeGeometry
 from beamcam.model.description import part_data
 from beamcam.model.part import Profile
 from beamcam.model.plan import AS_GIVEN, DrillOp, PathOp, Plan, SawOp, SpindleOp, TextOp, ToolLoad
@@ -58,16 +58,17 @@ def stations_of(plan: Plan, machine: Machine) -> Iterator[int]:
         yield held[first].index(op.tool) + 1
 
 
-class Section(Struct, frozen=True):
+class SpindleSection(Struct, frozen=True):
     """Section data as needed on one machine."""
 
-    strokes: Strokes
+    strokes: StrokeGeometry
     made: BoundedCache[tuple[object, ...], SpindleStroke]  #: by the steel's grade and the operation
 
 
-_section_of: PerObjectAndKey[Machine, Profile, Section] = PerObjectAndKey(
+_section_of: PerObjectAndKey[Machine, Profile, SpindleSection] = PerObjectAndKey(
     "motion.machines", "motion.sections",
-    lambda machine, profile: Section(Strokes(profile, machine), BoundedCache("motion.strokes")),
+    lambda machine,
+    profile: SpindleSection(StrokeGeometry(profile, machine), BoundedCache("motion.strokes")),
 )  # fmt: skip
 
 
@@ -168,7 +169,9 @@ def _change(load: ToolLoad) -> Iterator[Command]:
     yield ChangeTool(load.number, load.station, load.tool.diameter, text)
 
 
-def _stroke(op: DrillOp, section: Section, drill: Drill, grade: str, station: int) -> SpindleStroke:
+def _stroke(
+    op: DrillOp, section: SpindleSection, drill: Drill, grade: str, station: int
+) -> SpindleStroke:
     """The stroke of an operation; most are like one before, at another X."""
     key = grade, op.spindle, op.tool, op.faces, op.y, op.depth, station
     known = section.made.get(key)
@@ -194,7 +197,7 @@ def _stroke(op: DrillOp, section: Section, drill: Drill, grade: str, station: in
 
 
 def _path_cycle(
-    op: PathOp, strokes: Strokes, speed_rpm: float, feed_mm_min: float, station: int
+    op: PathOp, strokes: StrokeGeometry, speed_rpm: float, feed_mm_min: float, station: int
 ) -> PathCycle:
     points = tuple(_point(op, strokes, x, y) for x, y in op.path)
     return PathCycle(
@@ -203,6 +206,6 @@ def _path_cycle(
     )  # fmt: skip
 
 
-def _point(op: SpindleOp, strokes: Strokes, x: float, y: float) -> PathPoint:
+def _point(op: SpindleOp, strokes: StrokeGeometry, x: float, y: float) -> PathPoint:
     """A point of an operation in machine coordinates."""
     return PathPoint(x, *strokes.places(op, y))

@@ -36,7 +36,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from beamcam.geometry.array_types import Counts, Floats
 from beamcam.geometry.ramps import ramp_seconds
-from beamcam.motion.profile import Limits, peak_rises, ramp_phases, reachable_speed
+from beamcam.motion.profile import AxisLimits, peak_rises, ramp_phases, reachable_speed
 
 #: A tower is worth climbing if the speed rises by this share of its foot in half its width.
 WORTH_RISE = 0.1
@@ -273,7 +273,7 @@ CURVE_TURN_COS = cos(radians(30.0))
 class LookAheadRules(Struct, frozen=True):
     """Axis limits and cornering rules."""
 
-    axes: tuple[Limits, ...]  #: one for each column of the points
+    axes: tuple[AxisLimits, ...]  #: one for each column of the points
     deviation: float = 0.01  #: of a corner's circle from the corner; 0 stops at every corner
 
     def __post_init__(self) -> None:

@@ -26,7 +26,7 @@ from beamcam.geometry.velocity_profile import Phase, VelocityProfile
 MIN_SHARE = 1e-12
 
 
-class Limits(Struct, frozen=True):
+class AxisLimits(Struct, frozen=True):
     """Limits of an axis; an infinite jerk allows steps of the acceleration."""
 
     velocity: float
@@ -113,7 +113,7 @@ def profile_over_distance(
     return _there(distance, (time_s - cruise_s) / 2, cruise_s, jerk_percent)
 
 
-def fastest_profile(distance: float, limits: Limits) -> VelocityProfile:
+def fastest_profile(distance: float, limits: AxisLimits) -> VelocityProfile:
     """From rest to rest over `distance` in the least time; backwards if that is negative.
 
     Raises ValueError for a distance that is not a number.

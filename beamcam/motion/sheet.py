@@ -115,7 +115,7 @@ def _part(curve: Curve, first: float, last: float) -> Curve:
     return curve.split(parameter_at(curve, first))[1] if first > 0.0 else curve
 
 
-class Path(NamedTuple):
+class WrittenPass(NamedTuple):
     """A pass as it is written."""
 
     moves: ChainMoves
@@ -179,7 +179,7 @@ def _runs(operations: Sequence[ContourOp], machine: Machine) -> Iterator[list[Co
         yield run
 
 
-def _hatch(run: Sequence[ContourOp], paths: Iterator[Path], pen: "Pen") -> Iterator[Command]:
+def _hatch(run: Sequence[ContourOp], paths: Iterator[WrittenPass], pen: "Pen") -> Iterator[Command]:
     """Lines of a hatch with the tool on from the first to the last: dark but for the lines.
 
     traverse   run-up   line            run-out
@@ -208,7 +208,7 @@ def _hatch(run: Sequence[ContourOp], paths: Iterator[Path], pen: "Pen") -> Itera
 
 
 def _pass(
-    op: ContourOp, path: Path, pen: "Pen", closing: Point | None, goes_on: bool
+    op: ContourOp, path: WrittenPass, pen: "Pen", closing: Point | None, goes_on: bool
 ) -> Iterator[Command]:
     """A pass, at whose closing point the arc goes out if there is one.
 
@@ -243,7 +243,7 @@ def _off(move: Command, place: Point) -> float:
     return round(10.0 * dist((move.x, move.y), place))
 
 
-def _fed(op: ContourOp, path: Path, limits: PathLimits | None) -> Iterator[Command]:
+def _fed(op: ContourOp, path: WrittenPass, limits: PathLimits | None) -> Iterator[Command]:
     """The moves of a pass, each with its feed: slower in a small hole and near corners."""
     row, moves = op.row, path.moves.moves
     if limits is None and op.feed_share == 1.0 and not any(path.near):
@@ -275,7 +275,7 @@ class Pen:
 
     def along(
         self, chains: Sequence[Sequence[Sequence[Curve]]], rows: Sequence[TorchRow]
-    ) -> Iterator[Path]:
+    ) -> Iterator[WrittenPass]:
         """The moves along each chain of several parts, by the row that it is worked with.
 
         Where a part begins, a move begins.
@@ -285,7 +285,7 @@ class Pen:
             for chain, row in zip(self._prepared(chains), rows, strict=True)
         ]
         moves = paths_along([curves for curves, _ in each], self.numbers, self._by_word)
-        return (Path(one, near) for one, (_, near) in zip(moves, each, strict=True))
+        return (WrittenPass(one, near) for one, (_, near) in zip(moves, each, strict=True))
 
     def _prepared(self, chains: Sequence[Sequence[Sequence[Curve]]]) -> list[Sequence[Curve]]:
         """The chains with arcs for the free curves that the controller has no word for.

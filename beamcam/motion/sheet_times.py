@@ -25,13 +25,13 @@ from beamcam.model.program import (
     ArcTravel,
     EllipseFeed,
     Feed,
-    Lift,
+    LiftTorch,
     Movement,
     ParabolaFeed,
     PassEnd,
     Program,
     SetFeed,
-    Switch,
+    SwitchTool,
     ToolOff,
     ToolOn,
     Traverse,
@@ -258,7 +258,7 @@ def _table_passes(table: TriggerTable, triggers: Triggers) -> Iterator[float]:
     for op in table.operations:
         seconds += operation_seconds(op, here, triggers)
         here = place_behind(op, here)
-        if isinstance(op, Switch) and not op.on:
+        if isinstance(op, SwitchTool) and not op.on:
             yield seconds
             seconds = 0.0
     yield seconds
@@ -277,9 +277,9 @@ def length_through(start: Point, middle: Point, end: Point) -> float:
 
 def place_behind(op: TriggerOp, here: HeadPlace) -> HeadPlace:
     """Where an operation that starts `here` ends."""
-    if isinstance(op, Lift):
+    if isinstance(op, LiftTorch):
         return *here[:2], op.height
-    return here if isinstance(op, Switch) else (op.x, op.y, here[2])
+    return here if isinstance(op, SwitchTool) else (op.x, op.y, here[2])
 
 
 def operation_seconds(op: TriggerOp, here: HeadPlace, triggers: Triggers) -> float:
@@ -289,7 +289,7 @@ def operation_seconds(op: TriggerOp, here: HeadPlace, triggers: Triggers) -> flo
 
 
 def _seconds(op: TriggerOp, here: HeadPlace, triggers: Triggers) -> float:
-    if isinstance(op, Switch):
+    if isinstance(op, SwitchTool):
         return op.wait_s
     way = dist(here, place_behind(op, here))
     if isinstance(op, ArcTravel):

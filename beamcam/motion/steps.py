@@ -20,7 +20,7 @@ from beamcam.model.plan import SheetPlan
 from beamcam.model.program import LASER_BIT, StepRows, StepTable, VelocityRow
 from beamcam.motion.densify import DensifyRules, densify
 from beamcam.motion.lookahead import LookAheadRules, PlannedPath, plan_speeds
-from beamcam.motion.profile import Limits
+from beamcam.motion.profile import AxisLimits
 from beamcam.motion.step_events import MICROSECONDS, MOVE_BITS, MOVES, TIME_BIT, events
 
 # --- velocity table -------------------------------------------------------------------------------
@@ -108,7 +108,7 @@ def max_speed(stepper: Stepper) -> float:
 
 def plan_way(way: Way, stepper: Stepper) -> PlannedPath:
     """The motion along a path, from rest to rest."""
-    axis = Limits(max_speed(stepper), stepper.acceleration, stepper.jerk)
+    axis = AxisLimits(max_speed(stepper), stepper.acceleration, stepper.jerk)
     return plan_speeds(way.points, way.speed_mm_s, LookAheadRules((axis, axis), stepper.corner))
 
 

@@ -20,7 +20,7 @@ from beamcam.geometry.curves import Arc, Curve, Line
 from beamcam.geometry.plane import Point
 from beamcam.machine.machine import Machine
 from beamcam.model.plan import ContourOp, SheetPlan
-from beamcam.model.program import ArcTravel, Lift, Switch, Travel, TriggerOp, TriggerTable
+from beamcam.model.program import ArcTravel, LiftTorch, SwitchTool, Travel, TriggerOp, TriggerTable
 
 #: Arcs that a path object runs are cut in pieces of at most this, so that no end is its start.
 MAX_ROUND_DEG = 120.0
@@ -42,12 +42,12 @@ def _operations(plan: SheetPlan, machine: Machine, texts: list[str]) -> Iterator
     clearance, home = z.clearance if z else 0.0, triggers.home_over(plan.thickness)
     height = home
 
-    def lift(to: float, source: Source | None = None) -> Iterator[Lift]:
+    def lift(to: float, source: Source | None = None) -> Iterator[LiftTorch]:
         """The torch to a height, where the table lifts it and it is elsewhere."""
         nonlocal height
         if z is not None and to != height:
             height = to
-            yield Lift(to, z.speed_mm_s, source)
+            yield LiftTorch(to, z.speed_mm_s, source)
 
     for number, op in enumerate(plan.operations, 1):
         for one in op.passes:
@@ -59,11 +59,11 @@ def _operations(plan: SheetPlan, machine: Machine, texts: list[str]) -> Iterator
                 yield Travel(*start, triggers.traverse_mm_s, op.source)
             yield from lift(op.row.pierce_height, op.source)
             assert op.row.process != "spot", "a table without G-code has no words for spots"
-            yield Switch(op.row.process, True, op.row.pierce_s, op.source)
+            yield SwitchTool(op.row.process, True, op.row.pierce_s, op.source)
             yield from lift(op.row.cut_height, op.source)
             moves = list(way.along(start, curves))
             yield from moves
-            yield Switch(op.row.process, False, 0.0, op.source)
+            yield SwitchTool(op.row.process, False, 0.0, op.source)
             yield from lift(clearance, op.source)
             if way.slowest < way.speed_mm_s * (1 - 1e-9):
                 texts.append(f"contour {number}: arcs at {way.slowest:.3f} mm/s for the cycle time")

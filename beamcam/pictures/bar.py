@@ -19,8 +19,8 @@ from beamcam.pictures.features import lettering
 from beamcam.pictures.scene import (
     TOOL_COLOURS,
     Circle,
-    Frame,
     Labels,
+    PaperFrame,
     Pieces,
     Point,
     Polyline,
@@ -236,7 +236,7 @@ def _strokes(
         yield Text("figure mitre", place or at, text, MITRE_SIZE)
 
 
-def _labels(bar: BarMade, view: View, frame: Frame) -> Labels:
+def _labels(bar: BarMade, view: View, frame: PaperFrame) -> Labels:
     """The room for numbers on a face: off the cuts, off the names of the faces beside it, and of a
     narrow face beside it."""
     labels, width = Labels(), view.box[3]
@@ -251,7 +251,8 @@ def _labels(bar: BarMade, view: View, frame: Frame) -> Labels:
 
 
 def _stroke(
-    op: Bore | MachinedPath | StampedText, number: int, bar: BarMade, frame: Frame, drill_x: float,
+    op: Bore | MachinedPath | StampedText, number: int, bar: BarMade, frame: PaperFrame,
+    drill_x: float,
     tools: dict[tuple[str, float], int],
 ) -> tuple[Shape, Point, float]:  # fmt: skip
     """What an operation makes, the place that its number stands beside, and how far off it."""
@@ -270,12 +271,12 @@ def _stroke(
     return hole, at, 0.8 * radius + 1.2
 
 
-def _radius(bore: Bore, frame: Frame) -> float:
+def _radius(bore: Bore, frame: PaperFrame) -> float:
     """A hole as it is drawn; a point is drawn as one too."""
     return max(bore.diameter / 2 * frame.scale, 1.2)
 
 
-def _written(op: StampedText, number: int, bar: BarMade, frame: Frame) -> Text:
+def _written(op: StampedText, number: int, bar: BarMade, frame: PaperFrame) -> Text:
     """A text as it is read, in the picture's own letters."""
     x = op.x - text_x(bar.machine)
     tip = f"{number}: {op.kind} {op.text!r}, {op.height:g} high, at x {x:g}, y {op.y:g}"
@@ -295,7 +296,7 @@ def _ways(bar: BarMade, view: View, paper: Paper, drill_x: float) -> Iterator[Po
         here = frame.at(last[0] - drill_x, last[1])
 
 
-def _stops(bar: BarMade, frame: Frame, y: float, unit: Unit) -> Iterator[Shape]:
+def _stops(bar: BarMade, frame: PaperFrame, y: float, unit: Unit) -> Iterator[Shape]:
     """Stopping positions of the bar: machine x of the strokes and cuts."""
     drill_x = bar.machine.drill.x if bar.machine.drill else 0.0
     saw_x = bar.machine.saw.x if bar.machine.saw else 0.0

@@ -16,7 +16,7 @@ LONG_REMNANT = 1.0  #: share of the worked length, above which a remnant is brok
 BROKEN_REMNANT = 0.25  #: share of the worked length that is drawn of such a remnant
 
 
-class Piece(Struct, frozen=True):
+class DrawnPiece(Struct, frozen=True):
     """A stretch of the bar between two planes, or an end of it (None)."""
 
     kind: Literal["trim", "part", "remnant"]
@@ -71,23 +71,25 @@ class BarMade(Struct, frozen=True):
         bores = [b.y + b.diameter / 2 for b in self.made.bores if b.face == face]
         return self.profile.face_width(face) or max([1.0, *bores])
 
-    def pieces(self) -> list[Piece]:
+    def pieces(self) -> list[DrawnPiece]:
         """Trim, parts and remnant, along the bar; kerfs as thick as wedges count as trim."""
         cuts = self.saw_planes
         if not cuts:
-            return [Piece("remnant", None, None)]
-        pieces = [Piece("trim", None, cuts[0])]
+            return [DrawnPiece("remnant", None, None)]
+        pieces = [DrawnPiece("trim", None, cuts[0])]
         number = 0
         for start, end in pairwise(cuts):
             if self._is_wedge(start, end):
-                pieces.append(Piece("trim", start, end))
+                pieces.append(DrawnPiece("trim", start, end))
                 continue
             known = number < len(self.marks)
             pieces.append(
-                Piece("part", start, end, self.marks[number] if known else f"part {number + 1}")
+                DrawnPiece(
+                    "part", start, end, self.marks[number] if known else f"part {number + 1}"
+                )
             )
             number += 1
-        return [*pieces, Piece("remnant", cuts[-1], None)]
+        return [*pieces, DrawnPiece("remnant", cuts[-1], None)]
 
     def _is_wedge(self, start: CutPlane, end: CutPlane) -> bool:
         """Whether a piece comes to nothing at a corner: the waste beside a mitre."""
@@ -100,7 +102,7 @@ class BarMade(Struct, frozen=True):
         ]  # fmt: skip
         return min(ways) <= start.half_kerf + end.half_kerf + 2 * self.machine.format.resolution
 
-    def extent(self, piece: Piece) -> tuple[float, float]:
+    def extent(self, piece: DrawnPiece) -> tuple[float, float]:
         """Bar x of the first and of the last corner of a piece."""
         h, w = self.profile.height, self.profile.width
         corners = [(self._rise(y), z) for y in (0.0, h) for z in (0.0, w)]

@@ -29,8 +29,8 @@ from beamcam.pictures.scene import (
     CAPITAL,
     LETTER,
     Box,
-    Frame,
     Labels,
+    PaperFrame,
     Pieces,
     Point,
     Polyline,
@@ -51,7 +51,7 @@ ROOM = 70.0  #: pixels that a face is high at least that has callouts on it
 THREADS = {"thread": "", "left-thread": " left"}
 
 
-class Place(Struct, frozen=True):
+class SizePlace(Struct, frozen=True):
     """Where a size is found on a face, and how far its edge is from there; mm."""
 
     at: Point
@@ -59,44 +59,44 @@ class Place(Struct, frozen=True):
     is_open: bool = False  #: whether there is room within it, as in a cut-out
 
 
-class Size(Struct, frozen=True):
+class FaceSize(Struct, frozen=True):
     """A size, and all places of a face that have it."""
 
     words: Pieces
-    places: tuple[Place, ...]
+    places: tuple[SizePlace, ...]
     is_hole: bool  #: or a slot or a cut-out
 
 
-def sizes_on(features: Iterable[Feature]) -> list[Size]:
+def sizes_on(features: Iterable[Feature]) -> list[FaceSize]:
     """The sizes of the features of a face, holes first, each with its places."""
-    sizes: dict[tuple[Pieces, bool], list[Place]] = {}
+    sizes: dict[tuple[Pieces, bool], list[SizePlace]] = {}
     for feature in features:
         for words, place, is_hole in _sizes(feature):
             sizes.setdefault((words, is_hole), []).append(place)
-    rows = [Size(words, tuple(places), is_hole) for (words, is_hole), places in sizes.items()]
+    rows = [FaceSize(words, tuple(places), is_hole) for (words, is_hole), places in sizes.items()]
     return sorted(rows, key=lambda size: (not size.is_hole, size.places[0].is_open))
 
 
-def _sizes(feature: Feature) -> Iterator[tuple[Pieces, Place, bool]]:
+def _sizes(feature: Feature) -> Iterator[tuple[Pieces, SizePlace, bool]]:
     match feature:
         case Hole():
-            place = Place((feature.x, feature.y), feature.diameter / 2)
+            place = SizePlace((feature.x, feature.y), feature.diameter / 2)
             yield hole_words(feature), place, True
         case Slot():
             radius = min(feature.height, feature.length) / 2 + feature.diameter / 2
-            yield slot_words(feature), Place((feature.x, feature.y), radius), True
+            yield slot_words(feature), SizePlace((feature.x, feature.y), radius), True
         case Contour() if feature.process == "cut":
             yield from _contour_sizes(feature)
         case TextMark():
             words = ("text ", feature.height, " high")
-            yield words, Place((feature.x, feature.y + feature.height)), False
+            yield words, SizePlace((feature.x, feature.y + feature.height)), False
         case Bend():
             (x0, y0), (x1, y1) = feature.start, feature.end
             radius_said: Pieces = () if feature.radius is None else (", R", feature.radius)
-            middle = Place(((x0 + x1) / 2, (y0 + y1) / 2))
+            middle = SizePlace(((x0 + x1) / 2, (y0 + y1) / 2))
             yield (f"bend {_degrees(feature.angle)}", *radius_said), middle, False
         case Camber():
-            yield ("camber ", feature.y), Place((feature.x, feature.y)), False
+            yield ("camber ", feature.y), SizePlace((feature.x, feature.y)), False
         case EndPlane() | Contour():
             return
 
@@ -125,29 +125,29 @@ def slot_words(slot: Slot) -> Pieces:
     return words if slot.depth is None else (*words, ", ", slot.depth, " deep")
 
 
-def _contour_sizes(contour: Contour) -> Iterator[tuple[Pieces, Place, bool]]:
+def _contour_sizes(contour: Contour) -> Iterator[tuple[Pieces, SizePlace, bool]]:
     curves = contour.curves
     circle = circle_of(curves)
     if circle is not None:
         (x, y), radius = circle
-        yield ("Ø", round(2 * radius, 3)), Place((x, y), radius), contour.kind == "inner"
+        yield ("Ø", round(2 * radius, 3)), SizePlace((x, y), radius), contour.kind == "inner"
         return
     if contour.kind == "inner" and contour.closed:
         boxes = [curve.bbox for curve in curves]
         x0, y0 = (min(box[k] for box in boxes) for k in (0, 1))
         x1, y1 = (max(box[k] for box in boxes) for k in (2, 3))
         words = "cut-out " if _is_rectangle(curves) else "cut-out within "
-        middle = Place(((x0 + x1) / 2, (y0 + y1) / 2), (y1 - y0) / 2, True)
+        middle = SizePlace(((x0 + x1) / 2, (y0 + y1) / 2), (y1 - y0) / 2, True)
         yield (words, round(x1 - x0, 3), " × ", round(y1 - y0, 3)), middle, True
     if len(curves) <= MAX_CURVES:
         for curve in curves:
             if isinstance(curve, Arc):
-                yield ("R", round(curve.radius, 3)), Place(_middle(curve)), False
+                yield ("R", round(curve.radius, 3)), SizePlace(_middle(curve)), False
     for bevel in contour.bevels:
         land: Pieces = (", land ", bevel.land) if bevel.land else ()
         far = " of the far side" if bevel.angle < 0 else ""
         words_of: Pieces = (f"bevel {_degrees(abs(bevel.angle))}{far}", *land)
-        yield words_of, Place(_middle(curves[bevel.curve])), False
+        yield words_of, SizePlace(_middle(curves[bevel.curve])), False
 
 
 def _is_rectangle(curves: Sequence[Curve]) -> bool:
@@ -170,7 +170,7 @@ def _degrees(angle: float) -> str:
     return f"{round(angle, 2):g}\N{DEGREE SIGN}"
 
 
-def size_letters(faces: Iterable[Sequence[Size]]) -> dict[Pieces, str]:
+def size_letters(faces: Iterable[Sequence[FaceSize]]) -> dict[Pieces, str]:
     """A letter for each size that several holes have; none where all holes have one size."""
     counts: dict[Pieces, int] = {}
     for size in (s for sizes in faces for s in sizes if s.is_hole):
@@ -205,7 +205,8 @@ class _Standing(Struct):
 
 
 def callouts(
-    sizes: Sequence[Size], letters: dict[Pieces, str], frame: Frame, face: Box, right: float,
+    sizes: Sequence[FaceSize], letters: dict[Pieces, str], frame: PaperFrame, face: Box,
+    right: float,
     labels: Labels, unit: Unit,
 ) -> Callouts:  # fmt: skip
     """Each size at its first place, and the letters of the others.
@@ -244,7 +245,7 @@ def callouts(
     return Callouts((*drawn, *shapes), rows * ROW, max(0, len(sizes) - MAX_SIZES))
 
 
-def _counted(size: Size, letter: str) -> Pieces:
+def _counted(size: FaceSize, letter: str) -> Pieces:
     count = f"{len(size.places)} × " if len(size.places) > 1 else ""
     lead = f"{letter}  {count}" if letter else count
     return (lead, *size.words) if lead else size.words

@@ -17,7 +17,7 @@ from beamcam.model.part import Face, Part
 from beamcam.pictures.bar_made import BarMade
 from beamcam.pictures.features import end_lines, feature_shapes, lettering
 from beamcam.pictures.overlay import (
-    Compared,
+    Overlay,
     bore_words,
     called_on,
     changed_places,
@@ -31,13 +31,13 @@ from beamcam.pictures.overlay import (
 )
 from beamcam.pictures.part import face_of, faces_of, view_of
 from beamcam.pictures.program import ReadProgram, bar_made
-from beamcam.pictures.scene import Circle, Frame, Polyline, Shape
+from beamcam.pictures.scene import Circle, PaperFrame, Polyline, Shape
 from beamcam.pictures.views import View, figures, head_height, heading, laid_out, titles
 
 ROUND = 1e-3  #: mm; ends of moves nearer than this are one
 
 
-def compared_parts(a: Part, b: Part) -> Compared:
+def compared_parts(a: Part, b: Part) -> Overlay:
     """The features of two parts over each other."""
     faces = [f for f in ("h", "o", "v", "u") if f in {*faces_of(a), *faces_of(b)}]
     pairs = list(part_pairs(a, b))
@@ -73,7 +73,7 @@ def _joined(a: View, b: View) -> View:
     return replace(a, box=box or a.box, places=(), heights=())
 
 
-def _stock(a: Part, b: Part, face: Face, frame: Frame) -> Iterator[Polyline]:
+def _stock(a: Part, b: Part, face: Face, frame: PaperFrame) -> Iterator[Polyline]:
     """The raw outlines of both, where the face is that of a bar."""
     if a.profile.code == "B" or face not in FACE_NAMES:
         return
@@ -88,7 +88,7 @@ def _stock(a: Part, b: Part, face: Face, frame: Frame) -> Iterator[Polyline]:
     yield Polyline("new stock-outline", corners[1], True, "stock of B")
 
 
-def compared_programs(a: ReadProgram, b: ReadProgram) -> Compared:
+def compared_programs(a: ReadProgram, b: ReadProgram) -> Overlay:
     """Overlay of what two programs make. Raises VerifyError where one is not understood."""
     if a.machine.stock == "profile":
         from beamcam.pictures.coper_comparison import compared_copers
@@ -99,7 +99,7 @@ def compared_programs(a: ReadProgram, b: ReadProgram) -> Compared:
     return _compared_ways(a, b)
 
 
-def _compared_bars(a: BarMade, b: BarMade) -> Compared:
+def _compared_bars(a: BarMade, b: BarMade) -> Overlay:
     used = {bore.face for made in (a.made, b.made) for bore in made.bores} | {"v"}
     used |= {path.face for made in (a.made, b.made) for path in made.paths}
     used |= {text.face for made in (a.made, b.made) for text in made.texts}
@@ -138,7 +138,7 @@ def _compared_bars(a: BarMade, b: BarMade) -> Compared:
     return compared_pairs("two programs", lines, drawn, paper, pairs)
 
 
-def _cuts(a: BarMade, b: BarMade, face: str, frame: Frame) -> Iterator[Polyline]:
+def _cuts(a: BarMade, b: BarMade, face: str, frame: PaperFrame) -> Iterator[Polyline]:
     """The cuts of both as they lie in a face."""
     ends = []
     for bar in (a, b):
@@ -155,7 +155,7 @@ def _cuts(a: BarMade, b: BarMade, face: str, frame: Frame) -> Iterator[Polyline]
                 yield Polyline("same cut-of", line)
 
 
-def _made_shapes(thing: Bore | MachinedPath | StampedText, frame: Frame) -> Iterator[Shape]:
+def _made_shapes(thing: Bore | MachinedPath | StampedText, frame: PaperFrame) -> Iterator[Shape]:
     if isinstance(thing, Bore):
         radius = max(thing.diameter / 2 * frame.scale, 1.2)
         tip = f"{thing.kind} {thing.diameter:g} at machine x {thing.x:g}, y {thing.y:g}"
@@ -169,7 +169,7 @@ def _made_shapes(thing: Bore | MachinedPath | StampedText, frame: Frame) -> Iter
 Move = tuple[tuple[int, int], tuple[int, int]]
 
 
-def _compared_ways(a: ReadProgram, b: ReadProgram) -> Compared:
+def _compared_ways(a: ReadProgram, b: ReadProgram) -> Overlay:
     """The ways of two heads with a tool on, move by move."""
     from beamcam.simulation.program import simulate_program
 
@@ -197,7 +197,7 @@ def _compared_ways(a: ReadProgram, b: ReadProgram) -> Compared:
                                   ("new", new, second)):  # fmt: skip
         drawn += _chains(style, moves, line_of, frame)
     scene = overlay_scene("two programs", lines_, drawn, paper, f"{len(gone)} gone, {len(new)} new")
-    return Compared(scene, len(same), 0, len(gone), len(new))
+    return Overlay(scene, len(same), 0, len(gone), len(new))
 
 
 def _blocks(starts: Counts, ends: Counts, lines: Counts) -> Iterator[tuple[Move, int]]:
@@ -233,7 +233,7 @@ def _straight(a: tuple[int, int], b: tuple[int, int], c: tuple[int, int]) -> boo
 
 
 def _chains(
-    style: str, moves: Sequence[Move], line_of: dict[Move, int], frame: Frame
+    style: str, moves: Sequence[Move], line_of: dict[Move, int], frame: PaperFrame
 ) -> Iterator[Polyline]:
     """Moves as chains, as long as each begins where the one before it ends."""
     run: list[tuple[int, int]] = []
@@ -249,6 +249,6 @@ def _chains(
         yield _chain(style, run, first, frame)
 
 
-def _chain(style: str, run: Sequence[tuple[int, int]], line: int, frame: Frame) -> Polyline:
+def _chain(style: str, run: Sequence[tuple[int, int]], line: int, frame: PaperFrame) -> Polyline:
     points = frame.all([(x * ROUND, y * ROUND) for x, y in run])
     return Polyline(f"{style} way-of", points, False, f"line {line} of {'BA'[style == 'gone']}")

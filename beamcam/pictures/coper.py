@@ -14,7 +14,7 @@ from beamcam.checks.coping.box_tube import box_outlines
 from beamcam.checks.coping.program import head_part, head_profile
 from beamcam.checks.coping.program import strokes_of as stroke_list
 from beamcam.checks.coping.section import lying
-from beamcam.checks.coping.strokes import Stroke
+from beamcam.checks.coping.strokes import TorchStroke
 from beamcam.checks.coping.tube import tube_section, unrolled_pipe
 from beamcam.checks.head import head_of
 from beamcam.errors import Source, VerifyError, errors_in
@@ -128,7 +128,7 @@ def part_of(program: CoperProgram) -> Part:
     return head_part(head, profile, program.name)
 
 
-def strokes_of(program: CoperProgram, part: Part) -> list[Stroke]:
+def strokes_of(program: CoperProgram, part: Part) -> list[TorchStroke]:
     """What the torch cuts, in its order.
 
     Raises VerifyError for a program that is not understood, or wrong by itself.
@@ -139,7 +139,7 @@ def strokes_of(program: CoperProgram, part: Part) -> list[Stroke]:
     return strokes
 
 
-def on_views(strokes: Sequence[Stroke], coper: Coper) -> list[Stroke]:
+def on_views(strokes: Sequence[TorchStroke], coper: Coper) -> list[TorchStroke]:
     """Strokes by the view that shows them: a tube has one, whichever face they are on."""
     return [replace(one, face="v") if coper.turns == "bar" else one for one in strokes]
 
@@ -151,13 +151,13 @@ def faces_of(part: Part, is_tube: bool) -> tuple[Face, ...]:
     return ("o", "v", "u") if part.profile.code in ("I", "U") else ("v", "u")
 
 
-def face_view(part: Part, face: Face, strokes: Sequence[Stroke], coper: Coper) -> View:
+def face_view(part: Part, face: Face, strokes: Sequence[TorchStroke], coper: Coper) -> View:
     """A face from x 0 to the part's end, or as far as it is cut; of a tube all of its surface."""
     view = _view(part, face, strokes)
     return _unrolled(view, part, coper) if coper.turns == "bar" else view
 
 
-def _view(part: Part, face: Face, strokes: Sequence[Stroke]) -> View:
+def _view(part: Part, face: Face, strokes: Sequence[TorchStroke]) -> View:
     points = [place for stroke in strokes if stroke.face == face for place in stroke.points]
     xs, ys = [x for x, _ in points], [y for _, y in points]
     is_tee = part.profile.code == "T"
@@ -215,7 +215,7 @@ def _asked(part: Part | None, view: View, paper: Paper) -> Iterator[Shape]:
 
 
 def _cuts(
-    strokes: Sequence[Stroke], view: View, paper: Paper, feeds: Sequence[float]
+    strokes: Sequence[TorchStroke], view: View, paper: Paper, feeds: Sequence[float]
 ) -> Iterator[Shape]:
     """The paths of the torch on a face, and their numbers in the order of the work."""
     frame, labels = paper.frames[view.name], Labels()

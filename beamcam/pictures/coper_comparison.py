@@ -7,16 +7,16 @@ from math import pi
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.checks.coping.strokes import Stroke
+from beamcam.checks.coping.strokes import TorchStroke
 from beamcam.checks.coping.tube import tube_section, unrolled_pipe
-from beamcam.comparison.pairing import Pair
+from beamcam.comparison.pairing import ThingPair
 from beamcam.comparison.statements import is_closed, stroke_pairs
 from beamcam.geometry.curves import join_boxes
 from beamcam.machine.coper import Coper
 from beamcam.model.part import Face, Part
 from beamcam.pictures.coper import face_view, faces_of, on_views, part_of, strokes_of
 from beamcam.pictures.overlay import (
-    Compared,
+    Overlay,
     called_on,
     changed_places,
     changed_sizes,
@@ -26,7 +26,7 @@ from beamcam.pictures.overlay import (
     rising,
 )
 from beamcam.pictures.program import ReadProgram, coper_program
-from beamcam.pictures.scene import Frame, Pieces, Polyline, Shape
+from beamcam.pictures.scene import PaperFrame, Pieces, Polyline, Shape
 from beamcam.pictures.views import View, figures, head_height, heading, titles
 from beamcam.recovery.rings import drilled_of, round_of
 
@@ -37,12 +37,12 @@ class _Side(Struct, frozen=True):
     """One of the two programs."""
 
     part: Part  #: as its head has it
-    cuts: list[Stroke]
+    cuts: list[TorchStroke]
     coper: Coper
     turn: float | None  #: mm round a tube
 
 
-def compared_copers(a: ReadProgram, b: ReadProgram) -> Compared:
+def compared_copers(a: ReadProgram, b: ReadProgram) -> Overlay:
     """Overlay of the cuts of two programs.
 
     Raises VerifyError for one that is not understood, is wrong by itself, or names no section of
@@ -80,20 +80,20 @@ def _side(program: ReadProgram) -> _Side:
     return _Side(part, on_views(strokes_of(own, part), coper), coper, turn)
 
 
-def _face(pair: Pair) -> str:
+def _face(pair: ThingPair) -> str:
     thing = pair.a or pair.b
-    assert isinstance(thing, Stroke)
+    assert isinstance(thing, TorchStroke)
     return thing.face
 
 
-def _view(sides: Sequence[_Side], face: Face, pairs: Sequence[Pair]) -> View:
+def _view(sides: Sequence[_Side], face: Face, pairs: Sequence[ThingPair]) -> View:
     """A face as wide as both have it, with where along x they differ."""
     first, second = (face_view(s.part, face, s.cuts, s.coper) for s in sides)
     box = join_boxes([first.box, second.box]) or first.box
     return replace(first, box=box, places=changed_places(pairs), heights=())
 
 
-def _stock(sides: Sequence[_Side], view: View, frame: Frame) -> Iterator[Shape]:
+def _stock(sides: Sequence[_Side], view: View, frame: PaperFrame) -> Iterator[Shape]:
     """The face of both parts, from x 0 to their ends."""
     outlines = []
     for side in sides:
@@ -107,14 +107,14 @@ def _stock(sides: Sequence[_Side], view: View, frame: Frame) -> Iterator[Shape]:
     yield Polyline("new stock-outline", outlines[1], True, "part of B")
 
 
-def _shapes(cut: Stroke, frame: Frame) -> Iterator[Shape]:
+def _shapes(cut: TorchStroke, frame: PaperFrame) -> Iterator[Shape]:
     tip = f"cut on face {cut.face} at {cut.row.feed_mm_min:g} mm/min"
     yield Polyline("trail", frame.all(cut.points), False, tip, cut.line)
 
 
 def _reach(cut: object) -> float:
     """How far a cut goes up from its middle."""
-    ys = [y for _, y in cut.points[1:]] if isinstance(cut, Stroke) else [0.0]
+    ys = [y for _, y in cut.points[1:]] if isinstance(cut, TorchStroke) else [0.0]
     return (max(ys) - min(ys)) / 2
 
 
@@ -122,7 +122,7 @@ def _words(sides: Sequence[_Side], cut: object) -> Pieces:
     """The size of what falls out of a wall; nothing of a cut that ends elsewhere."""
     from shapely import Polygon
 
-    if not isinstance(cut, Stroke) or not is_closed(cut):
+    if not isinstance(cut, TorchStroke) or not is_closed(cut):
         return ()
     own = sides[0] if any(cut is one for one in sides[0].cuts) else sides[1]
     opening = Polygon(cut.points[1:]).buffer(cut.row.kerf / 2)

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from beamcam.model.description import face_title, runs_down
 from beamcam.model.part import FACES, Face, Profile
 from beamcam.pictures.features import section_outlines
-from beamcam.pictures.scene import Circle, Frame, Point, Polyline, Scene, Shape, Text, arrow
+from beamcam.pictures.scene import Circle, PaperFrame, Point, Polyline, Scene, Shape, Text, arrow
 
 #: A section with flanges wider than the web is thick, and one hole on each face, off every middle.
 EXAMPLE = Profile("U", "U 200 x 120", 200.0, 120.0, 14.0, 10.0)
@@ -18,7 +18,7 @@ HOLES = {"h": (90.0, 60.0), "o": (150.0, 85.0), "v": (210.0, 130.0), "u": (270.0
 DIAMETER = 22.0
 _SCALE = 0.62
 _LEFT, _TOP, _GAP = 360.0, 44.0, 56.0
-_SECTION = Frame(0.8, 110.0, 330.0)  #: Z to the right and Y up: seen along x
+_SECTION = PaperFrame(0.8, 110.0, 330.0)  #: Z to the right and Y up: seen along x
 
 
 def faces_scene() -> Scene:
@@ -33,14 +33,14 @@ def faces_scene() -> Scene:
     return Scene("the faces v, o, u and h of a section", about, 900.0, y, tuple(drawn))
 
 
-def unfolded(face: Face, below: float) -> Frame:
+def unfolded(face: Face, below: float) -> PaperFrame:
     """The frame of a face whose view ends at a height of the paper."""
     width = EXAMPLE.face_width(face) * _SCALE
     down = runs_down(face)
-    return Frame(_SCALE, _LEFT, below - width if down else below, down)
+    return PaperFrame(_SCALE, _LEFT, below - width if down else below, down)
 
 
-def _view(face: Face, frame: Frame) -> Iterator[Shape]:
+def _view(face: Face, frame: PaperFrame) -> Iterator[Shape]:
     """A face with its hole, the edge y = 0 in bold, and its axes."""
     width = EXAMPLE.face_width(face)
     corners = ((0.0, 0.0), (LENGTH, 0.0), (LENGTH, width), (0.0, width))

@@ -31,8 +31,8 @@ from beamcam.model.part import (
     Slot,
     TextMark,
 )  # fmt: skip
-from beamcam.pictures.callouts import Place, Size
-from beamcam.pictures.scene import CAPITAL, Circle, Frame, Point, Polyline, Shape, Text
+from beamcam.pictures.callouts import FaceSize, SizePlace
+from beamcam.pictures.scene import CAPITAL, Circle, PaperFrame, Point, Polyline, Shape, Text
 
 SAME_PLACE = 0.5  #: mm between a sink and its pilot hole
 
@@ -77,7 +77,7 @@ CROSS = 5.0  #: half of the cross of a mark, pixels
 MIN_RADIUS = 0.8  #: of a circle that can be seen, pixels
 
 
-def feature_shapes(feature: Feature, frame: Frame) -> Iterator[Shape]:
+def feature_shapes(feature: Feature, frame: PaperFrame) -> Iterator[Shape]:
     """The shapes of a feature; the first one has the feature's own class."""
     match feature:
         case Hole() if feature.kind == "mark" or feature.diameter == 0.0:
@@ -102,7 +102,7 @@ def feature_shapes(feature: Feature, frame: Frame) -> Iterator[Shape]:
 
 
 def lettering(
-    classes: str, told: TextMark | StampedText, frame: Frame, tip: str = "", line: int = 0
+    classes: str, told: TextMark | StampedText, frame: PaperFrame, tip: str = "", line: int = 0
 ) -> Text:
     """A text where it stands on its face, to be read.
 
@@ -118,7 +118,7 @@ def lettering(
     return Text(classes, (x, y), told.text, size, "start", turn, None, tip, line)
 
 
-def _hole(hole: Hole, frame: Frame) -> Iterator[Circle]:
+def _hole(hole: Hole, frame: PaperFrame) -> Iterator[Circle]:
     at = frame.at(hole.x, hole.y)
     radius = max(hole.diameter / 2 * frame.scale, MIN_RADIUS)
     yield Circle("hole", at, radius, _hole_tip(hole))
@@ -134,13 +134,13 @@ def _hole_tip(hole: Hole) -> str:
     return f"hole {hole.face} {hole.diameter:g}{kind} at x {hole.x:g}, y {hole.y:g}{depth}"
 
 
-def _contour(contour: Contour, frame: Frame) -> Polyline:
+def _contour(contour: Contour, frame: PaperFrame) -> Polyline:
     """A contour: filled where it encloses steel or a cut-out, else a line of its process."""
     closed = contour.closed and contour.process == "cut" and contour.kind != "open"
     return contour_line(contour, frame, contour.kind if closed else None, contour.process)
 
 
-def contour_line(contour: Contour, frame: Frame, style: str | None, process: str) -> Polyline:
+def contour_line(contour: Contour, frame: PaperFrame, style: str | None, process: str) -> Polyline:
     """A contour as a line of a style, by default that of its process."""
     points = chain_points(contour.curves, frame)
     tip = f"{contour.kind} contour {contour.face}, {process}, {len(contour.curves)} curves"
@@ -150,7 +150,7 @@ def contour_line(contour: Contour, frame: Frame, style: str | None, process: str
     return Polyline(f"{style} contour by-{process}", points, contour.closed, tip)
 
 
-def chain_points(curves: Sequence[Curve], frame: Frame) -> tuple[Point, ...]:
+def chain_points(curves: Sequence[Curve], frame: PaperFrame) -> tuple[Point, ...]:
     """The points of a chain of curves on the paper."""
     found = polylines(curves, max(CHORD_PIXELS / frame.scale, 1e-6))
     points: list[Point] = []
@@ -248,7 +248,7 @@ def end_lines(part: Part, face: Face) -> tuple[tuple[Point, Point], tuple[Point,
     )
 
 
-def end_cuts(part: Part, frame: Frame) -> Iterator[Polyline]:
+def end_cuts(part: Part, frame: PaperFrame) -> Iterator[Polyline]:
     """The cuts of both ends, on the web."""
     c = part.cuts
     for k, (line, web, flange) in enumerate(
@@ -259,7 +259,7 @@ def end_cuts(part: Part, frame: Frame) -> Iterator[Polyline]:
         yield Polyline("cut", frame.all(line), False, f"{'end' if k else 'start'} cut, {angles}")
 
 
-def cutting_planes(part: Part, frame: Frame) -> Iterator[Polyline]:
+def cutting_planes(part: Part, frame: PaperFrame) -> Iterator[Polyline]:
     """The cutting planes, where they cross the web at the depth of their point."""
     for plane in part.features:
         if isinstance(plane, EndPlane) and plane.normal[0]:
@@ -269,7 +269,7 @@ def cutting_planes(part: Part, frame: Frame) -> Iterator[Polyline]:
             yield Polyline("cut", frame.all(line), False, tip)
 
 
-def mitres(part: Part, face: Face) -> Iterator[Size]:
+def mitres(part: Part, face: Face) -> Iterator[FaceSize]:
     """The angles of skew end cuts as they are seen on a face, and of cutting planes on the web."""
     if face not in FACE_NAMES or part.measures is not None:
         return
@@ -278,12 +278,14 @@ def mitres(part: Part, face: Face) -> Iterator[Size]:
     if part.profile.code != "B":
         for (a, b), angle in zip(end_lines(part, face), angles, strict=True):
             if angle:
-                middle = Place(((a[0] + b[0]) / 2, (a[1] + b[1]) / 2))
-                yield Size((f"mitre {round(abs(angle), 2):g}\N{DEGREE SIGN}",), (middle,), False)
+                middle = SizePlace(((a[0] + b[0]) / 2, (a[1] + b[1]) / 2))
+                yield FaceSize(
+                    (f"mitre {round(abs(angle), 2):g}\N{DEGREE SIGN}",), (middle,), False
+                )
     for plane in part.features if face == "v" else ():
         if isinstance(plane, EndPlane) and plane.normal[0]:
             (px, py, _), (nx, ny, nz) = plane.point, plane.normal
             web, tilt = (round(degrees(atan2(n, abs(nx))), 2) for n in (ny, nz))
             tilted = f", tilted {abs(tilt):g}\N{DEGREE SIGN}" if tilt else ""
             words = f"plane {abs(web):g}\N{DEGREE SIGN}{tilted}"
-            yield Size((words,), (Place((px, py)),), False)
+            yield FaceSize((words,), (SizePlace((px, py)),), False)

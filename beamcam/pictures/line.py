@@ -10,7 +10,17 @@ from beamcam.machine.machine import Machine
 from beamcam.model.description import FACE_NAMES
 from beamcam.model.part import Profile
 from beamcam.pictures.features import section_outlines
-from beamcam.pictures.scene import Circle, Frame, Point, Polyline, Scene, Shape, Text, arrow, shown
+from beamcam.pictures.scene import (
+    Circle,
+    PaperFrame,
+    Point,
+    Polyline,
+    Scene,
+    Shape,
+    Text,
+    arrow,
+    shown,
+)
 from beamcam.planning.held_up import FROM_EDGE, HeldUp, held_up
 
 WIDTH, HEIGHT = 960.0, 790.0
@@ -52,8 +62,8 @@ def _plan(machine: Machine) -> Iterator[Shape]:
     first, last = stations[0][0], stations[-1][0]
     room = max(last - first, 400.0)
     low, front = first - 0.8 * room, last + 0.45 * room
-    frame = Frame((_RIGHT - _LEFT) / (last + 0.75 * room - low), 0.0, _AXIS_Y)
-    frame = Frame(frame.scale, _LEFT - low * frame.scale, _AXIS_Y)
+    frame = PaperFrame((_RIGHT - _LEFT) / (last + 0.75 * room - low), 0.0, _AXIS_Y)
+    frame = PaperFrame(frame.scale, _LEFT - low * frame.scale, _AXIS_Y)
     a, b = frame.at(low, 0.0)[0], frame.at(front, 0.0)[0]
     top, bottom = _BAR_Y - _BAR_WIDE / 2, _BAR_Y + _BAR_WIDE / 2
     yield Polyline("part", ((a, top), (b, top), (b, bottom), (a, bottom)), True, "the bar")
@@ -96,7 +106,7 @@ def _section(held: tuple[HeldUp, ...]) -> Iterator[Shape]:
     """The section seen along the bar from its front, each spindle at the hole held up to it."""
     profile = held[0].profile
     scale = _SECTION_SIZE / max(profile.height, profile.width)
-    frame = Frame(
+    frame = PaperFrame(
         scale, _SECTION[0] - profile.width * scale / 2, _SECTION[1] + profile.height * scale / 2
     )
     yield Text("heading", (24.0, 300.0),
@@ -122,7 +132,7 @@ def hole_at(one: HeldUp, profile: Profile) -> Point:
     }[face]  # fmt: skip
 
 
-def _spindle(one: HeldUp, profile: Profile, frame: Frame) -> Iterator[Shape]:
+def _spindle(one: HeldUp, profile: Profile, frame: PaperFrame) -> Iterator[Shape]:
     """A spindle as an arrow to its hole, with its places and the ways in which its axes grow."""
     spindle, (oz, oy), (az, ay) = one.spindle, _OUT[one.spindle.face], _ALONG[one.spindle.face]
     z, y = hole_at(one, profile)

@@ -14,16 +14,23 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.checks.bars.stations import Bore
-from beamcam.comparison.pairing import Pair
+from beamcam.comparison.pairing import ThingPair
 from beamcam.model.part import Hole, Slot
-from beamcam.pictures.callouts import Callouts, Place, Size, callouts, hole_words, slot_words
-from beamcam.pictures.scene import Frame, Labels, Pieces, Point, Polyline, Scene, Shape, Text
+from beamcam.pictures.callouts import (
+    Callouts,
+    FaceSize,
+    SizePlace,
+    callouts,
+    hole_words,
+    slot_words,
+)
+from beamcam.pictures.scene import Labels, PaperFrame, Pieces, Point, Polyline, Scene, Shape, Text
 from beamcam.pictures.views import SIDE, WIDTH, Paper, View, footing, laid_out
 
 MIN_ARROW = 2.0  #: pixels; nearer places have no arrow
 
 
-class Compared(Struct, frozen=True):
+class Overlay(Struct, frozen=True):
     """A picture of two things, and how many of what they hold is as it was."""
 
     scene: Scene
@@ -33,20 +40,20 @@ class Compared(Struct, frozen=True):
     new: int
 
 
-def changed_places(pairs: Iterable[Pair], origin: float = 0.0) -> tuple[float, ...]:
+def changed_places(pairs: Iterable[ThingPair], origin: float = 0.0) -> tuple[float, ...]:
     """Where along x things lie that are not as they were, from `origin` on."""
     changed = [pair for pair in pairs if not pair.is_same]
     places = {p[0] for pair in changed for p in (pair.place_a, pair.place_b) if p is not None}
     return tuple(sorted(round(place - origin, 3) for place in places))
 
 
-def rising(pairs: Iterable[Pair]) -> list[Pair]:
+def rising(pairs: Iterable[ThingPair]) -> list[ThingPair]:
     """Equal features first, so that differences are drawn on top."""
     return sorted(pairs, key=lambda pair: not pair.is_same)
 
 
 def drawn_pair(
-    pair: Pair, shapes: Callable[[Any], Iterable[Shape]], frame: Frame
+    pair: ThingPair, shapes: Callable[[Any], Iterable[Shape]], frame: PaperFrame
 ) -> Iterator[Shape]:
     """A thing as both have it."""
     if pair.is_same:
@@ -84,15 +91,15 @@ def program_names(a: str, hash_a: str, b: str, hash_b: str) -> list[str]:
 
 
 def compared_pairs(
-    title: str, lines: Sequence[str], drawn: list[Shape], paper: Paper, pairs: Sequence[Pair]
-) -> Compared:
+    title: str, lines: Sequence[str], drawn: list[Shape], paper: Paper, pairs: Sequence[ThingPair]
+) -> Overlay:
     """An overlay whose things are pairs, with how many there are of each sort."""
     same = sum(pair.is_same for pair in pairs)
     gone = sum(pair.b is None for pair in pairs)
     new = sum(pair.a is None for pair in pairs)
     changed = len(pairs) - same - gone - new
     about = f"{same} the same, {changed} changed, {gone} gone, {new} new"
-    return Compared(overlay_scene(title, lines, drawn, paper, about), same, changed, gone, new)
+    return Overlay(overlay_scene(title, lines, drawn, paper, about), same, changed, gone, new)
 
 
 def overlay_scene(
@@ -131,16 +138,16 @@ def radius_of_round(thing: Any) -> float:
 
 
 def changed_sizes(
-    pairs: Iterable[Pair],
+    pairs: Iterable[ThingPair],
     words_of: Callable[[Any], Pieces],
     origin: float = 0.0,
     radius_of: Callable[[Any], float] = radius_of_round,
-) -> list[Size]:
+) -> list[FaceSize]:
     """The sizes of what is not as it was, in A and in B, each with its places from `origin` on.
 
     A leader begins `radius_of` a thing from its middle.
     """
-    sizes: dict[Pieces, list[Place]] = {}
+    sizes: dict[Pieces, list[SizePlace]] = {}
     for pair in pairs:
         a, b = words_of(pair.a), words_of(pair.b)
         at = pair.place_b or pair.place_a
@@ -150,13 +157,13 @@ def changed_sizes(
             words: Pieces = ("only A: ", *a) if pair.b is None else ("only B: ", *b)
         else:
             words = a if a == b else ("A ", *a, ", B ", *b)
-        place = Place((at[0] - origin, at[1]), radius_of(pair.b or pair.a))
+        place = SizePlace((at[0] - origin, at[1]), radius_of(pair.b or pair.a))
         sizes.setdefault(words, []).append(place)
-    return [Size(words, tuple(places), True) for words, places in sizes.items()]
+    return [FaceSize(words, tuple(places), True) for words, places in sizes.items()]
 
 
 def called_on(
-    views: Sequence[View], sizes: Mapping[str, Sequence[Size]], top: float
+    views: Sequence[View], sizes: Mapping[str, Sequence[FaceSize]], top: float
 ) -> tuple[tuple[View, ...], Paper, list[Shape]]:
     """The views with room for callouts above each face, their paper, and the callouts."""
 

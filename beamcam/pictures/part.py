@@ -34,8 +34,8 @@ from beamcam.pictures.features import cutting_planes, end_cuts, end_lines, mitre
 from beamcam.pictures.scene import (
     LETTER,
     Circle,
-    Frame,
     Labels,
+    PaperFrame,
     Point,
     Polyline,
     Scene,
@@ -129,7 +129,7 @@ def _called(part: Part, views: Sequence[View], paper: Paper, unit: Unit) -> dict
     return found
 
 
-def _labels(own: Sequence[Feature], part: Part, view: View, frame: Frame) -> Labels:
+def _labels(own: Sequence[Feature], part: Part, view: View, frame: PaperFrame) -> Labels:
     """What lies on a face already: its features, its edges and its lines."""
     labels = Labels()
     shapes_ = [s for f in own for s in shapes.feature_shapes(f, frame)]
@@ -157,7 +157,7 @@ def small_scene(part: Part) -> Scene:
     x0, y0, x1, y1 = view.box
     scale = min(SMALL[0] / max(x1 - x0, 1.0), SMALL[1] / max(y1 - y0, 1.0))
     height = (y1 - y0) * scale + 4.0
-    frame = Frame(scale, 2.0 - x0 * scale, height - 2.0 + y0 * scale)
+    frame = PaperFrame(scale, 2.0 - x0 * scale, height - 2.0 + y0 * scale)
     paper = Paper({"v": frame}, 0.0, height, scale)
     shapes = [s for s in _face(part, view, paper) if not isinstance(s, Text)]
     bare = tuple(replace(s, tip="") for s in shapes[:MAX_SMALL_SHAPES])
@@ -283,7 +283,7 @@ def _legend(drawn: Sequence[Shape], part: Part) -> list[tuple[str, str]]:
     return [(style, words) for style, words in LEGEND if style in used]
 
 
-def _drawn_line(contour: Contour, frame: Frame, processes: Processes | None) -> Shape:
+def _drawn_line(contour: Contour, frame: PaperFrame, processes: Processes | None) -> Shape:
     """A line of a drawing: nothing is filled, as the steel side is not known yet."""
     process: str = contour.process
     if processes is not None and (contour.layer, contour.colour) != (None, None):
@@ -329,7 +329,7 @@ def _depth(feature: Feature) -> int:
     return 4 if isinstance(feature, TextMark) else 3
 
 
-def _outline(part: Part, face: Face, frame: Frame) -> tuple[Point, ...]:
+def _outline(part: Part, face: Face, frame: PaperFrame) -> tuple[Point, ...]:
     (a, b), (c, d) = end_lines(part, face)
     return frame.all((a, c, d, b))
 
@@ -341,7 +341,7 @@ def _section(profile: Profile) -> Sequence[Shape]:
         return ()
     scale = SECTION_SIDE / max(profile.height, profile.width)
     left, wide = WIDTH - SIDE - profile.width * scale, profile.width * scale
-    frame = Frame(scale, left, 26.0 + profile.height * scale)
+    frame = PaperFrame(scale, left, 26.0 + profile.height * scale)
     styles = ("section", "paper")
     section: list[Shape] = [
         Polyline(style, frame.all(points), True)

@@ -65,7 +65,7 @@ class Scene(Struct, frozen=True):
     shapes: tuple[Shape, ...]
 
 
-class Frame(Struct, frozen=True):
+class PaperFrame(Struct, frozen=True):
     """Mapping of millimetres to the paper."""
 
     scale: float  #: pixels in a millimetre

@@ -19,8 +19,8 @@ from beamcam.pictures.scene import (
     MM_PER_INCH,
     SPEED_COLOURS,
     Circle,
-    Frame,
     Labels,
+    PaperFrame,
     Polyline,
     Scene,
     Shape,
@@ -187,7 +187,7 @@ def _steps(box: Box, axis: int) -> list[float]:
     return [round(k * step, 6) for k in range(int(first), int(last) + 1)]
 
 
-def _ground(framed: Box, sheet: Box | None, box: Box, frame: Frame) -> Iterator[Shape]:
+def _ground(framed: Box, sheet: Box | None, box: Box, frame: PaperFrame) -> Iterator[Shape]:
     """The sheet, the grid, the axes through X 0 and Y 0."""
     yield Polyline("face table", frame.all(_corners(framed)), True)
     for x in _steps(framed, 0):
@@ -214,7 +214,7 @@ def _ground(framed: Box, sheet: Box | None, box: Box, frame: Frame) -> Iterator[
             yield Text("heading", (tip[0] + 4 * dx + 3, tip[1] + 4 * dy - 3), name, 11.0)
 
 
-def _scale(frame: Frame, framed: Box, y: float, unit: Unit) -> Iterator[Shape]:
+def _scale(frame: PaperFrame, framed: Box, y: float, unit: Unit) -> Iterator[Shape]:
     """A bar of a round length at the right."""
     length = _step(framed[2] - framed[0]) if unit == "mm" else 0.0
     if unit == "inch":
@@ -247,7 +247,7 @@ def _overview(machine: Machine, limits: Box, box: Box, unit: Unit) -> Iterator[S
     high_x, high_y = (max(limits[k], box[k]) for k in (2, 3))
     scale = TABLE_SIDE / max(high_y - low_y, (high_x - low_x) / 3)
     left = WIDTH - SIDE - (high_x - low_x) * scale
-    frame = Frame(scale, left - low_x * scale, 14.0 + high_y * scale)
+    frame = PaperFrame(scale, left - low_x * scale, 14.0 + high_y * scale)
     (x0, y0, x1, y1), shape = (shown(v, unit) for v in limits), frame.all(_corners(limits))
     yield Polyline("face limits", shape, True, "the limits of the axes")
     style = "cut-edge work" if inside else "off work"
@@ -284,7 +284,9 @@ def _runs(values: Sequence[int]) -> Iterator[tuple[int, int]]:
             begin = k
 
 
-def _drawn(trace: Trace, first: int, last: int, frame: Frame) -> tuple[tuple[float, float], ...]:
+def _drawn(
+    trace: Trace, first: int, last: int, frame: PaperFrame
+) -> tuple[tuple[float, float], ...]:
     """The corners of some intervals; those that do not turn the way are left out."""
     points = trace.positions[first : last + 1, :2]
     step = np.diff(points, axis=0)
@@ -300,7 +302,7 @@ def _drawn(trace: Trace, first: int, last: int, frame: Frame) -> tuple[tuple[flo
     return frame.all(points.tolist())
 
 
-def _rapids(trace: Trace, on: Floats, frame: Frame) -> Iterator[Polyline]:
+def _rapids(trace: Trace, on: Floats, frame: PaperFrame) -> Iterator[Polyline]:
     for a, b in _runs(on.astype(int).tolist()):
         if not on[a]:
             points = _drawn(trace, a, b, frame)
@@ -309,7 +311,7 @@ def _rapids(trace: Trace, on: Floats, frame: Frame) -> Iterator[Polyline]:
 
 
 def _paths(
-    trace: Trace, strokes: Sequence[tuple[int, int, str]], colours: Counts, frame: Frame
+    trace: Trace, strokes: Sequence[tuple[int, int, str]], colours: Counts, frame: PaperFrame
 ) -> Iterator[Polyline]:
     """The strokes, each in pieces of one colour."""
     ways = np.hypot(*np.diff(trace.positions[:, :2], axis=0).T)
@@ -335,7 +337,7 @@ def lead_moves(trace: Trace, first: int, last: int, near: float) -> list[tuple[i
 
 
 def _leads(
-    trace: Trace, strokes: Sequence[tuple[int, int, str]], frame: Frame
+    trace: Trace, strokes: Sequence[tuple[int, int, str]], frame: PaperFrame
 ) -> Iterator[Polyline]:
     for first, last, process in strokes:
         if process in ("mark", "engrave", "spot"):
@@ -347,7 +349,7 @@ def _leads(
 
 
 def _pierces(
-    trace: Trace, strokes: Sequence[tuple[int, int, str]], frame: Frame
+    trace: Trace, strokes: Sequence[tuple[int, int, str]], frame: PaperFrame
 ) -> Iterator[Shape]:
     """The starts of a tool, each with its number where there is room for it."""
     places = [frame.at(*trace.positions[first, :2].tolist()) for first, _, _ in strokes]

@@ -12,7 +12,7 @@ from collections.abc import Iterator, Sequence
 
 from msgspec import Struct
 
-from beamcam.pictures.scene import Frame, Point, Polyline, Shape, Text, Unit, shown
+from beamcam.pictures.scene import PaperFrame, Point, Polyline, Shape, Text, Unit, shown
 
 WIDTH = 1000.0
 SIDE = 46.0  #: at the left and at the right of the views
@@ -75,7 +75,7 @@ class View(Struct, frozen=True):
 class Paper(Struct, frozen=True):
     """Layout of the views."""
 
-    frames: dict[str, Frame]
+    frames: dict[str, PaperFrame]
     top: float  #: of the first view's title
     bottom: float  #: below the figures of the last view
     scale: float
@@ -93,7 +93,7 @@ def laid_out(views: Sequence[View], top: float) -> Paper:
         scale = most / heights
     first = min(v.box[0] for v in views)
     left = SIDE - first * scale
-    frames: dict[str, Frame] = {}
+    frames: dict[str, PaperFrame] = {}
     y = top
     for view in views:
         high = (view.box[3] - view.box[1]) * scale
@@ -101,7 +101,7 @@ def laid_out(views: Sequence[View], top: float) -> Paper:
         y += max(0.0, FIGURE_SIZE * len(distinct(view.heights)) - high - FIGURES - TITLE) / 2
         y += TITLE + view.above + high
         base = y - view.bottom * scale if view.down else y + view.bottom * scale
-        frames[view.name] = Frame(scale, left, base, view.down)
+        frames[view.name] = PaperFrame(scale, left, base, view.down)
         y += (FIGURES if view.places else 0.0) + GAP
         y += TWO_ROWS if len(distinct(view.places)) > ONE_ROW else 0.0
     return Paper(frames, top, y, scale)
@@ -164,7 +164,7 @@ def distinct(places: Sequence[float], unit: Unit = "mm") -> list[float]:
     return values
 
 
-def guides(view: View, frame: Frame) -> Iterator[Polyline]:
+def guides(view: View, frame: PaperFrame) -> Iterator[Polyline]:
     """A pale line from each dimension through all holes that it is for, to the last of them."""
     left, base = frame.at(view.box[0], view.bottom)
     columns: dict[float, float] = {}
@@ -179,7 +179,7 @@ def guides(view: View, frame: Frame) -> Iterator[Polyline]:
         yield Polyline("guide", ((left, y), (right, y)))
 
 
-def datum(view: View, frame: Frame) -> Iterator[Shape]:
+def datum(view: View, frame: PaperFrame) -> Iterator[Shape]:
     """Where a face is measured from: the edge y = 0, x = 0, and the faces beside its edges."""
     x0, y0, x1, y1 = view.box
     if not (x0 <= NEAR_ZERO and y0 <= NEAR_ZERO and x1 > 0.0 and y1 > 0.0):

@@ -21,7 +21,7 @@ from msgspec import Struct
 from beamcam.caches import BoundedCache, PerObject, PerObjectAndKey
 from beamcam.errors import Diagnostic, Source, error
 from beamcam.machine.machine import ControlledAxis, Machine, drill_of
-from beamcam.model.cell_motion import Strokes
+from beamcam.model.cell_motion import StrokeGeometry
 from beamcam.model.description import named
 from beamcam.model.part import Face, Feature, Profile
 from beamcam.model.plan import DrillOp, Operation, PathOp, Piece, SawOp, TextOp
@@ -55,14 +55,14 @@ class SpindleTravel(Struct, frozen=True):
 
     machine: Machine
     profile: Profile
-    strokes: Strokes
+    strokes: StrokeGeometry
     known: BoundedCache[tuple[object, ...], Beyond | None]  #: by tooling and place across
 
 
 travel_on: PerObjectAndKey[Machine, Profile, SpindleTravel] = PerObjectAndKey(
     "planning.machines", "planning.sections",
     lambda machine, profile: SpindleTravel(
-        machine, profile, Strokes(profile, machine), BoundedCache("planning.strokes")
+        machine, profile, StrokeGeometry(profile, machine), BoundedCache("planning.strokes")
     ),
 )  # fmt: skip
 _UNKNOWN = Beyond(ControlledAxis("", "X", 0.0, 0.0), 0.0, "v")  #: not looked at yet

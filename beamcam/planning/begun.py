@@ -9,7 +9,7 @@ from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, error
 from beamcam.machine.machine import Machine
-from beamcam.model.part import Comment, EndCuts, Part
+from beamcam.model.part import EndCuts, FileComment, Part
 from beamcam.model.plan import NOT_MADE, AnyPlan
 from beamcam.planning.operations.ends import ends_of
 
@@ -51,7 +51,7 @@ def begun_part(part: Part, plan: AnyPlan, machine: Machine) -> Part:
     )  # fmt: skip
 
 
-def _comments(part: Part, left: Sequence[int]) -> Iterator[Comment]:
+def _comments(part: Part, left: Sequence[int]) -> Iterator[FileComment]:
     """The comments of the file, those of a feature before it at its new place."""
     for comment in part.comments:
         words = comment.before.split(":")

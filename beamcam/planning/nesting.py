@@ -37,7 +37,7 @@ from beamcam.machine.stations import Saw
 from beamcam.model.part import Part
 from beamcam.model.plan import Bar, Order, Piece
 from beamcam.planning import rules
-from beamcam.planning.operations.ends import End, Ends
+from beamcam.planning.operations.ends import Ends, SawnEnd
 from beamcam.planning.operations.part_planner import BarLine
 from beamcam.planning.operations.work import PartWork
 
@@ -53,12 +53,12 @@ class BarLayout(Struct, frozen=True):
     bar: Bar
 
 
-class Row(Struct, frozen=True):
+class BarRow(Struct, frozen=True):
     """Parts one behind the other from the front of a bar: what the next one has to know."""
 
     start: float  #: x of the last part on the bar, mm
     last: float  #: its length
-    end: End
+    end: SawnEnd
     parts: float  #: sum of the lengths of all
     kerfs: float  #: sum of the kerfs between them
     nested: float  #: by how much they overlap
@@ -148,7 +148,7 @@ def lay_cut_part(parts: Sequence[Part], line: BarLine) -> tuple[BarLayout, tuple
     return BarLayout((0.0,), (), account), (remark,)
 
 
-def share_cut(end: End, start: End, saw: Saw) -> bool:
+def share_cut(end: SawnEnd, start: SawnEnd, saw: Saw) -> bool:
     """Whether one skew cut can end a part and start the next."""
     return (
         saw.common_cuts
@@ -158,12 +158,12 @@ def share_cut(end: End, start: End, saw: Saw) -> bool:
     )
 
 
-def row_of(part: Part, ends: Ends, layout: Layout) -> Row:
+def row_of(part: Part, ends: Ends, layout: Layout) -> BarRow:
     """A part by itself at the front of a bar."""
-    return Row(layout.front_trim, part.length, ends[1], part.length, 0.0, 0.0)
+    return BarRow(layout.front_trim, part.length, ends[1], part.length, 0.0, 0.0)
 
 
-def row_with(row: Row, part: Part, ends: Ends, saw: Saw) -> Row:
+def row_with(row: BarRow, part: Part, ends: Ends, saw: Saw) -> BarRow:
     """The row with a part behind its last."""
     here, there = row.end, ends[0]
     kerf = max(here.kerf, there.kerf)
@@ -173,10 +173,10 @@ def row_with(row: Row, part: Part, ends: Ends, saw: Saw) -> Row:
         nested_start = row.start + here.x0 + kerf - there.x0
         nested += start - nested_start
         start = nested_start
-    return Row(start, part.length, ends[1], row.parts + part.length, row.kerfs + kerf, nested)
+    return BarRow(start, part.length, ends[1], row.parts + part.length, row.kerfs + kerf, nested)
 
 
-def bar_of(row: Row, layout: Layout, length: float | None, source: Source) -> Bar:
+def bar_of(row: BarRow, layout: Layout, length: float | None, source: Source) -> Bar:
     """The account of a bar that holds a row. Raises PlanError as `lay_on_bar` does."""
     kerfs = row.kerfs + row.end.kerf
     used = layout.front_trim + row.parts + kerfs - row.nested + layout.end_trim
@@ -232,7 +232,7 @@ def best_order(
     return order, (rules.ORDER.at(parts[0].source, found=shown, reason=reason),)
 
 
-def _saved(part: Part, end: End, start: End, saw: Saw) -> float:
+def _saved(part: Part, end: SawnEnd, start: SawnEnd, saw: Saw) -> float:
     """Length of bar that two ends side by side need less by a common cut; 0 if they share none."""
     if not share_cut(end, start, saw):
         return 0.0

@@ -34,7 +34,7 @@ from beamcam.planning.contours.crowd import refuse_copies, refuse_crowds
 from beamcam.planning.contours.join import Joined, join
 from beamcam.planning.contours.layer_settings import refuse_order, refuse_overcuts, refuse_settings
 from beamcam.planning.contours.layout import box_of, refuse_large, refuse_size, shift_of
-from beamcam.planning.contours.material import Material
+from beamcam.planning.contours.material import SheetMaterial
 from beamcam.planning.contours.nest import nest
 from beamcam.planning.contours.operations import operations_of
 from beamcam.planning.contours.outline import Shape, points_of
@@ -61,10 +61,10 @@ def plan_sheet(parts: Sequence[Part], machine: Machine, skips: Collection[str] =
     if len(parts) > 1:
         return _plan_of_several(parts, machine, torch, skips)
     (part,) = parts
-    torch = torch.by(Material(part, torch).row("cut"))
+    torch = torch.by(SheetMaterial(part, torch).row("cut"))
     machine = machine if torch is machine.torch else replace(machine, torch=torch)
     assigned = assign_processes(part, torch, machine, skips)
-    material = Material(part, torch)
+    material = SheetMaterial(part, torch)
     _refuse_work(part, assigned, {w.process for w in assigned.wanted}, material, machine, torch)
     remarks = [*material.remarks, *assigned.remarks]
     curves = CurveTable([w.curve for w in assigned.wanted])
@@ -103,7 +103,7 @@ def plan_sheet(parts: Sequence[Part], machine: Machine, skips: Collection[str] =
 
 
 def _refuse_work(
-    part: Part, assigned: Assigned, processes: set[TorchProcess], material: Material,
+    part: Part, assigned: Assigned, processes: set[TorchProcess], material: SheetMaterial,
     machine: Machine, torch: Torch,
 ) -> None:  # fmt: skip
     """Raises PlanError for what the machine cannot make of the curves, and where there are none."""

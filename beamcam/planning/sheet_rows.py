@@ -20,7 +20,7 @@ from beamcam.model.request import Request
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.assign_process import OUTLINE, assign_processes
 from beamcam.planning.contours.layout import box_of, spaced
-from beamcam.planning.contours.material import Material
+from beamcam.planning.contours.material import SheetMaterial
 
 THICKNESS_SLACK = 0.01  #: mm that parts of one sheet may differ by
 
@@ -107,7 +107,7 @@ def _skeleton_cuts(
     None where there is no room for one between the kerfs of both rows.
     """
     torch = spaced(parts[0], _torch(machine))
-    kerf = 0.0 if torch.kerf_by == "none" else Material(parts[0], torch).kerf("cut")
+    kerf = 0.0 if torch.kerf_by == "none" else SheetMaterial(parts[0], torch).kerf("cut")
     if torch.spacing <= 2 * kerf:
         return
     rows: dict[float, float] = {}  #: the top of each row, by its bottom

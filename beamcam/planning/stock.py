@@ -12,8 +12,8 @@ from beamcam.model.part import Part
 from beamcam.model.plan import Bar
 from beamcam.model.section import section_fault
 from beamcam.planning import rules
-from beamcam.planning.nesting import SAME_ANGLE_DEG, Row, bar_of, lay_on_bar, row_of, row_with
-from beamcam.planning.operations.ends import End, Ends, ends_of
+from beamcam.planning.nesting import SAME_ANGLE_DEG, BarRow, bar_of, lay_on_bar, row_of, row_with
+from beamcam.planning.operations.ends import Ends, SawnEnd, ends_of
 from beamcam.planning.operations.part_planner import BarLine
 
 
@@ -129,7 +129,7 @@ class _Sort(Struct, frozen=True):
 
     part: Part
     ends: Ends
-    alone: Row
+    alone: BarRow
     need: float  #: length of bar that it takes at least behind any other, mm
 
 
@@ -137,7 +137,7 @@ class _Begun(Struct):
     """A bar that parts are put on."""
 
     pieces: list[int]
-    row: Row | None  #: None of a remnant that nothing is on yet
+    row: BarRow | None  #: None of a remnant that nothing is on yet
     longest: float | None  #: that it may be, mm
     is_remnant: bool = False
 
@@ -223,7 +223,7 @@ def _sorts(
     return sorts, refused
 
 
-def _shared_at_most(start: End, spared: Mapping[tuple[int, int], float]) -> float:
+def _shared_at_most(start: SawnEnd, spared: Mapping[tuple[int, int], float]) -> float:
     """Length of bar that a common cut saves at a start at most, behind whichever part."""
     if not spared:
         return 0.0
@@ -232,13 +232,13 @@ def _shared_at_most(start: End, spared: Mapping[tuple[int, int], float]) -> floa
     return max(0.0, start.x0 + max(spared.get(cell, -inf) for cell in near))
 
 
-def _cell(end: End) -> tuple[int, int]:
+def _cell(end: SawnEnd) -> tuple[int, int]:
     """The angles of an end, rounded so that those which share a cut are neighbours."""
     width = 2 * SAME_ANGLE_DEG
     return floor(end.web_deg / width), floor(end.flange_deg / width)
 
 
-def _room(row: Row, layout: Layout, longest: float | None) -> float:
+def _room(row: BarRow, layout: Layout, longest: float | None) -> float:
     """Length of bar behind the last part, mm; without a store as much as the machine can hold."""
     whole = inf if layout.max_bar is None else layout.max_bar
     return (whole if longest is None else longest) - row.start - row.last + SLACK

@@ -28,7 +28,7 @@ from beamcam.model.cell_motion import (
     PECK,
     SECONDS_PER_MINUTE,
     CellMotion,
-    Strokes,
+    StrokeGeometry,
     clear_place,
     cycle_moves,
 )
@@ -47,7 +47,7 @@ _CYCLES = {
 _RUNS = {3: True, 4: True, 5: False}  #: M words of the controller that start and stop a spindle
 
 
-class Block(Struct, frozen=True):
+class TemplateLine(Struct, frozen=True):
     """A line of a template."""
 
     command: str  #: "G", "M" or "" where there is none
@@ -56,14 +56,14 @@ class Block(Struct, frozen=True):
     fixed: Mapping[str, float]  #: letter and number
 
 
-def blocks_of(template: Sequence[str]) -> tuple[Block, ...]:
+def blocks_of(template: Sequence[str]) -> tuple[TemplateLine, ...]:
     """The lines of a template, taken apart."""
     blocks = []
     for line in template:
         match = _COMMAND.match(line)
         words = [w for w in _WORD.findall(line) if w[1] or w[0] not in _NUMBERS]
         blocks.append(
-            Block(
+            TemplateLine(
                 match[1] if match else "",
                 int(match[2]) if match else -1,
                 {letter: name for letter, name, _ in words if name},
@@ -80,7 +80,7 @@ def work_time(plan: Plan, machine: Machine) -> WorkTime:
 
 def time_of(operations: Sequence[Operation], pieces: Sequence[Piece], machine: Machine) -> WorkTime:
     """Work time of the operations on the pieces of one bar."""
-    clock = _Clock(pieces, machine)
+    clock = _CellClock(pieces, machine)
     seconds = tuple(clock.seconds(op) for op in operations)
     reloads = sum(load.out is not None for load in tool_loads(operations, machine))
     return WorkTime(seconds, reloads * machine.times.manual_change_s)
@@ -105,7 +105,7 @@ def with_axes(machine: Machine, drill: Drill) -> Machine:
     return replace(machine, axes=(*machine.axes, *usual))
 
 
-class _Clock:
+class _CellClock:
     """The state of the machine during the operations."""
 
     def __init__(self, pieces: Sequence[Piece], machine: Machine) -> None:
@@ -117,8 +117,8 @@ class _Clock:
         height_alone = "{height}" in header and "{width}" not in header
         self._cell = CellMotion(machine, profile.height if height_alone else profile.width)
         self._grades = [piece.part.grade for piece in pieces]
-        self._strokes = Strokes(profile, machine)
-        self._words: dict[str, tuple[Block, ...]] = {}
+        self._strokes = StrokeGeometry(profile, machine)
+        self._words: dict[str, tuple[TemplateLine, ...]] = {}
         self._cycles = _cycles_of(machine)
         self._back_to_near = _draws_back_to_near(machine)
         self._place = {"X": nan, "Y": nan, "Z": nan}
@@ -165,7 +165,7 @@ class _Clock:
             blocks = self._words[name] = blocks_of(getattr(self._machine.words, name))
         return sum(self._block(block, values, kind) for block in blocks)
 
-    def _block(self, block: Block, values: Mapping[str, float], kind: str) -> float:
+    def _block(self, block: TemplateLine, values: Mapping[str, float], kind: str) -> float:
         said = {name: values[name] for name in block.names.values() if name in values}
         if block.command == "M":
             return self._switch(block, said, values, kind)
@@ -188,7 +188,7 @@ class _Clock:
         self._place |= to
         return self._cell.move(to, way, None if self._rapid else self._feed_mm_min).duration_s
 
-    def _drilled(self, block: Block, values: Mapping[str, float]) -> float:
+    def _drilled(self, block: TemplateLine, values: Mapping[str, float]) -> float:
         """Time of a canned cycle."""
         cycle = self._cycles[block.number]
         words = dict(block.fixed) | {
@@ -208,7 +208,7 @@ class _Clock:
         return seconds
 
     def _switch(
-        self, block: Block, said: Mapping[str, float], values: Mapping[str, float], kind: str
+        self, block: TemplateLine, said: Mapping[str, float], values: Mapping[str, float], kind: str
     ) -> float:
         if "angle" in said:
             legs = self._cell.cut(said["angle"], said.get("tilt", 0.0), said.get("feed"))

@@ -13,7 +13,7 @@ from msgspec.structs import asdict
 from beamcam.errors import ReadError, Source, error
 from beamcam.geometry.curves import Arc, Curve, signed_area
 from beamcam.model.colour import parse_colour
-from beamcam.model.curve_json import Place, curves_of, record_of, show
+from beamcam.model.curve_json import JsonPlace, curves_of, record_of, show
 from beamcam.model.part import (
     FACES,
     MIRRORED_FACES,
@@ -55,7 +55,7 @@ from beamcam.readers.drawing.newton import checked_polynomials
 
 
 Form = TypeVar("Form")
-SourceOf = Callable[[Located, Place], Source]
+SourceOf = Callable[[Located, JsonPlace], Source]
 
 JSON_SCHEMA = error("json-schema",
     "found schema {found}, expected {expected!r}",
@@ -73,7 +73,7 @@ def part_from_json(value: object, file: str) -> Part:
 
     Raises ReadError with the path of the key, what was found and what was expected.
     """
-    top = Place(file)
+    top = JsonPlace(file)
     if isinstance(value, dict) and value.get("schema", PART_SCHEMA) != PART_SCHEMA:
         raise top.at("schema").fault(JSON_SCHEMA, found=show(value["schema"]), expected=PART_SCHEMA)
     form = record_of(_without_computed(value), PartForm, top)
@@ -118,12 +118,12 @@ def _without_computed(value: object) -> object:
     return kept
 
 
-def _each(forms: Iterable[Form], place: Place) -> Iterator[tuple[Form, Place]]:
+def _each(forms: Iterable[Form], place: JsonPlace) -> Iterator[tuple[Form, JsonPlace]]:
     """The forms of a list, each with its place."""
     return ((form, place.at(index)) for index, form in enumerate(forms))
 
 
-def _source(form: Located, place: Place, file: str) -> Source:
+def _source(form: Located, place: JsonPlace, file: str) -> Source:
     """The recorded source of an object; its JSON path if written by hand."""
     if isinstance(form.line, UnsetType):
         return Source(form.file or file, None, place.path)
@@ -131,7 +131,7 @@ def _source(form: Located, place: Place, file: str) -> Source:
 
 
 def _features(
-    form: PartForm | FeatureLists, top: Place, source: SourceOf, planes: tuple[str, ...]
+    form: PartForm | FeatureLists, top: JsonPlace, source: SourceOf, planes: tuple[str, ...]
 ) -> tuple[Feature, ...]:
     """All features in the order of their key `feature`; those without it follow as they stand."""
     numbered: list[tuple[float, Feature]] = []
@@ -147,7 +147,7 @@ def _features(
     return tuple(feature for _, feature in numbered)
 
 
-def _feature(form: Featured, place: Place, source: Source) -> Feature:
+def _feature(form: Featured, place: JsonPlace, source: Source) -> Feature:
     if isinstance(form, ContourForm):
         return _contour(form, place, source)
     fields = {name: value for name, value in asdict(form).items() if name not in _NOT_ITS_OWN}
@@ -171,7 +171,7 @@ def _kind(form: HoleForm | SlotForm) -> HoleKind:
     return form.kind
 
 
-def _contour(form: ContourForm, place: Place, source: Source) -> Contour:
+def _contour(form: ContourForm, place: JsonPlace, source: Source) -> Contour:
     if not form.curves:
         raise place.at("curves").wrong("no curves", "one curve or more")
     found = _each(form.curves, place.at("curves"))
@@ -193,7 +193,7 @@ def _contour(form: ContourForm, place: Place, source: Source) -> Contour:
     )  # fmt: skip
 
 
-def _colour(text: str | None, place: Place) -> str | None:
+def _colour(text: str | None, place: JsonPlace) -> str | None:
     """A colour as "#rrggbb"."""
     if text is None:
         return None

@@ -11,14 +11,16 @@ from beamcam.checks.head import head_of, head_remarks
 from beamcam.errors import Source, errors_in
 from beamcam.machine.machine import Machine
 from beamcam.recovery.bars import recover_bars
-from beamcam.recovery.found import BY_HAND, LEFT_OUT, Recovered, Stock, with_marks
+from beamcam.recovery.found import BY_HAND, LEFT_OUT, KnownStock, Recovered, with_marks
 
-__all__ = ["Recovered", "Stock", "recover", "with_marks"]
+__all__ = ["KnownStock", "Recovered", "recover", "with_marks"]
 
-STOCK = Stock()  #: of which nothing is known
+STOCK = KnownStock()  #: of which nothing is known
 
 
-def recover(text: str, machine: Machine, name: str = "program", stock: Stock = STOCK) -> Recovered:
+def recover(
+    text: str, machine: Machine, name: str = "program", stock: KnownStock = STOCK
+) -> Recovered:
     """The parts that a program makes, those of a bar in their order along it.
 
     `stock` is what is known of the bar or the sheet. Where an error is among what is said there are

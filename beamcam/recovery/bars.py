@@ -12,8 +12,8 @@ from math import isnan, nan, radians, tan
 from msgspec.structs import replace
 
 from beamcam.checks.bars import run
-from beamcam.checks.bars.compare import Asked, Comparison
-from beamcam.checks.bars.pieces import CutPlane, Piece, pieces, planes
+from beamcam.checks.bars.compare import Comparison, RequiredParts
+from beamcam.checks.bars.pieces import CutPlane, SawnPiece, pieces, planes
 from beamcam.checks.bars.stations import Bore, MachinedFeatures, MachinedPath
 from beamcam.checks.bars.targets import slot_corners
 from beamcam.checks.bars.tools import ToolCatalogue
@@ -28,8 +28,8 @@ from beamcam.recovery.found import (
     NO_PIECE,
     PATH,
     PROFILE,
+    KnownStock,
     Recovered,
-    Stock,
     plain,
 )
 from beamcam.recovery.paths import NotAFeature, feature_of
@@ -184,7 +184,7 @@ def _of_size(code: str, height: float, width: float) -> Iterator[Profile]:
 NEAR_NOTHING = 2  #: resolutions; a piece as short as that at a corner is a wedge
 
 
-def recover_bars(text: str, machine: Machine, name: str, stock: Stock) -> Recovered:
+def recover_bars(text: str, machine: Machine, name: str, stock: KnownStock) -> Recovered:
     """The parts of a bar, in their order along it."""
     saw, drill = machine.saw, drill_of(machine)
     if saw is None:  # the parts come in cut, so that no program says where they end
@@ -210,14 +210,14 @@ def recover_bars(text: str, machine: Machine, name: str, stock: Stock) -> Recove
     diagnostics += bar.said
     if not errors_in(diagnostics) and profile.web_thickness is not None:
         diagnostics += Comparison(
-            done.made, Asked(parts), bar.shop, profile, done.choices, name
+            done.made, RequiredParts(parts), bar.shop, profile, done.choices, name
         ).run()
     return Recovered(parts, tuple(diagnostics))
 
 
 def _bar_pieces(
     made: MachinedFeatures, machine: Machine, saw: Saw, profile: Profile
-) -> list[Piece]:
+) -> list[SawnPiece]:
     """The pieces between cuts that are not wedges: a wedge has a square cut on one side."""
     least = NEAR_NOTHING * machine.format.resolution
     lift = profile.height if saw.pivot == "o" else 0.0
@@ -250,7 +250,7 @@ class _Bar:
         self.lift = profile.height if saw.pivot == "o" else 0.0
         self.said: list[Diagnostic] = []
 
-    def part(self, piece: Piece, made: MachinedFeatures, stock: Stock) -> Part:
+    def part(self, piece: SawnPiece, made: MachinedFeatures, stock: KnownStock) -> Part:
         """One piece as a part."""
         form = self.machine.format
         start, end = piece.start, piece.end
@@ -267,7 +267,9 @@ class _Bar:
             grade=stock.grade, cuts=cuts, features=self._features(piece, first, made),
         )  # fmt: skip
 
-    def _features(self, piece: Piece, first: float, made: MachinedFeatures) -> tuple[Feature, ...]:
+    def _features(
+        self, piece: SawnPiece, first: float, made: MachinedFeatures
+    ) -> tuple[Feature, ...]:
         from_x = first + self.shop.drill.x
         paths = [self._path(t, from_x) for t in made.paths if self._in(piece, t.face, t.points[0])]
         led = [f for f in paths if f is not None]
@@ -276,7 +278,7 @@ class _Bar:
         texts = self._texts(piece, first, made)
         return (*holes_of(here, led, self.shop, self.profile, self.name), *led, *texts)
 
-    def _texts(self, piece: Piece, first: float, made: MachinedFeatures) -> Iterator[TextMark]:
+    def _texts(self, piece: SawnPiece, first: float, made: MachinedFeatures) -> Iterator[TextMark]:
         """What a stamp or printer is told on a piece, as the unit spells it."""
         form, at = self.machine.format, text_x(self.machine)
         for t in made.texts:
@@ -301,7 +303,7 @@ class _Bar:
             return None
         return path
 
-    def _in(self, piece: Piece, face: Face, place: Sequence[float]) -> bool:
+    def _in(self, piece: SawnPiece, face: Face, place: Sequence[float]) -> bool:
         """Whether a place of a face lies between the cuts of a piece."""
         x, y = place[0] - self.shop.drill.x, place[1]
         if face in ("v", "h"):

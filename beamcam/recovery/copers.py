@@ -18,8 +18,8 @@ from beamcam.checks.coping import rules as coping_rules
 from beamcam.checks.coping import verify_coping
 from beamcam.checks.coping.compare import taken_of
 from beamcam.checks.coping.program import head_part, head_profile, strokes_of
-from beamcam.checks.coping.section import Section, as_drawn, kerf_of, lying, pieces_of
-from beamcam.checks.coping.strokes import Stroke
+from beamcam.checks.coping.section import CoperSection, as_drawn, kerf_of, lying, pieces_of
+from beamcam.checks.coping.strokes import TorchStroke
 from beamcam.checks.coping.tube import tube_section, unrolled_pipe
 from beamcam.checks.head import head_of
 from beamcam.errors import Diagnostic, Source, errors_in
@@ -36,8 +36,8 @@ from beamcam.recovery.found import (
     ROUNDED,
     TILTED,
     UNNAMED,
+    KnownStock,
     Recovered,
-    Stock,
     plain,
 )
 from beamcam.recovery.rings import (
@@ -80,7 +80,7 @@ class _Wall(Struct, frozen=True):
     is_drawn: bool = False  #: whether it has an outline though it is whole
 
 
-def recover_coped(text: str, machine: Machine, name: str, stock: Stock) -> Recovered:
+def recover_coped(text: str, machine: Machine, name: str, stock: KnownStock) -> Recovered:
     """The part that a coper's program makes; none where an error is said.
 
     Section, grade, mark, drawing and order are those of the program's head, but for a section and
@@ -141,17 +141,17 @@ def recover_coped(text: str, machine: Machine, name: str, stock: Stock) -> Recov
 
 
 def _tilted(
-    text: str, bare: Part, strokes: Sequence[Stroke], machine: Machine, coper: Coper,
-    said: Sequence[Diagnostic], first: Stroke, name: str,
+    text: str, bare: Part, strokes: Sequence[TorchStroke], machine: Machine, coper: Coper,
+    said: Sequence[Diagnostic], first: TorchStroke, name: str,
 ) -> Recovered:  # fmt: skip
     """The part that a tilted torch makes: with skew ends, or else with bevels at square ones.
 
     The read-back says which of them it is; an error where it takes neither.
     """
-    section, within = Section(bare.profile), coper.tolerance * REFIT_SHARE
+    section, within = CoperSection(bare.profile), coper.tolerance * REFIT_SHARE
     square = [stroke for stroke in strokes if not stroke.b_deg]
     ends = ends_of(strokes, section)
-    tries: list[tuple[Sequence[Stroke], Ends]] = [] if ends is None else [(strokes, ends)]
+    tries: list[tuple[Sequence[TorchStroke], Ends]] = [] if ends is None else [(strokes, ends)]
     for cutting, planes in (*tries, (square, NO_ENDS)):
         walls = [*_walls(bare, cutting, coper, planes)]
         if any(wall.shape.is_empty for wall in walls):
@@ -196,12 +196,12 @@ def _remarks(part: Part, coper: Coper, within: float) -> Iterator[Diagnostic]:
 
 
 def _walls(
-    part: Part, strokes: Sequence[Stroke], coper: Coper, ends: Ends = NO_ENDS
+    part: Part, strokes: Sequence[TorchStroke], coper: Coper, ends: Ends = NO_ENDS
 ) -> Iterator[_Wall]:
     """The walls of an I, a U or an L, or of a T on its side."""
     from shapely import box, union_all
 
-    section = Section(part.profile)
+    section = CoperSection(part.profile)
     far = max((x for stroke in strokes for x, _ in stroke.points), default=0.0) + coper.trim
     for face in section.faces:
         own = [stroke for stroke in strokes if stroke.face == face]
@@ -215,7 +215,7 @@ def _walls(
         yield _Wall(face, shape, wide, own[0].line if own else 1)
 
 
-def _below_flanges(web: Shape, section: Section, ends: Ends) -> Iterator[Shape]:
+def _below_flanges(web: Shape, section: CoperSection, ends: Ends) -> Iterator[Shape]:
     """The web within its flanges, where it stands on them; at a skew end along that."""
     from shapely import LineString, Polygon
 
@@ -242,7 +242,7 @@ def _below_flanges(web: Shape, section: Section, ends: Ends) -> Iterator[Shape]:
                 ])  # fmt: skip
 
 
-def _surface(part: Part, strokes: Sequence[Stroke], coper: Coper) -> _Wall:
+def _surface(part: Part, strokes: Sequence[TorchStroke], coper: Coper) -> _Wall:
     """The unrolled surface of a tube, laid around AROUND one above the other."""
     from shapely import box, union_all
     from shapely.affinity import translate

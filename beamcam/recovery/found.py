@@ -95,7 +95,7 @@ CORNER = error("recover-corner",
 DECIMALS = 9  #: beyond which a figure is the noise of arithmetic
 
 
-class Stock(Struct, frozen=True):
+class KnownStock(Struct, frozen=True):
     """Known data of a program's bar or sheet."""
 
     profile: Profile | None = None

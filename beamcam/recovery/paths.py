@@ -10,7 +10,7 @@ from msgspec.structs import replace
 
 from beamcam.checks.bars.paths import pocket_error
 from beamcam.checks.bars.stations import MachinedPath
-from beamcam.checks.bars.targets import Pocket
+from beamcam.checks.bars.targets import RequiredPocket
 from beamcam.checks.bars.tools import ToolCatalogue
 from beamcam.errors import Source
 from beamcam.geometry.curves import Arc, Curve, Line, Point
@@ -62,7 +62,7 @@ def feature_of(
 
 def _pockets(
     points: Sequence[Point], trail: MachinedPath, depth: float | None, slack: float, decimals: int
-) -> Iterator[Pocket]:
+) -> Iterator[RequiredPocket]:
     """Possible pockets of a mill's path: a circle, or rectangles with round corners.
 
     The path's hull is the pocket drawn in by the mill: a side of it is the pocket's direction, the
@@ -98,7 +98,7 @@ def _pockets(
             if height > length:
                 length, height, turned = height, length, angle - 90.0 if angle > 0 else angle + 90.0
             x, y = (plain(p, slack, decimals) for p in (c * u - s * v, s * u + c * v))
-            yield Pocket(
+            yield RequiredPocket(
                 0, trail.face, x, y, length, height, turned, diameter, depth, "",
                 Hole(trail.face, x, y, diameter, Source("")),
             )  # fmt: skip

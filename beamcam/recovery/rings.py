@@ -33,7 +33,7 @@ DECIMALS = 3
 SLOT_SHARE = 0.5  #: of the shorter side of a slot that its round corners take, at least
 
 
-class Round(Struct, frozen=True):
+class CutCircle(Struct, frozen=True):
     """A circle that was cut."""
 
     x: float
@@ -41,7 +41,7 @@ class Round(Struct, frozen=True):
     diameter: float
 
 
-class Pocket(Struct, frozen=True):
+class CutPocket(Struct, frozen=True):
     """A rectangle with round corners that was cut; sizes from centre to centre of its corners."""
 
     x: float
@@ -52,7 +52,7 @@ class Pocket(Struct, frozen=True):
     angle: float
 
 
-def round_of(ring: Sequence[Point], within: float) -> Round | None:
+def round_of(ring: Sequence[Point], within: float) -> CutCircle | None:
     """The circle that a ring of chords replaces, everywhere within some mm of it."""
     if len(ring) < LEAST_ROUND:
         return None
@@ -69,10 +69,10 @@ def round_of(ring: Sequence[Point], within: float) -> Round | None:
     inside = np.hypot(half[:, 0] - x, half[:, 1] - y)
     diameter = _plain_size(2 * float(away.max()))
     off = max(float(np.abs(away - diameter / 2).max()), diameter / 2 - float(inside.min()))
-    return Round(x, y, diameter) if off <= within else None
+    return CutCircle(x, y, diameter) if off <= within else None
 
 
-def drilled_of(ring: Sequence[Point], tube_radius: float, within: float) -> Round | None:
+def drilled_of(ring: Sequence[Point], tube_radius: float, within: float) -> CutCircle | None:
     """The hole through the axis of a tube that a ring on its unrolled outside is cut along."""
     us = [u for _, u in ring]
     middle = (min(us) + max(us)) / 2
@@ -83,10 +83,10 @@ def drilled_of(ring: Sequence[Point], tube_radius: float, within: float) -> Roun
     if found is None or found.diameter >= 2 * tube_radius:
         return None
     y = middle + tube_radius * asin(found.y / tube_radius)
-    return Round(found.x, plain(y, PLACE, DECIMALS), found.diameter)
+    return CutCircle(found.x, plain(y, PLACE, DECIMALS), found.diameter)
 
 
-def pocket_of(ring: Sequence[Point], within: float) -> Pocket | None:
+def pocket_of(ring: Sequence[Point], within: float) -> CutPocket | None:
     """The slot that a ring of chords replaces, everywhere within some mm of it."""
     from shapely import Polygon
 
@@ -116,7 +116,7 @@ def pocket_of(ring: Sequence[Point], within: float) -> Pocket | None:
     if max(map(off_it, (*own, *halves))) > within:
         return None
     x, y = (plain(w, PLACE, DECIMALS) for w in (c * u - s * v, s * u + c * v))
-    return Pocket(x, y, diameter, round(length, DECIMALS), round(height, DECIMALS), angle)
+    return CutPocket(x, y, diameter, round(length, DECIMALS), round(height, DECIMALS), angle)
 
 
 def curves_of(

@@ -10,9 +10,9 @@ from typing import Any
 
 from msgspec.structs import replace
 
-from beamcam.checks.coping.section import Section
+from beamcam.checks.coping.section import CoperSection
 from beamcam.checks.coping.skew import SkewEnd
-from beamcam.checks.coping.strokes import Stroke
+from beamcam.checks.coping.strokes import TorchStroke
 from beamcam.geometry.curves import Line, signed_area
 from beamcam.geometry.plane import Point
 from beamcam.model.part import Bevel, Contour, EndCuts, Feature
@@ -30,7 +30,7 @@ ALONG = 0.999  #: cosine between a pass and its edge, at least
 Ends = tuple[SkewEnd | None, SkewEnd | None]
 
 
-def ends_of(strokes: Sequence[Stroke], section: Section) -> Ends | None:
+def ends_of(strokes: Sequence[TorchStroke], section: CoperSection) -> Ends | None:
     """The skew ends that tilted strokes make, start and end; None where they make no two planes."""
     middle = sum(_places(strokes)) / max(1, len(_places(strokes)))
     found: list[SkewEnd | None] = []
@@ -45,12 +45,12 @@ def ends_of(strokes: Sequence[Stroke], section: Section) -> Ends | None:
     return found[0], found[1]
 
 
-def _places(strokes: Sequence[Stroke]) -> list[float]:
+def _places(strokes: Sequence[TorchStroke]) -> list[float]:
     xs = [x for stroke in strokes for x, _ in stroke.points]
     return [min(xs), max(xs)] if xs else []
 
 
-def _plane(stroke: Stroke, side: int, section: Section) -> SkewEnd:
+def _plane(stroke: TorchStroke, side: int, section: CoperSection) -> SkewEnd:
     """The plane that a stroke leaves of an end."""
     ways = zip(stroke.points[1:], stroke.points[2:], strict=False)
     (xa, ya), (xb, yb) = max(ways, key=lambda way: dist(*way))
@@ -81,14 +81,14 @@ def cuts_of(ends: Ends) -> EndCuts:
     return EndCuts(web_start=web, web_end=web_end, flange_start=flange, flange_end=flange_end)
 
 
-def length_of(end: SkewEnd, section: Section) -> float:
+def length_of(end: SkewEnd, section: CoperSection) -> float:
     """The length of a part by its skew end: x of the outermost corner of its section."""
     return max(
         end.x(y, z) for y0, z0, y1, z1 in section.plates() for y in (y0, y1) for z in (z0, z1)
     )
 
 
-def whole_wall(face: str, ends: Ends, length: float, section: Section, wide: float) -> Shape:
+def whole_wall(face: str, ends: Ends, length: float, section: CoperSection, wide: float) -> Shape:
     """A wall between its ends, of which nothing else is cut."""
     from shapely import Polygon
 
@@ -100,7 +100,7 @@ def whole_wall(face: str, ends: Ends, length: float, section: Section, wide: flo
 
 
 def with_bevels(
-    features: Sequence[Feature], strokes: Sequence[Stroke], section: Section
+    features: Sequence[Feature], strokes: Sequence[TorchStroke], section: CoperSection
 ) -> Iterator[Feature]:
     """Features whose outlines have the bevels that tilted strokes make of their edges."""
     for feature in features:
@@ -112,7 +112,7 @@ def with_bevels(
         yield replace(feature, bevels=tuple(one for one in found if one is not None))
 
 
-def _bevel(contour: Contour, stroke: Stroke, thick: float) -> Bevel | None:
+def _bevel(contour: Contour, stroke: TorchStroke, thick: float) -> Bevel | None:
     """The bevel of the nearest edge of a contour that a stroke runs along; None without one."""
     start, end = stroke.points[1], stroke.points[-1]
     turned = -1.0 if signed_area(contour.curves) < 0.0 else 1.0

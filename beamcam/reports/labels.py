@@ -55,7 +55,7 @@ class Label(Struct, frozen=True):
         return f"{terminal_text(self.mark)}\n{terminal_text(self.program)}"
 
 
-class Size(Struct, frozen=True):
+class LabelSize(Struct, frozen=True):
     """Of a label, mm."""
 
     width: float = 100.0
@@ -78,7 +78,7 @@ class Size(Struct, frozen=True):
         return min(6.0, (self.height - 2 * MARGIN - self.mark - QUIET) / MAX_LINES)
 
 
-def as_pdf(labels: Iterable[Label], size: Size, code: Code = "qr") -> bytes:
+def as_pdf(labels: Iterable[Label], size: LabelSize, code: Code = "qr") -> bytes:
     """A page for each label; the same labels give the same bytes. Raises ImportError."""
     from reportlab.pdfgen.canvas import Canvas
 
@@ -136,7 +136,7 @@ def _fitting(text: str, font: str, high: float, width: float) -> float:
     return min(high, width / max(float(stringWidth(text, font, 1.0)), 1e-9))
 
 
-def _draw_code(canvas: object, rows: Sequence[Sequence[int]], size: Size) -> None:
+def _draw_code(canvas: object, rows: Sequence[Sequence[int]], size: LabelSize) -> None:
     """The code in the lower right corner, a module as a square; those in a row are one strip."""
     module = size.code / len(rows)
     x0, y0 = size.width - MARGIN - size.code, MARGIN
@@ -158,7 +158,7 @@ def code_rows(text: str, code: Code = "qr") -> tuple[tuple[int, ...], ...]:
     return tuple(map(tuple, segno.make_qr(text, error="m").matrix))
 
 
-def as_zpl(labels: Iterable[Label], size: Size, code: Code = "qr") -> str:
+def as_zpl(labels: Iterable[Label], size: LabelSize, code: Code = "qr") -> str:
     """ZPL II for a printer of 203 dpi: each label between ^XA and ^XZ."""
     return "".join(_zpl(label, size, code) for label in labels)
 
@@ -187,7 +187,7 @@ def labels_in(data: bytes, name: str) -> tuple[Label, ...]:
         raise ReadError(NO_LABELS.at(Source(name), found=error)) from error
 
 
-def _zpl(label: Label, size: Size, code: Code) -> str:
+def _zpl(label: Label, size: LabelSize, code: Code) -> str:
     width, height, margin = (round(v * DOTS) for v in (size.width, size.height, MARGIN))
     x = width - margin - round(size.code * DOTS)
     y = height - margin - round(size.code * DOTS)
@@ -201,7 +201,7 @@ def _zpl(label: Label, size: Size, code: Code) -> str:
     return "\n".join([*fields, "^XZ"]) + "\n"
 
 
-def _zpl_code(text: str, size: Size, code: Code) -> str:
+def _zpl_code(text: str, size: LabelSize, code: Code) -> str:
     """The printer's own code, in dots a module."""
     dots = size.code * DOTS
     if code == "qr":

@@ -103,7 +103,7 @@ class PartRow(TypedDict):
     machine_time_s: float | None  #: None where it was not asked for
 
 
-class Row(TypedDict):
+class FileRow(TypedDict):
     """One file."""
 
     file: str
@@ -114,7 +114,7 @@ class Row(TypedDict):
     messages: list[Message]
 
 
-def names_in(row: Row) -> dict[str, str]:
+def names_in(row: FileRow) -> dict[str, str]:
     """Output -> SHA-256 of the programs of an input, and of the rests between them."""
     parts = row["parts"]  # of older versions they have no rests
     rests = (rest for part in parts if (rest := part.get("rest")) is not None)
@@ -132,7 +132,7 @@ class Counts(Struct):
     by_hand: int = 0  #: marks left for manual work
     mapped: Tally[str] = field(default_factory=Tally)  #: curves by key of the map
 
-    def add(self, row: Row) -> None:
+    def add(self, row: FileRow) -> None:
         """Count one file, and what its programs leave out."""
         setattr(self, row["status"], getattr(self, row["status"]) + 1)
         for part in row["parts"]:
@@ -202,7 +202,9 @@ def encoded(text: str) -> bytes:
     return text.encode("utf-8", "backslashreplace")
 
 
-def as_json(rows: Iterable[Row], counts: Counts, messages: Iterable[Message]) -> Iterator[bytes]:
+def as_json(
+    rows: Iterable[FileRow], counts: Counts, messages: Iterable[Message]
+) -> Iterator[bytes]:
     """The report as JSON, piece by piece: a row a line, so that rows are found by line too."""
     import json
 
@@ -261,7 +263,7 @@ HEAD = (
 )  # fmt: skip
 
 
-def as_csv(rows: Iterable[Row], counts: Counts, messages: Iterable[Message]) -> Iterator[bytes]:
+def as_csv(rows: Iterable[FileRow], counts: Counts, messages: Iterable[Message]) -> Iterator[bytes]:
     """The report as CSV, piece by piece, with a head. What is said of the run ends it as rows."""
     yield _line(HEAD)
     for row in rows:

@@ -12,7 +12,15 @@ from urllib.parse import quote
 from msgspec import Struct
 
 from beamcam.plain_text import terminal_text
-from beamcam.reports.run import STATUSES, Counts, Message, Row, encoded, ledger_line, message_line
+from beamcam.reports.run import (
+    STATUSES,
+    Counts,
+    FileRow,
+    Message,
+    encoded,
+    ledger_line,
+    message_line,
+)
 from beamcam.reports.templates import as_it_stands, static_text, template
 
 if TYPE_CHECKING:
@@ -41,7 +49,7 @@ class Total(Struct):
 
 
 def as_html(
-    read: Callable[[], Iterable[Row]], counts: Counts, messages: Iterable[Message],
+    read: Callable[[], Iterable[FileRow]], counts: Counts, messages: Iterable[Message],
     extras: Mapping[str, Extra] | None = None, style: str = "",
 ) -> Iterator[bytes]:  # fmt: skip
     """The report as HTML, piece by piece; `read` gives its rows as often as it is called.
@@ -63,12 +71,12 @@ def as_html(
     yield from map(encoded, pieces)
 
 
-def _refused_first(read: Callable[[], Iterable[Row]]) -> Iterator[Row]:
+def _refused_first(read: Callable[[], Iterable[FileRow]]) -> Iterator[FileRow]:
     for first in (True, False):
         yield from (row for row in read() if (row["status"] in REFUSED) is first)
 
 
-def _totals(rows: Iterable[Row]) -> tuple[dict[str, Total], Total]:
+def _totals(rows: Iterable[FileRow]) -> tuple[dict[str, Total], Total]:
     """Machine time, pieces, stock and tools of the programs by machine, and those of all."""
     totals: dict[str, Total] = {}
     passed_on = 0  # pieces that another machine finishes
@@ -89,7 +97,7 @@ def _totals(rows: Iterable[Row]) -> tuple[dict[str, Total], Total]:
     return totals, whole
 
 
-def _machine_time_s(row: Row) -> float:
+def _machine_time_s(row: FileRow) -> float:
     """Of all pieces of a file's parts."""
     return sum(
         (part["machine_time_s"] or 0.0) * part["quantity"] / part["pieces"] for part in row["parts"]

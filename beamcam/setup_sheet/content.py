@@ -29,7 +29,7 @@ from beamcam.pictures.scene import Scene, Unit
 from beamcam.pictures.table import TableMade
 from beamcam.reports.hand_list import HandRow, hand_rows
 from beamcam.reports.run import ledger_of
-from beamcam.setup_sheet.operations import Operation, operations_of, table_operations
+from beamcam.setup_sheet.operations import SheetOperation, operations_of, table_operations
 from beamcam.simulation.limits import run_warnings
 from beamcam.simulation.program import simulate_program
 from beamcam.simulation.trace import Trace, TraceAxis
@@ -74,7 +74,7 @@ def _round(positions: Floats, part: Part, coper: Coper) -> Floats:
     return sizes
 
 
-def coper_operations(program: CoperProgram, made: TableMade) -> tuple[Operation, ...]:
+def coper_operations(program: CoperProgram, made: TableMade) -> tuple[SheetOperation, ...]:
     """The cuts with the faces that they are on; X is the machine's."""
     part = part_of(program)
     strokes = strokes_of(program, part)
@@ -95,10 +95,10 @@ class Total(Struct, frozen=True):
     length: float | None = None  #: of a table's way
 
 
-def bar_totals(operations: Sequence[Operation], trace: Trace) -> tuple[Total, ...]:
+def bar_totals(operations: Sequence[SheetOperation], trace: Trace) -> tuple[Total, ...]:
     """The times of a bar's tools: at work is the block that feeds or saws."""
     lasts = np.diff(trace.time_s)
-    rows: dict[str, list[Operation]] = {}
+    rows: dict[str, list[SheetOperation]] = {}
     for op in operations:
         rows.setdefault(op.tool or "saw", []).append(op)
     totals = [
@@ -154,7 +154,7 @@ class BarStretch(Struct, frozen=True):
     end: float
 
 
-class Content(Struct, frozen=True):
+class SheetContent(Struct, frozen=True):
     """All that the sheet says."""
 
     program: ReadProgram
@@ -163,7 +163,7 @@ class Content(Struct, frozen=True):
     trace: Trace
     header: tuple[tuple[str, str], ...]
     pictures: tuple[Scene, ...]  #: the program's first, then the parts
-    operations: tuple[Operation, ...]
+    operations: tuple[SheetOperation, ...]
     totals: tuple[Total, ...]  #: of work and travel, by tool
     tools: tuple[ToolRow, ...]
     bar: tuple[BarStretch, ...]
@@ -190,7 +190,7 @@ class SheetSources(Struct, frozen=True):
     settings: tuple[tuple[str, str], ...] = ()  #: rows of the header about where they come from
 
 
-def content_of(source: SheetSources, unit: Unit = "mm") -> Content:
+def content_of(source: SheetSources, unit: Unit = "mm") -> SheetContent:
     """Content of a program's setup sheet. Raises VerifyError where none of it is understood."""
     from beamcam.pictures.bar import bar_scene
     from beamcam.pictures.coper import coper_scene
@@ -233,7 +233,7 @@ def content_of(source: SheetSources, unit: Unit = "mm") -> Content:
     verdict: Literal["made", "alone", "wrong"] = "made" if program.parts else "alone"
     if errors_in(source.found) or not source.compared:
         verdict = "wrong"
-    return Content(
+    return SheetContent(
         program, made, unit, trace, (*_header(program, trace), *source.settings), (scene, *drawn),
         operations,
         totals,
@@ -280,7 +280,7 @@ def _quantities(parts: Sequence[Part]) -> str:
     return ", ".join(rows)
 
 
-def _bar_tools(source: SheetSources, operations: Sequence[Operation]) -> tuple[ToolRow, ...]:
+def _bar_tools(source: SheetSources, operations: Sequence[SheetOperation]) -> tuple[ToolRow, ...]:
     """The tools by station as the plan loads them; by spindle alone where no plan is known."""
     machine = source.program.machine
     if isinstance(source.plan, Plan):

@@ -17,7 +17,7 @@ from beamcam.simulation.trace import Trace
 MIN_MOVE = 1e-6
 
 
-class Operation(Struct, frozen=True):
+class SheetOperation(Struct, frozen=True):
     """One operation of a program."""
 
     number: int
@@ -35,7 +35,7 @@ class Operation(Struct, frozen=True):
     is_through: bool = False  #: whether it goes through the wall
 
 
-def operations_of(bar: BarMade, trace: Trace) -> tuple[Operation, ...]:
+def operations_of(bar: BarMade, trace: Trace) -> tuple[SheetOperation, ...]:
     """The cuts and strokes of a bar; a stroke of two spindles is one."""
     numbers = order_numbers(bar.made)
     rows: dict[int, list[Thing]] = {}
@@ -49,31 +49,33 @@ def operations_of(bar: BarMade, trace: Trace) -> tuple[Operation, ...]:
     return tuple(operations)
 
 
-def _operation(number: int, ops: Sequence[Thing], seconds: float, depths: SteelDepths) -> Operation:
+def _operation(
+    number: int, ops: Sequence[Thing], seconds: float, depths: SteelDepths
+) -> SheetOperation:
     op = ops[0]
     if isinstance(op, Cut):
         tilt = f", tilt {op.tilt:g}" if op.tilt else ""
         what = f"saw cut {op.angle:g}\N{DEGREE SIGN}{tilt}"
-        return Operation(
+        return SheetOperation(
             number, op.line, what, "", (), op.x, None, None, op.feed_mm_min or None, None, seconds
         )
     faces = tuple(o.face for o in ops if not isinstance(o, Cut))
     if isinstance(op, StampedText):
         what = f"{op.kind} {op.text!r}, {op.height:g} high"
-        return Operation(
+        return SheetOperation(
             number, op.line, what, op.kind, faces, op.x, op.y, None, None, None, seconds
         )
     tool = f"{op.kind} {op.diameter:g}"
     depth = depths.of(op)
     is_through = depth is None
     if isinstance(op, Bore):
-        return Operation(
+        return SheetOperation(
             number, op.line, tool, tool, faces, op.x, op.y, depth, op.feed_mm_min or None,
             op.speed_rpm or None, seconds, None, is_through,
         )  # fmt: skip
     x, y = op.points[0]
     length = sum(float(np.hypot(b[0] - a[0], b[1] - a[1])) for a, b in pairwise(op.points))
-    return Operation(
+    return SheetOperation(
         number, op.line, f"{tool} path", tool, faces, x, y, depth, op.feed_mm_min or None, None,
         seconds, length, is_through,
     )  # fmt: skip
@@ -115,7 +117,7 @@ def _is_other(
     return bool((moves[at] & ~used).any()) or other or starts_saw
 
 
-def table_operations(table: TableMade) -> tuple[Operation, ...]:
+def table_operations(table: TableMade) -> tuple[SheetOperation, ...]:
     """The paths of a table's program, each with the way to it."""
     trace = table.trace
     speeds = table.speeds_mm_s
@@ -128,7 +130,7 @@ def table_operations(table: TableMade) -> tuple[Operation, ...]:
         end = float(trace.time_s[last])
         line = int(trace.line[moving[0]] if len(moving) else trace.line[first])
         operations.append(
-            Operation(number, line, process, process, (), x, y, None, fastest or None, None,
+            SheetOperation(number, line, process, process, (), x, y, None, fastest or None, None,
                       end - begin, float(ways[first:last].sum()))
         )  # fmt: skip
         begin = end

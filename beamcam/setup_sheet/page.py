@@ -12,7 +12,7 @@ from beamcam.pictures.svg import inline_svg
 from beamcam.planning.coping.rules import ROUNDED
 from beamcam.reports.run import as_message, message_line
 from beamcam.reports.templates import as_it_stands, static_text, template
-from beamcam.setup_sheet.content import Content
+from beamcam.setup_sheet.content import SheetContent
 from beamcam.setup_sheet.playback import as_script, bar_data, table_data
 from beamcam.setup_sheet.solid_data import CHORDS, solids_of
 from beamcam.setup_sheet.tables import manual_work, tables_of
@@ -73,7 +73,7 @@ VIEWS = {
 }  # fmt: skip
 
 
-def verdict_of(content: Content) -> str:
+def verdict_of(content: SheetContent) -> str:
     """Verdict of the read-back, in a sentence."""
     if content.verdict != "made":
         return VERDICTS[content.verdict]
@@ -89,7 +89,7 @@ def verdict_of(content: Content) -> str:
     return f"Read back: the program makes these parts, but for {' and '.join(lacking)}."
 
 
-def setup_page(content: Content) -> str:
+def setup_page(content: SheetContent) -> str:
     """The page; the same program gives the same bytes."""
     program = content.program
     solids = solids_of(program, content.made)
@@ -106,7 +106,7 @@ def setup_page(content: Content) -> str:
     )  # fmt: skip
 
 
-def playback_data(content: Content) -> dict[str, Any]:
+def playback_data(content: SheetContent) -> dict[str, Any]:
     """The trace with what it moves."""
     made = content.made
     data = bar_data(made, content.trace) if isinstance(made, BarMade) else table_data(made)

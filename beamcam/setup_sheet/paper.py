@@ -21,11 +21,11 @@ from beamcam.pictures.pdf import (
 from beamcam.pictures.scene import Scene, Unit, shown
 from beamcam.plain_text import terminal_text
 from beamcam.reports.run import as_message, message_line
-from beamcam.setup_sheet.content import Content
+from beamcam.setup_sheet.content import SheetContent
 from beamcam.setup_sheet.page import verdict_of
 from beamcam.setup_sheet.solid_data import solids_of
 from beamcam.setup_sheet.still import Still, still_of
-from beamcam.setup_sheet.tables import Cell, Column, Table, manual_work, tables_of
+from beamcam.setup_sheet.tables import Cell, Column, SheetTable, manual_work, tables_of
 from beamcam.version import __version__
 
 BODY = 9.0
@@ -34,7 +34,7 @@ WIDE, HIGH, LOW = 1600, 420, 250  #: pixels of such a picture: alone, and with a
 FOOT = 48.0  #: points of a page for its footer, and for the heading above a picture
 
 
-def setup_pdf(content: Content, paper: Paper = "a4") -> bytes:
+def setup_pdf(content: SheetContent, paper: Paper = "a4") -> bytes:
     """The sheet without playback. Raises PictureError without reportlab."""
     needed_canvas()
     from reportlab.platypus import SimpleDocTemplate
@@ -58,7 +58,7 @@ def setup_pdf(content: Content, paper: Paper = "a4") -> bytes:
     return stream.getvalue()
 
 
-def _story(content: Content, paper: Paper) -> Iterator[Any]:
+def _story(content: SheetContent, paper: Paper) -> Iterator[Any]:
     """Contents of the pages, in order."""
     from reportlab.platypus import Spacer
 
@@ -87,7 +87,7 @@ def _story(content: Content, paper: Paper) -> Iterator[Any]:
         yield from _printed(table, content.unit)
 
 
-def _space(content: Content, paper: Paper) -> Iterator[Any]:
+def _space(content: SheetContent, paper: Paper) -> Iterator[Any]:
     """The pieces as shaded pictures: of a bar each mark once, of a sheet all together."""
     solids = solids_of(content.program, content.made)
     yield _title("The pieces in space")
@@ -138,7 +138,7 @@ def _still(still: Still, wide: float, mark: str) -> Any:
     return Picture()
 
 
-def _printed(table: Table, unit: Unit) -> Iterator[Any]:
+def _printed(table: SheetTable, unit: Unit) -> Iterator[Any]:
     """A table as data, on paper."""
     if not table.rows:  # a program that does nothing
         return

@@ -33,7 +33,7 @@ from beamcam.pictures.table import TableMade
 from beamcam.solid.kernel import facets
 from beamcam.solid.mesh import Mesh, bar_meshes, coper_meshes, sheet_meshes
 from beamcam.solid.plates import thickness_of
-from beamcam.solid.sheet_solid import Stroke, rows_for, strokes_of
+from beamcam.solid.sheet_solid import SweptStroke, rows_for, strokes_of
 
 LIMIT = 280_000  #: characters of a page that a solid may take
 #: How far a polygon lies within its circle, mm: from the finest on, until the page is small enough.
@@ -150,7 +150,7 @@ def _sheet(program: ReadProgram, made: TableMade, chord: float) -> list[Mesh]:
     return sheet_meshes(strokes_of(events, machine, rows, program.name), kerf, thickness, chord)
 
 
-def _strokes(made: TableMade) -> Iterator[Stroke]:
+def _strokes(made: TableMade) -> Iterator[SweptStroke]:
     """The strokes of a table whose program has no events, by its trace."""
     trace = made.trace
     for first, last, process in made.strokes:
@@ -160,7 +160,7 @@ def _strokes(made: TableMade) -> Iterator[Stroke]:
             for k, (a, b) in enumerate(pairwise(places))
             if a != b
         ]
-        yield Stroke(Switch(int(trace.line[first]), 0, {}), process, "on", 0.0, moves)
+        yield SweptStroke(Switch(int(trace.line[first]), 0, {}), process, "on", 0.0, moves)
 
 
 def _packed(kind: str, mark: str, mesh: Mesh) -> dict[str, Any]:

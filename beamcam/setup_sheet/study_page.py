@@ -13,7 +13,7 @@ from beamcam.geometry.velocity_profile import VelocityProfile
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Profile
 from beamcam.pictures.graphs import Study, encoder_scene, profile_scene, sample_times
-from beamcam.pictures.overlay import Compared
+from beamcam.pictures.overlay import Overlay
 from beamcam.pictures.program import ReadProgram, bar_made, table_made
 from beamcam.pictures.scene import Unit
 from beamcam.reports.velocity_profile import VelocityUnit
@@ -33,7 +33,7 @@ def study_page(study: Study) -> str:
 
 def diff_page(
     names: tuple[str, str],
-    pictures: Sequence[Compared],
+    pictures: Sequence[Overlay],
     differences: Sequence[Difference],
     unit: Unit = "mm",
 ) -> str:

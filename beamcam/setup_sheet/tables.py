@@ -6,8 +6,8 @@ from typing import Literal
 from msgspec import Struct
 
 from beamcam.model.plan import clock
-from beamcam.setup_sheet.content import Content
-from beamcam.setup_sheet.operations import Operation
+from beamcam.setup_sheet.content import SheetContent
+from beamcam.setup_sheet.operations import SheetOperation
 
 MAX_ROWS = 1000  #: operations that are listed
 #: What the figures of a column are: lengths and rates in mm and mm/min, a step of the program.
@@ -29,7 +29,7 @@ class Column(Struct, frozen=True):
         return self.kind != "text"
 
 
-class Table(Struct, frozen=True):
+class SheetTable(Struct, frozen=True):
     """A table, without columns that are empty in all rows."""
 
     name: str
@@ -48,14 +48,14 @@ class Table(Struct, frozen=True):
 
 def _table(
     name: str, title: str, columns: Sequence[Column], rows: Sequence[Sequence[Cell]]
-) -> Table:
+) -> SheetTable:
     used = [k for k in range(len(columns)) if any(row[k] not in (None, "") for row in rows)]
-    return Table(
+    return SheetTable(
         name, title, tuple(columns[k] for k in used), tuple(tuple(r[k] for k in used) for r in rows)
     )
 
 
-def manual_work(content: Content) -> Table:
+def manual_work(content: SheetContent) -> SheetTable:
     """The marks that are made manually."""
     return _table(
         "hand", "Manual work",
@@ -67,7 +67,7 @@ def manual_work(content: Content) -> Table:
     )  # fmt: skip
 
 
-def tables_of(content: Content) -> Iterator[Table]:
+def tables_of(content: SheetContent) -> Iterator[SheetTable]:
     """The tables below the pictures: bar, tools, times, operations; none that is empty."""
     if content.bar:
         yield _table(
@@ -94,7 +94,7 @@ def tables_of(content: Content) -> Iterator[Table]:
     yield _operations(content)
 
 
-def _operations(content: Content) -> Table:
+def _operations(content: SheetContent) -> SheetTable:
     listed = content.operations[:MAX_ROWS]
     table = _table(
         "operations", f"Operations ({len(content.operations)}, {clock(content.seconds)})",
@@ -105,13 +105,13 @@ def _operations(content: Content) -> Table:
         [_operation(op) for op in listed],
     )  # fmt: skip
     more = len(content.operations) - len(listed)
-    return Table(
+    return SheetTable(
         table.name, table.title, table.columns, table.rows, tuple(op.line for op in listed), more,
         "operations",
     )  # fmt: skip
 
 
-def _operation(op: Operation) -> tuple[Cell, ...]:
+def _operation(op: SheetOperation) -> tuple[Cell, ...]:
     deep: Cell = "through" if op.is_through else op.depth
     return (op.number, op.what, ", ".join(op.faces), op.x, op.y, deep, op.length, op.feed_mm_min,
             op.speed_rpm, op.seconds)  # fmt: skip

@@ -11,7 +11,7 @@ from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.array_types import Counts, Floats
 from beamcam.machine.machine import Machine
 from beamcam.machine.stations import Saw
-from beamcam.machine.words import Body, section_values, signed
+from beamcam.machine.words import MachineBox, section_values, signed
 from beamcam.model.part import Profile
 from beamcam.simulation import COLLISION, LIMIT, REACH, TIPS
 from beamcam.simulation.trace import Trace
@@ -100,7 +100,7 @@ def looks(trace: Trace) -> Floats:
     return np.append(times, trace.duration_s)
 
 
-def _placed(body: Body, trace: Trace, at: Floats, values: Mapping[str, float]) -> _Placed:
+def _placed(body: MachineBox, trace: Trace, at: Floats, values: Mapping[str, float]) -> _Placed:
     names = [axis.name for axis in trace.axes]
 
     def carried(carrier: str) -> Floats:

@@ -17,7 +17,7 @@ from beamcam.errors import Rule, Source, VerifyError
 from beamcam.machine.tables import Modbus
 from beamcam.simulation import MODBUS, PORT, REGISTER
 from beamcam.simulation.trace import State, Trace, TraceRow
-from beamcam.system import LOOK_S, NEVER, Asked
+from beamcam.system import LOOK_S, NEVER, EndRequest
 
 # --- registers ------------------------------------------------------------------------------------
 
@@ -206,7 +206,7 @@ ANY_DEVICE = 0  #: the server answers whatever unit it is asked as
 def serve(
     rows: Iterable[TraceRow], modbus: Modbus, host: str, port: int, pace: float = 1.0,
     ready: Callable[[str, int], None] = lambda host, port: None, is_held: bool = True,
-    interrupt: Asked = NEVER,
+    interrupt: EndRequest = NEVER,
 ) -> None:  # fmt: skip
     """Show every row when it is due; if `is_held`, the last one until `interrupt` asks for the end.
 
@@ -219,7 +219,7 @@ def serve(
 
 async def _serve(
     rows: Iterable[TraceRow], modbus: Modbus, host: str, port: int, pace: float,
-    ready: Callable[[str, int], None], is_held: bool, asked: Asked,
+    ready: Callable[[str, int], None], is_held: bool, asked: EndRequest,
 ) -> None:  # fmt: skip
     place = Source(f"{host}:{port}")
     waiting = iter(rows)

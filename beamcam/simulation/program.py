@@ -11,7 +11,7 @@ from msgspec import Struct
 
 from beamcam.checks.steps.velocities import TableRow
 from beamcam.controllers.simotion.axes import circle_points
-from beamcam.controllers.simotion.job import JobRead, Operation
+from beamcam.controllers.simotion.job import JobRead, TableOperation
 from beamcam.controllers.step_table.rows import Rows
 from beamcam.errors import Diagnostic, Source, VerifyError, errors_in
 from beamcam.geometry.array_types import Counts, Floats
@@ -20,7 +20,7 @@ from beamcam.machine.machine import Machine
 from beamcam.machine.runtime import PROCESSES
 from beamcam.machine.tables import Stepper
 from beamcam.model.part import Part
-from beamcam.model.program import ArcTravel, Lift, Switch, Travel, TriggerOp
+from beamcam.model.program import ArcTravel, LiftTorch, SwitchTool, Travel, TriggerOp
 from beamcam.motion.lookahead import SpeedSection
 from beamcam.motion.sheet_times import operation_seconds, place_behind
 from beamcam.simulation import ENDLESS
@@ -171,7 +171,7 @@ def trigger_trace(job: JobRead, machine: Machine) -> Trace:
     for operation in job.operations:
         op = _operation(operation, job)
         whole_s = operation_seconds(op, here, triggers)
-        if isinstance(op, Switch):
+        if isinstance(op, SwitchTool):
             state = State(process=op.process if op.on else "")
             builder.wait(whole_s, operation.line, state)
             continue
@@ -188,17 +188,17 @@ def trigger_trace(job: JobRead, machine: Machine) -> Trace:
     return builder.trace()
 
 
-def _operation(op: Operation, job: JobRead) -> TriggerOp:
+def _operation(op: TableOperation, job: JobRead) -> TriggerOp:
     """An operation as it was read, in the words of the model."""
     if op.kind == 0:
         return Travel(op.x, op.y, op.speed)
     if op.kind == LIFT:
-        return Lift(op.height, op.speed)
+        return LiftTorch(op.height, op.speed)
     if op.kind >= ARC:
         return ArcTravel(op.x, op.y, *(op.via or (op.x, op.y)), op.speed)
     process = PROCESSES[(op.kind - 1) // 2]
     on = op.kind % 2 == 1
-    return Switch(process, on, job.pierce_s[process] if on else 0.0)  # type: ignore[arg-type]
+    return SwitchTool(process, on, job.pierce_s[process] if on else 0.0)  # type: ignore[arg-type]
 
 
 def _travel(

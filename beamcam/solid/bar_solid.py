@@ -53,7 +53,7 @@ if TYPE_CHECKING:
 AXES = {"X": 0, "Y": 1, "Z": 2}
 
 
-class Tip(Struct, frozen=True):
+class ToolPoint(Struct, frozen=True):
     """Where the point of a tool is: bar x and y on the face, and its depth in the wall."""
 
     x: float
@@ -76,11 +76,11 @@ class Reach(Struct, frozen=True):
     surface_per_y: float
     way: float
 
-    def tip(self, bar_x: float, place: tuple[float, float, float]) -> Tip:
+    def tip(self, bar_x: float, place: tuple[float, float, float]) -> ToolPoint:
         """The point of its tool for a place of the program's axes."""
         y = (place[self.across] - self.across_at) / self.across_per_y
         depth = self.way * (place[self.stroke] - self.surface - self.surface_per_y * y)
-        return Tip(bar_x, y, depth)
+        return ToolPoint(bar_x, y, depth)
 
 
 def reaches(machine: Machine, profile: Profile) -> dict[int, tuple[Reach, ...]]:
@@ -148,11 +148,11 @@ class Sweep(Struct, frozen=True):
     reach: Reach
     kind: str
     diameter: float
-    start: Tip
-    end: Tip
+    start: ToolPoint
+    end: ToolPoint
 
 
-class Work(Struct, frozen=True):
+class BarWork(Struct, frozen=True):
     """What a program does to its bar."""
 
     slabs: tuple[Slab, ...]
@@ -185,7 +185,7 @@ def said_of_section(events: Iterable[BarEvent], machine: Machine) -> dict[str, f
     return sizes
 
 
-def work_of(events: Iterable[BarEvent], machine: Machine, part: Part) -> Work:
+def work_of(events: Iterable[BarEvent], machine: Machine, part: Part) -> BarWork:
     """Cuts and sweeps of a program, on a bar of a part's section."""
     drill, saw = machine.drill, machine.saw
     if drill is None or saw is None:
@@ -197,7 +197,7 @@ def work_of(events: Iterable[BarEvent], machine: Machine, part: Part) -> Work:
     chosen = reaches(machine, part.profile)
     tool: tuple[str, float] | None = None
     spindles: tuple[Reach, ...] = ()
-    tips: dict[int, Tip] = {}
+    tips: dict[int, ToolPoint] = {}
     sweeps: list[Sweep] = []
     x = nan
     for event in events:
@@ -225,7 +225,7 @@ def work_of(events: Iterable[BarEvent], machine: Machine, part: Part) -> Work:
                     and not isnan(tip.x + tip.y + tip.depth)
                 ):
                     _swept(sweeps, Sweep(event.line, reach, *tool, before, tip))
-    return Work(tuple(slabs), tuple(sweeps), said_of_section(events, machine))
+    return BarWork(tuple(slabs), tuple(sweeps), said_of_section(events, machine))
 
 
 def _tool(kind: str, values: dict[str, float], dialect: Dialect) -> tuple[str, float]:
@@ -273,7 +273,7 @@ def _slab(line: int, at: float, angle: float, tilt: float, saw: Saw, height: flo
 
 
 def bar_pieces(
-    work: Work, part: Part, machine: Machine, bar: float | None = None,
+    work: BarWork, part: Part, machine: Machine, bar: float | None = None,
     points: dict[tuple[str, float], float] | None = None, chord: float = CHORD,
     lines: dict[int, int] | None = None,
 ) -> "list[Manifold]":  # fmt: skip

@@ -67,7 +67,7 @@ def bodies_of(part: Part, wide: Margins, narrow: Margins, end: float, place: flo
     )  # fmt: skip
 
 
-class Fit(Struct, frozen=True):
+class FittedPiece(Struct, frozen=True):
     """A piece laid on its part, and the lumps that differ beyond the margins."""
 
     laid: "Manifold"
@@ -88,9 +88,9 @@ def lumps(body: "Manifold") -> "list[Manifold]":
     return [one for volume, _, one in sorted(sized, reverse=True) if volume >= NOISE]
 
 
-def fit_of(laid: "Manifold", bodies: Bodies) -> Fit:
+def fit_of(laid: "Manifold", bodies: Bodies) -> FittedPiece:
     """A piece in the part's own axes beside the part."""
-    return Fit(laid, lumps(bodies.least - laid), lumps(laid - bodies.most))
+    return FittedPiece(laid, lumps(bodies.least - laid), lumps(laid - bodies.most))
 
 
 def turns_of_bar(mirrored: bool) -> Iterator[Frame]:
@@ -133,9 +133,9 @@ def ways_to_lie(
             yield one.translate((high - box[3], 0.0, 0.0))
 
 
-def best_fit(ways: "Iterable[Manifold]", bodies: Bodies) -> Fit | None:
+def best_fit(ways: "Iterable[Manifold]", bodies: Bodies) -> FittedPiece | None:
     """The way to lie that differs least, the first that does not; None without any."""
-    best: Fit | None = None
+    best: FittedPiece | None = None
     for laid in ways:
         one = fit_of(laid, bodies)
         if best is None or one.differs < best.differs:
@@ -146,7 +146,7 @@ def best_fit(ways: "Iterable[Manifold]", bodies: Bodies) -> Fit | None:
 
 
 def differences(
-    best: Fit, mirror: "Iterable[Manifold]", bodies: Bodies, name: str, source: Source
+    best: FittedPiece, mirror: "Iterable[Manifold]", bodies: Bodies, name: str, source: Source
 ) -> Iterator[Diagnostic]:
     """What is wrong with a piece by its best fit; nothing of a sound one.
 
@@ -182,8 +182,8 @@ def _length(body: "Manifold") -> float:
 
 
 def without_left_out(
-    fit: Fit, bodies: Bodies, name: str, skips: Sequence[str]
-) -> tuple[Fit, list[Diagnostic]]:
+    fit: FittedPiece, bodies: Bodies, name: str, skips: Sequence[str]
+) -> tuple[FittedPiece, list[Diagnostic]]:
     """The fit without the steel of features that may be left out, and what is said of them."""
     allowed = {
         kind for kind, names in KINDS.items() if "all" in skips or not {*names}.isdisjoint(skips)
@@ -212,7 +212,7 @@ def without_left_out(
         extra = [lump for one in extra for lump in lumps(one - taken)]
         volume = before - sum(one.volume() for one in extra)
         diagnostics.append(left_out(feature, volume, name))
-    return Fit(fit.laid, fit.missing, extra), diagnostics
+    return FittedPiece(fit.laid, fit.missing, extra), diagnostics
 
 
 def _by_feature(part: Part, margins: Margins) -> "dict[int, tuple[Feature, Manifold]]":

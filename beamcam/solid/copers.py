@@ -78,7 +78,7 @@ SKIN = 0.05  #: mm off surfaces that no one cuts: those that lie in one another 
 _CALLED_PIPE = re.compile(r"\s*(PIPE|CHS|TUBE)", re.IGNORECASE)
 
 
-class Asked(Struct, frozen=True):
+class PartWithAllowance(Struct, frozen=True):
     """A part with the steel that its machine may leave on it."""
 
     bodies: Bodies  #: its most steel has the round of its corners, its bevels and straight holes
@@ -141,7 +141,7 @@ def as_tube(part: Part, coper: Coper) -> Part:
     return replace(part, profile=size)
 
 
-def _asked(part: Part, machine: Machine, coper: Coper, burns: Sequence[Burn]) -> Asked:
+def _asked(part: Part, machine: Machine, coper: Coper, burns: Sequence[Burn]) -> PartWithAllowance:
     """A part with the steel that a sound program leaves of it at least and at most."""
     form = machine.format
     slack = coper.tolerance + 2 * form.resolution + 3 * CHORD
@@ -179,10 +179,12 @@ def _asked(part: Part, machine: Machine, coper: Coper, burns: Sequence[Burn]) ->
         more = [*ends, *ledges, *steps, *on_tube]
         most = m.Manifold.batch_boolean([most, *more], m.OpType.Add)
     bodies = replace(bodies, least=least, most=most)
-    return Asked(bodies, plain, corners, count, coper.corner_radius, square)
+    return PartWithAllowance(bodies, plain, corners, count, coper.corner_radius, square)
 
 
-def _known(piece: "Manifold", beyond: "Sequence[Manifold]", one: Asked) -> Iterator[Diagnostic]:
+def _known(
+    piece: "Manifold", beyond: "Sequence[Manifold]", one: PartWithAllowance
+) -> Iterator[Diagnostic]:
     """The steel on a sound piece that is more than what is drawn, without what may be left out."""
     mark, source = one.bodies.part.mark or "the part", one.bodies.part.source
     if one.count:

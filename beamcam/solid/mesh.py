@@ -15,7 +15,7 @@ from beamcam.solid.bar_solid import bar_pieces, lying, points_of, said_of_sectio
 from beamcam.solid.coper_solid import burns_of, stock_of, taken_by
 from beamcam.solid.copers import as_tube
 from beamcam.solid.kernel import Frame, minus, prism
-from beamcam.solid.sheet_solid import Stroke, left_of
+from beamcam.solid.sheet_solid import SweptStroke, left_of
 from beamcam.solid.sheet_solid import taken_by as taken_of_sheet
 
 if TYPE_CHECKING:
@@ -89,7 +89,7 @@ def _mesh(body: "Manifold", lines: Mapping[int, int]) -> Mesh:
 
 
 def sheet_meshes(
-    strokes: Sequence[Stroke], kerf: float, thickness: float, chord: float
+    strokes: Sequence[SweptStroke], kerf: float, thickness: float, chord: float
 ) -> list[Mesh]:
     """The pieces that come free of a sheet in X and Y of the table, without what falls out of them.
 

@@ -18,7 +18,7 @@ from beamcam.solid.bar_solid import bar_pieces, lying, points_of, said_of_sectio
 from beamcam.solid.compare import (
     ALIKE,
     Bodies,
-    Fit,
+    FittedPiece,
     best_fit,
     bodies_of,
     differences,
@@ -152,7 +152,7 @@ def _of_bar(text: str, request: Request, bar: float | None) -> list[Diagnostic]:
     return diagnostics
 
 
-def _fit(piece: "Manifold", stock: Part, bodies: Bodies) -> Fit | None:
+def _fit(piece: "Manifold", stock: Part, bodies: Bodies) -> FittedPiece | None:
     """How a piece of the bar fits its part, as it lies or turned."""
     return best_fit(ways_to_lie(piece, stock, bodies, False), bodies)
 

@@ -51,7 +51,7 @@ class Starting(Struct, frozen=True):
         )
 
 
-class Stroke(Struct):
+class SweptStroke(Struct):
     """The moves of the head between on and off."""
 
     switch: Switch
@@ -95,20 +95,20 @@ def _place(number: int, carried: str, machine: Machine) -> int | None:
 
 def strokes_of(
     events: Sequence[TableEvent], machine: Machine, rows: Sequence[TorchRow], name: str
-) -> list[Stroke]:
+) -> list[SweptStroke]:
     """The strokes of a program whose sheet is worked by `rows`.
 
     Where one word starts several tools, power and feed say which.
     """
     known = starting_words(machine)
-    strokes: list[Stroke] = []
-    on: Stroke | None = None
+    strokes: list[SweptStroke] = []
+    on: SweptStroke | None = None
     side, radius = "on", 0.0
     for event in events:
         if isinstance(event, Switch):
             starts = [one for one in known if one.takes(event)]
             if starts and on is None:
-                on = Stroke(event, "|".join(s.process for s in starts), side, radius, [])
+                on = SweptStroke(event, "|".join(s.process for s in starts), side, radius, [])
                 strokes.append(on)
             elif not starts:  # any other word stops it, as does the end
                 on = None
@@ -122,7 +122,9 @@ def strokes_of(
     return strokes
 
 
-def _process(stroke: Stroke, known: Sequence[Starting], rows: Sequence[TorchRow], name: str) -> str:
+def _process(
+    stroke: SweptStroke, known: Sequence[Starting], rows: Sequence[TorchRow], name: str
+) -> str:
     """Of several processes with one word that whose row has the stroke's power and feed."""
     feeds = {move.feed_mm_min for move in stroke.moves if move.feed_mm_min > 0}
     fitting = set()
@@ -143,7 +145,7 @@ def _process(stroke: Stroke, known: Sequence[Starting], rows: Sequence[TorchRow]
     raise BeamcamError(NO_SOLID.at(Source(name, stroke.switch.line), found=found))
 
 
-def pieces_cut(strokes: Sequence[Stroke], kerf: float) -> list[Shape]:
+def pieces_cut(strokes: Sequence[SweptStroke], kerf: float) -> list[Shape]:
     """The pieces that come free of the sheet, in X and Y of the table; cut-outs among them."""
     return left_of([shape for s in strokes if s.process == "cut" for shape in taken_by(s, kerf)])
 
@@ -162,7 +164,7 @@ def left_of(taken: Sequence[Shape]) -> list[Shape]:
     return [one for one in getattr(left, "geoms", (left,)) if not one.intersects(edge)]
 
 
-def taken_by(stroke: Stroke, kerf: float) -> Iterator[Shape]:
+def taken_by(stroke: SweptStroke, kerf: float) -> Iterator[Shape]:
     """What the torch sweeps on a stroke: its path, as the controller keeps it off, by the kerf."""
     from shapely import LineString, Point
 

@@ -16,10 +16,10 @@ from beamcam.model.part import (
     Bend,
     Bevel,
     Camber,
-    Comment,
     Contour,
     EndCuts,
     EndPlane,
+    FileComment,
     Hole,
     Notch,
     Part,
@@ -210,7 +210,7 @@ def comments_of(draw, planes, features, part):
     chosen = draw(st.lists(st.sampled_from(anchors), max_size=4))
     positions = plane_positions(planes, features)
     chosen.sort(key=lambda anchor: anchor_key(anchor, positions))
-    return tuple(Comment(draw(comment_texts), anchor) for anchor in chosen)
+    return tuple(FileComment(draw(comment_texts), anchor) for anchor in chosen)
 
 
 @st.composite

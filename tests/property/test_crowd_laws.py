@@ -193,7 +193,7 @@ def test_slots_are_read_back_however_many() -> None:
 
 
 def test_the_read_back_looks_at_the_holes_that_comparing_each_two_finds() -> None:
-    from beamcam.checks.bars.machine_limits import Shape, _side_by_side
+    from beamcam.checks.bars.machine_limits import CornerCircles, _side_by_side
 
     for seed in range(100):
         chance = random.Random(seed)
@@ -204,7 +204,7 @@ def test_the_read_back_looks_at_the_holes_that_comparing_each_two_finds() -> Non
             )
             for _ in range(25)
         ]  # fmt: skip
-        shapes = [shape_of(Shape, hole) for hole in holes]
+        shapes = [shape_of(CornerCircles, hole) for hole in holes]
 
         def touch(one: Any, other: Any) -> bool:
             near = dist(one.centres[0], other.centres[0]) < one.radius + other.radius

@@ -10,14 +10,14 @@ from hypothesis import strategies as st
 from beamcam.geometry.curves import Arc, Line
 from beamcam.motion.densify import DensifyRules, densify
 from beamcam.motion.lookahead import LookAheadRules, plan_speeds
-from beamcam.motion.profile import Limits, fastest_profile, reachable_speed
+from beamcam.motion.profile import AxisLimits, fastest_profile, reachable_speed
 from tests.conftest import examples
 from tests.path_samples import entries, positions
 from tests.property.curve_strategies import curves
 from tests.property.test_moves import ramp_distance
 
 axes = st.builds(
-    Limits,
+    AxisLimits,
     st.sampled_from([20.0, 100.0, 500.0]),
     st.sampled_from([50.0, 1000.0, 5000.0]),
     st.sampled_from([500.0, 20_000.0, 1e6, inf]),
@@ -116,7 +116,9 @@ def test_a_straight_line_in_pieces_is_one_line(pieces, axis, length):
     share = np.linspace(0, 1, pieces + 1)[:, None]
     rules = LookAheadRules((axis, axis))
     path = plan_speeds(share * np.array([length, 0.0]), 80.0, rules)
-    whole = fastest_profile(length, Limits(min(80.0, axis.velocity), axis.acceleration, axis.jerk))
+    whole = fastest_profile(
+        length, AxisLimits(min(80.0, axis.velocity), axis.acceleration, axis.jerk)
+    )
     assert path.duration_s == pytest.approx(whole.duration_s, rel=1e-6)
 
 
@@ -147,7 +149,7 @@ def test_samples_lie_on_the_path_and_end_at_rest(points, rules):
 @pytest.mark.parametrize(("places", "tolerance"), [(9, 0.01), (3, 0.01), (3, 0.002), (2, 0.05)])
 def test_a_densified_circle_is_driven_smoothly(places, tolerance):
     """Rounding makes the corners of a circle uneven; that shall not make the machine crawl."""
-    axis = Limits(200.0, 1000.0, 20_000.0)
+    axis = AxisLimits(200.0, 1000.0, 20_000.0)
     circle = (
         Line((0.0, 0.0), (100.0, 0.0)),
         Arc((100.0, 20.0), 20.0, -90.0, 180.0),

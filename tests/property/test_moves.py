@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from beamcam.geometry.ramps import move_seconds, ramp_seconds, stretch_seconds
-from beamcam.motion.profile import Limits
+from beamcam.motion.profile import AxisLimits
 from tests.conftest import examples
 from tests.property.test_profile import duration_by_ruckig
 
@@ -46,7 +46,7 @@ def test_thousands_of_moves_take_as_long_as_ruckigs():
     dice = np.random.default_rng(5)
     for _ in range(5000):
         v, a, j, way = (10.0 ** dice.uniform(-2, 4, 4)).tolist()
-        expected = duration_by_ruckig(Limits(v, a, j), way, 0.0, 0.0)
+        expected = duration_by_ruckig(AxisLimits(v, a, j), way, 0.0, 0.0)
         assert move_seconds(way, v, a, j) == pytest.approx(expected, rel=1e-3)
 
 
@@ -65,7 +65,7 @@ def test_thousands_of_stretches_take_as_long_as_ruckigs():
         assert seconds >= ramp_seconds(abs(first - last), a, j) * (1 - 1e-9)
         # Next to the least distance ruckig gives up.
         if least + way >= 1.05 * least:
-            expected = duration_by_ruckig(Limits(v, a, j), least + way, first, last)
+            expected = duration_by_ruckig(AxisLimits(v, a, j), least + way, first, last)
             assert seconds == pytest.approx(expected, rel=1e-3)
 
 

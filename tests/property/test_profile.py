@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from ruckig import InputParameter, Ruckig, Trajectory
 
 from beamcam.motion.profile import (
-    Limits,
+    AxisLimits,
     fastest_profile,
     profile_by_acceleration,
     profile_over_distance,
@@ -23,7 +23,7 @@ RANDOM_PROFILES = 10_000
 amounts = st.floats(0.01, 1e4)
 percents = st.one_of(st.sampled_from([0.0, 50.0, 100.0]), st.floats(0, 100))
 time_points = st.tuples(st.floats(0.1, 100), st.floats(-1e3, 1e3))
-limits_of_axes = st.builds(Limits, amounts, amounts, st.one_of(amounts, st.just(inf)))
+limits_of_axes = st.builds(AxisLimits, amounts, amounts, st.one_of(amounts, st.just(inf)))
 
 
 @st.composite
@@ -131,7 +131,7 @@ def test_ten_thousand_profiles_arrive_and_take_no_longer_than_ruckigs():
     worst = slowest = 0.0
     for _ in range(RANDOM_PROFILES):
         v, a, j, distance = 10.0 ** dice.uniform(-2, 4, 4)
-        limits = Limits(v, a, j)
+        limits = AxisLimits(v, a, j)
         profile = fastest_profile(distance, limits)
         worst = max(worst, abs(integral_of_velocity(profile) / distance - 1))
         peak = max(abs(p.acceleration) for p in profile.phases)

@@ -14,7 +14,7 @@ from beamcam.errors import PlanError, Source, VerifyError, errors_in
 from beamcam.machine import Machine, load
 from beamcam.model.part import Hole, Part, Profile, Slot
 from beamcam.pipeline import post
-from beamcam.recovery import Stock, recover
+from beamcam.recovery import KnownStock, recover
 from tests.conftest import examples
 from tests.property.test_sheet_plan_laws import (
     crosses,
@@ -43,7 +43,7 @@ def posted(parts: tuple[Part, ...], machine: Machine) -> str:
 
 
 def recovered(text: str, machine: Machine, profile: Profile) -> tuple[Part, ...]:
-    found = recover(text, machine, "p", Stock(profile))
+    found = recover(text, machine, "p", KnownStock(profile))
     assert [str(d) for d in found.said] == []
     return found.parts
 
@@ -134,7 +134,7 @@ def test_a_slot_comes_back(slot: Slot) -> None:
 def coped(machine: Machine, part: Part) -> None:
     """The law of copers: each of two programs makes the part of the other."""
     text = posted((part,), machine)
-    found = recover(text, machine, "p", Stock(part.profile, part.grade))
+    found = recover(text, machine, "p", KnownStock(part.profile, part.grade))
     assert not errors_in(found.said), [str(d) for d in found.said]
     (made,) = found.parts
     assert abs(made.length - part.length) <= 1e-3

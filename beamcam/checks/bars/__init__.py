@@ -16,7 +16,7 @@ from beamcam.caches import BoundedCache, PerObject
 from beamcam.checks import rules
 from beamcam.checks.bars.ability import FeatureRef, skippable
 from beamcam.checks.bars.cell import Cell
-from beamcam.checks.bars.compare import Asked, Comparison
+from beamcam.checks.bars.compare import Comparison, RequiredParts
 from beamcam.checks.bars.machine_limits import bar_faults, bore_faults, reach_faults, size_faults
 from beamcam.checks.bars.pieces import standing
 from beamcam.checks.bars.sequence import comment_faults, place_faults, stop_comments
@@ -185,7 +185,7 @@ def compared(
     Where nothing is, also what a `head` says otherwise.
     """
     known = _known_of(machine)
-    job = Asked(parts, skips, order != "given", turn, bar)
+    job = RequiredParts(parts, skips, order != "given", turn, bar)
     comparison = Comparison(
         done.made, job, known.shop, profile, known.choices(profile), name
     )  # fmt: skip

@@ -22,8 +22,8 @@ from beamcam.checks.bars.stations import (
 from beamcam.checks.bars.targets import (
     THREADS,
     MarkingPath,
-    Pocket,
-    Round,
+    RequiredPocket,
+    RequiredRound,
     Target,
     Unmakeable,
     from_behind,
@@ -166,7 +166,7 @@ def _off_stroke(
     """The holes that a stroke which is the same for all of them does not make."""
     slack = shop.machine.format.resolution
     for target in targets:
-        if not isinstance(target, Round):
+        if not isinstance(target, RequiredRound):
             continue
         face, kind = target.face, target.kind
         bottom = spindles[face].stroke.bottom
@@ -188,7 +188,11 @@ def _off_axis(
     for target in targets:
         if isinstance(target, Unmakeable):
             continue
-        if isinstance(target, Round) and target.optional and not _is_drilled(target, part, shop):
+        if (
+            isinstance(target, RequiredRound)
+            and target.optional
+            and not _is_drilled(target, part, shop)
+        ):
             continue
         face = target.face
         depth, tip = _depth_and_tip(target, wall_thickness(part.profile, face), shop)
@@ -198,7 +202,7 @@ def _off_axis(
                 yield target.feature
 
 
-def _is_drilled(end: Round, part: Part, shop: ToolCatalogue) -> bool:
+def _is_drilled(end: RequiredRound, part: Part, shop: ToolCatalogue) -> bool:
     """Whether the machine drills the end of a slot before it mills it."""
     slot = part.features[end.feature]
     return (
@@ -210,13 +214,13 @@ def _is_drilled(end: Round, part: Part, shop: ToolCatalogue) -> bool:
 
 
 def _depth_and_tip(
-    target: Round | Pocket | MarkingPath, thickness: float, shop: ToolCatalogue
+    target: RequiredRound | RequiredPocket | MarkingPath, thickness: float, shop: ToolCatalogue
 ) -> tuple[float, float]:
     """Depth of the full diameter, or of the point of another tool than a drill; and its tip."""
     if isinstance(target, MarkingPath):
         return shop.drill.mark_depth, 0.0
     through = thickness + shop.drill.breakthrough
-    if isinstance(target, Pocket):
+    if isinstance(target, RequiredPocket):
         return (through if target.depth is None else target.depth), 0.0
     kind, hole = target.kind, target.kind.hole
     size = kind.own
@@ -231,9 +235,11 @@ def _depth_and_tip(
     return REACHES[kind.tool](kind, size, thickness, shop).least - tip, tip
 
 
-def _places(target: Round | Pocket | MarkingPath, shop: ToolCatalogue) -> tuple[float, ...]:
+def _places(
+    target: RequiredRound | RequiredPocket | MarkingPath, shop: ToolCatalogue
+) -> tuple[float, ...]:
     """y of the tool; of a path its minimum and maximum."""
-    if isinstance(target, Round):
+    if isinstance(target, RequiredRound):
         return (target.y,)
     if isinstance(target, MarkingPath):
         boxes = [curve.bbox for curve in target.curves]

@@ -12,7 +12,7 @@ from msgspec import Struct, field
 from beamcam.checks import rules
 from beamcam.checks.asked import left_out, left_to_hand
 from beamcam.checks.bars.ability import FeatureRef, may_be_missing, repeats
-from beamcam.checks.bars.cuts import CutFaults, End, ends_of
+from beamcam.checks.bars.cuts import CutFaults, RequiredEnd, ends_of
 from beamcam.checks.bars.holes import HoleCheck, RequiredHole
 from beamcam.checks.bars.machine_limits import reach_faults, section_faults, shape_of, steel_faults
 from beamcam.checks.bars.paths import PathsAlong, RequiredPath, check_paths, is_led
@@ -28,7 +28,13 @@ from beamcam.checks.bars.pieces import (
 )
 from beamcam.checks.bars.sequence import Done, entry_faults, parting_faults
 from beamcam.checks.bars.stations import Choice, MachinedFeatures
-from beamcam.checks.bars.targets import Pocket, Round, Target, Unmakeable, targets_of
+from beamcam.checks.bars.targets import (
+    RequiredPocket,
+    RequiredRound,
+    Target,
+    Unmakeable,
+    targets_of,
+)
 from beamcam.checks.bars.tools import ToolCatalogue
 from beamcam.errors import Diagnostic, Source
 from beamcam.machine.machine import Machine, saw_of
@@ -38,7 +44,7 @@ if TYPE_CHECKING:
     from beamcam.checks.bars.texts import PrintedTexts
 
 
-class Asked(Struct, frozen=True):
+class RequiredParts(Struct, frozen=True):
     """The required parts."""
 
     parts: Sequence[Part]
@@ -61,7 +67,7 @@ class Comparison:
     """Comparison of one program with the required parts; `said` holds its faults."""
 
     def __init__(
-        self, made: MachinedFeatures, job: Asked, shop: ToolCatalogue, profile: Profile,
+        self, made: MachinedFeatures, job: RequiredParts, shop: ToolCatalogue, profile: Profile,
         choices: dict[int, Choice], name: str,
     ) -> None:  # fmt: skip
         self.made, self.asked, self.shop, self.saw = made, job, shop, saw_of(shop.machine)
@@ -107,7 +113,7 @@ class Comparison:
             )
             self.said += paths.said
             done += (Done(led.part, path) for path, led in paths.taken)
-            milled = [(p, w.target) for p, w in paths.taken if isinstance(w.target, Pocket)]
+            milled = [(p, w.target) for p, w in paths.taken if isinstance(w.target, RequiredPocket)]
             self.said += entry_faults(self.made, milled, self.shop, self.name)
             shapes += ((led.part, shape_of(led.target)) for _, led in paths.taken)
         for p, one in enumerate(laid):
@@ -130,7 +136,7 @@ class Comparison:
         holes, from_x = required.holes, self.shop.drill.x + one.start
         gone: set[int] = set()  #: slots that are left out, with the holes at their ends
         for target in targets:
-            if isinstance(target, Round):
+            if isinstance(target, RequiredRound):
                 if not (target.optional and target.feature in gone):
                     holes.append(RequiredHole(p, target, from_x + target.x))
             elif isinstance(target, Unmakeable):
@@ -163,7 +169,7 @@ class Comparison:
         led += (RequiredPath(p, target, from_x) for target in marking_paths)
         self.said += diagnostics
 
-    def _targets_of(self, part: Part, ends: tuple[End, End]) -> list[Target]:
+    def _targets_of(self, part: Part, ends: tuple[RequiredEnd, RequiredEnd]) -> list[Target]:
         known = self.targets.get(id(part))
         if known is None:
             known = self.targets[id(part)] = targets_of(part, ends, self.shop)
@@ -238,10 +244,10 @@ class Comparison:
             if isinstance(t, Unmakeable)
             or (
                 not self.holes.is_made(RequiredHole(0, t, from_x + t.x))
-                if isinstance(t, Round)
+                if isinstance(t, RequiredRound)
                 else not is_led(self.paths, t, from_x, shop)
             )
-            if not (isinstance(t, Round) and t.optional)
+            if not (isinstance(t, RequiredRound) and t.optional)
         ]
         return sum(f not in spare for f in missing), len(missing)
 

@@ -32,7 +32,7 @@ OUTLINE_TOLERANCE = 1.0  #: mm that exporters leave between outline and header
 ANGLE_TOLERANCE_DEG = 0.2  #: between header and outline, and between a bevel and its mitre
 
 
-class End(Struct, frozen=True, gc=False):
+class RequiredEnd(Struct, frozen=True, gc=False):
     """The plane of one end of a part."""
 
     side: int  #: -1 start, +1 end: on which side of it the waste lies
@@ -75,7 +75,7 @@ class End(Struct, frozen=True, gc=False):
         return saw.zero_angle + saw.angle_sign * self.web, saw.tilt_sign * tilt + 0.0
 
 
-def ends_of(part: Part, saw: Saw) -> tuple[End, End]:
+def ends_of(part: Part, saw: Saw) -> tuple[RequiredEnd, RequiredEnd]:
     """Start and end of a part: by the header's angles, by the outlines where they are 0."""
     cuts, least = part.cuts, saw.min_mitre
     webs, flanges = (cuts.web_start, cuts.web_end), (cuts.flange_start, cuts.flange_end)
@@ -101,7 +101,7 @@ def ends_of(part: Part, saw: Saw) -> tuple[End, End]:
             t, s = tan(radians(web)), tan(radians(flange))
             leans = [y * t + z * s for y, z in corners(part.profile, part.section)]
             x_0 += max(leans) if side < 0 else min(leans)
-        ends.append(End(side, web, flange, x_0, t, s))
+        ends.append(RequiredEnd(side, web, flange, x_0, t, s))
     return ends[0], ends[1]
 
 
@@ -146,7 +146,9 @@ def _drawn(part: Part, face: Face) -> tuple[float, float]:
     )
 
 
-def off_outline(contour: Contour, part: Part, ends: tuple[End, End]) -> Point | None:
+def off_outline(
+    contour: Contour, part: Part, ends: tuple[RequiredEnd, RequiredEnd]
+) -> Point | None:
     """The first point of an outer contour off the sawn stock; None if there is none.
 
     Every point of it has to lie on a long edge or an end, and every corner of the sawn face has
@@ -175,7 +177,7 @@ def off_outline(contour: Contour, part: Part, ends: tuple[End, End]) -> Point | 
     return None
 
 
-def _span(end: End, face: Face, profile: Profile, q: float) -> tuple[float, float]:
+def _span(end: RequiredEnd, face: Face, profile: Profile, q: float) -> tuple[float, float]:
     """Minimum and maximum x at which an end may be drawn on a face, at its coordinate q."""
     if end.square:
         return end.x_0 - OUTLINE_TOLERANCE, end.x_0 + OUTLINE_TOLERANCE
@@ -207,7 +209,7 @@ def _span(end: End, face: Face, profile: Profile, q: float) -> tuple[float, floa
 
 _by_x = attrgetter("x", "line")
 COMMON_DEG = 0.01  #: ends that differ by no more may share a cut
-SQUARE = End(1, 0.0, 0.0, 0.0)
+SQUARE = RequiredEnd(1, 0.0, 0.0, 0.0)
 NEAR = 60.0  #: mm; a cut this near to where it should be is taken for it, in the wrong place
 
 
@@ -223,7 +225,7 @@ class CutFaults:
         self.starts: list[float] = []
         self.said: list[Diagnostic] = []
 
-    def place(self, parts: Sequence[Part], ends: Sequence[tuple[End, End]]) -> None:
+    def place(self, parts: Sequence[Part], ends: Sequence[tuple[RequiredEnd, RequiredEnd]]) -> None:
         """Find every part's cuts, in the order given; what is left over is too much."""
         begin: float | None = None  #: where the cut before lets the next part begin
         shared = False  #: whether that cut made the next start, skew as it may be
@@ -238,7 +240,8 @@ class CutFaults:
             )
 
     def _place(
-        self, part: Part, ends: tuple[End, End], following: End | None, begin: float | None,
+        self, part: Part, ends: tuple[RequiredEnd, RequiredEnd], following: RequiredEnd | None,
+        begin: float | None,
         shared: bool,
     ) -> tuple[float, bool]:  # fmt: skip
         """One part's cuts; where the next part begins, and whether its start is made already."""
@@ -263,7 +266,9 @@ class CutFaults:
                 return cut.x - saw.x - following.blade(saw, height), True
         return self._take_square(SQUARE, behind[0] if at is None else at, part), False
 
-    def _behind_wedge(self, end: float, last: End, following: End | None) -> list[float]:
+    def _behind_wedge(
+        self, end: float, last: RequiredEnd, following: RequiredEnd | None
+    ) -> list[float]:
         """Where the square cut may stand that removes the wedge, the likeliest first.
 
         It never stands before the middle of the mitre.
@@ -275,12 +280,12 @@ class CutFaults:
             behind += [x for x in self._places(SQUARE) if x >= least][:1]
         return behind
 
-    def _take_square(self, end: End, bar_x: float, part: Part) -> float:
+    def _take_square(self, end: RequiredEnd, bar_x: float, part: Part) -> float:
         """Where the next part begins behind a square cut."""
         cut = self._take(end, bar_x, part)
         return (cut.x - self.saw.x if cut else bar_x) + self.saw.kerf / 2
 
-    def _common(self, end: End, start: End) -> bool:
+    def _common(self, end: RequiredEnd, start: RequiredEnd) -> bool:
         """Whether one cut can make an end and the next start."""
         return (
             self.saw.common_cuts
@@ -288,20 +293,22 @@ class CutFaults:
             and abs(end.flange - start.flange) <= COMMON_DEG
         )
 
-    def _like(self, end: End, cuts: Sequence[Cut]) -> list[Cut]:
+    def _like(self, end: RequiredEnd, cuts: Sequence[Cut]) -> list[Cut]:
         """Those of the cuts that have an end's angles."""
         angle, tilt = end.saw_angles(self.saw)
         limit = self.angle_tolerance
         return [c for c in cuts if abs(c.angle - angle) <= limit and abs(c.tilt - tilt) <= limit]
 
-    def _places(self, end: End) -> list[float]:
+    def _places(self, end: RequiredEnd) -> list[float]:
         """Bar x of the cuts that are left and have an end's angles."""
         return [c.x - self.saw.x for c in self._like(end, self.left)]
 
     def _is_there(self, bar_x: float, places: Sequence[float]) -> bool:
         return any(abs(place - bar_x) <= self.tolerance for place in places)
 
-    def _start(self, part: Part, ends: tuple[End, End], begin: float | None) -> float:
+    def _start(
+        self, part: Part, ends: tuple[RequiredEnd, RequiredEnd], begin: float | None
+    ) -> float:
         """The start of a part: where its first cut fits one at its other end, if there is any."""
         height = part.profile.height
         at, reach = (e.blade(self.saw, height) for e in ends)
@@ -316,7 +323,7 @@ class CutFaults:
             near = self.machine.layout.front_trim
         return min((*offsets, *others), key=lambda s: abs(s - (near or 0.0)), default=near or 0.0)
 
-    def _take(self, end: End, bar_x: float, part: Part) -> Cut | None:
+    def _take(self, end: RequiredEnd, bar_x: float, part: Part) -> Cut | None:
         """The cut at `bar_x`, taken from those that are left; what is wrong with it is said."""
         x = bar_x + self.saw.x
         here = [c for c in self.left if abs(c.x - x) <= self.tolerance]
@@ -329,7 +336,7 @@ class CutFaults:
         return best
 
     def _instead(
-        self, end: End, x: float, here: Sequence[Cut], part: Part
+        self, end: RequiredEnd, x: float, here: Sequence[Cut], part: Part
     ) -> tuple[Cut | None, Diagnostic]:
         """The cut that was meant for an end at machine `x`, and what is wrong with it."""
         names = {"end": end.name, "mark": part.mark}

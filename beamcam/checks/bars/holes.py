@@ -21,7 +21,7 @@ from msgspec import Struct
 
 from beamcam.checks import rules
 from beamcam.checks.bars.stations import Bore, Choice, stroke_values, wall_thickness
-from beamcam.checks.bars.targets import THREADS, Round, RoundKind
+from beamcam.checks.bars.targets import THREADS, RequiredRound, RoundKind
 from beamcam.checks.bars.tools import ToolCatalogue
 from beamcam.errors import Diagnostic, Source
 from beamcam.machine.stations import FLAT_DEG
@@ -94,7 +94,7 @@ class RequiredHole(Struct, frozen=True, gc=False):
     """A hole of a part on the bar."""
 
     part: int
-    target: Round
+    target: RequiredRound
     x: float  #: machine X
 
 

@@ -11,10 +11,17 @@ from math import dist, hypot, inf
 from msgspec import Struct
 
 from beamcam.checks import rules
-from beamcam.checks.bars.cuts import End
+from beamcam.checks.bars.cuts import RequiredEnd
 from beamcam.checks.bars.pieces import LaidPart
 from beamcam.checks.bars.stations import Cut, MachinedFeatures, MachinedPath, lip_length
-from beamcam.checks.bars.targets import PLAIN_KINDS, THREADS, Pocket, Round, Target, slot_corners
+from beamcam.checks.bars.targets import (
+    PLAIN_KINDS,
+    THREADS,
+    RequiredPocket,
+    RequiredRound,
+    Target,
+    slot_corners,
+)
 from beamcam.checks.bars.tools import EPSILON
 from beamcam.errors import Diagnostic, Source
 from beamcam.machine.machine import Layout, Machine
@@ -25,7 +32,7 @@ from beamcam.model.section import walls_beside
 TANGENT = 0.011  #: mm; holes are given to 0.01, so that those which touch may be off by it
 
 
-class Shape(Struct, frozen=True, gc=False):
+class CornerCircles(Struct, frozen=True, gc=False):
     """The circles that a hole or slot of a part has at its corners."""
 
     feature: int
@@ -37,22 +44,22 @@ class Shape(Struct, frozen=True, gc=False):
     hole: Hole | None  #: None of a slot
 
 
-def shape_of(target: Target) -> Shape | None:
+def shape_of(target: Target) -> CornerCircles | None:
     """The circles of what was made; None of a line, and of a slot's end, which is in the slot."""
-    if isinstance(target, Pocket):
+    if isinstance(target, RequiredPocket):
         source = target.source
         if isinstance(source, Slot):
             centres, hole = tuple(slot_corners(source)), None
         else:
             centres, hole = ((target.x, target.y),), source
-        return Shape(
+        return CornerCircles(
             target.feature, target.face, target.what, centres, target.diameter / 2,
             target.depth is None, hole,
         )  # fmt: skip
-    if not isinstance(target, Round) or target.optional:
+    if not isinstance(target, RequiredRound) or target.optional:
         return None
     hole = target.kind.hole
-    return Shape(
+    return CornerCircles(
         target.feature, target.face, target.kind.what, ((target.x, target.y),), hole.diameter / 2,
         hole.depth is None and hole.kind in ("through", *THREADS), hole,
     )  # fmt: skip
@@ -102,7 +109,10 @@ def reach_faults(
 
 
 def steel_faults(
-    shapes: Sequence[Shape], part: Part, ends: tuple[End, End], machine: Machine
+    shapes: Sequence[CornerCircles],
+    part: Part,
+    ends: tuple[RequiredEnd, RequiredEnd],
+    machine: Machine,
 ) -> Iterator[Diagnostic]:
     """Holes and slots of a part, made as it has them, that have no steel all round."""
     step = machine.format.resolution + TANGENT
@@ -130,7 +140,7 @@ def bore_faults(
     """
     step = machine.format.resolution + TANGENT
     shapes = [
-        Shape(
+        CornerCircles(
             k, bore.face, f"hole of {bore.diameter:g}", ((bore.x, bore.y),),
             bore.diameter / 2, False,
             Hole(bore.face, bore.x, bore.y, bore.diameter, Source(name, bore.line)),
@@ -151,8 +161,8 @@ def bore_faults(
 
 
 def _overlapping(
-    shapes: Sequence[Shape], machine: Machine, step: float
-) -> Iterator[tuple[Shape, Shape]]:
+    shapes: Sequence[CornerCircles], machine: Machine, step: float
+) -> Iterator[tuple[CornerCircles, CornerCircles]]:
     """Holes that meet, of two that are not one work about one middle."""
     near = machine.drill.merge_tolerance if machine.drill else 0.0
     for one, other in _side_by_side(shapes):
@@ -165,14 +175,14 @@ def _overlapping(
             yield one, other
 
 
-def _apart(one: Shape, other: Shape) -> tuple[str, str]:
+def _apart(one: CornerCircles, other: CornerCircles) -> tuple[str, str]:
     """How far two holes are apart, and how far they have to be."""
     apart = dist(one.centres[0], other.centres[0])
     expected = f"at least {one.radius + other.radius:g} mm between their middles"
     return f"{apart:.3g} mm from the {one.what}", expected
 
 
-def _joins(path: MachinedPath, holes: Iterable[Shape], step: float) -> bool:
+def _joins(path: MachinedPath, holes: Iterable[CornerCircles], step: float) -> bool:
     """Whether a path comes by the middles of holes."""
     return all(
         hole.face == path.face
@@ -181,7 +191,7 @@ def _joins(path: MachinedPath, holes: Iterable[Shape], step: float) -> bool:
     )
 
 
-def _of_bar(shape: Shape, found: str, expected: str) -> Diagnostic:
+def _of_bar(shape: CornerCircles, found: str, expected: str) -> Diagnostic:
     x, y = shape.centres[0]
     source = shape.hole.source if shape.hole is not None else Source("")
     return rules.HOLE_STEEL.at(
@@ -190,7 +200,7 @@ def _of_bar(shape: Shape, found: str, expected: str) -> Diagnostic:
     )  # fmt: skip
 
 
-def _side_by_side(shapes: Sequence[Shape]) -> Iterator[tuple[Shape, Shape]]:
+def _side_by_side(shapes: Sequence[CornerCircles]) -> Iterator[tuple[CornerCircles, CornerCircles]]:
     """Two holes of a face that may touch, in their order: those as near along the part."""
     holes = [k for k, shape in enumerate(shapes) if shape.hole is not None]
     holes.sort(key=lambda k: (shapes[k].face, shapes[k].centres[0][0]))
@@ -209,7 +219,9 @@ def _side_by_side(shapes: Sequence[Shape]) -> Iterator[tuple[Shape, Shape]]:
     return ((shapes[k], shapes[i]) for k, i in sorted(pairs))
 
 
-def _beyond_end(shape: Shape, profile: Profile, ends: tuple[End, End], step: float) -> str:
+def _beyond_end(
+    shape: CornerCircles, profile: Profile, ends: tuple[RequiredEnd, RequiredEnd], step: float
+) -> str:
     """By how much the circles reach beyond an end of the part, on either side of their wall."""
     height, width = profile.height, profile.width
     flange, web = profile.flange_thickness, profile.web_thickness or 0.0
@@ -234,14 +246,14 @@ def _beyond_end(shape: Shape, profile: Profile, ends: tuple[End, End], step: flo
     return ""
 
 
-def _beyond_edge(shape: Shape, profile: Profile, step: float) -> str:
+def _beyond_edge(shape: CornerCircles, profile: Profile, step: float) -> str:
     """By how much the circles reach beyond an edge of their face."""
     width = profile.face_width(shape.face)
     out = max(max(-(y - shape.radius), y + shape.radius - width) for _, y in shape.centres)
     return f"{out:.3g} mm beyond the edge of the face" if out > step else ""
 
 
-def _in_a_wall(shape: Shape, profile: Profile, step: float) -> str:
+def _in_a_wall(shape: CornerCircles, profile: Profile, step: float) -> str:
     """The wall that a tool would run into: behind the face, or before it beside a sunk one."""
     if not shape.through and not profile.face_depth(shape.face):
         return ""
@@ -253,7 +265,7 @@ def _in_a_wall(shape: Shape, profile: Profile, step: float) -> str:
     return ""
 
 
-def _behind_a_lip(shape: Shape, part: Part, step: float) -> str:
+def _behind_a_lip(shape: CornerCircles, part: Part, step: float) -> str:
     """That a lip of the section stands before a hole in its web."""
     lip = lip_length(part)
     if shape.face != "v" or not lip:
@@ -275,7 +287,7 @@ def _is_one_work(one: Hole, other: Hole) -> bool:
     return deeper and narrow.diameter < wide.diameter
 
 
-def _said(shape: Shape, part: Part, found: str, expected: str) -> Diagnostic:
+def _said(shape: CornerCircles, part: Part, found: str, expected: str) -> Diagnostic:
     x, y = shape.centres[0]
     source = part.features[shape.feature].source
     return rules.HOLE_STEEL.at(

@@ -15,7 +15,7 @@ from msgspec import Struct
 from beamcam.checks import rules
 from beamcam.checks.bars.holes import NEAR, DepthRange, path_reach, wrong_depth
 from beamcam.checks.bars.stations import MachinedPath, in_stem, wall_thickness
-from beamcam.checks.bars.targets import MarkingPath, Pocket
+from beamcam.checks.bars.targets import MarkingPath, RequiredPocket
 from beamcam.checks.bars.tools import ToolCatalogue
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Curve, Point
@@ -26,7 +26,7 @@ FLAT = 0.001  #: mm between a line and the chords that it is measured by
 MOST_CHORDS = 4096
 
 
-def pocket_error(pocket: Pocket, path: Sequence[Point], mill: float) -> float:
+def pocket_error(pocket: RequiredPocket, path: Sequence[Point], mill: float) -> float:
     """Deviation of the pocket that a path makes, in mm, on the part's x and y.
 
     The greater of what is cut beyond the outline and what of it is left standing.
@@ -150,7 +150,7 @@ class RequiredPath(Struct, frozen=True, gc=False):
     """A pocket or line of a part on the bar."""
 
     part: int
-    target: Pocket | MarkingPath
+    target: RequiredPocket | MarkingPath
     from_x: float  #: machine X of the part's x 0
 
 
@@ -227,7 +227,7 @@ def check_paths(
 
 
 def is_led(
-    paths: PathsAlong, target: Pocket | MarkingPath, from_x: float, shop: ToolCatalogue
+    paths: PathsAlong, target: RequiredPocket | MarkingPath, from_x: float, shop: ToolCatalogue
 ) -> bool:
     """Whether there is a path that makes a pocket or line."""
     want = RequiredPath(0, target, from_x)
@@ -243,7 +243,7 @@ def _allowed(shop: ToolCatalogue) -> float:
 def _off(path: MachinedPath, want: RequiredPath) -> float:
     """Deviation of the pocket or line that a path makes."""
     points = [(x - want.from_x, y) for x, y in path.points]
-    if isinstance(want.target, Pocket):
+    if isinstance(want.target, RequiredPocket):
         return pocket_error(want.target, points, path.diameter)
     return line_error(want.target.curves, points)
 
@@ -253,7 +253,7 @@ def _meant(paths: PathsAlong, want: RequiredPath, allowed: float) -> MachinedPat
 
     The nearest come first, of those about one middle the one of its size.
     """
-    kind = "mill" if isinstance(want.target, Pocket) else "scribe"
+    kind = "mill" if isinstance(want.target, RequiredPocket) else "scribe"
     target = want.target
     own = _box_of(target)
     near = [
@@ -271,20 +271,20 @@ def _meant(paths: PathsAlong, want: RequiredPath, allowed: float) -> MachinedPat
 
 
 def _apart(
-    box: Box, mill: float, target: Pocket | MarkingPath, own: Box, from_x: float
+    box: Box, mill: float, target: RequiredPocket | MarkingPath, own: Box, from_x: float
 ) -> tuple[float, float]:
     """How far the middles of a path and of what it may be meant for are apart, and their sizes."""
     own_x, own_y, own_width, own_height = own
-    round_about = target.diameter - mill if isinstance(target, Pocket) else 0.0
+    round_about = target.diameter - mill if isinstance(target, RequiredPocket) else 0.0
     x, y, width, height = box
     apart = abs(x - from_x - own_x) + abs(y - own_y)
     unlike = abs(width - own_width - round_about) + abs(height - own_height - round_about)
     return apart, unlike
 
 
-def _box_of(target: Pocket | MarkingPath) -> Box:
+def _box_of(target: RequiredPocket | MarkingPath) -> Box:
     """The middle of a line or a pocket on its part, and its size; of a pocket that of the core."""
-    if isinstance(target, Pocket):
+    if isinstance(target, RequiredPocket):
         c, s = abs(cos(radians(target.angle))), abs(sin(radians(target.angle)))
         width, height = target.length, target.height
         return target.x, target.y, c * width + s * height, s * width + c * height
@@ -300,11 +300,11 @@ def _box(points: Sequence[tuple[float, float]]) -> Box:
 
 
 def _tool_and_depth(
-    path: MachinedPath, target: Pocket | MarkingPath, mark: str, shop: ToolCatalogue,
+    path: MachinedPath, target: RequiredPocket | MarkingPath, mark: str, shop: ToolCatalogue,
     profile: Profile, source: Source,
 ) -> Iterator[Diagnostic]:  # fmt: skip
     """Faults of the tool and the depth of a path."""
-    x, y = (target.x, target.y) if isinstance(target, Pocket) else target.curves[0].start
+    x, y = (target.x, target.y) if isinstance(target, RequiredPocket) else target.curves[0].start
     described: dict[str, object] = {
         "what": target.what, "face": target.face, "mark": mark, "x": f"{x:g}", "y": f"{y:g}",
     }  # fmt: skip
@@ -314,7 +314,7 @@ def _tool_and_depth(
         found = f"a {path.kind} {path.diameter:g}"
         yield rules.TOOL.at(source, found=found, expected=f"one of {shown}", **described)
         return
-    if isinstance(target, Pocket):
+    if isinstance(target, RequiredPocket):
         reach = path_reach(target.depth, wall_thickness(profile, target.face), shop)
     else:
         reach = DepthRange(shop.drill.mark_depth, shop.drill.mark_depth)

@@ -14,7 +14,7 @@ from math import atan, atan2, cos, degrees, hypot, nan, radians, sin, tan
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.checks.bars.cuts import End, ends_of
+from beamcam.checks.bars.cuts import RequiredEnd, ends_of
 from beamcam.checks.bars.stations import Cut
 from beamcam.geometry.curves import Matrix, Point
 from beamcam.geometry.plane import mapped
@@ -51,7 +51,7 @@ class CutPlane(Struct, frozen=True, gc=False):
         return self.at_pivot - rise * self.tan_web - z * self.tan_flange
 
 
-class Piece(Struct, frozen=True, gc=False):
+class SawnPiece(Struct, frozen=True, gc=False):
     """The steel between two cuts."""
 
     start: CutPlane
@@ -66,15 +66,15 @@ def planes(cuts: Sequence[Cut], saw: Saw, profile: Profile) -> list[CutPlane]:
     return planes
 
 
-def pieces(cuts: Sequence[CutPlane], bar: float | None = None) -> list[Piece]:
+def pieces(cuts: Sequence[CutPlane], bar: float | None = None) -> list[SawnPiece]:
     """The pieces between ordered planes, and before the end of a bar of known length.
 
     The bar's own end counts as a cut of line 0.
     """
-    pieces = [Piece(a, b) for a, b in pairwise(cuts)]
+    pieces = [SawnPiece(a, b) for a, b in pairwise(cuts)]
     if bar is not None and cuts:
         end = CutPlane(Cut(0, bar, nan, 0.0), 0.0, 0.0, bar, 0.0, 0.0, 0.0)
-        pieces.append(Piece(cuts[-1], end))
+        pieces.append(SawnPiece(cuts[-1], end))
     return pieces
 
 
@@ -117,7 +117,7 @@ class Candidate(Struct, frozen=True, gc=False):
 
     part: Part
     given: int  #: index among the required parts
-    ends: tuple[End, End]
+    ends: tuple[RequiredEnd, RequiredEnd]
 
 
 class LaidPart(Struct, frozen=True, gc=False):
@@ -125,19 +125,19 @@ class LaidPart(Struct, frozen=True, gc=False):
 
     part: Part
     given: int
-    ends: tuple[End, End]
+    ends: tuple[RequiredEnd, RequiredEnd]
     start: float  #: bar x of its x 0
-    piece: Piece | None  #: None where its ends are not as they should be
+    piece: SawnPiece | None  #: None where its ends are not as they should be
 
 
 #: By the identity of a part: how it may lie, each way with its ends.
-Ways = dict[int, list[tuple[Part, tuple[End, End]]]]
+Ways = dict[int, list[tuple[Part, tuple[RequiredEnd, RequiredEnd]]]]
 #: How unlike a part is to what is there if it starts at a bar x.
 Faults = Callable[[Candidate, float], tuple[int, int]]
 
 
 def lay_out(
-    pieces: Sequence[Piece], parts: Sequence[Part], machine: Machine, saw: Saw, free: bool,
+    pieces: Sequence[SawnPiece], parts: Sequence[Part], machine: Machine, saw: Saw, free: bool,
     turn: bool, faults: Faults,
 ) -> list[LaidPart]:  # fmt: skip
     """The parts that pieces are, from one end of the bar to the other.
@@ -187,7 +187,7 @@ def _distinct(choices: Sequence[Sequence[Candidate]]) -> list[Candidate]:
     return kept
 
 
-def start_of(piece: Piece, candidate: Candidate, machine: Machine, saw: Saw) -> float | None:
+def start_of(piece: SawnPiece, candidate: Candidate, machine: Machine, saw: Saw) -> float | None:
     """Bar x at which a part starts that has a piece's ends; None if it has others."""
     first, last = candidate.ends
     if not (is_of(piece.start, first, machine, saw) and is_of(piece.end, last, machine, saw)):
@@ -200,7 +200,7 @@ def start_of(piece: Piece, candidate: Candidate, machine: Machine, saw: Saw) -> 
     return start if abs(start - by_end) <= machine.format.resolution + 1e-6 else None
 
 
-def is_of(plane: CutPlane, end: End, machine: Machine, saw: Saw) -> bool:
+def is_of(plane: CutPlane, end: RequiredEnd, machine: Machine, saw: Saw) -> bool:
     """Whether a cut has the angles of an end, to what the output can tell apart."""
     if not plane.cut.line:  # the end of the bar
         return end.square
@@ -237,7 +237,7 @@ def wedge_cuts(
         x = one.start + one.part.length + one.ends[1].kerf(saw) / 2
         if at >= len(cuts) and following is None and _ends_with(bar, x, one, machine, saw):
             continue
-        square = End(1, 0.0, 0.0, 0.0)
+        square = RequiredEnd(1, 0.0, 0.0, 0.0)
         if at >= len(cuts) or not is_of(cuts[at], square, machine, saw):
             return None
         if abs(cuts[at].at_pivot - x) > machine.format.resolution + 1e-6:

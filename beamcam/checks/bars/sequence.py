@@ -25,7 +25,7 @@ from beamcam.checks.bars.stations import (
     StampedText,
     Thing,
 )
-from beamcam.checks.bars.targets import Pocket
+from beamcam.checks.bars.targets import RequiredPocket
 from beamcam.checks.bars.tools import Changed, Chosen, Tool, ToolCatalogue
 from beamcam.errors import Diagnostic, Source
 from beamcam.machine.machine import Machine
@@ -57,7 +57,7 @@ def place_faults(made: MachinedFeatures, machine: Machine, name: str) -> Iterato
 
 def entry_faults(
     made: MachinedFeatures,
-    milled: Iterable[tuple[MachinedPath, Pocket]],
+    milled: Iterable[tuple[MachinedPath, RequiredPocket]],
     shop: ToolCatalogue,
     name: str,
 ) -> Iterator[Diagnostic]:
@@ -126,7 +126,7 @@ def _is_hole_of(work: Bore, other: Thing, near: float) -> bool:
     )
 
 
-def _is_drilled_first(target: Pocket, shop: ToolCatalogue) -> bool:
+def _is_drilled_first(target: RequiredPocket, shop: ToolCatalogue) -> bool:
     """Whether the machine's file has the ends of a slot drilled before it is milled."""
     slot = target.source
     return (

@@ -20,7 +20,7 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.checks.asked import is_by_hand
-from beamcam.checks.bars.cuts import ANGLE_TOLERANCE_DEG, End, off_outline
+from beamcam.checks.bars.cuts import ANGLE_TOLERANCE_DEG, RequiredEnd, off_outline
 from beamcam.checks.bars.stations import wall_thickness
 from beamcam.checks.bars.tools import ToolCatalogue
 from beamcam.geometry.curves import Curve, Point
@@ -59,7 +59,7 @@ class RoundKind(Struct, frozen=True, gc=False):
     pilot: float = 0.0  #: diameter of the hole that a countersink widens
 
 
-class Round(Struct, frozen=True, gc=False):
+class RequiredRound(Struct, frozen=True, gc=False):
     """A round thing at its place on the part."""
 
     feature: int
@@ -70,7 +70,7 @@ class Round(Struct, frozen=True, gc=False):
     optional: bool = False  #: whether it may be there or not
 
 
-class Pocket(Struct, frozen=True, gc=False):
+class RequiredPocket(Struct, frozen=True, gc=False):
     """A hole or slot that a mill is led round in: a rectangle with round corners."""
 
     feature: int
@@ -106,10 +106,12 @@ class Unmakeable(Struct, frozen=True, gc=False):
     place: Point | None = None  #: of an outline
 
 
-Target = Round | Pocket | MarkingPath | Unmakeable
+Target = RequiredRound | RequiredPocket | MarkingPath | Unmakeable
 
 
-def targets_of(part: Part, ends: tuple[End, End], shop: ToolCatalogue) -> list[Target]:
+def targets_of(
+    part: Part, ends: tuple[RequiredEnd, RequiredEnd], shop: ToolCatalogue
+) -> list[Target]:
     """Requirements of every feature of a part; duplicate holes count once."""
     kinds: dict[tuple[object, ...], tuple[RoundKind, ...] | None] = {}
     targets: list[Target] = []
@@ -120,7 +122,7 @@ def targets_of(part: Part, ends: tuple[End, End], shop: ToolCatalogue) -> list[T
             if known == ():
                 known = kinds[key] = _drilled(feature, part, shop)
             if known:
-                targets.append(Round(f, feature.x, feature.y, feature.face, known[0]))
+                targets.append(RequiredRound(f, feature.x, feature.y, feature.face, known[0]))
                 continue
         targets += _targets(f, feature, part, ends, shop)
     return targets
@@ -172,7 +174,7 @@ def is_same(hole: Hole, other: Hole, tolerance: float) -> bool:
 
 
 def _targets(
-    f: int, feature: Feature, part: Part, ends: tuple[End, End], shop: ToolCatalogue
+    f: int, feature: Feature, part: Part, ends: tuple[RequiredEnd, RequiredEnd], shop: ToolCatalogue
 ) -> Iterator[Target]:
     if is_by_hand(feature, shop.machine):
         return
@@ -208,7 +210,7 @@ def _targets(
             yield Unmakeable(f, "the camber", "other", feature)
 
 
-def _is_end(plane: EndPlane, part: Part, ends: tuple[End, End]) -> bool:
+def _is_end(plane: EndPlane, part: Part, ends: tuple[RequiredEnd, RequiredEnd]) -> bool:
     """Whether a plane states an end once more that the part's angles and length give."""
     end = ends[plane.normal[0] > 0]
     return all(
@@ -217,7 +219,9 @@ def _is_end(plane: EndPlane, part: Part, ends: tuple[End, End]) -> bool:
     )
 
 
-def _unsawn_bevel(contour: Contour, ends: tuple[End, End], least_deg: float) -> bool:
+def _unsawn_bevel(
+    contour: Contour, ends: tuple[RequiredEnd, RequiredEnd], least_deg: float
+) -> bool:
     """Whether a contour has a weld preparation that no skew end of the part makes.
 
     Below the least angle that a saw is turned by it is a rounding error of the file.
@@ -248,7 +252,7 @@ def _hole(f: int, hole: Hole, part: Part, shop: ToolCatalogue) -> Iterator[Targe
     elif hole.kind in PLAIN_KINDS:
         # Drilled ones are known by now.
         if shop.mills_round(hole.diameter, hole.face):
-            yield Pocket(
+            yield RequiredPocket(
                 f, hole.face, hole.x, hole.y, 0.0, 0.0, 0.0, hole.diameter, hole.depth,
                 f"hole {size}", hole,
             )  # fmt: skip
@@ -261,7 +265,7 @@ def _hole(f: int, hole: Hole, part: Part, shop: ToolCatalogue) -> Iterator[Targe
     elif any(shop.of("punch", hole.face)):
         own = next(iter(shop.sizes("punch", hole.face)), 0.0)
         kind = RoundKind("punch", "punch mark", 0.0, float("inf"), own, hole)
-        yield Round(f, hole.x, hole.y, hole.face, kind)
+        yield RequiredRound(f, hole.x, hole.y, hole.face, kind)
     else:
         yield Unmakeable(f, "the punch mark", "mark", hole)
 
@@ -279,8 +283,10 @@ def _thread(f: int, hole: Hole, part: Part, shop: ToolCatalogue) -> Iterator[Tar
         return
     least, most = shop.fit(before) or (before, before)
     place = (f, hole.x, hole.y, hole.face)
-    yield Round(*place, RoundKind("drill", f"hole before the {name}", least, most, drills[0], hole))
-    yield Round(*place, RoundKind("tap", name, size, size, size, hole, pitch))
+    yield RequiredRound(
+        *place, RoundKind("drill", f"hole before the {name}", least, most, drills[0], hole)
+    )
+    yield RequiredRound(*place, RoundKind("tap", name, size, size, size, hole, pitch))
 
 
 def _too_deep(hole: Hole, part: Part, pitch: float, drill: float, shop: ToolCatalogue) -> bool:
@@ -303,7 +309,7 @@ def _countersink(f: int, sink: Hole, part: Part, shop: ToolCatalogue) -> Iterato
         yield Unmakeable(f, f"the {name}", lack, sink)
         return
     kind = RoundKind("countersink", name, *limits, sink.diameter, sink, pilot=pilot)
-    yield Round(f, sink.x, sink.y, sink.face, kind)
+    yield RequiredRound(f, sink.x, sink.y, sink.face, kind)
 
 
 def _sink_tools(sink: Hole, pilot: float, shop: ToolCatalogue) -> tuple[str, tuple[float, float]]:
@@ -353,7 +359,7 @@ def _slot(f: int, slot: Slot, part: Part, shop: ToolCatalogue) -> Iterator[Targe
     if not shop.works_on(slot.face, part):
         yield Unmakeable(f, f"the {what}", "face", slot)
         return
-    yield Pocket(
+    yield RequiredPocket(
         f, slot.face, slot.x, slot.y, slot.length, slot.height, slot.angle, slot.diameter,
         slot.depth, what, slot,
     )  # fmt: skip
@@ -361,7 +367,7 @@ def _slot(f: int, slot: Slot, part: Part, shop: ToolCatalogue) -> Iterator[Targe
     for x, y in slot_corners(slot):
         end = Hole(slot.face, x, y, slot.diameter, slot.source, slot.depth)
         kind = RoundKind("drill", f"end of the {what}", 0.0, most, slot.diameter, end)
-        yield Round(f, x, y, slot.face, kind, True)
+        yield RequiredRound(f, x, y, slot.face, kind, True)
 
 
 def slot_corners(slot: Slot) -> Iterator[Point]:

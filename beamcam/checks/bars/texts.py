@@ -8,7 +8,7 @@ from msgspec.structs import replace
 
 from beamcam.checks.asked import by_hand, is_by_hand
 from beamcam.checks.bars.ability import is_within
-from beamcam.checks.bars.cuts import End
+from beamcam.checks.bars.cuts import RequiredEnd
 from beamcam.checks.bars.stations import (
     MachinedPath,
     StampedText,
@@ -18,7 +18,7 @@ from beamcam.checks.bars.stations import (
 )
 from beamcam.checks.bars.targets import MarkingPath, slot_corners
 from beamcam.checks.bars.tools import ToolCatalogue
-from beamcam.checks.drawn_texts import DrawnPieces, DrawnText, Segment, Wanted, told, wanted
+from beamcam.checks.drawn_texts import DrawnPieces, DrawnText, RequiredText, Segment, told, wanted
 from beamcam.checks.lettering import (
     TEXT,
     TEXT_EXTRA,
@@ -44,7 +44,7 @@ CHORDS = 48  #: of a hole
 
 
 def texts_of(
-    part: Part, ends: tuple[End, End], paths: Sequence[MachinedPath], from_x: float,
+    part: Part, ends: tuple[RequiredEnd, RequiredEnd], paths: Sequence[MachinedPath], from_x: float,
     shop: ToolCatalogue,
 ) -> tuple[list[MarkingPath], list[Diagnostic]]:  # fmt: skip
     """The strokes of a part's texts where a program letters them, and what is wrong with them.
@@ -83,10 +83,10 @@ class PrintedTexts:
         self.taken: list[tuple[int, StampedText]] = []
 
     def check(
-        self, p: int, part: Part, ends: tuple[End, End], start: float
+        self, p: int, part: Part, ends: tuple[RequiredEnd, RequiredEnd], start: float
     ) -> Iterator[Diagnostic]:
         """What is wrong with the texts of a part that begins at a bar x."""
-        by_face: dict[Face, list[Wanted]] = {}
+        by_face: dict[Face, list[RequiredText]] = {}
         for feature in part.texts:
             machine = self.shop.machine
             if policy_on(feature, machine.marks) != "make":
@@ -106,7 +106,8 @@ class PrintedTexts:
         return face in self.shop.machine.marks.faces and face not in missing
 
     def _take(
-        self, p: int, of: tuple[Part, tuple[End, End]], texts: Sequence[Wanted], start: float,
+        self, p: int, of: tuple[Part, tuple[RequiredEnd, RequiredEnd]],
+        texts: Sequence[RequiredText], start: float,
         steel: Steel,
     ) -> list[DrawnText | None]:  # fmt: skip
         """The texts of a part's face as they are told over it."""
@@ -129,7 +130,7 @@ class PrintedTexts:
         return result
 
     def _judge(
-        self, face: Face, group: Sequence[tuple[Wanted, DrawnText | None]], part: Part,
+        self, face: Face, group: Sequence[tuple[RequiredText, DrawnText | None]], part: Part,
         steel: Steel,
     ) -> Iterator[Diagnostic]:  # fmt: skip
         marks = self.shop.machine.marks
@@ -163,13 +164,15 @@ class PrintedTexts:
             )
 
 
-def _is_told_as(text: Wanted, one: StampedText) -> bool:
+def _is_told_as(text: RequiredText, one: StampedText) -> bool:
     """Whether a text that is told is of the characters and at the angle of one that is wanted."""
     apart = abs((one.angle - text.feature.angle + 180.0) % 360.0 - 180.0)
     return one.text == text.text and apart < ANGLE_DEG
 
 
-def _is_over(text: Wanted, drawn: DrawnText, part: Part, ends: tuple[End, End]) -> bool:
+def _is_over(
+    text: RequiredText, drawn: DrawnText, part: Part, ends: tuple[RequiredEnd, RequiredEnd]
+) -> bool:
     """Whether the middle of a text lies between the ends of a part; others of the bar may too."""
     middle = box_of(text, drawn.x, drawn.y, drawn.height).centroid
     first, last = (_ends_at(end, text.feature.face, part.profile, middle.y) for end in ends)
@@ -177,7 +180,8 @@ def _is_over(text: Wanted, drawn: DrawnText, part: Part, ends: tuple[End, End]) 
 
 
 def _on_face(
-    face: Face, texts: Sequence[tuple[int, TextMark]], part: Part, ends: tuple[End, End],
+    face: Face, texts: Sequence[tuple[int, TextMark]], part: Part,
+    ends: tuple[RequiredEnd, RequiredEnd],
     paths: Sequence[MachinedPath], from_x: float, shop: ToolCatalogue,
 ) -> tuple[list[MarkingPath], list[Diagnostic]]:  # fmt: skip
     marks = shop.machine.marks
@@ -207,7 +211,9 @@ def _on_face(
     return courses, diagnostics
 
 
-def _strokes(f: int, text: Wanted, x: float, y: float, height: float) -> Iterator[MarkingPath]:
+def _strokes(
+    f: int, text: RequiredText, x: float, y: float, height: float
+) -> Iterator[MarkingPath]:
     for pieces in text.strokes(x, y, height):
         lines = tuple(Line(a, b) for a, b in pieces)
         yield MarkingPath(
@@ -245,7 +251,9 @@ def _within_axes(face: Face, part: Part, shop: ToolCatalogue) -> tuple[float, fl
     return (low if ys[0] == low else ys[0] + spare, high if ys[-1] == steps[-1] else ys[-1] - spare)
 
 
-def _steel(face: Face, part: Part, ends: tuple[End, End], sides: tuple[float, float]) -> Steel:
+def _steel(
+    face: Face, part: Part, ends: tuple[RequiredEnd, RequiredEnd], sides: tuple[float, float]
+) -> Steel:
     """The steel of a face between two y, its holes taken out."""
     low, high = sides
     corners: list[Point] = []
@@ -272,7 +280,7 @@ def _stem(profile: Profile, xs: Sequence[float]) -> Iterator[Segment]:
     yield (min(xs), high), (min(xs), low)
 
 
-def _ends_at(end: End, face: Face, profile: Profile, q: float) -> tuple[float, float]:
+def _ends_at(end: RequiredEnd, face: Face, profile: Profile, q: float) -> tuple[float, float]:
     """x at which an end leaves both surfaces of the wall behind a face, at its coordinate q."""
     height, width = profile.height, profile.width
     web, flange = profile.web_thickness or 0.0, profile.flange_thickness

@@ -79,12 +79,12 @@ def _profile_faults(
     from beamcam.checks.coping.asked import is_outline_of, walls_asked
     from beamcam.checks.coping.collisions import strike_faults
     from beamcam.checks.coping.compare import compare
-    from beamcam.checks.coping.section import Section
+    from beamcam.checks.coping.section import CoperSection
     from beamcam.checks.coping.stock import stock_of
     from beamcam.checks.coping.strokes import ProfileTorch
     from beamcam.checks.coping.zones import root_faults
 
-    section = Section(part.profile)
+    section = CoperSection(part.profile)
     torch = ProfileTorch(machine, coper, section, rows, name)
     torch.follow(events)
     diagnostics = [*torch.said, *strike_faults(torch.ways, section, coper, name)]

@@ -11,8 +11,8 @@ from typing import Any
 
 from msgspec import Struct
 
-from beamcam.checks.coping.bevels import Pass, passes_of
-from beamcam.checks.coping.section import Section, areas_of, pieces_of
+from beamcam.checks.coping.bevels import BevelPass, passes_of
+from beamcam.checks.coping.section import CoperSection, areas_of, pieces_of
 from beamcam.checks.coping.skew import (
     EndOnWall,
     SkewEnd,
@@ -23,9 +23,9 @@ from beamcam.checks.coping.skew import (
     skew_ends,
 )
 from beamcam.checks.coping.slants import with_square_roots
-from beamcam.checks.coping.stock import Stock
-from beamcam.checks.coping.strokes import Stroke
-from beamcam.checks.coping.wanted import Wanted, wanted_on, with_round_corners
+from beamcam.checks.coping.stock import WallStock
+from beamcam.checks.coping.strokes import TorchStroke
+from beamcam.checks.coping.wanted import RequiredWall, wanted_on, with_round_corners
 from beamcam.geometry.plane import Point
 from beamcam.machine.coper import Coper
 from beamcam.machine.torch import TorchRow
@@ -39,7 +39,7 @@ FAR = 1e5
 
 
 def ledges_of(
-    web: Shape, flange: Shape, face: str, section: Section, heights: Sequence[float | None],
+    web: Shape, flange: Shape, face: str, section: CoperSection, heights: Sequence[float | None],
     ends: Sequence[EndOnWall],
 ) -> Iterator[tuple[Shape, list[Point]]]:  # fmt: skip
     """The ledges of a web along a flange, and where they end in the web's contour.
@@ -54,7 +54,7 @@ def ledges_of(
 
 
 def _ledges_at(
-    web: Shape, flange: Shape, face: str, section: Section, height: float, side: int,
+    web: Shape, flange: Shape, face: str, section: CoperSection, height: float, side: int,
     end: EndOnWall | None,
 ) -> Iterator[tuple[Shape, list[Point]]]:  # fmt: skip
     from shapely import LineString, box, get_coordinates
@@ -100,11 +100,11 @@ LEAST_OFF = 0.5  #: mm that a square cut is off at a skew end and that are manua
 class WallsAsked(Struct, frozen=True):
     """What has to stay, by face and by mm below it."""
 
-    wanted: Mapping[tuple[str, float], Wanted]
+    wanted: Mapping[tuple[str, float], RequiredWall]
     ends: Mapping[str, Sequence[EndOnWall]]  #: skew ends by the faces that they end
     made: Sequence[SkewEnd]  #: those that a tilted torch makes as they are
     off: Mapping[str, float]  #: mm too much by the walls that are cut square
-    passes: Sequence[Pass] = ()  #: bevels, with the strokes that make them
+    passes: Sequence[BevelPass] = ()  #: bevels, with the strokes that make them
 
     def has_bevels_left(self, k: int, feature: Feature, coper: Coper) -> bool:
         """Whether the feature k of a part has bevels that neither an end nor a pass makes."""
@@ -114,19 +114,19 @@ class WallsAsked(Struct, frozen=True):
 
 def walls_asked(
     part: Part,
-    section: Section,
+    section: CoperSection,
     coper: Coper,
     rows: Sequence[TorchRow],
     left: Collection[int],
-    stock: Stock,
-    strokes: Sequence[Stroke],
+    stock: WallStock,
+    strokes: Sequence[TorchStroke],
 ) -> WallsAsked:
     """What has to stay of a part; `left` are features that are not made."""
     from shapely import union_all
 
     ends = (None, None) if stock.is_piece else skew_ends(part, section)
 
-    def surface(face: str, depth: float, tilted: Sequence[bool]) -> Wanted:
+    def surface(face: str, depth: float, tilted: Sequence[bool]) -> RequiredWall:
         there = ends_on(ends, tilted, face, section, depth)
         return wanted_on(part, face, section, coper, left, stock, there)
 
@@ -169,7 +169,7 @@ def walls_asked(
             drawn, cut, most = (
                 areas_of(shape.difference(gone)) for shape in (plain.drawn, plain.cut, plain.most)
             )
-            wanted[face, down] = Wanted(drawn, cut, plain.short, most)
+            wanted[face, down] = RequiredWall(drawn, cut, plain.short, most)
     return WallsAsked(
         wanted, on_walls,
         [end for end, yes in zip(ends, tilted, strict=True) if end is not None and yes],
@@ -179,8 +179,8 @@ def walls_asked(
 
 
 def _with_square_end(
-    wanted: dict[tuple[str, float], Wanted], end: SkewEnd, section: Section,
-    strokes: Sequence[Stroke], widest: float,
+    wanted: dict[tuple[str, float], RequiredWall], end: SkewEnd, section: CoperSection,
+    strokes: Sequence[TorchStroke], widest: float,
 ) -> dict[str, float]:  # fmt: skip
     """Puts what stays at a skew end that is cut square into `wanted`, on all surfaces that it has;
     gives the mm that are too much, by face. `widest` is the widest kerf."""
@@ -195,17 +195,17 @@ def _with_square_end(
             one = wanted[key]
             cut = one.cut.union(more[face])
             most = with_round_corners(one.most.union(cut), steps[face], widest / 2)
-            wanted[key] = Wanted(more[face], cut, one.short, most)
+            wanted[key] = RequiredWall(more[face], cut, one.short, most)
         off |= {face: max(mm, off.get(face, 0.0)) for face, mm in by_face.items()}
     return off
 
 
 def _with_ledges(
-    wanted: dict[tuple[str, float], Wanted],
-    section: Section,
+    wanted: dict[tuple[str, float], RequiredWall],
+    section: CoperSection,
     rows: Sequence[TorchRow],
     near: float,
-    strokes: Sequence[Stroke],
+    strokes: Sequence[TorchStroke],
     ends: Sequence[SkewEnd | None],
     tilted: Sequence[bool],
 ) -> dict[str, float]:
@@ -229,13 +229,13 @@ def _with_ledges(
                 asked = wanted[one, depth]
                 cut = asked.cut.union(ledge)
                 most = with_round_corners(asked.most.union(ledge), places, widest / 2)
-                wanted[one, depth] = Wanted(asked.drawn.union(ledge), cut, asked.short, most)
+                wanted[one, depth] = RequiredWall(asked.drawn.union(ledge), cut, asked.short, most)
                 off["v"] = max(*deep) - section.flange
     return off
 
 
 def _depths_of_roots(
-    face: str, flange: Shape, section: Section, least: float, strokes: Sequence[Stroke]
+    face: str, flange: Shape, section: CoperSection, least: float, strokes: Sequence[TorchStroke]
 ) -> tuple[float, float]:
     """How deep passes through a root cut at the start and at the end, square to the flange."""
     back, front = section.root(face)
@@ -249,7 +249,7 @@ def _depths_of_roots(
     return deep[0], deep[1]
 
 
-def _depth(face: str, end: SkewEnd, section: Section, strokes: Sequence[Stroke]) -> float:
+def _depth(face: str, end: SkewEnd, section: CoperSection, strokes: Sequence[TorchStroke]) -> float:
     """How deep the passes through a root cut near an end, square to the flange."""
     back, front = section.root(face)
     at, more = end.on(face, section, 0.0)

@@ -14,8 +14,8 @@ from typing import Any
 from msgspec import Struct
 
 from beamcam.checks.coping import rules
-from beamcam.checks.coping.section import Section, other_side
-from beamcam.checks.coping.strokes import ANGLE_SLACK_DEG, Stroke
+from beamcam.checks.coping.section import CoperSection, other_side
+from beamcam.checks.coping.strokes import ANGLE_SLACK_DEG, TorchStroke
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Line
 from beamcam.geometry.plane import Point
@@ -30,12 +30,12 @@ HAIR = 1e-3  #: mm that what is taken is larger, so that no hair of it stays
 BESIDE = 0.1  #: mm that a square cut may lie beside the edge that it makes
 
 
-class Pass(Struct, frozen=True):
+class BevelPass(Struct, frozen=True):
     """A bevel of a part, and the stroke that makes it."""
 
     feature: int
     bevel: Bevel
-    stroke: Stroke
+    stroke: TorchStroke
     start: Point
     end: Point
     thickness: float
@@ -61,11 +61,13 @@ class Pass(Struct, frozen=True):
         return whole.buffer(HAIR, join_style="mitre")
 
 
-def passes_of(part: Part, section: Section, coper: Coper, strokes: Sequence[Stroke]) -> list[Pass]:
+def passes_of(
+    part: Part, section: CoperSection, coper: Coper, strokes: Sequence[TorchStroke]
+) -> list[BevelPass]:
     """The bevels of a part that strokes make, each stroke once."""
     from shapely import Polygon
 
-    passes: list[Pass] = []
+    passes: list[BevelPass] = []
     for f, contour in enumerate(part.features):
         if not isinstance(contour, Contour) or contour.kind != "outer":
             continue
@@ -91,7 +93,7 @@ def passes_of(part: Part, section: Section, coper: Coper, strokes: Sequence[Stro
                 None,
             )  # fmt: skip
             if one is not None:
-                passes.append(Pass(f, asked, one, ends[0], ends[1], thick, bevel))
+                passes.append(BevelPass(f, asked, one, ends[0], ends[1], thick, bevel))
     return passes
 
 
@@ -101,7 +103,7 @@ def _at_edge(place: Point, wide: float) -> Point:
 
 
 def _makes(
-    stroke: Stroke, bevel: Bevel, start: Point, end: Point, thick: float, over: float
+    stroke: TorchStroke, bevel: Bevel, start: Point, end: Point, thick: float, over: float
 ) -> bool:
     """Whether a stroke is the pass of a bevel, `over` mm longer than its edge and half a kerf."""
     long = hypot(end[0] - start[0], end[1] - start[1])
@@ -123,7 +125,7 @@ def _makes(
 
 
 def pass_faults(
-    passes: Sequence[Pass], strokes: Sequence[Stroke], far: Mapping[int, bool], name: str
+    passes: Sequence[BevelPass], strokes: Sequence[TorchStroke], far: Mapping[int, bool], name: str
 ) -> Iterator[Diagnostic]:
     """Passes before the square cut along their edge, or of a piece that is parted already.
 

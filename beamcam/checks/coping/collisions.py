@@ -13,8 +13,8 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from beamcam.checks.coping import rules
-from beamcam.checks.coping.section import Section, TubeSection
-from beamcam.checks.coping.strokes import Way
+from beamcam.checks.coping.section import CoperSection, TubeSection
+from beamcam.checks.coping.strokes import TipMove
 from beamcam.errors import MAX_OF_A_PROGRAM, Diagnostic, Source
 from beamcam.geometry.array_types import Counts, Floats
 from beamcam.machine.coper import Coper
@@ -25,7 +25,7 @@ SLACK = 0.03  #: mm: of figures as programs have them, and of a fillet's chords
 
 
 def strike_faults(
-    ways: Sequence[Way], section: Section | TubeSection, coper: Coper, name: str
+    ways: Sequence[TipMove], section: CoperSection | TubeSection, coper: Coper, name: str
 ) -> Iterator[Diagnostic]:
     """The first place of each move at which the torch comes nearer to the bar than it may."""
     from shapely import convex_hull, distance, multipoints
@@ -59,7 +59,7 @@ def strike_faults(
             )  # fmt: skip
 
 
-def _steps(ways: Sequence[Way], coper: Coper) -> tuple[list[int], Floats, Floats]:
+def _steps(ways: Sequence[TipMove], coper: Coper) -> tuple[list[int], Floats, Floats]:
     """Steps of the moves, on each of which the torch turns little: the number of the first way of
     each, and Y, Z, A and B of the tip where it begins and ends, seen from the bar."""
     numbers, starts, ends = _runs(ways)
@@ -79,7 +79,7 @@ def _steps(ways: Sequence[Way], coper: Coper) -> tuple[list[int], Floats, Floats
     return numbers[run].tolist(), at(step / counts[run]), at((step + 1) / counts[run])
 
 
-def _runs(ways: Sequence[Way]) -> tuple[Counts, Floats, Floats]:
+def _runs(ways: Sequence[TipMove]) -> tuple[Counts, Floats, Floats]:
     """The moves across the bar, those that follow one another along Y or along Z as one: the number
     of its first way, and Y, Z, A and B of its start and its end.
 

@@ -15,13 +15,13 @@ from typing import Any
 from msgspec import Struct
 
 from beamcam.checks.coping import rules
-from beamcam.checks.coping.bevels import Pass, pass_faults
+from beamcam.checks.coping.bevels import BevelPass, pass_faults
 from beamcam.checks.coping.chart import SAME_FEED, row_for
-from beamcam.checks.coping.section import ARC, Section, jet_of, line_of, narrowed, pieces_of
+from beamcam.checks.coping.section import ARC, CoperSection, jet_of, line_of, narrowed, pieces_of
 from beamcam.checks.coping.skew import EndOnWall
-from beamcam.checks.coping.stock import FINE, Stock
-from beamcam.checks.coping.strokes import Stroke
-from beamcam.checks.coping.wanted import Wanted
+from beamcam.checks.coping.stock import FINE, WallStock
+from beamcam.checks.coping.strokes import TorchStroke
+from beamcam.checks.coping.wanted import RequiredWall
 from beamcam.errors import Diagnostic, Source
 from beamcam.machine.coper import Coper
 from beamcam.machine.torch import TorchRow
@@ -34,7 +34,7 @@ TWICE = 0.1  #: share of a stroke that is new at least, or it is cut twice
 SURE = 0.01  #: mm that figures of a thickness may be off
 
 
-class Left(Struct, frozen=True):
+class WallPieces(Struct, frozen=True):
     """What is left of a wall: the pieces of the part, and the others."""
 
     part: Shape
@@ -42,12 +42,12 @@ class Left(Struct, frozen=True):
 
 
 def compare(
-    strokes: Sequence[Stroke],
-    wanted: Mapping[Surface, Wanted],
+    strokes: Sequence[TorchStroke],
+    wanted: Mapping[Surface, RequiredWall],
     ends: Mapping[str, Sequence[EndOnWall]],
-    passes: Sequence[Pass],
-    stock: Stock,
-    section: Section,
+    passes: Sequence[BevelPass],
+    stock: WallStock,
+    section: CoperSection,
     coper: Coper,
     rows: Sequence[TorchRow],
     step: float,
@@ -56,7 +56,7 @@ def compare(
     """All that strokes make otherwise than wanted on each surface; `ends` are skew ones by wall,
     `passes` the strokes that make bevels."""
     slack = coper.tolerance + 2 * step + FINE
-    left: dict[Surface, Left] = {}
+    left: dict[Surface, WallPieces] = {}
     for (face, depth), asked in wanted.items():
         if asked.short:
             yield rules.SHORT.at(Source(name), found=f"{asked.short:.2f}", face=face)
@@ -83,7 +83,7 @@ def compare(
 
 
 def taken_of(
-    face: str, own: Sequence[Stroke], strokes: Sequence[Stroke], section: Section,
+    face: str, own: Sequence[TorchStroke], strokes: Sequence[TorchStroke], section: CoperSection,
     depth: float = 0.0,
 ) -> list[tuple[Shape, Shape]]:  # fmt: skip
     """What each stroke takes of a wall, so far below its face: surely, and at most.
@@ -104,7 +104,9 @@ def taken_of(
     return found
 
 
-def _below(stroke: Stroke, section: Section, depth: float) -> Iterator[tuple[Shape, Shape]]:
+def _below(
+    stroke: TorchStroke, section: CoperSection, depth: float
+) -> Iterator[tuple[Shape, Shape]]:
     """What a stroke on a flange takes of the web below it, so far below the web's face.
 
     It goes on along the torch. What does not go through all of the web may take all that it meets.
@@ -138,7 +140,7 @@ def _hurt(
     face: str,
     gone: Sequence[tuple[Shape, Shape]],
     wanted: Shape,
-    section: Section,
+    section: CoperSection,
     slack: float,
     name: str,
 ) -> Iterator[Diagnostic]:
@@ -170,10 +172,10 @@ def _left(
     face: str,
     gone: Sequence[tuple[Shape, Shape]],
     drawn: Shape,
-    stock: Stock,
-    section: Section,
+    stock: WallStock,
+    section: CoperSection,
     slack: float,
-) -> Left:
+) -> WallPieces:
     """The pieces of a wall of the bar, or of the piece, after all strokes."""
     from shapely import MultiPolygon, box, union_all
 
@@ -184,11 +186,11 @@ def _left(
     core = drawn.intersection(bar).buffer(-2 * slack, join_style="mitre")
     mine = [p for p in pieces if p.intersection(core).area > SPECK]
     others = [p for p in pieces if not any(p is one for one in mine)]
-    return Left(MultiPolygon(mine), MultiPolygon(others))
+    return WallPieces(MultiPolygon(mine), MultiPolygon(others))
 
 
 def _standing(
-    face: str, left: Left, wanted: Shape, slack: float, name: str
+    face: str, left: WallPieces, wanted: Shape, slack: float, name: str
 ) -> Iterator[Diagnostic]:
     """Scrap that holds to the part."""
     if left.part.is_empty:
@@ -206,7 +208,13 @@ def _standing(
 
 
 def _holding(
-    face: str, web: Left, flange: Left, section: Section, z: float, slack: float, name: str
+    face: str,
+    web: WallPieces,
+    flange: WallPieces,
+    section: CoperSection,
+    z: float,
+    slack: float,
+    name: str,
 ) -> Iterator[Diagnostic]:
     """Scrap of the web that a flange of the part holds at a surface z of the web, or the other way
     round."""
@@ -239,12 +247,12 @@ def _holding(
 
 
 def _stroke_faults(
-    stroke: Stroke,
-    strokes: Sequence[Stroke],
+    stroke: TorchStroke,
+    strokes: Sequence[TorchStroke],
     wanted: Mapping[float, Shape],
-    passes: Sequence[Pass],
-    stock: Stock,
-    section: Section,
+    passes: Sequence[BevelPass],
+    stock: WallStock,
+    section: CoperSection,
     coper: Coper,
     rows: Sequence[TorchRow],
     slack: float,
@@ -294,7 +302,7 @@ def _stroke_faults(
         )  # fmt: skip
 
 
-def _in_air(stroke: Stroke, steel: Shape, over: float) -> tuple[float, float] | None:
+def _in_air(stroke: TorchStroke, steel: Shape, over: float) -> tuple[float, float] | None:
     """A place of a stroke in air, but just beyond the edges where it begins and ends; or None.
 
     Where its lead begins on an edge it goes on beside that edge to the contour.
@@ -311,7 +319,7 @@ def _in_air(stroke: Stroke, steel: Shape, over: float) -> tuple[float, float] | 
     return None
 
 
-def _twice(face: str, own: Sequence[Stroke], name: str) -> Iterator[Diagnostic]:
+def _twice(face: str, own: Sequence[TorchStroke], name: str) -> Iterator[Diagnostic]:
     """A stroke along what is cut already."""
     for k, stroke in enumerate(own):
         run = line_of(stroke.points)
@@ -327,7 +335,7 @@ def _twice(face: str, own: Sequence[Stroke], name: str) -> Iterator[Diagnostic]:
 
 
 def _off_contour(
-    stroke: Stroke, wanted: Shape, depth: float, steel: Shape, slack: float
+    stroke: TorchStroke, wanted: Shape, depth: float, steel: Shape, slack: float
 ) -> tuple[float, float] | None:
     """A place of a stroke that keeps no half a kerf off a contour so far below; None if there is
     none.
@@ -348,7 +356,7 @@ def _off_contour(
 
 
 def _thickness(
-    stroke: Stroke, strokes: Sequence[Stroke], section: Section, coper: Coper
+    stroke: TorchStroke, strokes: Sequence[TorchStroke], section: CoperSection, coper: Coper
 ) -> tuple[float, float]:
     """The steel that a stroke has to go through, with what it may be off.
 
@@ -371,7 +379,9 @@ def _thickness(
 
 
 def _is_far(
-    stroke: Stroke, wanted: Mapping[Surface, Wanted], ends: Mapping[str, Sequence[EndOnWall]]
+    stroke: TorchStroke,
+    wanted: Mapping[Surface, RequiredWall],
+    ends: Mapping[str, Sequence[EndOnWall]],
 ) -> bool:
     """Whether a stroke is of the far end."""
     bounds = wanted[stroke.face, 0.0].drawn.bounds
@@ -382,7 +392,7 @@ def _is_far(
 
 
 def _order_faults(
-    strokes: Sequence[Stroke], far: Mapping[int, bool], name: str
+    strokes: Sequence[TorchStroke], far: Mapping[int, bool], name: str
 ) -> Iterator[Diagnostic]:
     """Cuts of anything else behind the first one of the far end."""
     parting = False

@@ -2,8 +2,8 @@
 
 import re
 
-from beamcam.checks.coping.section import Section
-from beamcam.checks.coping.strokes import ProfileTorch, Stroke
+from beamcam.checks.coping.section import CoperSection
+from beamcam.checks.coping.strokes import ProfileTorch, TorchStroke
 from beamcam.checks.coping.tube import TubeTorch, tube_section, unrolled_pipe
 from beamcam.checks.head import Head
 from beamcam.controllers import cell_events
@@ -49,7 +49,7 @@ def head_part(head: Head | None, profile: Profile, name: str) -> Part:
 
 def strokes_of(
     text: str, part: Part, machine: Machine, name: str
-) -> tuple[list[Stroke], list[Diagnostic]]:
+) -> tuple[list[TorchStroke], list[Diagnostic]]:
     """What the torch cuts of a part's section, in its order, and what is wrong by itself.
 
     Raises TypeError for a machine without a coper.
@@ -65,6 +65,6 @@ def strokes_of(
         events = in_degrees(events, coper, 2 * section.half_y)
         torch: ProfileTorch | TubeTorch = TubeTorch(machine, coper, section, rows, name)
     else:
-        torch = ProfileTorch(machine, coper, Section(part.profile), rows, name)
+        torch = ProfileTorch(machine, coper, CoperSection(part.profile), rows, name)
     torch.follow(events)
     return torch.strokes, [*diagnostics, *torch.said]

@@ -117,7 +117,7 @@ def other_side(bevel: Bevel, thickness: float) -> Bevel:
     return replace(bevel, angle=-bevel.angle, land=thickness - land)
 
 
-class Section:
+class CoperSection:
     """An I, a U or an L, or a T on its side."""
 
     def __init__(self, profile: Profile) -> None:

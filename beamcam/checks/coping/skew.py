@@ -11,7 +11,7 @@ from typing import Any
 
 from msgspec import Struct
 
-from beamcam.checks.coping.section import Section, areas_of
+from beamcam.checks.coping.section import CoperSection, areas_of
 from beamcam.geometry.curves import Line
 from beamcam.geometry.plane import Point
 from beamcam.machine.coper import Coper
@@ -39,7 +39,7 @@ class SkewEnd(Struct, frozen=True):
     def x(self, y: float, z: float) -> float:
         return self.c - y * self.by_y - z * self.by_z
 
-    def on(self, face: str, section: Section, depth: float) -> tuple[float, float]:
+    def on(self, face: str, section: CoperSection, depth: float) -> tuple[float, float]:
         """x on a surface of a wall, `depth` below the one that the torch looks at: at y 0, and how
         much more at y 1."""
         if face == "v":
@@ -54,7 +54,7 @@ class SkewEnd(Struct, frozen=True):
         return abs(degrees(atan(self.by_z if face == "v" else self.by_y)))
 
 
-def skew_ends(part: Part, section: Section) -> tuple[SkewEnd | None, SkewEnd | None]:
+def skew_ends(part: Part, section: CoperSection) -> tuple[SkewEnd | None, SkewEnd | None]:
     """The ends of a part as it lies that are not square."""
     skew_ends: list[SkewEnd | None] = []
     flanges = ("o", "u") if section.has_upper else ("u",)
@@ -128,7 +128,7 @@ def ends_on(
     ends: Sequence[SkewEnd | None],
     tilted: Sequence[bool],
     face: str,
-    section: Section,
+    section: CoperSection,
     depth: float,
 ) -> list[EndOnWall]:
     """Where the skew ends meet a surface of a wall, those that are cut square the uppermost one."""
@@ -142,7 +142,7 @@ def ends_on(
 
 
 def _edge_on(
-    end: SkewEnd, face: str, drawn: Shape, section: Section, band: tuple[float, float]
+    end: SkewEnd, face: str, drawn: Shape, section: CoperSection, band: tuple[float, float]
 ) -> tuple[float, float]:
     """How much of a wall's edge lies on an end, within a band of it, and how much could; in mm."""
     from shapely import LineString, box
@@ -154,7 +154,7 @@ def _edge_on(
 
 
 def is_tilted(
-    end: SkewEnd, drawn: Mapping[str, Shape], section: Section, coper: Coper, near: float
+    end: SkewEnd, drawn: Mapping[str, Shape], section: CoperSection, coper: Coper, near: float
 ) -> bool:
     """Whether a machine has to tilt its torch to an end: each wall that it leans over ends in it
     alone, within the torch's reach. `near` is how near it comes to a flange over the web."""
@@ -176,7 +176,7 @@ def is_tilted(
 
 
 def as_square(
-    end: SkewEnd, drawn: Mapping[str, Shape], section: Section, depths: Mapping[str, float]
+    end: SkewEnd, drawn: Mapping[str, Shape], section: CoperSection, depths: Mapping[str, float]
 ) -> tuple[dict[str, Shape], dict[str, float], dict[str, list[Point]]]:
     """What stays of each wall whose end is cut square to it, how many mm that is too much, and the
     corners of its steps.
@@ -215,13 +215,13 @@ def as_square(
     return found, off, steps
 
 
-def outermost(end: SkewEnd, face: str, section: Section) -> tuple[float, float]:
+def outermost(end: SkewEnd, face: str, section: CoperSection) -> tuple[float, float]:
     """Where an end lies on a wall at its outermost, at y 0, and how much more at y 1."""
     surfaces = [end.on(face, section, depth) for depth in (0.0, section.thickness(face))]
     return max(surfaces, key=lambda one: end.side * one[0])
 
 
-def _up_to(end: SkewEnd, face: str, shape: Shape, section: Section) -> Shape:
+def _up_to(end: SkewEnd, face: str, shape: Shape, section: CoperSection) -> Shape:
     """What a wall has more of where it is cut square at the outermost of its end."""
     from shapely import LineString, Polygon, union_all
 

@@ -9,10 +9,10 @@ from math import atan, degrees
 
 from msgspec import Struct
 
-from beamcam.checks.coping.section import Section, areas_of, pieces_of
+from beamcam.checks.coping.section import CoperSection, areas_of, pieces_of
 from beamcam.checks.coping.skew import ON_PLANE, Shape, step_of
-from beamcam.checks.coping.strokes import Stroke
-from beamcam.checks.coping.wanted import Wanted, with_round_corners
+from beamcam.checks.coping.strokes import TorchStroke
+from beamcam.checks.coping.wanted import RequiredWall, with_round_corners
 from beamcam.geometry.plane import Point
 
 STEEPEST_DEG = 30.0  #: of a cut through a root that is made square, to its normal
@@ -67,8 +67,8 @@ def crossings_of(
 
 
 def with_square_roots(
-    wanted: dict[tuple[str, float], Wanted], ends: Mapping[str, Sequence[Point]],
-    section: Section, strokes: Sequence[Stroke], widest: float,
+    wanted: dict[tuple[str, float], RequiredWall], ends: Mapping[str, Sequence[Point]],
+    section: CoperSection, strokes: Sequence[TorchStroke], widest: float,
 ) -> dict[str, float]:  # fmt: skip
     """Puts what stays where a root is crossed on a slant into `wanted`, on all surfaces that it
     has; gives the mm that are too much, by face. `widest` is the widest kerf."""
@@ -110,7 +110,7 @@ def _meet(web: Crossing, flange: Crossing) -> bool:
 
 
 def _add(
-    wanted: dict[tuple[str, float], Wanted], face: str, edge: Crossing,
+    wanted: dict[tuple[str, float], RequiredWall], face: str, edge: Crossing,
     band: tuple[float, float], x: float, widest: float,
 ) -> None:  # fmt: skip
     """Adds a step of a wall on all surfaces that it has."""
@@ -120,10 +120,10 @@ def _add(
         if key[0] == face:
             cut = one.cut.union(step)
             most = with_round_corners(one.most.union(cut), corners, widest / 2)
-            wanted[key] = Wanted(areas_of(one.drawn.union(step)), cut, one.short, most)
+            wanted[key] = RequiredWall(areas_of(one.drawn.union(step)), cut, one.short, most)
 
 
-def _depth(face: str, section: Section, strokes: Sequence[Stroke]) -> float:
+def _depth(face: str, section: CoperSection, strokes: Sequence[TorchStroke]) -> float:
     """How deep the passes through a root cut, square to the flange; 0 without one."""
     back, front = section.root(face)
     deep = 0.0

@@ -11,7 +11,7 @@ from typing import Any
 
 from msgspec import Struct
 
-from beamcam.checks.coping.section import Section
+from beamcam.checks.coping.section import CoperSection
 from beamcam.geometry.curves import Arc, Curve, Line
 from beamcam.geometry.plane import Point
 from beamcam.machine.coper import Coper
@@ -93,7 +93,7 @@ Shape = Any  #: of shapely
 DRAWN = 1.0  #: mm that a drawing may be off an end and mean it
 
 
-class Stock(Struct, frozen=True):
+class WallStock(Struct, frozen=True):
     """The ends of each wall: x at y 0 and at y 1, and how far apart its two surfaces end."""
 
     is_piece: bool
@@ -121,18 +121,18 @@ class Stock(Struct, frozen=True):
         return place
 
 
-def stock_of(part: Part, section: Section, coper: Coper) -> Stock:
+def stock_of(part: Part, section: CoperSection, coper: Coper) -> WallStock:
     """The bar that a part is cut from, or the piece that comes cut."""
     widths = {face: section.high if face == "v" else section.wide for face in section.faces}
     if part.made is None:
         low, high = -coper.trim, part.length + coper.trim
         square = ((low, low, 0.0), (high, high, 0.0))
-        return Stock(False, dict.fromkeys(section.faces, square), widths)
+        return WallStock(False, dict.fromkeys(section.faces, square), widths)
     cuts = part.cuts
     starts = _plane(section, cuts.web_start, cuts.flange_start, 0.0, max)
     ends = _plane(section, cuts.web_end, cuts.flange_end, part.length, min)
     faces = section.faces
-    return Stock(
+    return WallStock(
         True, {face: (starts[face], ends[face]) for face in faces}, widths,
         {face: _open(part, face) for face in faces},
     )  # fmt: skip
@@ -156,7 +156,7 @@ def _open(part: Part, face: str) -> Shape:
 
 
 def _plane(
-    section: Section, web_deg: float, flange_deg: float, outermost: float, pick: Any
+    section: CoperSection, web_deg: float, flange_deg: float, outermost: float, pick: Any
 ) -> dict[str, tuple[float, float, float]]:
     """Where a plane ends each wall; `pick` takes of leaning corners the one at `outermost`."""
     by_y, by_z = tan(radians(web_deg)), tan(radians(flange_deg))

@@ -8,7 +8,7 @@ from msgspec import Struct
 
 from beamcam.checks.coping import rules
 from beamcam.checks.coping.chart import row_at
-from beamcam.checks.coping.section import Section
+from beamcam.checks.coping.section import CoperSection
 from beamcam.controllers import cell_events
 from beamcam.controllers.events import (
     BarEvent,
@@ -38,7 +38,7 @@ _FIGURES = {
 }  # fmt: skip
 
 
-class Stroke(Struct, frozen=True):
+class TorchStroke(Struct, frozen=True):
     """What is cut between torch on and torch off, square to one wall or tilted along the bar."""
 
     line: int
@@ -60,7 +60,7 @@ class Stroke(Struct, frozen=True):
         return cos(radians(self.b_deg))
 
 
-class Way(Struct, frozen=True):
+class TipMove(Struct, frozen=True):
     """A move of the tip, in machine coordinates, with A at both ends."""
 
     line: int
@@ -70,15 +70,15 @@ class Way(Struct, frozen=True):
     b_deg: tuple[float, float] = (0.0, 0.0)
 
 
-class Torch(ABC):
+class TorchFollower(ABC):
     """Follows the events of a program."""
 
     turning = False  #: whether A may turn with the torch on, which is upright then
 
     def __init__(self, machine: Machine, coper: Coper, rows: Sequence[TorchRow], name: str) -> None:
         self.said: list[Diagnostic] = []
-        self.strokes: list[Stroke] = []
-        self.ways: list[Way] = []
+        self.strokes: list[TorchStroke] = []
+        self.ways: list[TipMove] = []
         self._machine, self._coper = machine, coper
         self._rows, self._name = rows, name
         self._on_words, self._off_words = (
@@ -197,7 +197,7 @@ class Torch(ABC):
             ))  # fmt: skip
         end = self._tip_of(move.end, a_deg, tilts[1])
         if self._tip is not None and all(map(isfinite, (*move.start, move.a_deg[0], tilts[0]))):
-            self.ways.append(Way(move.line, move.start, move.end, move.a_deg, tilts))
+            self.ways.append(TipMove(move.line, move.start, move.end, move.a_deg, tilts))
         if is_on:
             self._moves.append(move)
         self._tip, self._a_deg = end, a_deg
@@ -255,11 +255,16 @@ class Torch(ABC):
                 return
 
 
-class ProfileTorch(Torch):
+class ProfileTorch(TorchFollower):
     """A torch that goes round an I, a U or an L."""
 
     def __init__(
-        self, machine: Machine, coper: Coper, section: Section, rows: Sequence[TorchRow], name: str
+        self,
+        machine: Machine,
+        coper: Coper,
+        section: CoperSection,
+        rows: Sequence[TorchRow],
+        name: str,
     ) -> None:
         super().__init__(machine, coper, rows, name)
         self._section = section
@@ -305,7 +310,7 @@ class ProfileTorch(Torch):
         start = self._coper.trim
         points = tuple((x - start, y if face == "v" else z) for x, y, z in feet[1:])
         across = tuple((y, z) for _, y, z in tips)
-        self.strokes.append(Stroke(line, face, points, across, row, b_deg))
+        self.strokes.append(TorchStroke(line, face, points, across, row, b_deg))
 
 
 def below(place: Place, far: float, a_deg: float, b_deg: float) -> Place:

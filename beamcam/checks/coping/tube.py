@@ -20,7 +20,7 @@ from beamcam.checks.coping.chart import row_for
 from beamcam.checks.coping.collisions import strike_faults
 from beamcam.checks.coping.section import TubeSection, areas_of, kerf_of, line_of, pieces_of
 from beamcam.checks.coping.stock import FINE, outline_ring, ring_of, slot_ring
-from beamcam.checks.coping.strokes import HEIGHT_SLACK, Stroke, Torch, Way
+from beamcam.checks.coping.strokes import HEIGHT_SLACK, TipMove, TorchFollower, TorchStroke
 from beamcam.checks.coping.tube_planes import kept, planes_of
 from beamcam.checks.coping.wanted import corners_of, with_round_corners
 from beamcam.checks.coping.zones import tube_zone_faults
@@ -46,7 +46,7 @@ _CALLED_PIPE = re.compile(r"\s*(PIPE|CHS|TUBE)", re.IGNORECASE)
 TWICE = 0.1  #: share of a stroke that is new at least, or it is cut twice
 
 
-class TubeTorch(Torch):
+class TubeTorch(TorchFollower):
     """An upright torch over a tube."""
 
     turning = True
@@ -108,7 +108,7 @@ class TubeTorch(Torch):
         if dist(points[0], points[1]) > HEIGHT_SLACK:
             self._wrong(line, "a slanting way down to the steel", "one straight along the torch")
         places = tuple((m.end[1], m.end[2]) for m in moves)
-        self.strokes.append(Stroke(line, face, tuple(points[1:]), places, row))
+        self.strokes.append(TorchStroke(line, face, tuple(points[1:]), places, row))
 
     def _row(self, ways: Floats, minutes: Floats) -> TorchRow | None:
         """The row at whose feed every block goes along the surface."""
@@ -169,7 +169,7 @@ def tube_faults(
     section = tube_section(part, coper)
     torch = TubeTorch(machine, coper, section, rows, name)
     torch.follow(events)
-    ways: Sequence[Way] = torch.ways
+    ways: Sequence[TipMove] = torch.ways
     if part.profile.code == "RO":  # which looks alike from everywhere round it
         ways = [replace(way, a_deg=(0.0, 0.0)) for way in ways]
     said = [*torch.said, *strike_faults(ways, section, coper, name)]
@@ -205,7 +205,7 @@ def tube_faults(
 
 
 def _compared(
-    strokes: Sequence[Stroke],
+    strokes: Sequence[TorchStroke],
     drawn: Shape,
     expected: Shape,
     part: Part,

@@ -8,12 +8,12 @@ from typing import Any
 from msgspec import Struct
 
 from beamcam.checks.asked import is_by_hand
-from beamcam.checks.coping.section import Section, areas_of, pieces_of
+from beamcam.checks.coping.section import CoperSection, areas_of, pieces_of
 from beamcam.checks.coping.skew import EndOnWall
 from beamcam.checks.coping.stock import (
     DRAWN,
     FINE,
-    Stock,
+    WallStock,
     outline_ring,
     ring_of,
     round_ring,
@@ -31,7 +31,7 @@ CORNER_DEG = 20.0  #: a contour that turns by more has a corner
 LOOK = 0.2  #: mm round a corner in which steel and air are weighed
 
 
-class Wanted(Struct, frozen=True):
+class RequiredWall(Struct, frozen=True):
     """What has to stay of a wall, without and with its corners rounded."""
 
     drawn: Shape
@@ -48,9 +48,10 @@ class Wanted(Struct, frozen=True):
 
 
 def wanted_on(
-    part: Part, face: str, section: Section, coper: Coper, left: Collection[int], stock: Stock,
+    part: Part, face: str, section: CoperSection, coper: Coper, left: Collection[int],
+    stock: WallStock,
     ends: Sequence[EndOnWall] = (),
-) -> Wanted:  # fmt: skip
+) -> RequiredWall:  # fmt: skip
     """What has to stay of a wall; `left` are features that are not made, `ends` skew ends."""
     from shapely import Point as Place
     from shapely import Polygon, box, get_coordinates, make_valid, union_all
@@ -99,7 +100,7 @@ def wanted_on(
     near = section.root_reach(face)
     corners = [(x, y) for x, y in corners if near[0] <= y <= near[1]]
     cut = with_round_corners(drawn, corners, coper.corner_radius)
-    return Wanted(drawn, cut, short if short > DRAWN else 0.0)
+    return RequiredWall(drawn, cut, short if short > DRAWN else 0.0)
 
 
 def _at_ends(ends: Sequence[EndOnWall], place: Point) -> Point:

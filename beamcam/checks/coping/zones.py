@@ -3,8 +3,8 @@
 from collections.abc import Iterator, Sequence
 
 from beamcam.checks.coping import rules
-from beamcam.checks.coping.section import Section, TubeSection
-from beamcam.checks.coping.strokes import Stroke, Way
+from beamcam.checks.coping.section import CoperSection, TubeSection
+from beamcam.checks.coping.strokes import TipMove, TorchStroke
 from beamcam.errors import Diagnostic, Source
 from beamcam.machine.coper import Coper
 
@@ -12,7 +12,7 @@ ALL_ROUND = 1e-3  #: mm that a stroke once round may lack
 
 
 def root_faults(
-    strokes: Sequence[Stroke], section: Section, coper: Coper, name: str
+    strokes: Sequence[TorchStroke], section: CoperSection, coper: Coper, name: str
 ) -> Iterator[Diagnostic]:
     """Strokes through a root on a machine whose file has none cut."""
     for stroke in strokes if coper.k_area == "refuse" else ():
@@ -25,8 +25,8 @@ def root_faults(
 
 
 def tube_zone_faults(
-    strokes: Sequence[Stroke],
-    ways: Sequence[Way],
+    strokes: Sequence[TorchStroke],
+    ways: Sequence[TipMove],
     length: float,
     section: TubeSection,
     coper: Coper,

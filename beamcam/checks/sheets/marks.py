@@ -11,7 +11,7 @@ import numpy as np
 import shapely
 
 from beamcam.checks.asked import by_hand, is_by_hand
-from beamcam.checks.drawn_texts import EXACT, NEAR, DrawnPieces, Wanted, wanted
+from beamcam.checks.drawn_texts import EXACT, NEAR, DrawnPieces, RequiredText, wanted
 from beamcam.checks.lettering import Steel, box_of, is_clear, is_surely_clear, steel_within
 from beamcam.checks.sheets import rules
 from beamcam.checks.sheets.need import Need, shift_of
@@ -70,7 +70,8 @@ def add_texts(need: Need, part: Part, machine: Machine, torch: Torch, strokes: S
 
 
 def _where_they_are(
-    need: Need, required: Sequence[tuple[int, Wanted]], part: Part, machine: Machine, steel: Steel,
+    need: Need, required: Sequence[tuple[int, RequiredText]], part: Part, machine: Machine,
+    steel: Steel,
     pieces: Sequence[tuple[Point, Point]],
 ) -> None:  # fmt: skip
     """Add the texts that a table letters where the part has them; it moves none.
@@ -103,7 +104,13 @@ def text_process(machine: Machine) -> TorchProcess:
 
 
 def _need(
-    need: Need, process: TorchProcess, index: int, text: Wanted, x: float, y: float, height: float
+    need: Need,
+    process: TorchProcess,
+    index: int,
+    text: RequiredText,
+    x: float,
+    y: float,
+    height: float,
 ) -> None:
     need.add(process, [Line(a, b) for a, b in text.at(x, y, height)], index, text.feature.source)
 

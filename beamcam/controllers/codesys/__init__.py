@@ -27,7 +27,7 @@ _WORD = re.compile(rf"([A-Z])({NUMBER})")
 _COMMENT = re.compile(r"\([^()]*\)")
 
 
-class Block(Struct, frozen=True, gc=False):
+class CodesysBlock(Struct, frozen=True, gc=False):
     """One block, whatever its number."""
 
     command: str  #: "G", "M", or "" where the last travel command goes on
@@ -35,7 +35,7 @@ class Block(Struct, frozen=True, gc=False):
     words: dict[str, float]  #: the others
 
 
-class Fault(Struct, frozen=True):
+class CodesysFault(Struct, frozen=True):
     """A syntax error in a block."""
 
     found: str
@@ -56,7 +56,7 @@ class Lexer:
         self._letters = letters
         self._known: BoundedCache[str, Word] = BoundedCache("codesys.words")
 
-    def block(self, text: str) -> Block | Fault | None:
+    def block(self, text: str) -> CodesysBlock | CodesysFault | None:
         """The words of a line; None where there is nothing in it."""
         if not text.isascii():
             text = "".join(c if c.isascii() else "\N{REPLACEMENT CHARACTER}" for c in text)
@@ -65,7 +65,7 @@ class Lexer:
             bare = _COMMENT.sub(" ", bare)
             if "(" in bare or ")" in bare:
                 expected = "a comment that begins and ends on its line, none in another"
-                return Fault(text.strip(), expected)
+                return CodesysFault(text.strip(), expected)
         command, number = "", 0
         words: dict[str, float] = {}
         for index, said in enumerate(bare.split()):
@@ -73,35 +73,35 @@ class Lexer:
             if not isinstance(word, Word):
                 if not index and said.startswith("/"):
                     expected = "a block that always runs; `/` leaves that to a switch"
-                    return Fault(text.strip(), expected)
+                    return CodesysFault(text.strip(), expected)
                 return word
             name = word.name
             if name not in "GMN":
                 if name in words:
-                    return Fault(said, f"{name} once in a block")
+                    return CodesysFault(said, f"{name} once in a block")
                 words[name] = word.value
             elif name == "N":
                 if index:
-                    return Fault(said, "the block number at the beginning")
+                    return CodesysFault(said, "the block number at the beginning")
             elif command:
                 stands = f"{command}{number} stands there already"
-                return Fault(said, f"one command a block, {stands}")
+                return CodesysFault(said, f"one command a block, {stands}")
             elif words:
-                return Fault(said, "the command before the other words")
+                return CodesysFault(said, "the command before the other words")
             else:
                 command, number = name, int(word.value)
-        return Block(command, number, words) if command or words else None
+        return CodesysBlock(command, number, words) if command or words else None
 
-    def _read_word(self, text: str) -> Word | Fault:
+    def _read_word(self, text: str) -> Word | CodesysFault:
         """A letter and a number."""
         match = _WORD.fullmatch(text)
         if match is None:
-            return Fault(text, "a letter and a number, set off by spaces")
+            return CodesysFault(text, "a letter and a number, set off by spaces")
         letter, digits = match.groups()
         if letter not in self._letters:
-            return Fault(text, "a word that the controller knows")
+            return CodesysFault(text, "a word that the controller knows")
         if letter in _WHOLE and not digits.isdigit():
-            return Fault(text, f"a whole number behind {letter}")
+            return CodesysFault(text, f"a whole number behind {letter}")
         value = float(digits)
         name = BRAKING if letter == "E" and value < 0.0 else letter
         return self._known.keep(text, Word(name, value))

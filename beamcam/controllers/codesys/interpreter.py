@@ -23,7 +23,7 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.caches import BoundedCache, PerObject
-from beamcam.controllers.codesys import BRAKING, Block, Fault, Lexer
+from beamcam.controllers.codesys import BRAKING, CodesysBlock, CodesysFault, Lexer
 from beamcam.controllers.dialect import DOCUMENTED, M_QUEUE, Dialect, event_of, with_number
 from beamcam.controllers.events import (
     Acceleration,
@@ -160,7 +160,7 @@ class Codesys(Interpreter):
         if self._is_text(line, body):
             return None
         block = self._language.lexer.block(body)
-        if not isinstance(block, Block):
+        if not isinstance(block, CodesysBlock):
             if block is not None:
                 self._syntax(line, body, block)
             return None
@@ -174,12 +174,12 @@ class Codesys(Interpreter):
         )
         return self._language.known.keep(body, instruction)
 
-    def _syntax(self, line: int, body: str, fault: Fault) -> None:
+    def _syntax(self, line: int, body: str, fault: CodesysFault) -> None:
         """Says what is wrong with a line, unless it is the name of the program."""
         if body.lstrip().startswith("%"):
             if not self._begun or line in (1, self._last):
                 return
-            fault = Fault(body.strip(), "% on the first or the last line only")
+            fault = CodesysFault(body.strip(), "% on the first or the last line only")
         self._say(line, self._rules.syntax, found=fault.found, expected=fault.expected)
 
     def _m_word(self, line: int, number: int, words: Words) -> None:
@@ -357,7 +357,7 @@ class Codesys(Interpreter):
 
 
 def _what_carries_out(
-    block: Block, language: _Language
+    block: CodesysBlock, language: _Language
 ) -> Callable[[Codesys, int, int, Words], None]:
     """What carries out a block, by its command."""
     if block.command == "M":

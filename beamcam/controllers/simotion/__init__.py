@@ -6,7 +6,7 @@ Structured Text: lexer -> parser, or plain (syntax) -> names, types, bounds (che
 commands of axes: cutting_table, or motion_blocks where they are function blocks of PLCopen
 """
 
-from beamcam.controllers.simotion.job import JobRead, Unreadable, job_of, read_job
+from beamcam.controllers.simotion.job import JobRead, UnreadableProgram, job_of, read_job
 from beamcam.errors import Diagnostic
 from beamcam.machine.machine import Machine
 
@@ -17,5 +17,5 @@ def read_program(
     """The job of a program; None and what is wrong where it cannot be read."""
     try:
         return read_job(job_of(text, machine, name), machine, name), []
-    except Unreadable as unreadable:
+    except UnreadableProgram as unreadable:
         return None, [unreadable.diagnostic]

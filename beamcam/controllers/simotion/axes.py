@@ -7,7 +7,7 @@ from typing import Any
 
 from msgspec import Struct
 
-from beamcam.controllers.simotion.syntax import Block, Variable
+from beamcam.controllers.simotion.syntax import ProgramBlock, Variable
 
 Phase = tuple[float, float]  #: seconds and acceleration
 
@@ -123,7 +123,7 @@ class Axis:
                 self.place, self._end = self._end, None
 
 
-class Path:
+class PathObject:
     """A path object: the lines and arcs that it leads both axes along."""
 
     def __init__(self, x: Axis, y: Axis) -> None:
@@ -272,7 +272,7 @@ COMMANDS = {
 
 #: Standard function blocks, as if they were declared.
 BLOCKS = {
-    "TON": Block(0, "FUNCTION_BLOCK", "TON", (
+    "TON": ProgramBlock(0, "FUNCTION_BLOCK", "TON", (
         Variable(0, "IN", "input", "BOOL"), Variable(0, "PT", "input", "TIME"),
         Variable(0, "Q", "output", "BOOL"), Variable(0, "ET", "output", "TIME"),
     ), ()),

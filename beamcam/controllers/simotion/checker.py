@@ -137,7 +137,7 @@ class _Checker:
                 variable.line, str(variable.type), f"the external {variable.name}", str(other.type)
             )
 
-    def _block(self, block: syntax.Block) -> None:
+    def _block(self, block: syntax.ProgramBlock) -> None:
         self.names.locals = {}
         self._declare(block.variables, self.names.locals)
         self._statements(block.body)
@@ -193,7 +193,7 @@ class _Checker:
                     rules.TYPE, target.line, found=f"a value for the input {target.name}",
                     what="an assignment", expected="an output or a variable",
                 )  # fmt: skip
-        elif not isinstance(target, syntax.Element):
+        elif not isinstance(target, syntax.ArrayElement):
             return self.names.wrong_type(
                 target.line, text_of(target), "an assignment", "a variable"
             )

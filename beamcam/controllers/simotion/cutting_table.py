@@ -9,8 +9,8 @@ from collections.abc import Sequence
 from typing import Any
 
 from beamcam.controllers.simotion import rules
-from beamcam.controllers.simotion.axes import Axis, Path, circle_points
-from beamcam.controllers.simotion.interpreter import Interpreter
+from beamcam.controllers.simotion.axes import Axis, PathObject, circle_points
+from beamcam.controllers.simotion.interpreter import ProjectInterpreter
 from beamcam.controllers.simotion.motion_blocks import motion_blocks, start
 from beamcam.controllers.simotion.syntax import Unit
 from beamcam.errors import Diagnostic, Rule, Source, add_few
@@ -36,7 +36,7 @@ class CuttingTable:
         self.axes = tuple(
             Axis(axis, place, brake) for axis, place in zip(triggers.all_axes, BEGIN, strict=False)
         )
-        self.path = Path(*self.axes[:2]) if triggers.path_objects else None
+        self.path = PathObject(*self.axes[:2]) if triggers.path_objects else None
         self.objects: dict[str, Any] = {axis.name.upper(): axis for axis in self.axes}
         if self.path is not None:
             self.objects[triggers.path_object.upper()] = self.path
@@ -55,7 +55,7 @@ class CuttingTable:
         self.natives = motion_blocks(self)
         places = (*triggers.inputs, *self._outputs, triggers.fault_lamp)
         outside = [place for place in places if place and not is_address(place)]
-        self.interpreter = Interpreter(units, self, name, outside)
+        self.interpreter = ProjectInterpreter(units, self, name, outside)
         self._read = [
             (self._variable(place, name), place in triggers.normally_closed)
             for name, place in zip(INPUTS, triggers.inputs, strict=False)

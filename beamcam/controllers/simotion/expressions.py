@@ -123,7 +123,7 @@ class Expressions(TokenStream):
             if self.accept("["):
                 index = self.expression()
                 self.take("]")
-                expression = syntax.Element(token.line, expression, index)
+                expression = syntax.ArrayElement(token.line, expression, index)
             elif self.accept("."):
                 member = self.of_kind("name", "a component")
                 expression = syntax.Member(member.line, expression, member.text)

@@ -36,7 +36,7 @@ class World(Protocol):
         """A system variable of an object."""
 
 
-class Fault(Exception):
+class ControllerFault(Exception):
     """A fault that stops the controller."""
 
     def __init__(self, diagnostic: Diagnostic) -> None:
@@ -76,7 +76,7 @@ class Timer(Native):
 class Instance:
     """A function block with its variables."""
 
-    def __init__(self, block: syntax.Block, machine: "Interpreter") -> None:
+    def __init__(self, block: syntax.ProgramBlock, machine: "ProjectInterpreter") -> None:
         self._key, self._machine = block.name.upper(), machine
         self.values: Values = {
             v.name.upper(): machine.first(v) for v in block.variables if v.section != "external"
@@ -87,7 +87,7 @@ class Instance:
         self._machine.bodies[self._key](self.values)
 
 
-class Interpreter:
+class ProjectInterpreter:
     """The units of a project, loaded: global variables, and one instance of each program."""
 
     def __init__(
@@ -155,14 +155,16 @@ class Interpreter:
         """The place of an element in its array; raises Fault beyond its bounds."""
         if not low <= index <= high:
             source = Source(self.name, line)
-            raise Fault(rules.BOUNDS.at(source, found=index, name=name, low=low, high=high))
+            raise ControllerFault(
+                rules.BOUNDS.at(source, found=index, name=name, low=low, high=high)
+            )
         return index - low
 
     def _divide(self, operator: str, a: Any, b: Any, line: int) -> Any:
         """A quotient or the rest of one; of whole numbers a whole one, towards 0."""
         if b == 0:
             source = Source(self.name, line)
-            raise Fault(rules.RUN.at(source, found="a division by 0", expected="none"))
+            raise ControllerFault(rules.RUN.at(source, found="a division by 0", expected="none"))
         if operator == "MOD":
             return a - b * int(a / b)
         return int(a / b) if isinstance(a, int) else a / b
@@ -183,7 +185,7 @@ class _Writer:
         self._own, self._known = own, known
         self._objects, self._instances = objects, instances
 
-    def block(self, block: syntax.Block) -> list[str]:
+    def block(self, block: syntax.ProgramBlock) -> list[str]:
         """The lines of the function `block`."""
         return ["def block(v):", *self._body(block.body)]
 
@@ -229,7 +231,7 @@ class _Writer:
                 if isinstance(base, syntax.Name) and self._is_instance(base.name.upper()):
                     return f"{self.expression(base)}.values[{name.upper()!r}]"
                 return f"world.system({self.expression(base)}, {name.upper()!r})"
-            case syntax.Element():
+            case syntax.ArrayElement():
                 return self._element(value)
             case syntax.Call(callee=callee, placed=placed):
                 if callee.upper() in _FUNCTIONS:
@@ -259,7 +261,7 @@ class _Writer:
             and variable.type.upper() in self._instances
         )
 
-    def _element(self, value: syntax.Element) -> str:
+    def _element(self, value: syntax.ArrayElement) -> str:
         assert isinstance(value.base, syntax.Name)
         key = value.base.name.upper()
         variable = self._own.get(key) or self._known[key]

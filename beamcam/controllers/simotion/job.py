@@ -41,7 +41,7 @@ class JobText(Struct, frozen=True):
     data: tuple[Line, ...]  #: of all units of set-points
 
 
-class Unreadable(Exception):
+class UnreadableProgram(Exception):
     """A deviation from the fixed part of every program."""
 
     def __init__(self, diagnostic: Diagnostic) -> None:
@@ -86,7 +86,7 @@ class _Frame:
             if found != wanted:
                 source = Source(self.name, self.at + 1)
                 diagnostic = rules.RUNTIME.at(source, found=found.strip(), expected=wanted.strip())
-                raise Unreadable(diagnostic)
+                raise UnreadableProgram(diagnostic)
             self.at += 1
 
     def own(self) -> tuple[Line, ...]:
@@ -97,12 +97,12 @@ class _Frame:
         if self.at == len(self.lines):
             source = Source(self.name, self.at)
             found = "the end of the program"
-            raise Unreadable(rules.RUNTIME.at(source, found=found, expected=_BOUNDARY))
+            raise UnreadableProgram(rules.RUNTIME.at(source, found=found, expected=_BOUNDARY))
         return tuple(enumerate(self.lines[start : self.at], start + 1))
 
-    def syntax(self, found: str, expected: str) -> Unreadable:
+    def syntax(self, found: str, expected: str) -> UnreadableProgram:
         source = Source(self.name, self.at + 1)
-        return Unreadable(rules.SYNTAX.at(source, found=found, expected=expected))
+        return UnreadableProgram(rules.SYNTAX.at(source, found=found, expected=expected))
 
 
 END = "the end of the program"
@@ -124,7 +124,7 @@ _RANGE = re.compile(r"        IF \(row >= DINT#(\d+)\) AND \(row <= DINT#(\d+)\)
 _VALUES = {"LREAL": re.compile(_REAL), "USINT": re.compile(_KIND)}
 
 
-class Operation(Struct, frozen=True):
+class TableOperation(Struct, frozen=True):
     """One operation as the controller gets it."""
 
     line: int
@@ -139,7 +139,7 @@ class Operation(Struct, frozen=True):
 class JobRead(Struct, frozen=True):
     """A job: its operations in their order, and seconds to pierce by process."""
 
-    operations: tuple[Operation, ...]
+    operations: tuple[TableOperation, ...]
     pierce_s: dict[str, float]
     thickness: float = 0.0  #: of the sheet, where the table lifts its torch
     thickness_line: int = 1  #: that says so
@@ -182,7 +182,7 @@ class _Lines:
 
     def wrong(self, rule: Rule, line: int | None = None, **values: object) -> NoReturn:
         source = Source(self.name, self.here[0] if line is None else line)
-        raise Unreadable(rule.at(source, **values))
+        raise UnreadableProgram(rule.at(source, **values))
 
 
 class _Job:
@@ -194,7 +194,7 @@ class _Job:
         height = rf"z := {_REAL}, " if self.has_z else ""
         end = "," if self.paths else r"\);"  # the middle of an arc stands behind it
         self.speed_form = re.compile(rf"                {height}speed := {_REAL}{end}")
-        self.declared: list[Operation] = []  #: a table's, where it has no units for them
+        self.declared: list[TableOperation] = []  #: a table's, where it has no units for them
 
     def read(self) -> JobRead:
         lines = _Lines(self.text.declarations, self.name)
@@ -240,7 +240,7 @@ class _Job:
 
     # -- chains -----------------------------------------------------------------------------
 
-    def _chain(self, last: int, units: Sequence[str], uses_line: int) -> tuple[Operation, ...]:
+    def _chain(self, last: int, units: Sequence[str], uses_line: int) -> tuple[TableOperation, ...]:
         lines = _Lines(self.text.operations, self.name)
         if units:
             found = f"unit {units[0]}"
@@ -255,7 +255,7 @@ class _Job:
             data.wrong(rules.SYNTAX, found=data.here[1].strip(), expected="the end of the program")
         return operations
 
-    def _blocks(self, lines: _Lines) -> Iterator[Operation]:
+    def _blocks(self, lines: _Lines) -> Iterator[TableOperation]:
         k = 0
         while lines.left:
             k += 1
@@ -279,7 +279,7 @@ class _Job:
                 via = lines.match(_VIA, "middleX := LREAL#..., middleY := LREAL#...);")
                 middle = float(via[1]), float(via[2])
             lines.match(_END, "END_IF;")
-            yield Operation(line, kind, x, y, float(speed), middle, *map(float, height))
+            yield TableOperation(line, kind, x, y, float(speed), middle, *map(float, height))
 
     # -- tables -----------------------------------------------------------------------------
 
@@ -291,7 +291,7 @@ class _Job:
             names += ["pointViaX", "pointViaY"]
         return {**dict.fromkeys(names, "LREAL"), "pointKind": "USINT"}
 
-    def _table(self, last: int, units: Sequence[str], uses_line: int) -> tuple[Operation, ...]:
+    def _table(self, last: int, units: Sequence[str], uses_line: int) -> tuple[TableOperation, ...]:
         lines = _Lines(self.text.operations, self.name)
         data = _Lines(self.text.data, self.name)
         data.exact("")
@@ -332,7 +332,7 @@ class _Job:
 
     def _rows(
         self, data: _Lines, unit: str, k: int, low: int, high: int, uses_line: int
-    ) -> list[Operation]:
+    ) -> list[TableOperation]:
         """The operations of one unit."""
         mark = f"(* ===== UNIT {unit} ===== *)"
         other = data.match(UNIT, f"{mark}; join the file of that unit behind this one")[1]
@@ -343,7 +343,7 @@ class _Job:
         data.exact("    END_VAR", "END_INTERFACE", "", "IMPLEMENTATION", "END_IMPLEMENTATION", "")
         return operations
 
-    def _set_points(self, data: _Lines, k: int, low: int, high: int) -> list[Operation]:
+    def _set_points(self, data: _Lines, k: int, low: int, high: int) -> list[TableOperation]:
         """The operations that the arrays of a number hold."""
         line = data.here[0]
         columns = [
@@ -355,7 +355,7 @@ class _Job:
         speed, *via = more
         middles: Iterable[Any] = zip(*via, strict=True) if via else [None] * len(x)
         return [
-            Operation(line, int(kind), *row)
+            TableOperation(line, int(kind), *row)
             for kind, *row in zip(kinds, x, y, speed, middles, heights, strict=True)
         ]
 

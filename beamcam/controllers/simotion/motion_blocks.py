@@ -19,7 +19,7 @@ from beamcam.machine.tables import Triggers
 COMMANDED_POSITION = 1  #: number of that parameter
 
 
-class Table(Protocol):
+class AxisTable(Protocol):
     """The table whose axes the blocks move."""
 
     triggers: Triggers
@@ -31,7 +31,7 @@ class Table(Protocol):
         """Add a message."""
 
 
-def motion_blocks(table: Table) -> dict[str, Callable[[], Native]]:
+def motion_blocks(table: AxisTable) -> dict[str, Callable[[], Native]]:
     """The blocks of a table, by their names in capitals."""
     kinds: tuple[type[_Block], ...] = (
         _Power, _Move, _Halt, _SetPosition, _Stop, _Reset, _Status, _Position, _Parameter,
@@ -39,7 +39,7 @@ def motion_blocks(table: Table) -> dict[str, Callable[[], Native]]:
     return {kind.name: partial(kind, table) for kind in kinds}
 
 
-def start(table: Table, name: str, values: Values) -> bool:
+def start(table: AxisTable, name: str, values: Values) -> bool:
     """Start what a block asks of its axis; False if the axis refuses it."""
     axis: Axis = values["AXIS"]
     if name == _Reset.name:
@@ -68,7 +68,7 @@ class _Block(Native):
     name = ""
     outputs: tuple[str, ...] = ("ERROR",)
 
-    def __init__(self, table: Table) -> None:
+    def __init__(self, table: AxisTable) -> None:
         self.table = table
         self.values: Values = dict.fromkeys(self.outputs, False)
         self.inputs: Values = {"ENABLE": False, "EXECUTE": False}
@@ -214,7 +214,7 @@ class _Position(_Block):
     name = "MC_READACTUALPOSITION"
     outputs = ("VALID", "BUSY", "ERROR")
 
-    def __init__(self, table: Table) -> None:
+    def __init__(self, table: AxisTable) -> None:
         super().__init__(table)
         self.values[self.value] = 0.0
 

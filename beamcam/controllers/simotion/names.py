@@ -128,6 +128,6 @@ def text_of(value: syntax.Expression) -> str:
             return value.name
         case syntax.Member():
             return f"{text_of(value.base)}.{value.name}"
-        case syntax.Element():
+        case syntax.ArrayElement():
             return f"{text_of(value.base)}[...]"
     return "an expression"

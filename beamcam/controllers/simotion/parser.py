@@ -76,7 +76,7 @@ class Parser(Expressions):
             blocks.append(self.block())
         return syntax.Unit(name, tuple(uses), tuple(exports), tuple(variables), tuple(blocks))
 
-    def block(self) -> syntax.Block:
+    def block(self) -> syntax.ProgramBlock:
         # FUNCTION_BLOCK name VAR_INPUT ... END_VAR statements END_FUNCTION_BLOCK
         kind = self.take("FUNCTION_BLOCK", "PROGRAM", "END_IMPLEMENTATION")
         word = cast('Literal["PROGRAM", "FUNCTION_BLOCK"]', kind.text.upper())
@@ -85,7 +85,9 @@ class Parser(Expressions):
         while self.is_word(*_SECTIONS):
             section = _SECTIONS[self.take(*_SECTIONS).text.upper()]
             variables += self.variables(section)
-        return syntax.Block(kind.line, word, name, tuple(variables), self.statements("END_" + word))
+        return syntax.ProgramBlock(
+            kind.line, word, name, tuple(variables), self.statements("END_" + word)
+        )
 
     def variables(self, section: Section) -> list[syntax.Variable]:
         # name AT %Q0.0 : TYPE := value;

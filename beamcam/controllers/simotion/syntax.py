@@ -83,7 +83,7 @@ class Member(Struct, frozen=True):
     name: str
 
 
-class Element(Struct, frozen=True):
+class ArrayElement(Struct, frozen=True):
     """An element of an array."""
 
     line: int
@@ -117,7 +117,7 @@ class Call(Struct, frozen=True):
     placed: tuple[Expression, ...]
 
 
-Expression = Constant | Name | Member | Element | Unary | Binary | Call
+Expression = Constant | Name | Member | ArrayElement | Unary | Binary | Call
 
 
 class Assign(Struct, frozen=True):
@@ -176,7 +176,7 @@ class Variable(Struct, frozen=True):
     address: str = ""
 
 
-class Block(Struct, frozen=True):
+class ProgramBlock(Struct, frozen=True):
     """A PROGRAM or FUNCTION_BLOCK."""
 
     line: int
@@ -201,6 +201,6 @@ class Unit(Struct, frozen=True):
     uses: tuple[Token, ...]  #: names of other units
     exports: tuple[tuple[str, str, int], ...]  #: kind, name and line
     variables: tuple[Variable, ...]
-    blocks: tuple[Block, ...]
+    blocks: tuple[ProgramBlock, ...]
     structures: tuple[Structure, ...] = ()
     plain: bool = False

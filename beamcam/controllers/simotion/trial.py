@@ -133,7 +133,7 @@ def _kinds(triggers: Triggers) -> list[int]:
 
 def _run(units: list[Unit], machine: Machine, name: str) -> list[Diagnostic]:
     """Events of a run from the start button to the end."""
-    from beamcam.controllers.simotion.interpreter import Fault
+    from beamcam.controllers.simotion.interpreter import ControllerFault
 
     assert machine.triggers is not None
     table = CuttingTable(units, machine, name)
@@ -147,7 +147,7 @@ def _run(units: list[Unit], machine: Machine, name: str) -> list[Diagnostic]:
             if table.value("workDone") or table.value("workFault"):
                 break
             table.cycle()
-    except Fault as fault:
+    except ControllerFault as fault:
         return [*table.said, fault.diagnostic]
     diagnostics = list(table.said)
 

@@ -30,7 +30,7 @@ class Types:
                 return self.names.of_value(value)
             case syntax.Member():
                 return self._member(value)
-            case syntax.Element():
+            case syntax.ArrayElement():
                 return self._element(value)
             case syntax.Call():
                 return self.call(value, as_statement=False)
@@ -64,7 +64,7 @@ class Types:
             rules.NAME, value.line, found=f".{value.name}", expected=near(value.name, known)
         )
 
-    def _element(self, value: syntax.Element) -> str:
+    def _element(self, value: syntax.ArrayElement) -> str:
         if not isinstance(value.base, syntax.Name):
             return self.names.wrong_type(value.line, text_of(value.base), "an element", "an array")
         variable = self.names.variable(value.base.name)
@@ -244,7 +244,7 @@ class _PlainParser(Parser):
 
     def program(self) -> syntax.Unit:
         structures: list[syntax.Structure] = []
-        blocks: list[syntax.Block] = []
+        blocks: list[syntax.ProgramBlock] = []
         variables: list[syntax.Variable] = []
         run: list[tuple[str, str, int]] = []
         while self.here.kind != "end":
@@ -276,7 +276,7 @@ class _PlainParser(Parser):
         self.types.add(token.text.upper())
         return syntax.Structure(token.line, token.text, tuple(fields))
 
-    def block(self) -> syntax.Block:
+    def block(self) -> syntax.ProgramBlock:
         # FUNCTION_BLOCK name VAR_INPUT ... END_VAR statements END_FUNCTION_BLOCK
         kind = self.take("FUNCTION_BLOCK", "PROGRAM", "TYPE", "CONFIGURATION")
         name = self.identifier("a name").text
@@ -292,7 +292,7 @@ class _PlainParser(Parser):
         body = self.statements("END_" + word)
         if word == "FUNCTION_BLOCK":
             self.types.add(name.upper())
-        return syntax.Block(kind.line, word, name, tuple(variables), body)
+        return syntax.ProgramBlock(kind.line, word, name, tuple(variables), body)
 
     def section(self, section: Section) -> list[syntax.Variable]:
         """The variables of a section, one or more."""

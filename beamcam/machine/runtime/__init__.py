@@ -14,7 +14,7 @@ from msgspec import Struct
 
 from beamcam.caches import PerObject
 from beamcam.machine.machine import Machine
-from beamcam.machine.tables import DIALECTS, Dialect, Triggers
+from beamcam.machine.tables import DIALECTS, TableDialect, Triggers
 
 STYLES = ("chain", "table")
 PROCESSES = ("cut", "mark", "engrave")  #: switched on by the kinds 1, 3, 5, off by 2, 4, 6
@@ -76,7 +76,7 @@ def library_runtime(machine: Machine, style: str) -> Runtime:
     return Runtime(*text.split("@\n"))
 
 
-def dialect_of(machine: Machine) -> Dialect:
+def dialect_of(machine: Machine) -> TableDialect:
     """The dialect of a machine's trigger programs. Raises KeyError for a machine without any."""
     return DIALECTS[machine.controller]
 

@@ -36,7 +36,7 @@ from beamcam.model.part import (
 )
 from beamcam.model.plan import ContourOp
 from beamcam.planning.contours import rules
-from beamcam.planning.contours.material import Material
+from beamcam.planning.contours.material import SheetMaterial
 from beamcam.planning.contours.outline import Shape
 from beamcam.planning.contours.spread import spread
 
@@ -178,14 +178,14 @@ def apart(part: Part, torch: Torch) -> tuple[Part, list[Diagnostic]]:
     """A drawing for common cuts with its parts a kerf apart where they touch, and a note."""
     if not torch.common_cuts or torch.kerf_by == "none":
         return part, []
-    return spread(part, torch, Material(part, torch).kerf("cut"))
+    return spread(part, torch, SheetMaterial(part, torch).kerf("cut"))
 
 
 def spaced(part: Part, torch: Torch) -> Torch:
     """The torch with the spacing of its parts: for common cuts that is the kerf of the sheet."""
     if not torch.common_cuts:
         return torch
-    kerf = 0.0 if torch.kerf_by == "none" else Material(part, torch).kerf("cut")
+    kerf = 0.0 if torch.kerf_by == "none" else SheetMaterial(part, torch).kerf("cut")
     return replace(torch, spacing=kerf)
 
 

@@ -54,7 +54,7 @@ def _shipped_torches() -> Iterator[tuple[str, Torch]]:
             yield machine.name, machine.torch
 
 
-class Material:
+class SheetMaterial:
     """Material and thickness of a sheet, and the machine's row for each process on it."""
 
     def __init__(self, part: Part, torch: Torch) -> None:

@@ -28,7 +28,7 @@ from beamcam.planning.contours.entry import (
 from beamcam.planning.contours.kerf import NO_LEADS, Lead, common_cuts, compensated, leads_of
 from beamcam.planning.contours.layer_settings import is_one_way, rank
 from beamcam.planning.contours.layout import moved
-from beamcam.planning.contours.material import Material
+from beamcam.planning.contours.material import SheetMaterial
 from beamcam.planning.contours.order import order
 from beamcam.planning.contours.outline import (
     Shape,
@@ -47,7 +47,7 @@ MOST_GAP = 2.0  #: mm between ends that may be meant to meet
 
 
 def operations_of(
-    shapes: Sequence[Shape], material: Material, torch: Torch, shift: Point, share: bool
+    shapes: Sequence[Shape], material: SheetMaterial, torch: Torch, shift: Point, share: bool
 ) -> tuple[tuple[ContourOp, ...], list[Diagnostic]]:
     """The work on the shapes, moved by `shift`, and remarks; no work if one is an error.
 
@@ -93,7 +93,7 @@ def operations_of(
 
 
 def _by_offset(
-    ways: Sequence[Way], material: Material, torch: Torch, fence: Sequence[Shape]
+    ways: Sequence[Way], material: SheetMaterial, torch: Torch, fence: Sequence[Shape]
 ) -> tuple[list[tuple[Shape, float, Lead]], list[Diagnostic]]:
     """The toolpaths with their leads, and a remark on shortened ones."""
     kerf = max((kerf for _, kerf in ways), default=0.0) if torch.kerf_by == "offset" else 0.0
@@ -152,7 +152,7 @@ def _in_order(
 
 
 def _operation(
-    shape: Shape, kerf: float, material: Material, torch: Torch, lead: Lead, link: Line | None,
+    shape: Shape, kerf: float, material: SheetMaterial, torch: Torch, lead: Lead, link: Line | None,
     goes_on: bool,
 ) -> ContourOp:  # fmt: skip
     """The operation of one contour, with as many bridges as there is room for.
@@ -191,7 +191,7 @@ def _operation(
     )  # fmt: skip
 
 
-def _is_small(shape: Shape, material: Material) -> bool:
+def _is_small(shape: Shape, material: SheetMaterial) -> bool:
     """Whether a contour as it is drawn is a small hole of its row."""
     if shape.process != "cut" or not (shape.is_ring and shape.is_hole):
         return False

@@ -22,7 +22,7 @@ from beamcam.model.part import Bevel, Contour, Face, Part
 from beamcam.model.plan import CopeCut
 from beamcam.planning.coping.chart import Chart
 from beamcam.planning.coping.ends import room_at
-from beamcam.planning.coping.regions import OUTLINE_NOISE, Region, Shape
+from beamcam.planning.coping.regions import OUTLINE_NOISE, Shape, WallRegion
 from beamcam.planning.coping.walls import WEB_AMID, from_behind
 
 LEAST_SIDE = 0.3  #: share of an edge's normal along the bar, in which B tilts
@@ -74,7 +74,7 @@ class Edge(Struct, frozen=True):
 
 
 def bevel_cuts(
-    part: Part, regions: Mapping[Face, Region], features: Mapping[Face, Sequence[int]],
+    part: Part, regions: Mapping[Face, WallRegion], features: Mapping[Face, Sequence[int]],
     chart: Chart, coper: Coper,
 ) -> tuple[list[CopeCut], set[int]]:  # fmt: skip
     """The second passes, and the contours all of whose bevels are made by them.
@@ -110,7 +110,13 @@ def bevel_cuts(
 
 
 def _pass(
-    bevel: Bevel, f: int, contour: Contour, region: Region, part: Part, chart: Chart, coper: Coper
+    bevel: Bevel,
+    f: int,
+    contour: Contour,
+    region: WallRegion,
+    part: Part,
+    chart: Chart,
+    coper: Coper,
 ) -> CopeCut | None:
     """The second pass along a bevelled edge; None where there is none."""
     wall, line = region.wall, contour.curves[bevel.curve]
@@ -156,7 +162,7 @@ def _pass(
     return cut if _is_clear(cut, edge, region) else None
 
 
-def _on_wall(place: Point, region: Region) -> Point:
+def _on_wall(place: Point, region: WallRegion) -> Point:
     """A corner of an outline; near an edge of its wall on that edge."""
     x, y = place
     for side in (0.0, region.wall.width):
@@ -165,7 +171,7 @@ def _on_wall(place: Point, region: Region) -> Point:
     return x, y
 
 
-def _has_room(region: Region, edge: Edge, part: Part, coper: Coper) -> bool:
+def _has_room(region: WallRegion, edge: Edge, part: Part, coper: Coper) -> bool:
     """Whether the tilted torch comes to an edge: over the web between its flanges."""
     wall, web = region.wall, part.profile.web_thickness or 0.0
     if wall.face != "v":
@@ -178,7 +184,7 @@ def _has_room(region: Region, edge: Edge, part: Part, coper: Coper) -> bool:
     return reached and deep <= room_at(edge.b_deg, coper)
 
 
-def _is_clear(cut: CopeCut, edge: Edge, region: Region) -> bool:
+def _is_clear(cut: CopeCut, edge: Edge, region: WallRegion) -> bool:
     """Whether a pass hurts nothing of its wall at any depth, and pierces clear of the part."""
     from shapely import LineString
     from shapely import Point as Place

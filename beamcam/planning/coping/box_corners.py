@@ -15,7 +15,7 @@ from msgspec import Struct
 from beamcam.errors import Diagnostic
 from beamcam.geometry.array_types import Floats
 from beamcam.model.part import Face, Part
-from beamcam.model.surface import Leg
+from beamcam.model.surface import SurfacePatch
 from beamcam.planning.coping import rules
 from beamcam.planning.coping.regions import CHORD, Shape
 from beamcam.planning.coping.tube_ends import OVERLAP
@@ -30,7 +30,7 @@ MEET = 1.0  #: mm that lines of two faces may be apart at their edge and mean th
 class BoxFace(Struct, frozen=True):
     """A face of the tube as it is drawn."""
 
-    leg: Leg
+    leg: SurfacePatch
     size: float
     shape: Shape
     drawn: bool
@@ -68,7 +68,7 @@ BESIDE: dict[str, tuple[tuple[Face, bool], tuple[Face, bool]]] = {
 
 
 def corner_of(
-    part: Part, faces: Mapping[Face, BoxFace], corner: Leg
+    part: Part, faces: Mapping[Face, BoxFace], corner: SurfacePatch
 ) -> tuple[Shape | None, dict[Face, float], list[Diagnostic]]:
     """What stays of a corner, how much a square cut is off inside of the walls beside it."""
     from shapely import Polygon, union_all

@@ -21,7 +21,7 @@ from beamcam.geometry.array_types import Floats
 from beamcam.geometry.curves import Point
 from beamcam.model.part import Contour, Face, Part
 from beamcam.model.section import corners
-from beamcam.model.surface import Around, Leg
+from beamcam.model.surface import Around, SurfacePatch
 from beamcam.planning import rules as bar_rules
 from beamcam.planning.coping import rules
 from beamcam.planning.coping.box_corners import MEET, BoxFace, corner_of, ending_in, on_surface
@@ -42,7 +42,7 @@ from beamcam.planning.coping.tube_ends import (
     planes_of,
     within,
 )
-from beamcam.planning.coping.walls import Wall
+from beamcam.planning.coping.walls import PlannedWall
 
 FACES: tuple[Face, ...] = ("u", "v", "o", "h")  #: on the way round
 
@@ -103,7 +103,7 @@ def unrolled(part: Part, features: Sequence[int], way: Around) -> tuple[Unrolled
             box(x0, leg.patch.low - OVERLAP, x1, leg.patch.high + OVERLAP)
         )
 
-        def on_leg(places: Floats, leg: Leg = leg) -> Floats:
+        def on_leg(places: Floats, leg: SurfacePatch = leg) -> Floats:
             return np.column_stack([places[:, 0], [leg.s(y) for y in places[:, 1].tolist()]])
 
         shapes.append(transform(flat, on_leg))
@@ -117,12 +117,12 @@ def unrolled(part: Part, features: Sequence[int], way: Around) -> tuple[Unrolled
     return Unrolled(within(union_all(shapes), planes, way), tuple(points), slant), diagnostics
 
 
-def _face(part: Part, face: Face, own: Sequence[Cut], leg: Leg) -> BoxFace:
+def _face(part: Part, face: Face, own: Sequence[Cut], leg: SurfacePatch) -> BoxFace:
     """A face within its outlines; h is as v without one of its own, and the other way round."""
     from shapely import box, union_all
 
     size = part.profile.face_width(face)
-    wall = Wall(face, size, 0.0, 0.0, size, ())
+    wall = PlannedWall(face, size, 0.0, 0.0, size, ())
     outer = [c for c in own if isinstance(c, Contour) and c.kind == "outer"]
     # DSTV, 7th edition, page 13: M has one contour of the web, that of v.
     other = {"v": "h", "h": "v"}.get(face, "")

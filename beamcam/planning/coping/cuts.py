@@ -18,7 +18,7 @@ from beamcam.geometry.curves import Point
 from beamcam.machine.coper import Coper
 from beamcam.machine.torch import TorchRow
 from beamcam.planning.coping.regions import Shape
-from beamcam.planning.coping.walls import EDGE, Wall
+from beamcam.planning.coping.walls import EDGE, PlannedWall
 
 MITRE = 5.0  #: half kerfs from the end of a contour at which its path leaves a free edge, at most
 ROUND = 8  #: sides of a quarter of a path round a corner
@@ -32,7 +32,7 @@ End = Literal["low", "high", "near", "far", ""]
 OF_PIECE: tuple[End, End] = ("near", "far")
 
 
-class Border(Struct, frozen=True):
+class CutBorder(Struct, frozen=True):
     """A line that a path is followed to: inside is where nx x + ny y is at most its limit."""
 
     name: End
@@ -45,37 +45,37 @@ class Border(Struct, frozen=True):
         return self.nx * place[0] + self.ny * place[1] - self.limit
 
 
-def borders_of(wall: Wall, low: float, high: float, over: float) -> list[Border]:
+def borders_of(wall: PlannedWall, low: float, high: float, over: float) -> list[CutBorder]:
     """The borders at two y of a wall; of a piece that comes cut its ends too, `over` outwards."""
-    borders = [Border("low", 0.0, -1.0, -low), Border("high", 0.0, 1.0, high)]
+    borders = [CutBorder("low", 0.0, -1.0, -low), CutBorder("high", 0.0, 1.0, high)]
     if wall.ends is not None:
         for name, side, end in zip(OF_PIECE, (-1.0, 1.0), wall.ends, strict=True):
             long = hypot(1.0, end.slope)
             borders.append(
-                Border(name, side / long, -side * end.slope / long, side * end.at / long + over)
+                CutBorder(name, side / long, -side * end.slope / long, side * end.at / long + over)
             )
     return borders
 
 
-class Chain(Struct, frozen=True):
+class CutChain(Struct, frozen=True):
     """A stretch of a path; the scrap is on its right."""
 
     points: tuple[Point, ...]
     start: End = ""
     end: End = ""
 
-    def reversed(self) -> "Chain":
-        return Chain(self.points[::-1], self.end, self.start)
+    def reversed(self) -> "CutChain":
+        return CutChain(self.points[::-1], self.end, self.start)
 
 
-class RequiredPath(Struct, frozen=True):
+class LeadPath(Struct, frozen=True):
     """A path with its lead."""
 
     path: tuple[Point, ...]
     lead: int  #: stretches of the lead
 
 
-def paths_of(shape: Shape, half_kerf: float, wall: Wall) -> Shape:
+def paths_of(shape: Shape, half_kerf: float, wall: PlannedWall) -> Shape:
     """The region whose border a torch follows: round the part's corners at half a kerf.
 
     Where a contour ends at a free edge, or at the end of a piece, the path goes straight on beyond
@@ -117,12 +117,12 @@ def rings_of(shape: Shape) -> Iterator[list[Point]]:
                 yield [(x, y) for x, y in ring.coords[:-1]]
 
 
-def chains_of(shape: Shape, borders: Sequence[Border]) -> Iterator[Chain]:
+def chains_of(shape: Shape, borders: Sequence[CutBorder]) -> Iterator[CutChain]:
     """The stretches of a region's rings within borders; whole rings where they lie so."""
     for ring in rings_of(shape):
         outside = [any(border.beyond(place) > 0.0 for border in borders) for place in ring]
         if not any(outside):
-            yield Chain((*ring, ring[0]))
+            yield CutChain((*ring, ring[0]))
             continue
         first = outside.index(True)
         points: list[Point] = []
@@ -133,20 +133,20 @@ def chains_of(shape: Shape, borders: Sequence[Border]) -> Iterator[Chain]:
                     points, start = [p], entered or start
                 points.append(q)
                 if left:
-                    yield Chain(tuple(points), start, left)
+                    yield CutChain(tuple(points), start, left)
                     points, start = [], ""
 
 
 def _pieces(
-    a: Point, b: Point, borders: Sequence[Border]
+    a: Point, b: Point, borders: Sequence[CutBorder]
 ) -> Iterator[tuple[Point, Point, End, End]]:
     """The stretch of a line within borders, and at which of them it enters and leaves.
 
     Source: Cyrus and Beck, Generalized two- and three-dimensional clipping, 1978.
     """
     first, last = 0.0, 1.0
-    entered: Border | None = None
-    left: Border | None = None
+    entered: CutBorder | None = None
+    left: CutBorder | None = None
     for border in borders:
         begin, end = border.beyond(a), border.beyond(b)
         if begin > 0.0 and end > 0.0:
@@ -159,7 +159,7 @@ def _pieces(
         return
     (xa, ya), (xb, yb) = a, b
 
-    def at(share: float, border: Border | None, otherwise: Point) -> Point:
+    def at(share: float, border: CutBorder | None, otherwise: Point) -> Point:
         if border is None:
             return otherwise
         x, y = xa + (xb - xa) * share, ya + (yb - ya) * share
@@ -169,7 +169,9 @@ def _pieces(
     yield p, q, entered.name if entered else "", left.name if left else ""
 
 
-def led(chain: Chain, wall: Wall, shape: Shape, row: TorchRow, coper: Coper) -> RequiredPath | None:
+def led(
+    chain: CutChain, wall: PlannedWall, shape: Shape, row: TorchRow, coper: Coper
+) -> LeadPath | None:
     """A chain with its lead; None if there is no room for one in scrap.
 
     It begins at a free edge where it has one, that away from the root if both are free; at the
@@ -192,13 +194,13 @@ def led(chain: Chain, wall: Wall, shape: Shape, row: TorchRow, coper: Coper) -> 
         (xa, ya), (xb, yb) = led.path[-2:]
         longer = coper.over / (hypot(xb - xa, yb - ya) or 1.0)
         beyond = xb + (xb - xa) * longer, yb + (yb - ya) * longer
-        led = RequiredPath((*led.path[:-1], beyond), led.lead)
+        led = LeadPath((*led.path[:-1], beyond), led.lead)
     return led
 
 
 def _closed(
-    chain: Chain, wall: Wall, shape: Shape, row: TorchRow, coper: Coper
-) -> RequiredPath | None:
+    chain: CutChain, wall: PlannedWall, shape: Shape, row: TorchRow, coper: Coper
+) -> LeadPath | None:
     """A whole ring from the middle of a long stretch, pierced square to it."""
     ring = chain.points[:-1]
     stretches = sorted(range(len(ring)), key=lambda k: -_length(ring[k], ring[(k + 1) % len(ring)]))
@@ -207,25 +209,25 @@ def _closed(
         middle = (a[0] + b[0]) / 2, (a[1] + b[1]) / 2
         pierce = _pierce(middle, _right_of(a, b), wall, shape, row, coper)
         if pierce is not None:
-            return RequiredPath((pierce, middle, *ring[k + 1 :], *ring[: k + 1], middle), 1)
+            return LeadPath((pierce, middle, *ring[k + 1 :], *ring[: k + 1], middle), 1)
     return None
 
 
 def _from_root(
-    chain: Chain, wall: Wall, shape: Shape, row: TorchRow, coper: Coper
-) -> RequiredPath | None:
+    chain: CutChain, wall: PlannedWall, shape: Shape, row: TorchRow, coper: Coper
+) -> LeadPath | None:
     """A path that begins over the web, pierced along it beside its start."""
     start = chain.points[0]
     for side in (1.0, -1.0):
         beside = start[0] + side * row.kerf / 4, start[1]
         if shape.distance(_place(beside)) > shape.distance(_place(start)):
             pierce = _pierce(start, (side, 0.0), wall, shape, row, coper)
-            return None if pierce is None else RequiredPath((pierce, *chain.points), 1)
+            return None if pierce is None else LeadPath((pierce, *chain.points), 1)
     return None
 
 
 def _pierce(
-    start: Point, way: Point, wall: Wall, shape: Shape, row: TorchRow, coper: Coper
+    start: Point, way: Point, wall: PlannedWall, shape: Shape, row: TorchRow, coper: Coper
 ) -> Point | None:
     """Where a path is pierced: the farthest place on a way off it that is clear of the part.
 
@@ -245,8 +247,8 @@ def _pierce(
 
 
 def _from_edge(
-    chain: Chain, wall: Wall, shape: Shape, row: TorchRow, coper: Coper
-) -> RequiredPath | None:
+    chain: CutChain, wall: PlannedWall, shape: Shape, row: TorchRow, coper: Coper
+) -> LeadPath | None:
     """A path that begins on the edge of the scrap and goes along that edge to the contour.
 
     It meets the contour's path just beyond the edge, so that no wedge is left in the corner.
@@ -275,11 +277,11 @@ def _from_edge(
                 and shape.distance(_place(start)) >= row.pierce_radius
                 and (wall.open is None or not wall.open.dwithin(_line(start, first), half_kerf))
             ):
-                return RequiredPath((start, *chain.points), 1)
+                return LeadPath((start, *chain.points), 1)
     return None
 
 
-def _edge_of(name: End, wall: Wall) -> Border:
+def _edge_of(name: End, wall: PlannedWall) -> CutBorder:
     """The edge of a wall, or the end of a piece, at which a path begins."""
     return next(b for b in borders_of(wall, 0.0, wall.width, 0.0) if b.name == name)
 

@@ -26,8 +26,8 @@ from beamcam.model.part import Contour, EndCuts, Face, Part
 from beamcam.model.section import corners
 from beamcam.planning import rules as bar_rules
 from beamcam.planning.coping.cuts import borders_of, chains_of
-from beamcam.planning.coping.regions import OUTLINE_NOISE, Region, Shape
-from beamcam.planning.coping.walls import EDGE, WEB_AMID, EndLine, Wall
+from beamcam.planning.coping.regions import OUTLINE_NOISE, Shape, WallRegion
+from beamcam.planning.coping.walls import EDGE, WEB_AMID, EndLine, PlannedWall
 
 NOISE_DEG = 0.2  #: of an end cut; header and outlines may differ by as much
 ON_LINE = 0.02  #: mm that an edge of a region lies off the end that it is
@@ -36,7 +36,7 @@ AT: tuple[Literal["start", "end"], ...] = ("start", "end")
 Pair = tuple[bool, bool]
 
 
-class EndPlane(Struct, frozen=True):
+class SectionEnd(Struct, frozen=True):
     """The plane of one end in the section's axes."""
 
     side: float  #: -1 at the start, 1 at the end
@@ -56,7 +56,7 @@ class EndPlane(Struct, frozen=True):
         return self.side * max(self.side * self.x(y, z) for y in ys for z in zs)
 
 
-def planes_of(part: Part) -> tuple[EndPlane, EndPlane]:
+def planes_of(part: Part) -> tuple[SectionEnd, SectionEnd]:
     """The start and the end of a part as it lies, each through its outermost corner at x 0 or L."""
     profile, cuts = part.profile, part.cuts
     outermost = corners(profile, part.section)
@@ -72,7 +72,7 @@ def planes_of(part: Part) -> tuple[EndPlane, EndPlane]:
         by_y, by_z = tan(radians(web_deg)), tan(radians(flange_deg))
         leans = [side * (y * by_y + z * by_z) for y, z in outermost]
         at = (0.0 if side < 0.0 else part.length) + side * min(leans)
-        planes.append(EndPlane(side, at, by_y, by_z))
+        planes.append(SectionEnd(side, at, by_y, by_z))
     return planes[0], planes[1]
 
 
@@ -82,7 +82,7 @@ def ends_on(face: Face, part: Part) -> tuple[EndLine, EndLine]:
     return _outermost(start, face, part), _outermost(end, face, part)
 
 
-def _outermost(plane: EndPlane, face: Face, part: Part) -> EndLine:
+def _outermost(plane: SectionEnd, face: Face, part: Part) -> EndLine:
     web, profile = part.profile.web_thickness or 0.0, part.profile
     back = (profile.width - web) / 2 if profile.code in WEB_AMID else 0.0
     edge = profile.height - profile.flange_thickness if face == "o" else 0.0
@@ -93,7 +93,7 @@ def _outermost(plane: EndPlane, face: Face, part: Part) -> EndLine:
     return EndLine(at, -slope, abs(across) * thick)
 
 
-def _tilted(plane: EndPlane, face: Face, part: Part) -> EndLine:
+def _tilted(plane: SectionEnd, face: Face, part: Part) -> EndLine:
     """Where a plane meets the surface that the torch looks at, and the tilt that lies in it."""
     web, profile = part.profile.web_thickness or 0.0, part.profile
     line = _outermost(plane, face, part)
@@ -105,7 +105,7 @@ def _tilted(plane: EndPlane, face: Face, part: Part) -> EndLine:
     return replace(line, at=plane.x(0.0, 0.0), b_deg=degrees(atan(plane.by_y)))
 
 
-def with_skew(wall: Wall, part: Part, tilts: Pair) -> Wall:
+def with_skew(wall: PlannedWall, part: Part, tilts: Pair) -> PlannedWall:
     """A wall of a bar with its skew ends; `tilts` says at which of them the torch is tilted."""
     lines = [
         None if not plane.is_skew
@@ -165,7 +165,7 @@ def _leaning(side: Side) -> float:
     return degrees(atan((xa - xb) / (yb - ya)))
 
 
-def _is_within(side: Side, plane: EndPlane, face: Face, part: Part) -> bool:
+def _is_within(side: Side, plane: SectionEnd, face: Face, part: Part) -> bool:
     """Whether a side lies on the steel's side of an end, clear of it."""
     end = _outermost(plane, "v" if face == "h" else face, part)
     return all(plane.side * (end.x(y) - x) > OUTLINE_NOISE + end.play for x, y in side)
@@ -196,7 +196,7 @@ def is_on(line: EndLine, points: Sequence[tuple[float, float]], off: float = 0.0
     return all(abs(abs(x - line.x(y)) * long - off) <= ON_LINE for x, y in points)
 
 
-def crossed(wall: Wall, length: float) -> bool:
+def crossed(wall: PlannedWall, length: float) -> bool:
     """Whether the skew ends of a wall leave nothing of it at one of its edges."""
     start, end = (
         line or EndLine(at, 0.0) for line, at in zip(wall.skew, (0.0, length), strict=True)
@@ -204,7 +204,7 @@ def crossed(wall: Wall, length: float) -> bool:
     return any(start.x(y) >= end.x(y) - OUTLINE_NOISE for y in (0.0, wall.width))
 
 
-def edges_at(region: Region, k: int) -> Iterator[tuple[tuple[float, float], ...]]:
+def edges_at(region: WallRegion, k: int) -> Iterator[tuple[tuple[float, float], ...]]:
     """The stretches of a wall's edge, from one side of what is cut to the other, that lie on an end
     at least in part."""
     wall, line = region.wall, region.wall.skew[k]
@@ -222,7 +222,7 @@ def room_at(b_deg: float, coper: Coper) -> float:
     return coper.torch_length * cos(b) - coper.head_width / 2 * sin(b) - coper.clearance
 
 
-def tilts_at(regions: Mapping[Face, Region], part: Part, k: int, coper: Coper) -> bool:
+def tilts_at(regions: Mapping[Face, WallRegion], part: Part, k: int, coper: Coper) -> bool:
     """Whether the torch can be tilted to an end: each wall that it leans over ends in it alone."""
     front = part.profile.web_thickness or 0.0
     if part.profile.code in WEB_AMID:
@@ -255,8 +255,8 @@ def shown_by_ends(part: Part, tilts: Sequence[bool], least: float) -> list[int]:
 
 
 def squared(
-    regions: Mapping[Face, Region], part: Part, k: int, depth: float
-) -> tuple[dict[Face, Region], dict[Face, float]]:
+    regions: Mapping[Face, WallRegion], part: Part, k: int, depth: float
+) -> tuple[dict[Face, WallRegion], dict[Face, float]]:
     """Regions whose walls meet square at an end that no tilt is for, and mm too much by wall.
 
     `depth` is that to which a pass through a root cuts.

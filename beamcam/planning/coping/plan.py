@@ -30,15 +30,15 @@ from beamcam.planning.coping.ends import (
     tilts_at,
     with_skew,
 )
-from beamcam.planning.coping.regions import Region, features_on, open_on, region_of
+from beamcam.planning.coping.regions import WallRegion, features_on, open_on, region_of
 from beamcam.planning.coping.roots import root_faults, with_ledges, with_steps
 from beamcam.planning.coping.tube import LEAST_SLANT, is_slanted, outcomes_of, plan_tube
 from beamcam.planning.coping.views import chains_seen, kind_of, tilts_of
 from beamcam.planning.coping.walls import (
     EDGE,
     WEB_AMID,
+    PlannedWall,
     Sorted,
-    Wall,
     laid,
     sorted_features,
     walls_of,
@@ -191,8 +191,8 @@ def _plan_profile(given: Part, machine: Machine, coper: Coper, skips: Collection
 
 
 def _at_roots(
-    part: Part, regions: dict[Face, Region], chart: Chart, coper: Coper
-) -> tuple[dict[Face, Region], list[Diagnostic], set[Face]]:
+    part: Part, regions: dict[Face, WallRegion], chart: Chart, coper: Coper
+) -> tuple[dict[Face, WallRegion], list[Diagnostic], set[Face]]:
     """Regions with what stays at the roots, what is told and wrong of them, and the walls that have
     more than is drawn."""
     said: list[Diagnostic] = []
@@ -294,8 +294,8 @@ def _end_faults(part: Part) -> Iterator[Diagnostic]:
 
 
 def _skew(
-    part: Part, walls: Mapping[Face, Wall], found: Sorted, chart: Chart, coper: Coper
-) -> tuple[dict[Face, Region], list[Diagnostic], dict[Face, float], list[bool]]:
+    part: Part, walls: Mapping[Face, PlannedWall], found: Sorted, chart: Chart, coper: Coper
+) -> tuple[dict[Face, WallRegion], list[Diagnostic], dict[Face, float], list[bool]]:
     """The regions of a bar with its ends, by wall how many mm a square cut leaves too much, and at
     which ends the torch is tilted."""
     planes = planes_of(part)
@@ -320,7 +320,7 @@ def _skew(
     return regions, diagnostics, slant, tilts
 
 
-def _depths(root: float, flange: Wall, chart: Chart) -> dict[int | None, float]:
+def _depths(root: float, flange: PlannedWall, chart: Chart) -> dict[int | None, float]:
     """How deep a pass through a root cuts square to the flange, and at each end it is tilted to."""
     depths: dict[int | None, float] = {None: chart.depth(root)}
     for k, line in enumerate(flange.skew):
@@ -331,9 +331,9 @@ def _depths(root: float, flange: Wall, chart: Chart) -> dict[int | None, float]:
 
 
 def _regions(
-    part: Part, walls: Mapping[Face, Wall], found: Sorted, coper: Coper
-) -> tuple[dict[Face, Region], list[Diagnostic]]:
-    regions: dict[Face, Region] = {}
+    part: Part, walls: Mapping[Face, PlannedWall], found: Sorted, coper: Coper
+) -> tuple[dict[Face, WallRegion], list[Diagnostic]]:
+    regions: dict[Face, WallRegion] = {}
     diagnostics: list[Diagnostic] = []
     on = features_on(part, found.cut)
     for face, wall in walls.items():
@@ -352,7 +352,7 @@ def _regions(
 
 
 def _cuts(
-    part: Part, regions: Mapping[Face, Region], found: Sorted, chart: Chart, coper: Coper
+    part: Part, regions: Mapping[Face, WallRegion], found: Sorted, chart: Chart, coper: Coper
 ) -> tuple[list[CopeCut], list[Diagnostic]]:
     """The cuts of all walls in order of work, and those that cannot be made."""
     cuts: list[CopeCut] = []

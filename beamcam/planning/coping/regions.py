@@ -17,7 +17,7 @@ from beamcam.geometry.polylines import polylines
 from beamcam.machine.coper import Coper
 from beamcam.model.part import Contour, Face, Hole, Part, Slot
 from beamcam.planning.coping import rules
-from beamcam.planning.coping.walls import EndLine, Wall
+from beamcam.planning.coping.walls import EndLine, PlannedWall
 
 Shape = Any  #: of shapely
 Cut = Hole | Slot | Contour
@@ -33,17 +33,17 @@ CORNER_DEG = 20.0  #: a smaller turn belongs to a curve that is drawn by lines
 BEYOND = 1e4  #: mm, farther than any bar is wide
 
 
-class Region(Struct, frozen=True):
+class WallRegion(Struct, frozen=True):
     """What stays of a wall."""
 
-    wall: Wall
+    wall: PlannedWall
     shape: Shape
     rounded: int  #: sharp corners that were rounded
 
 
 def region_of(
-    wall: Wall, part: Part, features: Sequence[int], coper: Coper
-) -> tuple[Region, list[Diagnostic]]:
+    wall: PlannedWall, part: Part, features: Sequence[int], coper: Coper
+) -> tuple[WallRegion, list[Diagnostic]]:
     """The region of a wall by those of a part's features that lie on it, and what is wrong."""
     from shapely import make_valid, union_all
 
@@ -66,7 +66,7 @@ def region_of(
         shape = shape.difference(gone)
     shape = make_valid(shape)
     if shape.is_empty:
-        return Region(wall, shape, 0), diagnostics
+        return WallRegion(wall, shape, 0), diagnostics
     corners = [  # what is at a root is cut with it, or stays there
         (x, y)
         for c in (*outer, *taken) if isinstance(c, Contour)
@@ -75,7 +75,7 @@ def region_of(
     return rounded(wall, shape, corners, part, coper, diagnostics)
 
 
-def _is_at_root(y: float, wall: Wall, radius: float) -> bool:
+def _is_at_root(y: float, wall: PlannedWall, radius: float) -> bool:
     """Whether a place of a web lies on a flange or its fillet."""
     return wall.face == "v" and any(
         y < root.inner + radius if root.low == 0.0 else y > root.inner - radius
@@ -83,7 +83,7 @@ def _is_at_root(y: float, wall: Wall, radius: float) -> bool:
     )
 
 
-def _between(wall: Wall, square: tuple[EndLine, EndLine]) -> Shape:
+def _between(wall: PlannedWall, square: tuple[EndLine, EndLine]) -> Shape:
     """A wall between the ends of its piece, or between skew ones and, where it has none, others."""
     from shapely import Polygon
 
@@ -94,7 +94,9 @@ def _between(wall: Wall, square: tuple[EndLine, EndLine]) -> Shape:
     )  # fmt: skip
 
 
-def _beyond(drawn: Shape, piece: Shape, wall: Wall, outline: Contour) -> Iterator[Diagnostic]:
+def _beyond(
+    drawn: Shape, piece: Shape, wall: PlannedWall, outline: Contour
+) -> Iterator[Diagnostic]:
     """An error where an outline goes on beyond the ends of a piece that comes cut, or skew ones."""
     from shapely import box
 
@@ -116,13 +118,13 @@ def _corners_of(shape: Shape) -> Iterator[Any]:
 
 
 def rounded(
-    wall: Wall,
+    wall: PlannedWall,
     shape: Shape,
     corners: Sequence[Point],
     part: Part,
     coper: Coper,
     diagnostics: list[Diagnostic],
-) -> tuple[Region, list[Diagnostic]]:
+) -> tuple[WallRegion, list[Diagnostic]]:
     """A region whose re-entrant corners at the given places have the machine's radius.
 
     What a ball of that radius does not reach from the scrap is added at each of them. Along the
@@ -133,7 +135,7 @@ def rounded(
     from shapely import MultiPoint, distance, get_coordinates, points, segmentize, union_all
 
     if not corners:
-        return Region(wall, shape, 0), diagnostics
+        return WallRegion(wall, shape, 0), diagnostics
     radius, places = coper.corner_radius, MultiPoint(corners)
     closed = shape.buffer(radius, ROUND).buffer(-radius, ROUND)
     each = np.array(places.geoms)
@@ -161,7 +163,7 @@ def rounded(
         added.append(piece)
         count += len(mine)
     whole = union_all([shape, *added]) if added else shape
-    return Region(wall, whole, count), diagnostics
+    return WallRegion(wall, whole, count), diagnostics
 
 
 def _polygons(shape: Shape) -> Iterator[Shape]:
@@ -170,7 +172,7 @@ def _polygons(shape: Shape) -> Iterator[Shape]:
             yield one
 
 
-def outline_on(wall: Wall, curves: Sequence[Curve], seam_from: float = inf) -> Shape:
+def outline_on(wall: PlannedWall, curves: Sequence[Curve], seam_from: float = inf) -> Shape:
     """The inside of an outline whose sides near an edge of its wall, or an end, lie on that.
 
     Of a tube a side that is so long is its seam, which writers close worse than they draw edges.

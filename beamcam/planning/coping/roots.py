@@ -28,8 +28,8 @@ from beamcam.model.part import Face
 from beamcam.planning.coping import rules
 from beamcam.planning.coping.cuts import borders_of, chains_of
 from beamcam.planning.coping.ends import STEEPEST_DEG, is_on, stepped
-from beamcam.planning.coping.regions import OUTLINE_NOISE, Region, Shape
-from beamcam.planning.coping.walls import EDGE, EndLine, Root, Wall
+from beamcam.planning.coping.regions import OUTLINE_NOISE, Shape, WallRegion
+from beamcam.planning.coping.walls import EDGE, EndLine, PlannedWall, Root
 
 SHARE = 0.5  #: of the tolerance, that web and flange may differ by at a root
 
@@ -44,7 +44,7 @@ class Crossing(Struct, frozen=True):
 
 
 def root_faults(
-    regions: Mapping[Face, Region], depths: Mapping[int | None, float], coper: Coper,
+    regions: Mapping[Face, WallRegion], depths: Mapping[int | None, float], coper: Coper,
     source: Source,
 ) -> Iterator[Diagnostic]:  # fmt: skip
     """What cannot be cut at the roots of a web.
@@ -78,7 +78,7 @@ def root_faults(
                 yield rules.K_AREA.at(source, x=f"{one.x:g}", face=root.face)
 
 
-def _band(root: Root, depth: float, web: Wall) -> tuple[float, float]:
+def _band(root: Root, depth: float, web: PlannedWall) -> tuple[float, float]:
     """The y of the web between the flange's inner surface and where a pass through it ends."""
     if root.low == 0.0:
         return root.inner + EDGE, max(root.high, depth - EDGE)
@@ -86,7 +86,7 @@ def _band(root: Root, depth: float, web: Wall) -> tuple[float, float]:
 
 
 def crossings(
-    region: Region, band: tuple[float, float], coper: Coper
+    region: WallRegion, band: tuple[float, float], coper: Coper
 ) -> tuple[list[Crossing], list[tuple[Point, ...]]]:
     """The cuts through a band of a wall, along x, and the paths by which it is cut otherwise."""
     crossings: list[Crossing] = []
@@ -109,7 +109,9 @@ def crossings(
     return sorted(crossings, key=lambda one: one.x), wrong
 
 
-def _said(wrong: Sequence[Sequence[Point]], wall: Wall, source: Source) -> Iterator[Diagnostic]:
+def _said(
+    wrong: Sequence[Sequence[Point]], wall: PlannedWall, source: Source
+) -> Iterator[Diagnostic]:
     for (x, _), *_ in wrong[:3]:
         yield rules.ROOT.at(
             source, what="a cut into or along a root", x=f"{x:g}", face=wall.face,
@@ -120,8 +122,8 @@ def _said(wrong: Sequence[Sequence[Point]], wall: Wall, source: Source) -> Itera
 def _unpaired(
     on_web: Sequence[Crossing],
     on_flange: Sequence[Crossing],
-    web: Wall,
-    flange: Wall,
+    web: PlannedWall,
+    flange: PlannedWall,
     coper: Coper,
     source: Source,
 ) -> Iterator[Diagnostic]:
@@ -168,8 +170,8 @@ class _Slanted(Struct, frozen=True):
 
 
 def with_steps(
-    regions: Mapping[Face, Region], depth: float, source: Source
-) -> tuple[dict[Face, Region], list[Diagnostic], dict[Face, float]]:
+    regions: Mapping[Face, WallRegion], depth: float, source: Source
+) -> tuple[dict[Face, WallRegion], list[Diagnostic], dict[Face, float]]:
     """Regions whose walls meet square at roots that a cut crosses on a slant; a warning of
     each, and mm too much by wall.
 
@@ -204,7 +206,7 @@ def with_steps(
     return found, said, off
 
 
-def _slants(region: Region, band: tuple[float, float]) -> Iterator[_Slanted]:
+def _slants(region: WallRegion, band: tuple[float, float]) -> Iterator[_Slanted]:
     """The straight cuts through a band of a wall that lie on none of its skew ends."""
     for chain in chains_of(region.shape, borders_of(region.wall, *band, -EDGE)):
         (xa, ya), (xb, yb) = chain.points[0], chain.points[-1]
@@ -221,9 +223,10 @@ FAR = 1e5
 
 
 def with_ledges(
-    regions: Mapping[Face, Region], depths: Mapping[int | None, float], kerf: float, coper: Coper,
+    regions: Mapping[Face, WallRegion], depths: Mapping[int | None, float], kerf: float,
+    coper: Coper,
     source: Source,
-) -> tuple[dict[Face, Region], list[Diagnostic]]:  # fmt: skip
+) -> tuple[dict[Face, WallRegion], list[Diagnostic]]:  # fmt: skip
     """Regions whose web keeps the ledges of such holes, and a warning of each.
 
     `depths` are those to which passes through a root cut, as of `root_faults`, `kerf` is that of a
@@ -253,7 +256,7 @@ def with_ledges(
 
 
 def _ledge(
-    web: Region, root: Root, end: EndLine, right: bool, depth: float, kerf: float
+    web: WallRegion, root: Root, end: EndLine, right: bool, depth: float, kerf: float
 ) -> Iterator[tuple[Shape, float]]:
     """What a web keeps at a root up to the end of its flange, and how high; nothing where the web
     ends there too, where it has no hole, or one that is all within reach of none."""

@@ -25,13 +25,13 @@ from beamcam.planning.coping import rules
 from beamcam.planning.coping.box_corners import MEET
 from beamcam.planning.coping.box_tube import Unrolled, unrolled
 from beamcam.planning.coping.chart import Chart
-from beamcam.planning.coping.cuts import ROUND, Chain, borders_of, chains_of, led
+from beamcam.planning.coping.cuts import ROUND, CutChain, borders_of, chains_of, led
 from beamcam.planning.coping.regions import (
     CHORD,
     OUTLINE_NOISE,
     Cut,
-    Region,
     Shape,
+    WallRegion,
     curves_of,
     off_edge,
     outline_on,
@@ -46,7 +46,7 @@ from beamcam.planning.coping.tube_ends import (
     planes_of,
     within,
 )
-from beamcam.planning.coping.walls import Sorted, Wall, sorted_features
+from beamcam.planning.coping.walls import PlannedWall, Sorted, sorted_features
 from beamcam.planning.left_out import BEVEL
 
 
@@ -108,7 +108,7 @@ def plan_tube(part: Part, machine: Machine, coper: Coper, skips: Collection[str]
     if row is None:
         raise PlanError(chart.too_thick(wall, "v", part.source))
     way, slant = around(profile), dict[Face, float]()
-    surface = Wall("v", way.turn, wall, -inf, inf, ())
+    surface = PlannedWall("v", way.turn, wall, -inf, inf, ())
     if profile.code == "M":
         box_tube, diagnostics = unrolled(part, found.cut, way)
         slant = {face: off for face, off in box_tube.slant.items() if off >= LEAST_SLANT}
@@ -199,8 +199,8 @@ def _slow_axes(part: Part, machine: Machine, row: TorchRow, way: Around) -> Iter
 
 
 def _laid_out(
-    surface: Wall, part: Part, tube: Unrolled, coper: Coper, diagnostics: list[Diagnostic]
-) -> tuple[Region, list[Diagnostic]]:
+    surface: PlannedWall, part: Part, tube: Unrolled, coper: Coper, diagnostics: list[Diagnostic]
+) -> tuple[WallRegion, list[Diagnostic]]:
     """What stays of a rectangular tube, three times above itself."""
     from shapely import box, make_valid, union_all
     from shapely.affinity import translate
@@ -215,8 +215,8 @@ def _laid_out(
 
 
 def _region(
-    surface: Wall, part: Part, found: Sorted, coper: Coper, way: Around
-) -> tuple[Region, list[Diagnostic]]:
+    surface: PlannedWall, part: Part, found: Sorted, coper: Coper, way: Around
+) -> tuple[WallRegion, list[Diagnostic]]:
     """What stays of the surface, three times above itself, and what is wrong with it."""
     from shapely import box, make_valid, union_all
     from shapely.affinity import translate
@@ -279,7 +279,7 @@ def _taken(feature: Cut, part: Part) -> Shape:
 
 
 def _cuts(
-    part: Part, region: Region, found: Sorted, row: TorchRow, coper: Coper, tube: Around
+    part: Part, region: WallRegion, found: Sorted, row: TorchRow, coper: Coper, tube: Around
 ) -> tuple[list[CopeCut], list[Diagnostic]]:
     """The cuts in order: what lies in the surface, the near end, the far end.
 
@@ -293,7 +293,7 @@ def _cuts(
     features = tuple((0, f) for f in found.cut)
     source = part.features[found.cut[0]].source if found.cut else part.source
     end = region.shape.bounds[2]
-    inside = Wall("v", wall.width, wall.thickness, 0.0, 3 * wall.width, ())
+    inside = PlannedWall("v", wall.width, wall.thickness, 0.0, 3 * wall.width, ())
     for chain in (*_whole(paths, wall), *_ends(paths, seam, wall)):
         xs = [x for x, _ in chain.points]
         kind: CopeKind = "inner"
@@ -320,7 +320,7 @@ def _cuts(
     return cuts, diagnostics
 
 
-def _whole(paths: Shape, wall: Wall) -> Iterator[Chain]:
+def _whole(paths: Shape, wall: PlannedWall) -> Iterator[CutChain]:
     """The rings of cut-outs, each once: those that begin in the second turn."""
     for chain in chains_of(paths, borders_of(wall, -CHORD, 3 * wall.width + CHORD, 0.0)):
         low = min(u for _, u in chain.points)
@@ -328,7 +328,7 @@ def _whole(paths: Shape, wall: Wall) -> Iterator[Chain]:
             yield chain
 
 
-def _ends(paths: Shape, seam: float, wall: Wall) -> Iterator[Chain]:
+def _ends(paths: Shape, seam: float, wall: PlannedWall) -> Iterator[CutChain]:
     """The paths that go all round, from the seam of the second turn to that of the third."""
     for chain in chains_of(paths, borders_of(wall, seam, seam + wall.width, 0.0)):
         if {chain.start, chain.end} == {"low", "high"}:

@@ -13,43 +13,43 @@ from msgspec.structs import replace
 from beamcam.machine.torch import TorchRow
 from beamcam.model.plan import CopeKind
 from beamcam.planning.coping.chart import Chart
-from beamcam.planning.coping.cuts import SHARE_OVER, Chain, borders_of, chains_of, paths_of
+from beamcam.planning.coping.cuts import SHARE_OVER, CutChain, borders_of, chains_of, paths_of
 from beamcam.planning.coping.ends import is_on
-from beamcam.planning.coping.regions import Region
-from beamcam.planning.coping.walls import EDGE, Wall
+from beamcam.planning.coping.regions import WallRegion
+from beamcam.planning.coping.walls import EDGE, PlannedWall
 
 
-class Seen(Struct, frozen=True):
+class SeenRegion(Struct, frozen=True):
     """A region as a torch sees it that is tilted along the bar: x is shorter by cos(B)."""
 
-    region: Region
+    region: WallRegion
     b_deg: float
     share: float  #: cos(B)
 
 
-def tilts_of(wall: Wall) -> dict[float, None]:
+def tilts_of(wall: PlannedWall) -> dict[float, None]:
     """The tilts at which a wall is cut, square first."""
     return dict.fromkeys((0.0, *(line.b_deg for line in wall.skew if line)))
 
 
-def _seen(region: Region, b_deg: float) -> Seen:
+def _seen(region: WallRegion, b_deg: float) -> SeenRegion:
     """A region as a torch sees it."""
     from shapely.affinity import scale
 
     share, wall = cos(radians(b_deg)), region.wall
     if not b_deg:
-        return Seen(region, b_deg, 1.0)
+        return SeenRegion(region, b_deg, 1.0)
     lines = [
         line and replace(line, at=line.at * share, slope=line.slope * share) for line in wall.skew
     ]
     shape = scale(region.shape, share, 1.0, origin=(0.0, 0.0))
     wall = replace(wall, skew=(lines[0], lines[1]))
-    return Seen(replace(region, shape=shape, wall=wall), b_deg, share)
+    return SeenRegion(replace(region, shape=shape, wall=wall), b_deg, share)
 
 
 def chains_seen(
-    region: Region, b_deg: float, chart: Chart
-) -> Iterator[tuple[Chain, TorchRow | None, Seen, float, bool]]:
+    region: WallRegion, b_deg: float, chart: Chart
+) -> Iterator[tuple[CutChain, TorchRow | None, SeenRegion, float, bool]]:
     """The paths at a tilt round a region, each with its row, what it cuts through, and whether with
     a root.
 
@@ -73,7 +73,7 @@ def chains_seen(
                 yield chain, row, seen, thickness, rooted and bool(wall.root_depth)
 
 
-def _is_rooted(chain: Chain, wall: Wall) -> bool:
+def _is_rooted(chain: CutChain, wall: PlannedWall) -> bool:
     """Whether a path crosses the root of a flange, or of a web goes as near as it can."""
     if wall.root_depth:
         (root,) = wall.roots
@@ -84,7 +84,7 @@ def _is_rooted(chain: Chain, wall: Wall) -> bool:
     return any(abs(edges.get(end, inf)) < inf for end in (chain.start, chain.end))
 
 
-def kind_of(chain: Chain, region: Region, kerf: float) -> CopeKind:
+def kind_of(chain: CutChain, region: WallRegion, kerf: float) -> CopeKind:
     """What a path makes: what is inside, or at which end of its wall it is."""
     if not chain.start:
         return "inner"

@@ -60,7 +60,7 @@ class EndLine(Struct, frozen=True):
         return abs(place[0] - self.x(place[1])) <= far * sqrt(1.0 + self.slope**2)
 
 
-class Wall(Struct, frozen=True):
+class PlannedWall(Struct, frozen=True):
     """The wall that a face looks at."""
 
     face: Face
@@ -129,7 +129,7 @@ def from_behind(contour: Contour, face: Face, thickness: float) -> Contour:
     return replace(contour, face=face, bevels=bevels)
 
 
-def walls_of(profile: Profile, coper: Coper, cut_height: float) -> dict[Face, Wall]:
+def walls_of(profile: Profile, coper: Coper, cut_height: float) -> dict[Face, PlannedWall]:
     """The walls of a section as it lies, by the face that the torch looks at."""
     height, width, radius = profile.height, profile.width, profile.radius
     flange, web = profile.flange_thickness, profile.web_thickness or 0.0
@@ -140,13 +140,13 @@ def walls_of(profile: Profile, coper: Coper, cut_height: float) -> dict[Face, Wa
         roots.append(Root("o", height - flange - near, height, height - flange))
     rise = radius - sqrt(radius**2 - (radius - near) ** 2) if near < radius else 0.0
     sides = 2 if profile.code in WEB_AMID else 1
-    walls = {"v": Wall("v", height, web, low, high, tuple(roots), 0.0, sides * rise)}
+    walls = {"v": PlannedWall("v", height, web, low, high, tuple(roots), 0.0, sides * rise)}
     middle = (width - web) / 2 if profile.code in WEB_AMID else 0.0
     back = middle - radius if profile.code in WEB_AMID else 0.0
     root = (Root("v", back, middle + web + radius),)
     depth = flange + near + coper.root_over
     for face in ("u",) if profile.code in OPEN else ("o", "u"):
-        walls[face] = Wall(face, width, flange, -inf, inf, root, depth)
+        walls[face] = PlannedWall(face, width, flange, -inf, inf, root, depth)
     return walls
 
 

@@ -28,7 +28,7 @@ CONTOUR_TOLERANCE = 1.0  #: mm between contour and header that exporters leave; 
 ANGLE_TOLERANCE_DEG = 0.2  #: between header and contour
 
 
-class End(Struct, frozen=True):
+class SawnEnd(Struct, frozen=True):
     """The plane of one end, x on the part as a function of y and z in the section, and its kerf."""
 
     at: Literal["start", "end"]
@@ -47,8 +47,8 @@ class End(Struct, frozen=True):
         return self.x0 - y * tan(radians(self.web_deg)) - z * tan(radians(self.flange_deg))
 
 
-Ends = tuple[End, End]
-SQUARE: Ends = (End("start"), End("end"))
+Ends = tuple[SawnEnd, SawnEnd]
+SQUARE: Ends = (SawnEnd("start"), SawnEnd("end"))
 
 
 def ends_of(part: Part, saw: Saw) -> tuple[Ends, tuple[Diagnostic, ...]]:
@@ -63,15 +63,15 @@ def ends_of(part: Part, saw: Saw) -> tuple[Ends, tuple[Diagnostic, ...]]:
     if Contour in map(type, part.features):
         drawn = (_drawn_angles(part, "v"), _drawn_flange_angles(part))
     elif header == ((0.0, 0.0), (0.0, 0.0)):
-        return (End("start", kerf=saw.kerf), End("end", x0=part.length, kerf=saw.kerf)), ()
+        return (SawnEnd("start", kerf=saw.kerf), SawnEnd("end", x0=part.length, kerf=saw.kerf)), ()
     remarks: list[Diagnostic] = []
     web = _agreed(part, "web", header[0], drawn[0], saw.min_mitre, remarks)
     flange = _agreed(part, "flange", header[1], drawn[1], saw.min_mitre, remarks)
     slopes = [(tan(radians(w)), tan(radians(f))) for w, f in zip(web, flange, strict=True)]
     leans = [[y * t + z * s for y, z in corners(part.profile, part.section)] for t, s in slopes]
     kerfs = [saw.kerf * (hypot(1.0, *s) if saw.kerf_along == "normal" else 1.0) for s in slopes]
-    start = End("start", web[0], max(leans[0]), flange[0], kerfs[0])
-    end = End("end", web[1], part.length + min(leans[1]), flange[1], kerfs[1])
+    start = SawnEnd("start", web[0], max(leans[0]), flange[0], kerfs[0])
+    end = SawnEnd("end", web[1], part.length + min(leans[1]), flange[1], kerfs[1])
     return (start, end), tuple(remarks)
 
 
@@ -181,7 +181,7 @@ class WallEnd(Struct, frozen=True):
         return self.least - lean - CONTOUR_TOLERANCE, self.greatest - lean + CONTOUR_TOLERANCE
 
 
-def wall_end(end: End, face: str, profile: Profile) -> WallEnd:
+def wall_end(end: SawnEnd, face: str, profile: Profile) -> WallEnd:
     """The end of the wall behind a face."""
     web, tilt = tan(radians(end.web_deg)), tan(radians(end.flange_deg))
     flange = flange_borders(profile, face)

@@ -28,7 +28,12 @@ from beamcam.planning.operations.hole_pairs import (
     refuse_too_near,
     unmerged_because,
 )
-from beamcam.planning.operations.part_planner import Kind, PartPlanner, refuse_face, refuse_place
+from beamcam.planning.operations.part_planner import (
+    PartPlanner,
+    WorkKind,
+    refuse_face,
+    refuse_place,
+)
 from beamcam.planning.operations.paths import pocket_path
 from beamcam.planning.operations.tools import (
     Found,
@@ -289,6 +294,6 @@ def _missed_merges(
                     yield f"both flanges at once ({other.source}, feature {f + 1}): {because}"
 
 
-HOLE = Kind(
+HOLE = WorkKind(
     "hole", lambda feature: isinstance(feature, Hole), _needs, _refusals, _steps, REASONS, _rejected
 )

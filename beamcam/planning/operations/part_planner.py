@@ -41,7 +41,7 @@ IN_THE_WAY = error("plan-reach",
     "flange.")  # fmt: skip
 
 
-class Reach(Struct, frozen=True):
+class SpindleReach(Struct, frozen=True):
     """Reach of a spindle on a face of a section."""
 
     spindle: int  #: number
@@ -51,7 +51,7 @@ class Reach(Struct, frozen=True):
     wall: str = "flange"  #: that is in its way beyond
 
 
-Reached = Mapping[Face, Reach]
+Reached = Mapping[Face, SpindleReach]
 
 
 def _clear_between(profile: Profile, face: Face) -> tuple[float, float]:
@@ -67,7 +67,7 @@ def _clear_between(profile: Profile, face: Face) -> tuple[float, float]:
 def _reached(machine: Machine, profile: Profile) -> Reached:
     out = NO_PLATE.get(profile.code, ())
     return {
-        s.face: Reach(s.number, profile.face_width(s.face), *_clear_between(profile, s.face))
+        s.face: SpindleReach(s.number, profile.face_width(s.face), *_clear_between(profile, s.face))
         for s in machine.spindles
         if s.face not in out
     }
@@ -95,7 +95,7 @@ def refuse_face(shape: Hole | Slot, what: str, reached: Reached) -> Diagnostic:
 
 
 def refuse_place(
-    shape: Hole | Slot, x: float, y: float, part: Part, reach: Reach
+    shape: Hole | Slot, x: float, y: float, part: Part, reach: SpindleReach
 ) -> Diagnostic | None:
     """Why a tool does not come to a circle of a hole or slot, about x and y; None if it does."""
     if not (0 <= x <= part.length and 0 <= y <= reach.width):
@@ -221,9 +221,9 @@ class PartPlanner:
 
 # The interface of a kind of work on a bar.
 #
-# Each is a module of this package that ends with its `Kind`, and a row of `kinds.KINDS`. Messages
-# that are errors refuse a feature, by the first of them; it may then be left out if its code is
-# allowed by name.
+# Each is a module of this package that ends with its `WorkKind`, and a row of `kinds.KINDS`.
+# Messages that are errors refuse a feature, by the first of them; it may then be left out if its
+# code is allowed by name.
 
 
 Numbered = tuple[int, Any]  #: index of a feature, and the feature
@@ -234,7 +234,7 @@ def nothing(*_: Any) -> Iterator[Any]:
     return iter(())
 
 
-class Kind(Struct, frozen=True):
+class WorkKind(Struct, frozen=True):
     """One kind of work."""
 
     name: str

@@ -20,7 +20,7 @@ from beamcam.geometry.curves import Curve, Line, Point
 from beamcam.geometry.plane import unit_vector
 from beamcam.model.part import Contour, Face
 from beamcam.planning.operations.finished_part import TOLERANCE
-from beamcam.planning.operations.part_planner import IN_THE_WAY, Kind, PartPlanner
+from beamcam.planning.operations.part_planner import IN_THE_WAY, PartPlanner, WorkKind
 from beamcam.planning.operations.tools import Found, Tooling, WorkingStep
 from beamcam.planning.rules import MARK, no_unit
 
@@ -189,7 +189,7 @@ def _mark_steps(lines: Sequence[tuple[int, Contour]], planner: PartPlanner) -> I
             yield f, LINE_BEYOND.at(line.source, face=line.face, out=f"{-left:.3g}", where=place)
 
 
-LINE = Kind(
+LINE = WorkKind(
     "mark", lambda feature: isinstance(feature, Contour) and feature.process != "cut", _mark_needs,
     _mark_refusals, _mark_steps, REASONS,
 )  # fmt: skip

@@ -21,8 +21,8 @@ from beamcam.model.part import Bend, Camber, Contour, EndPlane, Face, Part, Prof
 from beamcam.model.plan import Bar, Piece, SawOp
 from beamcam.model.section import corners
 from beamcam.planning import rules
-from beamcam.planning.operations.ends import End, Ends, leaves_stock
-from beamcam.planning.operations.part_planner import Kind, Numbered, PartPlanner, nothing
+from beamcam.planning.operations.ends import Ends, SawnEnd, leaves_stock
+from beamcam.planning.operations.part_planner import Numbered, PartPlanner, WorkKind, nothing
 from beamcam.planning.operations.tools import Found, Settled
 from beamcam.planning.rules import BEVEL, BEVEL_NOISE
 
@@ -63,14 +63,14 @@ TOUCH = 0.01  #: mm; ends that are as near meet in a point
 NOTHING_LEFT = 1e-6  #: mm
 
 
-def _needs(end: End, planner: PartPlanner) -> Diagnostic | None:
+def _needs(end: SawnEnd, planner: PartPlanner) -> Diagnostic | None:
     """Why the saw cannot make one end; None if it can."""
     if end.is_square:
         return None
     return _refuse_cut(end, _turning_saw(planner.line.saw, planner.machine), planner.part)
 
 
-def _refuse_cut(end: End, saw: Saw, part: Part) -> Diagnostic | None:
+def _refuse_cut(end: SawnEnd, saw: Saw, part: Part) -> Diagnostic | None:
     """Why the saw cannot make a skew end; None if it can."""
     angle, tilt = saw_angles(end, saw)
     if end.web_deg and not saw.min_angle <= angle <= saw.max_angle:
@@ -176,7 +176,11 @@ def cuts_of(
 
 
 def _skew(
-    piece: Piece, pieces: tuple[int, ...], end: End, saw: Saw, purpose: Literal["mitre", "common"]
+    piece: Piece,
+    pieces: tuple[int, ...],
+    end: SawnEnd,
+    saw: Saw,
+    purpose: Literal["mitre", "common"],
 ) -> SawOp:
     """The cut of a skew end, half a kerf on the waste side of it."""
     profile = piece.part.profile
@@ -193,7 +197,7 @@ def pivot_edge(saw: Saw, profile: Profile) -> tuple[float, float]:
     return (profile.height if saw.pivot == "o" else 0.0), 0.0
 
 
-def saw_angles(end: End, saw: Saw) -> tuple[float, float]:
+def saw_angles(end: SawnEnd, saw: Saw) -> tuple[float, float]:
     """Angle and tilt of the blade for an end, in the machine's counting.
 
     The blade turned by w and tilted by t has the normal (cos t cos w, cos t sin w, sin t), which
@@ -207,7 +211,7 @@ def saw_angles(end: End, saw: Saw) -> tuple[float, float]:
 
 
 #: No feature of a part is a cut: its ends are, which `work` asks about.
-SAW_CUT = Kind("saw cut", lambda _: False, _needs, _refusals, nothing, REASONS)
+SAW_CUT = WorkKind("saw cut", lambda _: False, _needs, _refusals, nothing, REASONS)
 
 
 COPE = error("plan-cope",
@@ -265,7 +269,7 @@ def _sawn(features: Sequence[Numbered], _: PartPlanner) -> Iterator[Found]:
     return (Settled(f, "made", "saw") for f, _ in features)
 
 
-CONTOUR = Kind(
+CONTOUR = WorkKind(
     "contour", lambda feature: isinstance(feature, Contour) and feature.process == "cut", _cut_out,
     _unsawn, _sawn,
 )  # fmt: skip
@@ -285,4 +289,4 @@ def _beyond_saw(feature: Bend | EndPlane | Camber, planner: PartPlanner) -> Diag
     return rules.OTHER.at(feature.source, found=NAMES[type(feature)])
 
 
-OTHER = Kind("other", lambda feature: type(feature) in NAMES, _beyond_saw, steps=_sawn)
+OTHER = WorkKind("other", lambda feature: type(feature) in NAMES, _beyond_saw, steps=_sawn)

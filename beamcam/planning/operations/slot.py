@@ -14,7 +14,12 @@ from beamcam.model.description import named
 from beamcam.model.part import Face, Hole, Slot
 from beamcam.planning import rules
 from beamcam.planning.operations.finished_part import NEAR_EDGE, TOLERANCE
-from beamcam.planning.operations.part_planner import Kind, PartPlanner, refuse_face, refuse_place
+from beamcam.planning.operations.part_planner import (
+    PartPlanner,
+    WorkKind,
+    refuse_face,
+    refuse_place,
+)
 from beamcam.planning.operations.paths import pocket_path
 from beamcam.planning.operations.tools import Found, Said, Tooling, WorkingStep
 
@@ -184,4 +189,6 @@ def _cross(one: tuple[Point, Point], other: tuple[Point, Point]) -> bool:
     return side(a, b, c) * side(a, b, d) < 0 and side(c, d, a) * side(c, d, b) < 0
 
 
-SLOT = Kind("slot", lambda feature: isinstance(feature, Slot), _needs, _refusals, _steps, REASONS)
+SLOT = WorkKind(
+    "slot", lambda feature: isinstance(feature, Slot), _needs, _refusals, _steps, REASONS
+)

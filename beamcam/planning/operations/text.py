@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING
 from beamcam.errors import Diagnostic
 from beamcam.machine.stations import FLAT_DEG, Tool
 from beamcam.model.part import Face, Hole, Slot, TextMark
-from beamcam.model.plan import Typed
+from beamcam.model.plan import StampedLetters
 from beamcam.model.section import NO_PLATE, OTHER_SIDE
 from beamcam.planning.axis_limits import within_axes
 from beamcam.planning.left_out import FACE
 from beamcam.planning.operations.ends import wall_end
-from beamcam.planning.operations.part_planner import Kind, PartPlanner
+from beamcam.planning.operations.part_planner import PartPlanner, WorkKind
 from beamcam.planning.operations.paths import can_scribe
 from beamcam.planning.operations.slot import slot_ends
 from beamcam.planning.operations.tools import Found, Settled, Tooling, WorkingStep
@@ -78,7 +78,7 @@ def _steps_of(
     if marks.unit == "stamp" or marks.unit == "printer":
         unit = Tool(marks.unit, lettered.height, FLAT_DEG)
         how = Tooling(marks.faces[text.face], (unit,), (text.face,), None, ("tell",))
-        typed = Typed(lettered.text, lettered.height, lettered.angle)
+        typed = StampedLetters(lettered.text, lettered.height, lettered.angle)
         yield WorkingStep(lettered.x, lettered.y, how, (f,), text.source, text=typed)
         return
     how = _tooling(text.face, planner)
@@ -168,4 +168,4 @@ def _around(slot: Slot) -> list[tuple[float, float]]:
     return [a, b, d, c]
 
 
-TEXT = Kind("text", _is_text, _needs, steps=_steps, reasons=REASONS)
+TEXT = WorkKind("text", _is_text, _needs, steps=_steps, reasons=REASONS)

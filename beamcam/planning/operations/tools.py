@@ -22,7 +22,7 @@ from beamcam.geometry.plane import Point
 from beamcam.machine.machine import Machine, drill_of
 from beamcam.machine.stations import FLAT_DEG, Drill, Fit, Tool, ToolKind, ToolSet
 from beamcam.model.part import Face, HoleKind
-from beamcam.model.plan import Typed
+from beamcam.model.plan import StampedLetters
 from beamcam.planning.rules import MARK, NO_TOOL, no_unit
 
 Tools = tuple[Tool, ...]  #: equally good ones, the nearest first
@@ -380,7 +380,7 @@ class WorkingStep(Struct, frozen=True):
     features: tuple[int, ...]  #: those of the part that it makes
     source: Source
     path: tuple[Point, ...] = ()  #: x on the part and y on the face; () for a stroke
-    text: Typed | None = None  #: that a stamp or printer is told
+    text: StampedLetters | None = None  #: that a stamp or printer is told
 
 
 class Settled(Struct, frozen=True):

@@ -18,7 +18,7 @@ from beamcam.planning.axis_limits import refuse_steps
 from beamcam.planning.left_out import listed_by, refuse_mark
 from beamcam.planning.operations.ends import SQUARE, Ends, ends_of
 from beamcam.planning.operations.hole import HOLE
-from beamcam.planning.operations.part_planner import BarLine, Kind, PartPlanner
+from beamcam.planning.operations.part_planner import BarLine, PartPlanner, WorkKind
 from beamcam.planning.operations.paths import LINE
 from beamcam.planning.operations.saw_cut import CONTOUR, OTHER, SAW_CUT
 from beamcam.planning.operations.slot import SLOT
@@ -34,7 +34,7 @@ KINDS = (HOLE, SLOT, LINE, CONTOUR, TEXT, OTHER, SAW_CUT)
 REASONS = {code: said for kind in KINDS for code, said in kind.reasons.items()}
 
 
-def kind_of(feature: Feature) -> Kind:
+def kind_of(feature: Feature) -> WorkKind:
     """The kind of work that makes a feature."""
     for kind in KINDS:
         if kind.makes(feature):

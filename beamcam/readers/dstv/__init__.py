@@ -10,19 +10,19 @@ from beamcam.model.part import MIRRORED_FACES, Contour, Feature, Hole, Profile
 from beamcam.readers.content import Reading
 from beamcam.readers.dstv import rules
 from beamcam.readers.dstv.blocks import (
-    Content,
+    BlockContent,
     Placed,
     decode,
     decode_as,
     place_comments,
     split_blocks,
 )
-from beamcam.readers.dstv.contours import Rows, build_contour, is_mirrored, read_contour_rows
+from beamcam.readers.dstv.contours import ContourRows, build_contour, is_mirrored, read_contour_rows
 from beamcam.readers.dstv.header import header_lines, read_header
 from beamcam.readers.dstv.lint import check
 from beamcam.readers.dstv.rows import (
     FACE_LETTERS,
-    Place,
+    RowPlace,
     RowReader,
     features_of,
     read_bend,
@@ -115,7 +115,7 @@ def read_with_account(data: bytes, name: str, asked: str | None = None) -> tuple
     loose = head.trailing + loose
     indented = head.numbers + [n for block in blocks for n in block.numbers[:1]]
     _note_indent(lines, texts, indented, log)
-    content = Content()
+    content = BlockContent()
     for block in blocks:
         _read_block(block, content, header.profile, log)
     features = tuple(_finish_contours(content, header.profile, log))
@@ -195,10 +195,10 @@ def _note_indent(lines: list[str], texts: list[str], numbers: list[int], log: Lo
             return
 
 
-def _read_block(block: Block, content: Content, profile: Profile, log: Log) -> None:
+def _read_block(block: Block, content: BlockContent, profile: Profile, log: Log) -> None:
     """Add what a block says to `content`."""
     code, plane = _code_and_plane(block, content, log)
-    place = Place(log, profile.code == "B", plane)
+    place = RowPlace(log, profile.code == "B", plane)
     if code in _FEATURES:
         content.features.extend(features_of(block, place, *_FEATURES[code]))
     elif code in _CONTOURS:
@@ -223,7 +223,7 @@ def _read_block(block: Block, content: Content, profile: Profile, log: Log) -> N
         _refuse_block(block, log)
 
 
-def _code_and_plane(block: Block, content: Content, log: Log) -> tuple[str, str]:
+def _code_and_plane(block: Block, content: BlockContent, log: Log) -> tuple[str, str]:
     """The code on faces whose rows a block has, "E" of a plane itself; and the plane that the
     block lies on, "" for the faces."""
     code = block.code
@@ -242,7 +242,7 @@ def _code_and_plane(block: Block, content: Content, log: Log) -> tuple[str, str]
     return known, content.plane_names.get(digit, "E" + digit)
 
 
-def _read_plane(block: Block, content: Content, log: Log) -> None:
+def _read_plane(block: Block, content: BlockContent, log: Log) -> None:
     """Add the plane of a block En; a number that is used again names another plane."""
     base = block.code
     last = content.plane_names.get(base[1])
@@ -263,14 +263,14 @@ def _refuse_block(block: Block, log: Log) -> None:
         log.add(rules.ROW_LOST, line, found=row, block=block.code or "the header")
 
 
-def _finish_contours(content: Content, profile: Profile, log: Log) -> Iterator[Feature]:
+def _finish_contours(content: BlockContent, profile: Profile, log: Log) -> Iterator[Feature]:
     """The features in order, contour rows made into contours where they make one."""
     mirrored: dict[str, bool] = {}  # by face, whether its first outer contour is
     for rows in content.contours:
         if rows.code == "A" and rows.face in MIRRORED_FACES:
             mirrored.setdefault(rows.face, bool(rows.points) and is_mirrored(rows))
     for item in content.features:
-        if type(item) is not Rows:
+        if type(item) is not ContourRows:
             yield item
             continue
         flip = False
@@ -282,7 +282,9 @@ def _finish_contours(content: Content, profile: Profile, log: Log) -> Iterator[F
             yield feature
 
 
-def _contour_or_mark(rows: Rows, flip: bool, profile: Profile, log: Log) -> Contour | Hole | None:
+def _contour_or_mark(
+    rows: ContourRows, flip: bool, profile: Profile, log: Log
+) -> Contour | Hole | None:
     """The contour of `rows`; a single point of KO is a punch mark."""
     if rows.code == "K" and len(rows.points) == 1:
         (x, y), line = rows.points[0], rows.lines[0]

@@ -8,10 +8,10 @@ from itertools import zip_longest
 from msgspec import Struct, field
 
 from beamcam.errors import Diagnostic, Source
-from beamcam.model.part import Comment, Contour, Feature, Plane, SectionPoint
+from beamcam.model.part import Contour, Feature, FileComment, Plane, SectionPoint
 from beamcam.readers.content import ENCODING
 from beamcam.readers.dstv import rules
-from beamcam.readers.dstv.contours import Rows
+from beamcam.readers.dstv.contours import ContourRows
 from beamcam.readers.dstv.tokens import CODES, Block, Log
 
 Loose = tuple[int, str]  #: line and text of a comment
@@ -20,15 +20,15 @@ Loose = tuple[int, str]  #: line and text of a comment
 _TEXT_CODES = frozenset({"SI", "IN", *(f"S{digit}" for digit in range(10))})
 
 
-class Content(Struct):
+class BlockContent(Struct):
     """What the blocks of a file give the part."""
 
-    features: list[Feature | Rows] = field(default_factory=list)
+    features: list[Feature | ContourRows] = field(default_factory=list)
     planes: list[Plane] = field(default_factory=list)
     section: list[SectionPoint] = field(default_factory=list)
     info: list[tuple[str, str]] = field(default_factory=list)
     tolerance: tuple[float, float] | None = None
-    contours: list[Rows] = field(default_factory=list)
+    contours: list[ContourRows] = field(default_factory=list)
     plane_names: dict[str, str] = field(default_factory=dict)  #: by digit, the last plane's name
 
 
@@ -99,14 +99,14 @@ Stop = tuple[int, str]  #: a line that a comment can stand before, and its ancho
 
 def place_comments(
     placed: list[Placed], loose: list[tuple[int, str]], blocks: list[Block], end: int,
-    features: Sequence[Feature], content: Content,
-) -> tuple[Comment, ...]:  # fmt: skip
+    features: Sequence[Feature], content: BlockContent,
+) -> tuple[FileComment, ...]:  # fmt: skip
     """All comments of a file with their anchors, in the order in which a writer meets them.
 
     `placed` have their anchor already; `loose` are lines and texts between the blocks.
     """
     if not loose:
-        return tuple(Comment(text, anchor) for _, anchor, text in placed)
+        return tuple(FileComment(text, anchor) for _, anchor, text in placed)
     from beamcam.model.anchors import anchor_key, plane_positions
 
     stops = _stops(blocks, features, content)
@@ -121,10 +121,10 @@ def place_comments(
         comments.append((line, anchor, text))
     positions = plane_positions(content.planes, features)
     comments.sort(key=lambda item: anchor_key(item[1], positions))
-    return tuple(Comment(text, anchor) for _, anchor, text in comments)
+    return tuple(FileComment(text, anchor) for _, anchor, text in comments)
 
 
-def _stops(blocks: list[Block], features: Sequence[Feature], content: Content) -> list[Stop]:
+def _stops(blocks: list[Block], features: Sequence[Feature], content: BlockContent) -> list[Stop]:
     """Every line that a comment can stand before, in order, with its anchor."""
     things: list[Stop] = []
     rows_of = {rows.line: rows for rows in content.contours}
@@ -160,7 +160,7 @@ def _stops(blocks: list[Block], features: Sequence[Feature], content: Content) -
     return things
 
 
-def _row_stops(rows: Rows, feature: int) -> list[Stop]:
+def _row_stops(rows: ContourRows, feature: int) -> list[Stop]:
     """The rows of a contour behind its first; of one that was turned round, counted from its end.
 
     A comment stands between two rows, so that turning round puts it before the other one.

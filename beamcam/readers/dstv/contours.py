@@ -17,7 +17,7 @@ from beamcam.geometry.curves import Curve, Line, Point, arc_through
 from beamcam.geometry.plane import distance
 from beamcam.model.part import MIRRORED_FACES, Bevel, Contour, ContourKind, Notch, Process
 from beamcam.readers.dstv import rules
-from beamcam.readers.dstv.rows import Place, rows_of
+from beamcam.readers.dstv.rows import RowPlace, rows_of
 from beamcam.readers.dstv.tokens import EDGES, Block, Log, RowError, numbers
 
 # --- contour rows ---------------------------------------------------------------------------------
@@ -33,7 +33,7 @@ NotchRow = tuple[Literal["t", "w"], Point, float]
 
 
 @final
-class Rows(Struct):
+class ContourRows(Struct):
     """One contour as its rows say it; item i of each list belongs to the edge from point i on."""
 
     code: str  #: A, I, K or P
@@ -51,15 +51,15 @@ class Rows(Struct):
     area: float = 0.0  #: of the polygon of its corners, as the rows draw it
 
 
-def read_contour_rows(block: Block, code: str, place: Place) -> list[Rows]:
+def read_contour_rows(block: Block, code: str, place: RowPlace) -> list[ContourRows]:
     """The contours of one block; a row that changes the face, or follows a closed one, begins
     another. `code` is A, I, K or P."""
-    all_rows: list[Rows] = []
-    rows: Rows | None = None
+    all_rows: list[ContourRows] = []
+    rows: ContourRows | None = None
     for line, fields in rows_of(block, place, _fields, rules.CONTOUR_FIELDS):
         x, edge, y, notch, radius, pairs = fields
         if rows is None or rows.face != place.face:
-            rows = Rows(code, place.face, edge, line)
+            rows = ContourRows(code, place.face, edge, line)
             all_rows.append(rows)
         if edge and edge not in rows.edges:
             rows.edge = rows.edge or edge
@@ -78,7 +78,7 @@ def read_contour_rows(block: Block, code: str, place: Place) -> list[Rows]:
 
 
 def _fields(
-    row: str, line: int, place: Place
+    row: str, line: int, place: RowPlace
 ) -> tuple[float, str, float, str, float, tuple[BevelPair, ...]]:
     """x, reference, y, notch letter, radius and bevels of a row.
 
@@ -111,7 +111,9 @@ def _bevel_pairs(values: list[float], row: str, line: int, log: Log) -> tuple[Be
     return tuple(pairs)
 
 
-def _add_notch(rows: Rows, letter: str, corner: Point, radius: float, line: int, log: Log) -> None:
+def _add_notch(
+    rows: ContourRows, letter: str, corner: Point, radius: float, line: int, log: Log
+) -> None:
     """Keep a notch row with the edge that it stands on, unless its corner lies far away."""
     kind: Literal["t", "w"] = "t" if letter == "t" else "w"
     near = rows.points[-1] if rows.points else corner
@@ -123,7 +125,7 @@ def _add_notch(rows: Rows, letter: str, corner: Point, radius: float, line: int,
     rows.notch_lines.append(line)
 
 
-def _split_closed(rows: Rows) -> list[Rows]:
+def _split_closed(rows: ContourRows) -> list[ContourRows]:
     """The contours of a block that holds several, one after the other.
 
     A contour ends where it comes back to its start, if another closed one follows; one that only
@@ -148,10 +150,10 @@ def _split_closed(rows: Rows) -> list[Rows]:
     return [_part_of(rows, low, high) for low, high in pairwise(bounds)]
 
 
-def _part_of(rows: Rows, low: int, high: int) -> Rows:
+def _part_of(rows: ContourRows, low: int, high: int) -> ContourRows:
     """The contour of the points from `low` to before `high`."""
     first, behind = rows.lines[low], rows.lines[high] if high < len(rows.lines) else inf
-    return Rows(
+    return ContourRows(
         rows.code, rows.face, rows.edge, first, rows.points[low:high], rows.radii[low:high],
         rows.lines[low:high],
         {i - low: bevel for i, bevel in rows.bevels.items() if low <= i < high},
@@ -191,7 +193,7 @@ def segments_area(points: list[Point], radii: list[float]) -> float:
     return total
 
 
-def is_mirrored(rows: Rows) -> bool:
+def is_mirrored(rows: ContourRows) -> bool:
     """Whether the numbers of a contour on o or h are mirrored, as the standard draws them.
 
     Mirrored numbers turn the sign of each radius, and the contour must then run clockwise in
@@ -208,7 +210,7 @@ def is_mirrored(rows: Rows) -> bool:
     return mirrored or outward * area <= 0
 
 
-def build_contour(rows: Rows, mirrored: bool, thickness: float, log: Log) -> Contour | None:
+def build_contour(rows: ContourRows, mirrored: bool, thickness: float, log: Log) -> Contour | None:
     """The contour of `rows`; None if it makes nothing.
 
     `mirrored`: a positive radius is clockwise in the numbers. Outer contours come out
@@ -247,7 +249,7 @@ def build_contour(rows: Rows, mirrored: bool, thickness: float, log: Log) -> Con
     )  # fmt: skip
 
 
-def _runs_the_other_way(rows: Rows, kind: ContourKind, log: Log) -> bool:
+def _runs_the_other_way(rows: ContourRows, kind: ContourKind, log: Log) -> bool:
     """Whether a closed contour runs against the sense in which ours run, seen from outside."""
     rows.area = polygon_area(rows.points)
     area = rows.area + segments_area(rows.points, rows.radii)
@@ -257,7 +259,7 @@ def _runs_the_other_way(rows: Rows, kind: ContourKind, log: Log) -> bool:
     return area < 0 if wants_positive else area > 0
 
 
-def _place_notches(rows: Rows, mirrored: bool) -> list[Notch]:
+def _place_notches(rows: ContourRows, mirrored: bool) -> list[Notch]:
     """The notches at the edges that they stand on, the last one at most."""
     last = len(rows.points) - 2
     return [
@@ -267,7 +269,7 @@ def _place_notches(rows: Rows, mirrored: bool) -> list[Notch]:
     ]
 
 
-def _refuse_point(rows: Rows, log: Log) -> None:
+def _refuse_point(rows: ContourRows, log: Log) -> None:
     """Say that a contour is one point only, which is an error where an arc is asked for."""
     lines = rows.lines + rows.notch_lines
     radius = next((r for r in rows.radii[:-1] if r), 0.0)
@@ -278,7 +280,7 @@ def _refuse_point(rows: Rows, log: Log) -> None:
     log.left_out.extend(lines)
 
 
-def _drop_repeated(rows: Rows, log: Log) -> None:
+def _drop_repeated(rows: ContourRows, log: Log) -> None:
     """Leave out the rows that repeat the point before; what they say belongs to that point."""
     points, lines = rows.points, rows.lines
     kept: list[int] = []
@@ -300,7 +302,7 @@ def _drop_repeated(rows: Rows, log: Log) -> None:
     rows.bevels = {place[i]: pairs for i, pairs in rows.bevels.items()}
 
 
-def _close(rows: Rows, log: Log) -> None:
+def _close(rows: ContourRows, log: Log) -> None:
     """Lead a contour that must be closed and is not back to its start."""
     first, last = rows.points[0], rows.points[-1]
     gap = distance(last, first)
@@ -312,7 +314,7 @@ def _close(rows: Rows, log: Log) -> None:
         rows.radii.append(0.0)
 
 
-def _place_bevels(rows: Rows, closed: bool, thickness: float, log: Log) -> list[Bevel]:
+def _place_bevels(rows: ContourRows, closed: bool, thickness: float, log: Log) -> list[Bevel]:
     """The bevels on the curves; the closing row speaks of the first edge again."""
     bevels: list[Bevel] = []
     for i, pairs in sorted(rows.bevels.items()):
@@ -332,7 +334,7 @@ def _place_bevels(rows: Rows, closed: bool, thickness: float, log: Log) -> list[
     return sorted(bevels, key=lambda bevel: bevel.curve)
 
 
-def _curves(rows: Rows, log: Log) -> tuple[Curve, ...] | None:
+def _curves(rows: ContourRows, log: Log) -> tuple[Curve, ...] | None:
     """Lines and arcs through the points, backwards where the contour runs against its rows; None,
     with an error, where an arc cannot be."""
     points, radii, lines = rows.points, rows.radii[: len(rows.points) - 1], rows.lines

@@ -25,7 +25,7 @@ from beamcam.model.part import (
 )
 from beamcam.model.section import STEEL_KG_MM3, WALLED, section_area, section_fault
 from beamcam.readers.dstv import rules
-from beamcam.readers.dstv.contours import Rows
+from beamcam.readers.dstv.contours import ContourRows
 from beamcam.readers.dstv.tokens import Log
 
 WEIGHT_SHARE = 0.05  #: of the section's, by which the header's weight may differ
@@ -51,7 +51,7 @@ class _Outline(Struct):
         return pairwise(self.points)
 
 
-def check(part: Part, contours: list[Rows], header: list[int], log: Log) -> None:
+def check(part: Part, contours: list[ContourRows], header: list[int], log: Log) -> None:
     """Add to the log what contradicts itself in `part`.
 
     `contours` are its contour rows and `header` the lines of the header's values.
@@ -95,7 +95,7 @@ def _outline(contour: Contour) -> _Outline:
     return _Outline([*points, points[0]], box, arcs)
 
 
-def _check_directions(contours: list[Rows], log: Log) -> None:
+def _check_directions(contours: list[ContourRows], log: Log) -> None:
     """Note outer contours that run otherwise in their numbers than the standard draws them."""
     for rows in contours:
         if rows.code == "A" and len(rows.face) == 1 and len(rows.points) > 2:

@@ -31,12 +31,12 @@ from beamcam.readers.dstv.tokens import (
 )
 
 Item = TypeVar("Item")
-RowReader = Callable[[str, int, "Place"], Item]  #: of a row, its line, and where it lies
+RowReader = Callable[[str, int, "RowPlace"], Item]  #: of a row, its line, and where it lies
 
 FACE_LETTERS = frozenset("vouh")
 
 
-class Place(Struct):
+class RowPlace(Struct):
     """Face and reference letter of the rows of a block, each inherited from the row before."""
 
     log: Log
@@ -91,7 +91,7 @@ class Place(Struct):
 
 
 def rows_of(
-    block: Block, place: Place, read: RowReader[Item], rule: Rule
+    block: Block, place: RowPlace, read: RowReader[Item], rule: Rule
 ) -> Iterator[tuple[int, Item]]:
     """The line of each row, and what `read` makes of it.
 
@@ -111,7 +111,7 @@ def rows_of(
 
 
 def features_of(
-    block: Block, place: Place, read: RowReader[Item | None], rule: Rule
+    block: Block, place: RowPlace, read: RowReader[Item | None], rule: Rule
 ) -> Iterator[Item]:
     """What `read` makes of the rows, whose lines are taken; rows that make nothing are not."""
     for line, item in rows_of(block, place, read, rule):
@@ -130,7 +130,7 @@ _SI_ROW = re.compile(
 )
 
 
-def read_text(row: str, line: int, place: Place) -> TextMark | None:
+def read_text(row: str, line: int, place: RowPlace) -> TextMark | None:
     """The text of a row of SI or Sn; None, with an error, if there is nothing to write."""
     log = place.log
     match = _SI_ROW.fullmatch(row)
@@ -153,7 +153,7 @@ def read_text(row: str, line: int, place: Place) -> TextMark | None:
     )
 
 
-def read_bend(row: str, line: int, place: Place) -> Bend:
+def read_bend(row: str, line: int, place: RowPlace) -> Bend:
     """The bend of a row of KA."""
     # "  25.0 0.0 25.0 100.0 -90.0 15.0"   x1 y1 x2 y2 angle radius
     values = numbers(tokenise(row), line, place.log)
@@ -164,7 +164,7 @@ def read_bend(row: str, line: int, place: Place) -> Bend:
     return Bend((x1, y1), (x2, y2), angle, radius, Source(place.log.file, line))
 
 
-def read_camber(row: str, line: int, place: Place) -> Camber:
+def read_camber(row: str, line: int, place: RowPlace) -> Camber:
     """The point of the camber line of a row of UE."""
     tokens = place.take(tokenise(row), line)
     if len(tokens) == 3 and tokens[1].isalpha():
@@ -232,7 +232,7 @@ def _groups(
     return [(group[0][0], [value for _, value in group]) for group in groups]
 
 
-def read_section_point(row: str, line: int, place: Place) -> SectionPoint:
+def read_section_point(row: str, line: int, place: RowPlace) -> SectionPoint:
     """The corner of a special profile's cross-section of a row of PR."""
     # "  +   48.000   79.500   0.00"   side, y, z, radius
     values = numbers(tokenise(row[1:]), line, place.log)
@@ -264,13 +264,15 @@ _KINDS: dict[str, HoleKind] = {
 }  # fmt: skip
 
 
-def read_hole(row: str, line: int, place: Place) -> Hole | Slot | None:
+def read_hole(row: str, line: int, place: RowPlace) -> Hole | Slot | None:
     """The hole or slot of a row of BO or Bn, glued ones included; None, with an error, for no
     such."""
     return _drilled(place, line, *_hole_fields(row, line, place))
 
 
-def _hole_fields(row: str, line: int, place: Place) -> tuple[float, float, HoleKind, Sizes, bool]:
+def _hole_fields(
+    row: str, line: int, place: RowPlace
+) -> tuple[float, float, HoleKind, Sizes, bool]:
     """x, y, kind, sizes, and whether the row has the letter of a slot.
 
     Raises RowError if no rule explains the row.
@@ -295,7 +297,7 @@ def _hole_fields(row: str, line: int, place: Place) -> tuple[float, float, HoleK
 
 
 def _drilled(
-    place: Place, line: int, x: float, y: float, kind: HoleKind, sizes: Sizes, slotted: bool
+    place: RowPlace, line: int, x: float, y: float, kind: HoleKind, sizes: Sizes, slotted: bool
 ) -> Hole | Slot | None:
     """The hole or slot that the values of a row mean; None, with an error, if it cannot be."""
     diameter, depth, width, height, angle = sizes
@@ -319,7 +321,7 @@ def _drilled(
     return Hole(place.face, x, y, diameter, source, depth or None, kind, cone or None, place.edge)
 
 
-def _slot(place: Place, line: int, x: float, y: float, kind: HoleKind, sizes: Sizes) -> Slot:
+def _slot(place: RowPlace, line: int, x: float, y: float, kind: HoleKind, sizes: Sizes) -> Slot:
     """The slot whose first corner circle is at x, y; the others may lie on either side of it.
 
     Width and height are between the circles' centres. DSTV NC, page 11.

@@ -11,9 +11,9 @@ from beamcam.readers.drawing import counted, drawing_part, unknown_layers, verdi
 from beamcam.readers.drawing.newton import fit_newton
 from beamcam.readers.dxf import rules
 from beamcam.readers.dxf.curves import scaled
-from beamcam.readers.dxf.layers import Layers, Look
+from beamcam.readers.dxf.layers import LayerLook, Layers
 from beamcam.readers.dxf.load import contradictions, find_unit, load_document, looks_like
-from beamcam.readers.dxf.walk import Collected, Walk
+from beamcam.readers.dxf.walk import DrawingContent, DrawingWalk
 
 __all__ = ["RULES", "looks_like", "read"]
 
@@ -50,9 +50,9 @@ def read(
     chosen = Layers(loaded.document, _folded(layers) or None)
     diagnostics += (*loaded.remarks, *unknown_layers(chosen.names(), layers, source))
     runs = iter(loaded.runs)
-    walk = Walk(name, chosen, loaded.handles, runs, _folded(fit), _folded(letters))
+    walk = DrawingWalk(name, chosen, loaded.handles, runs, _folded(fit), _folded(letters))
     try:
-        walk.entities(loaded.document.modelspace(), scaled(unit.mm), Look(), ())
+        walk.entities(loaded.document.modelspace(), scaled(unit.mm), LayerLook(), ())
     except ReadError as error:
         return Reading("dxf", (), diagnostics + error.diagnostics)
     collected = walk.found
@@ -73,7 +73,7 @@ def _folded(names: Sequence[str]) -> frozenset[str]:
 
 
 def _part(
-    name: str, collected: Collected, fit: Sequence[str]
+    name: str, collected: DrawingContent, fit: Sequence[str]
 ) -> tuple[Part, tuple[Diagnostic, ...]]:
     """The part of a drawing, polylines on the layers of `fit` as polynomials; what is said."""
     not_cut = tuple(sorted(collected.not_cut.items()))
@@ -84,7 +84,7 @@ def _part(
     return replace(part, features=(*part.features, *collected.texts)), fitted
 
 
-def _remarks(collected: Collected, source: Source) -> list[Diagnostic]:
+def _remarks(collected: DrawingContent, source: Source) -> list[Diagnostic]:
     """Remarks on entities that are not contours, by kind and count."""
     by_kind = (
         (rules.NOT_CUT, collected.not_cut),

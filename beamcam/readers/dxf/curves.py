@@ -25,7 +25,7 @@ Row = tuple[float, float, float, float]  #: x' = a x + b y + c z + d
 FROM_ABOVE: Axes = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
-class Frame(Struct, frozen=True):
+class InsertFrame(Struct, frozen=True):
     """An affine map of space, as its three rows; the third gives the height above the drawing."""
 
     x: Row
@@ -43,7 +43,7 @@ class Frame(Struct, frozen=True):
         """The image of a direction, seen from above."""
         return _slope(self.x, v), _slope(self.y, v)
 
-    def inside(self, matrix: Any) -> "Frame":
+    def inside(self, matrix: Any) -> "InsertFrame":
         """The frame of a block that an insert places by `matrix` (ezdxf's, vectors are rows)."""
         ux, uy, uz, origin = (
             (row[0], row[1], row[2]) for row in (matrix.get_row(k) for k in range(4))
@@ -52,7 +52,7 @@ class Frame(Struct, frozen=True):
         def composed(row: Row) -> Row:
             return _slope(row, ux), _slope(row, uy), _slope(row, uz), _value(row, origin)
 
-        return Frame(composed(self.x), composed(self.y), composed(self.z))
+        return InsertFrame(composed(self.x), composed(self.y), composed(self.z))
 
     def plane(self, axes: Axes, elevation: float) -> Matrix:
         """The map of the plane of the first two axes at `elevation` along the third, to mm."""
@@ -74,9 +74,9 @@ def in_world(axes: Axes, point: Vector) -> Vector:
     )
 
 
-def scaled(mm: float) -> Frame:
+def scaled(mm: float) -> InsertFrame:
     """The frame of a drawing whose unit is `mm` long."""
-    return Frame((mm, 0.0, 0.0, 0.0), (0.0, mm, 0.0, 0.0), (0.0, 0.0, mm, 0.0))
+    return InsertFrame((mm, 0.0, 0.0, 0.0), (0.0, mm, 0.0, 0.0), (0.0, 0.0, mm, 0.0))
 
 
 def _value(row: Row, v: Vector) -> float:
@@ -121,14 +121,14 @@ def _is_point(curve: Curve) -> bool:
 # --- lines, arcs, ellipses ------------------------------------------------------------------------
 
 
-def line(frame: Frame, heights: Heights, start: Vector, end: Vector) -> list[Chain]:
+def line(frame: InsertFrame, heights: Heights, start: Vector, end: Vector) -> list[Chain]:
     heights += (frame.height(start), frame.height(end))
     a, b = frame.point(start), frame.point(end)
     return [(Line(a, b),)] if a != b else []
 
 
 def arc(
-    frame: Frame,
+    frame: InsertFrame,
     heights: Heights,
     centre: Vector,
     radius: float,
@@ -147,7 +147,7 @@ def arc(
 
 
 def ellipse(
-    frame: Frame,
+    frame: InsertFrame,
     heights: Heights,
     centre: Vector,
     major: Vector,
@@ -180,7 +180,7 @@ def _cross(a: Vector, b: Vector) -> Vector:
 
 
 def polyline(
-    frame: Frame,
+    frame: InsertFrame,
     heights: Heights,
     vertices: Sequence[Vertex],
     closed: bool,
@@ -197,7 +197,7 @@ def polyline(
     return _chain(vertices, frame.plane(axes, elevation))
 
 
-def polyline_through(frame: Frame, heights: Heights, points: Sequence[Vector]) -> list[Chain]:
+def polyline_through(frame: InsertFrame, heights: Heights, points: Sequence[Vector]) -> list[Chain]:
     """Straight lines from point to point, as seen from above."""
     heights += (frame.height(p) for p in points)
     return _chain([(*frame.point(p), 0.0) for p in points], IDENTITY)
@@ -235,7 +235,7 @@ def bulge_curve(start: Point, end: Point, bulge: float) -> Line | Arc:
 
 
 def spline(
-    frame: Frame,
+    frame: InsertFrame,
     heights: Heights,
     degree: int,
     points: Sequence[Vector],

@@ -22,12 +22,12 @@ from beamcam.readers.dxf.curves import (
     Axes,
     Chain,
     EdgeOnError,
-    Frame,
     Heights,
+    InsertFrame,
     Vector,
     check_bounds,
 )
-from beamcam.readers.dxf.layers import Attributes, Layers, Look, attributes_of
+from beamcam.readers.dxf.layers import Attributes, LayerLook, Layers, attributes_of
 
 # --- entities -------------------------------------------------------------------------------------
 
@@ -57,22 +57,22 @@ def _axes(entity: Any) -> Axes:
     return _vector(ocs.ux), _vector(ocs.uy), _vector(ocs.uz)
 
 
-def _line(frame: Frame, heights: Heights, entity: Any) -> list[Chain]:
+def _line(frame: InsertFrame, heights: Heights, entity: Any) -> list[Chain]:
     return curves.line(frame, heights, _vector(entity.dxf.start), _vector(entity.dxf.end))
 
 
-def _circle(frame: Frame, heights: Heights, entity: Any) -> list[Chain]:
+def _circle(frame: InsertFrame, heights: Heights, entity: Any) -> list[Chain]:
     centre, radius = _vector(entity.dxf.center), entity.dxf.radius
     return curves.arc(frame, heights, centre, radius, axes=_axes(entity))
 
 
-def _arc(frame: Frame, heights: Heights, entity: Any) -> list[Chain]:
+def _arc(frame: InsertFrame, heights: Heights, entity: Any) -> list[Chain]:
     centre, radius = _vector(entity.dxf.center), entity.dxf.radius
     start, end = entity.dxf.start_angle, entity.dxf.end_angle
     return curves.arc(frame, heights, centre, radius, start, end, _axes(entity))
 
 
-def _ellipse(frame: Frame, heights: Heights, entity: Any) -> list[Chain]:
+def _ellipse(frame: InsertFrame, heights: Heights, entity: Any) -> list[Chain]:
     dxf = entity.dxf
     normal = _vector(dxf.extrusion.normalize())
     axis = _vector(dxf.major_axis)
@@ -80,13 +80,13 @@ def _ellipse(frame: Frame, heights: Heights, entity: Any) -> list[Chain]:
     return curves.ellipse(frame, heights, _vector(dxf.center), axis, normal, dxf.ratio, *ends)
 
 
-def _lwpolyline(frame: Frame, heights: Heights, entity: Any) -> list[Chain]:
+def _lwpolyline(frame: InsertFrame, heights: Heights, entity: Any) -> list[Chain]:
     vertices = [(float(x), float(y), float(b)) for x, y, b in entity.get_points("xyb")]
     elevation = entity.dxf.get("elevation", 0.0)
     return curves.polyline(frame, heights, vertices, bool(entity.closed), elevation, _axes(entity))
 
 
-def _polyline(frame: Frame, heights: Heights, entity: Any) -> list[Chain]:
+def _polyline(frame: InsertFrame, heights: Heights, entity: Any) -> list[Chain]:
     drawn = [v.dxf for v in entity.vertices if not v.dxf.flags & SPLINE_FRAME]
     closed = bool(entity.is_closed)
     if entity.is_2d_polyline:
@@ -102,7 +102,7 @@ def _polyline(frame: Frame, heights: Heights, entity: Any) -> list[Chain]:
     return curves.polyline_through(frame, heights, points)
 
 
-def _spline(frame: Frame, heights: Heights, entity: Any) -> list[Chain]:
+def _spline(frame: InsertFrame, heights: Heights, entity: Any) -> list[Chain]:
     tool = entity.construction_tool()
     points = [_vector(p) for p in tool.control_points]
     knots = tuple(float(k) for k in tool.knots())
@@ -117,14 +117,14 @@ def by_fit_points(entity: Any) -> int:
     return int(entity.fit_point_count())
 
 
-def through_fit_points(frame: Frame, heights: Heights, entity: Any) -> list[Chain]:
+def through_fit_points(frame: InsertFrame, heights: Heights, entity: Any) -> list[Chain]:
     """The polyline through the fit points of a spline: the nodes of a polynomial that is asked
     for, where drawing programs show a cubic spline."""
     points = [(float(x), float(y), float(z)) for x, y, z in entity.fit_points]
     return curves.polyline_through(frame, heights, points)
 
 
-CURVES: dict[str, Callable[[Frame, Heights, Any], list[Chain]]] = {
+CURVES: dict[str, Callable[[InsertFrame, Heights, Any], list[Chain]]] = {
     "LINE": _line,
     "ARC": _arc,
     "CIRCLE": _circle,
@@ -154,7 +154,7 @@ LINE_SPACING = 5 / 3  #: of MTEXT, as a share of its height. Source: DXF referen
 _FEET = (0.0, 1 / 3, -0.5, -1.0)
 
 
-def text_marks(entity: Any, frame: Frame, source: Source) -> Iterator[TextMark]:
+def text_marks(entity: Any, frame: InsertFrame, source: Source) -> Iterator[TextMark]:
     """The lines of a text, each from where its baseline begins."""
     if entity.dxftype() == "TEXT":
         lines, across, up = [entity.plain_text()], *_held(entity)
@@ -200,7 +200,7 @@ MOST_COPIES = 20_000
 _BAD_NUMBERS = (ValueError, TypeError, ArithmeticError, LookupError)
 
 
-class Collected(Struct):
+class DrawingContent(Struct):
     """Results of reading the entities of a drawing."""
 
     contours: list[Contour] = field(default_factory=list)
@@ -216,7 +216,7 @@ class Collected(Struct):
     said: list[Diagnostic] = field(default_factory=list)
 
 
-class Walk(Struct):
+class DrawingWalk(Struct):
     """One pass over a document."""
 
     name: str
@@ -225,12 +225,12 @@ class Walk(Struct):
     runs: Iterator[Run] = iter(())  #: the plain entities that stand at the markers
     newton: frozenset[str] = frozenset()  #: layers whose fit points are nodes of polynomials
     letters: frozenset[str] = frozenset()  #: layers whose texts are lettered
-    found: Collected = field(default_factory=Collected)
+    found: DrawingContent = field(default_factory=DrawingContent)
     _seen: Counter[str] = field(default_factory=Counter)
     _copies: int = 0  #: of blocks, so far
 
     def entities(
-        self, entities: Iterable[Any], frame: Frame, above: Look, blocks: tuple[str, ...]
+        self, entities: Iterable[Any], frame: InsertFrame, above: LayerLook, blocks: tuple[str, ...]
     ) -> None:
         """Sort `entities`, which stand in `frame` in the innermost of `blocks`."""
         from ezdxf.lldxf.const import DXFError
@@ -268,12 +268,12 @@ class Walk(Struct):
         text = " ".join(str(error).split()) or type(error).__name__
         self.found.said.append(rules.ENTITY.at(source, kind=kind, found=text))
 
-    def _count(self, entity: Any, kind: str, above: Look, inside: bool) -> None:
+    def _count(self, entity: Any, kind: str, above: LayerLook, inside: bool) -> None:
         """Count what is not a curve, unless it is hidden anyway."""
         if not self.layers.hides(self.layers.look(attributes_of(entity), above, inside)):
             self.found.not_cut[kind] += 1
 
-    def _is_lettered(self, entity: Any, kind: str, above: Look, inside: bool) -> bool:
+    def _is_lettered(self, entity: Any, kind: str, above: LayerLook, inside: bool) -> bool:
         """Whether a text stands on a layer that is mapped to a mark, and shows; it is counted."""
         if kind not in KINDS or not self.letters:
             return False
@@ -283,13 +283,13 @@ class Walk(Struct):
         self.found.lettered[look.layer] += 1
         return True
 
-    def _run(self, run: Run, frame: Frame) -> None:
+    def _run(self, run: Run, frame: InsertFrame) -> None:
         """Sort plain entities, which stand in model space."""
         attributes: Attributes | None = None
         for plain in run:
             if plain.says is not attributes:
                 attributes = plain.says
-                look = self.layers.look(attributes, Look(), False)
+                look = self.layers.look(attributes, LayerLook(), False)
                 hidden = self.layers.hides(look)
             kind = plain.kind
             self._sort(
@@ -302,7 +302,7 @@ class Walk(Struct):
                 plain.values,
             )
 
-    def _curve(self, entity: Any, source: Source, frame: Frame, look: Look) -> None:
+    def _curve(self, entity: Any, source: Source, frame: InsertFrame, look: LayerLook) -> None:
         kind = entity.dxftype()
         polynomial = by_fit_points(entity) > 0 and look.layer.lower() in self.newton
         read = through_fit_points if polynomial else CURVES[kind]
@@ -314,10 +314,10 @@ class Walk(Struct):
         self,
         kind: str,
         source: Source,
-        look: Look,
+        look: LayerLook,
         hidden: bool,
         read: Callable[..., list[Chain]],
-        frame: Frame,
+        frame: InsertFrame,
         values: tuple[Any, ...],
     ) -> bool:
         """Contours of the chains that `read` gives, if they are not hidden; whether there are any.
@@ -352,7 +352,12 @@ class Walk(Struct):
         return bool(chains)
 
     def _insert(
-        self, insert: Any, source: Source, frame: Frame, above: Look, blocks: tuple[str, ...]
+        self,
+        insert: Any,
+        source: Source,
+        frame: InsertFrame,
+        above: LayerLook,
+        blocks: tuple[str, ...],
     ) -> None:
         """Open an insert: its block, once for each place of its array."""
         look = self.layers.look(attributes_of(insert), above, bool(blocks))

@@ -70,7 +70,7 @@ def check_data(part: Part, shaped: Shaped, data: Data, source: Source) -> Iterat
         yield rules.CUTOUT.at(source, where=data.cutouts)
 
 
-class Compared(Struct, frozen=True):
+class KernelVerdict(Struct, frozen=True):
     """What the kernel has against a form that was read."""
 
     said: tuple[Diagnostic, ...] = ()
@@ -95,27 +95,27 @@ class Compared(Struct, frozen=True):
 
 def check_kernel(
     model: Model, element: Entity, shaped: Shaped, profile: Entity | None, source: Source
-) -> Compared:
+) -> KernelVerdict:
     """Regions of the kernel's solid that what was read does not account for."""
     try:
         built = kernel.build(model, element)
         stock = stock_of(model, element, shaped, profile)
     except Unreadable as reason:
         fault = rules.KERNEL.at(source, found=f"no solid ({reason})", expected="a solid")
-        return Compared(disputed=fault)
+        return KernelVerdict(disputed=fault)
     errors = [line for line in built.log if "[error]" in line.lower()]
     if errors:
-        return Compared((rules.KERNEL_LOG.at(source, found=errors[0][:160]),))
+        return KernelVerdict((rules.KERNEL_LOG.at(source, found=errors[0][:160]),))
     body = built.shell.moved(shaped.frame.inverse())
     low, high = extent(body, (1.0, 0.0, 0.0))
     if abs(high - low - shaped.length) > LENGTH_SAME:
         found, expected = f"a length of {high - low:.2f} mm", f"{shaped.length:.2f} mm"
         fault = rules.KERNEL.at(source, found=found, expected=expected)
-        return Compared((), fault, built.volume)
+        return KernelVerdict((), fault, built.volume)
     diagnostics = differences(shaped, body, stock, FINE, built.volume).said(source)
     if any(d.severity is Severity.ERROR for d in diagnostics):
-        return Compared((), diagnostics[0], built.volume)
-    return Compared(diagnostics, None, built.volume)
+        return KernelVerdict((), diagnostics[0], built.volume)
+    return KernelVerdict(diagnostics, None, built.volume)
 
 
 def section_said(shaped: Shaped, stock: BareStock, source: Source) -> tuple[Diagnostic, ...]:

@@ -31,7 +31,7 @@ SQUARE = 0.9  #: share of what a square end holds by which a plane of a face is 
 FILM = 0.05  #: mm before a plane in which the walls that end at it are seen
 
 
-class End(Struct, frozen=True, gc=False):
+class MemberEnd(Struct, frozen=True, gc=False):
     """The plane of an end; `side` is 1 at the end and -1 at the start."""
 
     side: int
@@ -57,23 +57,23 @@ class End(Struct, frozen=True, gc=False):
         return half_plane(self.side, -self.side * slope_q, self.side * (slope_c * c + self.c))
 
 
-def of_plane(half: HalfSpace) -> End:
+def of_plane(half: HalfSpace) -> MemberEnd:
     """The end that a half-space cuts."""
     n = half.normal
-    return End(1 if n[0] > 0 else -1, -n[1] / n[0], -n[2] / n[0], half.x_at(0.0, 0.0))
+    return MemberEnd(1 if n[0] > 0 else -1, -n[1] / n[0], -n[2] / n[0], half.x_at(0.0, 0.0))
 
 
 class Trim(Struct, frozen=True, gc=False):
     """Limits of a stock by the planes at one end, along the lines of its section's corners."""
 
-    planes: tuple[End, ...]  #: the stock's own square end, and those that cut it
-    sole: End | None  #: the one plane that cuts the whole section; None if several share it
+    planes: tuple[MemberEnd, ...]  #: the stock's own square end, and those that cut it
+    sole: MemberEnd | None  #: the one plane that cuts the whole section; None if several share it
     reach: float  #: side * x that the sole plane reaches at most; as `most` without one
     least: float  #: side * x up to which no plane takes anything
     most: float  #: side * x beyond which nothing is left
 
 
-def trim(square: End, cuts: Sequence[End], corners: Sequence[Point]) -> Trim:
+def trim(square: MemberEnd, cuts: Sequence[MemberEnd], corners: Sequence[Point]) -> Trim:
     """The end of a stock that is `square` before its cuts, at the (Y, Z) of the corners."""
     planes, level = (square, *cuts), square.side * square.c
     if not cuts:
@@ -89,7 +89,7 @@ def trim(square: End, cuts: Sequence[End], corners: Sequence[Point]) -> Trim:
     return Trim(planes, None, most, least, most)
 
 
-def reaches(end: End, corners: Sequence[Point]) -> list[float]:
+def reaches(end: MemberEnd, corners: Sequence[Point]) -> list[float]:
     """side * x of an end at each of the corners."""
     if end.a == 0.0 and end.b == 0.0:
         return [end.side * end.c] * len(corners)
@@ -102,11 +102,11 @@ Level = tuple[Wall, float, Shape]  #: a wall, c, and its region there
 
 def end_of(
     side: int,
-    planes: Iterable[End],
+    planes: Iterable[MemberEnd],
     levels: Sequence[Level],
     corners: Sequence[Point],
     x: float | None = None,
-) -> tuple[End, float]:
+) -> tuple[MemberEnd, float]:
     """The plane that most of an end lies in, and the x in which the member ends there.
 
     That is one of `planes` which reaches the end of the member at one of its section's corners, and
@@ -117,7 +117,7 @@ def end_of(
     outermost = max(b[2] for b in bounds) if side > 0 else min(b[0] for b in bounds)
     # A level lies a little inside its wall, and a leaning end reaches further at the surface.
     last, inside = (outermost, LEVEL_REACH) if x is None else (x, 0.0)
-    best, best_x = End(side, 0.0, 0.0, last), last
+    best, best_x = MemberEnd(side, 0.0, 0.0, last), last
     most = SQUARE * _weight(best, levels)
     for one in planes:
         plane = replace(one, side=side)
@@ -131,7 +131,7 @@ def end_of(
     return best, best_x if x is None else x
 
 
-def _weight(end: End, levels: Sequence[Level]) -> float:
+def _weight(end: MemberEnd, levels: Sequence[Level]) -> float:
     """mm across the walls in which they end at a plane."""
     film = replace(end, c=end.c - end.side * FILM)
     areas = (float(s.intersection(film.removed(wall, c)).area) for wall, c, s in levels)

@@ -20,7 +20,7 @@ from beamcam.model.part import (
     moved_feature,
 )
 from beamcam.readers.ifc.curves2d import Chain
-from beamcam.readers.ifc.ends import UNEXPLAINED, End, Level, bevels_of, end_of, reaches
+from beamcam.readers.ifc.ends import UNEXPLAINED, Level, MemberEnd, bevels_of, end_of, reaches
 from beamcam.readers.ifc.entities import Unreadable
 from beamcam.readers.ifc.outline import Round, Slotted, shape_of
 from beamcam.readers.ifc.region import Circles, Shape, chains_of, cleaned, pieces_of, rectangle
@@ -70,7 +70,7 @@ Levels = tuple[tuple[float, Shape], ...]  #: of a wall, from its lowest c to its
 Regions = dict[Wall, Levels]
 
 
-def reach(section: Section, start: End, end: End) -> tuple[float, float]:
+def reach(section: Section, start: MemberEnd, end: MemberEnd) -> tuple[float, float]:
     """Minimum and maximum x of the stock between two end planes."""
     corners = corner_points(section)
     return -max(reaches(start, corners)), max(reaches(end, corners))
@@ -78,7 +78,7 @@ def reach(section: Section, start: End, end: End) -> tuple[float, float]:
 
 def sawn(
     section: Section,
-    ends: tuple[End, End],
+    ends: tuple[MemberEnd, MemberEnd],
     span: tuple[float, float],
     features: Sequence[Cut],
     source: Source,
@@ -115,7 +115,7 @@ def from_regions(
     circles: Circles,
     source: Source,
     gross: float,
-    planes: Sequence[End],
+    planes: Sequence[MemberEnd],
     span: tuple[float, float] | None = None,
 ) -> Shaped:
     """The member whose walls are `regions`, at two levels each, with `holes` beside.
@@ -148,7 +148,7 @@ def _wall_features(
     section: Section,
     wall: Wall,
     row: Levels,
-    ends: tuple[End, End],
+    ends: tuple[MemberEnd, MemberEnd],
     circles: Circles,
     source: Source,
     remarks: list[str],
@@ -196,7 +196,7 @@ def _filled(shape: Shape) -> Shape:
     return MultiPolygon([Polygon(p.exterior) for p in pieces_of(shape)])
 
 
-def _plain(wall: Wall, c: float, ends: tuple[End, End], shape: Shape) -> Shape:
+def _plain(wall: Wall, c: float, ends: tuple[MemberEnd, MemberEnd], shape: Shape) -> Shape:
     """What the stock and the two end planes alone would leave of a wall at a level."""
     if shape.is_empty:
         return rectangle(0.0, 0.0, 0.0, 0.0)

@@ -17,7 +17,7 @@ from beamcam.model.part import Hole, Slot
 from beamcam.readers.ifc import rules
 from beamcam.readers.ifc.checks import section_said
 from beamcam.readers.ifc.cutters import planes_of
-from beamcam.readers.ifc.ends import End, of_plane
+from beamcam.readers.ifc.ends import MemberEnd, of_plane
 from beamcam.readers.ifc.entities import Bent, Entity, Model, OddSection, Unreadable
 from beamcam.readers.ifc.finish import Regions, Shaped, from_regions, opening, reach, sawn
 from beamcam.readers.ifc.kernel import ANGLE, CHORD, build_both
@@ -300,7 +300,7 @@ def _round(local: Shell, stock: Rolled, source: Source) -> Shaped:
     return sawn(stock.section, (start, end), span, (), source, span[1] - span[0])
 
 
-def _flat_end(local: Shell, side: int) -> End:
+def _flat_end(local: Shell, side: int) -> MemberEnd:
     """The plane that most of an end's area lies in."""
     areas, same = local.areas, end_faces(local, ALONG, side)
     if not len(same):
@@ -310,4 +310,4 @@ def _flat_end(local: Shell, side: int) -> End:
     if abs(a) < LEVEL_NOISE and abs(b) < LEVEL_NOISE:
         a = b = 0.0
     x, y, z = local.points[np.isin(local.rings.face_of_corner, same)].T
-    return End(side, a, b, float(side * (side * (x - a * y - b * z)).max()))
+    return MemberEnd(side, a, b, float(side * (side * (x - a * y - b * z)).max()))

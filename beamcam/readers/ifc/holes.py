@@ -8,7 +8,7 @@ from msgspec.structs import replace
 from beamcam.errors import Source
 from beamcam.model.part import Hole, Slot
 from beamcam.readers.ifc.cutters import Box3, Cutter, Prism
-from beamcam.readers.ifc.ends import End, Trim
+from beamcam.readers.ifc.ends import MemberEnd, Trim
 from beamcam.readers.ifc.entities import OddCut, Unreadable
 from beamcam.readers.ifc.finish import slot
 from beamcam.readers.ifc.outline import Round, Slotted
@@ -99,7 +99,7 @@ def _within_another(wall: Wall, box: Box3, into: Drilled) -> bool:
 def _beyond(xs: Span, qs: Span, into: Drilled, wall: Wall) -> bool | None:
     """Whether a hole lies all beyond an end, where nothing is to drill; None if the end cuts it."""
 
-    def x(end: End, q: float) -> float:
+    def x(end: MemberEnd, q: float) -> float:
         return end.x(wall.surface, q) if wall.normal == "y" else end.x(q, wall.surface)
 
     for side, edge, planes in (-1, xs[0], into.start.planes), (1, xs[1], into.end.planes):

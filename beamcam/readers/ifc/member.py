@@ -18,7 +18,7 @@ from beamcam.readers.ifc import marks, rules
 from beamcam.readers.ifc.body import Body, Swept, body_of, refuse_bent
 from beamcam.readers.ifc.checks import (
     STEEL,
-    Compared,
+    KernelVerdict,
     check_data,
     check_kernel,
     check_stock,
@@ -314,12 +314,12 @@ class Members(Struct):
 
     def _compared(
         self, element: Entity, body: Body, shaped: Shaped, profile: Entity | None
-    ) -> Compared:
+    ) -> KernelVerdict:
         """What section and solid of the kernel have against a member.
 
         A shell that is taken as it stands was held against its own faces.
         """
-        solid, source = Compared(), Source(self.name)
+        solid, source = KernelVerdict(), Source(self.name)
         if isinstance(body.base, Swept):
             solid = check_kernel(self.model, element, shaped, profile, source)
         if profile is None:

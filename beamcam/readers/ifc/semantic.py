@@ -16,7 +16,7 @@ from beamcam.model.part import Hole, Slot
 from beamcam.readers.ifc.body import Body, Swept
 from beamcam.readers.ifc.curves2d import Chain
 from beamcam.readers.ifc.cutters import MIN_LEAN, Bounded, Box3, Cutter, HalfSpace, Prism, planes_of
-from beamcam.readers.ifc.ends import End, of_plane, trim
+from beamcam.readers.ifc.ends import MemberEnd, of_plane, trim
 from beamcam.readers.ifc.entities import Entity, Model, OddCut, Unreadable
 from beamcam.readers.ifc.finish import Levels, Regions, Shaped, from_regions, sawn
 from beamcam.readers.ifc.holes import Drilled, pierce
@@ -100,8 +100,8 @@ def cut(stock: Stock, cutters: Sequence[Cutter], source: Source) -> Shaped:
     section = stock.section
     corners = corner_points(section)
     walls = walls_of(section)
-    starts: list[End] = []
-    ends: list[End] = []
+    starts: list[MemberEnd] = []
+    ends: list[MemberEnd] = []
     rest: list[Boxed] = []
     for cutter in cutters:
         is_hole = walls and isinstance(cutter, Prism) and cutter.shape is not None
@@ -110,8 +110,8 @@ def cut(stock: Stock, cutters: Sequence[Cutter], source: Source) -> Shaped:
             (ends if plane.normal[0] > 0 else starts).append(of_plane(plane))
         elif is_hole or _touches(cutter, stock):  # a hole that touches no wall makes none
             rest.append((cutter, cutter.box))
-    start = trim(End(-1, 0.0, 0.0, stock.x0), starts, corners)
-    end = trim(End(1, 0.0, 0.0, stock.x1), ends, corners)
+    start = trim(MemberEnd(-1, 0.0, 0.0, stock.x0), starts, corners)
+    end = trim(MemberEnd(1, 0.0, 0.0, stock.x1), ends, corners)
     if start.most + end.most < MIN_LENGTH:
         raise Unreadable("end cuts that leave nothing")
     holes: list[Hole | Slot] = []
@@ -137,16 +137,16 @@ def cut(stock: Stock, cutters: Sequence[Cutter], source: Source) -> Shaped:
     return from_regions(section, regions, holes, circles, source, gross, planes)
 
 
-def _sides(outline: Chain) -> Iterator[End]:
+def _sides(outline: Chain) -> Iterator[MemberEnd]:
     """The planes of a plate's straight sides that its ends may be."""
     for side in outline:
         dx, dy = side.end[0] - side.start[0], side.end[1] - side.start[1]
         if isinstance(side, Line) and abs(dy) > MIN_LEAN * side.length:
-            yield End(1, dx / dy, 0.0, side.start[0] - side.start[1] * dx / dy)
+            yield MemberEnd(1, dx / dy, 0.0, side.start[0] - side.start[1] * dx / dy)
 
 
 def _left_of_walls(
-    stock: Stock, ends: Sequence[End], general: Sequence[Boxed], circles: Circles
+    stock: Stock, ends: Sequence[MemberEnd], general: Sequence[Boxed], circles: Circles
 ) -> Regions:
     """What ends and cutters leave of each wall of a stock, at its outer levels or at more."""
     walls = walls_of(stock.section)

@@ -59,7 +59,7 @@ class Malformed(ValueError):
         self.line = line
 
 
-class Record(Struct, frozen=True, gc=False):
+class StepRecord(Struct, frozen=True, gc=False):
     """A record as it is written."""
 
     number: int
@@ -154,10 +154,10 @@ def _no_record(text: str, at: int) -> Malformed:
     return Malformed(f"{text[at : at + 40].strip()!r} where a record begins", _line(text, at))
 
 
-def records(text: str) -> Iterator[Record]:
+def records(text: str) -> Iterator[StepRecord]:
     """The records of a plain text that was looked over."""
     for match in _RECORD.finditer(text):
-        yield Record(int(match[1]), match[2], match[3])
+        yield StepRecord(int(match[1]), match[2], match[3])
 
 
 def _line(text: str, at: int) -> int:

@@ -10,7 +10,7 @@ from beamcam.readers.drawing.newton import fit_newton
 from beamcam.readers.svg import rules
 from beamcam.readers.svg.page import Page, find_page
 from beamcam.readers.svg.tree import INITIAL, StyleSheet, looks_like, parse, style_of
-from beamcam.readers.svg.walk import Collected, Context, Walk
+from beamcam.readers.svg.walk import Context, PageContent, PageWalk
 
 __all__ = ["looks_like", "read"]
 
@@ -32,7 +32,7 @@ def read(
         sheet = StyleSheet()
         for text in document.styles:
             sheet.add(text)
-        walk = Walk(name, document, page, sheet, frozenset(n.lower() for n in layers) or None)
+        walk = PageWalk(name, document, page, sheet, frozenset(n.lower() for n in layers) or None)
         style = style_of(document.root, dict(INITIAL), sheet)
         hidden = style.get("display") == "none"
         walk.elements(document.root.children, Context(page.matrix, style, hidden=hidden))
@@ -51,7 +51,7 @@ def read(
     return Reading("svg", (part,), diagnostics)
 
 
-def _part(name: str, collected: Collected, page: Page) -> Part:
+def _part(name: str, collected: PageContent, page: Page) -> Part:
     grid = page.unit * 10.0**-collected.decimals if collected.contours else None
     not_cut = tuple(sorted(collected.not_cut.items()))
     measures = Measures(tuple(collected.filled), tuple(collected.hidden), not_cut, grid)
@@ -66,7 +66,7 @@ _COUNTED: tuple[tuple[str, Rule], ...] = (
 )  # fmt: skip
 
 
-def _remarks(collected: Collected, source: Source) -> list[Diagnostic]:
+def _remarks(collected: PageContent, source: Source) -> list[Diagnostic]:
     """Remarks on elements that are not contours, by kind and count."""
     diagnostics = []
     if collected.not_cut["text"]:

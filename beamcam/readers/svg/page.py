@@ -83,7 +83,7 @@ def parse_transform(text: str) -> Matrix:
     return result
 
 
-class Fit(NamedTuple):
+class ViewBoxFit(NamedTuple):
     """How a viewBox lies in its page. Source: SVG 1.1, section 7.8, preserveAspectRatio."""
 
     how: Literal["meet", "slice", "none"] = "meet"  #: seen whole, page filled, or stretched
@@ -99,15 +99,15 @@ class Fit(NamedTuple):
         return one, one
 
 
-def fit_of(text: str | None) -> Fit:
+def fit_of(text: str | None) -> ViewBoxFit:
     """What preserveAspectRatio says; xMidYMid meet where it says nothing that is known."""
     match = _ASPECT.fullmatch((text or "").strip())
     if match is None:
-        return Fit()
+        return ViewBoxFit()
     if match["none"]:
-        return Fit("none", said=True)
+        return ViewBoxFit("none", said=True)
     how: Literal["meet", "slice"] = "slice" if match["how"] == "slice" else "meet"
-    return Fit(how, _SHARES[match["x"]], _SHARES[match["y"]], True)
+    return ViewBoxFit(how, _SHARES[match["x"]], _SHARES[match["y"]], True)
 
 
 #: CSS fixes the px at 1/96 inch; lengths with units inside a drawing are counted in these.

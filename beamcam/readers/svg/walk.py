@@ -86,7 +86,7 @@ _NOT_CUT = ("image", "foreignObject", "video", "audio", "iframe", "canvas")
 MOST_USES = 10_000
 
 
-class Collected(Struct):
+class PageContent(Struct):
     """Results of reading the elements of a drawing."""
 
     contours: list[Contour] = field(default_factory=list)
@@ -112,7 +112,7 @@ class Context(Struct, frozen=True):
     depth: int = 0
 
 
-class Walk(Struct):
+class PageWalk(Struct):
     """One pass over a document."""
 
     name: str
@@ -120,7 +120,7 @@ class Walk(Struct):
     page: Page
     sheet: StyleSheet
     chosen: frozenset[str] | None = None  #: layers to read, in lower case; None is all
-    found: Collected = field(default_factory=Collected)
+    found: PageContent = field(default_factory=PageContent)
 
     def elements(self, elements: Iterable[Element], context: Context) -> None:
         for element in elements:

@@ -5,11 +5,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from beamcam.controllers import cell_events
-from beamcam.controllers.codesys import Block, Lexer
+from beamcam.controllers.codesys import CodesysBlock, Lexer
 from beamcam.machine import load
 from tests.conftest import examples
 
-PLAIN = Block("G", 1, {"X": 5.0, "Y": -2.5})
+PLAIN = CodesysBlock("G", 1, {"X": 5.0, "Y": -2.5})
 CELL = load("beamline")
 
 
@@ -83,11 +83,11 @@ def test_a_name_in_the_middle() -> None:
 
 def test_two_accelerations_are_one_word_of_two_values() -> None:
     words = {"X": 100.0, "Y": 90.0, "E": 100.0, "F": 80.0, "E-": -200.0}
-    assert Lexer().block("G01 X100 Y90 E100 F80 E-200") == Block("G", 1, words)
+    assert Lexer().block("G01 X100 Y90 E100 F80 E-200") == CodesysBlock("G", 1, words)
 
 
 def test_more_letters_where_a_machine_has_them() -> None:
-    assert Lexer(frozenset("MS")).block("M03 S800") == Block("M", 3, {"S": 800.0})
+    assert Lexer(frozenset("MS")).block("M03 S800") == CodesysBlock("M", 3, {"S": 800.0})
 
 
 words = st.dictionaries(
@@ -106,4 +106,4 @@ def test_order_blanks_and_zeros_count_for_nothing(
     pad = "00" if zeros else ""
     text = gap.join([f"M{pad}{number}", *(f"{w}{given_words[w]}" for w in order)])
     found = {w: float(str(v)) for w, v in given_words.items()}
-    assert Lexer().block(text) == Block("M", number, found)
+    assert Lexer().block(text) == CodesysBlock("M", number, found)

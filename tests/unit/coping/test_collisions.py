@@ -8,17 +8,17 @@ from hypothesis import strategies as st
 from shapely import MultiPoint
 
 from beamcam.checks.coping.collisions import HOLDER, SLACK, strike_faults
-from beamcam.checks.coping.section import Section, TubeSection
-from beamcam.checks.coping.strokes import Way
+from beamcam.checks.coping.section import CoperSection, TubeSection
+from beamcam.checks.coping.strokes import TipMove
 from beamcam.machine import load
 from beamcam.model.part import Profile
 
 TILTS = load("coper-tilt-linuxcnc").coper
 TURNS = load("tube-linuxcnc").coper
 SECTIONS = (
-    Section(Profile("I", "IPE300", 300.0, 150.0, 7.1, 10.7, 15.0)),
-    Section(Profile("U", "UPN200", 200.0, 75.0, 8.5, 11.5, 11.5)),
-    Section(Profile("L", "L100*80*10", 100.0, 80.0, 10.0, 10.0, 12.0)),
+    CoperSection(Profile("I", "IPE300", 300.0, 150.0, 7.1, 10.7, 15.0)),
+    CoperSection(Profile("U", "UPN200", 200.0, 75.0, 8.5, 11.5, 11.5)),
+    CoperSection(Profile("L", "L100*80*10", 100.0, 80.0, 10.0, 10.0, 12.0)),
     TubeSection(Profile("M", "RHS120*80*5", 120.0, 80.0, 5.0, 5.0, 10.0), 10.0),
     TubeSection(Profile("RO", "CHS168.3*8", 168.3, 168.3, 8.0, 8.0), 0.0),
 )
@@ -50,7 +50,7 @@ def test_straight_moves_are_as_near_as_the_bodies_between_their_ends(
     """What a body sweeps between two places is the hull of both, however a bound comes first."""
     is_tube = isinstance(section, TubeSection)
     coper, b_deg = (TURNS, 0.0) if is_tube else (TILTS, b_deg)
-    way = Way(7, (0.0, y0, z0), (0.0, y1, z1), (a_deg, a_deg), (b_deg, b_deg))
+    way = TipMove(7, (0.0, y0, z0), (0.0, y1, z1), (a_deg, a_deg), (b_deg, b_deg))
     a = radians(a_deg) if is_tube else 0.0
     seen = [(y * cos(a) - z * sin(a), y * sin(a) + z * cos(a)) for y, z in ((y0, z0), (y1, z1))]
     pairs = zip(*(bodies(*place, a_deg, b_deg, coper) for place in seen), strict=True)
@@ -66,7 +66,7 @@ def test_straight_moves_are_as_near_as_the_bodies_between_their_ends(
 def test_corners_of_a_tube_that_turns_sweep_a_circle(high, strikes):
     """Their middles lie 40 and 30 mm off the axis, 10 mm round: 50 + 10 mm, and 0.5 to play."""
     section = TubeSection(Profile("M", "RHS100*80*5", 100.0, 80.0, 5.0, 5.0, 10.0), 10.0)
-    way = Way(3, (0.0, 0.0, high), (0.0, 0.0, high), (90.0, 0.0))
+    way = TipMove(3, (0.0, 0.0, high), (0.0, 0.0, high), (90.0, 0.0))
     assert bool([*strike_faults([way], section, TURNS, "p")]) == strikes
 
 

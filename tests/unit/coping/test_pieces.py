@@ -16,7 +16,7 @@ from beamcam import api, rest_part
 from beamcam.asked import AskError
 from beamcam.checks.asked import rest_faults
 from beamcam.checks.coping import verify_coping
-from beamcam.checks.coping.section import Section
+from beamcam.checks.coping.section import CoperSection
 from beamcam.checks.coping.stock import stock_of
 from beamcam.cli import main
 from beamcam.controllers import cell_events
@@ -201,7 +201,7 @@ def test_ends_of_walls_worked_by_hand() -> None:
 def test_planner_and_read_back_see_the_same_ends(web: float, flange: float, other: float) -> None:
     part = begun(cuts=EndCuts(web, other, flange, -flange))
     assert COPER.coper is not None
-    stock = stock_of(part, Section(IPE300), COPER.coper)
+    stock = stock_of(part, CoperSection(IPE300), COPER.coper)
     for face in ("v", "o", "u"):
         for mine, (at_0, at_1, play) in zip(ends_on(face, part), stock.ends[face], strict=True):
             assert mine.x(0.0) == pytest.approx(at_0, abs=1e-6)

@@ -13,9 +13,9 @@ from msgspec.structs import replace
 from shapely import MultiPolygon, box
 
 from beamcam.checks.coping import verify_coping
-from beamcam.checks.coping.compare import Left, _holding
+from beamcam.checks.coping.compare import WallPieces, _holding
 from beamcam.checks.coping.rules import RULES
-from beamcam.checks.coping.section import Section
+from beamcam.checks.coping.section import CoperSection
 from beamcam.errors import Diagnostic, PlanError, errors_in
 from beamcam.geometry.curves import Arc, Curve, Line
 from beamcam.machine import Machine
@@ -200,14 +200,14 @@ def test_two_parts_are_not_one_program() -> None:
 
 def test_scrap_that_a_flange_holds() -> None:
     whole = MultiPolygon([box(0.0, 0.0, 600.0, 150.0)])
-    web = Left(
+    web = WallPieces(
         MultiPolygon([box(50.0, 10.7, 600.0, 289.3)]), MultiPolygon([box(0, 200, 40, 289.3)])
     )
-    flange = Left(whole, MultiPolygon())
-    said = list(_holding("o", web, flange, Section(IPE300), 75.0, 0.2, "JOB"))
+    flange = WallPieces(whole, MultiPolygon())
+    said = list(_holding("o", web, flange, CoperSection(IPE300), 75.0, 0.2, "JOB"))
     assert [d.code for d in said] == ["verify-coping-holds"]
     assert said[0]["found"] == "40.00"
-    assert not list(_holding("u", web, flange, Section(IPE300), 75.0, 0.2, "JOB"))
+    assert not list(_holding("u", web, flange, CoperSection(IPE300), 75.0, 0.2, "JOB"))
 
 
 def test_every_rule_has_a_case() -> None:

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from beamcam.checks.coping import verify_coping
-from beamcam.checks.coping.section import Section
+from beamcam.checks.coping.section import CoperSection
 from beamcam.checks.coping.skew import skew_ends
 from beamcam.errors import PlanError, errors_in
 from beamcam.machine import Machine, load
@@ -201,7 +201,7 @@ def test_both_sides_know_the_same_planes(seed: int) -> None:
     part = random_mitre(seed)
     if part.profile.code == "T":
         return
-    section = Section(part.profile)
+    section = CoperSection(part.profile)
     for mine, other in zip(planes_of(part), skew_ends(part, section), strict=True):
         if other is None:
             assert not mine.is_skew

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from beamcam.motion.lookahead import LookAheadRules, plan_speeds
-from beamcam.motion.profile import Limits
+from beamcam.motion.profile import AxisLimits
 from tests.path_samples import entries
 
-AXIS = Limits(200.0, 1000.0, 1e9)
+AXIS = AxisLimits(200.0, 1000.0, 1e9)
 RULES = LookAheadRules((AXIS, AXIS))
 
 
@@ -32,7 +32,7 @@ def test_deviation_0_stops_at_corners():
 
 
 def test_the_slow_axis_sets_the_pace_of_a_diagonal():
-    slow = Limits(10.0, 1000.0, 1e9)
+    slow = AxisLimits(10.0, 1000.0, 1e9)
     path = plan_speeds([(0, 0), (300, 400)], 100.0, LookAheadRules((AXIS, slow)))
     assert np.max(path.phase_velocity) == pytest.approx(12.5)
 

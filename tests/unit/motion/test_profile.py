@@ -5,7 +5,7 @@ from math import inf
 import pytest
 
 from beamcam.motion.profile import (
-    Limits,
+    AxisLimits,
     fastest_profile,
     profile_over_distance,
     profile_through,
@@ -57,12 +57,12 @@ def test_points_are_joined_and_equal_ones_are_a_cruise():
     ],
 )
 def test_fastest_from_rest_to_rest(distance, jerk, duration):
-    profile = fastest_profile(distance, Limits(50.0, 100.0, jerk))
+    profile = fastest_profile(distance, AxisLimits(50.0, 100.0, jerk))
     assert profile.duration_s == pytest.approx(duration, rel=1e-12)
 
 
 def test_no_way_takes_no_time():
-    profile = fastest_profile(0.0, Limits(50.0, 100.0))
+    profile = fastest_profile(0.0, AxisLimits(50.0, 100.0))
     assert (profile.phases, profile.duration_s) == ((), 0.0)
     assert profile.velocity([-1.0, 0.0, 1.0]).tolist() == [0, 0, 0]
 
@@ -81,8 +81,8 @@ def test_outside_its_time_a_profile_goes_on():
         (lambda: profile_over_distance(1, 2, 0, 2), "a cruise of 2 s leaves no ramps in 2 s"),
         (lambda: profile_through([(0, 1)], 0), "2 points or more, found 1"),
         (lambda: profile_through([(1, 1), (1, 2)], 0), "times must rise, found 1 s after 1 s"),
-        (lambda: Limits(1, 0), "limit of acceleration must be above 0"),
-        (lambda: fastest_profile(-inf, Limits(10, 1)), "the distance must be a number of mm"),
+        (lambda: AxisLimits(1, 0), "limit of acceleration must be above 0"),
+        (lambda: fastest_profile(-inf, AxisLimits(10, 1)), "the distance must be a number of mm"),
     ],
 )
 def test_what_is_no_profile_is_refused(call, message):

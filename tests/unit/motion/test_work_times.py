@@ -16,7 +16,7 @@ from beamcam.model.plan import WorkTime
 from beamcam.model.program import ArcFeed, EllipseFeed, Feed, ParabolaFeed
 from beamcam.motion.densify import DensifyRules, densify
 from beamcam.motion.lookahead import LookAheadRules, plan_speeds
-from beamcam.motion.profile import Limits
+from beamcam.motion.profile import AxisLimits
 from beamcam.motion.sheet import sheet_program
 from beamcam.motion.sheet_times import (
     SECONDS_PER_MINUTE,
@@ -103,7 +103,7 @@ def test_a_contour_takes_as_long_as_the_look_ahead_over_its_points() -> None:
         assert segment is not None
         segments.append(segment)
         here = curve.end
-    axis = Limits(400.0, 2000.0)
+    axis = AxisLimits(400.0, 2000.0)
     points = densify(curves, DensifyRules(0.0005)).points
     by_points = plan_speeds(points, 60.0, LookAheadRules((axis, axis), 0.01)).duration_s
     assert seconds_along(segments, limits) == pytest.approx(by_points, rel=0.01)

@@ -10,7 +10,7 @@ from beamcam.cli import main
 from beamcam.machine import load
 from beamcam.model.part import Hole, Part, TextMark
 from beamcam.pictures.comparison import compared_parts, compared_programs
-from beamcam.pictures.overlay import Compared
+from beamcam.pictures.overlay import Overlay
 from beamcam.pictures.program import ReadProgram
 from beamcam.pictures.svg import to_svg
 from beamcam.pipeline import post, read_file
@@ -23,11 +23,11 @@ def channel() -> Part:
     return read_file(str(SAMPLES / "dstv" / "channel.nc1")).parts[0]
 
 
-def drawn(compared: Compared) -> Drawing:
+def drawn(compared: Overlay) -> Drawing:
     return Drawing(to_svg(compared.scene))
 
 
-def counts(compared: Compared) -> tuple[int, int, int, int]:
+def counts(compared: Overlay) -> tuple[int, int, int, int]:
     return compared.same, compared.changed, compared.gone, compared.new
 
 

@@ -11,7 +11,7 @@ from beamcam.errors import VerifyError
 from beamcam.machine import Machine, load
 from beamcam.model.part import Feature, Hole, Part, Profile, Slot
 from beamcam.pictures.comparison import compared_programs
-from beamcam.pictures.overlay import Compared
+from beamcam.pictures.overlay import Overlay
 from beamcam.pictures.program import ReadProgram
 from beamcam.pictures.svg import to_svg
 from tests.unit.coping.samples import AT, COPER, IPE300, UPN200, part_of, program_of
@@ -29,15 +29,15 @@ def read(part: Part, machine: Machine = COPER) -> ReadProgram:
     return ReadProgram(program_of(part, machine).encode(), machine, f"{part.mark}.ngc")
 
 
-def over(a: Part, b: Part, machine: Machine = COPER) -> Compared:
+def over(a: Part, b: Part, machine: Machine = COPER) -> Overlay:
     return compared_programs(read(a, machine), read(b, machine))
 
 
-def counts(found: Compared) -> tuple[int, int, int, int]:
+def counts(found: Overlay) -> tuple[int, int, int, int]:
     return found.same, found.changed, found.gone, found.new
 
 
-def called(found: Compared) -> list[str]:
+def called(found: Overlay) -> list[str]:
     drawing = Drawing(to_svg(found.scene))
     return sorted("".join(e.itertext()) for e in drawing.all("callout"))
 

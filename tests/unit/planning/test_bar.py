@@ -14,7 +14,7 @@ from beamcam.model.plan import Plan, SawOp
 from beamcam.model.section import corners
 from beamcam.planning import from_store
 from beamcam.planning.beam import plan_bar
-from beamcam.planning.operations.ends import End, ends_of, leaves_stock, web_borders
+from beamcam.planning.operations.ends import SawnEnd, ends_of, leaves_stock, web_borders
 from beamcam.planning.operations.saw_cut import saw_angles
 from beamcam.solid.kernel import outline as outline_of_section
 from tests.unit.planning.shop import ANGLE, BEAM, CHANNEL, SOURCE, TUBE, part, plan
@@ -74,7 +74,7 @@ def test_angles_are_counted_as_the_machine_counts() -> None:
 def test_a_compound_cut_tilts_in_the_turned_plane() -> None:
     saw = load("beamline-pusher").saw
     assert saw is not None
-    angle, tilt = saw_angles(End("end", 40.0, 0.0, 35.0), saw)
+    angle, tilt = saw_angles(SawnEnd("end", 40.0, 0.0, 35.0), saw)
     assert angle == 130.0
     # The plane's normal is along (1, tan w, tan f); its part along z is sin(tilt) of the whole.
     normal = (1.0, tan(radians(40)), tan(radians(35)))

@@ -12,7 +12,7 @@ from shapely import Point
 
 import beamcam
 from beamcam.checks.coping import verify_coping
-from beamcam.checks.coping.section import Section, TubeSection
+from beamcam.checks.coping.section import CoperSection, TubeSection
 from beamcam.checks.coping.stock import stock_of
 from beamcam.checks.coping.wanted import wanted_on
 from beamcam.cli import main
@@ -21,7 +21,7 @@ from beamcam.geometry.curves import Arc
 from beamcam.machine import Machine, load
 from beamcam.model.part import EndCuts, Feature, Hole, Part, Profile, Slot, TextMark
 from beamcam.pipeline import post
-from beamcam.recovery import Recovered, Stock, recover
+from beamcam.recovery import KnownStock, Recovered, recover
 from beamcam.recovery.box_tube import faces_of
 from beamcam.recovery.found import (
     BY_HAND,
@@ -62,7 +62,7 @@ def made(part: Part, machine: Machine = COPER, skips: tuple[str, ...] = ()) -> s
     return post((part,), machine, skips=skips).text
 
 
-def recovered(text: str, machine: Machine = COPER, stock: Stock = Stock()) -> Part:  # noqa: B008
+def recovered(text: str, machine: Machine = COPER, stock: KnownStock = KnownStock()) -> Part:  # noqa: B008
     found = recover(text, machine, "jobs/p.ngc", stock)
     assert not errors_in(found.said), [str(d) for d in found.said]
     (part,) = found.parts
@@ -88,7 +88,7 @@ def test_each_program_makes_both_parts(name: str) -> None:
     """The law: the first program makes the part that comes back, and the second the first part."""
     part, machine = sample(name), MACHINES[name]
     text = made(part, machine)
-    back = recovered(text, machine, Stock(NAMED.get(name)))
+    back = recovered(text, machine, KnownStock(NAMED.get(name)))
     again = made(back, machine)
     assert not errors_in(verify_coping(text, (back,), machine))
     assert not errors_in(verify_coping(again, (part,), machine))
@@ -127,7 +127,7 @@ def test_the_steel_of_each_wall_is_the_same(name: str) -> None:
     part = sample(name)
     back = recovered(made(part))
     assert COPER.coper is not None
-    section = Section(part.profile)
+    section = CoperSection(part.profile)
     for face in section.faces:
         walls = [
             wanted_on(p, face, section, COPER.coper, (), stock_of(p, section, COPER.coper)).cut
@@ -215,10 +215,10 @@ def test_a_section_is_named_or_asked_for() -> None:
     found = recover(text, COPER, "p")
     assert (codes(found), found.parts) == ([UNNAMED.code], ())
     assert "found the section BUILT 300 in the program's head" in str(found.said[0])
-    assert recovered(text, stock=Stock(odd)).profile == odd
+    assert recovered(text, stock=KnownStock(odd)).profile == odd
     bare = re.sub(r"^\((BEAMCAM|SECTION IPE|PART).*\n", "", made(part_of()), flags=re.M)
     assert codes(recover(bare, COPER, "p")) == [UNNAMED.code]
-    found = recover(bare, COPER, "jobs/x.ngc", Stock(IPE300, "S235JR"))
+    found = recover(bare, COPER, "jobs/x.ngc", KnownStock(IPE300, "S235JR"))
     (back,) = found.parts
     assert (back.mark, back.length, back.grade, found.marked) == ("x", 600.0, "S235JR", False)
 
@@ -227,8 +227,8 @@ def test_the_wrong_section_is_refused() -> None:
     """Heights over the steel are those of another web; a tube is no section of this torch."""
     text = made(part_of(Hole("v", 300.0, 150.0, 22.0, AT)))
     wrong = replace(IPE300, web_thickness=12.0)
-    assert errors_in(recover(text, COPER, "p", Stock(wrong)).said)
-    assert codes(recover(text, COPER, "p", Stock(CHS))) == ["verify-coping-section"]
+    assert errors_in(recover(text, COPER, "p", KnownStock(wrong)).said)
+    assert codes(recover(text, COPER, "p", KnownStock(CHS))) == ["verify-coping-section"]
 
 
 def test_a_piece_that_comes_cut_is_refused() -> None:
@@ -245,7 +245,7 @@ def test_random_boxes_and_tees_keep_the_law(make: Callable[[int], Part], seed: i
     part = make(seed)
     machine = TUBE if part.profile.code == "M" else COPER
     text = made(part, machine)
-    back = recovered(text, machine, Stock(part.profile))
+    back = recovered(text, machine, KnownStock(part.profile))
     assert not errors_in(verify_coping(made(back, machine), (part,), machine))
     assert (back.length, back.profile) == (part.length, part.profile)
 

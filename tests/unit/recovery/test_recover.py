@@ -15,7 +15,7 @@ from beamcam.geometry.curves import Line
 from beamcam.machine import Machine, load
 from beamcam.model.part import Contour, EndCuts, Feature, Hole, Part, Slot
 from beamcam.pipeline import post
-from beamcam.recovery import Stock, recover, with_marks
+from beamcam.recovery import KnownStock, recover, with_marks
 from beamcam.recovery.found import (
     CATALOGUE,
     CROWDED,
@@ -69,7 +69,7 @@ def work(text: str) -> list[str]:
 def test_each_kind_comes_back_as_it_was(features: tuple[Feature, ...]) -> None:
     machine = load("beamline-pusher")
     text = post((bar(*features),), machine).text
-    found = recover(text, machine, "p", Stock(BEAM))
+    found = recover(text, machine, "p", KnownStock(BEAM))
     assert found.said == ()
     (part,) = found.parts
     assert shape(part) == list(features)
@@ -84,7 +84,7 @@ def test_samples_come_back(name: str, sample: str) -> None:
     (part,) = readers.read(path.read_bytes(), str(path)).parts
     machine = load(name)
     text = post((part,), machine).text
-    (made,) = recover(text, machine, "p", Stock(part.profile, part.grade)).parts
+    (made,) = recover(text, machine, "p", KnownStock(part.profile, part.grade)).parts
     assert work(post((made,), machine).text) == work(text)
 
 
@@ -92,12 +92,12 @@ def test_equal_pieces_are_one_part_with_their_number() -> None:
     machine = load("beamline")
     mitred = bar(Hole("v", 700, 150, 18, S), cuts=EndCuts(30.0, -20.0))
     text = post((bar(), mitred, bar()), machine, bar=12000.0).text
-    parts = with_marks(recover(text, machine, "p", Stock(BEAM)).parts, "M")
+    parts = with_marks(recover(text, machine, "p", KnownStock(BEAM)).parts, "M")
     assert [(p.mark, p.quantity) for p in parts] == [("M-1", 2), ("M-2", 1)]
     assert parts[1].cuts == mitred.cuts
 
 
-def codes(text: str, machine: Machine, stock: Stock = Stock()) -> list[str]:  # noqa: B008
+def codes(text: str, machine: Machine, stock: KnownStock = KnownStock()) -> list[str]:  # noqa: B008
     found = recover(text, machine, "p", stock)
     return [d.code for d in found.said]
 
@@ -118,7 +118,7 @@ def test_a_bar_without_two_cuts_makes_no_part() -> None:
     lines = text.splitlines()
     last = max(k for k, line in enumerate(lines) if "M42" in line)
     short = "\n".join([*lines[: last - 1], *lines[last + 1 :]]) + "\n"
-    assert NO_PIECE.code in codes(short, machine, Stock(BEAM))
+    assert NO_PIECE.code in codes(short, machine, KnownStock(BEAM))
 
 
 def test_a_path_that_is_no_feature_is_refused() -> None:
@@ -130,7 +130,7 @@ def test_a_path_that_is_no_feature_is_refused() -> None:
     k = bent[0]
     words = [w if not w.startswith("Y") else f"Y{float(w[1:]) + 25:g}" for w in lines[k].split()]
     lines[k] = " ".join(words)
-    found = recover("\n".join(lines) + "\n", machine, "p", Stock(BEAM))
+    found = recover("\n".join(lines) + "\n", machine, "p", KnownStock(BEAM))
     assert found.parts == ()
     assert PATH.code in [d.code for d in found.said]
 
@@ -143,7 +143,7 @@ def _xs(lines: list[str], rows: list[int]) -> list[str]:
 def test_a_broken_program_is_refused_with_the_messages_of_the_read_back() -> None:
     machine = load("beamline")
     text = post((bar(Hole("v", 300, 150, 18, S)),), machine).text.replace(" M09\n", " M99\n")
-    found = recover(text, machine, "p", Stock(BEAM))
+    found = recover(text, machine, "p", KnownStock(BEAM))
     assert found.parts == ()
     assert any(d.code.startswith("verify-") for d in found.said)
 
@@ -160,7 +160,7 @@ def test_a_sheet_needs_its_thickness() -> None:
     machine = table("plate-linuxcnc", thickness=6.0)
     text = post((drawing(contour(box(0, 0, 60, 40))),), machine).text
     other = table("plate-linuxcnc", thickness=300.0)
-    assert codes(text, other, Stock(has_thickness=True)) == [SHEET.code]
+    assert codes(text, other, KnownStock(has_thickness=True)) == [SHEET.code]
     assert codes(text, machine) == []
 
 
@@ -177,7 +177,7 @@ def test_a_thickness_that_nobody_says_is_the_programs(thickness: float) -> None:
     assert part.profile.web_thickness >= thickness
     again = post((part,), shipped).text
     assert re.findall("^[FM].*", again, re.M) == re.findall("^[FM].*", text, re.M)
-    wrong = recover(text, shipped, "p", Stock(has_thickness=True))
+    wrong = recover(text, shipped, "p", KnownStock(has_thickness=True))
     assert wrong.parts == ()
 
 

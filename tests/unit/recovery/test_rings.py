@@ -10,7 +10,7 @@ from shapely.geometry.polygon import orient
 
 from beamcam.geometry.curves import Arc, Line
 from beamcam.recovery.rings import (
-    Round,
+    CutCircle,
     curves_of,
     drilled_of,
     pocket_of,
@@ -43,7 +43,7 @@ def ring(x: float, y: float, radius: float, count: int) -> list[tuple[float, flo
 
 @pytest.mark.parametrize(("x", "y", "d"), [(100.0, 50.0, 22.0), (33.3, -4.0, 17.5), (0.0, 0.0, 60)])
 def test_a_circle_comes_back_from_its_chords(x: float, y: float, d: float) -> None:
-    assert round_of(opening(Polygon(ring(x, y, d / 2, 96))), WITHIN) == Round(x, y, d)
+    assert round_of(opening(Polygon(ring(x, y, d / 2, 96))), WITHIN) == CutCircle(x, y, d)
 
 
 def test_a_polygon_is_no_circle() -> None:
@@ -58,7 +58,7 @@ def test_a_hole_of_a_tube_is_the_drills() -> None:
         (200 + r * cos(t), 90 + radius * asin(r * sin(t) / radius))
         for t in (2 * pi * k / 120 for k in range(120))
     ]
-    assert drilled_of(drawn, radius, WITHIN) == Round(200.0, 90.0, 30.0)
+    assert drilled_of(drawn, radius, WITHIN) == CutCircle(200.0, 90.0, 30.0)
     assert round_of(drawn, WITHIN) is None
     flat = ring(200.0, 90.0, 15.0, 120)
     assert drilled_of(flat, radius, WITHIN) is None

@@ -13,7 +13,7 @@ from beamcam.machine import load
 from beamcam.model.part import Bevel, Contour, EndCuts, Part
 from beamcam.pipeline import post
 from beamcam.planning.coping.plan import plan_coping
-from beamcam.recovery import Stock, recover
+from beamcam.recovery import KnownStock, recover
 from beamcam.solid.kernel import kernel
 from beamcam.solid.part_solid import part_solid
 from benchmarks import coping_faults
@@ -29,7 +29,7 @@ def text_of(part: Part) -> str:
 
 
 def recovered(text: str, part: Part) -> Part:
-    found = recover(text, TILT, "p.ngc", Stock(profile=part.profile))
+    found = recover(text, TILT, "p.ngc", KnownStock(profile=part.profile))
     assert not errors_in(found.said), [str(d) for d in found.said]
     (again,) = found.parts
     return again
@@ -96,7 +96,7 @@ def test_a_tilt_that_makes_neither_is_refused() -> None:
     plan = plan_coping((part,), TILT)
     less = replace(plan, operations=plan.operations[:-1])
     text = coping_faults.program_of(less, job_of(part, TILT))
-    found = recover(text, TILT, "p.ngc", Stock(profile=part.profile))
+    found = recover(text, TILT, "p.ngc", KnownStock(profile=part.profile))
     assert not found.parts
     assert "recover-tilted" in {d.code for d in errors_in(found.said)}
 

@@ -8,7 +8,7 @@ import pytest
 from click.testing import CliRunner
 
 from beamcam.cli import main
-from beamcam.reports.run import Counts, PartRow, Row
+from beamcam.reports.run import Counts, FileRow, PartRow
 from beamcam.reports.run_page import Extra, as_html
 from tests.conftest import sampled
 
@@ -26,7 +26,7 @@ def part(mark: str, machine: str, quantity: int = 1, pieces: int = 1) -> PartRow
     }  # fmt: skip
 
 
-def row(name: str, status: str, *parts: PartRow) -> Row:
+def row(name: str, status: str, *parts: PartRow) -> FileRow:
     return {
         "file": name, "status": status, "format": "dstv", "seconds": 0.001, "parts": list(parts),
         "messages": [],

@@ -18,7 +18,7 @@ from beamcam.machine import load
 from beamcam.model.part import Part
 from beamcam.pictures.program import ReadProgram
 from beamcam.pipeline import Posted, post, read_file
-from beamcam.setup_sheet.content import Content, SheetSources, content_of
+from beamcam.setup_sheet.content import SheetContent, SheetSources, content_of
 from beamcam.setup_sheet.page import setup_page
 from beamcam.setup_sheet.paper import setup_pdf
 from beamcam.setup_sheet.playback import trace_data
@@ -37,7 +37,7 @@ def posted(parts: tuple[Part, ...], name: str) -> tuple[Posted, ReadProgram]:
 
 
 @pytest.fixture(scope="module")
-def annex() -> Content:
+def annex() -> SheetContent:
     """The bar of three parts."""
     parts = tuple(part for path in DSTV for part in read_file(path).parts)
     made, program = posted(parts, "beamline-annex")
@@ -45,7 +45,7 @@ def annex() -> Content:
 
 
 @pytest.fixture(scope="module")
-def plate() -> Content:
+def plate() -> SheetContent:
     """A gusset on a plasma table."""
     parts = read_file(str(SAMPLES / "dstv" / "gusset.nc1")).parts
     made, program = posted(parts, "plate-linuxcnc")
@@ -69,7 +69,7 @@ class Cells(HTMLParser):
             self.rows[-1].append(str(given["value"]))
 
 
-def test_the_page_holds_each_operation_with_its_figures(annex: Content) -> None:
+def test_the_page_holds_each_operation_with_its_figures(annex: SheetContent) -> None:
     page = setup_page(annex)
     cells = Cells()
     cells.feed(page)
@@ -91,7 +91,7 @@ def test_the_page_holds_each_operation_with_its_figures(annex: Content) -> None:
 
 @pytest.mark.parametrize("name", ["annex", "plate"])
 def test_work_and_travel_are_all_of_the_time(name: str, request: pytest.FixtureRequest) -> None:
-    content: Content = request.getfixturevalue(name)
+    content: SheetContent = request.getfixturevalue(name)
     *rows, travel, together = content.totals
     assert together.seconds == pytest.approx(content.seconds)
     assert together.work_s == pytest.approx(sum(row.work_s for row in rows))
@@ -111,7 +111,7 @@ def test_work_and_travel_are_all_of_the_time(name: str, request: pytest.FixtureR
     assert "Time by tool" in page
 
 
-def test_the_page_s_header_tools_bar_and_ledger(annex: Content) -> None:
+def test_the_page_s_header_tools_bar_and_ledger(annex: SheetContent) -> None:
     header = dict(annex.header)
     assert header["Mark"] == "C1, T1"
     assert header["Section"] == "UPN200"
@@ -131,7 +131,7 @@ def test_the_page_s_header_tools_bar_and_ledger(annex: Content) -> None:
         assert text in page
 
 
-def test_the_bar_of_three_parts_is_small_and_always_the_same(annex: Content) -> None:
+def test_the_bar_of_three_parts_is_small_and_always_the_same(annex: SheetContent) -> None:
     page = setup_page(annex)
     assert len(page.encode()) < 500_000
     assert page == setup_page(annex)
@@ -171,7 +171,7 @@ def test_a_drawing_of_20_000_segments_stays_below_5_mb() -> None:
     assert 1_000_000 < len(page.encode()) < 5_000_000
 
 
-def test_the_trace_of_a_page_can_be_read_by_anyone(annex: Content) -> None:
+def test_the_trace_of_a_page_can_be_read_by_anyone(annex: SheetContent) -> None:
     """Unpacked here as the comment says, it is the trace."""
     data = trace_data(annex.trace)
     total = sum(data["t"]) / 1e6

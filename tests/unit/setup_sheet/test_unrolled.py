@@ -10,7 +10,7 @@ from beamcam.machine import load
 from beamcam.model.request import Request
 from beamcam.pictures.program import ReadProgram
 from beamcam.pipeline import post, read_back, read_file
-from beamcam.setup_sheet.content import Content, SheetSources, content_of
+from beamcam.setup_sheet.content import SheetContent, SheetSources, content_of
 from beamcam.setup_sheet.page import setup_page
 from beamcam.setup_sheet.paper import setup_pdf
 from beamcam.setup_sheet.solid_data import solids_of
@@ -21,7 +21,7 @@ from tests.conftest import SAMPLES
 COPING = SAMPLES / "coping"
 
 
-def sheet(name: str, machine: str) -> tuple[Content, str]:
+def sheet(name: str, machine: str) -> tuple[SheetContent, str]:
     parts = read_file(str(next(p for p in COPING.iterdir() if p.stem == name))).parts
     made, used = post(parts, load(machine)), load(machine)
     program = ReadProgram(made.text.encode(), used, f"{name}.ngc", parts=tuple(parts))

@@ -16,7 +16,7 @@ from beamcam.cli import main
 from beamcam.controllers.simotion.trial import trial
 from beamcam.errors import MachineError
 from beamcam.machine import load
-from beamcam.machine.words import Body, Formula
+from beamcam.machine.words import Formula, MachineBox
 from beamcam.simulation.course import bar_trace, cell_axes
 from beamcam.simulation.encoder import Encoder, precision, stair_times
 from beamcam.simulation.limits import run_warnings, strikes
@@ -38,9 +38,9 @@ def moved(*places: tuple[float, ...], axes: tuple[TraceAxis, ...]) -> Trace:
     return builder.trace()
 
 
-def box(name: str, low: tuple[float, ...], high: tuple[float, ...], **on: str) -> Body:
+def box(name: str, low: tuple[float, ...], high: tuple[float, ...], **on: str) -> MachineBox:
     texts = [tuple(Formula(str(v)) for v in corner) for corner in (low, high)]
-    return Body(name, *texts, **on)  # type: ignore[arg-type]
+    return MachineBox(name, *texts, **on)  # type: ignore[arg-type]
 
 
 def test_a_program_of_the_cell_keeps_within_it() -> None:

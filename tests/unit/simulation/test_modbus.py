@@ -20,7 +20,7 @@ from beamcam.machine.tables import Modbus
 from beamcam.simulation.course import bar_trace
 from beamcam.simulation.modbus import check_range, register_count, registers, shown
 from beamcam.simulation.trace import State, Trace, TraceAxis, TraceBuilder, TraceRow, trace_rows
-from beamcam.system import Asked
+from beamcam.system import EndRequest
 from tests.conftest import ROOT
 from tests.runs import HANG_S, interrupted, wait_until
 from tests.unit.checks.programs import BEAM, PART, PROGRAM
@@ -167,7 +167,7 @@ def served(rows: Iterable[TraceRow], modbus: Modbus) -> Iterator[int]:
     from beamcam.simulation.modbus import serve
 
     ports: list[int] = []
-    ready, asked = threading.Event(), Asked()
+    ready, asked = threading.Event(), EndRequest()
 
     def tell(_host: str, port: int) -> None:
         ports.append(port)

@@ -14,7 +14,7 @@ from msgspec.structs import replace
 from beamcam.cli import main
 from beamcam.machine import load
 from beamcam.machine.load import shipped
-from beamcam.machine.words import Body, Formula
+from beamcam.machine.words import Formula, MachineBox
 from beamcam.pipeline import post, read_file
 from beamcam.simulation.course import cell_axes
 from beamcam.simulation.limits import strikes
@@ -61,7 +61,7 @@ def test_the_blade_stands_where_the_cut_goes_through(name: str, share: float, y:
 
     def is_struck(place: float) -> bool:
         low, high = ((place - 0.1, across - 0.1, 0.0), (place + 0.1, across + 0.1, 10.0))
-        probe = Body("probe", *(tuple(Formula(f"{v:.6f}") for v in c) for c in (low, high)))  # type: ignore[arg-type]
+        probe = MachineBox("probe", *(tuple(Formula(f"{v:.6f}") for v in c) for c in (low, high)))  # type: ignore[arg-type]
         return bool(strikes(builder.trace(), replace(machine, bodies=(blade, probe)), SECTION))
 
     assert is_struck(x)

@@ -22,7 +22,7 @@ from beamcam.controllers.simotion.trial import parsed, project_objects
 from beamcam.emitters import simotion
 from beamcam.machine.machine import Machine
 from beamcam.machine.tables import HeightAxis
-from beamcam.model.program import ArcTravel, Lift, Switch, Travel, TriggerOp, TriggerTable
+from beamcam.model.program import ArcTravel, LiftTorch, SwitchTool, Travel, TriggerOp, TriggerTable
 
 from .shop import plain_machine, table_machine
 
@@ -70,15 +70,16 @@ def small_job(kind: str = "axes") -> TriggerTable:
     """A triangle to cut, or with path objects one with a round corner, and a line to mark."""
     round_ = ArcTravel(9, 8, 8, 3.5, 8.0) if kind.startswith("paths") else Travel(9, 8, 8.0)
     work: tuple[TriggerOp, ...] = (
-        Travel(2, 2, 20.0), Lift(PIERCE, LIFT_SPEED), Switch("cut", True, 0.2),
-        Lift(CUT, LIFT_SPEED), Travel(6, 2, 8.0), round_, Travel(2, 2, 8.0), Switch("cut", False),
-        Lift(CLEARANCE, LIFT_SPEED), Travel(10, 4, 20.0), Lift(CUT, LIFT_SPEED),
-        Switch("mark", True, 0.1), Travel(10, 9, 20.0), Switch("mark", False),
-        Lift(CLEARANCE, LIFT_SPEED), Travel(0, 0, 20.0),
+        Travel(2, 2, 20.0), LiftTorch(PIERCE, LIFT_SPEED), SwitchTool("cut", True, 0.2),
+        LiftTorch(CUT, LIFT_SPEED), Travel(6, 2, 8.0), round_, Travel(2, 2, 8.0),
+        SwitchTool("cut", False),
+        LiftTorch(CLEARANCE, LIFT_SPEED), Travel(10, 4, 20.0), LiftTorch(CUT, LIFT_SPEED),
+        SwitchTool("mark", True, 0.1), Travel(10, 9, 20.0), SwitchTool("mark", False),
+        LiftTorch(CLEARANCE, LIFT_SPEED), Travel(0, 0, 20.0),
     )  # fmt: skip
     if kind not in LIFTED:
-        return TriggerTable("small", tuple(op for op in work if not isinstance(op, Lift)))
-    down, up = Lift(CLEARANCE, LIFT_SPEED), Lift(HOME_HEIGHT - THICKNESS, LIFT_SPEED)
+        return TriggerTable("small", tuple(op for op in work if not isinstance(op, LiftTorch)))
+    down, up = LiftTorch(CLEARANCE, LIFT_SPEED), LiftTorch(HOME_HEIGHT - THICKNESS, LIFT_SPEED)
     return TriggerTable("small", (down, *work, up), thickness=THICKNESS)
 
 

@@ -15,7 +15,7 @@ from msgspec import Struct
 
 from beamcam.emitters import simotion
 from beamcam.machine.machine import Machine
-from beamcam.model.program import Switch, Travel, TriggerTable
+from beamcam.model.program import SwitchTool, Travel, TriggerTable
 from tests.conftest import Golden, sampled
 
 from .deeds import (
@@ -133,8 +133,8 @@ def long_edge(style: str, kind: str) -> tuple[Plant, list[object]]:
     """An edge of 600 mm on the shipped table, and ten moments of it."""
     machine = plain_machine() if kind == "blocks" else table_machine()
     job = TriggerTable("long", (
-        Travel(50, 20, 20.0), Switch("cut", True, 0.3), Travel(410, 500, FEED),
-        Switch("cut", False), Travel(0, 0, 20.0),
+        Travel(50, 20, 20.0), SwitchTool("cut", True, 0.3), Travel(410, 500, FEED),
+        SwitchTool("cut", False), Travel(0, 0, 20.0),
     ))  # fmt: skip
     assert hypot(410 - 50, 500 - 20) == 600
     return moments(machine, job, style)

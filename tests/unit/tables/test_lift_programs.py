@@ -18,7 +18,7 @@ from beamcam.machine.faults import table_faults
 from beamcam.machine.machine import Machine
 from beamcam.machine.runtime import shipped
 from beamcam.machine.torch import TorchRow
-from beamcam.model.program import Lift, Switch, TriggerTable
+from beamcam.model.program import LiftTorch, SwitchTool, TriggerTable
 from beamcam.motion.sheet_times import trigger_time
 from beamcam.motion.triggers import trigger_table
 from beamcam.planning.sheet import plan_sheet
@@ -198,7 +198,7 @@ def test_each_lift_that_is_missing_or_out_of_order_is_refused(
 ) -> None:
     """Every lift left out, exchanged with what is behind it, and made higher or lower."""
     table, machine = table_of(name, kind), lifted(kind)
-    where = [k for k, op in enumerate(table.operations) if isinstance(op, Lift)]
+    where = [k for k, op in enumerate(table.operations) if isinstance(op, LiftTorch)]
     assert len(where) >= 5
     changed = [without(table, k) for k in where]
     changed += [exchanged(table, k) for k in where[:-1]]
@@ -217,7 +217,9 @@ def test_each_lift_that_is_missing_or_out_of_order_is_refused(
 
 def test_a_torch_that_stays_on_as_it_rises_is_refused() -> None:
     table, machine = table_of("shield", "simotion"), lifted("simotion")
-    off = next(k for k, op in enumerate(table.operations) if isinstance(op, Switch) and not op.on)
+    off = next(
+        k for k, op in enumerate(table.operations) if isinstance(op, SwitchTool) and not op.on
+    )
     text = simotion.emit(exchanged(table, off), machine, "chain")
     said = verify_triggers(text, [steel_part("shield")], machine, (), "a.st")
     assert any("found a lift to 20 mm with the tool on; expected the tool off" in str(d)
@@ -229,7 +231,7 @@ def test_a_lift_is_no_operation_of_a_table_without() -> None:
     machine = load("table-simotion")
     assert {d.code for d in verify_triggers(text, [], machine, (), "a.st")} == {"st-runtime"}
     plain = simotion.emit(replace(table_of("shield", "simotion"), operations=(
-        *table_of("shield", "simotion").operations[1:2], Lift(1.0, 15.0),
+        *table_of("shield", "simotion").operations[1:2], LiftTorch(1.0, 15.0),
     )), machine, "chain")  # fmt: skip
     said = [str(d) for d in verify_triggers(plain, [], machine, (), "a.st")]
     assert any("found kind 8; expected 0 to 7" in one for one in said)

@@ -11,7 +11,7 @@ from beamcam.checks.steps import verify_table
 from beamcam.controllers.simotion import rules as st_rules
 from beamcam.controllers.simotion.checker import check
 from beamcam.controllers.simotion.cutting_table import CuttingTable
-from beamcam.controllers.simotion.interpreter import Fault
+from beamcam.controllers.simotion.interpreter import ControllerFault
 from beamcam.controllers.simotion.parser import parse
 from beamcam.controllers.simotion.trial import project_objects
 from beamcam.controllers.step_table import rules as row_rules
@@ -156,7 +156,7 @@ def said_of(text: str) -> list[Diagnostic]:
         while not cell.said and cell.clock_s < 20:
             cell.start = cell.clock_s > 0.0
             cell.cycle()
-    except Fault as fault:
+    except ControllerFault as fault:
         return [fault.diagnostic]
     return cell.said
 

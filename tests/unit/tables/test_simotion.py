@@ -20,7 +20,7 @@ from beamcam.geometry.curves import Line
 from beamcam.machine.faults import table_faults
 from beamcam.machine.machine import Machine
 from beamcam.machine.runtime import runtime_of
-from beamcam.model.program import Switch, Travel
+from beamcam.model.program import SwitchTool, Travel
 from beamcam.motion.triggers import trigger_table
 from beamcam.planning.sheet import plan_sheet
 from tests.conftest import sampled
@@ -114,7 +114,7 @@ def test_an_axis_that_does_not_move_is_not_commanded() -> None:
     plant.run_until(DONE, 600.0)
     here, expected = (0.0, 0.0), {"AxisX": 0, "AxisY": 0}
     for op in triggers("rounded-rectangle").operations:
-        if not isinstance(op, Switch):
+        if not isinstance(op, SwitchTool):
             expected["AxisX"] += op.x != here[0]
             expected["AxisY"] += op.y != here[1]
             here = op.x, op.y

@@ -26,7 +26,7 @@ from beamcam.motion import step_events, steps
 from beamcam.motion.step_events import BACK, FORWARD, MOVE_BITS, MOVES, TIME_BIT, events
 from beamcam.motion.steps import Way
 from beamcam.pipeline import post, read_back
-from beamcam.planning.contours.material import Material
+from beamcam.planning.contours.material import SheetMaterial
 from beamcam.solid.sheet_solid import rows_for
 from tests.conftest import examples
 from tests.path_samples import positions
@@ -196,7 +196,7 @@ def test_a_long_wait_is_spread_over_rows_of_the_same_words() -> None:
 def feed_of(torch: Torch, thickness: float, material: str = "acrylic") -> float:
     """By planner and checker, each by itself."""
     part = Part("P", Profile("B", "", 9.0, 0.0, 0.0, thickness), 9.0, Source("p"), grade=material)
-    row = Material(part, torch).row("cut")
+    row = SheetMaterial(part, torch).row("cut")
     assert row is not None
     assert {r.feed_mm_min for r in rows_on(part, torch) if r.process == "cut"} == {row.feed_mm_min}
     assert row.feed_mm_min == rows_for(torch, thickness, material)[0].feed_mm_min
@@ -239,7 +239,7 @@ def test_every_motion_has_one_rule_between_the_rows(name: str) -> None:
 @pytest.mark.parametrize(("thickness", "material"), [(8.1, "acrylic"), (0.0, "wood"), (2.0, "tin")])
 def test_no_speed_beyond_the_rows(thickness: float, material: str) -> None:
     part = Part("P", Profile("B", "", 9.0, 0.0, 0.0, thickness), 9.0, Source("p"), grade=material)
-    assert Material(part, TORCH).row("cut") is None
+    assert SheetMaterial(part, TORCH).row("cut") is None
     assert not [row for row in rows_on(part, TORCH) if row.process == "cut"]
 
 

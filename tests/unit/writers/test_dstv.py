@@ -11,8 +11,8 @@ from beamcam.errors import BeamcamError, Source
 from beamcam.geometry.curves import Arc, Bezier, BSpline, EllipseArc, Line, NewtonCurve
 from beamcam.model.part import (
     Bevel,
-    Comment,
     Contour,
+    FileComment,
     Hole,
     Part,
     Plane,
@@ -159,7 +159,7 @@ REFUSED = [
     (replace(PLATE, info=(("", "a:b"),)), "dstv-write-text"),
     (replace(PLATE, info=(("a:b", "c"),)), "dstv-write-text"),
     (replace(PLATE, info=(("", "BO"),)), "dstv-write-text"),
-    (replace(PLATE, comments=(Comment("a\nb", "end"),)), "dstv-write-text"),
+    (replace(PLATE, comments=(FileComment("a\nb", "end"),)), "dstv-write-text"),
     (text_mark(""), "dstv-write-text"),
     (text_mark("a\rb"), "dstv-write-text"),
     (with_feature(contour(LINE, process="cut")), "dstv-write-contour"),
@@ -179,8 +179,8 @@ REFUSED = [
         ),
         "dstv-write-plane",
     ),
-    (replace(PLATE, comments=(Comment("x", "feature:7"),)), "dstv-write-comment"),
-    (replace(PLATE, comments=(Comment("x", "nowhere"),)), "dstv-write-comment"),
+    (replace(PLATE, comments=(FileComment("x", "feature:7"),)), "dstv-write-comment"),
+    (replace(PLATE, comments=(FileComment("x", "nowhere"),)), "dstv-write-comment"),
 ]
 
 
