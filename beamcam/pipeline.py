@@ -335,7 +335,7 @@ def posting(job: Job, plan: AnyPlan) -> Generator[str, None, Posted]:
     yield "put in motion"
     written = kind.emit(program, job)
     yield "printed the program"
-    said: tuple[Diagnostic, ...] = ()
+    diagnostics: tuple[Diagnostic, ...] = ()
     if request.verified:
         diagnostics = kind.verify(written, job)
         said = (

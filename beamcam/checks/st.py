@@ -108,7 +108,7 @@ class Execution:
         self.rows: dict[str, list[TorchRow]] = {}
         for row in rows:
             self.rows.setdefault(row.process, []).append(row)
-        self.said: list[Diagnostic] = []
+        self.diagnostics: list[Diagnostic] = []
         self.strokes: list[TableStroke] = []
         self.here: Place = (0.0, 0.0)
         self.home = self.triggers.home_over(job.thickness)
@@ -151,7 +151,7 @@ class Execution:
 
     def say(self, rule: Rule, line: int, **values: object) -> None:
         """Add a message, unless there are many of the kind already."""
-        add_few(self.said, rule.at(Source(self.name, line), **values))
+        add_few(self.diagnostics, rule.at(Source(self.name, line), **values))
 
     # -- tools ------------------------------------------------------------------------------
 
@@ -350,7 +350,7 @@ def verify_triggers(
     if parts and triggers.z is not None:
         execution.lie_on(thickness_of(parts[0], torch))
     execution.follow()
-    diagnostics = [*trial(machine), *execution.said]
+    diagnostics = [*trial(machine), *execution.diagnostics]
     if not parts:
         return tuple(diagnostics)
     if errors_in(diagnostics):
@@ -362,7 +362,7 @@ def verify_triggers(
     ways = _ways(execution.strokes, any(row.passes > 1 for row in rows_of(sheet.part, torch)))
     more = compare_polylines(ways, sheet.part, sheet.machine, skips, triggers.in_position, name)
     return with_told(
-        (*diagnostics, *sheet.said, *more), head, parts, sheet.places, machine, skips, name
+        (*diagnostics, *sheet.diagnostics, *more), head, parts, sheet.places, machine, skips, name
     )
 
 

@@ -42,7 +42,7 @@ class TextStanding(Struct, frozen=True):
     x: float
     y: float
     height: float
-    said: tuple[Diagnostic, ...] = ()
+    diagnostics: tuple[Diagnostic, ...] = ()
 
 
 def _anything(text: RequiredText, drawn: DrawnText) -> bool:

@@ -61,7 +61,7 @@ def bar_told(data: bytes) -> float | None:
 class PostedJob(Struct, frozen=True):
     """Parts and the program that makes them."""
 
-    said: tuple[Diagnostic, ...]  #: about the machine
+    diagnostics: tuple[Diagnostic, ...]  #: about the machine
     posted: Posted
     program: ReadProgram
 
@@ -113,7 +113,7 @@ def asked_program(
     diagnostics += told
     if not is_file:
         job = posted_job(inputs, parts, config, options, output, order, turn, console)
-        diagnostics += (*job.said, *job.posted.remarks)
+        diagnostics += (*job.diagnostics, *job.posted.remarks)
         return AskedProgram(job.program, job.posted.plan, ())
     program = read_program(first, inputs[0], config, options.get("bar"))
     asked_for = request_of(parts, config, program.machine, options["quantity"])

@@ -64,7 +64,7 @@ def command(
         elif show == "program" or (show is None and len(inputs) > 1):
             parts, diagnostics = read_parts(inputs, config, asked, console)
             job = posted_job(inputs, parts, config, asked, output, order, turn, console)
-            diagnostics = (*diagnostics, *job.said, *job.posted.remarks)
+            diagnostics = (*diagnostics, *job.diagnostics, *job.posted.remarks)
             scenes = [program_scene(job.program, unit)]
         else:
             parts, diagnostics = read_parts(inputs, config, asked, console)

@@ -72,7 +72,7 @@ def command(
         stock, diagnostics = _stock(profile, config, console)
         name = shown_name(program)
         result = recover(text, machine, name, stock)
-        diagnostics = (*diagnostics, *result.said)
+        diagnostics = (*diagnostics, *result.diagnostics)
         if config.strict:
             diagnostics = tuple(map(as_error, diagnostics))
         if errors_in(diagnostics):

@@ -96,7 +96,7 @@ def command(
         raise click.UsageError("--solid needs the PARTs of a whole program, behind --against.")
     if (program, after, *parts).count(STANDARD) > 1:
         raise click.UsageError("found - twice; expected it once, standard input is read once.")
-    said: tuple[Diagnostic, ...] = ()
+    diagnostics: tuple[Diagnostic, ...] = ()
     try:
         config = settled(asked, parts or (program,))
         wanted, said = read_parts(parts, config, asked, console)

@@ -64,7 +64,7 @@ def cell_events(
     for number, line in enumerate(lines, 1):
         interpreter.line(number, line)
     interpreter.finish()
-    return events, interpreter.said
+    return events, interpreter.diagnostics
 
 
 def table_run(

@@ -82,7 +82,7 @@ class Interpreter(ABC):
     arc_slack: float  #: what the radii at both ends of an arc may always differ by
 
     def __init__(self, dialect: Dialect, name: str) -> None:
-        self.said: list[Diagnostic] = []
+        self.diagnostics: list[Diagnostic] = []
         self.per_minute = dialect.per_minute
         self._dialect, self._rules = dialect, dialect.rules
         self._name = name
@@ -246,7 +246,7 @@ class Interpreter(ABC):
         """Whether the program ended before a block; says so once, and nothing of it counts."""
         if self._over:
             found = "a block behind the end of the program"
-            if not any(diagnostic.code == self._rules.end.code for diagnostic in self.said):
+            if not any(diagnostic.code == self._rules.end.code for diagnostic in self.diagnostics):
                 self._say(line, self._rules.end, found=found)
         return self._over
 
@@ -261,7 +261,7 @@ class Interpreter(ABC):
         self._event(switch)
 
     def _say(self, line: int, rule: Rule, **values: object) -> None:
-        self.said.append(rule.at(Source(self._name, line), **values))
+        self.diagnostics.append(rule.at(Source(self._name, line), **values))
 
     def _wrong(self, line: int, found: str, expected: str) -> None:
         self._say(line, self._rules.word, found=found, expected=expected)

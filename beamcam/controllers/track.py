@@ -203,7 +203,7 @@ def table_run(text: str, interpreter: Interpreter) -> tuple[TableRun, list[Diagn
     done, faults = track.finish(interpreter.arc_slack, interpreter.arc_fault)
     for number, fault in faults:
         interpreter.wrong_arc(number, fault)
-    return done, sorted(interpreter.said, key=lambda said: said.source.line or 0)
+    return done, sorted(interpreter.diagnostics, key=lambda said: said.source.line or 0)
 
 
 class Track:

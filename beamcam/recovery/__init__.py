@@ -38,7 +38,7 @@ def recover(
         from beamcam.recovery.sheets import recover_sheet
 
         recovered = recover_sheet(text, machine, name, stock.has_thickness)
-    diagnostics += recovered.said
+    diagnostics += recovered.diagnostics
     if errors_in(diagnostics):
         return Recovered((), diagnostics)
     if head is not None and head.by_hand:

@@ -207,7 +207,7 @@ def recover_bars(text: str, machine: Machine, name: str, stock: KnownStock) -> R
         return Recovered((), tuple(diagnostics))
     bar = _Bar(machine, ToolCatalogue(machine, drill), saw, profile, name)
     parts = tuple([bar.part(piece, done.made, stock) for piece in pieces])
-    diagnostics += bar.said
+    diagnostics += bar.diagnostics
     if not errors_in(diagnostics) and profile.web_thickness is not None:
         diagnostics += Comparison(
             done.made, RequiredParts(parts), bar.shop, profile, done.choices, name
@@ -248,7 +248,7 @@ class _Bar:
         self.machine, self.shop, self.saw = machine, shop, saw
         self.profile, self.name = profile, name
         self.lift = profile.height if saw.pivot == "o" else 0.0
-        self.said: list[Diagnostic] = []
+        self.diagnostics: list[Diagnostic] = []
 
     def part(self, piece: SawnPiece, made: MachinedFeatures, stock: KnownStock) -> Part:
         """One piece as a part."""
@@ -294,7 +294,7 @@ class _Bar:
         moved = replace(trail, points=tuple([(x - from_x, y) for x, y in trail.points]))
         path = feature_of(moved, self.shop, self.profile, Source(self.name, trail.line))
         if isinstance(path, NotAFeature):
-            self.said.append(
+            self.diagnostics.append(
                 PATH.at(
                     Source(self.name, trail.line), kind=trail.kind, face=trail.face, x=path.x,
                     y=path.y,

@@ -107,7 +107,7 @@ class Recovered(Struct, frozen=True):
     """The parts that a program makes, and remarks."""
 
     parts: tuple[Part, ...]
-    said: tuple[Diagnostic, ...]
+    diagnostics: tuple[Diagnostic, ...]
     marked: bool = False  #: whether they have the marks of the program's head
 
 

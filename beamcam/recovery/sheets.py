@@ -52,14 +52,14 @@ def recover_sheet(text: str, machine: Machine, name: str, is_known: bool) -> Rec
     """
     torch = machine.needed(machine.torch, "torch")
     recovered = _recovered(text, machine, torch, name)
-    if is_known or not errors_in(recovered.said):
+    if is_known or not errors_in(recovered.diagnostics):
         return recovered
     for thickness in sorted({row.up_to for row in torch.rows} - {torch.thickness}):
         fitted = replace(torch, thickness=thickness)
         other = _recovered(text, replace(machine, torch=fitted), fitted, name)
-        if not errors_in(other.said):
+        if not errors_in(other.diagnostics):
             note = FITTED.at(Source(name), found=f"{thickness:g}")
-            return Recovered(other.parts, (*other.said, note))
+            return Recovered(other.parts, (*other.diagnostics, note))
     return recovered
 
 

@@ -184,7 +184,7 @@ class SheetSources(Struct, frozen=True):
 
     program: ReadProgram
     plan: AnyPlan | None = None  #: of a program that was posted just now
-    said: tuple[Diagnostic, ...] = ()  #: by readers and the planner
+    diagnostics: tuple[Diagnostic, ...] = ()  #: by readers and the planner
     found: tuple[Diagnostic, ...] = ()  #: by the read-back
     compared: bool = True  #: with the parts, if there are any
     settings: tuple[tuple[str, str], ...] = ()  #: rows of the header about where they come from
@@ -229,7 +229,7 @@ def content_of(source: SheetSources, unit: Unit = "mm") -> SheetContent:
         totals = table_totals(made)
         tools = tuple(ToolRow("head", "", p) for p in dict.fromkeys(o.what for o in operations))
     run = run_warnings(trace, machine, done.section, program.name)
-    messages = tuple(map(_without_folder, (*source.said, *source.found, *run)))
+    messages = tuple(map(_without_folder, (*source.diagnostics, *source.found, *run)))
     verdict: Literal["made", "alone", "wrong"] = "made" if program.parts else "alone"
     if errors_in(source.found) or not source.compared:
         verdict = "wrong"

@@ -44,7 +44,7 @@ def posted(parts: tuple[Part, ...], machine: Machine) -> str:
 
 def recovered(text: str, machine: Machine, profile: Profile) -> tuple[Part, ...]:
     found = recover(text, machine, "p", KnownStock(profile))
-    assert [str(d) for d in found.said] == []
+    assert [str(d) for d in found.diagnostics] == []
     return found.parts
 
 
@@ -135,7 +135,7 @@ def coped(machine: Machine, part: Part) -> None:
     """The law of copers: each of two programs makes the part of the other."""
     text = posted((part,), machine)
     found = recover(text, machine, "p", KnownStock(part.profile, part.grade))
-    assert not errors_in(found.said), [str(d) for d in found.said]
+    assert not errors_in(found.diagnostics), [str(d) for d in found.diagnostics]
     (made,) = found.parts
     assert abs(made.length - part.length) <= 1e-3
     again = post((made,), machine).text  # read back
@@ -190,7 +190,7 @@ def test_the_contours_of_a_sheet_come_back(seed: int, how: tuple[str, str]) -> N
     except (PlanError, VerifyError):
         assume(False)
     found = recover(text, machine, "p")
-    assert [str(d) for d in found.said] == []
+    assert [str(d) for d in found.diagnostics] == []
     (made,) = found.parts
     off = region(made).symmetric_difference(region(part))
     assert off.buffer(-0.02).is_empty

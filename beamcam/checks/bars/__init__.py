@@ -111,7 +111,7 @@ def run_of_events(
     cell = Cell(machine, known.dialect, choices, known.data(grades), name)
     made = cell.run(events)
     unseen = tuple(sorted(cell.unseen))
-    diagnostics = (*cell.said, *place_faults(made, machine, name))
+    diagnostics = (*cell.diagnostics, *place_faults(made, machine, name))
     tools = tuple(cell.tools)
     return BarRun(made, tuple(events), diagnostics, known.dialect, choices, unseen, tools)
 

@@ -53,7 +53,7 @@ class CellState:
     ) -> None:  # fmt: skip
         self.machine, self.dialect, self.choices, self.name = machine, dialect, choices, name
         self.data, self.limits = data, limits_of_cell(machine)
-        self.said: list[Diagnostic] = []
+        self.diagnostics: list[Diagnostic] = []
         self.section: dict[str, float] = {}
         self.unsaid = dialect.section_fields  #: what the program has not said of its bar yet
         self.order: list[Thing] = []
@@ -78,7 +78,7 @@ class CellState:
         self.pecked = 0  #: how many bores the last stroke made
 
     def say(self, rule: Rule, line: int, **values: object) -> None:
-        self.said.append(rule.at(Source(self.name, line), **values))
+        self.diagnostics.append(rule.at(Source(self.name, line), **values))
 
     def switch(self, switch: Switch) -> None:
         word = self.dialect.m_words.get(switch.number)

@@ -78,7 +78,7 @@ class Comparison:
         self.holes = HoleCheck(made.bores, shop, profile, choices, name)
         self.cuts = planes(made.cuts, self.saw, profile)
         self.laid: list[LaidPart] = []  #: the parts, once they are found
-        self.said: list[Diagnostic] = [
+        self.diagnostics: list[Diagnostic] = [
             *_section(made, profile, self.machine, name),
             *section_faults(profile, self.machine, name),
             *reach_faults(made.cuts, profile, self.machine, name),
@@ -91,9 +91,9 @@ class Comparison:
         required = _Required()
         texts = self._told_texts()
         for p, one in enumerate(laid):
-            self.said += left_to_hand(one.part, self.machine)
+            self.diagnostics += left_to_hand(one.part, self.machine)
             if texts is not None:
-                self.said += texts.check(p, one.part, one.ends, one.start)
+                self.diagnostics += texts.check(p, one.part, one.ends, one.start)
             elif TextMark in map(type, one.part.features):
                 self._find_texts(p, one, required.led)
             self._require(p, one, required)
@@ -101,32 +101,32 @@ class Comparison:
         wants = sorted(required.holes, key=lambda want: want.target.optional)
         unmade = self.holes.take(wants)
         left = self._missed(unmade, required.optional)
-        self.said += self.holes.complain(left, parts)
+        self.diagnostics += self.holes.complain(left, parts)
         needed = {(w.part, w.target.feature) for w in left}
         gone = {(w.part, w.target.feature) for w in unmade if not w.target.optional}
-        self.said += self._left_out(parts, required.missing | (gone - needed))
+        self.diagnostics += self._left_out(parts, required.missing | (gone - needed))
         done = [Done(w.part, self.holes.bores[i]) for i, w in self.holes.made.items()]
         shapes = [(w.part, shape_of(w.target)) for w in self.holes.made.values()]
         if self.made.paths or required.led:
             paths = check_paths(
                 self.made.paths, required.led, parts, self.shop, self.profile, self.name
             )
-            self.said += paths.said
+            self.diagnostics += paths.diagnostics
             done += (Done(led.part, path) for path, led in paths.taken)
             milled = [(p, w.target) for p, w in paths.taken if isinstance(w.target, RequiredPocket)]
-            self.said += entry_faults(self.made, milled, self.shop, self.name)
+            self.diagnostics += entry_faults(self.made, milled, self.shop, self.name)
             shapes += ((led.part, shape_of(led.target)) for _, led in paths.taken)
         for p, one in enumerate(laid):
             own = {s.feature: s for q, s in shapes if q == p and s is not None}
-            self.said += steel_faults(tuple(own.values()), one.part, one.ends, self.machine)
+            self.diagnostics += steel_faults(tuple(own.values()), one.part, one.ends, self.machine)
         if texts is not None:
             done += (Done(part, text) for part, text in texts.taken)
-        self.said += parting_faults(
+        self.diagnostics += parting_faults(
             self.made, laid, done, self.cuts, self.machine, self.profile, self.name
         )
         if texts is not None:
-            self.said += texts.extra()
-        return tuple(self.said)
+            self.diagnostics += texts.extra()
+        return tuple(self.diagnostics)
 
     def _require(self, p: int, one: LaidPart, required: "_Required") -> None:
         """Add what a part on the bar requires; what the machine cannot make is reported."""
@@ -143,7 +143,7 @@ class Comparison:
                 if target.feature in spare:
                     required.missing.add((p, target.feature))
                 else:
-                    self.said.append(_lack(target, one.part))
+                    self.diagnostics.append(_lack(target, one.part))
             elif target.feature in spare and not is_led(self.paths, target, from_x, self.shop):
                 gone.add(target.feature)
                 required.missing.add((p, target.feature))
@@ -167,7 +167,7 @@ class Comparison:
             one.part, one.ends, self.made.paths, from_x, self.shop
         )
         led += (RequiredPath(p, target, from_x) for target in marking_paths)
-        self.said += diagnostics
+        self.diagnostics += diagnostics
 
     def _targets_of(self, part: Part, ends: tuple[RequiredEnd, RequiredEnd]) -> list[Target]:
         known = self.targets.get(id(part))
@@ -198,9 +198,11 @@ class Comparison:
         job = self.asked
         for cut in self.made.cuts:
             source = Source(self.name, cut.line)
-            self.said.append(rules.CUT_EXTRA.at(source, angle=f"{cut.angle:g}", x=f"{cut.x:g}"))
+            self.diagnostics.append(
+                rules.CUT_EXTRA.at(source, angle=f"{cut.angle:g}", x=f"{cut.x:g}")
+            )
         for part in job.parts[1:]:
-            self.said.append(rules.ONE_PART.at(part.source, mark=part.mark))
+            self.diagnostics.append(rules.ONE_PART.at(part.source, mark=part.mark))
         first = job.parts[0]
         ways = [part for part in standing(first) if part.profile == self.profile]
         meant = [Candidate(p, 0, ends_of(p, self.saw)) for p in (ways if job.turn else [first])]
@@ -221,7 +223,7 @@ class Comparison:
         x = self.saw.x + faults.starts[-1] + last.length + ends[-1][1].kerf(self.saw) / 2
         angle = f"{self.saw.zero_angle:g}"
         # Behind a skew end at the end of the bar alone no cut is needed, and there it is not.
-        self.said += faults.said or [
+        self.diagnostics += faults.diagnostics or [
             rules.CUT_MISSING.at(last.source, angle=angle, x=f"{x:.6g}", end="end", mark=last.mark)
         ]
         return [

@@ -223,7 +223,7 @@ class CutFaults:
         self.tolerance = machine.format.resolution + 1e-6
         self.angle_tolerance = 0.5 * 10.0**-machine.format.angle_decimals + 1e-6
         self.starts: list[float] = []
-        self.said: list[Diagnostic] = []
+        self.diagnostics: list[Diagnostic] = []
 
     def place(self, parts: Sequence[Part], ends: Sequence[tuple[RequiredEnd, RequiredEnd]]) -> None:
         """Find every part's cuts, in the order given; what is left over is too much."""
@@ -233,7 +233,7 @@ class CutFaults:
             following = ends[index + 1][0] if index + 1 < len(parts) else None
             begin, shared = self._place(part, ends[index], following, begin, shared)
         for cut in self.left:
-            self.said.append(
+            self.diagnostics.append(
                 rules.CUT_EXTRA.at(
                     Source(self.name, cut.line), angle=_shown(cut.angle, cut.tilt), x=f"{cut.x:g}"
                 )
@@ -330,7 +330,7 @@ class CutFaults:
         best = min(self._like(end, here), key=lambda c: abs(c.x - x), default=None)
         if best is None:
             best, diagnostic = self._instead(end, x, here, part)
-            self.said.append(diagnostic)
+            self.diagnostics.append(diagnostic)
         if best is not None:
             self.left.remove(best)
         return best

@@ -157,7 +157,7 @@ class RequiredPath(Struct, frozen=True, gc=False):
 class CheckedPaths(Struct, frozen=True):
     """What was found of the paths of a program."""
 
-    said: tuple[Diagnostic, ...]
+    diagnostics: tuple[Diagnostic, ...]
     taken: tuple[tuple[MachinedPath, RequiredPath], ...]  #: each path with what it is taken for
 
 

@@ -206,7 +206,7 @@ def _on_face(
         if one is None:
             diagnostics.append(by_hand(feature, part, shop.machine))
         else:
-            diagnostics += one.said
+            diagnostics += one.diagnostics
             courses += _strokes(f, text, one.x, one.y, one.height)
     return courses, diagnostics
 

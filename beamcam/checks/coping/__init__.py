@@ -87,7 +87,7 @@ def _profile_faults(
     section = CoperSection(part.profile)
     torch = ProfileTorch(machine, coper, section, rows, name)
     torch.follow(events)
-    diagnostics = [*torch.said, *strike_faults(torch.ways, section, coper, name)]
+    diagnostics = [*torch.diagnostics, *strike_faults(torch.ways, section, coper, name)]
     if errors_in(diagnostics):
         return diagnostics
     stock = stock_of(part, section, coper)

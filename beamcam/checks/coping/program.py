@@ -67,4 +67,4 @@ def strokes_of(
     else:
         torch = ProfileTorch(machine, coper, CoperSection(part.profile), rows, name)
     torch.follow(events)
-    return torch.strokes, [*diagnostics, *torch.said]
+    return torch.strokes, [*diagnostics, *torch.diagnostics]

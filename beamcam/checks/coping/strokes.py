@@ -76,7 +76,7 @@ class TorchFollower(ABC):
     turning = False  #: whether A may turn with the torch on, which is upright then
 
     def __init__(self, machine: Machine, coper: Coper, rows: Sequence[TorchRow], name: str) -> None:
-        self.said: list[Diagnostic] = []
+        self.diagnostics: list[Diagnostic] = []
         self.strokes: list[TorchStroke] = []
         self.ways: list[TipMove] = []
         self._machine, self._coper = machine, coper
@@ -138,7 +138,7 @@ class TorchFollower(ABC):
         self._say(rules.TORCH.at(Source(self._name, line), found=found, expected=expected))
 
     def _say(self, diagnostic: Diagnostic) -> None:
-        add_few(self.said, diagnostic)
+        add_few(self.diagnostics, diagnostic)
 
     def _switch(self, event: Switch) -> None:
         if event.said in self._on_words:

@@ -172,7 +172,7 @@ def tube_faults(
     ways: Sequence[TipMove] = torch.ways
     if part.profile.code == "RO":  # which looks alike from everywhere round it
         ways = [replace(way, a_deg=(0.0, 0.0)) for way in ways]
-    said = [*torch.said, *strike_faults(ways, section, coper, name)]
+    said = [*torch.diagnostics, *strike_faults(ways, section, coper, name)]
     if errors_in(said):
         return said
     slack = coper.tolerance + 2 * written_step(machine, section) + FINE

@@ -43,7 +43,7 @@ def verify_sheet(
         return tuple(diagnostics)
     sheet, asked = as_one(parts, machine, skips), machine
     part, machine = sheet.part, sheet.machine
-    torch, diagnostics = machine.torch or torch, [*diagnostics, *sheet.said]
+    torch, diagnostics = machine.torch or torch, [*diagnostics, *sheet.diagnostics]
     rows = rows_of(part, torch)
     torch = torch.by(next((row for row in rows if row.process == "cut"), None))
     machine = machine if torch is machine.torch else replace(machine, torch=torch)

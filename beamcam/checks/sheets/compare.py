@@ -71,11 +71,11 @@ def compare_part(
     if need.spots or any(stroke.process == "spot" for stroke in strokes.each):
         step = machine.format.resolution
         near = torch.tolerance + 2 * step
-        need.said += spot_faults(strokes, need, shift_of(need, torch), near, name)
+        need.diagnostics += spot_faults(strokes, need, shift_of(need, torch), near, name)
         strokes = without_spots(strokes)
     add_texts(need, part, machine, torch, strokes)
     if not need.curves and not strokes.each:
-        return need.said
+        return need.diagnostics
     shift = shift_of(need, torch)
     diagnostics: list[Diagnostic] = []
     traced: list[Traced] = []
@@ -83,7 +83,7 @@ def compare_part(
     if torch.kerf_by == "machine":
         strokes, diagnostics = beam_of(strokes, name)
         if diagnostics:
-            return need.said + diagnostics
+            return need.diagnostics + diagnostics
     processes = dict.fromkeys([*need.curves, *(s.process for s in strokes.each)])
     for process in processes:
         work = work_of(
@@ -102,7 +102,7 @@ def compare_part(
     if any(own.hatch for own in torch.settings.values()):
         diagnostics += hatch_faults(need, torch, name)
     diagnostics += order_faults(sorted(traced, key=lambda t: t.stroke.line), works, name)
-    return need.said + diagnostics
+    return need.diagnostics + diagnostics
 
 
 def _settings(

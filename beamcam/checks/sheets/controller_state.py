@@ -199,7 +199,7 @@ class SharedSheet(Struct, frozen=True):
     part: Part
     machine: Machine
     places: list[Point]  #: of the x 0, y 0 of each of several parts
-    said: list[Diagnostic]
+    diagnostics: list[Diagnostic]
 
 
 def as_one(parts: Sequence[Part], machine: Machine, skips: Collection[str]) -> SharedSheet:

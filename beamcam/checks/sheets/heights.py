@@ -50,24 +50,24 @@ def switching_faults(
         done, line = 0, 1
         for place, (before, event) in enumerate(run.others):
             if before > done:
-                watch.said += watch.moves(done, before)
+                watch.diagnostics += watch.moves(done, before)
             done, line = before, event.line
             if place in starts:
-                watch.said += watch.starts(line, starts[place])
+                watch.diagnostics += watch.starts(line, starts[place])
             elif place in stops:
-                watch.said += watch.stops(line)
-            watch.said += watch.take(event)
+                watch.diagnostics += watch.stops(line)
+            watch.diagnostics += watch.take(event)
         if len(run.moves) > done:
-            watch.said += watch.moves(done, len(run.moves))
-        watch.said += watch.ends(line)
-    return [one for watch in watches for one in watch.said]
+            watch.diagnostics += watch.moves(done, len(run.moves))
+        watch.diagnostics += watch.ends(line)
+    return [one for watch in watches for one in watch.diagnostics]
 
 
 class _Watch:
     """The torch over the sheet while its program runs."""
 
     def __init__(self, moves: Moves, machine: Machine, torch: Torch, name: str) -> None:
-        self.said: list[Diagnostic] = []
+        self.diagnostics: list[Diagnostic] = []
         self._rapid, self._feeds, self._lines = moves.rapid, moves.feed_mm_min, moves.line
         self._torch, self._name = torch, name
         self._follows = torch.z == "program"
@@ -239,7 +239,7 @@ class _Outputs:
     """The outputs while a program runs."""
 
     def __init__(self, machine: Machine, name: str) -> None:
-        self.said: list[Diagnostic] = []
+        self.diagnostics: list[Diagnostic] = []
         self.stroke: HeadStroke | None = None
         self._name = name
         self._needs_material = bool(machine.words.material)

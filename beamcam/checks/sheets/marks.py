@@ -63,9 +63,9 @@ def add_texts(need: Need, part: Part, machine: Machine, torch: Torch, strokes: S
     for index, text in required:
         one = stands.get(index)
         if one is None:
-            need.said.append(by_hand(text.feature, part, machine))
+            need.diagnostics.append(by_hand(text.feature, part, machine))
         else:
-            need.said += one.said
+            need.diagnostics += one.diagnostics
             _need(need, process, index, text, one.x, one.y, one.height)
 
 
@@ -95,7 +95,7 @@ def _where_they_are(
             _need(need, text_process(machine), index, text, *place)
             boxes.append(box)
         else:
-            need.said.append(by_hand(feature, part, machine))
+            need.diagnostics.append(by_hand(feature, part, machine))
 
 
 def text_process(machine: Machine) -> TorchProcess:

@@ -51,7 +51,7 @@ class Need(Struct):
     filled: dict[str, list[Contour]] = field(default_factory=dict)
     #: places that the torch spots, and a feature whose centre each is
     spots: dict[Point, int] = field(default_factory=dict)
-    said: list[Diagnostic] = field(default_factory=list)
+    diagnostics: list[Diagnostic] = field(default_factory=list)
     drawn: "dict[tuple[TorchProcess, float], Toolpaths]" = field(default_factory=dict)
     regions: "dict[float, Region]" = field(default_factory=dict)
 
@@ -121,7 +121,9 @@ def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) 
     """
     rows = {row.process: row for row in reversed(rows_on(part, torch))}
     hand = [is_by_hand(feature, machine) for feature in part.features]
-    need = Need(said=[by_hand(f, part, machine) for f in compress(part.features, hand)], rows=rows)
+    need = Need(
+        diagnostics=[by_hand(f, part, machine) for f in compress(part.features, hand)], rows=rows
+    )
     table = cast("dict[str, Process]", torch.colours)
     processes: dict[tuple[str | None, str | None], str | None] = {}
     thickness = thickness_of(part, torch)
@@ -140,7 +142,7 @@ def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) 
         lack = "mark" if refused else lack_of(feature, torch, thickness)
         if _is_begun(feature, lack, torch):
             # A hole is marked for the drill; a contour is cut as it stands, square.
-            need.said.append(by_hand(feature, part, machine))
+            need.diagnostics.append(by_hand(feature, part, machine))
             if isinstance(feature, Hole | Slot):
                 for place in _drill_places(feature):
                     need.add_centre(place, torch, index, feature.source)
@@ -151,7 +153,7 @@ def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) 
             continue
         # A bevel that may be missing leaves a contour that is cut square.
         if lack is not None and lack != "bevel":
-            need.said += left_out(part, (index,))
+            need.diagnostics += left_out(part, (index,))
             continue
         if isinstance(feature, Contour):
             look = feature.layer, feature.colour
@@ -186,11 +188,11 @@ def _leave_small_openings(
         for index in opening.features:
             feature = part.features[index]
             if torch.drilled != "refuse":
-                need.said.append(by_hand(feature, part, machine))
+                need.diagnostics.append(by_hand(feature, part, machine))
                 for place in opening.centres:
                     need.add_centre(place, torch, index, feature.source)
             elif (lack := "slot" if len(opening.centres) > 1 else "tool") in skips:
-                need.said += left_out(part, (index,))
+                need.diagnostics += left_out(part, (index,))
             else:
                 _not_made(need, part, feature, lack)
     if left:
@@ -275,7 +277,7 @@ def lack_of(feature: Feature, torch: Torch, thickness: float) -> str | None:
 def _not_made(need: Need, part: Part, feature: Feature, lack: str) -> None:
     source = getattr(feature, "source", part.source)
     found = type(feature).__name__.lower()
-    need.said.append(rules.NOT_MADE.at(source, found=found, kind=lack))
+    need.diagnostics.append(rules.NOT_MADE.at(source, found=found, kind=lack))
 
 
 def _rectangle(length: float, width: float) -> list[Curve]:

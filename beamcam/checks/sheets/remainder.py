@@ -47,7 +47,7 @@ def rest_faults(
     part, machine = sheet.part, sheet.machine
     begun, more = _strokes(whole, part, machine, whole_name)
     left, wrong = _strokes(rest, part, machine, name)
-    diagnostics = [*sheet.said, *more, *wrong]
+    diagnostics = [*sheet.diagnostics, *more, *wrong]
     if errors_in(diagnostics):
         return tuple(diagnostics)
     lines = _contour_lines(begun, part, machine, skips, whole_name)

@@ -109,7 +109,7 @@ def strokes_of(
         head.take(place, before, event)
     head.finish(run)
     head.check_places(run.moves, torch, torch.tolerance + machine.format.resolution / 2)
-    return head.strokes(run.moves), sorted(head.said, key=lambda said: said.source.line or 0)
+    return head.strokes(run.moves), sorted(head.diagnostics, key=lambda said: said.source.line or 0)
 
 
 def is_far(moves: Moves, torch: Torch) -> bool:
@@ -137,7 +137,7 @@ class _Head:
     """The state of the head while a program runs; strokes count all moves of the program."""
 
     def __init__(self, known: list[RowWords], machine: Machine, torch: Torch, name: str) -> None:
-        self.said: list[Diagnostic] = []
+        self.diagnostics: list[Diagnostic] = []
         self._state = ControllerState(machine, torch, name)
         self._known = known
         self._starting: dict[Said, list[RowWords]] = {}
@@ -154,7 +154,7 @@ class _Head:
         self._on = False
 
     def _wrong(self, rule: Rule, line: int, **values: str) -> None:
-        self.said.append(rule.at(Source(self._name, line), **values))
+        self.diagnostics.append(rule.at(Source(self._name, line), **values))
 
     def take(self, place: int, before: int, event: Other) -> None:
         """Anything but a move, with its place among such and the number of moves before it."""
@@ -168,14 +168,14 @@ class _Head:
             self._started[-1].dark_from = None if event.on else before
         elif isinstance(event, Setting):
             ended = self._started[-1].stroke.last if self._started else 0
-            self.said += self._state.take(event, before, self._on, ended)
+            self.diagnostics += self._state.take(event, before, self._on, ended)
 
     def _switch(self, before: int, event: Switch) -> None:
         if event.number in ENDS:
             if self._on:
                 self._wrong(SHEET_END, event.line, found="the end with the tool on")
                 self._stop(before)
-            self.said += self._state.ends(event.line)
+            self.diagnostics += self._state.ends(event.line)
             return
         said = event.said
         starts = self._starting.get(said)
@@ -188,7 +188,7 @@ class _Head:
         elif starts is not None and not self._on:
             self._on = True
             state = self._state
-            self.said += state.starts(event.line, before)
+            self.diagnostics += state.starts(event.line, before)
             row = starts[0].row
             stroke = HeadStroke(
                 event.line, row, state.side, state.radius, before, before, self._place
@@ -273,7 +273,7 @@ class _Head:
                     stroke.dark = int((rows[first:last] >= one.dark_from).sum())
                 each.append(stroke)
         if len(rows):
-            self.said += self._state.unsaid(int(moves.line[rows[0]]), int(rows[0]))
+            self.diagnostics += self._state.unsaid(int(moves.line[rows[0]]), int(rows[0]))
         kept = moves if len(rows) == len(moves) else moves.take(rows)
         self._check_feeds(kept, owner[rows])
         return Strokes(each, kept)

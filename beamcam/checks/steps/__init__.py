@@ -65,13 +65,13 @@ def verify_table(
         table = Followed(machine, name, outline)
         fault = _read(table.follow, _STEPS[form](stream, stepper))
     if fault is not None:
-        return (*table.said, fault)
+        return (*table.diagnostics, fault)
     table.finish()
-    if errors_in(table.said):
-        return (*table.said, *outline.said)
+    if errors_in(table.diagnostics):
+        return (*table.diagnostics, *outline.diagnostics)
     if sheet is None:
-        return (*table.said, *outline.compare())
-    diagnostics = (*table.said, *sheet.said, *outline.compare())
+        return (*table.diagnostics, *outline.compare())
+    diagnostics = (*table.diagnostics, *sheet.diagnostics, *outline.compare())
     return with_told(diagnostics, head, parts, sheet.places, asked, skips, name)
 
 

@@ -266,7 +266,7 @@ class Followed:
         self.name = name
         self.outline = outline
         self.motors = (_Motor("X", self.stepper), _Motor("Y", self.stepper))
-        self.said: list[Diagnostic] = []
+        self.diagnostics: list[Diagnostic] = []
         self.swerve = Swerve(self.stepper)
         self.pace: StepRates | None = None  #: of the stroke that is being made
         self.line = 0  #: where it begins
@@ -279,7 +279,7 @@ class Followed:
     def say(self, diagnostics: Iterable[Diagnostic]) -> None:
         """Note what is wrong, a few of each kind."""
         for one in diagnostics:
-            add_few(self.said, one)
+            add_few(self.diagnostics, one)
 
     def follow(self, rows: Rows) -> None:
         """Take some rows."""

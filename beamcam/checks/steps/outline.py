@@ -127,7 +127,7 @@ class OutlineCheck:
         self.part, self.machine = part, replace(machine, torch=self.torch)
         self.skips, self.name = skips, name
         self.rounding, self.simplify = rounding, simplify
-        self.said: list[Diagnostic] = []
+        self.diagnostics: list[Diagnostic] = []
         self.drawn: list[DrawnPath] = []
         self._path = b""  #: of the stroke before
         #: whether anything is followed more than once
@@ -199,20 +199,20 @@ class OutlineCheck:
         if (points == points[0]).all():
             found = f"the laser on and the head at rest{self._beside(points[0], process)}"
             expected = "a stroke"
-            self.said.append(rules.LASER.at(source, found=found, expected=expected))
+            self.diagnostics.append(rules.LASER.at(source, found=found, expected=expected))
         elif process is None:
             diagnostic = rules.PLACE.at(source, x="any", y="any", expected="the laser off")
-            self.said.append(diagnostic)
+            self.diagnostics.append(diagnostic)
         elif process != self.letters and stroke.away[process] > (most := self.tracks[process].most):
             x, y = (f"{v:.2f}" for v in stroke.worst[process])
             off = f"{stroke.away[process]:.4f}"
             expected = f"it within {most:.4f} mm of the path, not {off} mm off it"
             expected += self._beside(np.array(stroke.worst[process]), process)
-            self.said.append(rules.PLACE.at(source, x=x, y=y, expected=expected))
+            self.diagnostics.append(rules.PLACE.at(source, x=x, y=y, expected=expected))
         elif process not in self.process_data:
             found, expected = f"{seen.fastest.mm_s:.2f}", "a sheet that the machine has a speed for"
             diagnostic = rules.SPEED.at(source, found=found, process=process, expected=expected)
-            self.said.append(diagnostic)
+            self.diagnostics.append(diagnostic)
         else:
             self._add(process, source, seen, points)
 
@@ -222,7 +222,7 @@ class OutlineCheck:
         One that repeats the stroke before it is another pass of that.
         """
         if seen.times is not None:
-            self.said += self._rests(process, source, seen.times, points)
+            self.diagnostics += self._rests(process, source, seen.times, points)
         wrong = {
             feed: [*self._speeds(process, feed, seen, points[0]),
                    *self._pace(process, feed, source, seen, points)]
@@ -230,7 +230,7 @@ class OutlineCheck:
         }  # fmt: skip
         feeds = tuple([feed for feed, diagnostics in wrong.items() if not diagnostics])
         if not feeds:
-            self.said += wrong[self._asked(process, points[0])]
+            self.diagnostics += wrong[self._asked(process, points[0])]
         last = self.drawn[-1] if self.drawn else None
         both = [feed for feed in last.feeds_mm_min if feed in feeds] if last else []
         if last and both and seen.path and (seen.path, process) == (self._path, last.process):
@@ -336,8 +336,8 @@ class OutlineCheck:
 
     def compare(self) -> list[Diagnostic]:
         """All differences of the strokes from the part."""
-        if self.part is None or self.said:
-            return self.said
+        if self.part is None or self.diagnostics:
+            return self.diagnostics
         slack = self.rounding + self.simplify
         return compare_polylines(
             self.drawn, self.part, self.machine, self.skips, slack, self.name, self.simplify > 0.0

@@ -88,7 +88,7 @@ class Velocities:
         self.torch = machine.needed(machine.torch, "torch")
         self.name = name
         self.outline = outline
-        self.said: list[Diagnostic] = []
+        self.diagnostics: list[Diagnostic] = []
         self.steps = [0, 0]
         self.here = (0.0, 0.0)
         self.rows = 0
@@ -97,7 +97,7 @@ class Velocities:
 
     def say(self, rule: Rule, line: int | None, **values: object) -> None:
         """Note what is wrong, a few of each kind."""
-        add_few(self.said, rule.at(Source(self.name, line), **values))
+        add_few(self.diagnostics, rule.at(Source(self.name, line), **values))
 
     def follow(self, row: TableRow) -> None:
         """Take a row."""

@@ -46,7 +46,7 @@ class _Checker:
                 self.shared, self.names.globals = used, {}
             for block in unit.blocks:
                 self._block(block)
-        return sorted(self.names.said, key=lambda d: d.source.line or 0)
+        return sorted(self.names.diagnostics, key=lambda d: d.source.line or 0)
 
     def _exports(self, unit: syntax.Unit) -> None:
         own = {b.name.upper(): b for b in unit.blocks}

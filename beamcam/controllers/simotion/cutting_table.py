@@ -49,7 +49,7 @@ class CuttingTable:
         self.loose: set[int] = set()  #: limit switches that are held released
         self.broken: set[int] = set()  #: inputs with a broken wire
         self.start = self.acknowledge = self.stop = False  #: buttons
-        self.said: list[Diagnostic] = []
+        self.diagnostics: list[Diagnostic] = []
         self.points: dict[str, list[Place]] = {}  #: of each tool, while it was on
         self.heights: dict[str, list[float]] = {}  #: of Z at these points, where there is one
         self.natives = motion_blocks(self)
@@ -124,7 +124,7 @@ class CuttingTable:
 
     def say(self, rule: Rule, line: int | None, **values: object) -> None:
         """Add a message, unless there are many of the kind already."""
-        add_few(self.said, rule.at(Source(self.name, line), **values))
+        add_few(self.diagnostics, rule.at(Source(self.name, line), **values))
 
     def _dynamics(self, values: dict[str, Any], line: int) -> bool:
         """Whether velocity and accelerations are above 0, as commands want them."""

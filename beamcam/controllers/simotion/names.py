@@ -17,7 +17,7 @@ class Names:
 
     def __init__(self, units: Sequence[syntax.Unit], objects: Mapping[str, str], name: str) -> None:
         self.name = name
-        self.said: list[Diagnostic] = []
+        self.diagnostics: list[Diagnostic] = []
         plain = any(unit.plain for unit in units)
         self.commands: Mapping[str, axes.Command] = {} if plain else axes.COMMANDS
         self.enumerators: Collection[str] = () if plain else axes.ENUMERATORS
@@ -32,7 +32,7 @@ class Names:
 
     def say(self, rule: Rule, line: int, **values: object) -> str:
         """Note what is wrong; the type of what cannot be known."""
-        self.said.append(rule.at(Source(self.name, line), **values))
+        self.diagnostics.append(rule.at(Source(self.name, line), **values))
         return UNKNOWN
 
     def wrong_type(self, line: int, found: str, what: str, wanted: str) -> str:

@@ -148,8 +148,8 @@ def _run(units: list[Unit], machine: Machine, name: str) -> list[Diagnostic]:
                 break
             table.cycle()
     except ControllerFault as fault:
-        return [*table.said, fault.diagnostic]
-    diagnostics = list(table.said)
+        return [*table.diagnostics, fault.diagnostic]
+    diagnostics = list(table.diagnostics)
 
     def wrong(found: str, expected: str) -> None:
         diagnostics.append(rules.RUN.at(Source(name), found=found, expected=expected))

@@ -195,19 +195,19 @@ def _at_roots(
 ) -> tuple[dict[Face, WallRegion], list[Diagnostic], set[Face]]:
     """Regions with what stays at the roots, what is told and wrong of them, and the walls that have
     more than is drawn."""
-    said: list[Diagnostic] = []
+    diagnostics: Sequence[Diagnostic] = ()
     more: set[Face] = set()
     web, flange = regions["v"].wall, regions["u"].wall
     depths = _depths(flange.root_depth, flange, chart)
     if part.made is None:
         over_web = chart.row(web.thickness + web.fillets)
         kerf = over_web.kerf if over_web else EDGE
-        regions, said = with_ledges(regions, depths, kerf, coper, part.source)
-        more = {"v"} if said else set()
+        regions, diagnostics = with_ledges(regions, depths, kerf, coper, part.source)
+        more = {"v"} if diagnostics else set()
     regions, steps, off = with_steps(regions, chart.depth(flange.root_depth), part.source)
     more |= {face for face, mm in off.items() if mm >= LEAST_SLANT}
     faults = root_faults(regions, depths, coper, part.source)
-    return regions, [*said, *steps, *faults], more
+    return regions, [*diagnostics, *steps, *faults], more
 
 
 def _told_of(part: Part, given: Part, needed: float, coper: Coper) -> Iterator[Diagnostic]:

@@ -60,7 +60,7 @@ def read(
     seen = sorted([*collected.not_cut.items(), ("hidden curves", collected.hidden_on.total())])
     diagnostics += (
         *contradictions(loaded.document, unit, name),
-        *collected.said,
+        *collected.diagnostics,
         *fitted,
         *_remarks(collected, source),
         *verdict(part, seen, None if unit.given else unit.name, source),

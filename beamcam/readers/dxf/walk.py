@@ -213,7 +213,7 @@ class DrawingContent(Struct):
     edge_on: Counter[str] = field(default_factory=Counter)
     heights: Heights = field(default_factory=list)
     dashed: dict[tuple[str, str, str], Dashed] = field(default_factory=dict)
-    said: list[Diagnostic] = field(default_factory=list)
+    diagnostics: list[Diagnostic] = field(default_factory=list)
 
 
 class DrawingWalk(Struct):
@@ -266,7 +266,7 @@ class DrawingWalk(Struct):
 
     def _say_entity(self, source: Source, kind: str, error: Exception) -> None:
         text = " ".join(str(error).split()) or type(error).__name__
-        self.found.said.append(rules.ENTITY.at(source, kind=kind, found=text))
+        self.found.diagnostics.append(rules.ENTITY.at(source, kind=kind, found=text))
 
     def _count(self, entity: Any, kind: str, above: LayerLook, inside: bool) -> None:
         """Count what is not a curve, unless it is hidden anyway."""
@@ -308,7 +308,7 @@ class DrawingWalk(Struct):
         read = through_fit_points if polynomial else CURVES[kind]
         seen = self._sort(kind, source, look, self.layers.hides(look), read, frame, (entity,))
         if seen and not polynomial and (count := by_fit_points(entity)):
-            self.found.said.append(rules.FIT_SPLINE.at(source, count=count))
+            self.found.diagnostics.append(rules.FIT_SPLINE.at(source, count=count))
 
     def _sort(
         self,
@@ -366,10 +366,10 @@ class DrawingWalk(Struct):
             self._count(attribute, "ATTRIB", look, True)
         block = insert.block()
         if block is None or block.block.is_xref:
-            self.found.said.append(rules.BLOCK_MISSING.at(source, found=name))
+            self.found.diagnostics.append(rules.BLOCK_MISSING.at(source, found=name))
             return
         if name.lower() in blocks:
-            self.found.said.append(rules.BLOCK_CYCLE.at(source, found=name))
+            self.found.diagnostics.append(rules.BLOCK_CYCLE.at(source, found=name))
             return
         if len(blocks) >= limits().depth:
             raise ReadError(DEPTH.at(source, found=name, expected=limits().depth))
@@ -381,4 +381,4 @@ class DrawingWalk(Struct):
         for place in insert.multi_insert() if copies > 1 else (insert,):
             self.entities(block, frame.inside(place.matrix44()), look, (*blocks, name.lower()))
         if len(self.found.contours) > before and self.layers.hides(look):
-            self.found.said.append(rules.FROZEN_INSERT.at(source, layer=look.layer))
+            self.found.diagnostics.append(rules.FROZEN_INSERT.at(source, layer=look.layer))

@@ -73,13 +73,13 @@ def check_data(part: Part, shaped: Shaped, data: Data, source: Source) -> Iterat
 class KernelVerdict(Struct, frozen=True):
     """What the kernel has against a form that was read."""
 
-    said: tuple[Diagnostic, ...] = ()
+    diagnostics: tuple[Diagnostic, ...] = ()
     disputed: Diagnostic | None = None  #: unless the net weight is the part's and not the solid's
     volume: float = 0.0  #: mm3 of the solid; 0 where there is none
 
     def against(self, shaped: Shaped, data: Data, source: Source) -> Iterator[Diagnostic]:
         """What it has against a member of the form, whose data may say that the solid is wrong."""
-        for one in self.said:
+        for one in self.diagnostics:
             yield replace(one, source=source)
         if self.disputed is None:
             return

@@ -46,13 +46,17 @@ class Shaped(Struct, frozen=True, gc=False):
     frame: Frame = IDENTITY  #: the part's coordinates in the element's
     fitted: tuple[str, ...] = ()  #: surfaces of the kernel that only facets stand for
     stock: BareStock | None = None  #: the section, where a shell showed it
-    said: tuple[Diagnostic, ...] = ()  #: of what no feature explains, where a body was compared
+    diagnostics: tuple[
+        Diagnostic, ...
+    ] = ()  #: of what no feature explains, where a body was compared
 
     def at(self, source: Source) -> "Shaped":
         """What was read of a member, of another one of its form."""
         features = tuple(replace(f, source=source) for f in self.features)
         return replace(
-            self, features=features, said=tuple(replace(d, source=source) for d in self.said)
+            self,
+            features=features,
+            diagnostics=tuple(replace(d, source=source) for d in self.diagnostics),
         )
 
 

@@ -102,7 +102,7 @@ def read_shell(shell: Shell, source: Source, volume: float | None = None) -> Sha
         except Unreadable as reason:
             fault = fault or reason
             continue
-        found = replace(found, said=diagnostics)
+        found = replace(found, diagnostics=diagnostics)
         if not diagnostics:
             return found
         if best is None or (_denied(best) and not _denied(found)):
@@ -116,7 +116,7 @@ def read_shell(shell: Shell, source: Source, volume: float | None = None) -> Sha
 
 
 def _denied(shape: Shaped) -> bool:
-    return any(d.severity is Severity.ERROR for d in shape.said)
+    return any(d.severity is Severity.ERROR for d in shape.diagnostics)
 
 
 def _readings(shell: Shell, source: Source) -> Iterator[Shaped | Unreadable]:

@@ -53,7 +53,7 @@ class Taken(Struct):
     """Results of some members, in order."""
 
     members: list[tuple[int, Part, Shaped]] = field(default_factory=list)  #: behind their places
-    said: list[Diagnostic] = field(default_factory=list)
+    diagnostics: list[Diagnostic] = field(default_factory=list)
     verdicts: Counter[str] = field(default_factory=Counter)  #: how many of each
     left_out: Counter[tuple[str, str]] = field(default_factory=Counter)  #: by reason and class
     seen: dict[str, set[str]] = field(default_factory=dict)  #: classes, marks, GlobalIds, ...
@@ -61,7 +61,7 @@ class Taken(Struct):
     def add(self, other: "Taken") -> None:
         """Take over the results of the members that follow these."""
         self.members += other.members
-        self.said += other.said
+        self.diagnostics += other.diagnostics
         self.verdicts.update(other.verdicts)
         self.left_out.update(other.left_out)
         for key, values in other.seen.items():
@@ -132,7 +132,7 @@ class Members(Struct):
         self.taken = Taken()
         member = self._known(self.elements[place])
         self._is_selected(member)
-        self.taken.said.append(rules.KERNEL_DIED.at(member.source))
+        self.taken.diagnostics.append(rules.KERNEL_DIED.at(member.source))
         self.taken.verdicts["refused"] += 1
         return self.taken
 
@@ -148,7 +148,7 @@ class Members(Struct):
             begin_member()
             try:
                 part, shaped, against = self._member(self._known(element))
-                taken.said += against
+                taken.diagnostics += against
                 if not any(d.severity is Severity.ERROR for d in against):
                     taken.members.append((place, part, shaped))
                     verdict = "read"
@@ -157,13 +157,13 @@ class Members(Struct):
                 if what:
                     taken.left_out[what, element.is_a()] += 1
             except Unreadable as reason:
-                taken.said.append(reason.rule.at(source, found=str(reason)))
+                taken.diagnostics.append(reason.rule.at(source, found=str(reason)))
             except OverTimeError:
                 expected = f"{limits().member_s:g} s of the processor"
-                taken.said.append(MEMBER.at(source, expected=expected))
+                taken.diagnostics.append(MEMBER.at(source, expected=expected))
             except (*NOT_WELL_FORMED, ShapelyError) as fault:
                 found = f"data that are not well formed ({type(fault).__name__}: {fault})"
-                taken.said.append(rules.GEOMETRY.at(source, found=found))
+                taken.diagnostics.append(rules.GEOMETRY.at(source, found=found))
             taken.verdicts[verdict] += 1
         return taken
 
@@ -224,7 +224,7 @@ class Members(Struct):
     ) -> list[Diagnostic]:
         """What the file's data, the kernel and the reading itself have against a part."""
         source = member.source
-        against = [*check_data(part, shaped, member.data, source), *shaped.said]
+        against = [*check_data(part, shaped, member.data, source), *shaped.diagnostics]
         if self.options.kernel and body is not None:
             form = form_of(self.model, member.element)
             compared = self.model.once(
@@ -274,7 +274,7 @@ class Members(Struct):
                 raise reason from None
             kind = OddSection if isinstance(second, OddSection) else Unreadable
             raise kind(f"{reason}; by the kernel {second}") from None
-        denied = [d for d in shaped.said if d.severity is Severity.ERROR]
+        denied = [d for d in shaped.diagnostics if d.severity is Severity.ERROR]
         if not denied:
             return shaped
         if isinstance(reason, OddCut):
@@ -287,16 +287,16 @@ class Members(Struct):
         bare, flat = section.profile(""), section.code == "B"  # whose weight is in kg/m2
         label, wrong = marks.named(bare, marks.labels_of(self.model, member.element, profile, data))
         size = f"{bare.height:.1f} x {bare.width:.1f} mm"
-        self.taken.said += (
+        self.taken.diagnostics += (
             rules.PROFILE_NAME.at(source, found=one, size=size, expected=marks.name_of(bare))
             for one in wrong
         )
         grade, other = marks.grade_of(material, data)
         if other is not None:
-            self.taken.said.append(rules.GRADE.at(source, found=other, expected=grade))
+            self.taken.diagnostics.append(rules.GRADE.at(source, found=other, expected=grade))
         if section.lips:
             areas = f"{section.area / 100:.2f}", f"{(section.area - section.lips) / 100:.2f}"
-            self.taken.said.append(rules.LIPS.at(source, found=areas[0], expected=areas[1]))
+            self.taken.diagnostics.append(rules.LIPS.at(source, found=areas[0], expected=areas[1]))
         return Part(
             mark=member.mark,
             profile=replace(bare, name=label),
@@ -325,7 +325,7 @@ class Members(Struct):
         if profile is None:
             return solid
         stock = check_stock(self.model, element, shaped, profile, source)
-        return replace(solid, said=(*stock, *solid.said))
+        return replace(solid, diagnostics=(*stock, *solid.diagnostics))
 
 
 def plain_class(name: str) -> str:

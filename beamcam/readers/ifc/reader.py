@@ -132,10 +132,10 @@ def _read(
 
         shapes = [(elements[place], part, shaped) for place, part, shaped in taken.members]
         parts, remarks = drill_bolt_holes(model, shapes, options, name)
-        taken.said += remarks
+        taken.diagnostics += remarks
         taken.verdicts["refused"] += len(shapes) - len(parts)
         taken.verdicts["read"] = len(parts)
-    diagnostics = *taken.said, *_account(members, taken)
+    diagnostics = *taken.diagnostics, *_account(members, taken)
     if options.letter:
         parts = [lettered(part) for part in parts]
     return Reading("ifc", tuple(parts), diagnostics)

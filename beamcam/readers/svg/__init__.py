@@ -45,7 +45,7 @@ def read(
     diagnostics = (
         *page.remarks, *(rules.HIDING.at(source, found=s) for s in sheet.hiding),
         *(rules.SELECTOR.at(source, found=s) for s in sheet.ignored),
-        *unknown_layers(sorted(walk.found.layers - {""}), layers, source), *walk.found.said,
+        *unknown_layers(sorted(walk.found.layers - {""}), layers, source), *walk.found.diagnostics,
         *fitted, *_remarks(walk.found, source), *verdict(part, seen, unit, source),
     )  # fmt: skip
     return Reading("svg", (part,), diagnostics)

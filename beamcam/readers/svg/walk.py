@@ -96,7 +96,7 @@ class PageContent(Struct):
     not_cut: Counter[str] = field(default_factory=Counter)  #: elements by tag
     layers: set[str] = field(default_factory=set)  #: names of those with shapes, "" for none
     decimals: int = 0  #: the most digits behind a point in coordinates
-    said: list[Diagnostic] = field(default_factory=list)
+    diagnostics: list[Diagnostic] = field(default_factory=list)
 
 
 _OF_SYMBOL = ("viewBox", "preserveAspectRatio", "style", "class")
@@ -147,7 +147,7 @@ class PageWalk(Struct):
                 self.found.not_cut["text" if tag in _TEXTS else tag] += 1
 
     def _say(self, rule: Rule, element: Element, **values: object) -> None:
-        self.found.said.append(rule.at(self._source(element), **values))
+        self.found.diagnostics.append(rule.at(self._source(element), **values))
 
     def _source(self, element: Element) -> Source:
         return Source(self.name, element.line, element.get("id"))
@@ -310,7 +310,7 @@ class PageWalk(Struct):
         try:
             return parse_colour(text.split(" icc-color")[0])
         except ValueError:
-            self.found.said.append(rules.COLOUR.at(source, found=text))
+            self.found.diagnostics.append(rules.COLOUR.at(source, found=text))
             return None
 
 

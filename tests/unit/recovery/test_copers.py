@@ -64,13 +64,13 @@ def made(part: Part, machine: Machine = COPER, skips: tuple[str, ...] = ()) -> s
 
 def recovered(text: str, machine: Machine = COPER, stock: KnownStock = KnownStock()) -> Part:  # noqa: B008
     found = recover(text, machine, "jobs/p.ngc", stock)
-    assert not errors_in(found.said), [str(d) for d in found.said]
+    assert not errors_in(found.diagnostics), [str(d) for d in found.diagnostics]
     (part,) = found.parts
     return part
 
 
 def codes(found: Recovered) -> list[str]:
-    return [d.code for d in found.said]
+    return [d.code for d in found.diagnostics]
 
 
 def of(part: Part, kind: type[Feature]) -> list[Feature]:
@@ -189,11 +189,13 @@ def test_an_axis_that_is_not_the_tip() -> None:
 def test_what_is_drawn_and_what_is_the_machines_is_told() -> None:
     sharp = recover(made(sample("cleat")), COPER, "p")
     assert codes(sharp) == TOLD
-    assert "found 3 re-entrant corner(s) with the machine's own radius of 10 mm" in str(sharp.said)
+    assert "found 3 re-entrant corner(s) with the machine's own radius of 10 mm" in str(
+        sharp.diagnostics
+    )
     drawn = recover(made(sample("trimmer")), COPER, "p")  # its radii are 12 mm
     assert codes(drawn) == [REFITTED.code]
     assert "found 3 contour(s) of chords, taken as lines and arcs within 0.025 mm" in str(
-        drawn.said
+        drawn.diagnostics
     )
     assert codes(recover(made(part_of()), COPER, "p")) == []
 
@@ -214,7 +216,7 @@ def test_a_section_is_named_or_asked_for() -> None:
     text = made(part)
     found = recover(text, COPER, "p")
     assert (codes(found), found.parts) == ([UNNAMED.code], ())
-    assert "found the section BUILT 300 in the program's head" in str(found.said[0])
+    assert "found the section BUILT 300 in the program's head" in str(found.diagnostics[0])
     assert recovered(text, stock=KnownStock(odd)).profile == odd
     bare = re.sub(r"^\((BEAMCAM|SECTION IPE|PART).*\n", "", made(part_of()), flags=re.M)
     assert codes(recover(bare, COPER, "p")) == [UNNAMED.code]
@@ -227,7 +229,7 @@ def test_the_wrong_section_is_refused() -> None:
     """Heights over the steel are those of another web; a tube is no section of this torch."""
     text = made(part_of(Hole("v", 300.0, 150.0, 22.0, AT)))
     wrong = replace(IPE300, web_thickness=12.0)
-    assert errors_in(recover(text, COPER, "p", KnownStock(wrong)).said)
+    assert errors_in(recover(text, COPER, "p", KnownStock(wrong)).diagnostics)
     assert codes(recover(text, COPER, "p", KnownStock(CHS))) == ["verify-coping-section"]
 
 
@@ -315,7 +317,7 @@ def test_a_wall_that_is_not_parted_is_refused(profile: Profile, face: str) -> No
     behind = behind if behind > 0 else text.index("M30")
     found = recover(text[:at] + text[behind:], COPER, "p")
     assert codes(found) == [NOT_PARTED.code] * 2
-    assert [d.message.split(" that ")[0] for d in found.said] == [
+    assert [d.message.split(" that ")[0] for d in found.diagnostics] == [
         f"found no piece of face {one}" for one in ("v", face)
     ]
 

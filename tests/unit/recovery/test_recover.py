@@ -70,7 +70,7 @@ def test_each_kind_comes_back_as_it_was(features: tuple[Feature, ...]) -> None:
     machine = load("beamline-pusher")
     text = post((bar(*features),), machine).text
     found = recover(text, machine, "p", KnownStock(BEAM))
-    assert found.said == ()
+    assert found.diagnostics == ()
     (part,) = found.parts
     assert shape(part) == list(features)
     assert part.length == 1500.0
@@ -99,7 +99,7 @@ def test_equal_pieces_are_one_part_with_their_number() -> None:
 
 def codes(text: str, machine: Machine, stock: KnownStock = KnownStock()) -> list[str]:  # noqa: B008
     found = recover(text, machine, "p", stock)
-    return [d.code for d in found.said]
+    return [d.code for d in found.diagnostics]
 
 
 def test_a_section_is_found_in_the_catalogue_or_asked_for() -> None:
@@ -132,7 +132,7 @@ def test_a_path_that_is_no_feature_is_refused() -> None:
     lines[k] = " ".join(words)
     found = recover("\n".join(lines) + "\n", machine, "p", KnownStock(BEAM))
     assert found.parts == ()
-    assert PATH.code in [d.code for d in found.said]
+    assert PATH.code in [d.code for d in found.diagnostics]
 
 
 def _xs(lines: list[str], rows: list[int]) -> list[str]:
@@ -145,15 +145,18 @@ def test_a_broken_program_is_refused_with_the_messages_of_the_read_back() -> Non
     text = post((bar(Hole("v", 300, 150, 18, S)),), machine).text.replace(" M09\n", " M99\n")
     found = recover(text, machine, "p", KnownStock(BEAM))
     assert found.parts == ()
-    assert any(d.code.startswith("verify-") for d in found.said)
+    assert any(d.code.startswith("verify-") for d in found.diagnostics)
 
 
 def test_another_machine_than_the_head_names_is_said_first() -> None:
     text = post((bar(),), load("beamline")).text
     found = recover(text, load("plate-linuxcnc"), "p")
     assert found.parts == ()
-    assert [d.code for d in found.said][:2] == ["verify-machine-changed", "verify-sheet-syntax"]
-    assert "found a program for the machine beamline" in found.said[0].message
+    assert [d.code for d in found.diagnostics][:2] == [
+        "verify-machine-changed",
+        "verify-sheet-syntax",
+    ]
+    assert "found a program for the machine beamline" in found.diagnostics[0].message
 
 
 def test_a_sheet_needs_its_thickness() -> None:
@@ -171,7 +174,7 @@ def test_a_thickness_that_nobody_says_is_the_programs(thickness: float) -> None:
     text = post((drawing(outline, hole, thickness=thickness),), machine).text
     shipped = table("plate-linuxcnc")
     found = recover(text, shipped, "p")
-    assert [d.code for d in found.said] == [FITTED.code]
+    assert [d.code for d in found.diagnostics] == [FITTED.code]
     (part,) = found.parts
     assert part.profile.web_thickness is not None
     assert part.profile.web_thickness >= thickness
@@ -208,7 +211,7 @@ def test_a_sheet_comes_back_without_leads_and_kerf(kerf_by: str) -> None:
     machine = table("plate-linuxcnc", thickness=6.0, kerf_by=kerf_by)
     text = post((part,), machine).text
     found = recover(text, machine, "p")
-    assert found.said == ()
+    assert found.diagnostics == ()
     (made,) = found.parts
     kinds = {c.kind: c for c in made.contours}
     assert (made.length, made.profile.height) == pytest.approx((200.0, 100.0), abs=1e-3)

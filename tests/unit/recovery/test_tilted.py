@@ -30,7 +30,7 @@ def text_of(part: Part) -> str:
 
 def recovered(text: str, part: Part) -> Part:
     found = recover(text, TILT, "p.ngc", KnownStock(profile=part.profile))
-    assert not errors_in(found.said), [str(d) for d in found.said]
+    assert not errors_in(found.diagnostics), [str(d) for d in found.diagnostics]
     (again,) = found.parts
     return again
 
@@ -98,7 +98,7 @@ def test_a_tilt_that_makes_neither_is_refused() -> None:
     text = coping_faults.program_of(less, job_of(part, TILT))
     found = recover(text, TILT, "p.ngc", KnownStock(profile=part.profile))
     assert not found.parts
-    assert "recover-tilted" in {d.code for d in errors_in(found.said)}
+    assert "recover-tilted" in {d.code for d in errors_in(found.diagnostics)}
 
 
 def test_an_edge_that_no_pass_runs_along_has_no_bevel() -> None:

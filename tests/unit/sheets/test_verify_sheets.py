@@ -326,6 +326,10 @@ def test_a_feature_that_nothing_makes() -> None:
     text = post((plate(),), machine).text
     bent = plate(Bend((0, 0), (9, 0), 90.0, 3.0, S))
     (said,) = verify_sheet(text, (bent,), machine)
+    assert (said.code, said.source) == ("verify-by-hand", S)
+    assert machine.marks is not None
+    machine = replace(machine, marks=replace(machine.marks, bends="refuse"))
+    (said,) = verify_sheet(text, (bent,), machine)
     assert (said.code, said.source) == ("verify-sheet-not-made", S)
     (left,) = verify_sheet(text, (bent,), machine, ("other",))
     assert (left.code, left.source) == ("verify-left-out", S)

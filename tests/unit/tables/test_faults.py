@@ -64,7 +64,7 @@ def test_a_run_without_faults_ends_at_home(style: str, kind: str, late: bool) ->
     one.press_start()
     one.run_until(DONE)
     assert one.states == [WAITS, HOMING, WORK, DONE]
-    assert one.said == []
+    assert one.diagnostics == []
     assert [round(a.position, 6) for a in one.axes[:2]] == [0.0, 0.0]
     for op in small_job(kind).operations:
         if isinstance(op, Travel | ArcTravel) and (op.x, op.y) not in ((0, 0), (10, 4), (10, 9)):

@@ -83,7 +83,7 @@ def test_the_torch_pierces_and_cuts_at_its_heights(style: str, kind: str) -> Non
         x, y, z = (axis.position for axis in one.axes)
         if one.value("workState") == WORK and not one.tool_on and dist(before[:2], (x, y)) > 0.0:
             seen.append((x, y, z))
-    assert one.said == []
+    assert one.diagnostics == []
     assert one.states == [WAITS, HOMING, WORK, DONE]
     assert one.axes[Z].position == pytest.approx(HOME_HEIGHT)
     assert len(seen) > 40

@@ -101,7 +101,7 @@ def test_the_program_of_a_part_runs_in_the_time_that_is_told(
     one.run_while(lambda: one.value("operation") == 0)
     began = one.clock_s
     one.run_until(DONE, 900.0)
-    assert one.said == []
+    assert one.diagnostics == []
     job, _ = read_program(program(name, kind, style), machine)
     assert job is not None
     trace = trigger_trace(job, machine)

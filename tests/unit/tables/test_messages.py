@@ -153,12 +153,12 @@ def said_of(text: str) -> list[Diagnostic]:
         return said
     cell = CuttingTable(units, machine, "a.st")
     try:
-        while not cell.said and cell.clock_s < 20:
+        while not cell.diagnostics and cell.clock_s < 20:
             cell.start = cell.clock_s > 0.0
             cell.cycle()
     except ControllerFault as fault:
         return [fault.diagnostic]
-    return cell.said
+    return cell.diagnostics
 
 
 def test_every_rule_of_programs_is_said() -> None:

@@ -64,7 +64,7 @@ def test_both_dialects_draw_the_same_path(name: str, style: str) -> None:
         one = Plant(units_of(text, machine), machine)
         one.press_start()
         one.run_until(DONE, 900.0)
-        assert one.said == []
+        assert one.diagnostics == []
         assert one.states == [WAITS, HOMING, WORK, DONE]
         points[machine.name] = one.points
     simotion_points, plain_points = points.values()

@@ -131,7 +131,7 @@ def test_named_inputs_and_outputs_are_declared() -> None:
     one = Plant(units_of(text, machine), machine)
     one.press_start()
     one.run_until(DONE, 600.0)
-    assert one.said == []
+    assert one.diagnostics == []
     assert one.points["cut"]
     lit = simotion.emit(triggers("shield"), plain_machine(fault_lamp="lamp"), "chain")
     assert "    lamp := workFault;\n" in lit

@@ -69,7 +69,7 @@ def by_stepper() -> shapely.LineString:
     for rows in binary_rows(Stream(forms.as_bytes(table), NAME), machine.stepper):
         followed.follow(rows)
     followed.finish()
-    assert followed.said == []
+    assert followed.diagnostics == []
     (stroke,) = outline.strokes
     return shapely.LineString(np.concatenate(stroke))
 

@@ -66,11 +66,11 @@ def test_what_is_read_is_what_an_executor_of_the_text_does(
     assert machine.torch is not None
     execution = Execution(job, machine, machine.torch.rows, "a.st")
     execution.follow()
-    assert execution.said == []
+    assert execution.diagnostics == []
     plant = Plant(units_of(text, machine), machine)
     plant.press_start()
     plant.run_until(DONE, 600.0)
-    assert plant.said == []
+    assert plant.diagnostics == []
     for process in {stroke.process for stroke in execution.strokes}:
         lines = [s.points for s in execution.strokes if s.process == process]
         way = shapely.MultiLineString(lines)
