@@ -2,7 +2,7 @@
 
 import random
 from collections.abc import Callable
-from math import radians, tan
+from math import hypot, radians, tan
 
 from msgspec.structs import replace
 
@@ -149,6 +149,18 @@ def pierced_in_part(plan: CopePlan, chance: random.Random) -> CopePlan | None:
         plan, chance, change,
         lambda cut: (cut.kind == "inner" or cut.face == "v") and not cut.bevel,
     )  # fmt: skip
+
+
+def bevel_pierced_in_part(plan: CopePlan, chance: random.Random) -> CopePlan | None:
+    """A pass along a bevel that is pierced in the steel behind the middle of its edge."""
+
+    def change(cut: CopeCut) -> CopeCut:
+        (xa, ya), (xb, yb), (xc, yc) = cut.path[:3]
+        share = hypot(xb - xa, yb - ya) / hypot(xc - xb, yc - yb)
+        inside = (xb + xc) / 2 - (yc - yb) * share, (yb + yc) / 2 + (xc - xb) * share
+        return replace(cut, path=(inside, *cut.path[1:]))
+
+    return _changed(plan, chance, change, lambda cut: bool(cut.bevel) and len(cut.path) > 2)
 
 
 def other_row(machine: Machine) -> OfPlan:
@@ -329,6 +341,7 @@ def plan_faults(machine: Machine) -> dict[str, OfPlan]:
     return of_all | {
         "mirrored across": mirrored_across, "face left out": face_left_out,
         "other face": on_other_face, "pierced in the part": pierced_in_part,
+        "bevel pierced in the part": bevel_pierced_in_part,
         **TILTS, "wrong land": wrong_land, "passes in the wrong order": bevel_first,
         "bevel behind the parting": bevel_last, "lower bevel behind": lower_behind,
     }  # fmt: skip
