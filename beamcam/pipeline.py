@@ -335,19 +335,19 @@ def posting(job: Job, plan: AnyPlan) -> Generator[str, None, Posted]:
     yield "put in motion"
     written = kind.emit(program, job)
     yield "printed the program"
-    diagnostics: tuple[Diagnostic, ...] = ()
+    differences: tuple[Diagnostic, ...] = ()
     if request.verified:
         diagnostics = kind.verify(written, job)
-        said = (
+        differences = (
             *other_than_planned(plan, diagnostics, job),
             *head_differences(job, plan, written, diagnostics),
         )
         yield "read the program back"
-        if errors_in(said):
-            raise RefusedProgram(said, written)
+        if errors_in(differences):
+            raise RefusedProgram(differences, written)
         if request.strict:
-            refuse_warnings(said)
-    return Posted(written, plan, (*remarks, *said), program, job)
+            refuse_warnings(differences)
+    return Posted(written, plan, (*remarks, *differences), program, job)
 
 
 def remarks_on(plan: AnyPlan, machine: Machine, strict: bool) -> tuple[Diagnostic, ...]:

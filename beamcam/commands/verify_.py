@@ -96,10 +96,10 @@ def command(
         raise click.UsageError("--solid needs the PARTs of a whole program, behind --against.")
     if (program, after, *parts).count(STANDARD) > 1:
         raise click.UsageError("found - twice; expected it once, standard input is read once.")
-    diagnostics: tuple[Diagnostic, ...] = ()
+    remarks: tuple[Diagnostic, ...] = ()  #: on the parts
     try:
         config = settled(asked, parts or (program,))
-        wanted, said = read_parts(parts, config, asked, console)
+        wanted, remarks = read_parts(parts, config, asked, console)
         data = input_bytes(program)
         refuse_part(program, data)
         machine = machine_for_program(config, program, data, wanted)
@@ -124,12 +124,12 @@ def command(
             *(_solid_faults(data, request, bar) if solid else ()),
         )
     except BeamcamError as error:
-        console.stop((*said, *error.diagnostics))
+        console.stop((*remarks, *error.diagnostics))
     console.did(f"read {name} back on {machine.name}: {len(diagnostics)} message(s)")
     if as_json:
-        say_json([as_message(d) for d in (*said, *diagnostics) if console.wants(d.severity)])
+        say_json([as_message(d) for d in (*remarks, *diagnostics) if console.wants(d.severity)])
     else:
-        console.say((*said, *diagnostics))
+        console.say((*remarks, *diagnostics))
     if errors_in(diagnostics):
         raise SystemExit(REFUSED)
     if exit_left_out is not None and any(d.code in NOT_MADE for d in diagnostics):

@@ -96,6 +96,8 @@ def wedge(made: Cuts, bar: Bar, contour: Contour, bevel: Bevel) -> str:
     outer = contour.face in ("v", "o")
     from_high = outer == (bevel.angle > 0)
     deep = high - low - bevel.land
+    if bevel.angle < 0.0:  # of the far side, which its land counts from; 0 is all of the wall
+        deep = bevel.land or high - low
     wide = deep * tan(radians(abs(bevel.angle)))
     top, way = (high, -1.0) if from_high else (low, 1.0)
 

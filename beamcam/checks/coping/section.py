@@ -8,14 +8,15 @@ from collections.abc import Sequence
 from functools import cached_property
 from itertools import pairwise
 from math import cos, hypot, inf, pi, sin
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
-import numpy as np
 from msgspec.structs import replace
 
 from beamcam.checks.bars.pieces import Rotation, rotated
-from beamcam.geometry.array_types import Floats
 from beamcam.model.part import Bevel, Contour, Feature, Part, Profile
+
+if TYPE_CHECKING:
+    from beamcam.geometry.array_types import Floats
 
 FILLET_STEPS = 48  #: chords of a fillet, 0.004 mm off one of 30 mm
 ARC = 16  #: sides of a quarter of a kerf's end
@@ -181,8 +182,10 @@ class CoperSection:
             shapes.append(Polygon([(y, z), *arc]))
         return union_all(shapes)
 
-    def reach_along(self, ways: Floats) -> Floats:
+    def reach_along(self, ways: "Floats") -> "Floats":
         """How far the box of the section reaches along ways (Y, Z) of length 1, from Y 0, Z 0."""
+        import numpy as np
+
         reach: Floats = np.maximum(ways * (self.high, self.wide), 0.0).sum(axis=1)
         return reach
 
@@ -248,15 +251,19 @@ class TubeSection:
         inner = box(-self.flat_y, -self.flat_z, self.flat_y, self.flat_z)
         return inner.buffer(self.radius, FILLET_STEPS)
 
-    def reach_along(self, ways: Floats) -> Floats:
+    def reach_along(self, ways: "Floats") -> "Floats":
         """How far the section reaches along ways (Y, Z) of length 1, from its axis."""
+        import numpy as np
+
         return np.abs(ways) @ (self.flat_y, self.flat_z) + self.radius
 
-    def place(self, y: Floats, z: Floats, a_deg: Floats) -> tuple[Floats, Floats, Floats]:
+    def place(self, y: "Floats", z: "Floats", a_deg: "Floats") -> "tuple[Floats, Floats, Floats]":
         """s below tips, how high they are over the surface, how far beside the normal they stand.
 
         A tip is at Y and Z of the machine while the tube has turned by A about its axis.
         """
+        import numpy as np
+
         c, k = np.cos(np.radians(a_deg)), np.sin(np.radians(a_deg))
         y, z = c * y - k * z, k * y + c * z
         at_y = np.clip(y, -self.flat_y, self.flat_y)

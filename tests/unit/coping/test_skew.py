@@ -24,7 +24,7 @@ from beamcam.planning.coping.ends import planes_of
 from beamcam.planning.coping.plan import plan_coping
 from beamcam.reports.hand_list import hand_rows
 from beamcam.solid.opinion import solid_faults
-from benchmarks import coping_faults
+from benchmarks import coping_faults, coping_plans
 from tests.conftest import SAMPLES, examples, sampled
 from tests.random_copes import random_mitre
 from tests.unit.coping.samples import COPER, IPE300, job_of, outline, part_of, program_of
@@ -220,7 +220,7 @@ def test_the_tip_stands_off_so_that_its_edge_keeps_the_height() -> None:
     assert (x, y, z) == (pytest.approx(0.5), pytest.approx(-0.8660254), pytest.approx(0.0))
 
 
-@pytest.mark.parametrize("name", [*coping_faults.TILTS, "cut square"])
+@pytest.mark.parametrize("name", [*coping_plans.TILTS, "cut square"])
 def test_a_wrong_tilt_is_refused(name: str) -> None:
     part = mitre()
     wrong = dict(coping_faults.faults(part, BEVEL, random.Random(1)))
