@@ -1,6 +1,6 @@
 """Wrong programs of copers and tubes for `solid.py`: what their torch takes is not what it should.
 
-Made of a plan that is wrong, by the classes of `coping_faults.py`, or of the text of a program.
+Made of a plan that is wrong, by the classes of `coping_plans.py`, or of the text of a program.
 """
 
 import random
@@ -17,7 +17,7 @@ from beamcam.model.part import Contour
 from beamcam.model.plan import CopeCut, CopePlan
 from beamcam.model.request import Job, Request
 from beamcam.planning.coping.plan import plan_coping
-from benchmarks import coping_faults
+from benchmarks import coping_faults, coping_plans
 from benchmarks.solid_cases import Case, posted, stock_of
 
 _TURN = re.compile(r"(?m)^G0 A(-?\d+)$")
@@ -38,7 +38,7 @@ def of_plan(case: Case, change: Callable[[CopePlan, random.Random], CopePlan | N
 
 def kerf_side(case: Case, rng: Random) -> str | None:
     """A cut on the wrong side of its contour."""
-    return of_plan(case, coping_faults.on_the_part, rng)
+    return of_plan(case, coping_plans.on_the_part, rng)
 
 
 def cope_moved(case: Case, rng: Random) -> str | None:
@@ -87,17 +87,17 @@ def angle(case: Case, rng: Random) -> str | None:
 
 def elsewhere(case: Case, rng: Random) -> str | None:
     """A cut-out of a tube a quarter of a turn on."""
-    return of_plan(case, coping_faults.elsewhere_round, rng)
+    return of_plan(case, coping_plans.elsewhere_round, rng)
 
 
 def seam(case: Case, rng: Random) -> str | None:
     """An end of a tube that is not cut all round."""
-    return of_plan(case, coping_faults.ends_before_the_seam, rng)
+    return of_plan(case, coping_plans.ends_before_the_seam, rng)
 
 
 def missing(case: Case, rng: Random) -> str | None:
     """A hole, a slot, a cut-out or the cut of an end is not made."""
-    return of_plan(case, coping_faults.left_out, rng)
+    return of_plan(case, coping_plans.left_out, rng)
 
 
 def length(case: Case, rng: Random) -> str | None:

@@ -21,7 +21,7 @@ from beamcam.geometry.curves import Arc, Curve, Line
 from beamcam.machine import Machine
 from beamcam.model.part import Contour, Hole, Part, Profile, TextMark
 from beamcam.planning.coping.plan import plan_coping
-from benchmarks import coping_faults
+from benchmarks import coping_faults, coping_plans
 from tests.conftest import examples
 from tests.random_copes import random_cope, random_tee
 from tests.unit.coping.samples import (
@@ -186,7 +186,7 @@ WRONG = [
 @pytest.mark.parametrize(("code", "text", "part"), WRONG)
 def test_each_code_comes(code: str, text: str | None, part: Part) -> None:
     if text is None:
-        plan = coping_faults.reordered(plan_coping((part,), COPER), random.Random(1))
+        plan = coping_plans.reordered(plan_coping((part,), COPER), random.Random(1))
         assert plan is not None
         text = coping_faults.program_of(plan, job_of(part))
     said = found(text, part, SLIM if "place" in code else COPER)
