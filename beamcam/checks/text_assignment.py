@@ -51,8 +51,7 @@ def _anything(text: RequiredText, drawn: DrawnText) -> bool:
 
 def standings(
     texts: Sequence[RequiredText], drawn: DrawnPieces, steel: Steel, sure: Steel | None,
-    marks: Marks,
-    is_ours: Callable[[RequiredText, DrawnText], bool] = _anything,
+    marks: Marks, is_ours: Callable[[RequiredText, DrawnText], bool] = _anything,
 ) -> Iterator[TextStanding | None]:  # fmt: skip
     """Of each text of a face where a program draws it, or where the part has it if it has to.
 

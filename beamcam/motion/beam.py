@@ -67,8 +67,9 @@ class SpindleSection(Struct, frozen=True):
 
 _section_of: PerObjectAndKey[Machine, Profile, SpindleSection] = PerObjectAndKey(
     "motion.machines", "motion.sections",
-    lambda machine,
-    profile: SpindleSection(StrokeGeometry(profile, machine), BoundedCache("motion.strokes")),
+    lambda machine, profile: SpindleSection(
+        StrokeGeometry(profile, machine), BoundedCache("motion.strokes")
+    ),
 )  # fmt: skip
 
 

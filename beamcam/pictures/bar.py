@@ -252,8 +252,7 @@ def _labels(bar: BarMade, view: View, frame: PaperFrame) -> Labels:
 
 def _stroke(
     op: Bore | MachinedPath | StampedText, number: int, bar: BarMade, frame: PaperFrame,
-    drill_x: float,
-    tools: dict[tuple[str, float], int],
+    drill_x: float, tools: dict[tuple[str, float], int],
 ) -> tuple[Shape, Point, float]:  # fmt: skip
     """What an operation makes, the place that its number stands beside, and how far off it."""
     if isinstance(op, StampedText):

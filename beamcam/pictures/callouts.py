@@ -206,8 +206,7 @@ class _Standing(Struct):
 
 def callouts(
     sizes: Sequence[FaceSize], letters: dict[Pieces, str], frame: PaperFrame, face: Box,
-    right: float,
-    labels: Labels, unit: Unit,
+    right: float, labels: Labels, unit: Unit,
 ) -> Callouts:  # fmt: skip
     """Each size at its first place, and the letters of the others.
 

@@ -241,8 +241,7 @@ class CutFaults:
 
     def _place(
         self, part: Part, ends: tuple[RequiredEnd, RequiredEnd], following: RequiredEnd | None,
-        begin: float | None,
-        shared: bool,
+        begin: float | None, shared: bool,
     ) -> tuple[float, bool]:  # fmt: skip
         """One part's cuts; where the next part begins, and whether its start is made already."""
         first, last = ends

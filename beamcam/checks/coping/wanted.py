@@ -49,8 +49,7 @@ class RequiredWall(Struct, frozen=True):
 
 def wanted_on(
     part: Part, face: str, section: CoperSection, coper: Coper, left: Collection[int],
-    stock: WallStock,
-    ends: Sequence[EndOnWall] = (),
+    stock: WallStock, ends: Sequence[EndOnWall] = (),
 ) -> RequiredWall:  # fmt: skip
     """What has to stay of a wall; `left` are features that are not made, `ends` skew ends."""
     from shapely import Point as Place

@@ -71,8 +71,7 @@ def add_texts(need: Need, part: Part, machine: Machine, torch: Torch, strokes: S
 
 def _where_they_are(
     need: Need, required: Sequence[tuple[int, RequiredText]], part: Part, machine: Machine,
-    steel: Steel,
-    pieces: Sequence[tuple[Point, Point]],
+    steel: Steel, pieces: Sequence[tuple[Point, Point]],
 ) -> None:  # fmt: skip
     """Add the texts that a table letters where the part has them; it moves none.
 

@@ -224,8 +224,7 @@ FAR = 1e5
 
 def with_ledges(
     regions: Mapping[Face, WallRegion], depths: Mapping[int | None, float], kerf: float,
-    coper: Coper,
-    source: Source,
+    coper: Coper, source: Source,
 ) -> tuple[dict[Face, WallRegion], list[Diagnostic]]:  # fmt: skip
     """Regions whose web keeps the ledges of such holes, and a warning of each.
 
