@@ -55,7 +55,7 @@ REASONS = {
     NOT_MOVED: "it is not clear of edges and holes there, and the machine moves no text",
     HEIGHT: "the machine does not letter at that height, which is binding",
     DRILL: "the torch cannot make it and marks its centre for the drill",
-    BEVEL: "the torch cuts its bevelled edges square",
+    BEVEL: "the torch cuts square what is bevelled or skew through the wall",
     ROOT: "the torch leaves steel at a root, where it does not reach",
     BEND: "the machine makes the blank, and does not bend",
 }
