@@ -103,9 +103,9 @@ def steps_of(part: Part, burns: Sequence[Burn], slack: float) -> "Iterator[Manif
     m = kernel()
     profile, is_tee = part.profile, part.profile.code == "T"
     web = profile.web_thickness or 0.0
-    if profile.code not in ("I", "U", "L", "T") or not burns:
-        return
     deep = max((burn.row.up_to for burn in burns if burn.a_deg), default=0.0)
+    if profile.code not in ("I", "U", "L", "T") or not deep:
+        return
     near = max(burn.row.kerf for burn in burns) + slack
     high, wide = (profile.width, profile.height) if is_tee else (profile.height, profile.width)
     middle = (wide - web) / 2 if profile.code in ("I", "T") else 0.0

@@ -145,6 +145,13 @@ def test_a_missing_cut_out_of_a_tube_is_named_by_its_arc() -> None:
     assert re.search(r"on face v at x 200\.0, y (399|400)\.\d", found["solid-extra"])
 
 
+@pytest.mark.parametrize("name", ["valley", "cleat"])
+def test_a_program_that_turns_its_torch_nowhere(name: str) -> None:
+    part = sample(name)
+    upright = re.sub(r"(?m)^G0 A-?90", "G0 A0", posted(part))
+    assert {code for code in wrong(upright, part) if code.startswith("solid-")}
+
+
 def test_the_mirror_image_is_another_part() -> None:
     """Two holes in one half of the web, at different places from both ends."""
     holes = [(120.0, 90.0), (200.0, 90.0)]
