@@ -26,6 +26,7 @@ SHARE_OVER = 0.98  #: of half a kerf, by which a path is followed beyond a free 
 LEADS = (1.0, 0.75, 0.5, 0.25, 0.0)  #: shares of the lead that are tried
 STARTS = 12  #: stretches of a closed path on which a start is looked for
 SLACK = 0.005  #: mm that paths round corners may be nearer than half a kerf
+SAME_PLACE = 0.0005  #: mm; places of a path that are nearer are one
 
 #: The border at which a path ends: of the torch's reach, or an end of a piece; "": it is closed.
 End = Literal["low", "high", "near", "far", ""]
@@ -107,12 +108,13 @@ def paths_of(shape: Shape, half_kerf: float, wall: PlannedWall) -> Shape:
 
 
 def rings_of(shape: Shape) -> Iterator[list[Point]]:
-    """The rings of a region with the region on their left, without repeating their start."""
+    """The rings of a region with the region on their left, without repeating a place."""
+    from shapely import remove_repeated_points
     from shapely.geometry.polygon import orient
 
     for polygon in getattr(shape, "geoms", (shape,)):
         if polygon.geom_type == "Polygon" and not polygon.is_empty:
-            turned = orient(polygon)
+            turned = orient(remove_repeated_points(polygon, SAME_PLACE))
             for ring in (turned.exterior, *turned.interiors):
                 yield [(x, y) for x, y in ring.coords[:-1]]
 
