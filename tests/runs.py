@@ -83,6 +83,11 @@ def processor_s(pid: int) -> float:
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
+def is_asleep(pid: int) -> bool:
+    """Whether a process waits for something, as for its input."""
+    return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] == "S"
+
+
 def children(pid: int) -> list[int]:
     """The processes that one has started, and those that they have."""
     try:

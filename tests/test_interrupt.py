@@ -13,7 +13,7 @@ import pytest
 
 from beamcam.system import asked_to_end, interrupts_waiting
 from tests.conftest import ROOT, sampled
-from tests.runs import HANG_S, children, fill, part, processor_s, wait_until
+from tests.runs import HANG_S, children, fill, is_asleep, part, processor_s, wait_until
 
 FILES = 4000
 #: Each waits for what stands on its standard input, in the middle of its work.
@@ -147,10 +147,13 @@ def ended(
 
 
 def has_taken_its_input(process: "subprocess.Popen[bytes]") -> bool:
-    """Whether a command has read what stood on its standard input, and waits for more."""
+    """Whether a command has read what stood on its standard input, and waits for more.
+
+    Python hears of a signal that comes between two reads when the second one ends.
+    """
     assert process.stdin is not None
     left = fcntl.ioctl(process.stdin.fileno(), termios.FIONREAD, bytes(4))
-    return int.from_bytes(left, sys.byteorder) == 0
+    return int.from_bytes(left, sys.byteorder) == 0 and is_asleep(process.pid)
 
 
 def is_at_work(process: "subprocess.Popen[bytes]") -> bool:
