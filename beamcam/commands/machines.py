@@ -177,6 +177,7 @@ def check(name: str, console: Console) -> None:
         machine = load_proved(place)
     except BeamcamError as error:
         console.stop(error.diagnostics)
+    console.say(machine.remarks)
     faults = _held_up(machine, place, console)
     console.did(f"held a section up to {machine.name}")
     if faults:

@@ -125,6 +125,8 @@ def test_a_command_says_it_once(tmp_path: Path) -> None:
     out = str(tmp_path / "job.gcode")
     run = CliRunner().invoke(main, ["post", str(part), "--machine", path, "-o", out])
     assert run.stderr.count("machine-former-key") == 1
+    checked = CliRunner().invoke(main, ["machines", "check", path])
+    assert (checked.exit_code, checked.stderr.count("machine-former-key")) == (0, 1)
     shown = CliRunner().invoke(main, ["machines", "show", path])
     assert shown.stderr.count("machine-former-key") == 1
     assert "layout.min_bar" in shown.stdout
