@@ -14,10 +14,10 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam import readers
-from beamcam.asked import AnyMachine, check_asked, machine_of
+from beamcam.arguments import AnyMachine, check_arguments, machine_of
 from beamcam.budget import check_pieces
-from beamcam.checks.asked import job_faults, pieces_asked
 from beamcam.checks.head import head_of, other_bar
+from beamcam.checks.request import job_faults, pieces_asked
 from beamcam.checks.rules import BAR_NEEDED
 from beamcam.emitters import head_lines
 from beamcam.errors import Diagnostic, PlanError, ReadError, Severity, VerifyError, errors_in
@@ -27,7 +27,13 @@ from beamcam.model.plan import AnyPlan, Order, WorkTime
 from beamcam.model.program import Program
 from beamcam.model.request import Job, Request
 from beamcam.planning import Share, from_store, shares_of
-from beamcam.planning.left_out import BY_HAND, LEFT_OUT, by_hand_sources, left_out_kinds, told
+from beamcam.planning.left_out import (
+    LEFT_OUT,
+    MANUAL_WORK,
+    left_out_kinds,
+    manual_work_sources,
+    told,
+)
 from beamcam.planning.rules import named_skips
 from beamcam.posts import Written, beginning, post_of
 from beamcam.readers.content import Reading, content, shown_name
@@ -42,7 +48,7 @@ def untold(stage: str) -> None:
 
 
 #: Rules for features that a program does not make, as allowed or as the machine file says.
-NOT_MADE = (LEFT_OUT.code, BY_HAND.code)
+NOT_MADE = (LEFT_OUT.code, MANUAL_WORK.code)
 
 
 class Posted(Struct, frozen=True):
@@ -225,7 +231,7 @@ def post(
     cannot make the parts, or under `strict` if there is a warning; VerifyError if the program would
     make anything else.
     """
-    check_asked(job, bar, skips)  # before a text is taken for a list of letters
+    check_arguments(job, bar, skips)  # before a text is taken for a list of letters
     request = Request(
         tuple(parts), machine, named_skips(skips), job, order, turn,
         () if bar is None else (bar,), style, None, strict, verified, date,
@@ -254,7 +260,7 @@ def begin(request: Request, together: bool = False, stage: Stage = untold) -> li
     Raises PlanError where the machine cannot make it, of bars that are all too short for the
     longest; and VerifyError if the programs together are not what was asked for.
     """
-    check_asked(request.name, None, request.skips)
+    check_arguments(request.name, None, request.skips)
     shares = shares_of(request, together)
     begun = [
         begin_share(request, share, stage, (number, len(shares)))
@@ -327,8 +333,8 @@ def posting(job: Job, plan: AnyPlan) -> Generator[str, None, Posted]:
     kind = post_of(job.machine)
     remarks = remarks_on(plan, job.machine, request.strict)
     program = kind.motion(plan, job.machine, request.name)
-    by_hand = sum(1 for _ in by_hand_sources(plan))
-    head = head_lines(job, plan, left_out_kinds(plan), by_hand)
+    manual_work = sum(1 for _ in manual_work_sources(plan))
+    head = head_lines(job, plan, left_out_kinds(plan), manual_work)
     if request.date and isinstance(program, Program):
         program = replace(program, about={**program.about, "date": request.date})
     program = kind.with_head(program, tuple(head))

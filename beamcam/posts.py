@@ -230,9 +230,9 @@ def _of_asked(
 
     `begin` is the text that the program begins with.
     """
-    from beamcam.checks.sheets.asked_layout import as_asked
+    from beamcam.checks.sheets.required_layout import laid_out
 
-    parts, diagnostics = as_asked(job.parts, job.machine.torch)
+    parts, diagnostics = laid_out(job.parts, job.machine.torch)
     if diagnostics:
         return tuple(diagnostics)
     w = job.request

@@ -11,17 +11,17 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.checks.asked import BY_HAND as FOR_HAND
-from beamcam.checks.asked import LEDGER, TEXT_TOLD, UNCUT, UNCUT_TOLD
-from beamcam.checks.asked import LEFT_OUT as MISSING
-from beamcam.checks.asked import TEXT_MOVED as MOVED
 from beamcam.checks.head import HEAD_TEXT, head_faults, head_of
+from beamcam.checks.request import LEDGER, TEXT_TOLD, UNCUT, UNCUT_TOLD
+from beamcam.checks.request import LEFT_OUT as MISSING
+from beamcam.checks.request import MANUAL_WORK as FOR_MANUAL_WORK
+from beamcam.checks.request import TEXT_MOVED as MOVED
 from beamcam.checks.rules import BAR_NEEDED, BAR_TOLD
 from beamcam.errors import Diagnostic, Severity, Source
 from beamcam.model.part import Part
 from beamcam.model.plan import AnyPlan, Plan
 from beamcam.model.request import Job
-from beamcam.planning.left_out import TEXT_MOVED, by_hand_sources, left_out_sources
+from beamcam.planning.left_out import TEXT_MOVED, left_out_sources, manual_work_sources
 from beamcam.posts import Written, beginning, carries_head
 
 TOLD_BAR = 0.001  #: mm that lengths of bars in messages are rounded to
@@ -44,7 +44,7 @@ def other_than_planned(
     refused = False
     moved: list[Diagnostic] = []
     for diagnostic in diagnostics:
-        if diagnostic.code in (MISSING.code, FOR_HAND.code):
+        if diagnostic.code in (MISSING.code, FOR_MANUAL_WORK.code):
             missing.append((diagnostic.code, diagnostic.source))
         elif diagnostic.code == MOVED.code:
             moved.append(diagnostic)
@@ -65,10 +65,10 @@ def other_than_planned(
             yield diagnostic
     if refused:  # what is missing may not have been looked for
         return
-    hand = [*by_hand_sources(plan)]
+    hand = [*manual_work_sources(plan)]
     told = [diagnostic for diagnostic in plan.remarks if diagnostic.code == TEXT_MOVED.code]
     named = [(MISSING.code, source) for source in left_out_sources(plan)]
-    named += [(FOR_HAND.code, source) for source in hand]
+    named += [(FOR_MANUAL_WORK.code, source) for source in hand]
     if not (told or moved or missing or named):  # as of nearly every plan
         return
     alike = stand_ins(job.parts)
@@ -104,10 +104,10 @@ def head_differences(
         return ()
     told_bar = isinstance(plan, Plan) and job.machine.saw is not None
     bar = plan.bar.length if isinstance(plan, Plan) and told_bar else None
-    missing, by_hand = (
-        sum(one.code == of.code for one in diagnostics) for of in (MISSING, FOR_HAND)
+    missing, manual_work = (
+        sum(one.code == of.code for one in diagnostics) for of in (MISSING, FOR_MANUAL_WORK)
     )
-    return head_faults(head_of(beginning(written)), job, bar, missing, by_hand)
+    return head_faults(head_of(beginning(written)), job, bar, missing, manual_work)
 
 
 # --- places of texts ------------------------------------------------------------------------------
@@ -151,12 +151,12 @@ def stand_ins(parts: Sequence[Part]) -> dict[Source, Source]:
 
 def other_places(
     told: Iterable[Diagnostic], diagnostics: Iterable[Diagnostic], alike: Mapping[Source, Source],
-    by_hand: Collection[Source],
+    manual_work: Collection[Source],
 ) -> Iterator[Diagnostic]:  # fmt: skip
     """Texts that are found moved elsewhere than the plan tells, or of which it tells nothing.
 
-    `by_hand` are the sources of marks that the plan left for manual work: which of some texts that
-    are alike these are is not to be told from a program either.
+    `manual_work` are the sources of marks that the plan left for manual work; which of several
+    equal texts these are, a program does not tell either.
     """
     groups: dict[tuple[Source, str], tuple[list[_LetteredAt], list[_LetteredAt]]] = {}
     for which, messages in enumerate((told, diagnostics)):
@@ -164,7 +164,7 @@ def other_places(
             one = _lettered_at(diagnostic)
             group = alike.get(one.source, one.source), one.letters
             groups.setdefault(group, ([], []))[which].append(one)
-    left = {alike.get(source, source) for source in by_hand}
+    left = {alike.get(source, source) for source in manual_work}
     for (source, _), (planned, moved) in groups.items():
         yield from _differences(planned, moved, source in left)
 

@@ -14,7 +14,7 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam import readers
-from beamcam.checks.asked import rest_faults
+from beamcam.checks.request import rest_faults
 from beamcam.errors import Diagnostic, PlanError, ReadError, VerifyError, errors_in, note
 from beamcam.machine.machine import Machine
 from beamcam.machine_choice import ChainLink, chain_of, none_makes_it
@@ -23,7 +23,7 @@ from beamcam.model.plan import NOT_MADE, AnyPlan, unfinished
 from beamcam.model.request import Request
 from beamcam.pipeline import Posted, begin, finished
 from beamcam.planning.begun import begun_part
-from beamcam.planning.left_out import BY_HAND, LEFT_OUT
+from beamcam.planning.left_out import LEFT_OUT, MANUAL_WORK
 from beamcam.writers import Target
 
 Sourced = TypeVar("Sourced", Part, Feature, Plane)  #: what says where it comes from
@@ -105,7 +105,7 @@ class Stage(Struct, frozen=True):
     @property
     def remarks(self) -> tuple[Diagnostic, ...]:
         """The remarks on the program, but on what the next machine gets."""
-        left = (LEFT_OUT.code, BY_HAND.code) if self.rest else ()
+        left = (LEFT_OUT.code, MANUAL_WORK.code) if self.rest else ()
         return tuple(one for one in self.posted.remarks if one.code not in left)
 
 

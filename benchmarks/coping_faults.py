@@ -27,7 +27,7 @@ from beamcam.model.part import Contour, Part
 from beamcam.model.plan import CopePlan
 from beamcam.model.request import Job, Request
 from beamcam.planning.coping import plan as planner
-from beamcam.planning.left_out import by_hand_sources, left_out_kinds
+from beamcam.planning.left_out import left_out_kinds, manual_work_sources
 from beamcam.posts import post_of
 from benchmarks.coping_plans import is_tilted, plan_faults, reordered
 from benchmarks.coping_texts import TEXTS, TILT_TEXTS, TUBE_TEXTS
@@ -47,7 +47,7 @@ from tests.random_tubes import random_tube
 def program_of(plan: CopePlan, job: Job) -> str:
     """The text of a plan's program."""
     post = post_of(job.machine)
-    head = head_lines(job, plan, left_out_kinds(plan), sum(1 for _ in by_hand_sources(plan)))
+    head = head_lines(job, plan, left_out_kinds(plan), sum(1 for _ in manual_work_sources(plan)))
     program = post.with_head(post.motion(plan, job.machine, "JOB"), tuple(head))
     text = post.emit(program, job)
     assert isinstance(text, str)

@@ -28,8 +28,8 @@ from msgspec.structs import replace
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from beamcam.checks.asked import BY_HAND, LEFT_OUT
 from beamcam.checks.bars import verify
+from beamcam.checks.request import LEFT_OUT, MANUAL_WORK
 from beamcam.errors import Diagnostic, Severity, Source
 from beamcam.machine import Machine, load
 from beamcam.model.part import Hole, Part, Profile
@@ -77,7 +77,7 @@ class Case(Struct, frozen=True):
 
     def said(self, text: str) -> tuple[Diagnostic, ...]:
         found = verify(text, self.parts, self.machine, SKIP_NAMES, bar=self.bar)
-        return tuple(d for d in found if d.code not in (LEFT_OUT.code, BY_HAND.code))
+        return tuple(d for d in found if d.code not in (LEFT_OUT.code, MANUAL_WORK.code))
 
     def caught(self, text: str) -> bool:
         return any(d.severity is not Severity.NOTE for d in self.said(text))

@@ -47,12 +47,12 @@ def work(kind: str, data: bytes, chance: random.Random) -> tuple[str, str]:
 
 def _use_machine(data: bytes) -> None:
     """Load a machine file, and post a sample with it."""
-    from beamcam.machine_proof import load_proved
+    from beamcam.self_test import load_tested
 
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "mine.toml"
         path.write_bytes(data)
-        machine = load_proved(str(path))
+        machine = load_tested(str(path))
     sample = "channel" if machine.stock == "beam" else "plate"
     _post(f"{sample}.nc1", (ROOT / f"samples/dstv/{sample}.nc1").read_bytes(), machine)
 

@@ -18,7 +18,7 @@ from msgspec.structs import replace
 
 import beamcam
 from beamcam import api
-from beamcam.asked import AskError
+from beamcam.arguments import AskError
 from beamcam.cli import main
 from beamcam.errors import BeamcamError, MachineError, PlanError, ReadError
 from beamcam.machine import load

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from beamcam import pipeline
-from beamcam.checks.asked import job_faults, pieces_asked
-from beamcam.checks.sheets.asked_layout import as_asked
+from beamcam.checks.request import job_faults, pieces_asked
+from beamcam.checks.sheets.required_layout import laid_out
 from beamcam.cli import main
 from beamcam.errors import Source, VerifyError
 from beamcam.geometry.curves import Arc, Line
@@ -127,7 +127,7 @@ def test_where_parts_lie_by_complex_numbers(how: dict[str, object], plain: bool)
         part = replace(part, features=(FEATURES[0],))
     torch = with_torch(TABLE, **how).torch
     assert torch is not None
-    theirs, ((ours,), said) = laid((part,), torch), as_asked((part,), torch)
+    theirs, ((ours,), said) = laid((part,), torch), laid_out((part,), torch)
     assert said == []
     middle, turn = complex(150, 100), cmath.exp(1j * cmath.pi * torch.rotate / 180)
 
@@ -166,7 +166,7 @@ def test_where_parts_lie_by_complex_numbers(how: dict[str, object], plain: bool)
 )
 def test_what_cannot_lie_otherwise_is_refused_by_the_read_back(feature: object, what: str) -> None:
     torch = with_torch(TABLE, mirror="x").torch
-    _, (said,) = as_asked((corner_plate(feature),), torch)
+    _, (said,) = laid_out((corner_plate(feature),), torch)
     assert (said.code, what in said.message) == ("verify-sheet-laid", True)
 
 

@@ -11,8 +11,8 @@ from click.testing import CliRunner, Result
 from msgspec.structs import replace
 
 from beamcam import pipeline
-from beamcam.checks.asked import BY_HAND as FOR_HAND
 from beamcam.checks.head import head_of
+from beamcam.checks.request import MANUAL_WORK as FOR_MANUAL_WORK
 from beamcam.cli import main
 from beamcam.commands.options import SkipNames
 from beamcam.errors import PlanError
@@ -25,9 +25,9 @@ from beamcam.model.part import Contour, Feature, Hole, Part, TextMark
 from beamcam.model.plan import Outcome
 from beamcam.model.request import Request
 from beamcam.pipeline import Posted, RefusedProgram, post, read_back
-from beamcam.planning.left_out import BY_HAND
+from beamcam.planning.left_out import MANUAL_WORK
 from beamcam.planning.rules import SKIP_NAMES
-from beamcam.reports.hand_list import HEAD, LIST_SUFFIX, as_csv, hand_rows
+from beamcam.reports.manual_work import HEAD, LIST_SUFFIX, as_csv, manual_rows
 from tests.conftest import SAMPLES
 from tests.runs import batch, counts, part, report
 from tests.unit.planning.shop import part as beam
@@ -75,10 +75,10 @@ def test_a_policy_of_list_leaves_a_mark_to_the_hand(name: str, made: Any, kind: 
     machine = with_policy(name, **{kind: "list"})
     posted = post([one], machine)
     assert listed(posted) == [0]
-    assert [said.code for said in posted.remarks] == [BY_HAND.code]
+    assert [said.code for said in posted.remarks] == [MANUAL_WORK.code]
     assert "LEFT TO THE HAND: 1" in posted.text
     found = read_back(posted.text, Request((one,), machine), 12000.0)
-    assert [said.code for said in found] == [FOR_HAND.code]
+    assert [said.code for said in found] == [FOR_MANUAL_WORK.code]
     assert "MARKED" not in posted.text
 
 
@@ -109,18 +109,18 @@ def test_a_mark_that_is_made_all_the_same_is_refused(kind: str) -> None:
 def test_pieces_of_one_part_share_their_rows() -> None:
     one = beam(TEXT)
     posted = post([one, one, replace(one, mark="P2")], load("beamline"))
-    rows = hand_rows(posted.plan)
+    rows = manual_rows(posted.plan)
     assert [(row["mark"], row["pieces"]) for row in rows] == [("P1", 2), ("P2", 1)]
     head = head_of(posted.text)
     assert head is not None
-    assert head.by_hand == 3
-    assert [said.code for said in posted.remarks].count(BY_HAND.code) == 1
+    assert head.manual_work == 3
+    assert [said.code for said in posted.remarks].count(MANUAL_WORK.code) == 1
 
 
 def test_the_list_says_what_and_where() -> None:
     machine = with_policy("beamline", points="list", contours="list")
     posted = post([beam(TEXT, POINT, LINE)], machine)
-    first, *rows = csv.reader(as_csv(hand_rows(posted.plan)).splitlines())
+    first, *rows = csv.reader(as_csv(manual_rows(posted.plan)).splitlines())
     assert tuple(first) == HEAD
     line = dict(zip(HEAD, rows[2], strict=True))
     assert [row[3:11] for row in rows] == [
@@ -150,7 +150,7 @@ def test_the_list_stands_beside_the_program(tmp_path: Path) -> None:
     source.write_text(lettered())
     done = call("post", source, "-o", target, "--json")
     assert done.exit_code == 0
-    assert [m["line"] for m in json.loads(done.stderr) if m["code"] == BY_HAND.code] == [30, 31]
+    assert [m["line"] for m in json.loads(done.stderr) if m["code"] == MANUAL_WORK.code] == [30, 31]
     beside = Path(f"{target}{LIST_SUFFIX}")
     rows = list(csv.DictReader(beside.read_text().splitlines()))
     assert [row["text"] for row in rows] == ["'=X10", "B,2"]  # no formula for a spreadsheet

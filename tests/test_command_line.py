@@ -143,7 +143,7 @@ def test_colours_are_for_terminals(
         monkeypatch.delenv(name, raising=False)
     for name, value in environment.items():
         monkeypatch.setenv(name, value)
-    assert common.wants_colour(Terminal(is_terminal)) is coloured
+    assert common.shows_colour(Terminal(is_terminal)) is coloured
 
 
 def test_the_severity_of_a_message_is_coloured(monkeypatch: pytest.MonkeyPatch) -> None:

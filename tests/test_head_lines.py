@@ -9,7 +9,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from beamcam.asked import expected_job
+from beamcam.arguments import expected_job
 from beamcam.checks.head import Head, head_of
 from beamcam.cli import main
 from beamcam.controllers import longest_line

@@ -44,12 +44,12 @@ def test_every_shipped_machine_has_its_head_in_every_golden_program(name: str) -
         assert head.stock
         assert all(part.at and part.size for part in head.parts)
         assert (head.bar is not None) == (machine.stock == "beam")
-        by_hand = {"stub": 1, "header-rest": 1, "leg": 2, "hip": 1}.get(
+        manual_work = {"stub": 1, "header-rest": 1, "leg": 2, "hip": 1}.get(
             path.stem, 0
         )  # bevels, a text
         if name == "coper-linuxcnc":  # skew ends that are cut square, ledges
-            by_hand = {"rafter": 3, "girder": 1, "valley": 3}.get(path.stem, by_hand)
-        assert head.by_hand == by_hand, path
+            manual_work = {"rafter": 3, "girder": 1, "valley": 3}.get(path.stem, manual_work)
+        assert head.manual_work == manual_work, path
     assert FORM == VERSION
 
 

@@ -14,7 +14,7 @@ from msgspec.structs import replace
 
 from beamcam import machine_choice
 from beamcam.api import lists
-from beamcam.asked import AskError
+from beamcam.arguments import AskError
 from beamcam.cli import main
 from beamcam.errors import PlanError, Source
 from beamcam.machine import default_machines, load

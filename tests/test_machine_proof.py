@@ -8,7 +8,7 @@ from msgspec.structs import replace
 from beamcam.errors import MachineError
 from beamcam.machine import load
 from beamcam.machine.load import SHIPPED, shipped
-from beamcam.machine_proof import load_proved, proof_faults
+from beamcam.self_test import load_tested, proof_faults
 
 #: A machine, a word of its file and another that stands there, the key and what is found.
 WRONG = [
@@ -39,7 +39,7 @@ def test_words_that_no_program_could_have(
     path = tmp_path / "mine.toml"
     path.write_text(text.replace(old, new, 1))
     with pytest.raises(MachineError) as raised:
-        load_proved(str(path))
+        load_tested(str(path))
     (one,) = raised.value.diagnostics
     assert (one.code, one.source.file) == ("machine-word", str(path))
     assert f"in {key!r}" in one.message

@@ -7,7 +7,7 @@ import pytest
 from click.testing import CliRunner
 
 from beamcam import system
-from beamcam.asked import AskError, check_asked
+from beamcam.arguments import AskError, check_arguments
 from beamcam.cli import main
 from beamcam.readers import read
 from beamcam.setup_sheet.playback import as_script
@@ -39,7 +39,7 @@ def test_a_job_of_a_configuration_or_a_caller_too(tmp_path: Path) -> None:
     done = CliRunner().invoke(main, ["config", str(tmp_path)])
     assert "for 'job'; expected 200 characters at most" in done.stderr
     with pytest.raises(AskError, match="expected 200 characters at most"):
-        check_asked("J" * 201)
+        check_arguments("J" * 201)
 
 
 @pytest.mark.parametrize(

@@ -17,7 +17,7 @@ from beamcam.batch.find import Input
 from beamcam.batch.pool import Here, driven
 from beamcam.batch.pool import Result as Outcome
 from beamcam.batch.run import run as run_files
-from beamcam.batch.shares import FileLook
+from beamcam.batch.shares import FileState
 from beamcam.batch.work import BatchSettings
 from beamcam.checks.head import Head, head_of
 from beamcam.cli import main
@@ -391,7 +391,7 @@ def test_a_worker_that_dies_fails_its_program_alone(tmp_path: Path) -> None:
                     "parts": [], "messages": []}  # fmt: skip
         return work.FileResult(task.index, row, ())
 
-    tasks = (FileLook(k, f"{k}.nc1", b"") for k in range(5))
+    tasks = (FileState(k, f"{k}.nc1", b"") for k in range(5))
     found = {one.index: one.row["status"] for one in driven(Workers(), tasks, over_stock.NEVER)}
     assert found == {0: "posted", 1: "failed", 2: "posted", 3: "posted", 4: "posted"}
 

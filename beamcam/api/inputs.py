@@ -6,7 +6,7 @@ from typing import IO, Any, Literal, TypedDict
 
 from msgspec import Struct
 
-from beamcam.asked import AskError, ask_type
+from beamcam.arguments import AskError, ask_type
 from beamcam.conversion import PositiveCount
 from beamcam.errors import Diagnostic, ReadError
 from beamcam.model.description import MarkFrom

@@ -15,19 +15,19 @@ from beamcam.api.inputs import (
     bytes_of,
     program_bytes,
 )
-from beamcam.asked import (
+from beamcam.arguments import (
     ASK_TYPE,
     ASK_VALUE,
     AnyMachine,
     AskError,
     ask_type,
-    check_asked,
+    check_arguments,
     check_choice,
     check_flags,
     check_text,
+    checked_parts,
     converted,
     machine_of,
-    parts_asked,
 )
 from beamcam.errors import Diagnostic, PlanError, ReadError, Source
 from beamcam.machine import DEFAULT_MACHINE, Machine
@@ -144,7 +144,7 @@ def convert(part: Part, to: str = "dstv", *, thickness: float | None = None) -> 
     """
     from beamcam.writers import TARGETS
 
-    (only,) = parts_asked(part)
+    (only,) = checked_parts(part)
     target = next((target for target in TARGETS if target.name == to), None)
     if target is None:
         expected = ", ".join(target.name for target in TARGETS)
@@ -168,12 +168,12 @@ def plan(
     may be left out, as `--allow-skips` does. `order` "best" lays the parts so that mitres nest,
     `turn` lets them lie turned; `strict` makes warnings errors. Raises PlanError and MachineError.
     """
-    check_asked(bar=bar, skips=skips)
+    check_arguments(bar=bar, skips=skips)
     check_flags(turn=turn, strict=strict)
     check_choice("order", order, get_args(Order))
     loaded = machine_of(machine)
     request = Request(
-        parts_asked(parts), loaded, named_skips(skips), order=order, turn=turn, strict=strict
+        checked_parts(parts), loaded, named_skips(skips), order=order, turn=turn, strict=strict
     )
     made = post_of(loaded).plan(whole_job(request, bar))
     remarks_on(made, loaded, strict)
@@ -196,8 +196,8 @@ def post(
     Raises PlanError, MachineError, and VerifyError for a program that would make anything else.
     """
     check_flags(read_back=read_back, turn=turn, strict=strict)
-    check_asked(job, bar, skips)
-    loaded, all_parts = machine_of(machine), parts_asked(parts)
+    check_arguments(job, bar, skips)
+    loaded, all_parts = machine_of(machine), checked_parts(parts)
     check_choice("order", order, get_args(Order))
     check_style(style, loaded)
     check_text("date", date)
@@ -257,13 +257,13 @@ def verify(
     the pieces.
     Raises MachineError, and PlanError where that cannot be posted.
     """
-    check_asked(bar=bar, skips=skips)
+    check_arguments(bar=bar, skips=skips)
     check_flags(turn=turn, solid=solid)
     check_text("name", name)
     if solid and (from_operation is not None or from_contour is not None):
         fault = "a remainder has no solid of its own"
         raise AskError(ASK_VALUE.at(Source("beamcam"), name="solid", fault=fault))
-    loaded, all_parts, data = machine_of(machine), parts_asked(parts), program_bytes(program)
+    loaded, all_parts, data = machine_of(machine), checked_parts(parts), program_bytes(program)
     check_choice("order", order, get_args(Order))
     check_style(style, loaded)
     request = Request(all_parts, loaded, named_skips(skips), name, order, turn, style=style)

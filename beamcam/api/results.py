@@ -10,15 +10,15 @@ from msgspec.structs import replace
 
 from beamcam.api.inputs import FileInput, program_bytes
 from beamcam.api.jobs import post
-from beamcam.asked import (
+from beamcam.arguments import (
     ASK_TYPE,
     AnyMachine,
     AskError,
     ask_type,
     check_choice,
     check_text,
+    checked_parts,
     machine_of,
-    parts_asked,
 )
 from beamcam.checks.head import head_of
 from beamcam.comparison.pairing import Difference
@@ -91,7 +91,7 @@ def program_text(name: str, text: str, machine: AnyMachine | None) -> ProgramTex
 def _left_to_hand(first: str, second: str) -> tuple[Difference, ...]:
     """Whether the heads of two programs leave different numbers of marks for manual work."""
     heads = [head_of(text) for text in (first, second)]
-    old, new = (0 if head is None else head.by_hand for head in heads)
+    old, new = (0 if head is None else head.manual_work for head in heads)
     if old == new:
         return ()
     text = f"marks left for manual work: {old} in A, {new} in B"
@@ -119,7 +119,7 @@ def simulate(
     check_text("name", name)
     loaded = machine_of(machine)
     data, style = program_bytes(program), PurePath(name).suffix.lower()
-    done = simulate_program(data, loaded, name, style, parts_asked(parts))
+    done = simulate_program(data, loaded, name, style, checked_parts(parts))
     if errors_in(done.diagnostics):
         raise VerifyError(done.diagnostics)
     diagnostics = run_warnings(done.trace, loaded, done.section, name)
@@ -139,7 +139,7 @@ def diff(
     if _is_parts(a) and _is_parts(b):
         from beamcam.comparison.parts import diff_parts
 
-        return ComparisonResult(diff_parts(parts_asked(a), parts_asked(b)), ())  # type: ignore[arg-type]
+        return ComparisonResult(diff_parts(checked_parts(a), checked_parts(b)), ())  # type: ignore[arg-type]
     if _is_parts(a) or _is_parts(b):
         raise AskError(ask_type("b", type(b).__name__, "two programs, or two parts"))
     return compared(*(program_text(n, _text(p), machine) for n, p in (("A", a), ("B", b))))
@@ -193,7 +193,7 @@ def plot(
         from beamcam.pictures.part import part_scene
 
         torch = machine_of(machine).torch if machine is not None else None
-        scene = part_scene(parts_asked(shown)[0], unit, torch.colours if torch else None)
+        scene = part_scene(checked_parts(shown)[0], unit, torch.colours if torch else None)
     else:
         from beamcam.pictures.program import program_scene
 
@@ -217,7 +217,7 @@ def report(
     check_choice("to", to, ("html", "pdf"))
     check_choice("unit", unit, get_args(Unit))
     check_choice("paper", paper, get_args(Paper))
-    loaded, all_parts, left_out = machine_of(machine), parts_asked(parts), tuple(skips)
+    loaded, all_parts, left_out = machine_of(machine), checked_parts(parts), tuple(skips)
     if program is None:
         program = post(all_parts, loaded, bar=bar, skips=left_out)
     if isinstance(program, Posted):
@@ -265,7 +265,7 @@ def _read_program(
     check_text("name", name)
     loaded = machine_of(DEFAULT_MACHINE if machine is None else machine)
     style = PurePath(name).suffix.lower()
-    return ReadProgram(program_bytes(program), loaded, name, style, parts_asked(parts), bar)
+    return ReadProgram(program_bytes(program), loaded, name, style, checked_parts(parts), bar)
 
 
 def _picture(scene: "Scene", form: Picture, paper: Paper) -> str | bytes:

@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING, Literal, get_args
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.asked import (
+from beamcam.arguments import (
     AnyMachine,
     AskError,
     ask_type,
-    check_asked,
+    check_arguments,
     check_choice,
+    checked_parts,
     machine_of,
-    parts_asked,
 )
 from beamcam.budget import check_pieces
 from beamcam.errors import Diagnostic, PlanError
@@ -26,11 +26,11 @@ from beamcam.model.request import ChosenBy, Quantity, Remnant, Request, remnant_
 from beamcam.pipeline import Planned, plan_share, plans_of, stock_of
 from beamcam.planning import LotKey, Share, number_of, remnants_of, shares_of
 from beamcam.planning.rules import named_skips
-from beamcam.reports.hand_list import MARKS, hand_rows
+from beamcam.reports.manual_work import MARKS, manual_rows
 from beamcam.reports.part_list import (
-    ByHand,
     CutBar,
     CutPiece,
+    ManualWork,
     PartCount,
     bar_list,
     cutting_list,
@@ -66,10 +66,10 @@ def lists(
     or a number. Raises AskError, MachineError, LimitError for more than `limits.pieces`, and
     PlanError for a remnant that may be of several sections.
     """
-    check_asked(skips=skips)
+    check_arguments(skips=skips)
     check_choice("by", by, get_args(ChosenBy))
     for length in lengths:
-        check_asked(bar=length)
+        check_arguments(bar=length)
     _check_quantity(quantity)
     try:
         there = tuple(remnant_of(str(remnant)) for remnant in remnants)
@@ -83,7 +83,9 @@ def lists(
             return (named,)
         return InTurn(default_machines(stock_of((part,))), machine_of)
 
-    counts = tuple(PartCount(part, count) for part, count in _counted(parts_asked(parts), quantity))
+    counts = tuple(
+        PartCount(part, count) for part, count in _counted(checked_parts(parts), quantity)
+    )
     if not counts:
         return Lists(part_list(()), bar_list(()), cutting_list(()), ())
     first = machines_for(counts[0].part)[0]
@@ -109,7 +111,7 @@ def labels(
     check_choice("to", to, ("pdf", "zpl"))
     check_choice("code", code, CODES)
     _check_quantity(quantity)
-    all_parts = parts_asked(parts)
+    all_parts = checked_parts(parts)
     names = tuple(programs) or tuple(part.mark for part in all_parts)
     if len(names) != len(all_parts):
         raise AskError(ask_type("programs", programs, f"{len(all_parts)} names, one for each part"))
@@ -165,9 +167,9 @@ def _planned(one: PartCount, machines: Sequence[Machine], asked: Request) -> Par
         (planned, *_), _ = on_best_machine(request, machines, plans_of)
     except PlanError as error:
         return replace(one, refused=tuple(error.diagnostics))
-    kinds = [row["kind"] for row in hand_rows(planned.plan)]
-    by_hand = ByHand(sum(kind in MARKS for kind in kinds), kinds.count("bevel"))
-    return replace(one, machine=planned.job.machine.name, by_hand=by_hand)
+    kinds = [row["kind"] for row in manual_rows(planned.plan)]
+    manual_work = ManualWork(sum(kind in MARKS for kind in kinds), kinds.count("bevel"))
+    return replace(one, machine=planned.job.machine.name, manual_work=manual_work)
 
 
 def bars_of(

@@ -32,14 +32,14 @@ class Cluster:
     most_files = CHUNK_FILES
 
     def __init__(
-        self, shop: BatchSettings, address: str, answer_s: float | None = None,
+        self, settings: BatchSettings, address: str, answer_s: float | None = None,
         chunks: int | None = None,
     ) -> None:  # fmt: skip
         """Raises SchedulerError if there is none at `address`, or it has no worker."""
         self._address = address
         self._answer_s = ANSWER_S if answer_s is None else answer_s
         self._per_thread = CHUNKS if chunks is None else chunks
-        self._frozen = shop.freeze
+        self._frozen = settings.freeze
         self._chunks: dict[Any, Chunk] = {}
         try:
             library = distributed_alone()
@@ -56,7 +56,7 @@ class Cluster:
             self._client.close()
             raise self._error("it has no worker")
         try:
-            self._check_workers(shop.version)
+            self._check_workers(settings.version)
         except BaseException:
             self._client.close()
             raise
@@ -166,7 +166,7 @@ def make_there(frozen: bytes, chunk: tuple[Task, ...]) -> list[FileResult]:
     """`make_all` on a worker. Raises RuntimeError if its beamcam is another than the shop's."""
     from beamcam.version import __version__
 
-    shop = thaw(frozen)
-    if shop.version != __version__:
-        raise RuntimeError(f"a worker has beamcam {__version__}, not {shop.version}")
-    return make_all(chunk, shop)
+    settings = thaw(frozen)
+    if settings.version != __version__:
+        raise RuntimeError(f"a worker has beamcam {__version__}, not {settings.version}")
+    return make_all(chunk, settings)

@@ -24,9 +24,9 @@ from beamcam.batch.pool import Workers, driven
 from beamcam.batch.recipe import Recipe
 from beamcam.batch.record import Record
 from beamcam.batch.run import BatchError, QueuedInput, Run, recorded
-from beamcam.batch.shares import FileLook, Lot, ShareTask, stems_of, tasks_of
+from beamcam.batch.shares import FileState, Lot, ShareTask, stems_of, tasks_of
 from beamcam.batch.work import BatchSettings, Task, refused_row
-from beamcam.checks.asked import job_faults
+from beamcam.checks.request import job_faults
 from beamcam.errors import BeamcamError, Diagnostic, PlanError, Source, VerifyError
 from beamcam.files import FilesRead
 from beamcam.model.part import Part
@@ -50,16 +50,18 @@ class ShareRun(Run):
     """The programs of shares, written and recorded as those of files are."""
 
     def __init__(
-        self, tasks: Sequence[ShareTask], folder: str, shop: BatchSettings, workers: Workers,
+        self, tasks: Sequence[ShareTask], folder: str, settings: BatchSettings, workers: Workers,
         record: Record, force: bool, read: FilesRead, dry: bool, interrupt: EndRequest,
     ) -> None:  # fmt: skip
         inputs = [Input(task.parts[0].source.file, task.name) for task in tasks]
         super().__init__(
-            inputs, folder, shop, workers, record, True, force, None, read, dry, interrupt
+            inputs, folder, settings, workers, record, True, force, None, read, dry, interrupt
         )
         self._tasks = tasks
         # Other bars in store change no program that lies on the same bar.
-        self._settings = sha256(replace(shop, stock_lengths=(), remnants=()).settings).digest()
+        self._settings_hash = sha256(
+            replace(settings, stock_lengths=(), remnants=()).identity
+        ).digest()
 
     def _read(self, index: int) -> Task | None:
         task = self._tasks[index]
@@ -78,11 +80,16 @@ class StockRun:
     """A run over stock. `counts` and `made` say what became of each part once it is done."""
 
     def __init__(
-        self, inputs: Sequence[Input], folder: str, shop: BatchSettings, workers: Workers,
+        self, inputs: Sequence[Input], folder: str, settings: BatchSettings, workers: Workers,
         recipe: Recipe | None = None, force: bool = False, read: FilesRead | None = None,
         dry: bool = False, interrupt: EndRequest = NEVER,
     ) -> None:  # fmt: skip
-        self._inputs, self._folder, self._shop, self._workers = inputs, folder, shop, workers
+        self._inputs, self._folder, self._settings, self._workers = (
+            inputs,
+            folder,
+            settings,
+            workers,
+        )
         self._recipe, self._force, self._read, self._dry = recipe, force, read, dry
         self._asked = interrupt
         self.counts: list[PartCount] = []
@@ -133,13 +140,13 @@ class StockRun:
         """The row of each input once its parts are known."""
         rows: dict[int, FileRow] = {}
 
-        def tasks() -> Iterator[FileLook]:
+        def tasks() -> Iterator[FileState]:
             for index, one in enumerate(self._inputs):
                 data = read_input(one.path)
                 if isinstance(data, Diagnostic):
                     rows[index] = refused_row(one.path, as_message(data))
                 else:
-                    yield FileLook(index, one.path, data)
+                    yield FileState(index, one.path, data)
 
         by_index = {made.index: made for made in driven(self._workers, tasks(), self._asked)}
         for index in range(len(self._inputs)):
@@ -158,8 +165,8 @@ class StockRun:
         for place, one in enumerate(self.counts):
             if one.machine:
                 of_key.setdefault(self._key(one), []).append(place)
-        bars = (key for key in of_key if self._shop.machine_named(key[0]).saw is not None)
-        remnants = remnants_of(self._shop.remnants, bars)
+        bars = (key for key in of_key if self._settings.machine_named(key[0]).saw is not None)
+        remnants = remnants_of(self._settings.remnants, bars)
         lots: list[Lot] = []
         unplanned: dict[str, list[Message]] = {}
         waiting = deque(of_key.items())
@@ -169,9 +176,9 @@ class StockRun:
                 continue
             parts = tuple([self.counts[place].part for place in places])
             request = replace(
-                self._shop.request_of(parts[0]), parts=parts,
-                machine=self._shop.machine_named(key[0]),
-                quantity=self._shop.quantity or "file", remnants=remnants.get(key, ()),
+                self._settings.request_of(parts[0]), parts=parts,
+                machine=self._settings.machine_named(key[0]),
+                quantity=self._settings.quantity or "file", remnants=remnants.get(key, ()),
             )  # fmt: skip
             try:
                 shares = shares_of(request)
@@ -198,7 +205,7 @@ class StockRun:
         return [k for k in places if k not in {*wrong}]
 
     def _key(self, one: PartCount) -> LotKey:
-        part, machine = one.part, self._shop.machine_named(one.machine)
+        part, machine = one.part, self._settings.machine_named(one.machine)
         if machine.torch is None:
             return one.machine, part.profile, part.grade
         own = part.profile.web_thickness
@@ -209,7 +216,7 @@ class StockRun:
     def _programs(self, record: Record) -> Iterator[FileRow]:
         tasks, before = self.tasks, {**record.made}
         run = ShareRun(
-            tasks, self._folder, self._shop, self._workers, record, self._force,
+            tasks, self._folder, self._settings, self._workers, record, self._force,
             self._read or FilesRead(one.path for one in self._inputs), self._dry, self._asked,
         )  # fmt: skip
         for task, row in zip(tasks, run.rows(), strict=False):

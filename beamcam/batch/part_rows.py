@@ -8,7 +8,7 @@ from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
 from beamcam.model.plan import ContourOp, stock_used
 from beamcam.pipeline import Posted
-from beamcam.reports.hand_list import hand_rows
+from beamcam.reports.manual_work import manual_rows
 from beamcam.reports.run import Ledger, PartRow, RestRow
 
 #: Outcomes of a feature, as in the ledger.
@@ -33,7 +33,7 @@ def part_row(
         "profile": part.profile.name, "order": part.order, "phase": part.phase,
         "length": part.length, "machine": machine.name, "output": name,
         "sha256": sha256(content).hexdigest(), "rest": rest, "bar": _bar(posted),
-        "ledger": cast(Ledger, ledger), "by_hand": hand_rows(plan),
+        "ledger": cast(Ledger, ledger), "by_hand": manual_rows(plan),
         "skipped_by": dict(sorted(skipped_by.items())), "mapped": _mapped(part, machine),
         "tools": sorted({_tool_name(op) for op in plan.operations}),
         "operations": len(plan.operations), "stock": None,

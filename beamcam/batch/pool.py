@@ -60,15 +60,15 @@ class Here:
     at_once = 1
     most_files = CHUNK_FILES
 
-    def __init__(self, shop: BatchSettings) -> None:
-        self._shop = shop
+    def __init__(self, settings: BatchSettings) -> None:
+        self._settings = settings
         self._done: Result | None = None
 
     def has_room(self) -> bool:
         return self._done is None
 
     def submit(self, chunk: Chunk) -> None:
-        self._done = Result(chunk, "made", make_all(chunk, self._shop))
+        self._done = Result(chunk, "made", make_all(chunk, self._settings))
 
     def wait(self) -> Iterator[Result]:
         if self._done is not None:
@@ -136,8 +136,8 @@ class Processes:
 
     most_files = CHUNK_FILES
 
-    def __init__(self, shop: BatchSettings, jobs: int) -> None:
-        making = Making(shop.freeze)
+    def __init__(self, settings: BatchSettings, jobs: int) -> None:
+        making = Making(settings.freeze)
         self._pool = Pool[Chunk, list[FileResult]](making, jobs, making.begin)
         self.at_once = self._pool.at_once
 
@@ -186,9 +186,9 @@ MOST_BYTES = 256 * 1024  #: of a chunk for it; larger inputs wait for the cluste
 class HeadStart:
     """A process here until `connect` has given the workers of the rest."""
 
-    def __init__(self, shop: BatchSettings, files: int, connect: Callable[[], Workers]) -> None:
+    def __init__(self, settings: BatchSettings, files: int, connect: Callable[[], Workers]) -> None:
         """At most half of the `files` are made here."""
-        self._here = Processes(shop, 1)
+        self._here = Processes(settings, 1)
         self._left = min(MOST_FILES, files // 2)  #: files that may still be handed to it
         self._connect = connect
         self._there: Workers | None = None

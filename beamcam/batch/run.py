@@ -57,7 +57,7 @@ class QueuedInput(Struct):
 
 
 def run(
-    inputs: Sequence[Input], folder: str, shop: BatchSettings, workers: Workers,
+    inputs: Sequence[Input], folder: str, settings: BatchSettings, workers: Workers,
     flat: bool = False, force: bool = False, claims: dict[str, str] | None = None,
     read: FilesRead | None = None, recipe: Recipe | None = None, dry: bool = False,
     interrupt: EndRequest = NEVER, marks: dict[MarkKey, str] | None = None,
@@ -74,7 +74,18 @@ def run(
     """
     with recorded(folder, workers, recipe, dry) as record:
         yield from Run(
-            inputs, folder, shop, workers, record, flat, force, claims, read, dry, interrupt, marks
+            inputs,
+            folder,
+            settings,
+            workers,
+            record,
+            flat,
+            force,
+            claims,
+            read,
+            dry,
+            interrupt,
+            marks,
         ).rows()
 
 
@@ -105,15 +116,15 @@ def recorded(
 
 class Run:
     def __init__(
-        self, inputs: Sequence[Input], folder: str, shop: BatchSettings, workers: Workers,
+        self, inputs: Sequence[Input], folder: str, settings: BatchSettings, workers: Workers,
         record: Record, flat: bool, force: bool, claims: dict[str, str] | None,
         read: FilesRead | None, dry: bool, asked: EndRequest,
         marks: dict[MarkKey, str] | None = None,
     ) -> None:  # fmt: skip
         self._asked = asked
-        self._inputs, self._folder, self._shop = inputs, folder, shop
+        self._inputs, self._folder, self._settings = inputs, folder, settings
         self._workers, self._record, self._flat, self._force = workers, record, flat, force
-        self._settings = sha256(shop.settings).digest()
+        self._settings_hash = sha256(settings.identity).digest()
         self._next = 0
         self._slots: deque[QueuedInput] = deque()
         self._away: dict[int, QueuedInput] = {}  #: what workers have, by index
@@ -131,10 +142,10 @@ class Run:
         self._mixed: dict[str, Diagnostic] = {}  #: inputs that differ under one mark, and why
 
     def rows(self) -> Iterator[FileRow]:
-        if self._shop.chain:
+        if self._settings.chain:
             self._look_back()
         paths = [one.path for one in self._inputs if one.path not in self._own]
-        self._mixed = mixed_marks(paths, self._shop.mark_from, self._parts_of, self._asked)
+        self._mixed = mixed_marks(paths, self._settings.mark_from, self._parts_of, self._asked)
         while not self._asked:
             fed = self._feed()
             while self._slots and self._slots[0].is_done and not self._asked:
@@ -210,11 +221,11 @@ class Run:
 
     def to_do(self, slot: QueuedInput, key: bytes, task: Task) -> Task | None:
         """The task of an input; None where it was done by an earlier run, as its key says."""
-        slot.key = sha256(self._settings + key).digest()
+        slot.key = sha256(self._settings_hash + key).digest()
         done = None if self._force else self._record.find(slot.key, slot.input)
         # A run that did not ask for times has not noted any.
         lacks_time = done is not None and any(p["machine_time_s"] is None for p in done["parts"])
-        if done is not None and not (self._shop.timed and lacks_time):
+        if done is not None and not (self._settings.timed and lacks_time):
             slot.row = {**done, "status": "unchanged", "seconds": 0.0}
             return None
         slot.size = len(task.data)
@@ -296,8 +307,8 @@ class Run:
         data = read_input(path)
         if isinstance(data, Diagnostic):
             return ()
-        reading = judged(read(data, path, **self._shop.reading), self._shop.strict)
-        return marked(counted(sound(reading)), self._shop.mark_from)
+        reading = judged(read(data, path, **self._settings.reading), self._settings.strict)
+        return marked(counted(sound(reading)), self._settings.mark_from)
 
     def _still_its_own(self, row: FileRow) -> FileRow:
         """The row of an unchanged input, unless an earlier one has taken its output's name."""
@@ -344,10 +355,10 @@ class Run:
 
     def _warn_of_older(self, slot: QueuedInput, row: FileRow) -> None:
         """Say so if an output of an earlier run stands where this input's would be."""
-        if self._shop.name is not None:
+        if self._settings.name is not None:
             return  # without the part there is no name to look for
         tree = os.path.basename(slot.input.tree) if self._flat else slot.input.tree
-        machines = (self._shop.machine, self._shop.sheets, *self._shop.more)
+        machines = (self._settings.machine, self._settings.sheets, *self._settings.more)
         suffixes = dict.fromkeys(machine.suffix for machine in machines if machine is not None)
         self._warn_of(slot, row, (os.path.splitext(tree)[0] + suffix for suffix in suffixes))
 

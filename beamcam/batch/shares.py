@@ -19,36 +19,40 @@ from beamcam.model.plan import stock_used
 from beamcam.model.request import Request
 from beamcam.pipeline import Begun, begin_share, plans_of
 from beamcam.planning import Share, number_of
-from beamcam.reports.hand_list import MARKS, hand_rows
-from beamcam.reports.part_list import ByHand, PartCount
+from beamcam.reports.manual_work import MARKS, manual_rows
+from beamcam.reports.part_list import ManualWork, PartCount
 from beamcam.reports.run import FileRow, PartRow, StockRow, as_message, dumped
 from beamcam.system import free_of_devices
 
 
-class FileLook(Task, frozen=True):
+class FileState(Task, frozen=True):
     """One file to be looked at: which machine makes each of its parts."""
 
-    def post(self, shop: BatchSettings, row: FileRow, work: Found) -> Generator[str, None, None]:
+    def post(
+        self, settings: BatchSettings, row: FileRow, work: Found
+    ) -> Generator[str, None, None]:
         """Add each part with the first machine that makes it; those that none makes refuse."""
-        parts = parts_in(self, shop, row)
+        parts = parts_in(self, settings, row)
         yield "read the file"
         for part in parts:
-            count = PartCount(part, number_of(part, shop.quantity or "file"))
+            count = PartCount(part, number_of(part, settings.quantity or "file"))
             request = replace(
-                shop.request_of(part), quantity=1, stock=shop.lengths_for(part), remnants=()
+                settings.request_of(part), quantity=1, stock=settings.lengths_for(part), remnants=()
             )
             try:
-                (planned, *_), choice = on_best_machine(request, shop.machines_for(part), plans_of)
+                (planned, *_), choice = on_best_machine(
+                    request, settings.machines_for(part), plans_of
+                )
             except BeamcamError as error:
                 row["status"] = "refused"
                 row["messages"] += map(as_message, error.diagnostics)
                 work.looked.append(replace(count, refused=tuple(error.diagnostics)))
                 continue
             row["messages"] += map(as_message, choice)
-            kinds = [one["kind"] for one in hand_rows(planned.plan)]
-            by_hand = ByHand(sum(kind in MARKS for kind in kinds), kinds.count("bevel"))
+            kinds = [one["kind"] for one in manual_rows(planned.plan)]
+            manual_work = ManualWork(sum(kind in MARKS for kind in kinds), kinds.count("bevel"))
             machine = planned.job.machine.name
-            work.looked.append(replace(count, machine=machine, by_hand=by_hand))
+            work.looked.append(replace(count, machine=machine, manual_work=manual_work))
 
 
 class ShareTask(Task, frozen=True):
@@ -60,9 +64,11 @@ class ShareTask(Task, frozen=True):
     lengths: tuple[float, ...]  #: of the bar
     program: tuple[int, int]  #: which one of its lot, and of how many
 
-    def post(self, shop: BatchSettings, row: FileRow, work: Found) -> Generator[str, None, None]:
+    def post(
+        self, settings: BatchSettings, row: FileRow, work: Found
+    ) -> Generator[str, None, None]:
         """Add the program."""
-        planned = self.planned(shop)
+        planned = self.planned(settings)
         yield "planned"
         posted = yield from posted_of(planned, lambda: self.name + REFUSED_SUFFIX, row, work)
         if posted is None:
@@ -79,17 +85,17 @@ class ShareTask(Task, frozen=True):
                 remnant=used.remnant, cuts=used.cuts,
                 pieces=[{"piece": p.given, "at": p.start, "turn": p.turn} for p in plan.pieces],
             )  # fmt: skip
-        made = part_row(posted, self.name, content, shop.timed)
+        made = part_row(posted, self.name, content, settings.timed)
         row_of_part: PartRow = {
             **made, "mark": named, "quantity": len(self.pieces), "length": length, "stock": stock,
         }  # fmt: skip
         row["parts"].append(row_of_part)
 
-    def planned(self, shop: BatchSettings) -> Begun:
+    def planned(self, settings: BatchSettings) -> Begun:
         """The program, planned. Raises PlanError."""
         request = replace(
-            shop.request_of(self.parts[0]), parts=self.parts,
-            machine=shop.machine_named(self.machine), quantity=shop.quantity or "file",
+            settings.request_of(self.parts[0]), parts=self.parts,
+            machine=settings.machine_named(self.machine), quantity=settings.quantity or "file",
         )  # fmt: skip
         return begin_share(request, Share(self.pieces, self.lengths), program=self.program)
 

@@ -73,7 +73,7 @@ def picture_style() -> str:
 
 
 def sheets_beside(
-    report: str, rows: Iterable[FileRow], shop: BatchSettings, jobs: int,
+    report: str, rows: Iterable[FileRow], settings: BatchSettings, jobs: int,
     shares: Sequence[ShareTask] = (),
 ) -> dict[str, Extra]:  # fmt: skip
     """Write the sheet of each program of a run into a folder beside its report.
@@ -83,7 +83,7 @@ def sheets_beside(
     """
     folder = os.path.splitext(report)[0] + FOLDER_SUFFIX
     extras: dict[str, Extra] = {}
-    for sheet in _made(rows, shop, jobs, {task.name: task for task in shares}):
+    for sheet in _made(rows, settings, jobs, {task.name: task for task in shares}):
         name = PurePosixPath(f"{sheet.output}.html")
         path = os.path.join(folder, *name.parts)
         os.makedirs(os.path.dirname(path), exist_ok=True)
@@ -94,9 +94,9 @@ def sheets_beside(
 
 
 def _made(
-    rows: Iterable[FileRow], shop: BatchSettings, jobs: int, shares: Mapping[str, ShareTask]
+    rows: Iterable[FileRow], settings: BatchSettings, jobs: int, shares: Mapping[str, ShareTask]
 ) -> Iterator[SetupSheet]:
-    maker = SheetMaker(shop.freeze)
+    maker = SheetMaker(settings.freeze)
     tasks = (
         Programs(
             row["file"],
@@ -127,37 +127,37 @@ def _made(
         pool.close()
 
 
-def _sheets(programs: Programs, shop: BatchSettings) -> Iterator[SetupSheet]:
+def _sheets(programs: Programs, settings: BatchSettings) -> Iterator[SetupSheet]:
     """Sheets of the parts whose programs are those that were written."""
     if programs.share is not None:
-        posted = finished(programs.share.planned(shop))
+        posted = finished(programs.share.planned(settings))
         if (programs.share.name, _digest(posted)) in programs.outputs:
-            yield _sheet(posted, programs.share.name, shop)
+            yield _sheet(posted, programs.share.name, settings)
         return
     with open(programs.path, "rb") as file:
-        reading = read(file.read(), programs.path, **shop.reading)
+        reading = read(file.read(), programs.path, **settings.reading)
     left = list(programs.outputs)
-    for part in marked(counted(sound(reading)), shop.mark_from):
+    for part in marked(counted(sound(reading)), settings.mark_from):
         with suppress(BeamcamError):
-            for posted in _posted(part, shop):
+            for posted in _posted(part, settings):
                 digest = _digest(posted)
                 output = next((name for name, known in left if known == digest), None)
                 if output is not None:
                     left.remove((output, digest))
-                    yield _sheet(posted, output, shop)
+                    yield _sheet(posted, output, settings)
 
 
-def _posted(part: Part, shop: BatchSettings) -> Iterator[Posted]:
+def _posted(part: Part, settings: BatchSettings) -> Iterator[Posted]:
     """The programs of a part. Raises BeamcamError."""
-    request = shop.request_of(part)
-    if shop.chain:
+    request = settings.request_of(part)
+    if settings.chain:
         from beamcam.rest_part import chain_for, stages_of
 
-        chain, _ = chain_for(request, shop.chain)
-        target = target_of_suffix(shop.rest_suffix)
+        chain, _ = chain_for(request, settings.chain)
+        target = target_of_suffix(settings.rest_suffix)
         yield from (stage.posted for stage in stages_of(request, chain, target))
         return
-    planned, _ = on_best_machine(request, shop.machines_for(part), begin)
+    planned, _ = on_best_machine(request, settings.machines_for(part), begin)
     yield from map(finished, planned)
 
 
@@ -165,12 +165,12 @@ def _digest(posted: Posted) -> str:
     return sha256(posted.text.encode("utf-8")).hexdigest()
 
 
-def _sheet(posted: Posted, output: str, shop: BatchSettings) -> SetupSheet:
+def _sheet(posted: Posted, output: str, settings: BatchSettings) -> SetupSheet:
     parts, machine = posted.job.parts, posted.job.machine
     bar = getattr(getattr(posted.plan, "bar", None), "length", None)
     program = ReadProgram(
         b"".join(posted.pieces()), machine, PurePosixPath(output).name, machine.suffix, parts, bar,
     )  # fmt: skip
-    source = SheetSources(program, posted.plan, posted.remarks, compared=shop.read_back)
+    source = SheetSources(program, posted.plan, posted.remarks, compared=settings.read_back)
     page = setup_page(content_of(source)).encode("utf-8", "backslashreplace")
     return SetupSheet(output, page, inline_svg(small_scene(parts[0])))

@@ -84,7 +84,7 @@ class BatchSettings(Struct, frozen=True):
         return pickle.dumps(self)
 
     @property
-    def settings(self) -> bytes:
+    def identity(self) -> bytes:
         """Everything besides the input that outputs depend on, as bytes to be hashed."""
         plain = repr(replace(self, timed=True, clock=None, reading={}))
         # Of sets the order differs from process to process.
@@ -135,8 +135,8 @@ def thaw(frozen: bytes) -> BatchSettings:
     """The shop that was frozen; the same object each time, so that what is known of it is kept."""
     import pickle
 
-    shop: BatchSettings = pickle.loads(frozen)
-    return shop
+    settings: BatchSettings = pickle.loads(frozen)
+    return settings
 
 
 class Task(Struct, frozen=True):
@@ -146,9 +146,11 @@ class Task(Struct, frozen=True):
     name: str  #: of the file, for messages
     data: bytes
 
-    def post(self, shop: BatchSettings, row: FileRow, work: "Found") -> Generator[str, None, None]:
+    def post(
+        self, settings: BatchSettings, row: FileRow, work: "Found"
+    ) -> Generator[str, None, None]:
         """Add the programs of all parts that can be made; the others refuse the file."""
-        yield from _post_all(self, shop, row, work)
+        yield from _post_all(self, settings, row, work)
 
 
 class Found(Struct):
@@ -171,17 +173,17 @@ class FileResult(Struct, frozen=True):
     rests: tuple[tuple[str, bytes], ...] = ()  #: what one program leaves to the next, likewise
 
 
-def make_all(tasks: Sequence[Task], shop: BatchSettings) -> list[FileResult]:
+def make_all(tasks: Sequence[Task], settings: BatchSettings) -> list[FileResult]:
     """The programs of several files; any fault is reported in its file's row, never raised.
 
     All of them are read, then all are planned, and so on: a processor that does the same for many
     is quicker by a sixth than one that does everything for each in turn.
     """
-    budget.set_limits(shop.limits)
-    clock = shop.clock or (lambda: 0.0)
+    budget.set_limits(settings.limits)
+    clock = settings.clock or (lambda: 0.0)
     seconds = [0.0] * len(tasks)
     made: dict[int, FileResult] = {}
-    under_way = {place: making(task, shop) for place, task in enumerate(tasks)}
+    under_way = {place: making(task, settings) for place, task in enumerate(tasks)}
     while under_way:
         for place, stages in tuple(under_way.items()):
             begun = clock()
@@ -196,7 +198,7 @@ def make_all(tasks: Sequence[Task], shop: BatchSettings) -> list[FileResult]:
     return [made[place] for place in range(len(tasks))]
 
 
-def making(task: Task, shop: BatchSettings) -> Generator[str, None, FileResult]:
+def making(task: Task, settings: BatchSettings) -> Generator[str, None, FileResult]:
     """The programs of one file, stage by stage."""
     row: FileRow = {
         "file": task.name, "status": "posted", "format": "", "seconds": 0.0, "parts": [],
@@ -204,7 +206,7 @@ def making(task: Task, shop: BatchSettings) -> Generator[str, None, FileResult]:
     }  # fmt: skip
     work = Found()
     try:
-        yield from task.post(shop, row, work)
+        yield from task.post(settings, row, work)
     except BeamcamError as error:
         row["status"] = "refused"
         row["messages"] += map(as_message, error.diagnostics)
@@ -237,12 +239,12 @@ def died(path: str) -> FileRow:
     return {**refused_row(path, as_message(DIED.at(Source(path)))), "status": "failed"}
 
 
-def parts_in(task: Task, shop: BatchSettings, row: FileRow) -> tuple[Part, ...]:
+def parts_in(task: Task, settings: BatchSettings, row: FileRow) -> tuple[Part, ...]:
     """The sound parts of a file; what is said of it is added to its row.
 
     Raises ReadError for a file without any.
     """
-    reading = judged(read(task.data, task.name, **shop.reading), shop.strict)
+    reading = judged(read(task.data, task.name, **settings.reading), settings.strict)
     row["format"] = reading.format
     if reading.format == "ifc" and reading.refused:
         # The members of a model are parts of their own: those that cannot be read stop no other.
@@ -252,13 +254,13 @@ def parts_in(task: Task, shop: BatchSettings, row: FileRow) -> tuple[Part, ...]:
     row["messages"] += map(as_message, diagnostics)
     if not parts:
         raise ReadError(NO_PART.at(Source(task.name)))
-    return marked(parts, shop.mark_from)
+    return marked(parts, settings.mark_from)
 
 
 def _post_all(
-    task: Task, shop: BatchSettings, row: FileRow, work: Found
+    task: Task, settings: BatchSettings, row: FileRow, work: Found
 ) -> Generator[str, None, None]:
-    parts = parts_in(task, shop, row)
+    parts = parts_in(task, settings, row)
     yield "read the file"
     stem = os.path.splitext(os.path.basename(task.name))[0]
     names = FileNames()
@@ -266,21 +268,25 @@ def _post_all(
     for number, part in enumerate(parts, 1):
         if part.source in mixed:
             continue
-        if shop.chain:
-            of_stage = partial(stage_names, shop.name, stem, part, number, len(parts) > 1)
-            yield from _post_chain(part, of_stage, shop, row, names, work)
+        if settings.chain:
+            of_stage = partial(stage_names, settings.name, stem, part, number, len(parts) > 1)
+            yield from _post_chain(part, of_stage, settings, row, names, work)
             continue
         try:
-            planned, choice = on_best_machine(shop.request_of(part), shop.machines_for(part), begin)
+            planned, choice = on_best_machine(
+                settings.request_of(part), settings.machines_for(part), begin
+            )
         except BeamcamError as error:
             row["status"] = "refused"
             row["messages"] += map(as_message, error.diagnostics)
             continue
         yield "planned"
         row["messages"] += map(as_message, choice)
-        name = output_name(shop.name, stem, part, number, len(parts) > 1, planned[0].job.machine)
+        name = output_name(
+            settings.name, stem, part, number, len(parts) > 1, planned[0].job.machine
+        )
         for each, called in zip(planned, numbered(name, len(planned)), strict=True):
-            yield from _post_job(each, called, shop, row, names, work)
+            yield from _post_job(each, called, settings, row, names, work)
 
 
 def _mixed(parts: Sequence[Part], row: FileRow) -> Set[Source]:
@@ -295,7 +301,7 @@ def _mixed(parts: Sequence[Part], row: FileRow) -> Set[Source]:
 
 
 def _post_job(
-    planned: Begun, name: str, shop: BatchSettings, row: FileRow, names: FileNames, work: Found
+    planned: Begun, name: str, settings: BatchSettings, row: FileRow, names: FileNames, work: Found
 ) -> Generator[str, None, None]:
     """Add the program of a part, or of the pieces of it that lie on one bar."""
     part = planned.job.parts[0]
@@ -304,7 +310,7 @@ def _post_job(
     if posted is None:
         return
     other = names.owner(name)
-    if other is not None and shop.name is not None:
+    if other is not None and settings.name is not None:
         row["status"] = "refused"
         clash = SAME_NAME.at(part.source, found=name, other=f"part {other}")
         row["messages"].append(as_message(clash))
@@ -312,11 +318,11 @@ def _post_job(
     name = names.take(name, part.mark)
     content = posted.text.encode("utf-8")
     work.outputs.append((name, content))
-    row["parts"].append(part_row(posted, name, content, shop.timed))
+    row["parts"].append(part_row(posted, name, content, settings.timed))
 
 
 def _post_chain(
-    part: Part, called: Callable[[Machine, int, str], tuple[str, str]], shop: BatchSettings,
+    part: Part, called: Callable[[Machine, int, str], tuple[str, str]], settings: BatchSettings,
     row: FileRow, names: FileNames, work: Found,
 ) -> Generator[str, None, None]:  # fmt: skip
     """Add the programs of a part on several machines, all of them or none, and what is between.
@@ -326,13 +332,15 @@ def _post_chain(
     from beamcam.rest_part import Stage, chain_for, stages_of
 
     stages: list[Stage] = []
-    request = shop.request_of(part)
+    request = settings.request_of(part)
     try:
-        chain, diagnostics = chain_for(request, shop.chain)
+        chain, diagnostics = chain_for(request, settings.chain)
         yield "planned"
         first = 0 if len(chain) == 1 else 1
-        wanted = [called(one.machine, k, shop.rest_suffix) for k, one in enumerate(chain, first)]
-        for stage in stages_of(request, chain, target_of_suffix(shop.rest_suffix)):
+        wanted = [
+            called(one.machine, k, settings.rest_suffix) for k, one in enumerate(chain, first)
+        ]
+        for stage in stages_of(request, chain, target_of_suffix(settings.rest_suffix)):
             stages.append(stage)
             yield "read a program back"
     except BeamcamError as error:
@@ -346,7 +354,7 @@ def _post_chain(
         as_message, (*diagnostics, *(one for stage in stages for one in stage.remarks))
     )
     taken = [name for pair in wanted for name in pair if names.owner(name) is not None]
-    if taken and shop.name is not None:
+    if taken and settings.name is not None:
         other = f"part {names.owner(taken[0])}"
         row["status"] = "refused"
         clash = SAME_NAME.at(part.source, found=taken[0], other=other)
@@ -364,7 +372,7 @@ def _post_chain(
             work.rests.append((rest_name, data))
         work.outputs.append((name, content))
         posted = replace(stage.posted, plan=stage.plan)
-        row["parts"].append(part_row(posted, name, content, shop.timed, rest))
+        row["parts"].append(part_row(posted, name, content, settings.timed, rest))
 
 
 def posted_of(

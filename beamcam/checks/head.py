@@ -43,7 +43,7 @@ _NUMBERED = re.compile(r"N[0-9]+\s+")
 _MM = r"(-?[0-9]{1,9}(?:\.[0-9]{1,6})?)"
 _ALLOWED = re.compile(r"ALLOWED TO BE LEFT OUT: ([a-z-]+(?:, [a-z-]+)*)")
 _LEFT_OUT = re.compile(r"LEFT OUT: ([0-9]{1,9} [a-z-]+(?:, [0-9]{1,9} [a-z-]+)*)")
-_BY_HAND = re.compile(r"LEFT TO THE HAND: ([0-9]{1,9})")
+_MANUAL_WORK = re.compile(r"LEFT TO THE HAND: ([0-9]{1,9})")
 _PROGRAM = re.compile(r"PROGRAM ([0-9]{1,6}) OF ([0-9]{1,6})")
 _STOCK = re.compile(r"(SECTION|SHEET) (.*?)(?: GRADE (.*))?")
 _BAR = re.compile(rf"BAR {_MM}( AS NEEDED)?")
@@ -88,7 +88,7 @@ class Head(Struct, frozen=True):
     machine: str
     checksum: str  #: "" where the machine did not come from a file
     allowed: tuple[str, ...]  #: kinds of features that may be left out, sorted
-    by_hand: int = 0  #: marks left for manual work
+    manual_work: int = 0  #: marks left for manual work
     left_out: int = 0  #: features that are missing
     program: tuple[int, int] = (1, 1)  #: its number, and of how many
     stock: str = ""  #: the section, or the thickness of the sheet
@@ -112,8 +112,8 @@ def head_of(text: str) -> Head | None:
         elif match := _LEFT_OUT.fullmatch(line):
             counts = [int(one.split()[0]) for one in match[1].split(", ")]
             values["left_out"] = values.get("left_out", 0) + sum(counts)
-        elif match := _BY_HAND.fullmatch(line):
-            values.setdefault("by_hand", int(match[1]))
+        elif match := _MANUAL_WORK.fullmatch(line):
+            values.setdefault("manual_work", int(match[1]))
         elif match := _PROGRAM.fullmatch(line):
             values.setdefault("program", (int(match[1]), int(match[2])))
         elif match := _BAR.fullmatch(line):
@@ -159,12 +159,12 @@ def _told_part(value: str) -> HeadPart:
 
 
 def head_faults(
-    head: Head | None, job: Job, bar: float | None, left_out: int, by_hand: int
+    head: Head | None, job: Job, bar: float | None, left_out: int, manual_work: int
 ) -> Iterator[Diagnostic]:
     """All differences of a head from the job and from the read-back of the program.
 
-    `bar` is the length that the head has to name, if it has to name one. `left_out` and `by_hand`
-    are the features that the read-back found missing and the marks left for manual work.
+    `bar` is the length that the head has to name, if it has to name one. `left_out` are the
+    features that the read-back found missing, `manual_work` the marks left for manual work.
     """
     source, machine, allowed = Source(job.request.name), job.machine, job.request.skips
     kinds = ", ".join(sorted(allowed)) or "none"
@@ -174,7 +174,7 @@ def head_faults(
     told_bar = 0.0 if head.bar is None else head.bar
     for found, expected in (
         (f"a head that allows {', '.join(head.allowed) or 'none'}", f"a head that allows {kinds}"),
-        (f"{head.by_hand} left for manual work", f"{by_hand} left for manual work"),
+        (f"{head.manual_work} left for manual work", f"{manual_work} left for manual work"),
         (f"{head.left_out} left out", f"{left_out} left out"),
         ("program {} of {}".format(*head.program), f"program {job.number} of {job.of}"),
         (_form(head.version, head.checksum), _form(VERSION, machine.checksum)),

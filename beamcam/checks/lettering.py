@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from msgspec import Struct
 
-from beamcam.checks.asked import TEXT_MOVED
 from beamcam.checks.drawn_texts import EXACT, DrawnText, RequiredText, Segment, is_where_wanted
+from beamcam.checks.request import TEXT_MOVED
 from beamcam.errors import Diagnostic, error
 from beamcam.geometry.array_types import Floats
 from beamcam.geometry.plane import Point

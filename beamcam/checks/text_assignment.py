@@ -36,7 +36,7 @@ NEVER = 1e13  #: mm that what cannot be the text counts as
 Options = Sequence[Sequence[DrawnText | None]]
 
 
-class TextStanding(Struct, frozen=True):
+class TextPosition(Struct, frozen=True):
     """Where a text stands, and what is wrong with that."""
 
     x: float
@@ -49,10 +49,10 @@ def _anything(text: RequiredText, drawn: DrawnText) -> bool:
     return True
 
 
-def standings(
+def text_positions(
     texts: Sequence[RequiredText], drawn: DrawnPieces, steel: Steel, sure: Steel | None,
     marks: Marks, is_ours: Callable[[RequiredText, DrawnText], bool] = _anything,
-) -> Iterator[TextStanding | None]:  # fmt: skip
+) -> Iterator[TextPosition | None]:  # fmt: skip
     """Of each text of a face where a program draws it, or where the part has it if it has to.
 
     None where it is not drawn and can stand nowhere on the steel: it is left for manual work.
@@ -68,9 +68,9 @@ def standings(
         others = [box for j, box in enumerate(boxes) if j != k and box is not None]
         if one is not None:
             diagnostics = tuple(judge(text, one, steel, others, marks, sure))
-            yield TextStanding(one.x, one.y, one.height, diagnostics)
+            yield TextPosition(one.x, one.y, one.height, diagnostics)
         elif sure is not None and places.has(text):
-            yield TextStanding(text.feature.x, text.feature.y, text.height)
+            yield TextPosition(text.feature.x, text.feature.y, text.height)
         else:
             yield None
 

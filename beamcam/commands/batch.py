@@ -25,10 +25,10 @@ from beamcam.commands.common import (
 from beamcam.commands.running import (
     Progress,
     Report,
+    batch_settings,
     checked_report,
     end_run,
     run_options,
-    shop_of,
     told_of,
     unmatched_keys,
     unused,
@@ -112,10 +112,10 @@ def command(
                 "found --machines over stock; expected it with --each, or --machine for parts that "
                 "share bars and sheets."
             )
-        shop = shop_of(config, asked, timed=report is not None)
+        settings = batch_settings(config, asked, timed=report is not None)
         console.say_remarks()
         result = find_inputs(names, leave_out=(output,))
-        workers = workers_of(shop, config.jobs, config.dask, result.inputs)
+        workers = workers_of(settings, config.jobs, config.dask, result.inputs)
     except BeamcamError as error:
         console.stop(error.diagnostics)
     messages = [as_message(d) for d in (*result.diagnostics, *unused(result, config))]
@@ -126,19 +126,19 @@ def command(
     stock_run: StockRun | None = None
     with Progress(0 if over_stock else len(result.inputs), console) as screen:
         screen.say(messages)
-        messages += map(as_message, (*config.remarks, *told_of(config, shop)))
+        messages += map(as_message, (*config.remarks, *told_of(config, settings)))
         with asked_to_end() as interrupted:
             if over_stock:
                 of = [path_from(output, one.path) for one in result.inputs]
                 recipe = recipe_of(config, {**asked, "nest": True, "inputs": of}, output)
                 stock_run = StockRun(
-                    result.inputs, output, shop, workers, recipe, redo, read, dry, interrupted
+                    result.inputs, output, settings, workers, recipe, redo, read, dry, interrupted
                 )
                 rows = stock_run.rows()
             else:
                 recipe = recipe_of(config, asked, output)
                 rows = run(
-                    result.inputs, output, shop, workers, config.flat, redo, read=read,
+                    result.inputs, output, settings, workers, config.flat, redo, read=read,
                     recipe=recipe, dry=dry, interrupt=interrupted,
                 )  # fmt: skip
             try:
@@ -162,7 +162,7 @@ def command(
         jobs = min(config.jobs or cores(), max(1, screen.counts.total // FILES_A_WORKER))
         shares = () if stock_run is None else stock_run.tasks
         try:
-            account.write(screen.counts, messages, None if dry else shop, jobs, shares)
+            account.write(screen.counts, messages, None if dry else settings, jobs, shares)
         except OSError as error:
             unwritten = [_unwritten(error, report)]
             screen.say(unwritten)

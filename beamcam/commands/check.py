@@ -22,7 +22,7 @@ from beamcam.errors import BeamcamError, Severity, Source
 from beamcam.files import REFUSED_SUFFIX
 from beamcam.machine import Machine, is_of_programs, shipped
 from beamcam.pipeline import begin, finished, parts_of, read_file
-from beamcam.reports.hand_list import hand_rows, is_hand_list
+from beamcam.reports.manual_work import is_manual_work_list, manual_rows
 from beamcam.reports.run import as_message, message_line
 
 #: Where others than the header of a machine file say the job's name: behind `%`, as the unit of a
@@ -62,7 +62,7 @@ _NO_PROGRAMS = (".toml", ".json", ".html", ".md", ".txt", REFUSED_SUFFIX)
 @options.skips
 @options.strict
 @options.as_json
-@options.voiced
+@options.verbosity
 def command(
     folder: Path, samples: Path | None, update: bool, strays: tuple[str, ...], as_json: bool,
     console: Console, **asked: Any,
@@ -179,7 +179,7 @@ def _programs(folder: Path, machine: str | None) -> list[tuple[Path, str | None]
 
 def _is_program(path: Path, machine: str | None) -> bool:
     """Whether a file is one, in the folder of a machine, or is called as programs are."""
-    if not path.is_file() or path.name.startswith(".") or is_hand_list(path.name):
+    if not path.is_file() or path.name.startswith(".") or is_manual_work_list(path.name):
         return False
     if is_stock_list(str(path)):
         return False
@@ -203,7 +203,7 @@ def _check(path: Path, samples: Path, config: Config) -> Checked:
         missing = any(said.code == NO_SAMPLE.code for said in error.diagnostics)
         said = tuple(map(as_message, error.diagnostics))
         return Checked(str(path), "missing" if missing else "refused", (), said)
-    return compared(str(path), path.read_bytes(), data, machine, hand_rows(posted.plan))
+    return compared(str(path), path.read_bytes(), data, machine, manual_rows(posted.plan))
 
 
 def _job(text: str, machine: Machine) -> str:

@@ -114,12 +114,12 @@ class Console:
 
 def remark(diagnostics: Iterable[Diagnostic]) -> None:
     """Have the console of the running command say messages once."""
-    console = running_voice()
+    console = running_console()
     if console is not None:
         console.remark(diagnostics)
 
 
-def running_voice() -> Console | None:
+def running_console() -> Console | None:
     """The console of the running command, if it has one."""
     context = click.get_current_context(silent=True)
     return context.meta.get(Console.__name__) if context else None
@@ -130,13 +130,13 @@ def say_lines(lines: Iterable[str], err: bool = False) -> None:
 
     On a terminal the severity of a message on standard error has its colour.
     """
-    coloured = err and wants_colour(sys.stderr)
+    coloured = err and shows_colour(sys.stderr)
     for line in lines:
         text = terminal_text(line)
         click.echo(_coloured(text) if coloured else text, err=err, color=coloured or None)
 
 
-def wants_colour(stream: Any) -> bool:
+def shows_colour(stream: Any) -> bool:
     """Whether text for a stream has colours: on a terminal, unless the user wants none.
 
     Source: no-color.org and force-color.org; a variable that is empty counts as none.

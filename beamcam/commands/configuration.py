@@ -11,7 +11,7 @@ from typing import Any
 
 from msgspec.structs import replace
 
-from beamcam.asked import expected_job
+from beamcam.arguments import expected_job
 from beamcam.commands import MACHINE_ELSEWHERE
 from beamcam.config import NOT_REPEATED, TWO, WRONG_VALUE
 from beamcam.config.places import (

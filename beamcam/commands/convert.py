@@ -92,7 +92,7 @@ def _print_schema(ctx: click.Context, param: click.Parameter, wanted: bool) -> N
     callback=_print_schema,
     help="Print the JSON schema of a part and exit.",
 )
-@options.voiced
+@options.verbosity
 def command(
     source: str, output: str, to: str | None, as_json: bool, console: Console, **asked: Any
 ) -> None:

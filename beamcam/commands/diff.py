@@ -139,7 +139,7 @@ def _parts(name: str, data: bytes, strict: bool) -> tuple[tuple[Part, ...], tupl
 @options.config
 @options.strict
 @options.as_json
-@options.voiced
+@options.verbosity
 def command(
     a: str, b: str | None, output: str | None, as_json: bool, console: Console, **asked: Any
 ) -> None:

@@ -13,7 +13,7 @@ from beamcam.comparison.pairing import Difference
 from beamcam.comparison.statements import ProgramText, diff_texts
 from beamcam.errors import ReadError, Source, errors_in
 from beamcam.machine import Machine
-from beamcam.reports.hand_list import LIST_SUFFIX, HandRow, as_csv
+from beamcam.reports.manual_work import LIST_SUFFIX, ManualRow, as_csv
 from beamcam.reports.run import Message, as_message
 
 Result = Literal["same", "bytes", "differs", "refused", "missing", "unknown"]
@@ -31,17 +31,19 @@ class Checked(Struct, frozen=True):
     differences: tuple[Difference, ...] = ()
     messages: tuple[Message, ...] = ()
     new: bytes | None = None  #: the program as it is made now, if it or its list is another
-    by_hand: Sequence[HandRow] = ()  #: the list beside it, as it is made now
+    manual_work: Sequence[ManualRow] = ()  #: the list beside it, as it is made now
 
 
 def compared(
-    path: str, old: bytes, new: bytes, machine: Machine, by_hand: Sequence[HandRow]
+    path: str, old: bytes, new: bytes, machine: Machine, manual_work: Sequence[ManualRow]
 ) -> Checked:
     """A golden program with its list of manual work, and those that are made now."""
-    listed = _list_differs(path, by_hand)
+    listed = _list_differs(path, manual_work)
     if old == new:
         return (
-            Checked(path, "differs", listed, (), new, by_hand) if listed else Checked(path, "same")
+            Checked(path, "differs", listed, (), new, manual_work)
+            if listed
+            else Checked(path, "same")
         )
     before, now = (data.decode("utf-8", "replace") for data in (old, new))
     differences, diagnostics = diff_texts(
@@ -50,10 +52,10 @@ def compared(
     diagnostics = errors_in(diagnostics)
     result: Result = "differs" if differences or diagnostics or listed else "bytes"
     differences = (*differences, *listed)
-    return Checked(path, result, differences, tuple(map(as_message, diagnostics)), new, by_hand)
+    return Checked(path, result, differences, tuple(map(as_message, diagnostics)), new, manual_work)
 
 
-def _list_differs(path: str, rows: Sequence[HandRow]) -> tuple[Difference, ...]:
+def _list_differs(path: str, rows: Sequence[ManualRow]) -> tuple[Difference, ...]:
     """Whether the list of manual work beside a program has changed."""
     beside = Path(path + LIST_SUFFIX)
     old = beside.read_bytes() if beside.is_file() else b""

@@ -60,7 +60,7 @@ def show(path: str, reading: Reading, console: Console) -> None:
 )
 @click.option("--json", "as_json", is_flag=True, help="Print JSON, one object per file.")
 @options.strict
-@options.voiced
+@options.verbosity
 def command(
     inputs: tuple[str, ...], check: bool, as_json: bool, console: Console, **asked: Any
 ) -> None:

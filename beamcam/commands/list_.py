@@ -18,7 +18,7 @@ from beamcam.commands.common import (
     Console,
     Grouped,
     read_all,
-    wants_colour,
+    shows_colour,
     write,
 )
 from beamcam.commands.options import quantity
@@ -142,7 +142,7 @@ def _written(
                 return as_xlsx(shown)
             except ImportError as error:
                 raise refuse_missing(error, "xlsx") from error
-    return _text(shown, is_shown and wants_colour(sys.stdout))
+    return _text(shown, is_shown and shows_colour(sys.stdout))
 
 
 def _text(tables: Sequence[Table], is_coloured: bool) -> str:

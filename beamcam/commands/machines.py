@@ -25,7 +25,7 @@ from beamcam.machine import (
 from beamcam.machine.chart_file import chart_rows
 from beamcam.machine.keys import starting_file
 from beamcam.machine.load import files_of
-from beamcam.machine_proof import load_proved
+from beamcam.self_test import load_tested
 
 MAX_CHART_BYTES = 10_000_000
 
@@ -88,7 +88,7 @@ def list_machines(as_json: bool) -> None:
     help="Cut chart for its rows: QtPlasmaC's material.cfg, SheetCam's .tools.",
 )
 @click.option("--user", is_flag=True, help="Among the user's settings, for jobs in every folder.")
-@options.voiced
+@options.verbosity
 def new(name: str, base: str, chart: str | None, user: bool, console: Console) -> None:
     """Write a machine file of your own: all values of the base as comments, to be made yours.
 
@@ -146,7 +146,7 @@ def show(name: str, as_json: bool) -> None:
     """
     try:
         place = resolved(name, own_files())
-        rows, machine = settings(place), load_proved(place)
+        rows, machine = settings(place), load_tested(place)
     except BeamcamError as error:
         Console(as_json=as_json).stop(error.diagnostics)
     Console(as_json=as_json).say(machine.remarks)
@@ -162,7 +162,7 @@ def show(name: str, as_json: bool) -> None:
 
 @command.command("check")
 @click.argument("name")
-@options.voiced
+@options.verbosity
 def check(name: str, console: Console) -> None:
     """Hold a section up to the machine NAME: where each spindle puts a hole, to be measured.
 
@@ -174,7 +174,7 @@ def check(name: str, console: Console) -> None:
     """
     try:
         place = resolved(name, own_files())
-        machine = load_proved(place)
+        machine = load_tested(place)
     except BeamcamError as error:
         console.stop(error.diagnostics)
     console.say(machine.remarks)
@@ -198,7 +198,7 @@ def _held_up(machine: Machine, place: str, console: Console) -> tuple[Diagnostic
 @command.command("plot")
 @click.argument("name")
 @options.output(".svg, .png or .pdf; - is SVG on standard output.")
-@options.voiced
+@options.verbosity
 def plot(name: str, output: str, console: Console) -> None:
     """Draw the line NAME: its stations along X, and its spindles at a section.
 
@@ -213,7 +213,7 @@ def plot(name: str, output: str, console: Console) -> None:
     suffix = picture_suffix(output)
     try:
         place = resolved(name, own_files())
-        machine = load_proved(place)
+        machine = load_tested(place)
         if machine.stock != "beam":
             what = "a coper" if machine.stock == "profile" else "a table"
             raise click.UsageError(f"found {machine.name}, {what}; expected a saw or drilling line")

@@ -166,7 +166,7 @@ def _handler(pages: Pages, bound: str) -> type[BaseHTTPRequestHandler]:
     help="Polling interval in seconds.",
 )  # fmt: skip
 @options.json_messages
-@options.voiced
+@options.verbosity
 def command(
     host: tuple[str, int], parts: tuple[str, ...], program: str | None,
     page: tuple[str, int], every: float, as_json: bool, console: Console, **asked: Any,

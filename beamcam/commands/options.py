@@ -295,7 +295,7 @@ def form_of(
     )
 
 
-def voiced(function: Function) -> Function:
+def verbosity(function: Function) -> Function:
     """Adds --quiet and --verbose, which come to the command as `console`; `as_json` counts too."""
 
     @click.option("-q", "--quiet", is_flag=True, help="Print errors only.")

@@ -227,7 +227,7 @@ part_options = options.group(member_options, options.mark_from, drawing_options,
 #: The parts of a shop's lists and labels, and how they are laid.
 list_options = options.group(
     options.skips, options.order, options.turn, options.mark_from, member_options, drawing_options,
-    torch_options, options.strict, options.as_json, options.voiced,
+    torch_options, options.strict, options.as_json, options.verbosity,
 )  # fmt: skip
 #: What a job is posted by, for commands that show what comes of it.
 job_options = options.group(
@@ -236,7 +236,7 @@ job_options = options.group(
 )  # fmt: skip
 #: Of a command that only looks at the work which parts are: `plan` and `verify`.
 looking_options = options.group(
-    quantity, options.skips, part_options, options.strict, options.as_json, options.voiced
+    quantity, options.skips, part_options, options.strict, options.as_json, options.verbosity
 )
 
 

@@ -33,7 +33,7 @@ from beamcam.model.plan import Order
 @options.bar
 @quantity
 @job_options
-@options.voiced
+@options.verbosity
 def command(
     inputs: tuple[str, ...], output: str, show: str | None, unit: Any, paper: Any, order: Order,
     turn: bool, as_json: bool, console: Console, **asked: Any,

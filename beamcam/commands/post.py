@@ -41,7 +41,7 @@ from beamcam.pipeline import (
     stock_of,
     untold,
 )
-from beamcam.planning.left_out import by_hand_sources, left_out_sources
+from beamcam.planning.left_out import left_out_sources, manual_work_sources
 
 FLAT = 150.0  #: mm that flats are wide at most, which a saw may cut to length (EN 10058)
 
@@ -74,7 +74,7 @@ FLAT = 150.0  #: mm that flats are wide at most, which a saw may cut to length (
 @options.no_verify
 @options.strict
 @options.json_messages
-@options.voiced
+@options.verbosity
 def command(
     inputs: tuple[str, ...], output: str, order: Order, style: str | None, turn: bool,
     first: int | None, contour: int | None, frame: str | None, rest_name: str | None,
@@ -154,13 +154,13 @@ def command(
     except StrictError as error:
         console.stop((*diagnostics, *error.diagnostics))
     except PlanError as error:
-        way = () if request is None else (_way_out(request, machines, config, asked),)
+        way = () if request is None else (_suggestion(request, machines, config, asked),)
         console.stop((*diagnostics, *error.diagnostics, *way))
     except BeamcamError as error:
         from beamcam.pipeline import read_file
-        from beamcam.ways_out import ways_to_read
+        from beamcam.suggestions import reading_suggestions
 
-        ways = tuple(ways_to_read(error.diagnostics, read_file, strict))
+        ways = tuple(reading_suggestions(error.diagnostics, read_file, strict))
         console.stop((*diagnostics, *error.diagnostics, *ways))
     _write(made, beside, files_read(config, inputs), console)
     console.say((*diagnostics, *dict.fromkeys(one for _, each in made for one in each.remarks)))
@@ -171,14 +171,14 @@ def command(
         raise SystemExit(exit_left_out)
 
 
-def _way_out(
+def _suggestion(
     request: Request, tried: Sequence[Machine], config: Config, options: Mapping[str, Any]
 ) -> Diagnostic:
     """What could be asked for instead, of the machines that are shipped for such stock."""
     from beamcam.commands.parts import drawing_choice
     from beamcam.machine import shipped
     from beamcam.pipeline import read_file
-    from beamcam.ways_out import ways_out
+    from beamcam.suggestions import suggestions
 
     known = {machine.name for machine in tried}
     others = [machine_asked(name, config) for name in shipped() if name not in known]
@@ -190,7 +190,7 @@ def _way_out(
     alike = [one for one in others if one is not None and one.stock in stocks]
     how = drawing_choice(options, config.map)
     read = None if how.get("units") else lambda path, **other: read_file(path, **{**how, **other})
-    return ways_out(request, tried, alike, read)
+    return suggestions(request, tried, alike, read)
 
 
 def _rest(made: Sequence[tuple[str, Posted]], first: int | None, contour: int | None) -> Posted:
@@ -318,11 +318,11 @@ def _read_back(posted: Posted, is_rest: bool) -> str:
     pieces = len(plan.pieces)
     parts = "the part" if pieces == 1 else f"the {pieces} parts"
     left_out = sum(1 for _ in left_out_sources(plan))
-    by_hand = sum(1 for _ in by_hand_sources(plan))
+    manual_work = sum(1 for _ in manual_work_sources(plan))
     exactly = f"read back: {parts}, exactly"
     lacking = [f"{_counted(left_out, 'feature')} left out"] if left_out else []
-    if by_hand:
-        lacking.append(f"{_counted(by_hand, 'mark')} left to the hand")
+    if manual_work:
+        lacking.append(f"{_counted(manual_work, 'mark')} left to the hand")
     if isinstance(plan, CopePlan):
         from beamcam.planning.coping.rules import ROUNDED
 

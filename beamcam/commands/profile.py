@@ -128,7 +128,7 @@ def wanted_profile(
 )
 @click.option("--pulses", type=int, help="Encoder pulses per revolution: adds Hz and rpm columns.")
 @click.option("--travel", type=NUMBER, help="Travel per revolution in mm, with --pulses.")
-@options.voiced
+@options.verbosity
 def command(
     output: str, velocity: float | None, acceleration: float | None, distance: float | None,
     time: float | None, jerk: float, cruise: float, points: tuple[tuple[float, float], ...],

@@ -17,14 +17,14 @@ from beamcam.batch.record import RECORD_NAME, Noted, Record, is_within, noted_in
 from beamcam.batch.work import BatchSettings, Task, make_all
 from beamcam.commands import GONE, NEW
 from beamcam.commands.golden import Checked, compared, named, sample_of
-from beamcam.commands.running import shop_of
+from beamcam.commands.running import batch_settings
 from beamcam.commands.settings import settled_again
 from beamcam.comparison.pairing import Difference
 from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Diagnostic, ReadError, Source
 from beamcam.files import remove_made, write_whole
 from beamcam.machine import Machine
-from beamcam.reports.hand_list import LIST_BEGIN, LIST_SUFFIX, HandRow, as_csv
+from beamcam.reports.manual_work import LIST_BEGIN, LIST_SUFFIX, ManualRow, as_csv
 from beamcam.reports.run import FileRow, as_message
 
 DEFAULT_SAMPLES = Path("samples")
@@ -64,7 +64,7 @@ class Recorded:
         """The machine of each program that the record knows, as far as it can be had."""
         machines: dict[str, Machine] = {}
         for noted in self._noted:
-            made = self._shop(noted)
+            made = self._settings(noted)
             if not isinstance(made, BeamcamError):
                 outputs = (part["output"] for part in noted.row["parts"])
                 machines |= dict(zip(outputs, machines_of(noted.row, made[1]), strict=True))
@@ -78,7 +78,7 @@ class Recorded:
             if not any(self._path(n).resolve().is_relative_to(below.resolve())
                        for n in noted.outputs):  # fmt: skip
                 continue
-            made = self._shop(noted)
+            made = self._settings(noted)
             if noted.recipe.asked.get("nest") and not isinstance(made, BeamcamError):
                 over_stock.setdefault(noted.recipe.name, []).append(noted)
             elif not isinstance(made, BeamcamError):
@@ -91,14 +91,14 @@ class Recorded:
 
     def _over_stock(self, of_run: Sequence[Noted]) -> Iterator[Checked]:
         """The outcome of the programs of a run over stock, all of whose files are read again."""
-        shop = self._shop(of_run[0])
-        if isinstance(shop, BeamcamError):
+        settings = self._settings(of_run[0])
+        if isinstance(settings, BeamcamError):
             raise AssertionError("a run without a shop is refused before")
         inputs = [
             Input(path_below(str(self._folder), path), os.path.basename(path))
             for path in of_run[0].recipe.asked.get("inputs", ())
         ]
-        run = StockRun(inputs, str(self._folder), shop[1], Here(shop[1]), dry=True)
+        run = StockRun(inputs, str(self._folder), settings[1], Here(settings[1]), dry=True)
         try:
             messages = [one for row in run.planned() for one in row["messages"]]
         except BeamcamError as error:
@@ -106,7 +106,7 @@ class Recorded:
             return
         made = {
             task.name: one
-            for task, one in zip(run.tasks, make_all(run.tasks, shop[1]), strict=True)
+            for task, one in zip(run.tasks, make_all(run.tasks, settings[1]), strict=True)
         }
         for noted in of_run:
             (name,) = noted.outputs
@@ -115,7 +115,7 @@ class Recorded:
                 {**noted.row, "parts": [], "messages": messages} if one is None else one.row
             )
             new = {} if one is None else dict(one.outputs)
-            yield from self._outputs(noted, row, new, machines_of(row, shop[1]))
+            yield from self._outputs(noted, row, new, machines_of(row, settings[1]))
             before, now = ({part["sha256"] for part in r["parts"]} for r in (noted.row, row))
             if self._update and new and now != before:
                 self._note(noted, row, tuple(new), path_below(str(self._folder), noted.input))
@@ -127,7 +127,7 @@ class Recorded:
     def _path(self, output: str) -> Path:
         return self._folder / output
 
-    def _shop(self, noted: Noted) -> tuple[Config, BatchSettings] | BeamcamError:
+    def _settings(self, noted: Noted) -> tuple[Config, BatchSettings] | BeamcamError:
         name = noted.recipe.name
         if name not in self._shops:
             files, again = asked_again(noted.recipe, str(self._folder))
@@ -139,12 +139,12 @@ class Recorded:
                 named = (options.get("machine"), *(options.get("machines") or ()))
                 strange = (name for name in named if name and name not in given.values())
                 config = settled_again(options, files, strange)
-                self._shops[name] = config, shop_of(config, options)
+                self._shops[name] = config, batch_settings(config, options)
             except BeamcamError as error:
                 self._shops[name] = error
         return self._shops[name]
 
-    def _input(self, noted: Noted, config: Config, shop: BatchSettings) -> Iterator[Checked]:
+    def _input(self, noted: Noted, config: Config, settings: BatchSettings) -> Iterator[Checked]:
         """The outcome of the programs of one input."""
         for name in noted.outputs:
             if not is_within(str(self._folder), name):
@@ -162,7 +162,7 @@ class Recorded:
         if isinstance(data, Diagnostic):
             yield _refused(str(self._path(noted.outputs[0])), (data,))
             return
-        (made,) = make_all((Task(0, sample, data),), shop)
+        (made,) = make_all((Task(0, sample, data),), settings)
         below = "" if config.flat else noted.tree.rpartition("/")[0]
         new, rests = (
             {f"{below}/{name}" if below else name: content for name, content in of}
@@ -171,7 +171,7 @@ class Recorded:
         for part in made.row["parts"]:
             if (rest := part["rest"]) is not None and below:
                 rest["output"] = f"{below}/{rest['output']}"
-        yield from self._outputs(noted, made.row, new, machines_of(made.row, shop))
+        yield from self._outputs(noted, made.row, new, machines_of(made.row, settings))
         yield from self._rests(noted, rests)
         now, before = ({part["sha256"] for part in row["parts"]} for row in (made.row, noted.row))
         if self._update and (now != before or not new.keys() <= self._known):
@@ -181,7 +181,7 @@ class Recorded:
         self, noted: Noted, row: FileRow, new: dict[str, bytes], machines: Sequence[Machine]
     ) -> Iterator[Checked]:
         of_name = dict(zip(new, machines, strict=True))
-        by_hand = dict(zip(new, (part["by_hand"] for part in row["parts"]), strict=True))
+        manual_work = dict(zip(new, (part["by_hand"] for part in row["parts"]), strict=True))
         known = [part["output"] for part in noted.row["parts"]]
         said = tuple(m for m in row["messages"] if m["severity"] == "error")
         for name in noted.outputs:
@@ -189,9 +189,9 @@ class Recorded:
             stands = path.is_file()
             if name in new and stands:
                 data = path.read_bytes()
-                yield compared(str(path), data, new[name], of_name[name], by_hand[name])
+                yield compared(str(path), data, new[name], of_name[name], manual_work[name])
             elif name in new:
-                yield self._is_new(name, new[name], by_hand[name])
+                yield self._is_new(name, new[name], manual_work[name])
             elif stands and said:
                 yield Checked(str(path), "refused", (), said)
                 said = ()  # it is said once for the input
@@ -201,7 +201,7 @@ class Recorded:
                 message = as_message(GONE.at(Source(str(path)), found=name))
                 yield Checked(str(path), "refused", (), (message,))
         more = (name for name in new if name not in self._known)
-        yield from (self._is_new(name, new[name], by_hand[name]) for name in more)
+        yield from (self._is_new(name, new[name], manual_work[name]) for name in more)
 
     def _rests(self, noted: Noted, new: Mapping[str, bytes]) -> Iterator[Checked]:
         """What lies otherwise between the programs of an input than it is made now."""
@@ -220,10 +220,10 @@ class Recorded:
                 changed = Difference("feature", "changed", text)
                 yield Checked(str(path), "differs", (changed,), (), new[name])
 
-    def _is_new(self, name: str, content: bytes, by_hand: Sequence[HandRow]) -> Checked:
+    def _is_new(self, name: str, content: bytes, manual_work: Sequence[ManualRow]) -> Checked:
         path = str(self._path(name))
         message = as_message(NEW.at(Source(path), found=name))
-        return Checked(path, "differs", (), (message,), content, by_hand)
+        return Checked(path, "differs", (), (message,), content, manual_work)
 
     def _sample(self, noted: Noted) -> str:
         """The path of an input as it is now. Raises ReadError."""
@@ -255,16 +255,16 @@ def accept(results: Sequence[Checked]) -> tuple[Checked, ...]:
         if one.new is not None:
             os.makedirs(os.path.dirname(one.path) or os.curdir, exist_ok=True)
             write_whole(one.path, one.new)
-            if one.by_hand:
-                write_whole(one.path + LIST_SUFFIX, as_csv(one.by_hand))
+            if one.manual_work:
+                write_whole(one.path + LIST_SUFFIX, as_csv(one.manual_work))
             else:
                 remove_made(one.path + LIST_SUFFIX, LIST_BEGIN)
     return tuple(one for one in results if one.new is None)
 
 
-def machines_of(row: FileRow, shop: BatchSettings) -> list[Machine]:
+def machines_of(row: FileRow, settings: BatchSettings) -> list[Machine]:
     """The machine of each program of an input."""
-    return [shop.machine_named(part["machine"]) for part in row["parts"]]
+    return [settings.machine_named(part["machine"]) for part in row["parts"]]
 
 
 def _refused(path: str, diagnostics: Sequence[Diagnostic]) -> Checked:

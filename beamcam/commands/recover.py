@@ -39,7 +39,7 @@ READ_BY = ("codesys", "linuxcnc", "grbl", "mach3")
 @torch_options
 @options.strict
 @options.json_messages
-@options.voiced
+@options.verbosity
 def command(
     program: str, output: str, to: str | None, profile: str | None, as_json: bool,
     console: Console, **asked: Any,

@@ -30,7 +30,7 @@ from beamcam.model.plan import Order
 @quantity
 @options.job_name
 @job_options
-@options.voiced
+@options.verbosity
 def command(
     inputs: tuple[str, ...], output: str, against: bool, unit: Any, paper: Any, order: Order,
     turn: bool, as_json: bool, console: Console, **asked: Any,

@@ -12,7 +12,7 @@ from typing import IO, Any, Self
 
 import click
 
-from beamcam.asked import check_asked
+from beamcam.arguments import check_arguments
 from beamcam.batch.find import FoundInputs, Input
 from beamcam.batch.names import check_template
 from beamcam.batch.pool import Here, Workers
@@ -96,17 +96,19 @@ run_options = options.group(
     click.option(
         "--json", "as_json", is_flag=True, help="Print only the outcome of each file, as JSON.",
     ),
-    options.voiced,
+    options.verbosity,
 )  # fmt: skip
 
 
-def shop_of(config: Config, options: Mapping[str, Any], timed: bool = False) -> BatchSettings:
+def batch_settings(
+    config: Config, options: Mapping[str, Any], timed: bool = False
+) -> BatchSettings:
     """Everything that determines the outputs: the job's configuration and reading options.
 
     Raises MachineError, ConfigError and PlanError.
     """
     name = config.name or ""
-    check_asked(config.job, None, config.allow_skips)
+    check_arguments(config.job, None, config.allow_skips)
     if config.split:
         check_split(config, options)
         bars, *more_bars = machines_of_split(config)
@@ -134,11 +136,11 @@ def shop_of(config: Config, options: Mapping[str, Any], timed: bool = False) -> 
     )  # fmt: skip
 
 
-def told_of(config: Config, shop: BatchSettings) -> tuple[Diagnostic, ...]:
+def told_of(config: Config, settings: BatchSettings) -> tuple[Diagnostic, ...]:
     """Whose configuration and machines a run has, for its report."""
     from beamcam.commands.configuration import reference, settings_line
 
-    machines = (shop.machine, *([shop.sheets] if shop.sheets else ()), *shop.more)
+    machines = (settings.machine, *([settings.sheets] if settings.sheets else ()), *settings.more)
     names = [reference(machine, config) for machine in machines]
     return (SETTINGS.at(Source("beamcam"), found=settings_line(config, names)),)
 
@@ -176,7 +178,7 @@ FILES_OF_HEAD_START = 32
 
 
 def workers_of(
-    shop: BatchSettings, jobs: int | None, dask: Dask, inputs: Sequence[Input]
+    settings: BatchSettings, jobs: int | None, dask: Dask, inputs: Sequence[Input]
 ) -> Workers:
     """The workers for some files: a cluster, processes up to the number of cores, or this process.
 
@@ -186,18 +188,18 @@ def workers_of(
     if dask.scheduler is not None:
         from beamcam.batch.cluster import Cluster
 
-        connect = partial(Cluster, shop, dask.scheduler, dask.answer_s, dask.chunks)
+        connect = partial(Cluster, settings, dask.scheduler, dask.answer_s, dask.chunks)
         if len(inputs) < FILES_OF_HEAD_START:
             return connect()
         from beamcam.batch.pool import HeadStart
 
-        return HeadStart(shop, len(inputs), connect)
+        return HeadStart(settings, len(inputs), connect)
     count = min(jobs or cores(), len(inputs))
     if count <= 1 and all(_is_quick(one.path) for one in inputs):
-        return Here(shop)
+        return Here(settings)
     from beamcam.batch.pool import Processes
 
-    return Processes(shop, max(count, 1))
+    return Processes(settings, max(count, 1))
 
 
 def _is_quick(path: str) -> bool:
@@ -219,7 +221,7 @@ class Progress:
 
     def __init__(self, total: int | None, console: Console) -> None:
         self.counts = Counts()
-        self._total, self._voice = total, console
+        self._total, self._console = total, console
         self._json_rows = console.as_json and total is None
         # A note is harmless, and thousands of them would hide what is not.
         self._wanted = {
@@ -242,16 +244,16 @@ class Progress:
     def show(self, row: FileRow) -> None:
         """Count a file and print what there is to be said about it."""
         self.counts.add(row)
-        if self._voice.as_json:
+        if self._console.as_json:
             if self._json_rows:  # a run without an end has no account that could be one text
                 click.echo(json_text(dumped(row).decode("utf-8", "surrogateescape")))
-            if self._voice.verbose:
-                self._voice.did("; ".join(line.strip() for line in account_lines(row)))
+            if self._console.verbose:
+                self._console.did("; ".join(line.strip() for line in account_lines(row)))
             return
         lines = [message_line(m) for m in row["messages"] if self._is_shown(m)]
-        if self._voice.verbose:
+        if self._console.verbose:
             lines += account_lines(row)
-        elif self._total is None and not self._voice.quiet:
+        elif self._total is None and not self._console.quiet:
             lines.append(what_became_of(row))  # who watches sees what is done
         if lines:
             self._clear()
@@ -266,7 +268,7 @@ class Progress:
         """
         if message["severity"] not in self._wanted:
             return False
-        if self._voice.verbose or self._total is None:
+        if self._console.verbose or self._total is None:
             return True
         kind = message["severity"], message["code"]
         self._said[kind] += 1
@@ -281,8 +283,8 @@ class Progress:
 
     def say(self, messages: Iterable[Message]) -> None:
         """Print what is said about the run as a whole; it is little, so that notes count too."""
-        for message in () if self._voice.as_json else messages:
-            if self._voice.wants(Severity(message["severity"])):
+        for message in () if self._console.as_json else messages:
+            if self._console.wants(Severity(message["severity"])):
                 self._clear()
                 say_lines([message_line(message)], err=True)
 
@@ -290,7 +292,7 @@ class Progress:
         """Print the line of counts, and what else is to be known of the run."""
         self._clear()
         say_lines(self._more(), err=True)
-        if not (self._voice.quiet or self._voice.as_json):
+        if not (self._console.quiet or self._console.as_json):
             say_lines([f"{self.counts}{note}"], err=True)
 
     def _clear(self) -> None:
@@ -338,13 +340,13 @@ class Report:
             self._rows.write(dumped(row) + b"\n")
 
     def write(
-        self, counts: Counts, messages: Iterable[Message], shop: BatchSettings | None = None,
+        self, counts: Counts, messages: Iterable[Message], settings: BatchSettings | None = None,
         jobs: int = 1, shares: Sequence[ShareTask] = (),
     ) -> None:  # fmt: skip
         """Write the report in the format that its name says; `-` prints JSON.
 
-        A page has a setup sheet for each program beside it, made as `shop` says; `shares` are those
-        of a run over stock. Raises OSError.
+        A page has a setup sheet for each program beside it, made as `settings` says; `shares` are
+        those of a run over stock. Raises OSError.
         """
         if self.path is None:
             return
@@ -359,7 +361,7 @@ class Report:
             rows = [one for one in messages if one["code"] != SETTINGS.code]
             pieces = as_csv(self._read(), counts, rows)
         elif suffix == ".html":
-            pieces = self._page(counts, messages, shop, jobs, shares)
+            pieces = self._page(counts, messages, settings, jobs, shares)
         else:
             pieces = as_json(self._read(), counts, messages)
         if self.path == "-":
@@ -371,16 +373,16 @@ class Report:
             self._rows.close()
 
     def _page(
-        self, counts: Counts, messages: Iterable[Message], shop: BatchSettings | None, jobs: int,
-        shares: Sequence[ShareTask],
+        self, counts: Counts, messages: Iterable[Message], settings: BatchSettings | None,
+        jobs: int, shares: Sequence[ShareTask],
     ) -> Iterable[bytes]:  # fmt: skip
         from beamcam.reports.run_page import as_html
 
-        if shop is None or self.path is None:
+        if settings is None or self.path is None:
             return as_html(self._read, counts, messages)
         from beamcam.batch.sheets import picture_style, sheets_beside
 
-        extras = sheets_beside(self.path, self._read(), shop, jobs, shares)
+        extras = sheets_beside(self.path, self._read(), settings, jobs, shares)
         return as_html(self._read, counts, messages, extras, picture_style())
 
     def _read(self) -> Iterator[FileRow]:

@@ -11,7 +11,7 @@ import click
 from msgspec.structs import replace
 
 from beamcam.budget import set_limits
-from beamcam.commands.common import remark, running_voice
+from beamcam.commands.common import remark, running_console
 from beamcam.config.places import ConfigFiles, config_files, own_files
 from beamcam.config.values import COMMAND_LINE, Config, Stock, over
 from beamcam.errors import BeamcamError, Diagnostic, MachineError, PlanError, Source
@@ -20,10 +20,10 @@ from beamcam.machine import Machine, default_machines, is_of_sheets
 from beamcam.machine.overlay import with_corner
 from beamcam.machine.words import UNKNOWN_MACHINE
 from beamcam.machine_choice import InTurn
-from beamcam.machine_proof import load_proved
 from beamcam.model.part import Part
 from beamcam.pipeline import stock_of
 from beamcam.readers.content import Reading
+from beamcam.self_test import load_tested
 
 #: Keys of a configuration that are options of their own, by the name of the option's value.
 _OPTIONS = {
@@ -279,7 +279,7 @@ def machines_of_stock(
     if not names:
         return InTurn(
             default_machines(stock, output),
-            lambda name: _told(name, _as_asked(load_proved(name), config, is_one_of_two), config),
+            lambda name: _told(name, _as_asked(load_tested(name), config, is_one_of_two), config),
         )
     machines = [_named_machine(config, stock, name) for name in names]
     return tuple(
@@ -317,7 +317,7 @@ def check_split(config: Config, options: Mapping[str, Any]) -> None:
 
 def _told(name: str, machine: Machine, config: Config) -> Machine:
     """The machine; --verbose says whose file it is, and an untrusted one is always reported."""
-    console = running_voice()
+    console = running_console()
     if console is not None and (console.verbose or name.endswith(".toml")):
         from beamcam.commands.configuration import settings_line, strange
 
@@ -331,7 +331,7 @@ def machine_asked(name: str, config: Config) -> Machine | None:
     """A machine as the job wants it; None where there is none, or it cannot do what is asked."""
 
     try:
-        return _as_asked(load_proved(name), config, is_one_of_two=False)
+        return _as_asked(load_tested(name), config, is_one_of_two=False)
     except BeamcamError:
         return None
 
@@ -357,7 +357,7 @@ def _named_machine(config: Config, of: Stock | Literal["split"], named: str) -> 
     """
     key = "split" if of == "split" else f"machines.{of}" if of in config.machines else "machine"
     try:
-        return load_proved(named)
+        return load_tested(named)
     except MachineError as error:
         source = config.sources.get(key)
         if source in (None, COMMAND_LINE) or error.diagnostics[0].code != UNKNOWN_MACHINE.code:

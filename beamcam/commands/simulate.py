@@ -98,7 +98,7 @@ class EncoderKind(click.ParamType):  # type: ignore[type-arg]
     "By default 0 to send, 1 to serve.",
 )
 @job_options
-@options.voiced
+@options.verbosity
 def command(
     inputs: tuple[str, ...], against: bool, output: str | None, every: float | None,
     encoder: "Encoder | Literal['machine'] | None", modbus: tuple[str, int] | None,

@@ -13,7 +13,7 @@ from beamcam.commands.parts import part_options, read_parts, request_of
 from beamcam.commands.post import success
 from beamcam.commands.settings import files_read, machines_of_split, settled
 from beamcam.errors import BeamcamError, Diagnostic
-from beamcam.reports.hand_list import LIST_SUFFIX, as_csv, hand_rows
+from beamcam.reports.manual_work import LIST_SUFFIX, as_csv, manual_rows
 from beamcam.writers import target_of_suffix
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 @part_options
 @options.strict
 @options.json_messages
-@options.voiced
+@options.verbosity
 def command(
     inputs: tuple[str, ...], folder: str, rest_as: str, as_json: bool, console: Console,
     **asked: Any,
@@ -61,13 +61,13 @@ def command(
     target = target_of_suffix(f".{rest_as}")
     try:
         config = settled(asked, inputs)
-        shop = machines_of_split(config)
-        if not shop:
+        machines = machines_of_split(config)
+        if not machines:
             raise click.UsageError("found no machines; expected --machines, or `split` in a file.")
         parts, diagnostics = read_parts(inputs, config, asked, console)
         for part in parts:
-            request = request_of((part,), config, shop[0], None)
-            chain, more = chain_for(request, shop)
+            request = request_of((part,), config, machines[0], None)
+            chain, more = chain_for(request, machines)
             diagnostics += more
             mark = names.take(f"{cleaned(part.mark) or 'part'}.nc1", part.mark)[: -len(".nc1")]
             for k, stage in enumerate(stages_of(request, chain, target), 1):
@@ -99,6 +99,6 @@ def _files(stage: "Stage", name: str, rest_as: str) -> tuple[str, list[tuple[str
     files = [(program, stage.posted.text)]
     if stage.rest:
         files.append((f"{name}-rest.{rest_as}", stage.rest))
-    if rows := hand_rows(stage.plan):
+    if rows := manual_rows(stage.plan):
         files.append((program + LIST_SUFFIX, as_csv(rows)))
     return program, files

@@ -6,8 +6,8 @@ from typing import Any
 import click
 from msgspec.structs import replace
 
-from beamcam.checks.asked import BY_HAND, LEFT_OUT
 from beamcam.checks.head import Head, head_of, head_remarks
+from beamcam.checks.request import LEFT_OUT, MANUAL_WORK
 from beamcam.commands import options
 from beamcam.commands.common import REFUSED, STANDARD, Console, Grouped, say_json
 from beamcam.commands.diff import refuse_part
@@ -32,7 +32,7 @@ from beamcam.readers.content import shown_name
 from beamcam.reports.run import as_message
 
 #: Rules for features that a program may be without.
-NOT_MADE = (LEFT_OUT.code, BY_HAND.code)
+NOT_MADE = (LEFT_OUT.code, MANUAL_WORK.code)
 
 
 @click.command("verify", cls=Grouped)

@@ -14,7 +14,14 @@ from beamcam.batch.record import claims_of
 from beamcam.batch.run import BatchError, run
 from beamcam.commands import options
 from beamcam.commands.common import Console, Grouped, say_lines
-from beamcam.commands.running import Progress, end_run, run_options, shop_of, unused, workers_of
+from beamcam.commands.running import (
+    Progress,
+    batch_settings,
+    end_run,
+    run_options,
+    unused,
+    workers_of,
+)
 from beamcam.commands.settings import files_read, settled
 from beamcam.errors import BeamcamError, Diagnostic, Source
 from beamcam.reports.run import FileRow, as_message
@@ -62,7 +69,7 @@ def command(
     """
     try:
         config = settled(asked, (folder,))
-        shop = shop_of(config, asked)
+        settings = batch_settings(config, asked)
         console.say_remarks()
         for place in (output, done, refused):
             if place is not None:
@@ -80,7 +87,7 @@ def command(
         say_lines(
             [f"watching {folder} every {every:g} s, programs go to {output}{ending}"], err=True
         )
-    with Progress(None, console) as screen, asked_to_end() as interrupted:
+    with Progress(None, console) as progress, asked_to_end() as interrupted:
         try:
             while not interrupted:
                 inputs = find_inputs((folder,), leave_out)
@@ -88,24 +95,24 @@ def command(
                 diagnostics = tuple(d for d in inputs.diagnostics if d.code != NOTHING.code)
                 diagnostics += unused(inputs, config)
                 if diagnostics != told:
-                    screen.say(map(as_message, diagnostics))
+                    progress.say(map(as_message, diagnostics))
                     told = diagnostics
                 ready = hot.take(look(inputs.inputs), time.monotonic())
-                screen.say(
+                progress.say(
                     as_message(NO_END.at(Source(one.path), found=f"{end_wait:g}"))
                     for one in hot.endless
                 )
                 if ready:
-                    workers = workers_of(shop, config.jobs, config.dask, ready)
+                    workers = workers_of(settings, config.jobs, config.dask, ready)
                     read = files_read(config, (one.path for one in ready))
                     rows = run(
-                        ready, output, shop, workers, config.flat, claims=claims, read=read,
+                        ready, output, settings, workers, config.flat, claims=claims, read=read,
                         recipe=recipe, interrupt=interrupted, marks=marks,
                     )  # fmt: skip
                     try:
                         for one, row in zip(ready, rows, strict=False):
-                            screen.show(row)
-                            _file_away(one, row, hot, done, refused, screen)
+                            progress.show(row)
+                            _file_away(one, row, hot, done, refused, progress)
                     finally:
                         rows.close()
                 elif once and not hot.is_waiting:
@@ -114,8 +121,8 @@ def command(
                     interrupted.wait(every)
         except BeamcamError as error:
             console.stop(error.diagnostics)
-        screen.end()
-    end_run(screen.counts, bool(interrupted), exit_left_out)
+        progress.end()
+    end_run(progress.counts, bool(interrupted), exit_left_out)
 
 
 def _make(folder: str) -> None:
@@ -132,7 +139,7 @@ def _file_away(
     hot: HotFolder,
     done: str | None,
     refused: str | None,
-    screen: Progress,
+    progress: Progress,
 ) -> None:
     """Move an input to where it belongs now; one that failed is tried again later."""
     if row["status"] == "failed":
@@ -145,4 +152,4 @@ def _file_away(
         file_away(found, place, row if row["status"] == "refused" else None)
     except OSError as error:
         diagnostic = WRITE.at(Source(found.path), found=place, reason=error.strerror or str(error))
-        screen.say([as_message(diagnostic)])
+        progress.say([as_message(diagnostic)])

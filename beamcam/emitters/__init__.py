@@ -52,11 +52,13 @@ def comment_room(machine: Machine) -> int:
     return min(MAX_COMMENT, longest - signs)
 
 
-def head_lines(job: Job, plan: AnyPlan, left_out: Mapping[str, int], by_hand: int) -> Iterator[str]:
+def head_lines(
+    job: Job, plan: AnyPlan, left_out: Mapping[str, int], manual_work: int
+) -> Iterator[str]:
     """The lines of a program's head.
 
-    `left_out` are the features that it leaves out, by their kinds; `by_hand` is the number of marks
-    left for manual work.
+    `left_out` are the features that it leaves out, by their kinds; `manual_work` is the number of
+    marks left for manual work.
     """
     machine = job.machine
     yield f"BEAMCAM {FORM} MACHINE {one_word(machine.name)} {machine.checksum}".rstrip()
@@ -66,8 +68,8 @@ def head_lines(job: Job, plan: AnyPlan, left_out: Mapping[str, int], by_hand: in
     missing = [f"{left_out[kind]} {kind}" for kind in sorted(left_out)]
     for at in range(0, len(missing), KINDS_A_LINE):
         yield f"LEFT OUT: {', '.join(missing[at : at + KINDS_A_LINE])}"
-    if by_hand:
-        yield f"LEFT TO THE HAND: {by_hand}"
+    if manual_work:
+        yield f"LEFT TO THE HAND: {manual_work}"
     if not job.request.verified:
         yield NOT_READ_BACK
     if job.of > 1:

@@ -156,7 +156,7 @@ class Outcome(Struct, frozen=True, gc=False):
     left: str = ""  #: why something of a feature that is made is on that list too
 
     @property
-    def by_hand(self) -> str:
+    def manual_work(self) -> str:
         """Why it is on the list of manual work, wholly or in part; "" if it is not."""
         return self.by if self.how == "listed" else self.left
 

@@ -41,7 +41,7 @@ class SteelDepths:
     """Depths of what a program makes on a bar."""
 
     def __init__(self, machine: Machine, profile: Profile, bores: Iterable[Bore]) -> None:
-        self._shop = ToolCatalogue(machine, machine.drill) if machine.drill is not None else None
+        self._tools = ToolCatalogue(machine, machine.drill) if machine.drill is not None else None
         self._profile, self._noise = profile, 2 * machine.format.resolution
         self._pilots: dict[tuple[str, int, int], float] = {}
         for bore in bores:
@@ -57,11 +57,11 @@ class SteelDepths:
         return None if is_through and depth > thickness - self._noise else depth
 
     def _bore(self, bore: Bore) -> float:
-        if self._shop is None or bore.kind not in ("drill", "countersink"):
+        if self._tools is None or bore.kind not in ("drill", "countersink"):
             return bore.tip_depth
         if bore.kind == "drill":
-            return bore.tip_depth - self._shop.tip("drill", bore.diameter, bore.face)
-        angle = self._shop.point_deg("countersink", bore.diameter, bore.face)
+            return bore.tip_depth - self._tools.tip("drill", bore.diameter, bore.face)
+        angle = self._tools.point_deg("countersink", bore.diameter, bore.face)
         if angle >= FLAT_DEG:
             return bore.tip_depth
         pilot = self._pilots.get(_place(bore), 0.0)

@@ -159,13 +159,15 @@ def plan_bar(
     if refusals:
         raise PlanError(refusals)
     ordered = sort_along_x(cuts, strokes, machine)
-    by_hand, diagnostics = reloads(ordered, machine, source)
+    manual_work, diagnostics = reloads(ordered, machine, source)
     if errors_in(diagnostics):
         raise PlanError(diagnostics)
     told += diagnostics
     told += cutting_remarks(pieces, strokes, machine)
     outcomes = tuple(_outcomes(laid.works, strokes))
-    plan = Plan(pieces[0].part.profile, pieces, laid.bar, ordered, outcomes, tuple(told), by_hand)
+    plan = Plan(
+        pieces[0].part.profile, pieces, laid.bar, ordered, outcomes, tuple(told), manual_work
+    )
     _balance(plan, machine)
     return plan
 

@@ -94,7 +94,7 @@ LEFT_OUT = warning("plan-left-out",
     "found {what}, which the machine cannot make; left out, as --allow-skips {kind} allows",
     "The part is not finished when the program ends: what is left out has to be made manually or "
     "on another machine. `--exit-left-out` gives it an exit status of its own.")  # fmt: skip
-BY_HAND = warning("plan-by-hand",
+MANUAL_WORK = warning("plan-by-hand",
     "found {what}; {why}; it is on the list of manual work",
     "The part is posted without the mark, which has to be made manually. The list of manual work "
     "is written beside the program; `[marks]` in a machine file says what becomes of each kind of "
@@ -110,8 +110,8 @@ def told(plan: AnyPlan, torch: Torch | None) -> Iterator[Diagnostic]:
     skipped = [outcome for outcome in left if _is_by_name(outcome)]
     # A part that is on the bar several times is reported once.
     yield from dict.fromkeys(_left_out(plan, outcome) for outcome in skipped)
-    listed = [outcome for outcome in left if outcome.by_hand]
-    yield from dict.fromkeys(_by_hand(plan, outcome) for outcome in listed)
+    listed = [outcome for outcome in left if outcome.manual_work]
+    yield from dict.fromkeys(_manual_work(plan, outcome) for outcome in listed)
     if isinstance(plan, SheetPlan) and torch is not None:
         from beamcam.planning.map_keys import map_remarks
 
@@ -132,10 +132,10 @@ def left_out_kinds(plan: AnyPlan) -> Counter[str]:
     return Counter(one.by.removeprefix("plan-") for one in left if _is_by_name(one))
 
 
-def by_hand_sources(plan: AnyPlan) -> Iterator[Source]:
+def manual_work_sources(plan: AnyPlan) -> Iterator[Source]:
     """Source of each mark that is left for manual work."""
     for outcome in unfinished(plan.outcomes):
-        if outcome.by_hand:
+        if outcome.manual_work:
             piece, index = outcome.feature
             yield plan.pieces[piece].part.features[index].source
 
@@ -155,7 +155,9 @@ def _left_out(plan: AnyPlan, outcome: Outcome) -> Diagnostic:
     return LEFT_OUT.at(feature.source, what=description(feature), kind=kind)
 
 
-def _by_hand(plan: AnyPlan, outcome: Outcome) -> Diagnostic:
+def _manual_work(plan: AnyPlan, outcome: Outcome) -> Diagnostic:
     piece, index = outcome.feature
     feature = plan.pieces[piece].part.features[index]
-    return BY_HAND.at(feature.source, what=description(feature), why=REASONS[outcome.by_hand])
+    return MANUAL_WORK.at(
+        feature.source, what=description(feature), why=REASONS[outcome.manual_work]
+    )

@@ -303,7 +303,7 @@ def reloads(
         if changed:
             worked = [op for op in operations if isinstance(op, (DrillOp, PathOp))]
             count = len({op.tool for op in worked if spindle.face in op.faces})
-            rule = rules.RELOAD if machine.words.change else rules.NO_CHANGE_WORD
+            rule = rules.MANUAL_CHANGE if machine.words.change else rules.NO_CHANGE_WORD
             remarks.append(
                 rule.at(
                     source, found=count, stations=spindle.stations, spindle=spindle.name,

@@ -85,7 +85,7 @@ TURN_HELPS = note("plan-turn-helps",
 ORDER = note("plan-order",
     "the parts lie in the order {found}: {reason}",
     "`--order best` puts parts side by side that share a cut, so that less of the bar is lost.")
-RELOAD = warning("plan-reload",
+MANUAL_CHANGE = warning("plan-reload",
     "found {found} tools for the {stations} stations of spindle {spindle}; {changes} must be "
     "changed manually during the work",
     "The bar needs more tools than the spindle holds at once; `beamcam plan` lists the changes.")

@@ -30,7 +30,7 @@ from beamcam.planning.contours.assign_process import (
     Assigned,
     assign_processes,
 )
-from beamcam.planning.contours.crowd import refuse_copies, refuse_crowds
+from beamcam.planning.contours.copies import refuse_copies, refuse_many_passes
 from beamcam.planning.contours.join import Joined, join
 from beamcam.planning.contours.layer_settings import refuse_order, refuse_overcuts, refuse_settings
 from beamcam.planning.contours.layout import box_of, refuse_large, refuse_size, shift_of
@@ -144,7 +144,7 @@ def _nested(
     Raises PlanError for those that cannot be worked, or not in the order that is asked for.
     """
     drawn = points_of([shape.curves for shape in joined.shapes], torch.tolerance / 4)
-    refuse_crowds(joined.shapes, drawn, torch.tolerance)
+    refuse_many_passes(joined.shapes, drawn, torch.tolerance)
     shapes, diagnostics = nest(
         joined.shapes, drawn, assigned.wanted, torch.tolerance, torch.gap, kerf
     )

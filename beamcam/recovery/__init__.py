@@ -11,7 +11,7 @@ from beamcam.checks.head import head_of, head_remarks
 from beamcam.errors import Source, errors_in
 from beamcam.machine.machine import Machine
 from beamcam.recovery.bars import recover_bars
-from beamcam.recovery.found import BY_HAND, LEFT_OUT, KnownStock, Recovered, with_marks
+from beamcam.recovery.found import LEFT_OUT, MANUAL_WORK, KnownStock, Recovered, with_marks
 
 __all__ = ["KnownStock", "Recovered", "recover", "with_marks"]
 
@@ -41,8 +41,8 @@ def recover(
     diagnostics += recovered.diagnostics
     if errors_in(diagnostics):
         return Recovered((), diagnostics)
-    if head is not None and head.by_hand:
-        diagnostics = (*diagnostics, BY_HAND.at(Source(name), found=head.by_hand))
+    if head is not None and head.manual_work:
+        diagnostics = (*diagnostics, MANUAL_WORK.at(Source(name), found=head.manual_work))
     if head is not None and head.left_out:
         diagnostics = (*diagnostics, LEFT_OUT.at(Source(name), found=head.left_out))
     return Recovered(recovered.parts, diagnostics, recovered.marked)

@@ -48,20 +48,20 @@ LEFT = 4  #: the M word that turns a spindle counter-clockwise
 
 
 def holes_of(
-    bores: Sequence[Bore], led: Sequence[Feature], shop: ToolCatalogue, profile: Profile, name: str
+    bores: Sequence[Bore], led: Sequence[Feature], tools: ToolCatalogue, profile: Profile, name: str
 ) -> list[Hole]:
     """The holes of a part; x counts from its start. Those at the ends of slots are theirs."""
     taps = [b for b in bores if b.kind == "tap"]
     drills = [
         b for b in bores
-        if b.kind == "drill" and not any(_is_at(b, t.face, t.x, t.y, shop) for t in taps)
-        and not any(isinstance(s, Slot) and _is_of_slot(b, s, shop) for s in led)
+        if b.kind == "drill" and not any(_is_at(b, t.face, t.x, t.y, tools) for t in taps)
+        and not any(isinstance(s, Slot) and _is_of_slot(b, s, tools) for s in led)
     ]  # fmt: skip
     sinks = [b for b in bores if b.kind == "countersink"]
-    make = _Maker(shop, profile, name)
+    make = _Maker(tools, profile, name)
     holes = [make.drilled(b) for b in drills]
     holes += [make.thread(b) for b in taps]
-    holes += [make.sink(b, [p for p in (*drills, *taps) if _same(p, b, shop)]) for b in sinks]
+    holes += [make.sink(b, [p for p in (*drills, *taps) if _same(p, b, tools)]) for b in sinks]
     holes += [make.mark(b) for b in bores if b.kind == "punch"]
     return sorted(holes, key=lambda h: h.source.line or 0)
 
@@ -69,19 +69,19 @@ def holes_of(
 class _Maker:
     """Makes holes out of what tools did."""
 
-    def __init__(self, shop: ToolCatalogue, profile: Profile, name: str) -> None:
-        self.shop, self.profile, self.name = shop, profile, name
-        form = shop.machine.format
+    def __init__(self, tools: ToolCatalogue, profile: Profile, name: str) -> None:
+        self.tools, self.profile, self.name = tools, profile, name
+        form = tools.machine.format
         self.slack, self.decimals = form.resolution, form.length_decimals
 
     def drilled(self, bore: Bore) -> Hole:
-        depth = bore.tip_depth - self.shop.tip("drill", bore.diameter, bore.face)
+        depth = bore.tip_depth - self.tools.tip("drill", bore.diameter, bore.face)
         deep = self._depth(depth, self.profile.thickness(bore.face))
         return self._hole(bore, bore.diameter, deep, "through" if deep is None else "blind")
 
     def thread(self, bore: Bore) -> Hole:
         hands = {
-            t.hand for t in self.shop.of("tap", bore.face)
+            t.hand for t in self.tools.of("tap", bore.face)
             if (bore.diameter, bore.pitch) in zip(t.sizes, t.pitches, strict=False)
         }  # fmt: skip
         left = hands == {"left"} or ("left" in hands and bore.turning == LEFT)
@@ -90,7 +90,7 @@ class _Maker:
 
     def sink(self, bore: Bore, below: Sequence[Bore]) -> Hole:
         """A countersink: its tool's cone to where that stands in the surface, or below it."""
-        cones = [t.point_deg for t in self.shop.of("countersink", bore.face)
+        cones = [t.point_deg for t in self.tools.of("countersink", bore.face)
                  if bore.diameter in t.sizes]  # fmt: skip
         cone = cones[0] if cones else FLAT_DEG
         if cone >= FLAT_DEG:
@@ -106,7 +106,7 @@ class _Maker:
 
     def mark(self, bore: Bore) -> Hole:
         depth = plain(bore.tip_depth, self.slack, self.decimals)
-        usual = abs(depth - self.shop.drill.punch_depth) <= self.slack
+        usual = abs(depth - self.tools.drill.punch_depth) <= self.slack
         return self._hole(bore, bore.diameter, None if usual else depth, "mark")
 
     def _depth(self, depth: float, thickness: float) -> float | None:
@@ -124,21 +124,21 @@ class _Maker:
         return Hole(bore.face, bore.x, y, diameter, source, depth, kind, angle)  # type: ignore[arg-type]
 
 
-def _same(a: Bore, b: Bore, shop: ToolCatalogue) -> bool:
-    return _is_at(a, b.face, b.x, b.y, shop)
+def _same(a: Bore, b: Bore, tools: ToolCatalogue) -> bool:
+    return _is_at(a, b.face, b.x, b.y, tools)
 
 
-def _is_at(bore: Bore, face: str, x: float, y: float, shop: ToolCatalogue) -> bool:
-    near = shop.drill.merge_tolerance + 2 * shop.machine.format.resolution
+def _is_at(bore: Bore, face: str, x: float, y: float, tools: ToolCatalogue) -> bool:
+    near = tools.drill.merge_tolerance + 2 * tools.machine.format.resolution
     return bore.face == face and abs(bore.x - x) <= near and abs(bore.y - y) <= near
 
 
-def _is_of_slot(bore: Bore, slot: Slot, shop: ToolCatalogue) -> bool:
+def _is_of_slot(bore: Bore, slot: Slot, tools: ToolCatalogue) -> bool:
     """Whether a drilled hole is the end of a slot, whose width was measured from a mill's path."""
-    _, most = shop.fit(slot.diameter) or (0.0, slot.diameter)
-    most += shop.drill.path_tolerance + 2 * shop.machine.format.resolution
+    _, most = tools.fit(slot.diameter) or (0.0, slot.diameter)
+    most += tools.drill.path_tolerance + 2 * tools.machine.format.resolution
     return bore.diameter <= most and any(
-        _is_at(bore, slot.face, x, y, shop) for x, y in slot_corners(slot)
+        _is_at(bore, slot.face, x, y, tools) for x, y in slot_corners(slot)
     )
 
 
@@ -210,7 +210,7 @@ def recover_bars(text: str, machine: Machine, name: str, stock: KnownStock) -> R
     diagnostics += bar.diagnostics
     if not errors_in(diagnostics) and profile.web_thickness is not None:
         diagnostics += Comparison(
-            done.made, RequiredParts(parts), bar.shop, profile, done.choices, name
+            done.made, RequiredParts(parts), bar.tools, profile, done.choices, name
         ).run()
     return Recovered(parts, tuple(diagnostics))
 
@@ -243,9 +243,9 @@ class _Bar:
     """The parts of one bar; `said` is what is not a feature of any part."""
 
     def __init__(
-        self, machine: Machine, shop: ToolCatalogue, saw: Saw, profile: Profile, name: str
+        self, machine: Machine, tools: ToolCatalogue, saw: Saw, profile: Profile, name: str
     ) -> None:
-        self.machine, self.shop, self.saw = machine, shop, saw
+        self.machine, self.tools, self.saw = machine, tools, saw
         self.profile, self.name = profile, name
         self.lift = profile.height if saw.pivot == "o" else 0.0
         self.diagnostics: list[Diagnostic] = []
@@ -270,19 +270,19 @@ class _Bar:
     def _features(
         self, piece: SawnPiece, first: float, made: MachinedFeatures
     ) -> tuple[Feature, ...]:
-        from_x = first + self.shop.drill.x
+        from_x = first + self.tools.drill.x
         paths = [self._path(t, from_x) for t in made.paths if self._in(piece, t.face, t.points[0])]
         led = [f for f in paths if f is not None]
         bores = [b for b in made.bores if self._in(piece, b.face, (b.x, b.y))]
         here = [replace(b, x=self._x(b, from_x)) for b in bores]
         texts = self._texts(piece, first, made)
-        return (*holes_of(here, led, self.shop, self.profile, self.name), *led, *texts)
+        return (*holes_of(here, led, self.tools, self.profile, self.name), *led, *texts)
 
     def _texts(self, piece: SawnPiece, first: float, made: MachinedFeatures) -> Iterator[TextMark]:
         """What a stamp or printer is told on a piece, as the unit spells it."""
         form, at = self.machine.format, text_x(self.machine)
         for t in made.texts:
-            if self._in(piece, t.face, (t.x - at + self.shop.drill.x, t.y)):
+            if self._in(piece, t.face, (t.x - at + self.tools.drill.x, t.y)):
                 x = plain(t.x - at - first, form.resolution, form.length_decimals)
                 yield TextMark(t.face, x, t.y, t.angle, t.height, t.text, Source(self.name, t.line))
 
@@ -292,7 +292,7 @@ class _Bar:
 
     def _path(self, trail: MachinedPath, from_x: float) -> Feature | None:
         moved = replace(trail, points=tuple([(x - from_x, y) for x, y in trail.points]))
-        path = feature_of(moved, self.shop, self.profile, Source(self.name, trail.line))
+        path = feature_of(moved, self.tools, self.profile, Source(self.name, trail.line))
         if isinstance(path, NotAFeature):
             self.diagnostics.append(
                 PATH.at(
@@ -305,7 +305,7 @@ class _Bar:
 
     def _in(self, piece: SawnPiece, face: Face, place: Sequence[float]) -> bool:
         """Whether a place of a face lies between the cuts of a piece."""
-        x, y = place[0] - self.shop.drill.x, place[1]
+        x, y = place[0] - self.tools.drill.x, place[1]
         if face in ("v", "h"):
             rise, z = y, self.profile.width / 2
         else:

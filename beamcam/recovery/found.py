@@ -47,7 +47,7 @@ CROWDED = error("recover-crowded",
     "found closed paths that cross or cover each other at about {found} places; expected contours "
     "that lie beside or inside one another",
     "What lies inside of what cannot be told, and the work would grow with every crossing.")
-BY_HAND = warning("recover-by-hand",
+MANUAL_WORK = warning("recover-by-hand",
     "found {found} mark(s) left for manual work; they are not in the recovered part",
     "The machine does not make the marks and bevels on the list of manual work, so the program "
     "does not say what they are. The list is the `.hand.csv` beside the program.")

@@ -30,19 +30,19 @@ class NotAFeature(Struct, frozen=True):
 
 
 def feature_of(
-    trail: MachinedPath, shop: ToolCatalogue, profile: Profile, source: Source
+    trail: MachinedPath, tools: ToolCatalogue, profile: Profile, source: Source
 ) -> Hole | Slot | Contour | NotAFeature:
     """The feature that a path makes; its x counts from the part's start."""
     points = _apart(trail.points)
     if trail.kind == "scribe":
         lines = tuple([Line(a, b) for a, b in pairwise(points)])
-        closed = dist(points[0], points[-1]) <= shop.machine.format.resolution
+        closed = dist(points[0], points[-1]) <= tools.machine.format.resolution
         return Contour(trail.face, "open", lines, source, "punch", closed)
     thickness = profile.thickness(trail.face)
-    slack, decimals = shop.machine.format.resolution, shop.machine.format.length_decimals
+    slack, decimals = tools.machine.format.resolution, tools.machine.format.length_decimals
     through = not thickness or trail.max_depth >= thickness - slack
     depth = None if through else plain(trail.max_depth, slack, decimals)
-    allowed = shop.drill.path_tolerance + 2 * slack
+    allowed = tools.drill.path_tolerance + 2 * slack
     own, least = None, allowed
     for pocket in _pockets(points, trail, depth, slack, decimals):
         error = pocket_error(pocket, trail.points, trail.diameter)
@@ -55,7 +55,7 @@ def feature_of(
     kind = "through" if through else "blind"
     place = trail.face, own.x, own.y, own.diameter
     is_round = not own.length and not own.height
-    if is_round and shop.mills_round(own.diameter, trail.face):
+    if is_round and tools.mills_round(own.diameter, trail.face):
         return Hole(*place, source, depth, kind)  # type: ignore[arg-type]
     return Slot(*place, own.length, own.height, own.angle, source, depth, kind)  # type: ignore[arg-type]
 

@@ -174,11 +174,11 @@ class PartCount(Struct, frozen=True):
     part: Part
     quantity: int
     machine: str = ""  #: the first that makes it; "" for none
-    by_hand: "ByHand | None" = None  #: None where no machine makes the part
+    manual_work: "ManualWork | None" = None  #: None where no machine makes the part
     refused: tuple[Diagnostic, ...] = ()  #: why it is not made
 
 
-class ByHand(Struct, frozen=True):
+class ManualWork(Struct, frozen=True):
     """The manual work on one piece that a machine's program leaves."""
 
     marks: int
@@ -213,7 +213,7 @@ def part_list(part_counts: Iterable[PartCount]) -> Table:
 
 
 def _part_row(one: PartCount) -> tuple[Cell, ...]:
-    part, quantity, by_hand = one.part, one.quantity, one.by_hand
+    part, quantity, manual_work = one.part, one.quantity, one.manual_work
     weights = weights_of(part)
     weight = weights.finished
     lines = [c for c in part.contours if c.process != "cut"]
@@ -227,8 +227,8 @@ def _part_row(one: PartCount) -> tuple[Cell, ...]:
         weights.header, len(list(part.holes)) - len(points),
         len(list(part.slots)), len(list(part.contours)) - len(lines),
         len(lines) + len(points) + len(list(part.texts)),
-        *((None, None) if by_hand is None else (by_hand.marks, by_hand.bevels)), part.order,
-        part.drawing, part.phase, one.machine or None, part.source.file, why,
+        *((None, None) if manual_work is None else (manual_work.marks, manual_work.bevels)),
+        part.order, part.drawing, part.phase, one.machine or None, part.source.file, why,
     )  # fmt: skip
 
 

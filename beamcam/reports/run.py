@@ -16,7 +16,7 @@ from msgspec import Struct, field
 from beamcam.errors import Diagnostic
 from beamcam.model.plan import Outcome
 from beamcam.plain_text import harmless_cell, json_text, terminal_text
-from beamcam.reports.hand_list import HandRow
+from beamcam.reports.manual_work import ManualRow
 
 SCHEMA = "beamcam/run/1"
 
@@ -94,7 +94,7 @@ class PartRow(TypedDict):
     rest: RestRow | None  #: where several machines make a part one after the other, but the last
     bar: float  #: length of the bar, mm; 0 for a sheet, and a piece that comes cut
     ledger: Ledger
-    by_hand: list[HandRow]  #: marks on the list of manual work
+    by_hand: list[ManualRow]  #: marks on the list of manual work
     skipped_by: dict[str, int]  #: code -> number of features
     mapped: dict[str, int]  #: colour or layer of the map -> number of curves of a drawing
     tools: list[str]

@@ -27,7 +27,7 @@ from beamcam.pictures.coper import CoperProgram, part_of, strokes_of
 from beamcam.pictures.program import ReadProgram
 from beamcam.pictures.scene import Scene, Unit
 from beamcam.pictures.table import TableMade
-from beamcam.reports.hand_list import HandRow, hand_rows
+from beamcam.reports.manual_work import ManualRow, manual_rows
 from beamcam.reports.run import ledger_of
 from beamcam.setup_sheet.operations import SheetOperation, operations_of, table_operations
 from beamcam.simulation.limits import run_warnings
@@ -168,7 +168,7 @@ class SheetContent(Struct, frozen=True):
     tools: tuple[ToolRow, ...]
     bar: tuple[BarStretch, ...]
     left_out: tuple[str, ...]
-    hand: tuple[HandRow, ...]  #: marks on the list of manual work
+    hand: tuple[ManualRow, ...]  #: marks on the list of manual work
     messages: tuple[Diagnostic, ...]  #: of readers, planner, read-back and simulator
     ledger: str  #: blank where no part is known
     verdict: Literal["made", "alone", "wrong"]
@@ -239,7 +239,7 @@ def content_of(source: SheetSources, unit: Unit = "mm") -> SheetContent:
         totals,
         tools, bar,
         tuple(f"{d.source}: {d.message}" for d in messages if d.code in LEFT_OUT),
-        tuple(hand_rows(source.plan)) if source.plan is not None else (),
+        tuple(manual_rows(source.plan)) if source.plan is not None else (),
         tuple(d for d in messages if d.severity is not Severity.NOTE or d.code not in LEFT_OUT),
         ledger_of(source.plan.outcomes) if source.plan is not None else "",
         verdict,

@@ -5,7 +5,7 @@ header, verdict, hash -> playback with the program's text -> pictures -> operati
 
 from typing import Any
 
-from beamcam.checks.asked import BY_HAND
+from beamcam.checks.request import MANUAL_WORK
 from beamcam.pictures.bar_made import BarMade
 from beamcam.pictures.scene import SPEED_COLOURS, css
 from beamcam.pictures.svg import inline_svg
@@ -78,8 +78,8 @@ def verdict_of(content: SheetContent) -> str:
     if content.verdict != "made":
         return VERDICTS[content.verdict]
     codes = {diagnostic.code for diagnostic in content.messages}
-    by_hand = content.left_out or content.hand or BY_HAND.code in codes
-    lacking = ["what is left for manual work"] if by_hand else []
+    manual_work = content.left_out or content.hand or MANUAL_WORK.code in codes
+    lacking = ["what is left for manual work"] if manual_work else []
     # Whether a coper had sharp corners to round is known from a plan only.
     is_coped = content.program.machine.coper is not None and not content.ledger
     if ROUNDED.code in codes or is_coped:

@@ -78,11 +78,13 @@ def strikes(trace: Trace, machine: Machine, section: Mapping[str, float]) -> tup
         for k, (one, other) in enumerate(pairs):
             depths[k, own] = _depth(placed[one.name], placed[other.name])
     collisions = [
-        strike
+        collision
         for (one, other), depth in zip(pairs, depths, strict=True)
-        for strike in _runs(one.name, other.name, trace, times, depth)
+        for collision in _runs(one.name, other.name, trace, times, depth)
     ]
-    return tuple(sorted(collisions, key=lambda strike: (strike.time_s, strike.one, strike.other)))
+    return tuple(
+        sorted(collisions, key=lambda collision: (collision.time_s, collision.one, collision.other))
+    )
 
 
 def looks(trace: Trace) -> Floats:
@@ -224,11 +226,11 @@ def _largest(saw: Saw, angle: float) -> tuple[float, float]:
 def _struck(
     trace: Trace, machine: Machine, section: Mapping[str, float], name: str
 ) -> Iterator[Diagnostic]:
-    for strike in strikes(trace, machine, section):
+    for collision in strikes(trace, machine, section):
         yield COLLISION.at(
-            Source(name, strike.line), one=strike.one, other=strike.other,
-            time=f"{strike.time_s:.2f}", found=f"{strike.depth:.1f}",
-            until=f"{strike.until_s:.2f}",
+            Source(name, collision.line), one=collision.one, other=collision.other,
+            time=f"{collision.time_s:.2f}", found=f"{collision.depth:.1f}",
+            until=f"{collision.until_s:.2f}",
         )  # fmt: skip
 
 

@@ -266,7 +266,7 @@ def sheet_faults(text: str, parts: Sequence[Part], request: Request) -> list[Dia
     ]
     return [
         *_compared(pieces, expected, torch.rotate, request),
-        *(diagnostic for part in parts for diagnostic in _by_hand(plates[part])),
+        *(diagnostic for part in parts for diagnostic in _manual_work(plates[part])),
     ]
 
 
@@ -366,7 +366,7 @@ def _differences(
         yield from differences(best, ways(True), bodies, name, source)
 
 
-def _by_hand(plate: Plate) -> Iterator[Diagnostic]:
+def _manual_work(plate: Plate) -> Iterator[Diagnostic]:
     """Holes that the torch leaves to the drill."""
     for feature, shape in plate.left:
         volume = shape.area * plate.thickness

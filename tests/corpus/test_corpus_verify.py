@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from beamcam.checks.asked import BY_HAND, LEFT_OUT, TEXT_MOVED
 from beamcam.checks.bars import verify
+from beamcam.checks.request import LEFT_OUT, MANUAL_WORK, TEXT_MOVED
 from beamcam.errors import PlanError, ReadError, errors_in
 from beamcam.machine import load
 from beamcam.model.request import Request
@@ -16,7 +16,7 @@ from tests.conftest import CORPUS
 
 FILES = sorted((CORPUS / "dstv").glob("*/*.[nN][cC]*"))
 #: Told of what is made too: a text has no room where it is asked for.
-NOT_MADE = (LEFT_OUT.code, BY_HAND.code, TEXT_MOVED.code)
+NOT_MADE = (LEFT_OUT.code, MANUAL_WORK.code, TEXT_MOVED.code)
 MACHINES = ("beamline", "beamline-annex", "beamline-pusher")
 
 pytestmark = pytest.mark.third_party

@@ -31,7 +31,7 @@ from beamcam.planning.operations.hole_pairs import (
     _is_same,
     drop_duplicates,
 )
-from beamcam.ways_out import MOST_CURVES, ways_out
+from beamcam.suggestions import MOST_CURVES, suggestions
 from tests.conftest import ROOT, examples
 
 SOURCE = Source("test")
@@ -152,11 +152,11 @@ def test_a_crowd_of_holes_is_counted_and_not_compared() -> None:
 def test_the_crowd_counts_the_pairs_that_would_be_compared() -> None:
     holes = tuple((k * 0.011, k, Hole("v", k * 0.011, 50.0, 18.0, SOURCE)) for k in range(2500))
     drill = drill_of("beamline")
-    ((_, said),) = hole_pairs.refuse_crowd(holes, drill)
+    ((_, said),) = hole_pairs.refuse_many_pairs(holes, drill)
     reach = 18.0 + drill.min_edge_distance
     pairs = sum(b[0] - a[0] <= reach for a, b in combinations(holes, 2))
     assert f"found {pairs} pairs of holes that stand within {reach:g} mm" in said.message
-    assert not list(hole_pairs.refuse_crowd(holes[:2000], drill))
+    assert not list(hole_pairs.refuse_many_pairs(holes[:2000], drill))
 
 
 def test_a_crowd_of_slots_is_counted_and_not_compared() -> None:
@@ -175,11 +175,11 @@ def test_ways_out_are_tried_for_parts_that_a_shop_has() -> None:
     few: list[Hole | Slot] = [Hole("v", 100.0, 150.0, 91.0, SOURCE)]
     many = few * (MOST_TRIED + 1)
     tried = (MACHINE,)
-    assert ways_out(Request((part_of(many),), MACHINE), tried, ()).code == "plan-ways-untried"
-    assert ways_out(Request((part_of(few),), MACHINE), tried, ()).code != "plan-ways-untried"
+    assert suggestions(Request((part_of(many),), MACHINE), tried, ()).code == "plan-ways-untried"
+    assert suggestions(Request((part_of(few),), MACHINE), tried, ()).code != "plan-ways-untried"
     count = MOST_CURVES + 1
     long = Contour("v", "inner", (Line((0.0, 0.0), (1.0, 0.0)),) * count, SOURCE)
-    said = ways_out(Request((replace(part_of(few), features=(long,)),), MACHINE), tried, ())
+    said = suggestions(Request((replace(part_of(few), features=(long,)),), MACHINE), tried, ())
     assert said.message.startswith(f"found {count} curves, not every way out was looked for")
 
 

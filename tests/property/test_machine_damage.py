@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 from beamcam.errors import BeamcamError, Diagnostic, errors_in
 from beamcam.machine.keys import _key, _toml
 from beamcam.machine.load import files_of_machine, merged
-from beamcam.machine_proof import load_machine
 from beamcam.pipeline import post
 from beamcam.readers import read
+from beamcam.self_test import load_machine
 from tests.conftest import SAMPLES, examples
 
 HALL = str(SAMPLES / "machines" / "hall-drill.toml")

@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from beamcam.checks.bars import verify
-from beamcam.checks.bars.pieces import ROTATIONS, rotated, standing
+from beamcam.checks.bars.pieces import ROTATIONS, orientations, rotated
 from beamcam.errors import PlanError
 from beamcam.machine import load
 from beamcam.model.part import EndCuts, Hole, Part
@@ -35,7 +35,10 @@ def test_eight_rotations_and_no_mirror() -> None:
 @given(parts())
 def test_the_ways_a_part_may_lie_are_those_of_the_planner(part: Part) -> None:
     """Both are written apart: rotations of places here, maps of each face there."""
-    mine, theirs = list(standing(part)), [turned(part, t) for t in TURNS if lies(part.profile, t)]
+    mine, theirs = (
+        list(orientations(part)),
+        [turned(part, t) for t in TURNS if lies(part.profile, t)],
+    )
     assert len(mine) == len(theirs)
     for lying in theirs:
         assert any(same(one, lying) for one in mine)

@@ -18,7 +18,7 @@ from beamcam.checks.bars.ability import FeatureRef, skippable
 from beamcam.checks.bars.cell import Cell
 from beamcam.checks.bars.compare import Comparison, RequiredParts
 from beamcam.checks.bars.machine_limits import bar_faults, bore_faults, reach_faults, size_faults
-from beamcam.checks.bars.pieces import standing
+from beamcam.checks.bars.pieces import orientations
 from beamcam.checks.bars.sequence import comment_faults, place_faults, stop_comments
 from beamcam.checks.bars.stations import (
     Bore,
@@ -62,8 +62,8 @@ class _Known:
     def __init__(self, machine: Machine) -> None:
         self.machine = machine
         self.dialect = dialect_of(machine)
-        self.shop = ToolCatalogue(machine, drill_of(machine))
-        grades = {row.grade for row in self.shop.drill.cutting}
+        self.tools = ToolCatalogue(machine, drill_of(machine))
+        grades = {row.grade for row in self.tools.drill.cutting}
         self.depends_on_grade = self.dialect.feeds and len(grades) > 1
         self._choices = BoundedCache[tuple[Profile | None, float], dict[int, Choice]](
             "verify.stations"
@@ -77,7 +77,7 @@ class _Known:
 
     def data(self, grades: tuple[str, ...] | None) -> CuttingData:
         """The cutting data for steel of some grades."""
-        known, drill = self._data, self.shop.drill
+        known, drill = self._data, self.tools.drill
         return known.get(grades) or known.keep(grades, CuttingData(self.machine, drill, grades))
 
 
@@ -187,7 +187,7 @@ def compared(
     known = _known_of(machine)
     job = RequiredParts(parts, skips, order != "given", turn, bar)
     comparison = Comparison(
-        done.made, job, known.shop, profile, known.choices(profile), name
+        done.made, job, known.tools, profile, known.choices(profile), name
     )  # fmt: skip
     diagnostics = (
         *comparison.run(),
@@ -212,5 +212,5 @@ def _lying_section(made: MachinedFeatures, part: Part) -> Profile:
     """The section of a part as it lies by what the program says of it."""
     sizes = dict(made.section)
     size = sizes.get("height"), sizes.get("width")
-    fitting = (p.profile for p in standing(part) if (p.profile.height, p.profile.width) == size)
+    fitting = (p.profile for p in orientations(part) if (p.profile.height, p.profile.width) == size)
     return next(fitting, part.profile)

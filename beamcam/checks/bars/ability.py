@@ -49,32 +49,32 @@ def skippable(
     Raises TypeError for a machine without saw and drill.
     """
     saw = saw_of(machine)
-    shop = ToolCatalogue(machine, drill_of(machine))
+    tools = ToolCatalogue(machine, drill_of(machine))
     return frozenset(
         (p, f)
         for p, part in enumerate(parts)
-        for f in may_be_missing(part, targets_of(part, ends_of(part, saw), shop), shop, names)
+        for f in may_be_missing(part, targets_of(part, ends_of(part, saw), tools), tools, names)
     )
 
 
 def may_be_missing(
-    part: Part, targets: Sequence[Target], shop: ToolCatalogue, names: Collection[str]
+    part: Part, targets: Sequence[Target], tools: ToolCatalogue, names: Collection[str]
 ) -> frozenset[int]:
     """The features of a part, by their indices, that may be left out under some names."""
     if not names:
         return frozenset()
     left = {t.feature for t in targets if isinstance(t, Unmakeable) and t.name in names}
-    spindles: dict[str, Spindle] = {s.face: s for s in shop.machine.spindles}
-    stations = _stations(part, shop.machine)
+    spindles: dict[str, Spindle] = {s.face: s for s in tools.machine.spindles}
+    stations = _stations(part, tools.machine)
     if "off-face" in names or "reach" in names:
-        left |= {f for f, own in _ill_placed(part, shop, stations) if own in names}
+        left |= {f for f, own in _ill_placed(part, tools, stations) if own in names}
     if "axis" in names:
-        left |= {*_off_axis(part, targets, shop, spindles, stations)}
+        left |= {*_off_axis(part, targets, tools, spindles, stations)}
     if "stroke" in names:
-        left |= {*_off_stroke(part, targets, shop, spindles, stations)}
-    left |= {*repeats(left, part, shop)}
+        left |= {*_off_stroke(part, targets, tools, spindles, stations)}
+    left |= {*repeats(left, part, tools)}
     if "countersink" in names:
-        left |= {*_sinks(left, part, shop)}
+        left |= {*_sinks(left, part, tools)}
     return frozenset(left)
 
 
@@ -83,27 +83,27 @@ def _stations(part: Part, machine: Machine) -> Mapping[str, Station]:
     return {s.face: choices[s.number].stations[0] for s in machine.spindles}
 
 
-def repeats(left: Collection[int], part: Part, shop: ToolCatalogue) -> Iterator[int]:
+def repeats(left: Collection[int], part: Part, tools: ToolCatalogue) -> Iterator[int]:
     """The holes that are the same as one that is left out, written again."""
     holes = [(f, hole) for f, hole in enumerate(part.features) if isinstance(hole, Hole)]
-    gone = [from_behind(hole, part, shop) for f, hole in holes if f in left]
+    gone = [from_behind(hole, part, tools) for f, hole in holes if f in left]
     gone.sort(key=attrgetter("x"))
     along = [hole.x for hole in gone]
     for f, hole in holes:
         if f not in left:
-            again = from_behind(hole, part, shop)
-            first = bisect_left(along, again.x - shop.twice)
-            last = bisect_right(along, again.x + shop.twice)
+            again = from_behind(hole, part, tools)
+            first = bisect_left(along, again.x - tools.twice)
+            last = bisect_right(along, again.x + tools.twice)
             if any(
-                again.face == one.face and is_same(again, one, shop.twice)
+                again.face == one.face and is_same(again, one, tools.twice)
                 for one in gone[first:last]
             ):
                 yield f
 
 
-def _sinks(left: Collection[int], part: Part, shop: ToolCatalogue) -> Iterator[int]:
+def _sinks(left: Collection[int], part: Part, tools: ToolCatalogue) -> Iterator[int]:
     """The countersinks whose holes are all left out."""
-    near = shop.drill.merge_tolerance + 1e-9
+    near = tools.drill.merge_tolerance + 1e-9
     for f, sink in enumerate(part.features):
         if not isinstance(sink, Hole) or sink.kind != "countersink":
             continue
@@ -118,12 +118,12 @@ def _sinks(left: Collection[int], part: Part, shop: ToolCatalogue) -> Iterator[i
 
 
 def _ill_placed(
-    part: Part, shop: ToolCatalogue, stations: Mapping[str, Station]
+    part: Part, tools: ToolCatalogue, stations: Mapping[str, Station]
 ) -> Iterator[tuple[int, str]]:
     """The features that lie where no tool comes, and what such a place is called."""
     for f, feature in enumerate(part.features):
         if isinstance(feature, Contour) and feature.process != "cut":
-            scribed = shop.works_on(feature.face, part) and any(shop.of("scribe", feature.face))
+            scribed = tools.works_on(feature.face, part) and any(tools.of("scribe", feature.face))
             if scribed and (
                 in_stem(feature.curves, part.profile, feature.face)
                 or not _is_clear(feature, stations[feature.face])
@@ -132,8 +132,8 @@ def _ill_placed(
             continue
         if not isinstance(feature, Hole | Slot):
             continue
-        made = from_behind(feature, part, shop)
-        if not shop.works_on(made.face, part):
+        made = from_behind(feature, part, tools)
+        if not tools.works_on(made.face, part):
             continue
         places = [(made.x, made.y), *(slot_corners(made) if isinstance(made, Slot) else ())]
         station = stations[made.face]
@@ -160,20 +160,20 @@ def _is_clear(line: Contour, station: Station) -> bool:
 
 
 def _off_stroke(
-    part: Part, targets: Sequence[Target], shop: ToolCatalogue, spindles: Mapping[str, Spindle],
+    part: Part, targets: Sequence[Target], tools: ToolCatalogue, spindles: Mapping[str, Spindle],
     stations: Mapping[str, Station],
 ) -> Iterator[int]:  # fmt: skip
     """The holes that a stroke which is the same for all of them does not make."""
-    slack = shop.machine.format.resolution
+    slack = tools.machine.format.resolution
     for target in targets:
         if not isinstance(target, RequiredRound):
             continue
         face, kind = target.face, target.kind
         bottom = spindles[face].stroke.bottom
-        values = stroke_values(shop.machine, part.profile, face) | {"y": target.y}
+        values = stroke_values(tools.machine, part.profile, face) | {"y": target.y}
         if bottom(values) != bottom(values | {"depth": 1.0}):
             continue
-        reach = REACHES[kind.tool](kind, kind.own, wall_thickness(part.profile, face), shop)
+        reach = REACHES[kind.tool](kind, kind.own, wall_thickness(part.profile, face), tools)
         depth = stations[face].tip_depth(bottom(values), target.y)
         through = kind.hole.depth is None and kind.tool in ("drill", "tap")
         if depth < reach.least - slack or (depth > reach.greatest + slack and not through):
@@ -181,7 +181,7 @@ def _off_stroke(
 
 
 def _off_axis(
-    part: Part, targets: Sequence[Target], shop: ToolCatalogue, spindles: Mapping[str, Spindle],
+    part: Part, targets: Sequence[Target], tools: ToolCatalogue, spindles: Mapping[str, Spindle],
     stations: Mapping[str, Station],
 ) -> Iterator[int]:  # fmt: skip
     """The features of which something that they need lies beyond an axis."""
@@ -191,52 +191,52 @@ def _off_axis(
         if (
             isinstance(target, RequiredRound)
             and target.optional
-            and not _is_drilled(target, part, shop)
+            and not _is_drilled(target, part, tools)
         ):
             continue
         face = target.face
-        depth, tip = _depth_and_tip(target, wall_thickness(part.profile, face), shop)
-        values = stroke_values(shop.machine, part.profile, face) | {"depth": depth, "tip": tip}
-        for y in _places(target, shop):
-            if not is_within(values | {"y": y}, spindles[face], stations[face], shop.machine):
+        depth, tip = _depth_and_tip(target, wall_thickness(part.profile, face), tools)
+        values = stroke_values(tools.machine, part.profile, face) | {"depth": depth, "tip": tip}
+        for y in _places(target, tools):
+            if not is_within(values | {"y": y}, spindles[face], stations[face], tools.machine):
                 yield target.feature
 
 
-def _is_drilled(end: RequiredRound, part: Part, shop: ToolCatalogue) -> bool:
+def _is_drilled(end: RequiredRound, part: Part, tools: ToolCatalogue) -> bool:
     """Whether the machine drills the end of a slot before it mills it."""
     slot = part.features[end.feature]
     return (
         isinstance(slot, Slot)
         and not slot.height
-        and shop.drill.slots == "drill-mill"
-        and bool(shop.fits("drill", slot.diameter, end.face))
+        and tools.drill.slots == "drill-mill"
+        and bool(tools.fits("drill", slot.diameter, end.face))
     )
 
 
 def _depth_and_tip(
-    target: RequiredRound | RequiredPocket | MarkingPath, thickness: float, shop: ToolCatalogue
+    target: RequiredRound | RequiredPocket | MarkingPath, thickness: float, tools: ToolCatalogue
 ) -> tuple[float, float]:
     """Depth of the full diameter, or of the point of another tool than a drill; and its tip."""
     if isinstance(target, MarkingPath):
-        return shop.drill.mark_depth, 0.0
-    through = thickness + shop.drill.breakthrough
+        return tools.drill.mark_depth, 0.0
+    through = thickness + tools.drill.breakthrough
     if isinstance(target, RequiredPocket):
         return (through if target.depth is None else target.depth), 0.0
     kind, hole = target.kind, target.kind.hole
     size = kind.own
     if target.optional:
-        size = next(iter(shop.fits("drill", hole.diameter, target.face)), kind.own)
-    tip = shop.tip("drill", size, hole.face) if kind.tool == "drill" else 0.0
+        size = next(iter(tools.fits("drill", hole.diameter, target.face)), kind.own)
+    tip = tools.tip("drill", size, hole.face) if kind.tool == "drill" else 0.0
     if kind.tool in ("drill", "tap") and hole.depth is None:
         return through, tip
     if kind.tool == "drill" and hole.depth is not None and hole.kind in THREADS:
-        tap = shop.tap(hole)
-        return hole.depth + (shop.drill.runout_pitches * tap[1] if tap else 0.0), tip
-    return REACHES[kind.tool](kind, size, thickness, shop).least - tip, tip
+        tap = tools.tap(hole)
+        return hole.depth + (tools.drill.runout_pitches * tap[1] if tap else 0.0), tip
+    return REACHES[kind.tool](kind, size, thickness, tools).least - tip, tip
 
 
 def _places(
-    target: RequiredRound | RequiredPocket | MarkingPath, shop: ToolCatalogue
+    target: RequiredRound | RequiredPocket | MarkingPath, tools: ToolCatalogue
 ) -> tuple[float, ...]:
     """y of the tool; of a path its minimum and maximum."""
     if isinstance(target, RequiredRound):
@@ -245,10 +245,10 @@ def _places(
         boxes = [curve.bbox for curve in target.curves]
         return min(box[1] for box in boxes), max(box[3] for box in boxes)
     is_round = isinstance(target.source, Hole)
-    widest = target.diameter + shop.drill.same_tool_tolerance
+    widest = target.diameter + tools.drill.same_tool_tolerance
     if is_round:
         widest = ROUND_SHARE * target.diameter
-    sizes = [d for d in shop.sizes("mill", target.face) if d <= widest]
+    sizes = [d for d in tools.sizes("mill", target.face) if d <= widest]
     mill = max(sizes, default=target.diameter)
     angle = radians(target.angle)
     half = abs(sin(angle)) * target.length / 2 + abs(cos(angle)) * target.height / 2

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 from msgspec import Struct, field
 
 from beamcam.checks import rules
-from beamcam.checks.asked import left_out, left_to_hand
 from beamcam.checks.bars.ability import FeatureRef, may_be_missing, repeats
 from beamcam.checks.bars.cuts import CutFaults, RequiredEnd, ends_of
 from beamcam.checks.bars.holes import HoleCheck, RequiredHole
@@ -20,10 +19,10 @@ from beamcam.checks.bars.pieces import (
     Candidate,
     LaidPart,
     lay_out,
+    orientations,
     overlapping,
     pieces,
     planes,
-    standing,
     wedge_cuts,
 )
 from beamcam.checks.bars.sequence import Done, entry_faults, parting_faults
@@ -36,6 +35,7 @@ from beamcam.checks.bars.targets import (
     targets_of,
 )
 from beamcam.checks.bars.tools import ToolCatalogue
+from beamcam.checks.request import left_out, left_to_manual_work
 from beamcam.errors import Diagnostic, Source
 from beamcam.machine.machine import Machine, saw_of
 from beamcam.model.part import Part, Profile, TextMark
@@ -67,15 +67,15 @@ class Comparison:
     """Comparison of one program with the required parts; `said` holds its faults."""
 
     def __init__(
-        self, made: MachinedFeatures, job: RequiredParts, shop: ToolCatalogue, profile: Profile,
+        self, made: MachinedFeatures, job: RequiredParts, tools: ToolCatalogue, profile: Profile,
         choices: dict[int, Choice], name: str,
     ) -> None:  # fmt: skip
-        self.made, self.asked, self.shop, self.saw = made, job, shop, saw_of(shop.machine)
-        self.machine: Machine = shop.machine
+        self.made, self.asked, self.tools, self.saw = made, job, tools, saw_of(tools.machine)
+        self.machine: Machine = tools.machine
         self.profile, self.name = profile, name
         self.paths = PathsAlong(made.paths)
         self.targets: dict[int, list[Target]] = {}
-        self.holes = HoleCheck(made.bores, shop, profile, choices, name)
+        self.holes = HoleCheck(made.bores, tools, profile, choices, name)
         self.cuts = planes(made.cuts, self.saw, profile)
         self.laid: list[LaidPart] = []  #: the parts, once they are found
         self.diagnostics: list[Diagnostic] = [
@@ -91,15 +91,15 @@ class Comparison:
         required = _Required()
         texts = self._told_texts()
         for p, one in enumerate(laid):
-            self.diagnostics += left_to_hand(one.part, self.machine)
+            self.diagnostics += left_to_manual_work(one.part, self.machine)
             if texts is not None:
                 self.diagnostics += texts.check(p, one.part, one.ends, one.start)
             elif TextMark in map(type, one.part.features):
                 self._find_texts(p, one, required.led)
             self._require(p, one, required)
         # A hole at the end of a slot is one of the part before it is one that a mill goes into.
-        wants = sorted(required.holes, key=lambda want: want.target.optional)
-        unmade = self.holes.take(wants)
+        required_holes = sorted(required.holes, key=lambda hole: hole.target.optional)
+        unmade = self.holes.take(required_holes)
         left = self._missed(unmade, required.optional)
         self.diagnostics += self.holes.complain(left, parts)
         needed = {(w.part, w.target.feature) for w in left}
@@ -109,12 +109,12 @@ class Comparison:
         shapes = [(w.part, shape_of(w.target)) for w in self.holes.made.values()]
         if self.made.paths or required.led:
             paths = check_paths(
-                self.made.paths, required.led, parts, self.shop, self.profile, self.name
+                self.made.paths, required.led, parts, self.tools, self.profile, self.name
             )
             self.diagnostics += paths.diagnostics
             done += (Done(led.part, path) for path, led in paths.taken)
             milled = [(p, w.target) for p, w in paths.taken if isinstance(w.target, RequiredPocket)]
-            self.diagnostics += entry_faults(self.made, milled, self.shop, self.name)
+            self.diagnostics += entry_faults(self.made, milled, self.tools, self.name)
             shapes += ((led.part, shape_of(led.target)) for _, led in paths.taken)
         for p, one in enumerate(laid):
             own = {s.feature: s for q, s in shapes if q == p and s is not None}
@@ -131,20 +131,20 @@ class Comparison:
     def _require(self, p: int, one: LaidPart, required: "_Required") -> None:
         """Add what a part on the bar requires; what the machine cannot make is reported."""
         targets = self._targets_of(one.part, one.ends)
-        spare = may_be_missing(one.part, targets, self.shop, self.asked.skips)
-        required.optional |= {(p, f) for f in spare}
-        holes, from_x = required.holes, self.shop.drill.x + one.start
+        may_lack = may_be_missing(one.part, targets, self.tools, self.asked.skips)
+        required.optional |= {(p, f) for f in may_lack}
+        holes, from_x = required.holes, self.tools.drill.x + one.start
         gone: set[int] = set()  #: slots that are left out, with the holes at their ends
         for target in targets:
             if isinstance(target, RequiredRound):
                 if not (target.optional and target.feature in gone):
                     holes.append(RequiredHole(p, target, from_x + target.x))
             elif isinstance(target, Unmakeable):
-                if target.feature in spare:
+                if target.feature in may_lack:
                     required.missing.add((p, target.feature))
                 else:
-                    self.diagnostics.append(_lack(target, one.part))
-            elif target.feature in spare and not is_led(self.paths, target, from_x, self.shop):
+                    self.diagnostics.append(_unmakeable(target, one.part))
+            elif target.feature in may_lack and not is_led(self.paths, target, from_x, self.tools):
                 gone.add(target.feature)
                 required.missing.add((p, target.feature))
             else:
@@ -156,15 +156,15 @@ class Comparison:
             return None
         from beamcam.checks.bars.texts import PrintedTexts
 
-        return PrintedTexts(self.made.texts, self.shop, self.name)
+        return PrintedTexts(self.made.texts, self.tools, self.name)
 
     def _find_texts(self, p: int, one: LaidPart, led: list[RequiredPath]) -> None:
         """Add the strokes of a part's texts, and what is wrong with their places."""
         from beamcam.checks.bars.texts import texts_of
 
-        from_x = self.shop.drill.x + one.start
+        from_x = self.tools.drill.x + one.start
         marking_paths, diagnostics = texts_of(
-            one.part, one.ends, self.made.paths, from_x, self.shop
+            one.part, one.ends, self.made.paths, from_x, self.tools
         )
         led += (RequiredPath(p, target, from_x) for target in marking_paths)
         self.diagnostics += diagnostics
@@ -172,7 +172,7 @@ class Comparison:
     def _targets_of(self, part: Part, ends: tuple[RequiredEnd, RequiredEnd]) -> list[Target]:
         known = self.targets.get(id(part))
         if known is None:
-            known = self.targets[id(part)] = targets_of(part, ends, self.shop)
+            known = self.targets[id(part)] = targets_of(part, ends, self.tools)
         return known
 
     def _lay_out(self) -> list[LaidPart]:
@@ -204,7 +204,7 @@ class Comparison:
         for part in job.parts[1:]:
             self.diagnostics.append(rules.ONE_PART.at(part.source, mark=part.mark))
         first = job.parts[0]
-        ways = [part for part in standing(first) if part.profile == self.profile]
+        ways = [part for part in orientations(first) if part.profile == self.profile]
         meant = [Candidate(p, 0, ends_of(p, self.saw)) for p in (ways if job.turn else [first])]
         best = min(meant, key=lambda candidate: self._faults(candidate, 0.0))
         return [LaidPart(best.part, 0, best.ends, 0.0, None)]
@@ -236,10 +236,10 @@ class Comparison:
 
         Of two ways with as many the one is meant in which more is made.
         """
-        from_x = self.shop.drill.x + start
-        part, shop = candidate.part, self.shop
+        from_x = self.tools.drill.x + start
+        part, tools = candidate.part, self.tools
         targets = self._targets_of(part, candidate.ends)
-        spare = may_be_missing(part, targets, shop, self.asked.skips)
+        may_lack = may_be_missing(part, targets, tools, self.asked.skips)
         missing = [
             t.feature
             for t in targets
@@ -247,11 +247,11 @@ class Comparison:
             or (
                 not self.holes.is_made(RequiredHole(0, t, from_x + t.x))
                 if isinstance(t, RequiredRound)
-                else not is_led(self.paths, t, from_x, shop)
+                else not is_led(self.paths, t, from_x, tools)
             )
             if not (isinstance(t, RequiredRound) and t.optional)
         ]
-        return sum(f not in spare for f in missing), len(missing)
+        return sum(f not in may_lack for f in missing), len(missing)
 
     def _missed(
         self, left: Sequence[RequiredHole], optional: Collection[tuple[int, int]]
@@ -273,7 +273,7 @@ class Comparison:
         """Remarks on features that are missing as allowed, whether written once or twice."""
         for p in sorted({p for p, _ in missing}):
             features = {f for q, f in missing if q == p}
-            yield from left_out(parts[p], {*features, *repeats(features, parts[p], self.shop)})
+            yield from left_out(parts[p], {*features, *repeats(features, parts[p], self.tools)})
 
 
 def _section(
@@ -292,9 +292,11 @@ def _section(
             )
 
 
-def _lack(lack: Unmakeable, part: Part) -> Diagnostic:
-    if lack.place is None:
-        return rules.NOT_MADE.at(lack.source.source, found=lack.what, mark=part.mark)
-    x, y = lack.place
-    face = getattr(lack.source, "face", "")
-    return rules.OUTLINE.at(lack.source.source, face=face, mark=part.mark, x=f"{x:g}", y=f"{y:g}")
+def _unmakeable(unmakeable: Unmakeable, part: Part) -> Diagnostic:
+    if unmakeable.place is None:
+        return rules.NOT_MADE.at(unmakeable.source.source, found=unmakeable.what, mark=part.mark)
+    x, y = unmakeable.place
+    face = getattr(unmakeable.source, "face", "")
+    return rules.OUTLINE.at(
+        unmakeable.source.source, face=face, mark=part.mark, x=f"{x:g}", y=f"{y:g}"
+    )

@@ -35,24 +35,24 @@ class DepthRange(Struct, frozen=True, gc=False):
     greatest: float
 
 
-def _drill(kind: RoundKind, diameter: float, thickness: float, shop: ToolCatalogue) -> DepthRange:
+def _drill(kind: RoundKind, diameter: float, thickness: float, tools: ToolCatalogue) -> DepthRange:
     hole = kind.hole
-    tip = shop.tip("drill", diameter, hole.face)
+    tip = tools.tip("drill", diameter, hole.face)
     if hole.depth is None:
-        return DepthRange(thickness + tip, thickness + shop.drill.breakthrough + tip)
+        return DepthRange(thickness + tip, thickness + tools.drill.breakthrough + tip)
     if hole.kind in THREADS:
         return DepthRange(hole.depth + tip, max(hole.depth + tip, thickness or inf))
     return DepthRange(hole.depth + tip, hole.depth + tip)
 
 
-def _tap(kind: RoundKind, diameter: float, thickness: float, shop: ToolCatalogue) -> DepthRange:
+def _tap(kind: RoundKind, diameter: float, thickness: float, tools: ToolCatalogue) -> DepthRange:
     if kind.hole.depth is None:
-        tip = shop.tip("tap", diameter, kind.hole.face)
-        return DepthRange(thickness, thickness + shop.drill.breakthrough + tip)
+        tip = tools.tip("tap", diameter, kind.hole.face)
+        return DepthRange(thickness, thickness + tools.drill.breakthrough + tip)
     return DepthRange(kind.hole.depth, kind.hole.depth)
 
 
-def _sink(kind: RoundKind, diameter: float, thickness: float, shop: ToolCatalogue) -> DepthRange:
+def _sink(kind: RoundKind, diameter: float, thickness: float, tools: ToolCatalogue) -> DepthRange:
     hole = kind.hole
     cone = hole.angle or FLAT_DEG
     if cone >= FLAT_DEG:
@@ -61,15 +61,15 @@ def _sink(kind: RoundKind, diameter: float, thickness: float, shop: ToolCatalogu
     slope = tan(radians(cone) / 2)
     alone = (hole.diameter - kind.pilot) / 2 / slope
     deep = hole.depth or alone
-    if deep > alone + shop.drill.sink_tolerance:
+    if deep > alone + tools.drill.sink_tolerance:
         point = deep + kind.pilot / 2 / slope
     else:
         point = hole.diameter / 2 / slope
     return DepthRange(point, point)
 
 
-def _punch(kind: RoundKind, diameter: float, thickness: float, shop: ToolCatalogue) -> DepthRange:
-    depth = kind.hole.depth or shop.drill.punch_depth
+def _punch(kind: RoundKind, diameter: float, thickness: float, tools: ToolCatalogue) -> DepthRange:
+    depth = kind.hole.depth or tools.drill.punch_depth
     return DepthRange(depth, depth)
 
 
@@ -79,10 +79,10 @@ REACHES: dict[str, Callable[[RoundKind, float, float, ToolCatalogue], DepthRange
 }  # fmt: skip
 
 
-def path_reach(depth: float | None, thickness: float, shop: ToolCatalogue) -> DepthRange:
+def path_reach(depth: float | None, thickness: float, tools: ToolCatalogue) -> DepthRange:
     """Of a mill: through, or at a depth."""
     if depth is None:
-        return DepthRange(thickness, thickness + shop.drill.breakthrough)
+        return DepthRange(thickness, thickness + tools.drill.breakthrough)
     return DepthRange(depth, depth)
 
 
@@ -102,12 +102,12 @@ class HoleCheck:
     """The holes of one program. `choices` say where its spindles stand on the section."""
 
     def __init__(
-        self, bores: Sequence[Bore], shop: ToolCatalogue, profile: Profile,
+        self, bores: Sequence[Bore], tools: ToolCatalogue, profile: Profile,
         choices: dict[int, Choice], name: str,
     ) -> None:  # fmt: skip
-        self.shop, self.profile, self.name = shop, profile, name
-        resolution = shop.machine.format.resolution
-        self.merge = shop.drill.merge_tolerance
+        self.tools, self.profile, self.name = tools, profile, name
+        resolution = tools.machine.format.resolution
+        self.merge = tools.drill.merge_tolerance
         #: A bore may be off by half a step, and so may the cut that its part starts at.
         self.x_slack, self.y_slack = resolution + 1e-6, 0.75 * resolution + 1e-6
         self.depth_slack = resolution + 1e-6
@@ -121,31 +121,31 @@ class HoleCheck:
 
     # Which bore makes which hole
 
-    def take(self, wants: Iterable[RequiredHole]) -> list[RequiredHole]:
+    def take(self, required_holes: Iterable[RequiredHole]) -> list[RequiredHole]:
         """Give each hole the bore that makes it rightly; those that are left come back."""
         left = []
-        for want in wants:
-            best = self._right(want)
+        for required in required_holes:
+            best = self._right(required)
             if best is None:
-                left.append(want)
+                left.append(required)
             else:
-                self.made[best] = want
+                self.made[best] = required
         return left
 
-    def is_made(self, want: RequiredHole) -> bool:
+    def is_made(self, required: RequiredHole) -> bool:
         """Whether something makes a hole rightly."""
-        return self._right(want) is not None
+        return self._right(required) is not None
 
-    def _right(self, want: RequiredHole) -> int | None:
+    def _right(self, required: RequiredHole) -> int | None:
         """The bore that makes a hole rightly, of those not taken: the nearest in size."""
-        near = [i for i in self._near(want) if self._is_right(want, self.bores[i])]
+        near = [i for i in self._near(required) if self._is_right(required, self.bores[i])]
         if len(near) < 2:
             return near[0] if near else None
-        return min(near, key=lambda i: self._unlike(want, self.bores[i]))
+        return min(near, key=lambda i: self._unlike(required, self.bores[i]))
 
-    def _near(self, want: RequiredHole) -> Iterator[int]:
+    def _near(self, required: RequiredHole) -> Iterator[int]:
         """The bores at a hole's place that are not taken."""
-        x, target = want.x, want.target
+        x, target = required.x, required.target
         kind = target.kind.tool
         x_reach, y_reach = self.x_slack, self.y_slack
         loose = kind != "drill" or self.paired
@@ -166,11 +166,11 @@ class HoleCheck:
                 ):
                     yield i
 
-    def _is_right(self, want: RequiredHole, bore: Bore) -> bool:
-        kind, diameter = want.target.kind, bore.diameter
+    def _is_right(self, required: RequiredHole, bore: Bore) -> bool:
+        kind, diameter = required.target.kind, bore.diameter
         if not kind.least <= diameter <= kind.most:
             return False
-        if diameter not in self.shop.sizes(kind.tool, bore.face):
+        if diameter not in self.tools.sizes(kind.tool, bore.face):
             return False
         if kind.tool != "drill" and self._wrong_tool(kind, bore):
             return False
@@ -182,9 +182,9 @@ class HoleCheck:
             or bore.tip_depth <= self.reach(kind, bore).greatest + self.depth_slack
         )
 
-    def _unlike(self, want: RequiredHole, bore: Bore) -> tuple[float, float]:
-        off = abs(want.x - bore.x) + abs(want.target.y - bore.y)
-        return round(abs(want.target.kind.own - bore.diameter), 6), round(off, 6)
+    def _unlike(self, required: RequiredHole, bore: Bore) -> tuple[float, float]:
+        off = abs(required.x - bore.x) + abs(required.target.y - bore.y)
+        return round(abs(required.target.kind.own - bore.diameter), 6), round(off, 6)
 
     def reach(self, kind: RoundKind, bore: Bore) -> DepthRange:
         """Permitted depth of the tip in a hole; through holes as deep as the machine strokes."""
@@ -196,16 +196,16 @@ class HoleCheck:
 
     def _reach(self, kind: RoundKind, bore: Bore) -> DepthRange:
         return REACHES[kind.tool](
-            kind, bore.diameter, wall_thickness(self.profile, bore.face), self.shop
+            kind, bore.diameter, wall_thickness(self.profile, bore.face), self.tools
         )
 
     def _stroke_end(self, bore: Bore, thickness: float) -> float:
         """Depth of the machine's own stroke, which may be fixed for all holes."""
-        machine = self.shop.machine
+        machine = self.tools.machine
         spindle = next(s for s in machine.spindles if s.face == bore.face)
         values = stroke_values(machine, self.profile, bore.face)
-        tip = self.shop.tip(bore.kind, bore.diameter, bore.face)
-        values |= {"depth": thickness + self.shop.drill.breakthrough, "tip": tip, "y": bore.y}
+        tip = self.tools.tip(bore.kind, bore.diameter, bore.face)
+        values |= {"depth": thickness + self.tools.drill.breakthrough, "tip": tip, "y": bore.y}
         return self.stations[bore.face].tip_depth(spindle.stroke.bottom(values), bore.y)
 
     def _wrong_tool(self, kind: RoundKind, bore: Bore) -> str:
@@ -215,7 +215,7 @@ class HoleCheck:
         if kind.tool == "countersink":
             cone = kind.hole.angle or FLAT_DEG
             cones = {
-                t.point_deg for t in self.shop.of("countersink", bore.face)
+                t.point_deg for t in self.tools.of("countersink", bore.face)
                 if bore.diameter in t.sizes
             }  # fmt: skip
             if cone not in cones:
@@ -228,23 +228,23 @@ class HoleCheck:
         """Faults of the holes that are not made correctly, and bores that belong to no hole."""
         yield from self._astray(parts)
         astray: list[RequiredHole] = []
-        for want in left:
-            if want.target.optional:
+        for required in left:
+            if required.target.optional:
                 continue
-            near = [*self._near(want)]
+            near = [*self._near(required)]
             if not near:
-                astray.append(want)
+                astray.append(required)
                 continue
-            best = min(near, key=lambda i: self._unlike(want, self.bores[i]))
-            self.made[best] = want
-            yield self._not_right(want, self.bores[best], parts)
-        for want in astray:
-            nearest = self._nearest(want)
+            best = min(near, key=lambda i: self._unlike(required, self.bores[i]))
+            self.made[best] = required
+            yield self._not_right(required, self.bores[best], parts)
+        for required in astray:
+            nearest = self._nearest(required)
             if nearest is None:
-                yield self._missing(want, parts)
+                yield self._missing(required, parts)
             else:
-                self.made[nearest] = want
-                yield self._elsewhere(want, self.bores[nearest], parts)
+                self.made[nearest] = required
+                yield self._elsewhere(required, self.bores[nearest], parts)
         for i, bore in enumerate(self.bores):
             if i not in self.made:
                 yield rules.HOLE_EXTRA.at(
@@ -263,48 +263,51 @@ class HoleCheck:
         for i in self.paired:
             if i in self.made:
                 by_line.setdefault(self.bores[i].line, []).append(self.made[i])
-        for i, want in list(self.made.items()):
+        for i, required in list(self.made.items()):
             bore = self.bores[i]
-            if abs(bore.x - want.x) <= self.x_slack and abs(bore.y - want.target.y) <= self.y_slack:
+            if (
+                abs(bore.x - required.x) <= self.x_slack
+                and abs(bore.y - required.target.y) <= self.y_slack
+            ):
                 continue
             if bore.kind != "drill":
                 if drilled is None:
                     drilled = {(b.face, b.x, b.y) for b in self.bores if b.kind == "drill"}
                 if (bore.face, bore.x, bore.y) in drilled:
                     continue
-            both = by_line.get(bore.line, [want])
+            both = by_line.get(bore.line, [required])
             xs, ys = [w.x for w in both], [w.target.y for w in both]
             if not (
                 min(xs) - self.x_slack <= bore.x <= max(xs) + self.x_slack
                 and min(ys) - self.y_slack <= bore.y <= max(ys) + self.y_slack
             ):
-                yield self._elsewhere(want, bore, parts)
+                yield self._elsewhere(required, bore, parts)
 
-    def _nearest(self, want: RequiredHole) -> int | None:
+    def _nearest(self, required: RequiredHole) -> int | None:
         """The bore of a hole's face and tool that may have been meant for it."""
-        target = want.target
+        target = required.target
         near = [
-            (abs(b.x - want.x) + abs(b.y - target.y), i)
+            (abs(b.x - required.x) + abs(b.y - target.y), i)
             for i, b in enumerate(self.bores)
             if i not in self.made and b.face == target.face and b.kind == target.kind.tool
-            and abs(b.x - want.x) <= NEAR and abs(b.y - target.y) <= NEAR
+            and abs(b.x - required.x) <= NEAR and abs(b.y - target.y) <= NEAR
         ]  # fmt: skip
         return min(near)[1] if near else None
 
-    def _described(self, want: RequiredHole, parts: Sequence[Part]) -> dict[str, object]:
+    def _described(self, required: RequiredHole, parts: Sequence[Part]) -> dict[str, object]:
         """Name of a hole in messages."""
-        target = want.target
+        target = required.target
         return {
-            "what": target.kind.what, "face": target.face, "mark": parts[want.part].mark,
+            "what": target.kind.what, "face": target.face, "mark": parts[required.part].mark,
             "x": f"{target.x:g}", "y": f"{target.y:g}",
         }  # fmt: skip
 
-    def _not_right(self, want: RequiredHole, bore: Bore, parts: Sequence[Part]) -> Diagnostic:
+    def _not_right(self, required: RequiredHole, bore: Bore, parts: Sequence[Part]) -> Diagnostic:
         """The fault of the tool, or else of the depth, of a hole in its place."""
-        kind, source = want.target.kind, Source(self.name, bore.line)
-        described = self._described(want, parts)
+        kind, source = required.target.kind, Source(self.name, bore.line)
+        described = self._described(required, parts)
         found, expected = f"a {kind.tool} {bore.diameter:g}", f"a {kind.tool} {kind.own:g}"
-        if bore.diameter not in self.shop.sizes(kind.tool, bore.face):
+        if bore.diameter not in self.tools.sizes(kind.tool, bore.face):
             expected += ", the shop has none of that size"
         elif kind.least <= bore.diameter <= kind.most:
             expected = self._wrong_tool(kind, bore)
@@ -313,22 +316,24 @@ class HoleCheck:
         if expected:
             return rules.TOOL.at(source, found=found, expected=expected, **described)
         reach = self.reach(kind, bore)
-        tip = self.shop.tip("drill", bore.diameter, bore.face) if bore.kind == "drill" else 0.0
+        tip = self.tools.tip("drill", bore.diameter, bore.face) if bore.kind == "drill" else 0.0
         return wrong_depth(
             (bore.tip_depth, bore.tip_depth), reach, tip, self.depth_slack, source, described
         )
 
-    def _missing(self, want: RequiredHole, parts: Sequence[Part]) -> Diagnostic:
+    def _missing(self, required: RequiredHole, parts: Sequence[Part]) -> Diagnostic:
         return rules.HOLE_MISSING.at(
-            want.target.kind.hole.source, machine_x=f"{want.x:g}", **self._described(want, parts)
+            required.target.kind.hole.source,
+            machine_x=f"{required.x:g}",
+            **self._described(required, parts),
         )
 
-    def _elsewhere(self, want: RequiredHole, bore: Bore, parts: Sequence[Part]) -> Diagnostic:
+    def _elsewhere(self, required: RequiredHole, bore: Bore, parts: Sequence[Part]) -> Diagnostic:
         return rules.HOLE_PLACE.at(
             Source(self.name, bore.line),
-            found_x=f"{want.target.x + bore.x - want.x:.6g}",
+            found_x=f"{required.target.x + bore.x - required.x:.6g}",
             found_y=f"{bore.y:.6g}",
-            **self._described(want, parts),
+            **self._described(required, parts),
         )
 
 

@@ -189,29 +189,29 @@ class PathsAlong:
 
 def check_paths(
     paths: Sequence[MachinedPath], required_paths: Sequence[RequiredPath], parts: Sequence[Part],
-    shop: ToolCatalogue, profile: Profile, name: str,
+    tools: ToolCatalogue, profile: Profile, name: str,
 ) -> CheckedPaths:  # fmt: skip
     """Faults of the paths: each pocket and line once, by the path that fits it best."""
-    allowed = _allowed(shop)
+    allowed = _allowed(tools)
     left, diagnostics = PathsAlong(paths), list[Diagnostic]()
     taken: list[tuple[MachinedPath, RequiredPath]] = []
-    for want in required_paths:
-        target, mark = want.target, parts[want.part].mark
-        path = _meant(left, want, allowed)
+    for required in required_paths:
+        target, mark = required.target, parts[required.part].mark
+        path = _meant(left, required, allowed)
         if path is None:
             diagnostics.append(
                 rules.NOT_MADE.at(target.source.source, found=f"the {target.what}", mark=mark)
             )
             continue
         left.remove(path)
-        taken.append((path, want))
-        off = _off(path, want)
+        taken.append((path, required))
+        off = _off(path, required)
         if off > allowed:
             diagnostics.append(rules.PATH.at(
                 Source(name, path.line), what=f"the {target.what}", mark=mark,
                 found=f"{off:.3f}", expected=f"{allowed:g}",
             ))  # fmt: skip
-        diagnostics += _tool_and_depth(path, target, mark, shop, profile, Source(name, path.line))
+        diagnostics += _tool_and_depth(path, target, mark, tools, profile, Source(name, path.line))
         if isinstance(target, MarkingPath) and in_stem(target.curves, profile, target.face):
             x, y = target.curves[0].start
             diagnostics.append(rules.HOLE_STEEL.at(
@@ -227,45 +227,45 @@ def check_paths(
 
 
 def is_led(
-    paths: PathsAlong, target: RequiredPocket | MarkingPath, from_x: float, shop: ToolCatalogue
+    paths: PathsAlong, target: RequiredPocket | MarkingPath, from_x: float, tools: ToolCatalogue
 ) -> bool:
     """Whether there is a path that makes a pocket or line."""
-    want = RequiredPath(0, target, from_x)
-    path = _meant(paths, want, _allowed(shop))
-    return path is not None and _off(path, want) <= _allowed(shop)
+    required = RequiredPath(0, target, from_x)
+    path = _meant(paths, required, _allowed(tools))
+    return path is not None and _off(path, required) <= _allowed(tools)
 
 
-def _allowed(shop: ToolCatalogue) -> float:
+def _allowed(tools: ToolCatalogue) -> float:
     """Permitted deviation of a path."""
-    return shop.drill.path_tolerance + 2 * shop.machine.format.resolution
+    return tools.drill.path_tolerance + 2 * tools.machine.format.resolution
 
 
-def _off(path: MachinedPath, want: RequiredPath) -> float:
+def _off(path: MachinedPath, required: RequiredPath) -> float:
     """Deviation of the pocket or line that a path makes."""
-    points = [(x - want.from_x, y) for x, y in path.points]
-    if isinstance(want.target, RequiredPocket):
-        return pocket_error(want.target, points, path.diameter)
-    return line_error(want.target.curves, points)
+    points = [(x - required.from_x, y) for x, y in path.points]
+    if isinstance(required.target, RequiredPocket):
+        return pocket_error(required.target, points, path.diameter)
+    return line_error(required.target.curves, points)
 
 
-def _meant(paths: PathsAlong, want: RequiredPath, allowed: float) -> MachinedPath | None:
+def _meant(paths: PathsAlong, required: RequiredPath, allowed: float) -> MachinedPath | None:
     """The path that makes a pocket or line, or else the one that may have been meant for it.
 
     The nearest come first, of those about one middle the one of its size.
     """
-    kind = "mill" if isinstance(want.target, RequiredPocket) else "scribe"
-    target = want.target
+    kind = "mill" if isinstance(required.target, RequiredPocket) else "scribe"
+    target = required.target
     own = _box_of(target)
     near = [
         (apart, unlike, path.line, path)
-        for path, box in paths.near(want.from_x + own[0])
+        for path, box in paths.near(required.from_x + own[0])
         if path.kind == kind and path.face == target.face
-        for apart, unlike in [_apart(box, path.diameter, target, own, want.from_x)]
+        for apart, unlike in [_apart(box, path.diameter, target, own, required.from_x)]
         if apart <= NEAR
     ]
     near.sort(key=lambda n: (n[0] + n[1], n[2]))
     if len(near) > 1:
-        right = (n[3] for n in near if _off(n[3], want) <= allowed)
+        right = (n[3] for n in near if _off(n[3], required) <= allowed)
         return next(right, near[0][3])
     return near[0][3] if near else None
 
@@ -300,7 +300,7 @@ def _box(points: Sequence[tuple[float, float]]) -> Box:
 
 
 def _tool_and_depth(
-    path: MachinedPath, target: RequiredPocket | MarkingPath, mark: str, shop: ToolCatalogue,
+    path: MachinedPath, target: RequiredPocket | MarkingPath, mark: str, tools: ToolCatalogue,
     profile: Profile, source: Source,
 ) -> Iterator[Diagnostic]:  # fmt: skip
     """Faults of the tool and the depth of a path."""
@@ -308,17 +308,17 @@ def _tool_and_depth(
     described: dict[str, object] = {
         "what": target.what, "face": target.face, "mark": mark, "x": f"{x:g}", "y": f"{y:g}",
     }  # fmt: skip
-    sizes = shop.sizes(path.kind, target.face)
+    sizes = tools.sizes(path.kind, target.face)
     if path.diameter not in sizes:
         shown = ", ".join(f"{d:g}" for d in sizes)
         found = f"a {path.kind} {path.diameter:g}"
         yield rules.TOOL.at(source, found=found, expected=f"one of {shown}", **described)
         return
     if isinstance(target, RequiredPocket):
-        reach = path_reach(target.depth, wall_thickness(profile, target.face), shop)
+        reach = path_reach(target.depth, wall_thickness(profile, target.face), tools)
     else:
-        reach = DepthRange(shop.drill.mark_depth, shop.drill.mark_depth)
-    slack = shop.machine.format.resolution + 1e-6
+        reach = DepthRange(tools.drill.mark_depth, tools.drill.mark_depth)
+    slack = tools.machine.format.resolution + 1e-6
     depths = path.min_depth, path.max_depth
     if depths[0] < reach.least - slack or depths[1] > reach.greatest + slack:
         yield wrong_depth(depths, reach, 0.0, slack, source, described)

@@ -170,7 +170,7 @@ def lay_out(
 def _candidates(part: Part, given: int, saw: Saw, turn: bool, known: Ways) -> list[Candidate]:
     """The possible orientations of a part."""
     if id(part) not in known:
-        ways = standing(part) if turn else [part]
+        ways = orientations(part) if turn else [part]
         known[id(part)] = [(way, ends_of(way, saw)) for way in ways]
     return [Candidate(way, given, ends) for way, ends in known[id(part)]]
 
@@ -284,7 +284,7 @@ def rotations() -> Iterator[Rotation]:
 ROTATIONS = tuple(rotations())
 
 
-def standing(part: Part) -> Iterator[Part]:
+def orientations(part: Part) -> Iterator[Part]:
     """The part as given, and in every other orientation that its section allows."""
     yield part
     for rotation in ROTATIONS:

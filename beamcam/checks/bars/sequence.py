@@ -58,13 +58,13 @@ def place_faults(made: MachinedFeatures, machine: Machine, name: str) -> Iterato
 def entry_faults(
     made: MachinedFeatures,
     milled: Iterable[tuple[MachinedPath, RequiredPocket]],
-    shop: ToolCatalogue,
+    catalogue: ToolCatalogue,
     name: str,
 ) -> Iterator[Diagnostic]:
     """Slots whose mill goes down into the full steel, where the machine drills their ends."""
-    slack = 2 * shop.machine.format.resolution + 1e-6
+    slack = 2 * catalogue.machine.format.resolution + 1e-6
     for path, target in milled:
-        if not _is_drilled_first(target, shop):
+        if not _is_drilled_first(target, catalogue):
             continue
         before = made.order[: made.order.index(path)]
         free = path.diameter / 2 - slack
@@ -126,14 +126,14 @@ def _is_hole_of(work: Bore, other: Thing, near: float) -> bool:
     )
 
 
-def _is_drilled_first(target: RequiredPocket, shop: ToolCatalogue) -> bool:
+def _is_drilled_first(target: RequiredPocket, catalogue: ToolCatalogue) -> bool:
     """Whether the machine's file has the ends of a slot drilled before it is milled."""
     slot = target.source
     return (
         isinstance(slot, Slot)
         and not slot.height
-        and shop.drill.slots == "drill-mill"
-        and bool(shop.fits("drill", slot.diameter, target.face))
+        and catalogue.drill.slots == "drill-mill"
+        and bool(catalogue.fits("drill", slot.diameter, target.face))
     )
 
 

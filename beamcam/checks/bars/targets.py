@@ -19,10 +19,10 @@ from typing import TypeVar
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.checks.asked import is_by_hand
 from beamcam.checks.bars.cuts import ANGLE_TOLERANCE_DEG, RequiredEnd, off_outline
 from beamcam.checks.bars.stations import wall_thickness
 from beamcam.checks.bars.tools import ToolCatalogue
+from beamcam.checks.request import is_manual_work
 from beamcam.geometry.curves import Curve, Point
 from beamcam.machine.machine import saw_of
 from beamcam.machine.stations import FLAT_DEG
@@ -110,49 +110,49 @@ Target = RequiredRound | RequiredPocket | MarkingPath | Unmakeable
 
 
 def targets_of(
-    part: Part, ends: tuple[RequiredEnd, RequiredEnd], shop: ToolCatalogue
+    part: Part, ends: tuple[RequiredEnd, RequiredEnd], tools: ToolCatalogue
 ) -> list[Target]:
     """Requirements of every feature of a part; duplicate holes count once."""
     kinds: dict[tuple[object, ...], tuple[RoundKind, ...] | None] = {}
     targets: list[Target] = []
-    for f, feature in _once(part, shop):
+    for f, feature in _once(part, tools):
         if type(feature) is Hole and feature.kind in PLAIN_KINDS:
             key = feature.face, feature.diameter, feature.depth
             known = kinds.get(key, ())
             if known == ():
-                known = kinds[key] = _drilled(feature, part, shop)
+                known = kinds[key] = _drilled(feature, part, tools)
             if known:
                 targets.append(RequiredRound(f, feature.x, feature.y, feature.face, known[0]))
                 continue
-        targets += _targets(f, feature, part, ends, shop)
+        targets += _targets(f, feature, part, ends, tools)
     return targets
 
 
 Either = TypeVar("Either", bound=Hole | Slot)
 
 
-def from_behind(hole: Either, part: Part, shop: ToolCatalogue) -> Either:
+def from_behind(hole: Either, part: Part, tools: ToolCatalogue) -> Either:
     """A through hole or slot on the plate's other side, if it is only there that it is made."""
-    if shop.works_on(hole.face, part):
+    if tools.works_on(hole.face, part):
         return hole
     other = OTHER_SIDE.get(part.profile.code, {}).get(hole.face)
     through = hole.kind == "through" and hole.depth is None
-    return replace(hole, face=other) if through and other in shop.faces else hole
+    return replace(hole, face=other) if through and other in tools.faces else hole
 
 
-def _once(part: Part, shop: ToolCatalogue) -> Iterator[tuple[int, Feature]]:
+def _once(part: Part, tools: ToolCatalogue) -> Iterator[tuple[int, Feature]]:
     """The features, those made from the plate's other side there, holes written twice once."""
-    works = {face for face in shop.faces if shop.works_on(face, part)}
-    tolerance = shop.twice
+    works = {face for face in tools.faces if tools.works_on(face, part)}
+    tolerance = tools.twice
     seen: dict[tuple[Face, int], list[Hole]] = {}  # by the nearest millimetre of x
     for f, feature in enumerate(part.features):
         if type(feature) is Slot:
-            yield f, from_behind(feature, part, shop)
+            yield f, from_behind(feature, part, tools)
             continue
         if type(feature) is not Hole:
             yield f, feature
             continue
-        hole = feature if feature.face in works else from_behind(feature, part, shop)
+        hole = feature if feature.face in works else from_behind(feature, part, tools)
         # Most x are whole millimetres, in the middle of their own.
         face, x = hole.face, hole.x + 0.5
         low, high = floor(x - tolerance), floor(x + tolerance)
@@ -174,28 +174,32 @@ def is_same(hole: Hole, other: Hole, tolerance: float) -> bool:
 
 
 def _targets(
-    f: int, feature: Feature, part: Part, ends: tuple[RequiredEnd, RequiredEnd], shop: ToolCatalogue
+    f: int,
+    feature: Feature,
+    part: Part,
+    ends: tuple[RequiredEnd, RequiredEnd],
+    tools: ToolCatalogue,
 ) -> Iterator[Target]:
-    if is_by_hand(feature, shop.machine):
+    if is_manual_work(feature, tools.machine):
         return
-    if policy_on(feature, shop.machine.marks) == "refuse":
+    if policy_on(feature, tools.machine.marks) == "refuse":
         yield Unmakeable(f, f"the {description(feature)}", "mark", feature)
         return
     match feature:
         case Hole():
-            yield from _hole(f, feature, part, shop)
+            yield from _hole(f, feature, part, tools)
         case Slot():
-            yield from _slot(f, feature, part, shop)
+            yield from _slot(f, feature, part, tools)
         case Contour(process="cut", kind="outer"):
             off = off_outline(feature, part, ends)
             if off is not None:
                 yield Unmakeable(f, "the outline", "cope", feature, off)
-            elif _unsawn_bevel(feature, ends, saw_of(shop.machine).min_mitre):
+            elif _unsawn_bevel(feature, ends, saw_of(tools.machine).min_mitre):
                 yield Unmakeable(f, "the bevel", "bevel", feature)
         case Contour(process="cut"):
             yield Unmakeable(f, "the cut-out", "cutout", feature)
         case Contour():
-            if shop.works_on(feature.face, part) and any(shop.of("scribe", feature.face)):
+            if tools.works_on(feature.face, part) and any(tools.of("scribe", feature.face)):
                 yield MarkingPath(f, feature.face, feature.curves, feature)
             else:
                 yield Unmakeable(f, "the line to mark", "mark", feature)
@@ -234,24 +238,24 @@ def _unsawn_bevel(
     )
 
 
-def _drilled(hole: Hole, part: Part, shop: ToolCatalogue) -> tuple[RoundKind, ...] | None:
+def _drilled(hole: Hole, part: Part, tools: ToolCatalogue) -> tuple[RoundKind, ...] | None:
     """The drilled hole that a plain hole requires; None if no drill makes it."""
-    if not shop.works_on(hole.face, part):
+    if not tools.works_on(hole.face, part):
         return None
-    fitting = shop.fits("drill", hole.diameter, hole.face)
-    limits = shop.fit(hole.diameter)
+    fitting = tools.fits("drill", hole.diameter, hole.face)
+    limits = tools.fit(hole.diameter)
     if not fitting or limits is None:
         return None
     return (RoundKind("drill", f"hole {hole.diameter:g}", *limits, fitting[0], hole),)
 
 
-def _hole(f: int, hole: Hole, part: Part, shop: ToolCatalogue) -> Iterator[Target]:
+def _hole(f: int, hole: Hole, part: Part, tools: ToolCatalogue) -> Iterator[Target]:
     size = f"{hole.diameter:g}"
-    if not shop.works_on(hole.face, part):
+    if not tools.works_on(hole.face, part):
         yield Unmakeable(f, f"the hole {size}", "face", hole)
     elif hole.kind in PLAIN_KINDS:
         # Drilled ones are known by now.
-        if shop.mills_round(hole.diameter, hole.face):
+        if tools.mills_round(hole.diameter, hole.face):
             yield RequiredPocket(
                 f, hole.face, hole.x, hole.y, 0.0, 0.0, 0.0, hole.diameter, hole.depth,
                 f"hole {size}", hole,
@@ -259,29 +263,29 @@ def _hole(f: int, hole: Hole, part: Part, shop: ToolCatalogue) -> Iterator[Targe
         else:
             yield Unmakeable(f, f"the hole {size}", "tool", hole)
     elif hole.kind in THREADS:
-        yield from _thread(f, hole, part, shop)
+        yield from _thread(f, hole, part, tools)
     elif hole.kind == "countersink":
-        yield from _countersink(f, hole, part, shop)
-    elif any(shop.of("punch", hole.face)):
-        own = next(iter(shop.sizes("punch", hole.face)), 0.0)
+        yield from _countersink(f, hole, part, tools)
+    elif any(tools.of("punch", hole.face)):
+        own = next(iter(tools.sizes("punch", hole.face)), 0.0)
         kind = RoundKind("punch", "punch mark", 0.0, float("inf"), own, hole)
         yield RequiredRound(f, hole.x, hole.y, hole.face, kind)
     else:
         yield Unmakeable(f, "the punch mark", "mark", hole)
 
 
-def _thread(f: int, hole: Hole, part: Part, shop: ToolCatalogue) -> Iterator[Target]:
+def _thread(f: int, hole: Hole, part: Part, tools: ToolCatalogue) -> Iterator[Target]:
     name = f"thread M{hole.diameter:g}"
-    tap = shop.tap(hole)
-    drills = shop.fits("drill", tap[2], hole.face) if tap else ()
+    tap = tools.tap(hole)
+    drills = tools.fits("drill", tap[2], hole.face) if tap else ()
     if tap is None or not drills:
         yield Unmakeable(f, f"the {name}", "tool", hole)
         return
     size, pitch, before = tap
-    if _too_deep(hole, part, pitch, drills[0], shop):
+    if _too_deep(hole, part, pitch, drills[0], tools):
         yield Unmakeable(f, f"the {name}", "thread-depth", hole)
         return
-    least, most = shop.fit(before) or (before, before)
+    least, most = tools.fit(before) or (before, before)
     place = (f, hole.x, hole.y, hole.face)
     yield RequiredRound(
         *place, RoundKind("drill", f"hole before the {name}", least, most, drills[0], hole)
@@ -289,54 +293,54 @@ def _thread(f: int, hole: Hole, part: Part, shop: ToolCatalogue) -> Iterator[Tar
     yield RequiredRound(*place, RoundKind("tap", name, size, size, size, hole, pitch))
 
 
-def _too_deep(hole: Hole, part: Part, pitch: float, drill: float, shop: ToolCatalogue) -> bool:
+def _too_deep(hole: Hole, part: Part, pitch: float, drill: float, tools: ToolCatalogue) -> bool:
     """Whether the drill before a blind thread would come out on the other side."""
     thickness = wall_thickness(part.profile, hole.face)
     if hole.depth is None or not thickness:
         return False
-    reach = hole.depth + shop.drill.runout_pitches * pitch + shop.tip("drill", drill, hole.face)
+    reach = hole.depth + tools.drill.runout_pitches * pitch + tools.tip("drill", drill, hole.face)
     return reach > thickness + 1e-9
 
 
-def _countersink(f: int, sink: Hole, part: Part, shop: ToolCatalogue) -> Iterator[Target]:
+def _countersink(f: int, sink: Hole, part: Part, tools: ToolCatalogue) -> Iterator[Target]:
     name = f"countersink {sink.diameter:g}"
-    pilot = _pilot(sink, part, shop)
+    pilot = _pilot(sink, part, tools)
     if pilot is None:
         yield Unmakeable(f, f"the {name}", "countersink", sink)
         return
-    lack, limits = _sink_tools(sink, pilot, shop)
-    if lack:
-        yield Unmakeable(f, f"the {name}", lack, sink)
+    reason, limits = _sink_tools(sink, pilot, tools)
+    if reason:
+        yield Unmakeable(f, f"the {name}", reason, sink)
         return
     kind = RoundKind("countersink", name, *limits, sink.diameter, sink, pilot=pilot)
     yield RequiredRound(f, sink.x, sink.y, sink.face, kind)
 
 
-def _sink_tools(sink: Hole, pilot: float, shop: ToolCatalogue) -> tuple[str, tuple[float, float]]:
+def _sink_tools(sink: Hole, pilot: float, tools: ToolCatalogue) -> tuple[str, tuple[float, float]]:
     """What a countersink lacks, "" if nothing, and the diameters of the tools that make it."""
     cone = sink.angle or FLAT_DEG
-    limits = shop.fit(sink.diameter) or (sink.diameter, sink.diameter)
+    limits = tools.fit(sink.diameter) or (sink.diameter, sink.diameter)
     sizes = [
-        d for t in shop.of("countersink", sink.face) if t.point_deg == cone for d in t.sizes
+        d for t in tools.of("countersink", sink.face) if t.point_deg == cone for d in t.sizes
     ]  # fmt: skip
     exact = any(limits[0] <= d <= limits[1] for d in sizes)
     if cone >= FLAT_DEG:
         return ("" if exact and sink.depth else "tool"), limits
     alone = (sink.diameter - pilot) / 2 / tan(radians(cone) / 2)
     deep = sink.depth or alone
-    if deep < alone - shop.drill.sink_tolerance:
+    if deep < alone - tools.drill.sink_tolerance:
         return "sink-depth", limits
-    if deep > alone + shop.drill.sink_tolerance:  # its rim lies below the surface
+    if deep > alone + tools.drill.sink_tolerance:  # its rim lies below the surface
         return ("" if exact else "tool"), limits
     wide = sink.diameter - 1e-6, float("inf")
     return ("" if any(d >= wide[0] for d in sizes) else "tool"), wide
 
 
-def _pilot(sink: Hole, part: Part, shop: ToolCatalogue) -> float | None:
+def _pilot(sink: Hole, part: Part, tools: ToolCatalogue) -> float | None:
     """Diameter of the widest hole that a countersink stands on; None if there is none."""
-    tolerance = shop.drill.merge_tolerance + 1e-9
+    tolerance = tools.drill.merge_tolerance + 1e-9
     near = (
-        from_behind(h, part, shop) for h in part.holes
+        from_behind(h, part, tools) for h in part.holes
         if abs(h.x - sink.x) <= tolerance and abs(h.y - sink.y) <= tolerance
     )  # fmt: skip
     below = [
@@ -348,22 +352,22 @@ def _pilot(sink: Hole, part: Part, shop: ToolCatalogue) -> float | None:
     return max(below, default=None)
 
 
-def _slot(f: int, slot: Slot, part: Part, shop: ToolCatalogue) -> Iterator[Target]:
+def _slot(f: int, slot: Slot, part: Part, tools: ToolCatalogue) -> Iterator[Target]:
     along, across = slot.length + slot.diameter, slot.height + slot.diameter
     what = f"slot {along:g} x {across:g}"
-    mills = shop.sizes("mill", slot.face)
-    fits = bool(mills) and mills[0] <= slot.diameter + shop.drill.same_tool_tolerance
+    mills = tools.sizes("mill", slot.face)
+    fits = bool(mills) and mills[0] <= slot.diameter + tools.drill.same_tool_tolerance
     if slot.kind not in PLAIN_KINDS or not fits:
         yield Unmakeable(f, f"the {what}", "slot", slot)
         return
-    if not shop.works_on(slot.face, part):
+    if not tools.works_on(slot.face, part):
         yield Unmakeable(f, f"the {what}", "face", slot)
         return
     yield RequiredPocket(
         f, slot.face, slot.x, slot.y, slot.length, slot.height, slot.angle, slot.diameter,
         slot.depth, what, slot,
     )  # fmt: skip
-    _, most = shop.fit(slot.diameter) or (0.0, slot.diameter)
+    _, most = tools.fit(slot.diameter) or (0.0, slot.diameter)
     for x, y in slot_corners(slot):
         end = Hole(slot.face, x, y, slot.diameter, slot.source, slot.depth)
         kind = RoundKind("drill", f"end of the {what}", 0.0, most, slot.diameter, end)

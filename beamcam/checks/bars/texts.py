@@ -6,7 +6,6 @@ from math import cos, pi, sin
 
 from msgspec.structs import replace
 
-from beamcam.checks.asked import by_hand, is_by_hand
 from beamcam.checks.bars.ability import is_within
 from beamcam.checks.bars.cuts import RequiredEnd
 from beamcam.checks.bars.stations import (
@@ -29,7 +28,8 @@ from beamcam.checks.lettering import (
     judge,
     steel_within,
 )
-from beamcam.checks.text_assignment import assigned, standings
+from beamcam.checks.request import is_manual_work, manual_work
+from beamcam.checks.text_assignment import assigned, text_positions
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Line, Point
 from beamcam.machine.machine import text_x
@@ -38,14 +38,14 @@ from beamcam.model.part import Face, Hole, Part, Profile, Slot, TextMark
 from beamcam.model.section import NO_PLATE, OTHER_SIDE
 
 ANGLE_DEG = 0.01  #: that a told angle may differ
-SPARE = 1.5  #: mm by which a place is surely within the reach of an axis
+MARGIN = 1.5  #: mm by which a place is surely within the reach of an axis
 OVER = 0.5  #: mm beyond the ends of a part that a text may be found
 CHORDS = 48  #: of a hole
 
 
 def texts_of(
     part: Part, ends: tuple[RequiredEnd, RequiredEnd], paths: Sequence[MachinedPath], from_x: float,
-    shop: ToolCatalogue,
+    tools: ToolCatalogue,
 ) -> tuple[list[MarkingPath], list[Diagnostic]]:  # fmt: skip
     """The strokes of a part's texts where a program letters them, and what is wrong with them.
 
@@ -58,26 +58,26 @@ def texts_of(
     for f, feature in enumerate(part.features):
         if (
             isinstance(feature, TextMark)
-            and policy_on(feature, shop.machine.marks) == "make"
-            and not is_by_hand(feature, shop.machine)
+            and policy_on(feature, tools.machine.marks) == "make"
+            and not is_manual_work(feature, tools.machine)
         ):
             texts.setdefault(feature.face, []).append((f, feature))
     for face, group in texts.items():
-        if shop.works_on(face, part) and any(shop.of("scribe", face)):
-            marking_paths, more = _on_face(face, group, part, ends, paths, from_x, shop)
+        if tools.works_on(face, part) and any(tools.of("scribe", face)):
+            marking_paths, more = _on_face(face, group, part, ends, paths, from_x, tools)
             courses += marking_paths
             diagnostics += more
         else:
-            diagnostics += (by_hand(feature, part, shop.machine) for _, feature in group)
+            diagnostics += (manual_work(feature, part, tools.machine) for _, feature in group)
     return courses, diagnostics
 
 
 class PrintedTexts:
     """What a program tells a stamp or printer, of which each text of the parts takes its own."""
 
-    def __init__(self, texts: Sequence[StampedText], shop: ToolCatalogue, name: str) -> None:
-        self.shop, self.name = shop, name
-        self.at = text_x(shop.machine)
+    def __init__(self, texts: Sequence[StampedText], tools: ToolCatalogue, name: str) -> None:
+        self.tools, self.name = tools, name
+        self.at = text_x(tools.machine)
         self.left = list(texts)
         #: the number of a part, and the text that it has there
         self.taken: list[tuple[int, StampedText]] = []
@@ -88,12 +88,12 @@ class PrintedTexts:
         """What is wrong with the texts of a part that begins at a bar x."""
         by_face: dict[Face, list[RequiredText]] = {}
         for feature in part.texts:
-            machine = self.shop.machine
+            machine = self.tools.machine
             if policy_on(feature, machine.marks) != "make":
                 continue
             text = told(feature, machine.marks) if self._comes_to(feature.face, part) else None
             if text is None:
-                yield by_hand(feature, part, machine)
+                yield manual_work(feature, part, machine)
                 continue
             by_face.setdefault(feature.face, []).append(text)
         for face, texts in by_face.items():
@@ -103,7 +103,7 @@ class PrintedTexts:
 
     def _comes_to(self, face: Face, part: Part) -> bool:
         missing = NO_PLATE.get(part.profile.code, ())
-        return face in self.shop.machine.marks.faces and face not in missing
+        return face in self.tools.machine.marks.faces and face not in missing
 
     def _take(
         self, p: int, of: tuple[Part, tuple[RequiredEnd, RequiredEnd]],
@@ -123,7 +123,7 @@ class PrintedTexts:
             ]
             for text in texts
         ]
-        result = assigned(texts, options, steel, self.shop.machine.marks)
+        result = assigned(texts, options, steel, self.tools.machine.marks)
         for k in (k for drawn in result if drawn is not None for k in drawn.taken):
             self.left.remove(over[k])
             self.taken.append((p, over[k]))
@@ -133,7 +133,7 @@ class PrintedTexts:
         self, face: Face, group: Sequence[tuple[RequiredText, DrawnText | None]], part: Part,
         steel: Steel,
     ) -> Iterator[Diagnostic]:  # fmt: skip
-        marks = self.shop.machine.marks
+        marks = self.tools.machine.marks
         smallest = replace(marks, min_height=min(marks.heights, default=marks.min_height))
         boxes = [box_of(t, f.x, f.y, f.height) if f is not None else None for t, f in group]
         places = Places(steel, [box for box in boxes if box is not None], smallest)
@@ -154,7 +154,7 @@ class PrintedTexts:
                     angle=f"{feature.angle:g}", x=f"{feature.x:g}", y=f"{feature.y:g}",
                 )  # fmt: skip
             else:
-                yield by_hand(feature, part, self.shop.machine)
+                yield manual_work(feature, part, self.tools.machine)
 
     def extra(self) -> Iterator[Diagnostic]:
         """The texts that no part has."""
@@ -182,11 +182,11 @@ def _is_over(
 def _on_face(
     face: Face, texts: Sequence[tuple[int, TextMark]], part: Part,
     ends: tuple[RequiredEnd, RequiredEnd],
-    paths: Sequence[MachinedPath], from_x: float, shop: ToolCatalogue,
+    paths: Sequence[MachinedPath], from_x: float, tools: ToolCatalogue,
 ) -> tuple[list[MarkingPath], list[Diagnostic]]:  # fmt: skip
-    marks = shop.machine.marks
+    marks = tools.machine.marks
     steel = _steel(face, part, ends, _sides(face, part))
-    bounds = _within_axes(face, part, shop)
+    bounds = _within_axes(face, part, tools)
     sure = None if bounds is None else _steel(face, part, ends, bounds)
     pieces = [
         ((a[0] - from_x, a[1]), (b[0] - from_x, b[1]))
@@ -195,16 +195,16 @@ def _on_face(
         for a, b in pairwise(path.points)
         if all(-OVER <= x - from_x <= part.length + OVER for x in (a[0], b[0]))
     ]
-    drawn = DrawnPieces(pieces, shop.drill.path_tolerance + 2 * shop.machine.format.resolution)
+    drawn = DrawnPieces(pieces, tools.drill.path_tolerance + 2 * tools.machine.format.resolution)
     required = [wanted(feature, marks) for _, feature in texts]
-    standing = standings(
+    orientations = text_positions(
         required, drawn, steel, sure, marks, lambda text, one: _is_over(text, one, part, ends)
     )
     courses: list[MarkingPath] = []
     diagnostics: list[Diagnostic] = []
-    for (f, feature), text, one in zip(texts, required, standing, strict=True):
+    for (f, feature), text, one in zip(texts, required, orientations, strict=True):
         if one is None:
-            diagnostics.append(by_hand(feature, part, shop.machine))
+            diagnostics.append(manual_work(feature, part, tools.machine))
         else:
             diagnostics += one.diagnostics
             courses += _strokes(f, text, one.x, one.y, one.height)
@@ -236,19 +236,22 @@ def _sides(face: Face, part: Part) -> tuple[float, float]:
     return beside, (width if profile.code == "L" else width - beside)
 
 
-def _within_axes(face: Face, part: Part, shop: ToolCatalogue) -> tuple[float, float] | None:
+def _within_axes(face: Face, part: Part, tools: ToolCatalogue) -> tuple[float, float] | None:
     """y that a spindle's axes come to with something to spare; None if they come to none."""
-    (spindle,) = (s for s in shop.machine.spindles if s.face == face)
-    station = choices_of(shop.machine, part.profile)[spindle.number].stations[0]
-    values = stroke_values(shop.machine, part.profile, face)
-    values |= {"depth": shop.drill.mark_depth, "tip": 0.0}
+    (spindle,) = (s for s in tools.machine.spindles if s.face == face)
+    station = choices_of(tools.machine, part.profile)[spindle.number].stations[0]
+    values = stroke_values(tools.machine, part.profile, face)
+    values |= {"depth": tools.drill.mark_depth, "tip": 0.0}
     low, high = _sides(face, part)
     steps = [low + k * (high - low) / 256 for k in range(257)]
-    ys = [y for y in steps if is_within(values | {"y": y}, spindle, station, shop.machine)]
-    if not ys or ys[-1] - ys[0] <= 2 * SPARE:
+    ys = [y for y in steps if is_within(values | {"y": y}, spindle, station, tools.machine)]
+    if not ys or ys[-1] - ys[0] <= 2 * MARGIN:
         return None
-    spare = (high - low) / 256 + SPARE
-    return (low if ys[0] == low else ys[0] + spare, high if ys[-1] == steps[-1] else ys[-1] - spare)
+    margin = (high - low) / 256 + MARGIN
+    return (
+        low if ys[0] == low else ys[0] + margin,
+        high if ys[-1] == steps[-1] else ys[-1] - margin,
+    )
 
 
 def _steel(

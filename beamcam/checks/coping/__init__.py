@@ -8,7 +8,7 @@ nothing is shared with planning and motion, nor is the map of surfaces that they
 
 from collections.abc import Collection, Sequence
 
-from beamcam.checks.asked import by_hand, left_out, left_to_hand
+from beamcam.checks.request import left_out, left_to_manual_work, manual_work
 from beamcam.controllers import cell_events
 from beamcam.controllers.events import BarEvent
 from beamcam.controllers.rotary import in_degrees
@@ -68,7 +68,7 @@ def verify_coping(
         diagnostics += _profile_faults(events, part, machine, coper, rows, left, name)
     if errors_in(diagnostics):
         return tuple(diagnostics)
-    return (*diagnostics, *left_to_hand(part, machine), *left_out(part, left))
+    return (*diagnostics, *left_to_manual_work(part, machine), *left_out(part, left))
 
 
 def _profile_faults(
@@ -76,9 +76,9 @@ def _profile_faults(
     rows: Sequence[TorchRow], left: Collection[int], name: str,
 ) -> list[Diagnostic]:  # fmt: skip
     """What is wrong with a torch that goes round a profile, and what it leaves for manual work."""
-    from beamcam.checks.coping.asked import is_outline_of, walls_asked
-    from beamcam.checks.coping.collisions import strike_faults
+    from beamcam.checks.coping.collisions import collision_faults
     from beamcam.checks.coping.compare import compare
+    from beamcam.checks.coping.required import is_outline_of, walls_asked
     from beamcam.checks.coping.section import CoperSection
     from beamcam.checks.coping.stock import stock_of
     from beamcam.checks.coping.strokes import ProfileTorch
@@ -87,7 +87,7 @@ def _profile_faults(
     section = CoperSection(part.profile)
     torch = ProfileTorch(machine, coper, section, rows, name)
     torch.follow(events)
-    diagnostics = [*torch.diagnostics, *strike_faults(torch.ways, section, coper, name)]
+    diagnostics = [*torch.diagnostics, *collision_faults(torch.ways, section, coper, name)]
     if errors_in(diagnostics):
         return diagnostics
     stock = stock_of(part, section, coper)
@@ -98,7 +98,7 @@ def _profile_faults(
     )  # fmt: skip
     diagnostics += root_faults(torch.strokes, section, coper, name)
     hand = (
-        by_hand(f, part, machine) for k, f in enumerate(part.features)
+        manual_work(f, part, machine) for k, f in enumerate(part.features)
         if k not in left and (is_outline_of(f, asked.off) or asked.has_bevels_left(k, f, coper))
     )  # fmt: skip
     return [*diagnostics, *hand]

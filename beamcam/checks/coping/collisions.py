@@ -24,7 +24,7 @@ HOLDER = 400.0  #: mm that it reaches outwards
 SLACK = 0.03  #: mm: of figures as programs have them, and of a fillet's chords
 
 
-def strike_faults(
+def collision_faults(
     ways: Sequence[TipMove], section: CoperSection | TubeSection, coper: Coper, name: str
 ) -> Iterator[Diagnostic]:
     """The first place of each move at which the torch comes nearer to the bar than it may."""
@@ -53,7 +53,7 @@ def strike_faults(
         if line not in told and len(told) < MAX_OF_A_PROGRAM:
             told.add(line)
             y, z, a, _ = after[step].tolist()
-            yield rules.STRIKES.at(
+            yield rules.COLLISION.at(
                 Source(name, line), found=f"{gaps[step]:.2f}", a=f"{a:g}", y=f"{y:.1f}",
                 z=f"{z:.1f}", expected=f"{coper.play:g}",
             )  # fmt: skip

@@ -48,7 +48,7 @@ PIERCE = error("verify-coping-pierce",
 AIR = error("verify-coping-air",
     "found the torch on at x {x}, y {y} of face {face}, where no steel is; expected it over scrap",
     "An arc does not start in air, and goes out where a cut leaves the steel.")
-STRIKES = error("verify-coping-strikes",
+COLLISION = error("verify-coping-strikes",
     "found the torch {found} mm from the bar at A {a}, Y {y}, Z {z}; expected {expected} mm",
     "The torch and its holder must meet neither web nor flange, wherever they go.")
 LIMIT = error("verify-coping-limit",
@@ -96,7 +96,7 @@ ZONE = error("verify-coping-zone",
     "(k_area), other places of a tube than its seam where an end begins, the stretch of the bar "
     "that the chuck holds.")
 RULES = (
-    PARTS, SECTION, TORCH, ANGLE, TILT, SQUARE, RADIUS, LOST, HEIGHT, FEED, PIERCE, AIR, STRIKES,
+    PARTS, SECTION, TORCH, ANGLE, TILT, SQUARE, RADIUS, LOST, HEIGHT, FEED, PIERCE, AIR, COLLISION,
     LIMIT, PLACE, HURT, LEFT, SHORT, GONE, HOLDS, EXTRA, ORDER, PASSES,
     MEASURED, ZONE,
 )  # fmt: skip

@@ -13,17 +13,17 @@ from typing import Any
 import numpy as np
 from msgspec.structs import replace
 
-from beamcam.checks.asked import by_hand
 from beamcam.checks.coping import rules
 from beamcam.checks.coping.box_tube import LEAST_OFF, box_wanted
 from beamcam.checks.coping.chart import row_for
-from beamcam.checks.coping.collisions import strike_faults
+from beamcam.checks.coping.collisions import collision_faults
 from beamcam.checks.coping.section import TubeSection, areas_of, kerf_of, line_of, pieces_of
 from beamcam.checks.coping.stock import FINE, outline_ring, ring_of, slot_ring
 from beamcam.checks.coping.strokes import HEIGHT_SLACK, TipMove, TorchFollower, TorchStroke
 from beamcam.checks.coping.tube_planes import kept, planes_of
 from beamcam.checks.coping.wanted import corners_of, with_round_corners
 from beamcam.checks.coping.zones import tube_zone_faults
+from beamcam.checks.request import manual_work
 from beamcam.controllers.events import BarEvent, Move, Place
 from beamcam.errors import Diagnostic, Source, errors_in
 from beamcam.geometry.array_types import Floats
@@ -172,7 +172,7 @@ def tube_faults(
     ways: Sequence[TipMove] = torch.ways
     if part.profile.code == "RO":  # which looks alike from everywhere round it
         ways = [replace(way, a_deg=(0.0, 0.0)) for way in ways]
-    said = [*torch.diagnostics, *strike_faults(ways, section, coper, name)]
+    said = [*torch.diagnostics, *collision_faults(ways, section, coper, name)]
     if errors_in(said):
         return said
     slack = coper.tolerance + 2 * written_step(machine, section) + FINE
@@ -200,7 +200,7 @@ def tube_faults(
         outline = isinstance(feature, Contour) and feature.kind == "outer" and feature.face in off
         plane = isinstance(feature, EndPlane) and off
         if cut_square(feature, coper) or ((outline or plane) and k not in left):
-            diagnostics.append(by_hand(feature, part, machine))
+            diagnostics.append(manual_work(feature, part, machine))
     return diagnostics
 
 

@@ -7,7 +7,6 @@ from typing import Any
 
 from msgspec import Struct
 
-from beamcam.checks.asked import is_by_hand
 from beamcam.checks.coping.section import CoperSection, areas_of, pieces_of
 from beamcam.checks.coping.skew import EndOnWall
 from beamcam.checks.coping.stock import (
@@ -19,6 +18,7 @@ from beamcam.checks.coping.stock import (
     round_ring,
     slot_ring,
 )
+from beamcam.checks.request import is_manual_work
 from beamcam.geometry.curves import Curve
 from beamcam.geometry.plane import Point
 from beamcam.machine.coper import Coper
@@ -152,7 +152,7 @@ def may_be_left(part: Part, machine: Machine, coper: Coper, skips: Collection[st
     """Features that the torch cannot make and that are allowed to be missing."""
     found: set[int] = set()
     for index, feature in enumerate(part.features):
-        if is_by_hand(feature, machine):
+        if is_manual_work(feature, machine):
             continue
         kind = _kind(feature, part, coper)
         if kind and kind in skips:

@@ -22,7 +22,7 @@ import shapely
 from msgspec import Struct
 from numpy.typing import NDArray
 
-from beamcam.checks.asked import UNCUT
+from beamcam.checks.request import UNCUT
 from beamcam.checks.sheets import rules
 from beamcam.checks.sheets.grid import Pairs
 from beamcam.checks.sheets.paths import on_contour

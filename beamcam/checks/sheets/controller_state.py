@@ -14,9 +14,9 @@ from msgspec.structs import replace
 
 from beamcam.checks.head import head_of, part_faults, stock_faults
 from beamcam.checks.sheets import rules
-from beamcam.checks.sheets.asked_layout import between
 from beamcam.checks.sheets.chart_rows import rows_on, thickness_of
 from beamcam.checks.sheets.need import OUTLINE, Need, need_of, shift_of
+from beamcam.checks.sheets.required_layout import between
 from beamcam.controllers.events import Acceleration, Blending, Compensation, Side
 from beamcam.controllers.moves import Moves
 from beamcam.errors import Diagnostic, Rule, Source, errors_in

@@ -7,7 +7,7 @@ import numpy as np
 import shapely
 
 from beamcam.checks.sheets import rules
-from beamcam.checks.sheets.overcut import asked_overcut
+from beamcam.checks.sheets.overcut import required_overcut
 from beamcam.checks.sheets.region import ring_depths
 from beamcam.checks.sheets.work import SHOWN, Traced, Work
 from beamcam.errors import Diagnostic, Source
@@ -327,7 +327,7 @@ def dark_faults(work: Work, traced: Sequence[Traced], asked: bool) -> list[Diagn
     for t in traced:
         last = int(np.searchsorted(work.of_way, work.of_way[t.first], "right"))
         closed = t.closed and len(t.members) == 1
-        closed = closed and bool((by_machine and t.half_kerf) or asked_overcut(work, t, t.over))
+        closed = closed and bool((by_machine and t.half_kerf) or required_overcut(work, t, t.over))
         due = closed and asked and work.process == "cut"
         dark, beyond = t.stroke.dark, last - t.last if due else 0
         if dark == beyond and bool(dark) == due:

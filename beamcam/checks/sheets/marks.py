@@ -10,14 +10,14 @@ from math import ceil, cos, radians, sin
 import numpy as np
 import shapely
 
-from beamcam.checks.asked import by_hand, is_by_hand
 from beamcam.checks.drawn_texts import EXACT, NEAR, DrawnPieces, RequiredText, wanted
 from beamcam.checks.lettering import Steel, box_of, is_clear, is_surely_clear, steel_within
+from beamcam.checks.request import is_manual_work, manual_work
 from beamcam.checks.sheets import rules
 from beamcam.checks.sheets.need import Need, shift_of
 from beamcam.checks.sheets.strokes import Strokes
 from beamcam.checks.sheets.work import SHOWN, Work
-from beamcam.checks.text_assignment import standings
+from beamcam.checks.text_assignment import text_positions
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.array_types import Floats
 from beamcam.geometry.curves import Curve, Line
@@ -40,7 +40,7 @@ def add_texts(need: Need, part: Part, machine: Machine, torch: Torch, strokes: S
     texts = [
         (index, feature) for index, feature in enumerate(part.features)
         if isinstance(feature, TextMark) and policy_on(feature, machine.marks) == "make"
-        and not is_by_hand(feature, machine)
+        and not is_manual_work(feature, machine)
     ]  # fmt: skip
     if not texts:
         return
@@ -58,12 +58,12 @@ def add_texts(need: Need, part: Part, machine: Machine, torch: Torch, strokes: S
         return
     drawn = DrawnPieces(pieces, max(NEAR, torch.tolerance))
     ours = {index: text for index, text in required if text.feature.face in FACES}
-    standing = standings([*ours.values()], drawn, steel, steel, marks)
+    standing = text_positions([*ours.values()], drawn, steel, steel, marks)
     stands = dict(zip(ours, standing, strict=True))
     for index, text in required:
         one = stands.get(index)
         if one is None:
-            need.diagnostics.append(by_hand(text.feature, part, machine))
+            need.diagnostics.append(manual_work(text.feature, part, machine))
         else:
             need.diagnostics += one.diagnostics
             _need(need, process, index, text, one.x, one.y, one.height)
@@ -94,7 +94,7 @@ def _where_they_are(
             _need(need, text_process(machine), index, text, *place)
             boxes.append(box)
         else:
-            need.diagnostics.append(by_hand(feature, part, machine))
+            need.diagnostics.append(manual_work(feature, part, machine))
 
 
 def text_process(machine: Machine) -> TorchProcess:

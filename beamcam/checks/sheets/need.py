@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 from msgspec import Struct, field
 
-from beamcam.checks.asked import by_hand, is_by_hand, left_out
+from beamcam.checks.request import is_manual_work, left_out, manual_work
 from beamcam.checks.sheets import rules
 from beamcam.checks.sheets.chart_rows import rows_on, thickness_of
 from beamcam.errors import Diagnostic, Source
@@ -120,9 +120,10 @@ def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) 
     are told.
     """
     rows = {row.process: row for row in reversed(rows_on(part, torch))}
-    hand = [is_by_hand(feature, machine) for feature in part.features]
+    hand = [is_manual_work(feature, machine) for feature in part.features]
     need = Need(
-        diagnostics=[by_hand(f, part, machine) for f in compress(part.features, hand)], rows=rows
+        diagnostics=[manual_work(f, part, machine) for f in compress(part.features, hand)],
+        rows=rows,
     )
     table = cast("dict[str, Process]", torch.colours)
     processes: dict[tuple[str | None, str | None], str | None] = {}
@@ -142,7 +143,7 @@ def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) 
         lack = "mark" if refused else lack_of(feature, torch, thickness)
         if _is_begun(feature, lack, torch):
             # A hole is marked for the drill; a contour is cut as it stands, square.
-            need.diagnostics.append(by_hand(feature, part, machine))
+            need.diagnostics.append(manual_work(feature, part, machine))
             if isinstance(feature, Hole | Slot):
                 for place in _drill_places(feature):
                     need.add_centre(place, torch, index, feature.source)
@@ -188,7 +189,7 @@ def _leave_small_openings(
         for index in opening.features:
             feature = part.features[index]
             if torch.drilled != "refuse":
-                need.diagnostics.append(by_hand(feature, part, machine))
+                need.diagnostics.append(manual_work(feature, part, machine))
                 for place in opening.centres:
                     need.add_centre(place, torch, index, feature.source)
             elif (lack := "slot" if len(opening.centres) > 1 else "tool") in skips:

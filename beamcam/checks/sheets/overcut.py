@@ -41,7 +41,7 @@ def overcut_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
         elif t.first not in again or not (over := _retraced(work, t)):
             continue
         else:
-            limits = over, asked_overcut(work, t, over), asked_overcut(work, t, over)
+            limits = over, required_overcut(work, t, over), required_overcut(work, t, over)
         found, least, most = limits
         if least - slack <= found <= most + slack:
             continue
@@ -74,7 +74,7 @@ def _along(work: Work, t: Traced) -> Limits:
     first = float(work.path.lengths[t.first : t.last].sum())
     if len(t.members) > 1:
         first += t.over - led
-    asked = asked_overcut(work, t, over, first / 2)
+    asked = required_overcut(work, t, over, first / 2)
     if not over and not asked:
         return 0.0, 0.0, 0.0
     if len(t.members) == 1:
@@ -189,7 +189,7 @@ def _runs_again(work: Work, t: Traced, place: float, over: float) -> bool:
     return bool((np.hypot(*(first - again).T) <= 2 * work.tolerance).all())
 
 
-def asked_overcut(work: Work, t: Traced, found: float, most: float = inf) -> float:
+def required_overcut(work: Work, t: Traced, found: float, most: float = inf) -> float:
     """The overcut of a contour: that of its colour or layer, of small holes, or the machine's.
 
     It is no longer than `most`. Where a hole may be a small one or not, the one of both that is
@@ -228,7 +228,7 @@ def _beside(work: Work, t: Traced) -> Limits:
     length = float(path.lengths[start : t.last].sum())
     found = 0.0 if found > length - 2 * work.tolerance else found
     room = STAYS * float(path.lengths[start]) - 3 * t.half_kerf
-    asked = asked_overcut(work, t, found)
+    asked = required_overcut(work, t, found)
     least = min(asked, max(0.0, room))
     radius = float(path.elements.arcs[path.first(np.array([start]))[0], 2])
     share = min(0.5, t.half_kerf / radius) if radius else 0.0

@@ -15,11 +15,11 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.checks.sheets import rules
-from beamcam.checks.sheets.asked_layout import as_asked
 from beamcam.checks.sheets.chart_rows import rows_of
 from beamcam.checks.sheets.controller_state import as_one
 from beamcam.checks.sheets.need import Need, need_of, shift_of
 from beamcam.checks.sheets.paths import follow
+from beamcam.checks.sheets.required_layout import laid_out
 from beamcam.checks.sheets.strokes import HeadStroke, Strokes, strokes_of
 from beamcam.checks.sheets.toolpaths import Toolpaths
 from beamcam.checks.sheets.work import work_of
@@ -40,7 +40,7 @@ def rest_faults(
     skips: Collection[str] = (), name: str = "program", whole_name: str = "whole program",
 ) -> tuple[Diagnostic, ...]:  # fmt: skip
     """All faults of the rest from contour `first` on of a whole program, which is sound itself."""
-    laid, diagnostics = as_asked(parts, machine.torch)
+    laid, diagnostics = laid_out(parts, machine.torch)
     if diagnostics:
         return tuple(diagnostics)
     sheet = as_one(laid, machine, skips)

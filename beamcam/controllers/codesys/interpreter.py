@@ -221,7 +221,7 @@ class Codesys(Interpreter):
             self._say(line, M_QUEUE, found=self._row, expected=M_WORDS_IN_A_ROW)
 
     def _setting(self, line: int, number: int, words: Words) -> None:
-        stray = set(words)
+        unexpected = set(words)
         if number in (50, 51, 52):
             self._cut_corners(line, number, words)
             return
@@ -236,7 +236,7 @@ class Codesys(Interpreter):
                 self._wrong(line, "G04", "T with seconds")
             return
         if number in _SIDES:
-            stray -= {"D"}
+            unexpected -= {"D"}
             self._event(Compensation(line, _SIDES[number], words.get("D", 0.0)))
         elif number in (90, 91):
             self._absolute, self._counting_said = number == 90, True
@@ -250,8 +250,8 @@ class Codesys(Interpreter):
             return
         else:
             self._wrong(line, f"G{number:02}", _KNOWN)
-        if stray:
-            self._wrong(line, f"{min(stray)} behind G{number:02}", "no word there")
+        if unexpected:
+            self._wrong(line, f"{min(unexpected)} behind G{number:02}", "no word there")
 
     def _cut_corners(self, line: int, number: int, words: Words) -> None:
         """Corners are cut D before and behind them (G51 by a spline, G52 by an arc), or no more.
@@ -310,9 +310,9 @@ class Codesys(Interpreter):
             self._wrong(line, f"{min(words)} behind G{number:02}", "no word there")
 
     def _drilled(self, line: int, words: Words) -> None:
-        stray = words.keys() - set("XYZRF" + OWN_LETTERS[self._drilling])
-        if stray:
-            self._wrong(line, f"{min(stray)} behind a drilling cycle", "no such word there")
+        unexpected = words.keys() - set("XYZRF" + OWN_LETTERS[self._drilling])
+        if unexpected:
+            self._wrong(line, f"{min(unexpected)} behind a drilling cycle", "no such word there")
         fed = "F" in words
         if fed:
             self._feed = words["F"]
@@ -327,8 +327,8 @@ class Codesys(Interpreter):
             return
         letters = self._language.letters[motion]
         if not letters.issuperset(words):
-            stray = min(words.keys() - letters)
-            self._wrong(line, f"{stray} behind G{motion:02}", "no such word there")
+            unexpected = min(words.keys() - letters)
+            self._wrong(line, f"{unexpected} behind G{motion:02}", "no such word there")
         fed = "F" in words
         if fed:
             self._feed = words["F"]

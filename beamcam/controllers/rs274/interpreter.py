@@ -237,17 +237,17 @@ class Rs274(HeadWords, Interpreter):
         elif block.motion is not None:
             self._motion = motion
         if values.keys() - used:
-            stray = min(values.keys() - used)
-            self._wrong(line, f"the letter {stray} in that block", "no such word there")
+            unexpected = min(values.keys() - used)
+            self._wrong(line, f"the letter {unexpected} in that block", "no such word there")
 
     def _cycle_block(self, line: int, motion: int, values: Words, own_feed: bool) -> None:
         """A block of a canned cycle, or its end."""
         self._motion = motion
-        stray = values.keys() - set("XYZR" + OWN_LETTERS.get(motion, ""))
+        unexpected = values.keys() - set("XYZR" + OWN_LETTERS.get(motion, ""))
         if motion == END:
             self._cycle = None
-            self._motion, stray = -1, set(values)
-        elif not stray:
+            self._motion, unexpected = -1, set(values)
+        elif not unexpected:
             self._check_settings(line)
             if self._seen.isdisjoint(("G98", "G99")):  # versions differ in what holds without
                 self._say(line, self._rules.setting, found="G98 or G99")
@@ -257,8 +257,8 @@ class Rs274(HeadWords, Interpreter):
                 self._wrong(line, "R below Z", "R above Z, or the controller stops")
                 return
             self._drill(line, motion, dict(values), own_feed)
-        if stray:
-            self._wrong(line, f"the letter {min(stray)} in that block", "no such word there")
+        if unexpected:
+            self._wrong(line, f"the letter {min(unexpected)} in that block", "no such word there")
 
     def _check_settings(self, line: int) -> None:
         """Says once what is not set when the first move comes."""

@@ -18,7 +18,7 @@ from msgspec.structs import replace
 from beamcam.geometry.curves import Line
 from beamcam.geometry.plane import Point
 from beamcam.machine.torch import Torch, TorchRow
-from beamcam.planning.contours.outline import Curves, Shape, stretch, wants_tabs, ways
+from beamcam.planning.contours.outline import Curves, Shape, needs_tabs, stretch, ways
 
 Way = tuple[Shape, float]  #: with the kerf that is kept off
 
@@ -53,7 +53,7 @@ def chained(
 
 def _may_chain(shape: Shape, kerf: float, row: TorchRow | None, torch: Torch) -> bool:
     """Whether a contour is an outline that is cut at one feed in one pass, all round."""
-    if row is None or row.passes > 1 or not kerf or wants_tabs(shape, torch) or shape.level:
+    if row is None or row.passes > 1 or not kerf or needs_tabs(shape, torch) or shape.level:
         return False
     if shape.process != "cut" or not shape.is_ring or shape.is_hole:
         return False

@@ -133,7 +133,7 @@ SHARES = (1.0, 0.8, 0.6, 0.45, 0.35, 0.25)
 CANDIDATES = 4
 
 #: What a lead is longer than it has to be, and what is cut twice, as a share of the kerf.
-SPARE = 0.05
+MARGIN = 0.05
 
 
 class Entry(Struct, frozen=True):
@@ -206,8 +206,8 @@ def _entry(
     if touch is None:
         return None
     rise, beyond = touch
-    beyond += SPARE * kerf
-    if length < rise + SPARE * kerf or beyond > 0.9 * first.length:
+    beyond += MARGIN * kerf
+    if length < rise + MARGIN * kerf or beyond > 0.9 * first.length:
         return None
     start = x + length * normal[0], y + length * normal[1]
     at = (
@@ -248,7 +248,7 @@ def _touch(first: Line | Arc, normal: Point, radius: float) -> tuple[float, floa
     (x, y), (cx, cy) = first.start, first.centre
     is_inside = dot((cx - x, cy - y), normal) > 0.0
     middle = first.radius - radius if is_inside else first.radius + radius
-    if middle <= radius * (1 + SPARE):
+    if middle <= radius * (1 + MARGIN):
         return None
     across = sqrt(middle * middle - radius * radius)
     rise = first.radius - across if is_inside else across - first.radius

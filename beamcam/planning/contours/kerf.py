@@ -268,7 +268,7 @@ def leads_of(
     tree = shapely.STRtree(polylines_of(fence, torch.tolerance / 4))
     off_path = half_kerf + OFF_PATH * torch.tolerance if half_kerf else 0.0
     ways_in: dict[int, Curves] = {}
-    ways_out: dict[int, Curves] = {}
+    suggestions: dict[int, Curves] = {}
     short: set[int] = set()
     if torch.hole_lead == "middle":
         small = {k: from_middle(ways[k].curves) for k in which if ways[k].is_small}
@@ -278,7 +278,7 @@ def leads_of(
     # Each for itself, so that a way out without room does not shorten the way in.
     for found, is_out, far in (
         (ways_in, False, max(pierce_radius, off_path)), (ways_in, False, off_path),
-        (ways_out, True, off_path),
+        (suggestions, True, off_path),
     ):  # fmt: skip
         for share in SHARES:
             tried = {
@@ -290,7 +290,7 @@ def leads_of(
             if share == SHARES[0]:
                 short |= tried.keys() - kept
             found |= {k: tried[k] for k in kept}
-    led = {k: (ways_in.get(k, ()), ways_out.get(k, ())) for k in which}
+    led = {k: (ways_in.get(k, ()), suggestions.get(k, ())) for k in which}
     if not short:
         return led, []
     first = ways[min(short)].source

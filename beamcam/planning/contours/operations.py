@@ -34,9 +34,9 @@ from beamcam.planning.contours.outline import (
     Shape,
     begun,
     is_turned,
+    needs_tabs,
     reversed_chain,
     stretches_of,
-    wants_tabs,
 )
 
 Way = tuple[Shape, float]  #: with the kerf that is kept off
@@ -79,7 +79,7 @@ def operations_of(
         short = sum(
             len(op.passes) != (torch.tabs + 1) * op.row.passes
             for op, (shape, _) in zip(contour_ops, ways, strict=True)
-            if wants_tabs(shape, torch)
+            if needs_tabs(shape, torch)
         )
         if short:
             diagnostics.append(rules.NO_TABS.at(ways[0][0].source, count=short, found=torch.tabs))

@@ -250,7 +250,7 @@ STEP = 0.125  #: by a bridge's width, from one place to the next that is tried f
 MITRE = 1.25
 
 
-def wants_tabs(shape: Shape, torch: Torch) -> bool:
+def needs_tabs(shape: Shape, torch: Torch) -> bool:
     """Whether a contour is asked to have bridges."""
     is_meant = torch.inner_tabs or not shape.is_hole
     return bool(torch.tabs) and shape.process == "cut" and shape.is_ring and is_meant
@@ -258,7 +258,7 @@ def wants_tabs(shape: Shape, torch: Torch) -> bool:
 
 def stretches_of(shape: Shape, kerf: float, torch: Torch) -> tuple[Curves, ...]:
     """The stretches of a contour between its bridges, one if it has none."""
-    if not wants_tabs(shape, torch):
+    if not needs_tabs(shape, torch):
         return (shape.curves,)
     clear = torch.min_tab_to_corner and torch.min_tab_to_corner + MITRE * kerf
     return bridged(shape.curves, torch.tabs, torch.tab_width + kerf, clear, kerf)

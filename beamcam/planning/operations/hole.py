@@ -24,7 +24,7 @@ from beamcam.planning.operations.hole_pairs import (
     drop_duplicates,
     judge_pairs,
     merge_pairs,
-    refuse_crowd,
+    refuse_many_pairs,
     refuse_too_near,
     unmerged_because,
 )
@@ -99,8 +99,8 @@ def _steps(holes: Sequence[tuple[int, Hole]], planner: PartPlanner) -> list[Foun
     drill = planner.library.drill
     placed = tuple(sorted((hole.x, f, hole) for f, hole in holes))
     kept, repeats = drop_duplicates(placed, drill.duplicate_tolerance)
-    if crowd := list(refuse_crowd(kept, drill)):
-        return [*crowd]
+    if diagnostics := list(refuse_many_pairs(kept, drill)):
+        return [*diagnostics]
     steps: list[Found] = [*_repeats(repeats, planner)]
     sinks: list[Group] = []
     is_tee = planner.part.profile.code == "T"  # o and u are one plate there: the tips would meet

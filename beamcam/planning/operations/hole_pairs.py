@@ -181,7 +181,7 @@ TOO_NEAR = error("plan-too-near",
     "{first}; expected the same place, or one more than {expected} mm away",
     "Holes closer than the program's decimals can distinguish are one hole that was drawn twice, "
     "not quite at the same place.")  # fmt: skip
-CROWD = error("plan-hole-crowd",
+MANY_PAIRS = error("plan-hole-crowd",
     "found {found} pairs of holes that stand within {reach} mm of each other along the part, most "
     "of them about this one; expected at most {expected}",
     "So many holes do not stand beside each other on a wall: they are a drawing that was written "
@@ -192,7 +192,7 @@ MOST_PAIRS = (
 THREADS = ("thread", "left-thread")
 
 
-def refuse_crowd(holes: Group, drill: Drill) -> Iterator[Said]:
+def refuse_many_pairs(holes: Group, drill: Drill) -> Iterator[Said]:
     """The hole with most others behind it, where comparing each two of them would take minutes.
 
     The pairs are counted and not looked at.
@@ -208,7 +208,9 @@ def refuse_crowd(holes: Group, drill: Drill) -> Iterator[Said]:
             _, f, hole = group[counts.index(max(counts))]
             yield (
                 f,
-                CROWD.at(hole.source, found=sum(counts), reach=f"{reach:g}", expected=MOST_PAIRS),
+                MANY_PAIRS.at(
+                    hole.source, found=sum(counts), reach=f"{reach:g}", expected=MOST_PAIRS
+                ),
             )
 
 

@@ -28,7 +28,7 @@ REASONS = {
     "slot-mill": "the widest mill that is no wider than the slot",
 }
 
-CROWD = error("plan-slot-crowd",
+MANY_PAIRS = error("plan-slot-crowd",
     "found the pair of holes and slots side by side that is one too many; expected at most "
     "{expected} on a part",
     "So many slots do not stand beside each other on a wall: they are a drawing that was written "
@@ -102,7 +102,7 @@ def _judge_neighbours(shapes: Sequence[Shape], steel: float) -> Iterator[Said]:
     pairs = list(islice(_near([shape for _, shape in ranked], steel), MOST_PAIRS + 1))
     if len(pairs) > MOST_PAIRS:
         f, slot = ranked[max(pairs[-1])]
-        yield f, CROWD.at(slot.source, expected=MOST_PAIRS)
+        yield f, MANY_PAIRS.at(slot.source, expected=MOST_PAIRS)
         return
     for i, k in sorted(pairs):
         one, (f, other) = ranked[i][1], ranked[k]

@@ -78,8 +78,8 @@ def _steps_of(
     if marks.unit == "stamp" or marks.unit == "printer":
         unit = Tool(marks.unit, lettered.height, FLAT_DEG)
         how = Tooling(marks.faces[text.face], (unit,), (text.face,), None, ("tell",))
-        typed = StampedLetters(lettered.text, lettered.height, lettered.angle)
-        yield WorkingStep(lettered.x, lettered.y, how, (f,), text.source, text=typed)
+        stamped = StampedLetters(lettered.text, lettered.height, lettered.angle)
+        yield WorkingStep(lettered.x, lettered.y, how, (f,), text.source, text=stamped)
         return
     how = _tooling(text.face, planner)
     for stroke in lettered.strokes:

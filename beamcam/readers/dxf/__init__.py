@@ -11,7 +11,7 @@ from beamcam.readers.drawing import counted, drawing_part, unknown_layers, verdi
 from beamcam.readers.drawing.newton import fit_newton
 from beamcam.readers.dxf import rules
 from beamcam.readers.dxf.curves import scaled
-from beamcam.readers.dxf.layers import LayerLook, Layers
+from beamcam.readers.dxf.layers import Layers, LayerStyle
 from beamcam.readers.dxf.load import contradictions, find_unit, load_document, looks_like
 from beamcam.readers.dxf.walk import DrawingContent, DrawingWalk
 
@@ -52,7 +52,7 @@ def read(
     runs = iter(loaded.runs)
     walk = DrawingWalk(name, chosen, loaded.handles, runs, _folded(fit), _folded(letters))
     try:
-        walk.entities(loaded.document.modelspace(), scaled(unit.mm), LayerLook(), ())
+        walk.entities(loaded.document.modelspace(), scaled(unit.mm), LayerStyle(), ())
     except ReadError as error:
         return Reading("dxf", (), diagnostics + error.diagnostics)
     collected = walk.found

@@ -26,7 +26,7 @@ class Attributes(Struct, frozen=True):
     line_type: str = TYPE_BY_LAYER
 
 
-class LayerLook(Struct, frozen=True):
+class LayerStyle(Struct, frozen=True):
     """Resolved display attributes of an entity, inherited by its content if it is an insert."""
 
     layer: str = "0"
@@ -53,19 +53,19 @@ class Layers(Struct):
     def names(self) -> tuple[str, ...]:
         return tuple(layer.dxf.name for layer in self.document.layers)
 
-    def look(self, attributes: Attributes, above: LayerLook, inside: bool) -> LayerLook:
+    def look(self, attributes: Attributes, above: LayerStyle, inside: bool) -> LayerStyle:
         """How what has `attributes` shows below `above`; `inside`: whether it stands in a block.
 
         In a block, layer 0 stands for the layer of the insert, and BYBLOCK for its colour and its
         line type.
         """
         layer = above.layer if inside and attributes.layer == "0" else attributes.layer
-        return LayerLook(
+        return LayerStyle(
             layer, self._colour(attributes, layer, above), above.invisible or attributes.invisible,
             self._line_type(attributes, layer, above),
         )  # fmt: skip
 
-    def hides(self, look: LayerLook) -> bool:
+    def hides(self, look: LayerStyle) -> bool:
         """Whether what looks so is not read: off, frozen, not plotting, Defpoints, not chosen."""
         if look.invisible:
             return True
@@ -93,7 +93,7 @@ class Layers(Struct):
             bool(hidden or layer.is_off() or layer.is_frozen() or not layer.dxf.get("plot", 1)),
         )
 
-    def _colour(self, attributes: Attributes, layer: str, above: LayerLook) -> str:
+    def _colour(self, attributes: Attributes, layer: str, above: LayerStyle) -> str:
         if attributes.true_colour is not None:
             return _hex(attributes.true_colour)
         number = abs(attributes.colour)
@@ -103,7 +103,7 @@ class Layers(Struct):
             return self._layer(layer).colour
         return colour_of_number(number)
 
-    def _line_type(self, attributes: Attributes, layer: str, above: LayerLook) -> str:
+    def _line_type(self, attributes: Attributes, layer: str, above: LayerStyle) -> str:
         name = attributes.line_type.upper()
         if name == TYPE_BY_BLOCK:
             return above.line_type

@@ -27,7 +27,7 @@ from beamcam.readers.dxf.curves import (
     Vector,
     check_bounds,
 )
-from beamcam.readers.dxf.layers import Attributes, LayerLook, Layers, attributes_of
+from beamcam.readers.dxf.layers import Attributes, Layers, LayerStyle, attributes_of
 
 # --- entities -------------------------------------------------------------------------------------
 
@@ -230,7 +230,11 @@ class DrawingWalk(Struct):
     _copies: int = 0  #: of blocks, so far
 
     def entities(
-        self, entities: Iterable[Any], frame: InsertFrame, above: LayerLook, blocks: tuple[str, ...]
+        self,
+        entities: Iterable[Any],
+        frame: InsertFrame,
+        above: LayerStyle,
+        blocks: tuple[str, ...],
     ) -> None:
         """Sort `entities`, which stand in `frame` in the innermost of `blocks`."""
         from ezdxf.lldxf.const import DXFError
@@ -268,12 +272,12 @@ class DrawingWalk(Struct):
         text = " ".join(str(error).split()) or type(error).__name__
         self.found.diagnostics.append(rules.ENTITY.at(source, kind=kind, found=text))
 
-    def _count(self, entity: Any, kind: str, above: LayerLook, inside: bool) -> None:
+    def _count(self, entity: Any, kind: str, above: LayerStyle, inside: bool) -> None:
         """Count what is not a curve, unless it is hidden anyway."""
         if not self.layers.hides(self.layers.look(attributes_of(entity), above, inside)):
             self.found.not_cut[kind] += 1
 
-    def _is_lettered(self, entity: Any, kind: str, above: LayerLook, inside: bool) -> bool:
+    def _is_lettered(self, entity: Any, kind: str, above: LayerStyle, inside: bool) -> bool:
         """Whether a text stands on a layer that is mapped to a mark, and shows; it is counted."""
         if kind not in KINDS or not self.letters:
             return False
@@ -289,7 +293,7 @@ class DrawingWalk(Struct):
         for plain in run:
             if plain.says is not attributes:
                 attributes = plain.says
-                look = self.layers.look(attributes, LayerLook(), False)
+                look = self.layers.look(attributes, LayerStyle(), False)
                 hidden = self.layers.hides(look)
             kind = plain.kind
             self._sort(
@@ -302,7 +306,7 @@ class DrawingWalk(Struct):
                 plain.values,
             )
 
-    def _curve(self, entity: Any, source: Source, frame: InsertFrame, look: LayerLook) -> None:
+    def _curve(self, entity: Any, source: Source, frame: InsertFrame, look: LayerStyle) -> None:
         kind = entity.dxftype()
         polynomial = by_fit_points(entity) > 0 and look.layer.lower() in self.newton
         read = through_fit_points if polynomial else CURVES[kind]
@@ -314,7 +318,7 @@ class DrawingWalk(Struct):
         self,
         kind: str,
         source: Source,
-        look: LayerLook,
+        look: LayerStyle,
         hidden: bool,
         read: Callable[..., list[Chain]],
         frame: InsertFrame,
@@ -356,7 +360,7 @@ class DrawingWalk(Struct):
         insert: Any,
         source: Source,
         frame: InsertFrame,
-        above: LayerLook,
+        above: LayerStyle,
         blocks: tuple[str, ...],
     ) -> None:
         """Open an insert: its block, once for each place of its array."""

@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from beamcam.checks.asked import TEXT_MOVED
 from beamcam.checks.drawn_texts import covering
+from beamcam.checks.request import TEXT_MOVED
 from beamcam.checks.text_assignment import cheapest
 from beamcam.errors import Source, errors_in
 from beamcam.machine import load
@@ -130,7 +130,7 @@ TURNED = replace(text("A", 60.0, 5.0, 9.0, 2), angle=90.0)
 
 
 @pytest.mark.parametrize(
-    ("told", "found", "by_hand", "differ"),
+    ("told", "found", "manual_work", "differ"),
     [
         ([(A, 20.0), (B, 30.0)], [(A, 30.0), (B, 20.0)], [], 0),  # alike: either may be either
         ([(A, 20.0), (TURNED, 30.0)], [(A, 30.0), (TURNED, 20.0)], [], 4),
@@ -145,11 +145,11 @@ TURNED = replace(text("A", 60.0, 5.0, 9.0, 2), angle=90.0)
 )
 def test_places_are_told_as_they_are_found(
     told: list[tuple[TextMark, float]], found: list[tuple[TextMark, float]],
-    by_hand: list[Source], differ: int,
+    manual_work: list[Source], differ: int,
 ) -> None:  # fmt: skip
     asked: Part = plate(*{one.source: one for one, _ in ((A, 0.0), (B, 0.0), *told)}.values())
     said = other_places(
         [moved(*one) for one in told], [moved(*one) for one in found],  # type: ignore[misc]
-        stand_ins([asked]), by_hand,
+        stand_ins([asked]), manual_work,
     )  # fmt: skip
     assert len([*said]) == differ

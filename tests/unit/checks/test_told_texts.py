@@ -230,7 +230,7 @@ BAD: list[tuple[str, Callable[[str], str], str]] = [
 def test_what_a_stamp_lacks_is_told_at_its_key(
     change: Callable[[str], str], says: str, tmp_path: Path
 ) -> None:
-    from beamcam.machine_proof import load_machine
+    from beamcam.self_test import load_machine
 
     plain = FILES["stamp"].read_text(encoding="utf-8")
     path = tmp_path / "mine.toml"

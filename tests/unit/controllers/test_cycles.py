@@ -11,10 +11,10 @@ from beamcam.controllers import cell_events, table_events
 from beamcam.controllers.events import Move, Pause
 from beamcam.errors import MachineError, errors_in
 from beamcam.machine import Machine, load
-from beamcam.machine_proof import load_machine
 from beamcam.model.request import Request
 from beamcam.pipeline import post, read_back
 from beamcam.readers import read
+from beamcam.self_test import load_machine
 from tests.conftest import SAMPLES, examples
 from tests.rs274 import interpreted, needs_rs274
 from tests.runs import part

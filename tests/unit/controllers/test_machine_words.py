@@ -11,7 +11,7 @@ from beamcam.controllers import table_events
 from beamcam.controllers.machine_words import word_faults
 from beamcam.errors import MachineError
 from beamcam.machine import load, shipped
-from beamcam.machine_proof import load_machine
+from beamcam.self_test import load_machine
 from tests.conftest import SAMPLES
 
 DRILL = [

@@ -16,7 +16,7 @@ from beamcam.model.part import Bevel, Contour, EndCuts, Part, Profile
 from beamcam.model.plan import CopeCut, CopePlan
 from beamcam.model.request import Request
 from beamcam.planning.coping.plan import plan_coping
-from beamcam.reports.hand_list import hand_rows
+from beamcam.reports.manual_work import manual_rows
 from beamcam.solid.opinion import solid_faults
 from benchmarks import coping_faults
 from tests.conftest import examples, sampled
@@ -75,7 +75,7 @@ def test_it_follows_the_square_cut_and_the_web_parts_the_piece() -> None:
     )
     order = [(c.face, c.bevel) for c in planned(part).operations if c.kind == "far"]
     assert order == [("o", False), ("o", True), ("u", False), ("u", True), ("v", False)]
-    assert not hand_rows(planned(part))
+    assert not manual_rows(planned(part))
 
 
 def test_the_last_wall_of_a_bar_has_no_second_pass() -> None:
@@ -87,7 +87,7 @@ def test_the_last_wall_of_a_bar_has_no_second_pass() -> None:
         profile=L100, length=500.0,
     )  # fmt: skip
     assert [(c.face, c.kind) for c in passes(part)] == [("u", "far")]
-    assert [row["face"] for row in hand_rows(planned(part))] == ["v"]
+    assert [row["face"] for row in manual_rows(planned(part))] == ["v"]
 
 
 def test_a_coped_web_has_its_own() -> None:
@@ -135,7 +135,7 @@ def test_a_bevel_of_the_far_side_goes_through_all_of_the_wall_before_the_square_
     assert cut.row.up_to == 13.0
     assert [x for x, _ in cut.path[1:]] == pytest.approx([beyond, beyond])
     assert [y for _, y in cut.path[1:]] == pytest.approx([90.0 - 3.2, 360.0 + 3.2])
-    assert not hand_rows(planned(part))
+    assert not manual_rows(planned(part))
 
 
 def test_three_passes_make_a_k_the_lower_one_first() -> None:
@@ -144,7 +144,7 @@ def test_three_passes_make_a_k_the_lower_one_first() -> None:
         ("near", -40.0, True), ("near", 0.0, False), ("near", 40.0, False),
         ("far", 0.0, False), ("far", -40.0, False),
     ]  # fmt: skip
-    assert not hand_rows(planned(part))
+    assert not manual_rows(planned(part))
     text = program_of(part, TILT)
     assert not found(text, part)
     told = {d.code: float(d["found"]) for d in solid_faults(text, Request((part,), TILT), None)}
@@ -167,7 +167,7 @@ def test_what_is_drawn_behind_the_web_is_seen_through_it() -> None:
 def test_what_no_lower_pass_makes_is_manual_work(bevel: Bevel) -> None:
     part = webbed(bevel)
     assert not passes(part)
-    assert [row["angle"] for row in hand_rows(planned(part))] == [bevel.angle]
+    assert [row["angle"] for row in manual_rows(planned(part))] == [bevel.angle]
     assert not found(program_of(part, TILT), part)
 
 
@@ -179,7 +179,7 @@ def test_random_webs_with_bevels_are_read_back_and_are_the_part(seed: int) -> No
     assert not errors_in(solid_faults(text, Request((part,), TILT), None))
 
 
-BY_HAND = [
+MANUAL_WORK = [
     Bevel(1, -30.0, 2.0),  # on the inside, where the root is
     Bevel(0, 30.0, 2.0),  # along the bar
     Bevel(1, 50.0, 2.0),  # beyond the reach of B
@@ -188,11 +188,11 @@ BY_HAND = [
 ]
 
 
-@pytest.mark.parametrize("bevel", BY_HAND)
+@pytest.mark.parametrize("bevel", MANUAL_WORK)
 def test_what_no_pass_makes_is_manual_work(bevel: Bevel) -> None:
     part = flanged(bevel)
     assert not passes(part)
-    assert [row["angle"] for row in hand_rows(planned(part))] == [bevel.angle]
+    assert [row["angle"] for row in manual_rows(planned(part))] == [bevel.angle]
     said = verify_coping(program_of(part, TILT), (part,), TILT, (), "JOB")
     assert [d.code for d in said] == ["verify-by-hand"]
 
@@ -200,13 +200,13 @@ def test_what_no_pass_makes_is_manual_work(bevel: Bevel) -> None:
 def test_some_bevels_of_a_contour_leave_it_on_the_list() -> None:
     part = flanged(Bevel(1, 30.0, 2.0), Bevel(3, -30.0, 2.0))
     assert len(passes(part)) == 1
-    assert {row["angle"] for row in hand_rows(planned(part))} == {30.0, -30.0}
+    assert {row["angle"] for row in manual_rows(planned(part))} == {30.0, -30.0}
     assert not found(program_of(part, TILT), part)
 
 
 def test_without_b_and_at_skew_ends_all_are() -> None:
     part = flanged(Bevel(1, 30.0, 2.0))
-    assert len(hand_rows(planned(part, COPER))) == 1
+    assert len(manual_rows(planned(part, COPER))) == 1
     skew = replace(part_of(length=800.0), cuts=EndCuts(web_start=10.0))
     drawn = [(0.0, 0.0), (800.0, 0.0), (800.0, 150.0), (0.0, 150.0)]
     skew = replace(skew, features=(prepared(Bevel(1, 30.0, 2.0), points=drawn, face="o"),))
@@ -254,5 +254,5 @@ def test_the_solid_agrees(seed: int) -> None:
     text = program_of(part, TILT)
     said = solid_faults(text, Request((part,), TILT), None)
     assert {d.code for d in said} <= {"solid-square"}
-    if not hand_rows(planned(part)):
+    if not manual_rows(planned(part)):
         assert not said

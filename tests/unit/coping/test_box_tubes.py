@@ -23,7 +23,7 @@ from beamcam.model.request import Request
 from beamcam.model.surface import around
 from beamcam.pipeline import read_file
 from beamcam.recovery import recover
-from beamcam.reports.hand_list import hand_rows
+from beamcam.reports.manual_work import manual_rows
 from beamcam.solid.kernel import kernel
 from beamcam.solid.opinion import solid_faults
 from beamcam.solid.part_solid import part_solid
@@ -128,7 +128,7 @@ def test_a_mitre_that_is_drawn_is_the_same_and_on_the_list_of_manual_work() -> N
     plan = planned(drawn)
     far = plan.operations[-1].path
     assert [x for x, _ in far[1::8]] == pytest.approx([x for x, _ in as_header[1::8]], abs=0.02)
-    assert [row["face"] for row in hand_rows(plan)] == ["o", "u"]
+    assert [row["face"] for row in manual_rows(plan)] == ["o", "u"]
     program_of(drawn)  # the read-back has the same on its list
 
 

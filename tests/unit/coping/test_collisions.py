@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from shapely import MultiPoint
 
-from beamcam.checks.coping.collisions import HOLDER, SLACK, strike_faults
+from beamcam.checks.coping.collisions import HOLDER, SLACK, collision_faults
 from beamcam.checks.coping.section import CoperSection, TubeSection
 from beamcam.checks.coping.strokes import TipMove
 from beamcam.machine import load
@@ -58,7 +58,7 @@ def test_straight_moves_are_as_near_as_the_bodies_between_their_ends(
         section.steel.distance(MultiPoint([*one, *other]).convex_hull) for one, other in pairs
     )
     if abs(gap - (coper.play - SLACK)) > 0.01:
-        strikes = [said.code for said in strike_faults([way], section, coper, "p")]
+        strikes = [said.code for said in collision_faults([way], section, coper, "p")]
         assert strikes == ["verify-coping-strikes"] * (gap < coper.play - SLACK)
 
 
@@ -67,8 +67,8 @@ def test_corners_of_a_tube_that_turns_sweep_a_circle(high, strikes):
     """Their middles lie 40 and 30 mm off the axis, 10 mm round: 50 + 10 mm, and 0.5 to play."""
     section = TubeSection(Profile("M", "RHS100*80*5", 100.0, 80.0, 5.0, 5.0, 10.0), 10.0)
     way = TipMove(3, (0.0, 0.0, high), (0.0, 0.0, high), (90.0, 0.0))
-    assert bool([*strike_faults([way], section, TURNS, "p")]) == strikes
+    assert bool([*collision_faults([way], section, TURNS, "p")]) == strikes
 
 
 def test_no_moves_meet_nothing():
-    assert [*strike_faults([], SECTIONS[0], TILTS, "p")] == []
+    assert [*collision_faults([], SECTIONS[0], TILTS, "p")] == []

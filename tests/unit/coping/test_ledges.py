@@ -18,7 +18,7 @@ from beamcam.model.part import Contour, EndCuts, Part, Profile
 from beamcam.model.plan import CopePlan
 from beamcam.model.request import Request
 from beamcam.planning.coping.plan import plan_coping
-from beamcam.reports.hand_list import hand_rows
+from beamcam.reports.manual_work import manual_rows
 from beamcam.solid.opinion import solid_faults
 from benchmarks import coping_faults
 from tests.conftest import examples
@@ -81,7 +81,7 @@ def test_a_hole_is_cut_up_to_where_the_root_goes_with_the_flange() -> None:
     at_ledge = [y for x, y in web.path[1:] if x < 1200.0]
     assert min(at_ledge) == pytest.approx(25.1 + web.row.kerf / 2, abs=0.01)
     assert max(at_ledge) == pytest.approx(300.0 - 25.1 - web.row.kerf / 2, abs=0.01)
-    assert [(row["kind"], row["why"]) for row in hand_rows(plan)] == [("outline", "root")]
+    assert [(row["kind"], row["why"]) for row in manual_rows(plan)] == [("outline", "root")]
 
 
 @pytest.mark.parametrize(
@@ -141,7 +141,7 @@ def test_at_a_skew_end_the_ledge_runs_to_its_plane(
     part = mitred(round(sign * angle, 1), profile, round(size, 1))
     plan = planned(part, TILT)
     assert [d.code for d in plan.remarks].count("plan-coping-ledge") == 2
-    assert [row["why"] for row in hand_rows(plan)] == ["root"]
+    assert [row["why"] for row in manual_rows(plan)] == ["root"]
     text = program_of(part, TILT)
     assert not errors_in(solid_faults(text, Request((part,), TILT), None))
     straight = replace(part, features=())

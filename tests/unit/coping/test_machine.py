@@ -10,7 +10,7 @@ from beamcam.cli import main
 from beamcam.controllers.machine_words import word_faults
 from beamcam.errors import MachineError
 from beamcam.machine import load
-from beamcam.machine_proof import proof_faults
+from beamcam.self_test import proof_faults
 from tests.conftest import SAMPLES
 from tests.unit.coping.samples import COPER
 

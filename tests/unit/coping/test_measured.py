@@ -9,7 +9,7 @@ from msgspec.structs import replace
 
 from beamcam.checks.coping import verify_coping
 from beamcam.errors import MachineError, errors_in
-from beamcam.machine_proof import load_machine
+from beamcam.self_test import load_machine
 from tests.unit.coping.samples import COPER, NAMES, program_of, sample
 
 MEASURING = replace(COPER, words=replace(

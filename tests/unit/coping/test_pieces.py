@@ -13,11 +13,11 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from beamcam import api, rest_part
-from beamcam.asked import AskError
-from beamcam.checks.asked import rest_faults
+from beamcam.arguments import AskError
 from beamcam.checks.coping import verify_coping
 from beamcam.checks.coping.section import CoperSection
 from beamcam.checks.coping.stock import stock_of
+from beamcam.checks.request import rest_faults
 from beamcam.cli import main
 from beamcam.controllers import cell_events
 from beamcam.errors import BeamcamError, PlanError, Severity, errors_in

@@ -18,7 +18,7 @@ from beamcam.planning.coping.plan import ORDER, plan_coping
 from beamcam.planning.coping.regions import region_of
 from beamcam.planning.coping.rules import RULES
 from beamcam.planning.coping.walls import walls_of
-from beamcam.reports.hand_list import hand_rows
+from beamcam.reports.manual_work import manual_rows
 from tests.random_copes import random_cope
 from tests.unit.coping.samples import (
     AT,
@@ -128,8 +128,8 @@ def test_marks_are_manual_work_and_every_feature_has_an_outcome() -> None:
 
 def test_bevels_are_cut_square_and_on_the_list_of_manual_work() -> None:
     plan = planned(part_of(BEVELLED))
-    assert [(o.how, o.by_hand) for o in plan.outcomes] == [("made", "bevel")]
-    assert [(row["kind"], row["angle"]) for row in hand_rows(plan)] == [("bevel", 30.0)]
+    assert [(o.how, o.manual_work) for o in plan.outcomes] == [("made", "bevel")]
+    assert [(row["kind"], row["angle"]) for row in manual_rows(plan)] == [("bevel", 30.0)]
     program_of(part_of(BEVELLED))
 
 

@@ -18,7 +18,7 @@ from shapely import LineString, Polygon
 from beamcam.machine import Machine, load
 from beamcam.model.part import Contour, EndCuts, Part
 from beamcam.planning.coping.plan import plan_coping
-from beamcam.reports.hand_list import hand_rows
+from beamcam.reports.manual_work import manual_rows
 from beamcam.solid.kernel import kernel, outline
 from beamcam.solid.part_solid import part_solid
 from tests.conftest import sampled
@@ -211,7 +211,7 @@ def test_random_webs_with_bevels_on_both_sides_fall_out_of_the_bar(
 ) -> None:
     part = random_prepared_web(seed)
     plan = plan_coping((part,), BEVEL)
-    if any(cut.bevel for cut in plan.operations) and not hand_rows(plan):
+    if any(cut.bevel for cut in plan.operations) and not manual_rows(plan):
         check(part, tmp_path, BEVEL)
         strokes = burns(written(part, tmp_path, BEVEL))
         square = [burn for burn in strokes if not burn.points[1][4]]

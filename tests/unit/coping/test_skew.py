@@ -22,7 +22,7 @@ from beamcam.model.request import Request
 from beamcam.pipeline import read_file
 from beamcam.planning.coping.ends import planes_of
 from beamcam.planning.coping.plan import plan_coping
-from beamcam.reports.hand_list import hand_rows
+from beamcam.reports.manual_work import manual_rows
 from beamcam.solid.opinion import solid_faults
 from benchmarks import coping_faults, coping_plans
 from tests.conftest import SAMPLES, examples, sampled
@@ -129,8 +129,8 @@ def test_without_enough_tilt_it_is_cut_square_and_told(machine: Machine, angle: 
 
 def test_the_outlines_of_such_an_end_are_manual_work() -> None:
     part = mitre()
-    assert not hand_rows(planned(part))
-    rows = hand_rows(planned(part, COPER))
+    assert not manual_rows(planned(part))
+    rows = manual_rows(planned(part, COPER))
     assert [(row["kind"], row["face"]) for row in rows] == [
         ("outline", "v"), ("outline", "o"), ("outline", "u")
     ]  # fmt: skip
@@ -143,7 +143,7 @@ def test_bevels_that_an_end_shows_are_made_with_it() -> None:
     other = replace(flange, bevels=(Bevel(1, -40.0, 0.0),))
     for contour, left in ((flange, 0), (other, 1)):
         plan = planned(replace(part, features=(contour,)))
-        assert len(hand_rows(plan)) == left
+        assert len(manual_rows(plan)) == left
         text = coping_faults.program_of(plan, job_of(plan.pieces[0].part, BEVEL))
         said = verify_coping(text, (replace(part, features=(contour,)),), BEVEL, (), "JOB")
         assert [d.code for d in said] == ["verify-by-hand"] * left

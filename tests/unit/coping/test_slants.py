@@ -16,7 +16,7 @@ from beamcam.machine_choice import chain_of
 from beamcam.model.part import Contour, EndCuts, Hole, Part
 from beamcam.model.request import Request
 from beamcam.planning.coping.plan import plan_coping
-from beamcam.reports.hand_list import hand_rows
+from beamcam.reports.manual_work import manual_rows
 from beamcam.solid.opinion import solid_faults
 from beamcam.solid.part_solid import part_solid
 from tests.conftest import examples
@@ -70,7 +70,7 @@ def test_the_step_reaches_as_far_as_either_wall_and_is_told() -> None:
     x = 900.0 - tan(radians(15.0)) * (150.0 - 93.6)
     assert (told["face"], float(told["x"])) == ("u", pytest.approx(x, abs=0.01))
     assert float(told["found"]) == pytest.approx(tan(radians(15.0)) * 37.2, abs=0.1)
-    rows = [(row["kind"], row["face"], row["why"]) for row in hand_rows(plan)]
+    rows = [(row["kind"], row["face"], row["why"]) for row in manual_rows(plan)]
     assert rows == [("outline", "u", "root"), ("outline", "v", "root")]
     for cut in plan.operations:
         if cut.root and cut.kind == "far":  # square to the bar over the web

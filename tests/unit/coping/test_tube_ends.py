@@ -11,7 +11,7 @@ from msgspec.structs import replace
 from beamcam.errors import PlanError
 from beamcam.model.part import Bevel, Contour, EndCuts, Part
 from beamcam.model.request import Request
-from beamcam.reports.hand_list import hand_rows
+from beamcam.reports.manual_work import manual_rows
 from beamcam.solid.kernel import kernel
 from beamcam.solid.opinion import solid_faults
 from beamcam.solid.part_solid import part_solid
@@ -87,7 +87,7 @@ def sine(web: float, deep: float) -> Contour:
 def test_an_outline_that_is_the_plane_of_the_header_is_cut_as_drawn(deep: float) -> None:
     part = replace(tube(sine(30.0, deep)), cuts=EndCuts(web_end=30.0))
     plan = planned(part)
-    assert [row["kind"] for row in hand_rows(plan)] == ["outline"]
+    assert [row["kind"] for row in manual_rows(plan)] == ["outline"]
     text = program_of(part)
     assert not found(text, part)
     top = min(x for x, _ in places(part, "far"))
@@ -103,7 +103,7 @@ def test_wedges_of_bevels_are_told_in_mm() -> None:
     plan = planned(part)
     (told,) = [d for d in plan.remarks if d.code == "plan-coping-wedge"]
     assert "through 8 mm; up to 6.00 mm left" in told.message
-    assert [row["angle"] for row in hand_rows(plan)] == [-45.0, 30.0]
+    assert [row["angle"] for row in manual_rows(plan)] == [-45.0, 30.0]
     small = tube(replace(edge, bevels=(Bevel(1, 3.0, 0.0),)))
     assert "plan-coping-wedge" not in {d.code for d in planned(small).remarks}
 

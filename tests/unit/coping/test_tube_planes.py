@@ -16,7 +16,7 @@ from beamcam.model.request import Request
 from beamcam.model.surface import around
 from beamcam.pipeline import read_file
 from beamcam.recovery import recover
-from beamcam.reports.hand_list import hand_rows
+from beamcam.reports.manual_work import manual_rows
 from beamcam.solid.kernel import kernel
 from beamcam.solid.opinion import solid_faults
 from beamcam.solid.part_solid import part_solid
@@ -137,12 +137,12 @@ def test_what_a_square_cut_leaves_is_told_and_on_the_list() -> None:
     plan = planned(ended(RHS, (400.0, 0.5, -0.3)))
     (told,) = [d for d in plan.remarks if d.code == "plan-coping-slant"]
     assert "up to 2.50 mm off at the inside of the walls u, v, o, h" in told.message
-    assert [row["why"] for row in hand_rows(plan)] == ["bevel"]
+    assert [row["why"] for row in manual_rows(plan)] == ["bevel"]
     part = ended(CHS, (400.0, 0.3, 0.4))
     (told,) = [d for d in planned(part).remarks if d.code == "plan-coping-slant"]
     assert "up to 4.00 mm" in told.message
     level = ended(RHS, (400.0, 0.0, 0.0))
-    assert not hand_rows(planned(level))
+    assert not manual_rows(planned(level))
 
 
 def test_a_plane_along_the_tube_is_refused() -> None:

@@ -18,7 +18,7 @@ from beamcam.model.part import Bevel, EndCuts, Feature, Hole, Part, Profile
 from beamcam.model.plan import CopePlan
 from beamcam.model.request import Request
 from beamcam.planning.coping.plan import as_pipe, plan_coping
-from beamcam.reports.hand_list import hand_rows
+from beamcam.reports.manual_work import manual_rows
 from beamcam.solid.kernel import kernel
 from beamcam.solid.opinion import solid_faults
 from beamcam.solid.part_solid import part_solid
@@ -189,8 +189,8 @@ def test_bevels_are_cut_square_and_on_the_list_of_manual_work() -> None:
     edge = outline("v", [(0.0, 0.0), (500.0, 0.0), (500.0, TURN), (0.0, TURN)])
     part = tube(replace(edge, bevels=(Bevel(1, 30.0, 0.0), Bevel(3, 0.5, 0.0))))
     plan = planned(part)
-    assert [(o.how, o.by_hand) for o in plan.outcomes] == [("made", "bevel")]
-    assert [row["angle"] for row in hand_rows(plan)] == [30.0]
+    assert [(o.how, o.manual_work) for o in plan.outcomes] == [("made", "bevel")]
+    assert [row["angle"] for row in manual_rows(plan)] == [30.0]
     program_of(part)  # the read-back has the same on its list
 
 

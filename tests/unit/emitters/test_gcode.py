@@ -49,9 +49,9 @@ def test_what_is_kept_makes_the_same_text(commands: list[Command]) -> None:
     text = emit(program, machine)
     assert emit(program, machine) == text
     assert emit(program, replace(machine)) == text
-    by_hand = emit(program, padded(machine))
-    assert re.sub(r" X_+", " X", by_hand) == text
-    assert all(len(x) >= 9 for x in re.findall(r" X(\S+)", by_hand))
+    manual_work = emit(program, padded(machine))
+    assert re.sub(r" X_+", " X", manual_work) == text
+    assert all(len(x) >= 9 for x in re.findall(r" X(\S+)", manual_work))
 
 
 def test_a_word_without_a_template_is_no_line() -> None:

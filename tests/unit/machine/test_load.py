@@ -13,9 +13,9 @@ from beamcam.machine.load import files_of_machine, merged
 from beamcam.machine.machine import MachineFile
 from beamcam.machine.toml import line_of
 from beamcam.machine.words import Formula, as_formula
-from beamcam.machine_proof import load_proved
 from beamcam.model.plan import DrillOp
 from beamcam.planning.beam import plan_bar
+from beamcam.self_test import load_tested
 from tests.conftest import rules_of
 from tests.unit.planning.shop import hole, part
 
@@ -421,7 +421,7 @@ def test_a_shipped_file_is_never_blamed_for_what_ones_own_says(
     own = tmp_path / "mine.toml"
     own.write_text(f'base = "beamline"\n{text}', encoding="utf-8")
     with pytest.raises(MachineError) as caught:
-        load_proved(str(own))
+        load_tested(str(own))
     said = caught.value.diagnostics[0]
     assert key in said.message
     assert (said.source.file, said.source.line) == (str(own), line)

@@ -13,7 +13,7 @@ from beamcam.machine import load, machine_folders, own_machines, resolved, shipp
 from beamcam.machine.keys import machine_keys, starting_file
 from beamcam.machine.load import files_of_machine, merged
 from beamcam.machine.words import WORD_NAMES
-from beamcam.machine_proof import load_machine
+from beamcam.self_test import load_machine
 from tests.conftest import ROOT, SAMPLES, sampled
 from tests.runs import batch, counts, fill
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from beamcam.errors import MachineError
-from beamcam.machine_proof import load_machine
+from beamcam.self_test import load_machine
 from tests.conftest import SAMPLES
 
 #: A drill, a saw alone, and a saw and drill; each is a file over the machine before it.

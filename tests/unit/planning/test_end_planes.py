@@ -6,7 +6,7 @@ import pytest
 from msgspec.structs import replace
 
 from beamcam.checks.bars.cuts import ends_of
-from beamcam.checks.bars.pieces import standing
+from beamcam.checks.bars.pieces import orientations
 from beamcam.errors import PlanError
 from beamcam.machine import load
 from beamcam.machine.machine import saw_of
@@ -60,7 +60,7 @@ def test_the_read_back_finds_a_plane_that_the_planner_takes_for_the_end(
 def test_a_plane_turns_with_its_part(profile: Profile) -> None:
     """In each orientation that its section allows it is an end still."""
     for at in ("start", "end"):
-        for one in standing(leaned(profile, at)):
+        for one in orientations(leaned(profile, at)):
             (plane,) = (f for f in one.features if isinstance(f, EndPlane))
             end = ends_of(one, saw_of(PUSHER))[plane.normal[0] > 0]
             for y, z in corners(one.profile):

@@ -24,10 +24,10 @@ from beamcam.pipeline import post
 from beamcam.recovery import KnownStock, Recovered, recover
 from beamcam.recovery.box_tube import faces_of
 from beamcam.recovery.found import (
-    BY_HAND,
     COMES_CUT,
     CORNER,
     LEFT_OUT,
+    MANUAL_WORK,
     NOT_PARTED,
     REFITTED,
     ROUNDED,
@@ -203,7 +203,7 @@ def test_what_is_drawn_and_what_is_the_machines_is_told() -> None:
 def test_marks_and_small_holes_are_told_as_missing() -> None:
     text = TextMark("v", 200.0, 100.0, 0.0, 20.0, "C6", AT)
     found = recover(made(part_of(text)), COPER, "p")
-    assert codes(found) == [BY_HAND.code]
+    assert codes(found) == [MANUAL_WORK.code]
     small = part_of(Hole("v", 200.0, 100.0, 6.0, AT), Hole("v", 300.0, 100.0, 22.0, AT))
     found = recover(made(small, skips=("tool",)), COPER, "p")
     assert codes(found) == [LEFT_OUT.code]

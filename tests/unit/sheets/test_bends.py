@@ -10,7 +10,7 @@ from beamcam.errors import PlanError
 from beamcam.machine import load
 from beamcam.model.part import Bend
 from beamcam.pipeline import post
-from beamcam.reports.hand_list import hand_rows
+from beamcam.reports.manual_work import manual_rows
 from tests.unit.sheets.parts import S, box, contour, drawing
 
 PLATE = load("plate-linuxcnc")
@@ -31,7 +31,7 @@ def test_bends_change_nothing_but_the_head_and_the_list(bends: list[tuple[float,
     head = f"(LEFT TO THE HAND: {len(bends)})"
     assert [line for line in posted.text.splitlines() if line != head] == plain.text.splitlines()
     assert (head in posted.text) == bool(bends)
-    rows = [row for row in hand_rows(posted.plan) if row["kind"] == "bend"]
+    rows = [row for row in manual_rows(posted.plan) if row["kind"] == "bend"]
     assert [(row["x"], row["angle"]) for row in rows] == bends
     listed = [d.code for d in verify_sheet(posted.text, (bent,), PLATE)]
     assert listed == ["verify-by-hand"] * len(bends)

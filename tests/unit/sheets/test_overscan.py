@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from beamcam.checks.sheets import verify_sheet
-from beamcam.checks.sheets.asked_layout import as_asked
+from beamcam.checks.sheets.required_layout import laid_out
 from beamcam.errors import PlanError
 from beamcam.machine import Machine
 from beamcam.machine.faults import torch_faults
@@ -123,7 +123,7 @@ def test_another_overscan_is_refused(what: str, other: str) -> None:
     machine = asked(laser(3.0), 8.0)
     text = post((PART,), machine).text
     assert re.search(LINE, text)
-    parts, _ = as_asked((PART,), machine.torch)
+    parts, _ = laid_out((PART,), machine.torch)
     assert not verify_sheet(text, parts, machine)
     assert verify_sheet(re.sub(LINE, other, text), parts, machine), what
 
@@ -132,7 +132,7 @@ def test_a_contour_has_no_overscan() -> None:
     """A dark feed in front of one is told."""
     machine = asked(laser(3.0), 8.0)
     text = post((PART,), machine).text
-    parts, _ = as_asked((PART,), machine.torch)
+    parts, _ = laid_out((PART,), machine.torch)
     wrong = text.replace("G0 X90 Y70\n", "G0 X93 Y70\nG1 X90 Y70\n")
     assert wrong != text
     assert {d.code for d in verify_sheet(wrong, parts, machine)} & {

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 from shapely import Polygon
 
-from beamcam.checks.asked import BY_HAND as FOR_HAND
 from beamcam.checks.head import head_of
+from beamcam.checks.request import MANUAL_WORK as FOR_MANUAL_WORK
 from beamcam.checks.sheets import verify_sheet
 from beamcam.checks.sheets.need import need_of
 from beamcam.errors import MachineError, PlanError, errors_in
@@ -20,9 +20,9 @@ from beamcam.model.part import Bevel, Contour, Feature, Hole, Part, Profile, Slo
 from beamcam.model.request import Request
 from beamcam.pipeline import Posted, post, read_back
 from beamcam.planning.contours import rules
-from beamcam.planning.left_out import BY_HAND
+from beamcam.planning.left_out import MANUAL_WORK
 from beamcam.planning.rules import BEVEL_NOISE
-from beamcam.reports.hand_list import hand_rows
+from beamcam.reports.manual_work import manual_rows
 from tests.conftest import examples
 from tests.unit.sheets.parts import S, box, plate, table
 
@@ -90,9 +90,9 @@ def test_bevels_are_cut_square_and_listed_edge_by_edge() -> None:
     part = plate(bevelled(Bevel(0, 45.0, 2.0), Bevel(2, -30.0, 4.0), Bevel(1, 0.4, 0.0)))
     made = posted(part)
     assert [(o.how, o.by, o.left) for o in made.plan.outcomes] == [("made", "cut", "bevel")]
-    assert [d.code for d in made.remarks] == [BEVEL_NOISE.code, BY_HAND.code]
+    assert [d.code for d in made.remarks] == [BEVEL_NOISE.code, MANUAL_WORK.code]
     rows = [
-        (r["kind"], r["angle"], r["land"], r["length"], r["path"]) for r in hand_rows(made.plan)
+        (r["kind"], r["angle"], r["land"], r["length"], r["path"]) for r in manual_rows(made.plan)
     ]
     assert rows == [
         ("bevel", 45.0, 2.0, 200.0, "0 0; 200 0"),
@@ -100,11 +100,11 @@ def test_bevels_are_cut_square_and_listed_edge_by_edge() -> None:
     ]
     head = head_of(made.text)
     assert head is not None
-    assert head.by_hand == 1
+    assert head.manual_work == 1
     square = posted(plate(bevelled()))
     moves = [[line for line in p.text.split("\n") if line.startswith("G")] for p in (made, square)]
     assert moves[0] == moves[1]
-    assert codes_of(made.text, part) == {FOR_HAND.code}
+    assert codes_of(made.text, part) == {FOR_MANUAL_WORK.code}
     assert codes_of(made.text, part, bevel="refuse") >= {"verify-sheet-not-made"}
 
 
@@ -179,9 +179,9 @@ def test_holes_for_the_drill_are_marked_and_listed(
     part = plate(feature)
     made = posted(part, name)
     assert [(o.how, o.by) for o in made.plan.outcomes] == [("listed", "drill")]
-    assert [(r["kind"], r["size"]) for r in hand_rows(made.plan)] == [row]
-    assert [d.code for d in made.remarks] == [BY_HAND.code]
-    assert codes_of(made.text, part, name) == {FOR_HAND.code}
+    assert [(r["kind"], r["size"]) for r in manual_rows(made.plan)] == [row]
+    assert [d.code for d in made.remarks] == [MANUAL_WORK.code]
+    assert codes_of(made.text, part, name) == {FOR_MANUAL_WORK.code}
     crosses = [op for op in made.plan.operations if op.row.process == "mark"]
     dx, dy = made.plan.shift  # type: ignore[union-attr]
     middles = {

@@ -17,7 +17,7 @@ from beamcam.model.part import Hole, Part
 from beamcam.model.plan import SheetPlan
 from beamcam.model.request import Request
 from beamcam.pipeline import post
-from beamcam.reports.hand_list import hand_rows
+from beamcam.reports.manual_work import manual_rows
 from beamcam.solid.opinion import solid_faults
 from tests.unit.sheets.parts import S, box, circle, contour, drawing, lines, plate, table
 
@@ -172,7 +172,7 @@ def test_the_ends_of_a_narrow_slot_are_marked(turn: float) -> None:
     assert len(middles) == 2
     for found, wanted in zip(middles, expected, strict=True):
         assert found == pytest.approx(wanted, abs=1e-3)
-    rows = hand_rows(post((part,), machine).plan)
+    rows = manual_rows(post((part,), machine).plan)
     assert [(row["kind"], row["size"]) for row in rows] == [("slot", "24 x 4")]
     assert (rows[0]["x"], rows[0]["y"]) == pytest.approx((60, 50))
     assert {d.code for d in solid_faults(text, Request((part,), machine, name="a"))} == {

@@ -9,9 +9,9 @@ from msgspec.structs import replace
 
 from beamcam.checks.sheets import verify_sheet
 from beamcam.errors import MachineError, VerifyError
-from beamcam.machine_proof import load_proved
 from beamcam.model.part import Part
 from beamcam.pipeline import post
+from beamcam.self_test import load_tested
 from tests.conftest import ROOT, sampled
 from tests.unit.sheets.parts import NESTED, box, circle, contour, drawing, lines, table
 
@@ -128,7 +128,7 @@ def test_a_machine_file_whose_header_lets_corners_go_is_refused(tmp_path: Path) 
     for header in ("G64 P5", "G64"):
         file.write_text(text.replace("G64 P0.01", header), encoding="utf-8")
         with pytest.raises(MachineError, match="passes corners at"):
-            load_proved(str(file))
+            load_tested(str(file))
 
 
 #: Kerf compensation that nothing asks for, by its words.

@@ -85,8 +85,8 @@ def told(shaped: Shaped, of: Shell) -> tuple[str, ...]:
 def test_a_shell_with_hollow_faces_is_a_solid() -> None:
     solid = solid_of(drilled(150.0, 40.0, 11.0))
     assert solid is not None
-    by_hand = 400.0 * 100 * 10 - 10 * 12 * 11.0**2 * float(np.sin(np.pi / 6)) / 2
-    assert solid.volume() == pytest.approx(by_hand, rel=1e-9)
+    manual_work = 400.0 * 100 * 10 - 10 * 12 * 11.0**2 * float(np.sin(np.pi / 6)) / 2
+    assert solid.volume() == pytest.approx(manual_work, rel=1e-9)
 
 
 def test_a_shell_turned_inside_out_is_the_same_solid() -> None:

@@ -121,7 +121,7 @@ def left_out(part: Part, features: Iterable[int]) -> Iterator[Diagnostic]:
 # Marks that a program leaves for manual work or makes elsewhere, reported one by one.
 
 
-BY_HAND = warning("verify-by-hand",
+MANUAL_WORK = warning("verify-by-hand",
     "found nothing that makes the {what} of {mark}; it is left for manual work, as {machine} says",
     "`[marks]` in the machine's file says which kinds of marks are made by the machine, and which "
     "are left for manual work.")  # fmt: skip
@@ -131,7 +131,7 @@ TEXT_MOVED = warning("verify-text-moved",
     "A text that would stand on an edge or over a hole is moved, or made smaller.")  # fmt: skip
 
 
-def is_by_hand(feature: Feature, machine: Machine) -> bool:
+def is_manual_work(feature: Feature, machine: Machine) -> bool:
     """Whether a feature is not the machine's work."""
     policy = policy_on(feature, machine.marks)
     if policy == "make" and isinstance(feature, TextMark):
@@ -139,16 +139,16 @@ def is_by_hand(feature: Feature, machine: Machine) -> bool:
     return policy == "list"
 
 
-def left_to_hand(part: Part, machine: Machine) -> Iterator[Diagnostic]:
+def left_to_manual_work(part: Part, machine: Machine) -> Iterator[Diagnostic]:
     """A warning for each feature of a part that is not the machine's work."""
     for feature in part.features:
-        if is_by_hand(feature, machine):
-            yield by_hand(feature, part, machine)
+        if is_manual_work(feature, machine):
+            yield manual_work(feature, part, machine)
 
 
-def by_hand(feature: Feature, part: Part, machine: Machine) -> Diagnostic:
+def manual_work(feature: Feature, part: Part, machine: Machine) -> Diagnostic:
     """The remark that a feature is left for manual work."""
-    return BY_HAND.at(
+    return MANUAL_WORK.at(
         feature.source, what=description(feature), mark=part.mark, machine=machine.name
     )
 

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 Affine = tuple[tuple[float, float, float], tuple[float, float, float]]
 
 
-def as_asked(
+def laid_out(
     parts: Sequence[Part], torch: Torch | None
 ) -> tuple[tuple[Part, ...], list[Diagnostic]]:
     """The parts as they have to lie, hatched; and errors for features that cannot.

@@ -43,7 +43,7 @@ def refuse_copies(wanted: Sequence[AssignedCurve], curves: CurveTable) -> None:
         raise PlanError(rules.COPIES.at(wanted[most].source, found=times[most], copies=copies))
 
 
-def refuse_crowds(shapes: Sequence[Shape], drawn: Drawn, tolerance: float) -> None:
+def refuse_many_passes(shapes: Sequence[Shape], drawn: Drawn, tolerance: float) -> None:
     """Raise PlanError for shapes that pass most of their places more than `MAX_PASSES` times.
 
     `drawn` are points of the shapes, and the shape of each. The passes of a place are the lengths

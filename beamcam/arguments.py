@@ -11,10 +11,10 @@ from msgspec import Struct
 from beamcam.conversion import nearest
 from beamcam.errors import BeamcamError, Diagnostic, Source, error
 from beamcam.machine.machine import Machine
-from beamcam.machine_proof import load_proved
 from beamcam.model.part import Part
 from beamcam.plain_text import MAX_COMMENT, terminal_text
 from beamcam.planning.rules import ALL_SKIPS, SKIP_NAMES
+from beamcam.self_test import load_tested
 
 ASK_TYPE = error("ask-type",
     "found {found} for {name}; expected {expected}",
@@ -49,7 +49,7 @@ class AskError(BeamcamError):
     """A request is invalid, whatever the parts are."""
 
 
-def check_asked(job: object = "JOB", bar: object = None, skips: object = ()) -> None:
+def check_arguments(job: object = "JOB", bar: object = None, skips: object = ()) -> None:
     """Raise AskError for a job's name, a bar or names of skips that cannot be meant."""
     if diagnostics := tuple(_faults(job, bar, skips)):
         raise AskError(diagnostics)
@@ -103,7 +103,7 @@ def check_text(name: str, value: object, *others: type) -> None:
         )
 
 
-def parts_asked(parts: Part | Iterable[Part]) -> tuple[Part, ...]:
+def checked_parts(parts: Part | Iterable[Part]) -> tuple[Part, ...]:
     """The parts that are meant. Raises AskError for anything else, and for nan and inf."""
     if isinstance(parts, Part):
         parts = (parts,)
@@ -126,7 +126,7 @@ def machine_of(machine: AnyMachine) -> Machine:
         return machine
     if not isinstance(machine, str | os.PathLike):
         raise AskError(ask_type("machine", machine, "a name, the path of a file, or a Machine"))
-    return load_proved(str(os.fspath(machine)))
+    return load_tested(str(os.fspath(machine)))
 
 
 def converted(value: object, kind: type[Asked], name: str = "") -> Asked:

@@ -20,7 +20,7 @@ MARKS = ("text", "point", "line")  #: kinds of rows that are marks
 LIST_SUFFIX = ".hand.csv"  #: behind a program's name, for the list beside it
 
 
-class HandRow(TypedDict):
+class ManualRow(TypedDict):
     """One mark, hole or bevelled edge, with its place on the face of the part."""
 
     mark: str  #: of the part
@@ -41,10 +41,10 @@ class HandRow(TypedDict):
     length: float  #: of a bevelled edge
 
 
-HEAD = tuple(HandRow.__annotations__)
+HEAD = tuple(ManualRow.__annotations__)
 
 
-def is_hand_list(name: str) -> bool:
+def is_manual_work_list(name: str) -> bool:
     """Whether a file is such a list by its name."""
     return name.lower().endswith(LIST_SUFFIX)
 
@@ -52,12 +52,12 @@ def is_hand_list(name: str) -> bool:
 LIST_BEGIN = (",".join(HEAD) + "\n").encode()  #: of every list that was written here
 
 
-def hand_rows(plan: AnyPlan) -> list[HandRow]:
+def manual_rows(plan: AnyPlan) -> list[ManualRow]:
     """A row for each feature that is left for manual work; pieces of one part share theirs."""
-    rows: dict[tuple[int, int], list[HandRow]] = {}
+    rows: dict[tuple[int, int], list[ManualRow]] = {}
     least = 0.0 if isinstance(plan, Plan) else plan.min_bevel
     for outcome in unfinished(plan.outcomes):
-        why = outcome.by_hand
+        why = outcome.manual_work
         if outcome.how == "skipped" and _is_code(outcome.by):
             why = outcome.by
         if not why:
@@ -72,7 +72,7 @@ def hand_rows(plan: AnyPlan) -> list[HandRow]:
     return [row for some in rows.values() for row in some]
 
 
-def _rows(part: Part, feature: Feature, why: str, min_bevel: float) -> Iterator[HandRow]:
+def _rows(part: Part, feature: Feature, why: str, min_bevel: float) -> Iterator[ManualRow]:
     """A row for a feature; of a contour one for each of its bevelled edges."""
     is_cut = isinstance(feature, Contour) and feature.process == "cut"
     if not isinstance(feature, Contour) or not (is_cut and feature.bevels) or _is_code(why):
@@ -92,9 +92,9 @@ def _is_code(why: str) -> bool:
     return why.startswith("plan-") and why != "plan-tiny"
 
 
-def _row(part: Part, feature: Feature, why: str) -> HandRow:
+def _row(part: Part, feature: Feature, why: str) -> ManualRow:
     """Kind and position of a mark."""
-    row: HandRow = {
+    row: ManualRow = {
         "mark": part.mark, "profile": part.profile.name, "pieces": 1, "kind": "", "text": "",
         "face": getattr(feature, "face", ""), "x": 0.0, "y": 0.0, "angle": 0.0, "height": 0.0,
         "path": "", "why": why, "source": _where(feature.source),
@@ -148,7 +148,7 @@ def _rounded(value: float) -> str:
     return f"{round(value, 3) + 0.0:g}"
 
 
-def as_csv(rows: Iterable[HandRow]) -> str:
+def as_csv(rows: Iterable[ManualRow]) -> str:
     """The list as CSV, with a head."""
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")

@@ -27,7 +27,7 @@ MANY_TRIES = 50  #: as a search has at most, about
 ROTATED_DEG = 15  #: from one turn that is tried to the next
 UNITS = ("mm", "in")  #: that drawings are made in
 
-WAYS_OUT = note("plan-ways-out",
+SUGGESTIONS = note("plan-ways-out",
     "with {found} it can be made",
     "Each option was tried before it was named. The machine may belong to another shop; what "
     "--allow-skips leaves out is missing from the part.")  # fmt: skip
@@ -57,7 +57,7 @@ _READING: Mapping[str, Sequence[tuple[str, Mapping[str, object]]]] = {
 }  # fmt: skip
 
 
-def ways_to_read(
+def reading_suggestions(
     diagnostics: Iterable[Diagnostic], read: Callable[..., Reading], strict: bool
 ) -> Iterator[Diagnostic]:
     """A note behind the errors of a file that was not read: the option that helps, if there is one.
@@ -87,7 +87,7 @@ _SKIPPED = frozenset(f"plan-{name}" for name in SKIP_NAMES)  #: what --allow-ski
 _OFF_SHEET = frozenset({"plan-sheet-size", "plan-sheet-place", "plan-sheet-full"})
 
 
-def ways_out(
+def suggestions(
     request: Request,
     tried: Sequence[Machine],
     others: Iterable[Machine],
@@ -109,7 +109,7 @@ def ways_out(
     search = _Search(curves + len(features) + TEXT_WORK * texts)
     found = _options(search, request, tried, tuple(others), read)
     if found:
-        return WAYS_OUT.at(source, found=" or ".join(found))
+        return SUGGESTIONS.at(source, found=" or ".join(found))
     if search.is_spent:
         return UNTRIED.at(source, found=f"{curves + len(features)} curves and features",
                           expected=MOST_WORK // MANY_TRIES)  # fmt: skip

@@ -11,7 +11,7 @@ import pytest
 from click.testing import CliRunner, Result
 from msgspec.structs import replace
 
-from beamcam import ways_out
+from beamcam import suggestions
 from beamcam.cli import main
 from beamcam.errors import Source
 from beamcam.geometry.curves import Line
@@ -120,7 +120,7 @@ def test_no_way_out_is_none_on_any_machine() -> None:
     assert "plan-no-way-out" in run("post", path, "-o", "-").stderr
     beams = [name for name in shipped() if load(name).stock == "beam"]
     assert all(run("post", path, "-o", "-", "--machine", name).exit_code == 1 for name in beams)
-    assert {rule.code for rule in rules_of(ways_out)} == {
+    assert {rule.code for rule in rules_of(suggestions)} == {
         "plan-ways-out", "plan-no-way-out", "plan-ways-untried", "read-ways-out",
         "read-no-way-out",
     }  # fmt: skip
@@ -139,7 +139,7 @@ def test_a_large_drawing_is_planned_a_few_times_only(monkeypatch: pytest.MonkeyP
 
         return replace(post, plan=plan)
 
-    monkeypatch.setattr(ways_out, "post_of", counted)
+    monkeypatch.setattr(suggestions, "post_of", counted)
     table = load("plate-linuxcnc")
     for corners, is_tried in ((4, False), (900, True)):
         ring = [(200.0 + 90.0 * cos(k), 200.0 + 90.0 * sin(k)) for k in
@@ -149,9 +149,11 @@ def test_a_large_drawing_is_planned_a_few_times_only(monkeypatch: pytest.MonkeyP
                     features=(Contour("v", "open", lines, Source("a"), closed=False),),
                     measures=Measures())  # fmt: skip
         planned.clear()
-        said = ways_out.ways_out(Request((part,), table), [table], [load("plate-oxyfuel")] * 30)
+        said = suggestions.suggestions(
+            Request((part,), table), [table], [load("plate-oxyfuel")] * 30
+        )
         assert (said.code == "plan-ways-untried") == is_tried
-        assert sum(planned) <= ways_out.MOST_WORK
+        assert sum(planned) <= suggestions.MOST_WORK
 
 
 @pytest.mark.parametrize(("code", "status", "says"), [

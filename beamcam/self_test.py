@@ -21,7 +21,7 @@ from beamcam.machine.machine import Machine
 from beamcam.machine.words import WORD
 from beamcam.model.part import Contour, EndCuts, Feature, Hole, Part, Process, Profile
 from beamcam.model.request import Job, Request
-from beamcam.planning.left_out import by_hand_sources, left_out_kinds
+from beamcam.planning.left_out import left_out_kinds, manual_work_sources
 from beamcam.planning.rules import SKIP_NAMES
 from beamcam.posts import Written, beginning, carries_head, post_of
 
@@ -40,7 +40,7 @@ _SECTIONS = (
 )
 
 
-def load_proved(name: str) -> Machine:
+def load_tested(name: str) -> Machine:
     """The machine called `name`, or the one in the file at that path, whose programs can be read.
 
     Those that are shipped are proved by the tests. Raises MachineError.
@@ -81,8 +81,8 @@ _faults = PerObject("machine.proof", proof_faults)
 def _written(job: Job) -> Written:
     post = post_of(job.machine)
     plan = post.plan(job)
-    by_hand = sum(1 for _ in by_hand_sources(plan))
-    head = tuple(head_lines(job, plan, left_out_kinds(plan), by_hand))
+    manual_work = sum(1 for _ in manual_work_sources(plan))
+    head = tuple(head_lines(job, plan, left_out_kinds(plan), manual_work))
     return post.emit(post.with_head(post.motion(plan, job.machine, _NAME), head), job)
 
 
