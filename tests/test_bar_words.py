@@ -17,7 +17,6 @@ import pytest
 from msgspec import Struct
 
 from beamcam.checks.bars import verify
-from beamcam.checks.owners import owner_of
 from beamcam.commands import codes
 from beamcam.controllers import interpreter_of
 from beamcam.controllers.dialect import DOCUMENTED, dialect_of
@@ -26,6 +25,7 @@ from beamcam.machine import Machine, load
 from beamcam.model.part import Part
 from beamcam.pipeline import post
 from benchmarks.liars import PROFILES, parts
+from tests.owners import owner_of
 
 BAR = 6000.0
 ROWS = codes.all_owners()["beam", "codesys"]

@@ -14,13 +14,14 @@ import pytest
 from click.testing import CliRunner
 from msgspec.structs import replace
 
-from beamcam.checks.owners import Language, Owner, Rows, Stock, Vocabulary, unknown, unowned
+from beamcam.checks.owners import Language, Owner, Rows, Stock
 from beamcam.cli import main
 from beamcam.commands import codes
 from beamcam.controllers import events, interpreter_of
 from beamcam.machine import Machine, load
 from tests.conftest import ROOT, SAMPLES
 from tests.linuxcnc_cell import linuxcnc_cell
+from tests.owners import Vocabulary, unknown, unowned
 from tests.unit.controllers.test_cycles import CODESYS, LINUXCNC
 
 OWNERS: Rows = codes.all_owners()

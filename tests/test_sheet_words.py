@@ -12,7 +12,6 @@ from itertools import groupby
 import pytest
 from msgspec import Struct
 
-from beamcam.checks.owners import owner_of
 from beamcam.checks.sheets import verify_sheet
 from beamcam.checks.sheets.owners import OWNERS
 from beamcam.controllers import interpreter_of, table_events
@@ -21,6 +20,7 @@ from beamcam.errors import Severity
 from beamcam.machine import Machine
 from beamcam.pipeline import post
 from tests.conftest import sampled
+from tests.owners import owner_of
 from tests.unit.sheets.parts import box, circle, contour, drawing, lines, table
 
 PART = drawing(
