@@ -137,9 +137,8 @@ def _set_faults(key: str, tools: ToolSet) -> Iterator[Fault]:
                 yield f"{key}.pre_drills", before, f"less than the thread's {size:g}"
 
 
-KERF_STEPS = (
-    10  #: of a program's numbers that a kerf takes at least, so that half of it is a figure
-)
+#: of a program's numbers that a kerf takes at least, so that half of it is a figure
+KERF_STEPS = 10
 #: Words that a machine with a torch cannot do without.
 _TORCH_WORDS = ("traverse", "feed", "cut_on", "cut_off")
 

@@ -131,9 +131,8 @@ class MachineFile(Keys, frozen=True):
     pairs: tuple[Pair, ...] = ()
     tools: tuple[ToolSet, ...] = ()
     axes: tuple[ControlledAxis, ...] = ()
-    bodies: tuple[
-        MachineBox, ...
-    ] = ()  #: that may strike each other; empty: collisions are not checked
+    #: that may strike each other; empty: collisions are not checked
+    bodies: tuple[MachineBox, ...] = ()
     modbus: Modbus = Modbus()
     torch: Torch | None = None
     coper: Coper | None = None
@@ -154,9 +153,8 @@ class Machine(MachineFile, frozen=True):
     """A machine: `beamcam machines show NAME` prints every value and where it comes from."""
 
     checksum: str = ""  #: of all that its file says, in the heads of its programs; no key of it
-    remarks: tuple[
-        Diagnostic, ...
-    ] = ()  #: on its files, such as keys of an older version; no key of it
+    #: on its files, such as keys of an older version; no key of it
+    remarks: tuple[Diagnostic, ...] = ()
 
     def sections_of(self, number: float) -> tuple[str, ...]:
         """The DSTV codes that a section's number in a program may mean, of those it takes."""

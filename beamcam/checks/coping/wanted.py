@@ -37,9 +37,8 @@ class RequiredWall(Struct, frozen=True):
     drawn: Shape
     cut: Shape
     short: float = 0.0  #: mm that a piece is too short for it
-    steps: Shape = (
-        None  #: what steps of an end that is cut square keep besides, as the jet is round
-    )
+    #: what steps of an end that is cut square keep besides, as the jet is round
+    steps: Shape = None
 
     @property
     def most(self) -> Shape:

@@ -186,9 +186,8 @@ MANY_PAIRS = error("plan-hole-crowd",
     "of them about this one; expected at most {expected}",
     "So many holes do not stand beside each other on a wall: they are a drawing that was written "
     "again and again. Nothing else is said of them.")  # fmt: skip
-MOST_PAIRS = (
-    2_000_000  #: that are compared; 20,000 holes of 18 mm all over a bar of 12 m have 1 of 2
-)
+#: that are compared; 20,000 holes of 18 mm all over a bar of 12 m have 1 of 2
+MOST_PAIRS = 2_000_000
 THREADS = ("thread", "left-thread")
 
 

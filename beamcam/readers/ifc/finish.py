@@ -46,9 +46,8 @@ class Shaped(Struct, frozen=True, gc=False):
     frame: Frame = IDENTITY  #: the part's coordinates in the element's
     fitted: tuple[str, ...] = ()  #: surfaces of the kernel that only facets stand for
     stock: BareStock | None = None  #: the section, where a shell showed it
-    diagnostics: tuple[
-        Diagnostic, ...
-    ] = ()  #: of what no feature explains, where a body was compared
+    #: of what no feature explains, where a body was compared
+    diagnostics: tuple[Diagnostic, ...] = ()
 
     def at(self, source: Source) -> "Shaped":
         """What was read of a member, of another one of its form."""
