@@ -87,8 +87,8 @@ def _planned(
 
     None where the machine refuses it.
     """
-    asked = replace(request, parts=(part,), machine=machine, skips=tuple(skips), quantity=None)
-    job = Job(asked, (0,), max(request.stock, default=None))
+    trial = replace(request, parts=(part,), machine=machine, skips=tuple(skips), quantity=None)
+    job = Job(trial, (0,), max(request.stock, default=None))
     try:
         plan = post_of(machine).plan(job)
         return plan, plan_seconds(plan, job) if request.by == "time" else 0.0

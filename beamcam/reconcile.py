@@ -66,13 +66,13 @@ def other_than_planned(
     if refused:  # what is missing may not have been looked for
         return
     hand = [*manual_work_sources(plan)]
-    told = [diagnostic for diagnostic in plan.remarks if diagnostic.code == TEXT_MOVED.code]
+    remarks = [diagnostic for diagnostic in plan.remarks if diagnostic.code == TEXT_MOVED.code]
     named = [(MISSING.code, source) for source in left_out_sources(plan)]
     named += [(FOR_MANUAL_WORK.code, source) for source in hand]
-    if not (told or moved or missing or named):  # as of nearly every plan
+    if not (remarks or moved or missing or named):  # as of nearly every plan
         return
     alike = stand_ins(job.parts)
-    yield from other_places(told, moved, alike, hand)
+    yield from other_places(remarks, moved, alike, hand)
     lacking, planned = _of_the_first(missing, alike), _of_the_first(named, alike)
     for code, source in (lacking - planned) + (planned - lacking):
         one = code, source
@@ -118,7 +118,7 @@ class _LetteredAt(Struct, frozen=True):
 
     source: Source
     place: Place
-    wanted: Place
+    drawn_at: Place
     letters: str
 
     def __str__(self) -> str:
@@ -150,8 +150,8 @@ def stand_ins(parts: Sequence[Part]) -> dict[Source, Source]:
 
 
 def other_places(
-    told: Iterable[Diagnostic], diagnostics: Iterable[Diagnostic], alike: Mapping[Source, Source],
-    manual_work: Collection[Source],
+    remarks: Iterable[Diagnostic], diagnostics: Iterable[Diagnostic],
+    alike: Mapping[Source, Source], manual_work: Collection[Source],
 ) -> Iterator[Diagnostic]:  # fmt: skip
     """Texts that are found moved elsewhere than the plan tells, or of which it tells nothing.
 
@@ -159,7 +159,7 @@ def other_places(
     equal texts these are, a program does not tell either.
     """
     groups: dict[tuple[Source, str], tuple[list[_LetteredAt], list[_LetteredAt]]] = {}
-    for which, messages in enumerate((told, diagnostics)):
+    for which, messages in enumerate((remarks, diagnostics)):
         for diagnostic in messages:
             one = _lettered_at(diagnostic)
             group = alike.get(one.source, one.source), one.letters
@@ -176,15 +176,15 @@ def _differences(
 
     Of a text that was moved to where the part has another of them, that other is found in place.
     """
-    theirs, ours = {one.wanted for one in planned}, {one.wanted for one in moved}
+    theirs, ours = {one.drawn_at for one in planned}, {one.drawn_at for one in moved}
     elsewhere = [one for one in moved if not one.is_at(each.place for each in planned)]
     untold = [one for one in planned if not one.is_at(each.place for each in moved)]
     if not elsewhere and not untold and theirs != ours and not is_one_left:
-        elsewhere = [one for one in moved if one.wanted not in theirs]
-        untold = [one for one in planned if one.wanted not in ours]
+        elsewhere = [one for one in moved if one.drawn_at not in theirs]
+        untold = [one for one in planned if one.drawn_at not in ours]
     else:
-        elsewhere = [one for one in elsewhere if not one.is_at(ours - theirs - {one.wanted})]
-        untold = [one for one in untold if not one.is_at(theirs - ours - {one.wanted})]
+        elsewhere = [one for one in elsewhere if not one.is_at(ours - theirs - {one.drawn_at})]
+        untold = [one for one in untold if not one.is_at(theirs - ours - {one.drawn_at})]
     for one in elsewhere:
         yield TEXT_TOLD.at(one.source, found=one, expected="elsewhere")
     for one in untold:
@@ -193,8 +193,8 @@ def _differences(
 
 def _lettered_at(diagnostic: Diagnostic) -> _LetteredAt:
     """The place of a text in a message, of a plan or of the read-back."""
-    at, wanted = (
+    at, drawn_at = (
         tuple(float(diagnostic[f"{which}{name}"]) for name in ("x", "y", "height"))
         for which in ("", "wanted_")
     )
-    return _LetteredAt(diagnostic.source, at, wanted, str(diagnostic["text"]))
+    return _LetteredAt(diagnostic.source, at, drawn_at, str(diagnostic["text"]))

@@ -128,8 +128,8 @@ def stages_of(request: Request, chain: Sequence[ChainLink], target: Target) -> I
     """
     (part,) = request.parts
     for k, link in enumerate(chain, 1):
-        asked = replace(request, parts=(part,), machine=link.machine, skips=link.skips)
-        (begun,) = begin(asked)
+        rest_request = replace(request, parts=(part,), machine=link.machine, skips=link.skips)
+        (begun,) = begin(rest_request)
         posted = finished(begun)
         if k == len(chain):
             yield Stage(posted)

@@ -48,12 +48,12 @@ def load_tested(name: str) -> Machine:
     machine = load_machine(name)
     if name in shipped():
         return machine
-    said = tuple(
-        WORD.at(source_in(name, key, text), key=key, said=said)
-        for key, text, said in _faults(machine)
+    diagnostics = tuple(
+        WORD.at(source_in(name, key, text), key=key, said=fault)
+        for key, text, fault in _faults(machine)
     )
-    if said:
-        raise MachineError(said[:1])
+    if diagnostics:
+        raise MachineError(diagnostics[:1])
     return machine
 
 
@@ -191,10 +191,10 @@ def load_machine(name: str) -> Machine:
     Raises MachineError.
     """
     machine = load(name)
-    said = tuple(
-        WORD.at(source_in(name, key, text), key=key, said=said)
-        for key, text, said in known_faults(machine)
+    diagnostics = tuple(
+        WORD.at(source_in(name, key, text), key=key, said=fault)
+        for key, text, fault in known_faults(machine)
     )
-    if said:
-        raise MachineError(said)
+    if diagnostics:
+        raise MachineError(diagnostics)
     return machine

@@ -337,7 +337,7 @@ def _post_chain(
         chain, diagnostics = chain_for(request, settings.chain)
         yield "planned"
         first = 0 if len(chain) == 1 else 1
-        wanted = [
+        names_of_links = [
             called(one.machine, k, settings.rest_suffix) for k, one in enumerate(chain, first)
         ]
         for stage in stages_of(request, chain, target_of_suffix(settings.rest_suffix)):
@@ -345,7 +345,7 @@ def _post_chain(
             yield "read a program back"
     except BeamcamError as error:
         if isinstance(error, RefusedProgram):
-            name = names.take(wanted[len(stages)][0] + REFUSED_SUFFIX, part.mark)
+            name = names.take(names_of_links[len(stages)][0] + REFUSED_SUFFIX, part.mark)
             work.refused.append((name, b"".join(error.pieces())))
         row["status"] = "refused"
         row["messages"] += map(as_message, error.diagnostics)
@@ -353,14 +353,14 @@ def _post_chain(
     row["messages"] += map(
         as_message, (*diagnostics, *(one for stage in stages for one in stage.remarks))
     )
-    taken = [name for pair in wanted for name in pair if names.owner(name) is not None]
+    taken = [name for pair in names_of_links for name in pair if names.owner(name) is not None]
     if taken and settings.name is not None:
         other = f"part {names.owner(taken[0])}"
         row["status"] = "refused"
         clash = SAME_NAME.at(part.source, found=taken[0], other=other)
         row["messages"].append(as_message(clash))
         return
-    for stage, (name, rest_name) in zip(stages, wanted, strict=True):
+    for stage, (name, rest_name) in zip(stages, names_of_links, strict=True):
         name = names.take(name, part.mark)
         content = stage.posted.text.encode("utf-8")
         rest: RestRow | None = None

@@ -125,8 +125,8 @@ def head_of(text: str) -> Head | None:
         elif match := _PART.fullmatch(line):
             parts[match[1]] = f"{parts[match[1]]} {match[2]}" if match[1] in parts else match[2]
     in_order = [*parts] == [str(number) for number in range(1, len(parts) + 1)]
-    told = tuple(map(_told_part, parts.values())) if in_order else ()
-    return Head(int(made[2]), made[3], made[4] or "", tuple(sorted(kinds)), parts=told, **values)
+    stated = tuple(map(_told_part, parts.values())) if in_order else ()
+    return Head(int(made[2]), made[3], made[4] or "", tuple(sorted(kinds)), parts=stated, **values)
 
 
 def _lines(text: str, made: re.Match[str]) -> Iterator[str]:
@@ -260,24 +260,24 @@ def part_faults(
     if len(head.parts) != len(lie):
         yield HEAD.at(source, found=f"{len(head.parts)} part(s)", expected=len(lie))
         return
-    for number, (told, (part, at)) in enumerate(zip(head.parts, lie, strict=True), 1):
+    for number, (stated, (part, at)) in enumerate(zip(head.parts, lie, strict=True), 1):
         size = (part.length,) if len(at) == 1 else (part.length, part.profile.height)
-        if not (_near(told.at, at, slack) and _near(told.size, size, TOLD)):
-            found, expected = _lying(told.at, told.size), _lying(at, size)
+        if not (_near(stated.at, at, slack) and _near(stated.size, size, TOLD)):
+            found, expected = _lying(stated.at, stated.size), _lying(at, size)
             yield HEAD.at(source, found=f"part {number} {found}", expected=expected)
-    said = [told.texts for told in head.parts]
-    wanted = [_texts_of(part) for part, _ in lie]
+    stated_texts = [stated.texts for stated in head.parts]
+    expected_texts = [_texts_of(part) for part, _ in lie]
     if free:
-        said, wanted = sorted(said), sorted(wanted)
-    for one, expected in zip(said, wanted, strict=True):
+        stated_texts, expected_texts = sorted(stated_texts), sorted(expected_texts)
+    for one, expected in zip(stated_texts, expected_texts, strict=True):
         if one != expected:
             found = f"a part {one}" if one else "a part without a name"
             yield HEAD_TEXT.at(source, found=found.strip(), expected=expected or "no name")
 
 
-def _near(told: Sequence[float], found: Sequence[float], slack: float) -> bool:
-    return len(told) == len(found) and all(
-        abs(a - b) <= slack + TOLD for a, b in zip(told, found, strict=True)
+def _near(stated: Sequence[float], found: Sequence[float], slack: float) -> bool:
+    return len(stated) == len(found) and all(
+        abs(a - b) <= slack + TOLD for a, b in zip(stated, found, strict=True)
     )
 
 

@@ -107,22 +107,22 @@ def judge(
     """
     feature = text.feature
     box = box_of(text, found.x, found.y, found.height)
-    said = {
+    labels = {
         "text": text.text, "x": f"{found.x:.1f}", "y": f"{found.y:.1f}",
         "height": f"{found.height:.1f}",
     }  # fmt: skip
     if not is_clear(box, steel, others, marks.min_distance - EXACT):
         expected = f"it {marks.min_distance:g} mm clear of edges and holes, beside other texts"
-        yield TEXT.at(feature.source, expected=expected, **said)
+        yield TEXT.at(feature.source, expected=expected, **labels)
     elif is_where_wanted(text, found):
         return
     elif feature.option == "z" or is_surely_clear(text, sure or steel, others, marks):
         expected = f"it at x {feature.x:g}, y {feature.y:g}, {text.height:g} mm high"
-        yield TEXT.at(feature.source, expected=expected, **said)
+        yield TEXT.at(feature.source, expected=expected, **labels)
     else:
         yield TEXT_MOVED.at(
             feature.source, wanted_x=f"{feature.x:g}", wanted_y=f"{feature.y:g}",
-            wanted_height=f"{text.height:g}", **said,
+            wanted_height=f"{text.height:g}", **labels,
         )  # fmt: skip
 
 

@@ -303,26 +303,26 @@ class Execution:
         if not self.run:
             return
         op, t, on = self.run[0], self.triggers, self.on
-        asked = (t.traverse_mm_s * 60.0,) if on is None else on.feeds_mm_min or (0.0,)
+        programmed = (t.traverse_mm_s * 60.0,) if on is None else on.feeds_mm_min or (0.0,)
         cycles = self.shortest / (t.cycles_per_chord * t.cycle_s)
-        fits = tuple([feed for feed in asked if _is_of(op.speed, feed / 60.0, cycles)])
+        fits = tuple([feed for feed in programmed if _is_of(op.speed, feed / 60.0, cycles)])
         if not fits:
-            feeds = [feed / 60.0 for feed in asked]
+            feeds = [feed / 60.0 for feed in programmed]
             expected = f"above 0 and at most {max(feeds):g}"
             if 0.0 < op.speed <= max(feeds) + SLACK:
                 expected = " or ".join(f"{min(feed, cycles):g}" for feed in sorted(feeds))
             self.say(rules.SPEED, op.line, found=f"{op.speed:g}", what=self.what, expected=expected)
         if on is not None:
-            on.feeds_mm_min = fits or asked
+            on.feeds_mm_min = fits or programmed
         self.run, self.shortest = [], inf
 
 
-def _is_of(speed: float, asked: float, by_cycles: float) -> bool:
+def _is_of(speed: float, programmed: float, by_cycles: float) -> bool:
     """Whether a run of moves has a speed in mm/s, or the one that its cycles allow.
 
     A run that is not slowed has a greater one by its cycles than is asked.
     """
-    return speed > 0.0 and min(asked, by_cycles) - SLACK <= speed <= asked + SLACK
+    return speed > 0.0 and min(programmed, by_cycles) - SLACK <= speed <= programmed + SLACK
 
 
 def verify_triggers(

@@ -71,7 +71,7 @@ FILES_A_WORKER = 20  #: of setup sheets; for fewer a process of their own is not
 )
 def command(
     inputs: tuple[str, ...], output: str, redo: bool, dry: bool, nest: bool | None,
-    report: str | None, exit_left_out: int | None, console: Console, **asked: Any,
+    report: str | None, exit_left_out: int | None, console: Console, **values: Any,
 ) -> None:  # fmt: skip
     """Turn folders, patterns and files of parts into a folder of programs.
 
@@ -104,15 +104,15 @@ def command(
     if console.as_json and report is not None:
         raise click.UsageError("--json prints the report; give --report or --json.")
     names = _names(inputs)
-    over_stock = _is_over_stock(nest, asked)
+    over_stock = _is_over_stock(nest, values)
     try:
-        config = settled(asked, names)
+        config = settled(values, names)
         if over_stock and config.split:
             raise click.UsageError(
                 "found --machines over stock; expected it with --each, or --machine for parts that "
                 "share bars and sheets."
             )
-        settings = batch_settings(config, asked, timed=report is not None)
+        settings = batch_settings(config, values, timed=report is not None)
         console.say_remarks()
         result = find_inputs(names, leave_out=(output,))
         workers = workers_of(settings, config.jobs, config.dask, result.inputs)
@@ -130,13 +130,13 @@ def command(
         with asked_to_end() as interrupted:
             if over_stock:
                 of = [path_from(output, one.path) for one in result.inputs]
-                recipe = recipe_of(config, {**asked, "nest": True, "inputs": of}, output)
+                recipe = recipe_of(config, {**values, "nest": True, "inputs": of}, output)
                 stock_run = StockRun(
                     result.inputs, output, settings, workers, recipe, redo, read, dry, interrupted
                 )
                 rows = stock_run.rows()
             else:
-                recipe = recipe_of(config, asked, output)
+                recipe = recipe_of(config, values, output)
                 rows = run(
                     result.inputs, output, settings, workers, config.flat, redo, read=read,
                     recipe=recipe, dry=dry, interrupt=interrupted,

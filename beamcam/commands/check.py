@@ -65,7 +65,7 @@ _NO_PROGRAMS = (".toml", ".json", ".html", ".md", ".txt", REFUSED_SUFFIX)
 @options.verbosity
 def command(
     folder: Path, samples: Path | None, update: bool, strays: tuple[str, ...], as_json: bool,
-    console: Console, **asked: Any,
+    console: Console, **values: Any,
 ) -> None:  # fmt: skip
     """Post every golden program in FOLDER again and say what differs, by meaning and by bytes.
 
@@ -84,10 +84,10 @@ def command(
     """
     results: list[Checked] = []
     try:
-        config = settled(asked, (str(folder),))
+        config = settled(values, (str(folder),))
         known: set[Path] = set()
         for place in record_folders(folder):
-            recorded = Recorded(place, samples, asked, update)
+            recorded = Recorded(place, samples, values, update)
             known |= {path.resolve() for path in recorded.paths}
             for one in recorded.check(folder):
                 results.append(one)
@@ -147,8 +147,8 @@ def _say(results: list[Checked], counts: Sequence[str], as_json: bool, console: 
         return
     say_lines(told(results))
     severities = {severity.value for severity in Severity if console.wants(severity)}
-    said = (m for r in results for m in r.messages if m["severity"] in severities)
-    say_lines(map(message_line, said), err=True)
+    messages = (m for r in results for m in r.messages if m["severity"] in severities)
+    say_lines(map(message_line, messages), err=True)
     if not console.quiet:
         say_lines(counts)
 
@@ -200,9 +200,9 @@ def _check(path: Path, samples: Path, config: Config) -> Checked:
         new = dict(outputs(posted, machine, str(path)))[str(path)]
         data = new.encode() if isinstance(new, str) else b"".join(new)
     except BeamcamError as error:
-        missing = any(said.code == NO_SAMPLE.code for said in error.diagnostics)
-        said = tuple(map(as_message, error.diagnostics))
-        return Checked(str(path), "missing" if missing else "refused", (), said)
+        missing = any(one.code == NO_SAMPLE.code for one in error.diagnostics)
+        messages = tuple(map(as_message, error.diagnostics))
+        return Checked(str(path), "missing" if missing else "refused", (), messages)
     return compared(str(path), path.read_bytes(), data, machine, manual_rows(posted.plan))
 
 

@@ -111,8 +111,8 @@ def _say_words(rows: Rows, markdown: bool, as_json: bool) -> None:
             for row in owners:
                 refused = f"refused by {', '.join(row.refused_by)}" if row.refused_by else ""
                 harmless = f"harmless: {row.harmless}" if row.harmless else ""
-                said = "; ".join(text for text in (refused, harmless) if text)
-                click.echo(f"    {' '.join((*row.words, *row.carries))}  {said}")
+                answer = "; ".join(text for text in (refused, harmless) if text)
+                click.echo(f"    {' '.join((*row.words, *row.carries))}  {answer}")
 
 
 @click.command("codes")

@@ -46,14 +46,14 @@ class Console:
     def say(self, diagnostics: Iterable[Diagnostic]) -> None:
         """Say messages. As JSON they are one list with what was done, so this is said once."""
         diagnostics = (*self._new_remarks(), *diagnostics)
-        said = [d for d in first_of_each_kind(diagnostics) if self.wants(d.severity)]
+        shown = [d for d in first_of_each_kind(diagnostics) if self.wants(d.severity)]
         if self.as_json:
             from beamcam.reports.run import as_message
 
-            say_json([as_message(d) for d in (*self._account, *said)], None, err=True)
+            say_json([as_message(d) for d in (*self._account, *shown)], None, err=True)
             self._account.clear()
         else:
-            for one in said:
+            for one in shown:
                 say_lines([str(one)], err=True)
 
     def say_remarks(self) -> None:

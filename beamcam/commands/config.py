@@ -39,7 +39,7 @@ def shown(setting: Setting) -> str:
 )  # fmt: skip
 @click.option("--keys", is_flag=True, help="Print the keys and their meanings.")
 def command(
-    inputs: tuple[str, ...], as_json: bool, remember: bool, keys: bool, **asked: Any
+    inputs: tuple[str, ...], as_json: bool, remember: bool, keys: bool, **values: Any
 ) -> None:
     """Show every value of the configuration that a job would have, and where it comes from.
 
@@ -66,8 +66,8 @@ def command(
     console = Console(as_json=as_json)
     try:
         if remember:
-            _remember(asked["trust"], console)
-        config = settled(asked, inputs)
+            _remember(values["trust"], console)
+        config = settled(values, inputs)
     except BeamcamError as error:
         console.stop(error.diagnostics)
     if config.remarks:

@@ -94,7 +94,7 @@ def _print_schema(ctx: click.Context, param: click.Parameter, wanted: bool) -> N
 )
 @options.verbosity
 def command(
-    source: str, output: str, to: str | None, as_json: bool, console: Console, **asked: Any
+    source: str, output: str, to: str | None, as_json: bool, console: Console, **values: Any
 ) -> None:
     """Write a part in another format: DSTV, JSON, or a drawing of its faces.
 
@@ -110,10 +110,10 @@ def command(
     beamcam convert model.ifc -o nc/
     beamcam convert --schema > part.schema.json
     """
-    how = drawing_choice(asked) | member_choice(asked, kernel=True)
+    how = drawing_choice(values) | member_choice(values, kernel=True)
     diagnostics: tuple[Diagnostic, ...] = ()
     try:
-        config = settled(asked, (source,))
+        config = settled(values, (source,))
         target = target_of(output, to)
         (read_in,) = read_all((source,), config.strict, how, console)
         reading = with_thickness(read_in, config)

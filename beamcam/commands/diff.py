@@ -141,7 +141,7 @@ def _parts(name: str, data: bytes, strict: bool) -> tuple[tuple[Part, ...], tupl
 @options.as_json
 @options.verbosity
 def command(
-    a: str, b: str | None, output: str | None, as_json: bool, console: Console, **asked: Any
+    a: str, b: str | None, output: str | None, as_json: bool, console: Console, **values: Any
 ) -> None:
     """Say what program or part B makes differently from A; of two folders, file by file.
 
@@ -173,14 +173,14 @@ def command(
     if all(folders):
         if output is not None:
             raise click.UsageError("-o draws two files over each other, not two folders.")
-        diff_folders(Path(a), Path(b), as_json, console, asked)
+        diff_folders(Path(a), Path(b), as_json, console, values)
         return
     if any(folders):
         raise click.UsageError("A and B have to be two files or two folders.")
     if a == b == STANDARD:
         raise click.UsageError("found - twice; expected it once, standard input is read once.")
     try:
-        config = settled(asked, (a, b))
+        config = settled(values, (a, b))
         contents = [input_bytes(path) for path in (a, b)]
         data = [(shown_name(path), content) for path, content in zip((a, b), contents, strict=True)]
         machines = [machine_for_program(config, *one) for one in zip((a, b), contents, strict=True)]
@@ -242,8 +242,8 @@ def diff_folders(
     else:
         say_lines(told([one for one in results if one.result != "bytes"]))
         say_lines(f"{name}: {where}" for name, where in alone)
-        said = (m for one in results for m in one.messages if m["severity"] in severities)
-        say_lines(map(message_line, said), err=True)
+        messages = (m for one in results for m in one.messages if m["severity"] in severities)
+        say_lines(map(message_line, messages), err=True)
         if not console.quiet:
             same = sum(one.result in ("same", "bytes") for one in results)
             say_lines([f"{same} of {len(results) + len(alone)} files mean the same"])

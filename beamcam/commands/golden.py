@@ -123,13 +123,13 @@ def named(paths: Sequence[str]) -> str:
 
 def records(results: Iterable[Checked], severities: Iterable[str]) -> list[dict[str, object]]:
     """The results as data, with the messages of those severities."""
-    wanted = set(severities)
+    kept = set(severities)
     return [
         {
             "file": r.path,
             "result": r.result,
             "differences": [d.as_data() for d in r.differences],
-            "messages": [m for m in r.messages if m["severity"] in wanted],
+            "messages": [m for m in r.messages if m["severity"] in kept],
         }
         for r in results
     ]

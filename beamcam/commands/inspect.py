@@ -62,7 +62,7 @@ def show(path: str, reading: Reading, console: Console) -> None:
 @options.strict
 @options.verbosity
 def command(
-    inputs: tuple[str, ...], check: bool, as_json: bool, console: Console, **asked: Any
+    inputs: tuple[str, ...], check: bool, as_json: bool, console: Console, **values: Any
 ) -> None:
     """Print what a file holds, and everything that is wrong with it.
 
@@ -76,11 +76,11 @@ def command(
     beamcam inspect model.ifc --class IfcColumn
     """
     try:
-        config = settled(asked, inputs)
+        config = settled(values, inputs)
     except BeamcamError as error:
         console.stop(error.diagnostics)
     refused = False
-    how = drawing_choice(asked) | member_choice(asked, kernel=check)
+    how = drawing_choice(values) | member_choice(values, kernel=check)
     for path in inputs:
         with followed(path, console) as follow:
             read = read_file(path, config.strict, **how, progress=follow)

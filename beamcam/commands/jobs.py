@@ -109,8 +109,8 @@ def asked_program(
     first = input_bytes(inputs[0])
     is_file = is_program(inputs, first, against)
     named = inputs[1:] if is_file else inputs
-    parts, told = read_parts(named, config, options, console) if named else ((), ())
-    diagnostics += told
+    parts, remarks = read_parts(named, config, options, console) if named else ((), ())
+    diagnostics += remarks
     if not is_file:
         job = posted_job(inputs, parts, config, options, output, order, turn, console)
         diagnostics += (*job.diagnostics, *job.posted.remarks)

@@ -73,7 +73,7 @@ def _size(ctx: click.Context, param: click.Parameter, value: str) -> LabelSize:
 @list_options
 def command(
     inputs: tuple[str, ...], output: str, to: str | None, size: LabelSize, code: Code, order: Order,
-    turn: bool, as_json: bool, console: Console, **asked: Any,
+    turn: bool, as_json: bool, console: Console, **values: Any,
 ) -> None:  # fmt: skip
     """Write a label for each piece of the parts in files and folders.
 
@@ -93,10 +93,10 @@ def command(
         raise click.UsageError("Say where the labels go: -o labels.pdf, or --to FORM, or --json.")
     try:
         form = options.form_of(output, to, as_json, FORMATS)
-        config = settled(asked, inputs)
+        config = settled(values, inputs)
         known = _of_batch(inputs)
         if known is None:
-            counts, diagnostics = counted_parts(inputs, config, asked, console)
+            counts, diagnostics = counted_parts(inputs, config, values, console)
             labels, without = _labels(counts, config, code, order, turn)
             diagnostics = (*diagnostics, *without)
         else:

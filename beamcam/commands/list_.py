@@ -81,7 +81,7 @@ FORMATS = ("txt", "csv", "xlsx", "json")
 def command(
     inputs: tuple[str, ...], output: str, to: str | None, bars: tuple[float, ...],
     remnants: tuple[str, ...], table: str, order: Order, turn: bool, as_json: bool,
-    console: Console, **asked: Any,
+    console: Console, **values: Any,
 ) -> None:  # fmt: skip
     """Write the part list of files and folders, and the cutting list of their bars.
 
@@ -101,8 +101,8 @@ def command(
     """
     try:
         form = options.form_of(output, to, as_json, FORMATS, "txt")
-        config = settled(asked, inputs)
-        counts, diagnostics = counted_parts(inputs, config, asked, console)
+        config = settled(values, inputs)
+        counts, diagnostics = counted_parts(inputs, config, values, console)
         request = _asked(config, tuple(sorted(bars)) or config.stock_lengths, order, turn)
         machines = machines_in_shop(config, "")
         there = tuple(map(remnant_of, remnants))

@@ -169,7 +169,7 @@ def _handler(pages: Pages, bound: str) -> type[BaseHTTPRequestHandler]:
 @options.verbosity
 def command(
     host: tuple[str, int], parts: tuple[str, ...], program: str | None,
-    page: tuple[str, int], every: float, as_json: bool, console: Console, **asked: Any,
+    page: tuple[str, int], every: float, as_json: bool, console: Console, **values: Any,
 ) -> None:  # fmt: skip
     """Read a controller's axes over Modbus TCP and draw them in a page, until Ctrl-C.
 
@@ -186,7 +186,7 @@ def command(
     from beamcam.simulation import PORT
 
     try:
-        machine, work = _work(parts, program, settled(asked, ()))
+        machine, work = _work(parts, program, settled(values, ()))
         reader = Reader(host, machine, len(axes_of(machine)), every)
         reader.read_first()
         html = monitor_page(machine, every, f"{host[0]}:{host[1]}", work).encode("utf-8")

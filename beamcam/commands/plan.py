@@ -57,7 +57,7 @@ from beamcam.reports.run import as_message, ledger_of
 @looking_options
 def command(
     inputs: tuple[str, ...], output: str, order: Order, turn: bool, as_json: bool,
-    console: Console, **asked: Any,
+    console: Console, **values: Any,
 ) -> None:  # fmt: skip
     """Explain the work that makes parts, step by step.
 
@@ -74,10 +74,10 @@ def command(
     diagnostics: tuple[Diagnostic, ...] = ()
     as_json = as_json or output.lower().endswith(".json")
     try:
-        config = settled(asked, inputs)
-        parts, diagnostics = read_parts(inputs, config, asked, console)
+        config = settled(values, inputs)
+        parts, diagnostics = read_parts(inputs, config, values, console)
         machines = machines_for(config, parts, output)
-        request = request_of(parts, config, machines[0], asked["quantity"], order, turn)
+        request = request_of(parts, config, machines[0], values["quantity"], order, turn)
         (planned,), choice = on_best_machine(request, machines, _planned)
         job, plan, machine = planned.job, planned.plan, planned.job.machine
         console.remark(choice)

@@ -36,7 +36,7 @@ from beamcam.model.plan import Order
 @options.verbosity
 def command(
     inputs: tuple[str, ...], output: str, show: str | None, unit: Any, paper: Any, order: Order,
-    turn: bool, as_json: bool, console: Console, **asked: Any,
+    turn: bool, as_json: bool, console: Console, **values: Any,
 ) -> None:  # fmt: skip
     """Draw a part with its faces unfolded, or what a program makes.
 
@@ -57,17 +57,17 @@ def command(
     check_paper(paper, suffix)
     diagnostics: tuple[Diagnostic, ...] = ()
     try:
-        config = settled(asked, inputs)
+        config = settled(values, inputs)
         data = one_program(inputs)
         if data is not None:
-            scenes = [program_scene(read_program(data, inputs[0], config, asked["bar"]), unit)]
+            scenes = [program_scene(read_program(data, inputs[0], config, values["bar"]), unit)]
         elif show == "program" or (show is None and len(inputs) > 1):
-            parts, diagnostics = read_parts(inputs, config, asked, console)
-            job = posted_job(inputs, parts, config, asked, output, order, turn, console)
+            parts, diagnostics = read_parts(inputs, config, values, console)
+            job = posted_job(inputs, parts, config, values, output, order, turn, console)
             diagnostics = (*diagnostics, *job.diagnostics, *job.posted.remarks)
             scenes = [program_scene(job.program, unit)]
         else:
-            parts, diagnostics = read_parts(inputs, config, asked, console)
+            parts, diagnostics = read_parts(inputs, config, values, console)
             if not parts or (len(parts) > 1 and suffix != ".pdf"):
                 console.say(diagnostics)
                 result = f"found {len(parts)} parts for {output!r}"

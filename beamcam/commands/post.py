@@ -78,7 +78,7 @@ FLAT = 150.0  #: mm that flats are wide at most, which a saw may cut to length (
 def command(
     inputs: tuple[str, ...], output: str, order: Order, style: str | None, turn: bool,
     first: int | None, contour: int | None, frame: str | None, rest_name: str | None,
-    no_verify: bool, exit_left_out: int | None, as_json: bool, console: Console, **asked: Any,
+    no_verify: bool, exit_left_out: int | None, as_json: bool, console: Console, **values: Any,
 ) -> None:  # fmt: skip
     """Turn parts into a machine program.
 
@@ -111,11 +111,11 @@ def command(
     """
     diagnostics: tuple[Diagnostic, ...] = ()
     request: Request | None = None
-    strict = bool(asked["strict"])
+    strict = bool(values["strict"])
     try:
-        config = settled(asked, inputs)
+        config = settled(values, inputs)
         strict = config.strict
-        parts, diagnostics = read_parts(inputs, config, asked, console)
+        parts, diagnostics = read_parts(inputs, config, values, console)
         machines = machines_for(config, parts, output)
         coded = any(map(is_coded_sheet, machines))
         if contour is not None and not coded:
@@ -126,13 +126,13 @@ def command(
             raise click.UsageError("--frame is for programs of sheets, in G-code.")
         diagnostics += map_remarks(config, parts, machines[0])
         request = request_of(parts, config, machines[0], config.quantity, order, turn)
-        request = replace(request, verified=not no_verify, date=asked["date"] or "")
+        request = replace(request, verified=not no_verify, date=values["date"] or "")
         stage = console.did if console.verbose else untold
 
-        def planned(wanted: Request) -> list[Begun]:
-            job = job_name(config, wanted.machine, output)
-            told = table_style(wanted.machine, output, style)
-            return begin(replace(wanted, name=job, style=told), stage=stage)
+        def planned(request_of_machine: Request) -> list[Begun]:
+            job = job_name(config, request_of_machine.machine, output)
+            told = table_style(request_of_machine.machine, output, style)
+            return begin(replace(request_of_machine, name=job, style=told), stage=stage)
 
         from beamcam.machine_choice import on_best_machine
 
@@ -154,7 +154,7 @@ def command(
     except StrictError as error:
         console.stop((*diagnostics, *error.diagnostics))
     except PlanError as error:
-        way = () if request is None else (_suggestion(request, machines, config, asked),)
+        way = () if request is None else (_suggestion(request, machines, config, values),)
         console.stop((*diagnostics, *error.diagnostics, *way))
     except BeamcamError as error:
         from beamcam.pipeline import read_file

@@ -183,7 +183,7 @@ class Recorded:
         of_name = dict(zip(new, machines, strict=True))
         manual_work = dict(zip(new, (part["by_hand"] for part in row["parts"]), strict=True))
         known = [part["output"] for part in noted.row["parts"]]
-        said = tuple(m for m in row["messages"] if m["severity"] == "error")
+        messages = tuple(m for m in row["messages"] if m["severity"] == "error")
         for name in noted.outputs:
             path = self._path(name)
             stands = path.is_file()
@@ -192,9 +192,9 @@ class Recorded:
                 yield compared(str(path), data, new[name], of_name[name], manual_work[name])
             elif name in new:
                 yield self._is_new(name, new[name], manual_work[name])
-            elif stands and said:
-                yield Checked(str(path), "refused", (), said)
-                said = ()  # it is said once for the input
+            elif stands and messages:
+                yield Checked(str(path), "refused", (), messages)
+                messages = ()  # it is said once for the input
             elif stands and self._update and len(new) == len(known):
                 path.unlink()  # the program has another name now, which is written
             elif stands:

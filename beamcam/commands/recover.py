@@ -42,7 +42,7 @@ READ_BY = ("codesys", "linuxcnc", "grbl", "mach3")
 @options.verbosity
 def command(
     program: str, output: str, to: str | None, profile: str | None, as_json: bool,
-    console: Console, **asked: Any,
+    console: Console, **values: Any,
 ) -> None:  # fmt: skip
     """Write the part that PROGRAM makes as DSTV, JSON or a drawing of its faces.
 
@@ -58,7 +58,7 @@ def command(
     """
     diagnostics: tuple[Diagnostic, ...] = ()
     try:
-        config = settled(asked, (program,))
+        config = settled(values, (program,))
         target = target_of(output, to)
         data = input_bytes(program)
         refuse_part(program, data)

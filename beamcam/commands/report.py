@@ -33,7 +33,7 @@ from beamcam.model.plan import Order
 @options.verbosity
 def command(
     inputs: tuple[str, ...], output: str, against: bool, unit: Any, paper: Any, order: Order,
-    turn: bool, as_json: bool, console: Console, **asked: Any,
+    turn: bool, as_json: bool, console: Console, **values: Any,
 ) -> None:  # fmt: skip
     """Write the setup sheet of a program: one file for the operator.
 
@@ -56,9 +56,9 @@ def command(
     check_paper(paper, suffix)
     diagnostics: list[Diagnostic] = []
     try:
-        config = settled(asked, inputs)
+        config = settled(values, inputs)
         job = asked_program(
-            inputs, against, config, asked, output, order, turn, console, diagnostics
+            inputs, against, config, values, output, order, turn, console, diagnostics
         )
         source = SheetSources(job.program, job.plan, tuple(diagnostics), job.found)
         used_file = machine_line(reference(source.program.machine, config))

@@ -121,15 +121,15 @@ def _files_read(config: Config, inputs: Iterable[str]) -> Iterator[str]:
 
 def _wanted(options: Mapping[str, Any]) -> dict[str, Any]:
     """The options that were given, by the names of a configuration's values."""
-    wanted = {key: options[name] for name, key in _OPTIONS.items() if options.get(name) is not None}
+    given = {key: options[name] for name, key in _OPTIONS.items() if options.get(name) is not None}
     if options.get("bar") is not None:
-        wanted["stock_lengths"] = (options["bar"],)
+        given["stock_lengths"] = (options["bar"],)
     sheet = {name: options[name] for name in SHEET_OPTIONS if options.get(name) is not None}
     if sheet:
-        wanted["sheet"] = sheet
+        given["sheet"] = sheet
     if options.get("scheduler") is not None:
-        wanted["dask"] = {"scheduler": options["scheduler"]}
-    return wanted
+        given["dask"] = {"scheduler": options["scheduler"]}
+    return given
 
 
 def machine_for(config: Config, parts: Sequence[Part], output: str) -> Machine:
@@ -310,9 +310,9 @@ def check_split(config: Config, options: Mapping[str, Any]) -> None:
         ("--turn", options.get("turn"), "parts as they were read"),
         ("--no-verify", options.get("no_verify"), "programs that are read back"),
     )
-    for option, value, wanted in excluded:
+    for option, value, expected in excluded:
         if value:
-            raise click.UsageError(f"found {option} with --machines; expected {wanted}.")
+            raise click.UsageError(f"found {option} with --machines; expected {expected}.")
 
 
 def _told(name: str, machine: Machine, config: Config) -> Machine:

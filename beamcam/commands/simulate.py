@@ -103,7 +103,7 @@ def command(
     inputs: tuple[str, ...], against: bool, output: str | None, every: float | None,
     encoder: "Encoder | Literal['machine'] | None", modbus: tuple[str, int] | None,
     serve: tuple[str, int] | None, pace: float | None, order: Order, turn: bool, as_json: bool,
-    console: Console, **asked: Any,
+    console: Console, **values: Any,
 ) -> None:  # fmt: skip
     """Run a program on a model of its machine and write its axes over time.
 
@@ -132,10 +132,12 @@ def command(
     drawn = output is not None and _suffix(output) in (*PICTURES, ".html")
     if drawn and encoder is None:
         raise click.UsageError(f"Found {output!r}; expected --encoder, whose staircase it draws.")
-    told: list[Diagnostic] = []
+    remarks: list[Diagnostic] = []
     try:
-        config = settled(asked, inputs)
-        job = asked_program(inputs, against, config, asked, STANDARD, order, turn, console, told)
+        config = settled(values, inputs)
+        job = asked_program(
+            inputs, against, config, values, STANDARD, order, turn, console, remarks
+        )
         if len(inputs) > 1 and errors_in(job.found):
             raise VerifyError(job.found)
         data, machine, name = job.program.data, job.program.machine, job.program.name
@@ -148,7 +150,11 @@ def command(
         if errors_in(done.diagnostics):
             raise VerifyError(done.diagnostics)
         trace = done.trace
-        diagnostics = (*told, *done.diagnostics, *run_warnings(trace, machine, done.section, name))
+        diagnostics = (
+            *remarks,
+            *done.diagnostics,
+            *run_warnings(trace, machine, done.section, name),
+        )
         reader = _own_encoder(machine) if encoder == "machine" else encoder
         if reader is not None:
             diagnostics += (_precision(trace, reader, name),)
@@ -178,7 +184,7 @@ def command(
             rows = trace_rows(trace, every)
             _serve(rows, machine, serve, 1.0 if pace is None else pace, console.quiet or as_json)
     except BeamcamError as error:
-        console.stop((*told, *error.diagnostics))
+        console.stop((*remarks, *error.diagnostics))
 
 
 def _serve(

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 @options.verbosity
 def command(
     inputs: tuple[str, ...], folder: str, rest_as: str, as_json: bool, console: Console,
-    **asked: Any,
+    **values: Any,
 ) -> None:  # fmt: skip
     """Make parts on several machines, each making what the others cannot.
 
@@ -56,15 +56,15 @@ def command(
 
     diagnostics: tuple[Diagnostic, ...] = ()
     files: list[tuple[str, str]] = []
-    told: list[str] = []
+    lines: list[str] = []
     names = FileNames()
     target = target_of_suffix(f".{rest_as}")
     try:
-        config = settled(asked, inputs)
+        config = settled(values, inputs)
         machines = machines_of_split(config)
         if not machines:
             raise click.UsageError("found no machines; expected --machines, or `split` in a file.")
-        parts, diagnostics = read_parts(inputs, config, asked, console)
+        parts, diagnostics = read_parts(inputs, config, values, console)
         for part in parts:
             request = request_of((part,), config, machines[0], None)
             chain, more = chain_for(request, machines)
@@ -75,7 +75,7 @@ def command(
                 program, of_stage = _files(stage, name, rest_as)
                 files += of_stage
                 diagnostics += stage.remarks
-                told.append(success(program, stage.posted))
+                lines.append(success(program, stage.posted))
     except BeamcamError as error:
         console.stop((*diagnostics, *error.diagnostics))
     read = files_read(config, inputs)
@@ -88,7 +88,7 @@ def command(
         write(path, text.encode(), console, read)
     console.say((*dict.fromkeys(diagnostics),))
     if not (console.quiet or console.as_json):
-        for line in told:
+        for line in lines:
             console.tell(line)
 
 

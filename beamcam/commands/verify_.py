@@ -53,7 +53,7 @@ NOT_MADE = (LEFT_OUT.code, MANUAL_WORK.code)
 def command(
     program: str, against: bool, parts: tuple[str, ...], order: Order, turn: bool,
     first: int | None, contour: int | None, after: str | None, solid: bool,
-    exit_left_out: int | None, as_json: bool, console: Console, **asked: Any,
+    exit_left_out: int | None, as_json: bool, console: Console, **values: Any,
 ) -> None:  # fmt: skip
     """Read PROGRAM back and say where it differs from its parts.
 
@@ -98,20 +98,20 @@ def command(
         raise click.UsageError("found - twice; expected it once, standard input is read once.")
     remarks: tuple[Diagnostic, ...] = ()  #: on the parts
     try:
-        config = settled(asked, parts or (program,))
-        wanted, remarks = read_parts(parts, config, asked, console)
+        config = settled(values, parts or (program,))
+        expected_parts, remarks = read_parts(parts, config, values, console)
         data = input_bytes(program)
         refuse_part(program, data)
-        machine = machine_for_program(config, program, data, wanted)
+        machine = machine_for_program(config, program, data, expected_parts)
         name, style = shown_name(program), PurePath(program).suffix.lower()
         head = head_of(data.decode("utf-8", "replace") if isinstance(data, bytes) else data)
-        bar = asked["bar"]
+        bar = values["bar"]
         if first is not None and machine.stock != "beam":
             raise click.UsageError(ONE_BAR)
         if contour is not None and not is_coded_sheet(machine):
             raise click.UsageError(ONE_SHEET)
         request = replace(
-            request_of(wanted, config, machine, asked["quantity"], order, turn),
+            request_of(expected_parts, config, machine, values["quantity"], order, turn),
             name=name, style=style, skips=named_skips(_allowed(config, head)),
         )  # fmt: skip
         diagnostics = (

@@ -53,7 +53,7 @@ from beamcam.watch import END_S, HotFolder, file_away, look
 def command(
     folder: str, output: str, done: str | None, refused: str | None, settle: float,
     end_wait: float, every: float, once: bool, exit_left_out: int | None, console: Console,
-    **asked: Any,
+    **values: Any,
 ) -> None:  # fmt: skip
     """Post the files put into IN_FOLDER as they arrive, until Ctrl-C.
 
@@ -68,8 +68,8 @@ def command(
     beamcam watch hot -o programs --once --settle 0
     """
     try:
-        config = settled(asked, (folder,))
-        settings = batch_settings(config, asked)
+        config = settled(values, (folder,))
+        settings = batch_settings(config, values)
         console.say_remarks()
         for place in (output, done, refused):
             if place is not None:
@@ -77,11 +77,11 @@ def command(
     except BeamcamError as error:
         console.stop(error.diagnostics)
     hot = HotFolder(settle, end_wait)
-    recipe = recipe_of(config, asked, output)
+    recipe = recipe_of(config, values, output)
     leave_out = tuple(place for place in (output, done, refused) if place is not None)
     claims = claims_of(output, folder)
     marks: dict[MarkKey, str] = {}
-    told: tuple[Diagnostic, ...] = ()
+    last: tuple[Diagnostic, ...] = ()
     if not (console.quiet or console.as_json):
         ending = "" if once else "; Ctrl-C ends it"
         say_lines(
@@ -94,9 +94,9 @@ def command(
                 # An empty folder is nothing wrong; what else there is to say is said once.
                 diagnostics = tuple(d for d in inputs.diagnostics if d.code != NOTHING.code)
                 diagnostics += unused(inputs, config)
-                if diagnostics != told:
+                if diagnostics != last:
                     progress.say(map(as_message, diagnostics))
-                    told = diagnostics
+                    last = diagnostics
                 ready = hot.take(look(inputs.inputs), time.monotonic())
                 progress.say(
                     as_message(NO_END.at(Source(one.path), found=f"{end_wait:g}"))

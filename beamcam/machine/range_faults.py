@@ -202,10 +202,10 @@ def coper_faults(machine: Machine) -> Iterator[Fault]:
     for index, row in enumerate(coper.rows):
         yield from _row_faults(f"coper.rows.{index}", row, coper)
     feeds = [(row.feed_mm_min, row.material) for row in coper.rows]
-    for index, said in enumerate(feeds):
-        if feeds.index(said) != index:
+    for index, feed in enumerate(feeds):
+        if feeds.index(feed) != index:
             expected = "another feed for each thickness, which is told by it"
-            yield f"coper.rows.{index}.feed_mm_min", said[0], expected
+            yield f"coper.rows.{index}.feed_mm_min", feed[0], expected
     if coper.between_rows == "interpolate":
         for index, row in enumerate(coper.rows):
             slower = [o.feed_mm_min for o in coper.rows

@@ -91,8 +91,8 @@ _names_of: PerObject[Machine, _Names] = PerObject(
 def beam_program(plan: Plan, machine: Machine, job: str) -> Program:
     """The commands that carry out a plan, in its order."""
     names = _names_of(machine)
-    told = not PART_NAMES.isdisjoint(names.all)
-    about = part_data([piece.part for piece in plan.pieces]) if told else {}
+    names_parts = not PART_NAMES.isdisjoint(names.all)
+    about = part_data([piece.part for piece in plan.pieces]) if names_parts else {}
     return Program(job, tuple(_commands(plan, machine, names.of_work)), about)
 
 

@@ -65,8 +65,8 @@ def paced(
     now = feed_mm_min / SECONDS_PER_MINUTE
     for share, group in groupby(zip(moves, shares, strict=True), key=itemgetter(1)):
         stretch = [move for move, _ in group]
-        asked = feed_mm_min * share / SECONDS_PER_MINUTE
-        feeds = repeat(asked) if limits is None else _feeds(start, stretch, asked, limits)
+        feed_mm_s = feed_mm_min * share / SECONDS_PER_MINUTE
+        feeds = repeat(feed_mm_s) if limits is None else _feeds(start, stretch, feed_mm_s, limits)
         for move, feed in zip(stretch, feeds, strict=False):
             if feed != now:
                 yield SetFeed(feed * SECONDS_PER_MINUTE)
@@ -76,22 +76,22 @@ def paced(
 
 
 def _feeds(
-    start: Point, moves: Sequence[Movement], asked: float, limits: PathLimits
+    start: Point, moves: Sequence[Movement], feed_mm_s: float, limits: PathLimits
 ) -> Iterator[float]:
     """The speed of each move, at most what is asked."""
-    worth = asked * (1.0 - WORTH_LOWERING)
-    calm = calm_radius(asked, limits)
-    unbounded = asked <= limits.speed_mm_s
+    worth = feed_mm_s * (1.0 - WORTH_LOWERING)
+    calm = calm_radius(feed_mm_s, limits)
+    unbounded = feed_mm_s <= limits.speed_mm_s
     here = start
     for move in moves:
         if unbounded and (
             type(move) is Feed
             or (type(move) is ArcFeed and move.i * move.i + move.j * move.j >= calm * calm)
         ):
-            feed = asked
+            feed = feed_mm_s
         else:
-            feed = min(asked, feasible_mm_s(here, move, limits))
-            feed = asked if feed > worth else feed
+            feed = min(feed_mm_s, feasible_mm_s(here, move, limits))
+            feed = feed_mm_s if feed > worth else feed
         yield feed
         here = move.x, move.y
 

@@ -214,7 +214,7 @@ def callouts(
     lies there.
     """
     drawn: list[Shape] = []
-    standing: list[_Standing] = []
+    callouts: list[_Standing] = []
     holes = np.array([(*frame.at(*p.at), p.radius * frame.scale)
                       for size in sizes if size.is_hole for p in size.places])  # fmt: skip
     roomy = face[3] - face[1] >= ROOM
@@ -232,7 +232,7 @@ def callouts(
         if free is not None:
             drawn += free
         else:
-            standing.append(_Standing(words, x, (x, y - radius)))
+            callouts.append(_Standing(words, x, (x, y - radius)))
         letter = letters.get(size.words)
         if letter:
             drawn += [
@@ -240,7 +240,7 @@ def callouts(
                 for one in dict.fromkeys(order[1:])
                 if one != order[0]
             ]
-    shapes, rows = _rows(standing, face[1], right, unit)
+    shapes, rows = _rows(callouts, face[1], right, unit)
     return Callouts((*drawn, *shapes), rows * ROW, max(0, len(sizes) - MAX_SIZES))
 
 
@@ -303,7 +303,7 @@ def _beside(
 
 
 def _rows(
-    standing: Sequence[_Standing], top: float, right: float, unit: Unit
+    callouts: Sequence[_Standing], top: float, right: float, unit: Unit
 ) -> tuple[list[Shape], int]:
     """Callouts above a face, so that no text lies over another or over its leader.
 
@@ -313,10 +313,10 @@ def _rows(
     taken: list[tuple[int, float, float]] = []  #: row, leader, end of the text
     shapes: list[Shape] = []
     rows = 0
-    wide = {id(one): LETTER * SIZE * len(said(one.words, unit)) + 6.0 for one in standing}
-    for one in standing:
+    wide = {id(one): LETTER * SIZE * len(said(one.words, unit)) + 6.0 for one in callouts}
+    for one in callouts:
         one.x = min(one.x, right - wide[id(one)])
-    for one in sorted(standing, key=lambda each: -each.x):
+    for one in sorted(callouts, key=lambda each: -each.x):
         row, end = 0, one.x + wide[id(one)]
         while any(
             (r == row and a < end and one.x < b) or (r > row and one.x < a < end)

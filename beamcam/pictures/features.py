@@ -102,20 +102,20 @@ def feature_shapes(feature: Feature, frame: PaperFrame) -> Iterator[Shape]:
 
 
 def lettering(
-    classes: str, told: TextMark | StampedText, frame: PaperFrame, tip: str = "", line: int = 0
+    classes: str, text: TextMark | StampedText, frame: PaperFrame, tip: str = "", line: int = 0
 ) -> Text:
     """A text where it stands on its face, to be read.
 
     On h, which is drawn through the web, it would stand as mirror writing below its base line; it
     fills the same place there and runs the same way.
     """
-    size = max(told.height * frame.scale * 1.35, 5.0)
-    x, y = frame.at(told.x, told.y)
-    turn = -told.angle if frame.down else told.angle
-    if told.face in MIRRORED_FACES and not frame.down:
+    size = max(text.height * frame.scale * 1.35, 5.0)
+    x, y = frame.at(text.x, text.y)
+    turn = -text.angle if frame.down else text.angle
+    if text.face in MIRRORED_FACES and not frame.down:
         c, s = unit_vector(turn)
         x, y = x + CAPITAL * size * s, y + CAPITAL * size * c
-    return Text(classes, (x, y), told.text, size, "start", turn, None, tip, line)
+    return Text(classes, (x, y), text.text, size, "start", turn, None, tip, line)
 
 
 def _hole(hole: Hole, frame: PaperFrame) -> Iterator[Circle]:

@@ -148,9 +148,9 @@ def plan_bar(
     if refusals:
         raise PlanError(refusals)
     check_features((part.source, len(part.features)) for part in parts)
-    works, told = works_on(parts, line, skips)
+    works, remarks = works_on(parts, line, skips)
     laid = lay(works, line, order, bar)
-    told += laid.remarks
+    remarks += laid.remarks
     pieces, source = laid.pieces, laid.pieces[0].part.source
     cuts, strokes = bar_operations(laid, line)
     if not (cuts or strokes):
@@ -162,11 +162,11 @@ def plan_bar(
     manual_work, diagnostics = reloads(ordered, machine, source)
     if errors_in(diagnostics):
         raise PlanError(diagnostics)
-    told += diagnostics
-    told += cutting_remarks(pieces, strokes, machine)
+    remarks += diagnostics
+    remarks += cutting_remarks(pieces, strokes, machine)
     outcomes = tuple(_outcomes(laid.works, strokes))
     plan = Plan(
-        pieces[0].part.profile, pieces, laid.bar, ordered, outcomes, tuple(told), manual_work
+        pieces[0].part.profile, pieces, laid.bar, ordered, outcomes, tuple(remarks), manual_work
     )
     _balance(plan, machine)
     return plan
@@ -270,8 +270,8 @@ def plan_turned(
     choices = _choose_turns(parts, machine, skips)
     plan = plan_bar([c.part for c in choices], machine, bar, skips, order)
     pieces = tuple(replace(piece, turn=choices[piece.given].turn) for piece in plan.pieces)
-    told = dict.fromkeys(diagnostic for c in choices for diagnostic in c.remarks)
-    return replace(plan, pieces=pieces, remarks=(*told, *plan.remarks))
+    remarks = dict.fromkeys(diagnostic for c in choices for diagnostic in c.remarks)
+    return replace(plan, pieces=pieces, remarks=(*remarks, *plan.remarks))
 
 
 def turns_that_help(

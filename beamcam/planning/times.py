@@ -166,17 +166,17 @@ class _CellClock:
         return sum(self._block(block, values, kind) for block in blocks)
 
     def _block(self, block: TemplateLine, values: Mapping[str, float], kind: str) -> float:
-        said = {name: values[name] for name in block.names.values() if name in values}
+        stated = {name: values[name] for name in block.names.values() if name in values}
         if block.command == "M":
-            return self._switch(block, said, values, kind)
+            return self._switch(block, stated, values, kind)
         if block.command == "G":
             if block.number in self._cycles:
                 return self._drilled(block, values)
             if block.number not in (0, 1):
                 return 0.0
             self._rapid = block.number == 0
-        if "feed" in said:
-            self._feed_mm_min = said["feed"]
+        if "feed" in stated:
+            self._feed_mm_min = stated["feed"]
         words = dict(block.fixed) | {
             letter: values[name] for letter, name in block.names.items() if name in values
         }
@@ -208,14 +208,18 @@ class _CellClock:
         return seconds
 
     def _switch(
-        self, block: TemplateLine, said: Mapping[str, float], values: Mapping[str, float], kind: str
+        self,
+        block: TemplateLine,
+        stated: Mapping[str, float],
+        values: Mapping[str, float],
+        kind: str,
     ) -> float:
-        if "angle" in said:
-            legs = self._cell.cut(said["angle"], said.get("tilt", 0.0), said.get("feed"))
+        if "angle" in stated:
+            legs = self._cell.cut(stated["angle"], stated.get("tilt", 0.0), stated.get("feed"))
             return sum(leg.duration_s for leg, _ in legs)
-        if "spindle" in said or "tool" in said:
+        if "spindle" in stated or "tool" in stated:
             # A number of a tool says its size, and stands alone where there is one spindle.
-            known = values if "tool" in said else said
+            known = values if "tool" in stated else stated
             return self._cell.choose(int(values["spindle"]), kind, known.get("diameter", 0.0))
         if block.number in _RUNS:
             return self._cell.switch(_RUNS[block.number])

@@ -152,15 +152,15 @@ SHOWN = 6  #: sections of one size that are named
 
 
 def section_of(
-    said: Mapping[str, float], machine: Machine, name: str
+    stated: Mapping[str, float], machine: Machine, name: str
 ) -> tuple[Profile, Diagnostic]:
     """The section that a program says, by the catalogue if only one is of that size.
 
     Without thicknesses where there are several, or none; the remarks on it come second.
     """
-    number = said.get("section", nan)
+    number = stated.get("section", nan)
     codes = machine.sections_of(number) or ("SO",)
-    height, width = said.get("height", nan), said.get("width", nan)
+    height, width = stated.get("height", nan), stated.get("width", nan)
     same = [p for code in codes for p in _of_size(code, height, width)]
     size = " x ".join(f"{v:g}" for v in (height, width) if not isnan(v))
     figures = {"code": " or ".join(codes), "size": size or "unknown size"}
@@ -240,7 +240,7 @@ def _is_square(plane: CutPlane) -> bool:
 
 
 class _Bar:
-    """The parts of one bar; `said` is what is not a feature of any part."""
+    """The parts of one bar; `stated` is what is not a feature of any part."""
 
     def __init__(
         self, machine: Machine, tools: ToolCatalogue, saw: Saw, profile: Profile, name: str

@@ -142,7 +142,7 @@ def recover_coped(text: str, machine: Machine, name: str, stock: KnownStock) -> 
 
 def _tilted(
     text: str, bare: Part, strokes: Sequence[TorchStroke], machine: Machine, coper: Coper,
-    said: Sequence[Diagnostic], first: TorchStroke, name: str,
+    diagnostics: Sequence[Diagnostic], first: TorchStroke, name: str,
 ) -> Recovered:  # fmt: skip
     """The part that a tilted torch makes: with skew ends, or else with bevels at square ones.
 
@@ -174,11 +174,11 @@ def _tilted(
         if planes == NO_ENDS:
             features = [*with_bevels(features, strokes, section)]
         part = as_drawn(replace(part, features=tuple(features)))
-        told = verify_coping(text, (part,), machine, name=name)
-        if not errors_in(told):
-            more = [d for d in told if d not in said]
+        refusals = verify_coping(text, (part,), machine, name=name)
+        if not errors_in(refusals):
+            more = [d for d in refusals if d not in diagnostics]
             remarks = _remarks(part, coper, within)
-            return Recovered((part,), (*said, *more, *remarks), bool(bare.mark))
+            return Recovered((part,), (*diagnostics, *more, *remarks), bool(bare.mark))
     found = f"{first.b_deg:g}"
     return Recovered((), (TILTED.at(Source(name, first.line), found=found),))
 

@@ -219,7 +219,7 @@ def serve(
 
 async def _serve(
     rows: Iterable[TraceRow], modbus: Modbus, host: str, port: int, pace: float,
-    ready: Callable[[str, int], None], is_held: bool, asked: EndRequest,
+    ready: Callable[[str, int], None], is_held: bool, end: EndRequest,
 ) -> None:  # fmt: skip
     place = Source(f"{host}:{port}")
     waiting = iter(rows)
@@ -241,12 +241,12 @@ async def _serve(
         for row in waiting:
             due = begun + row.time_s * pace
             await asyncio.sleep(0)
-            while not asked and (left := due - loop.time()) > 0:
+            while not end and (left := due - loop.time()) > 0:
                 await asyncio.sleep(min(left, LOOK_S))
-            if asked:
+            if end:
                 return
             words[:] = registers(row, modbus)
-        while is_held and not asked:
+        while is_held and not end:
             await asyncio.sleep(LOOK_S)
     finally:
         await server.shutdown()

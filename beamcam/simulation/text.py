@@ -53,10 +53,10 @@ def _read_rows(
     rows = zip(
         times.tolist(), trace.interval(times).tolist(), trace.at(times).tolist(), read, strict=True
     )
-    for time_s, k, at, told in rows:
+    for time_s, k, at, text in rows:
         line = int(trace.line[k]) if len(trace.line) else 0
         state = trace.states[int(trace.state[k])] if len(trace.line) else State()
-        yield TraceRow(time_s, line, tuple(at), state), told
+        yield TraceRow(time_s, line, tuple(at), state), text
 
 
 def csv_text(

@@ -112,11 +112,11 @@ def solid_faults(
 
 def pieces_asked(request: Request) -> list[Part]:
     """The part of each piece: as often as the request or the part's file says, or once."""
-    asked = request.quantity
+    quantity = request.quantity
     return [
         part
         for part in request.parts
-        for _ in range(1 if asked is None else part.quantity if asked == "file" else asked)
+        for _ in range(1 if quantity is None else part.quantity if quantity == "file" else quantity)
     ]
 
 

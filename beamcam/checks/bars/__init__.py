@@ -97,8 +97,8 @@ def run(
     if profile is None and known.dialect.section_fields:
         profile = section_said(events, known.dialect, machine)
     done = run_of_events(events, machine, profile, name, grades, lip)
-    told = comment_faults(stop_comments(text), done.tools, machine, name)
-    return replace(done, diagnostics=(*diagnostics, *done.diagnostics, *told))
+    comments = comment_faults(stop_comments(text), done.tools, machine, name)
+    return replace(done, diagnostics=(*diagnostics, *done.diagnostics, *comments))
 
 
 def run_of_events(

@@ -203,20 +203,20 @@ def comment_faults(
     comments: Sequence[StopComment], tools: Sequence[Chosen | Changed], machine: Machine, name: str
 ) -> Iterator[Diagnostic]:
     """What of the comments is not so. `tools` are the choices and the stops of the program."""
-    said: dict[int, StopComment] = {}  #: by the line of their stop
+    stated: dict[int, StopComment] = {}  #: by the line of their stop
     stops = [one.line for one in tools if isinstance(one, Changed)]
     for comment in comments:
         line = next((line for line in stops if line >= comment.line), None)
-        if line is None or line in said:
+        if line is None or line in stated:
             yield _wrong(comment, "no stop behind it", "a stop of its own", name)
         else:
-            said[line] = comment
-    for line in stops if said else ():
-        if line not in said:
+            stated[line] = comment
+    for line in stops if stated else ():
+        if line not in stated:
             expected = "a comment that says which tool goes where, as others have"
             yield rules.STOP_COMMENT.at(Source(name, line), found="a stop", expected=expected)
     for spindle in machine.spindles:
-        yield from _of_spindle(spindle, said, tools, machine, name)
+        yield from _of_spindle(spindle, stated, tools, machine, name)
 
 
 def _of_spindle(

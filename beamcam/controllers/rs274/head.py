@@ -80,16 +80,16 @@ class HeadWords(Interpreter):
 
     def _take_material(self, line: int, text: str) -> None:
         """A comment that QtPlasmaC's filter makes a material of."""
-        said = {key: value.strip() for key, value in _PAIR.findall(text.strip().strip("()"))}
+        pairs = {key: value.strip() for key, value in _PAIR.findall(text.strip().strip("()"))}
         values: dict[str, float] = {}
         for key, name in MATERIAL_WORDS.items():
             try:
-                if key in said:
-                    values[name] = float(said[key])
+                if key in pairs:
+                    values[name] = float(pairs[key])
             except ValueError:
-                self._wrong(line, f"{key}={said[key]} of a material", "a number")
-        missing = [key for key in _NEEDED if key not in said]
-        if missing or said.get("o") not in ("0", "1", "2"):
+                self._wrong(line, f"{key}={pairs[key]} of a material", "a number")
+        missing = [key for key in _NEEDED if key not in pairs]
+        if missing or pairs.get("o") not in ("0", "1", "2"):
             expected = "o=0, ph, pd, ch and fr, which the controller's filter needs"
             self._wrong(line, f"a material without {', '.join(missing) or 'o=0'}", expected)
         self._material_feed = values.get("feed_mm_min", nan)

@@ -307,11 +307,11 @@ ENUMERATORS = frozenset({"ACTIVE", "INACTIVE", "YES", "NO"}).union(
 )
 
 
-def fits(found: Type, wanted: Type) -> bool:
+def fits(found: Type, expected: Type) -> bool:
     """Whether a value of one type is assignable to another, without a conversion."""
-    if found == wanted or wanted in _WIDER.get(found, ()):
+    if found == expected or expected in _WIDER.get(found, ()):
         return True
-    return bool(choices(found)) and set(choices(found)) <= set(choices(wanted))
+    return bool(choices(found)) and set(choices(found)) <= set(choices(expected))
 
 
 def shown(type_: Type) -> str:

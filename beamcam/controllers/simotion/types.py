@@ -39,15 +39,15 @@ class Types:
             case syntax.Binary():
                 return self._binary(value)
 
-    def check(self, value: syntax.Expression, wanted: str, what: str) -> None:
+    def check(self, value: syntax.Expression, expected: str, what: str) -> None:
         """Say so if a value does not fit where a type is wanted."""
         found = self.of(value)
-        if UNKNOWN not in (found, wanted) and not axes.fits(found, wanted):
-            self.names.wrong_type(value.line, found, what, wanted)
+        if UNKNOWN not in (found, expected) and not axes.fits(found, expected):
+            self.names.wrong_type(value.line, found, what, expected)
         if isinstance(value, syntax.Constant) and value.type == "integer":
-            low, high = axes.INTEGERS.get(wanted, (value.value, value.value))
+            low, high = axes.INTEGERS.get(expected, (value.value, value.value))
             if not low <= value.value <= high:
-                self.names.wrong_type(value.line, str(value.value), what, wanted)
+                self.names.wrong_type(value.line, str(value.value), what, expected)
 
     def _member(self, value: syntax.Member) -> str:
         base = self.of(value.base)

@@ -53,10 +53,10 @@ def header_rows(stream: Stream, stepper: Stepper) -> Iterator[Rows]:
             stream.line += len(rows.x)
         if end >= 0:
             break
-    for wanted in _END:
-        line = stream.take_line(repr(wanted.decode()))
-        if line != wanted:
-            raise stream.fault(repr(shown(line)), repr(wanted.decode()), stream.line - 1)
+    for end_line in _END:
+        line = stream.take_line(repr(end_line.decode()))
+        if line != end_line:
+            raise stream.fault(repr(shown(line)), repr(end_line.decode()), stream.line - 1)
     if more_bytes := stream.take(1):
         raise stream.fault(f"{shown(more_bytes)!r} behind #endif", "the end of the table")
 

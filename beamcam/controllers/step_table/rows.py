@@ -150,9 +150,9 @@ def binary_rows(stream: Stream, stepper: Stepper) -> Iterator[Rows]:
     if not data.startswith(_MAGIC) or len(data) < _HEAD.size:
         raise stream.fault(repr(shown(data[:8])), f"{_MAGIC.decode()} and a head of 32 bytes")
     _, *head = _HEAD.unpack(data)
-    wanted = [_HEAD.size, round(stepper.step * _NM), *(int(w, 2) for w in stepper.sequence)]
-    if head != wanted:
-        raise stream.fault(str(head), f"size, step in nm and words {wanted}", rule=rules.HEAD)
+    expected = [_HEAD.size, round(stepper.step * _NM), *(int(w, 2) for w in stepper.sequence)]
+    if head != expected:
+        raise stream.fault(str(head), f"size, step in nm and words {expected}", rule=rules.HEAD)
     clock_us = 0
     while data := stream.take(BLOCK_ROWS * 4):
         if len(data) % 4:

@@ -25,9 +25,9 @@ MAX_EQUAL = 300_000  #: pairs of curves with the same numbers: 775 copies of one
 CELLS = 512  #: along the longer side of the grid in which neighbours are looked for
 
 
-def refuse_copies(wanted: Sequence[AssignedCurve], curves: CurveTable) -> None:
+def refuse_copies(assigned: Sequence[AssignedCurve], curves: CurveTable) -> None:
     """Raise PlanError where more than `MAX_EQUAL` pairs of the curves are equal in every number."""
-    first = np.arange(len(wanted))
+    first = np.arange(len(assigned))
     free = np.array(curves.free(), dtype=np.int64)
     kinds = (
         (curves.where(Line), curves.lines), (curves.where(Arc), curves.arcs),
@@ -39,8 +39,8 @@ def refuse_copies(wanted: Sequence[AssignedCurve], curves: CurveTable) -> None:
     times = np.bincount(first)
     if (times * (times - 1) // 2).sum() > MAX_EQUAL:
         most = int(np.argmax(times))
-        copies = len(wanted) - np.count_nonzero(times)
-        raise PlanError(rules.COPIES.at(wanted[most].source, found=times[most], copies=copies))
+        copies = len(assigned) - np.count_nonzero(times)
+        raise PlanError(rules.COPIES.at(assigned[most].source, found=times[most], copies=copies))
 
 
 def refuse_many_passes(shapes: Sequence[Shape], drawn: Drawn, tolerance: float) -> None:

@@ -44,21 +44,21 @@ def overcut(shape: Shape, kerf: float, torch: Torch) -> Curves:
     It is at most half of the way to the first bridge, or of the
     contour where there is none.
     """
-    asked = overcut_length(shape, torch)
-    if not asked:
+    length = overcut_length(shape, torch)
+    if not length:
         return ()
     first = stretches_of(shape, kerf, torch)[0]
     lengths = [curve.length for curve in first]
-    return stretch(first, lengths, 0.0, min(asked, sum(lengths) / 2))
+    return stretch(first, lengths, 0.0, min(length, sum(lengths) / 2))
 
 
 def is_shortened(shape: Shape, kerf: float, torch: Torch) -> bool:
     """Whether a contour has too little room for its overcut."""
-    asked = overcut_length(shape, torch)
-    if not asked:
+    length = overcut_length(shape, torch)
+    if not length:
         return False
     first = stretches_of(shape, kerf, torch)[0]
-    return sum(curve.length for curve in first) / 2 < asked - ROUNDING
+    return sum(curve.length for curve in first) / 2 < length - ROUNDING
 
 
 SAME_CIRCLE = 1e-4  #: mm that arcs of a round hole may be apart

@@ -59,9 +59,9 @@ class SheetMaterial:
 
     def __init__(self, part: Part, torch: Torch) -> None:
         own = part.profile.web_thickness
-        said = torch.thickness if own is None else own
-        self.is_known = said is not None
-        self.thickness = said or 0.0
+        thickness = torch.thickness if own is None else own
+        self.is_known = thickness is not None
+        self.thickness = thickness or 0.0
         self.material = material_said(part.grade, torch.material)
         self._torch = torch
         self._source = part.source

@@ -85,9 +85,9 @@ def operations_of(
             diagnostics.append(rules.NO_TABS.at(ways[0][0].source, count=short, found=torch.tabs))
     ends = [way for k, way in enumerate(led) if k + 1 not in links]
     if short_over := [shape for shape, kerf, _ in ends if is_shortened(shape, kerf, torch)]:
-        asked = overcut_length(short_over[0], torch)
+        length = overcut_length(short_over[0], torch)
         diagnostics.append(
-            rules.OVERCUT.at(short_over[0].source, count=len(short_over), found=f"{asked:g}")
+            rules.OVERCUT.at(short_over[0].source, count=len(short_over), found=f"{length:g}")
         )
     return tuple(contour_ops), diagnostics
 

@@ -35,8 +35,8 @@ def is_turned(area: float, is_hole: bool, torch: Torch) -> bool:
     """
     if torch.direction == "drawn":
         return False
-    wanted = is_hole if torch.direction == "climb" else not is_hole
-    return (area > 0.0) != wanted
+    is_counterclockwise = is_hole if torch.direction == "climb" else not is_hole
+    return (area > 0.0) != is_counterclockwise
 
 
 def begun(curves: Curves, torch: Torch, here: Point, is_pierced: bool = True) -> Curves:

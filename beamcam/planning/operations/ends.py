@@ -82,13 +82,13 @@ def _agreed(
     """The angles of both ends on which header and contour agree."""
     angles = []
     ends: tuple[Literal["start", "end"], ...] = ("start", "end")
-    for at, said, seen in zip(ends, header, drawn or (None, None), strict=True):
-        angle, source = said, part.cut_source(name, at)
-        if seen is not None and abs(seen - said) > ANGLE_TOLERANCE_DEG:
-            if abs(said) >= min_mitre:
+    for at, header_deg, seen in zip(ends, header, drawn or (None, None), strict=True):
+        angle, source = header_deg, part.cut_source(name, at)
+        if seen is not None and abs(seen - header_deg) > ANGLE_TOLERANCE_DEG:
+            if abs(header_deg) >= min_mitre:
                 raise PlanError(
                     rules.CUT_DENIED.at(
-                        source, kind=name, found=f"{said:g}", end=at, expected=f"{seen:.3f}"
+                        source, kind=name, found=f"{header_deg:g}", end=at, expected=f"{seen:.3f}"
                     )
                 )
             remarks.append(

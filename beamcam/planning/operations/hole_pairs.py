@@ -235,10 +235,10 @@ def judge_pairs(holes: Group, drill: Drill) -> Iterator[Said]:
                 apart = hypot(other_x - x, dy)
                 if apart < room + steel - TOLERANCE and max(f, other_f) not in overlapping:
                     pair = (holes[i], holes[j]) if f < other_f else (holes[j], holes[i])
-                    for said in _judge_pair(*pair, apart, room, drill):
-                        yield said
-                        if said[1].severity is Severity.ERROR:
-                            overlapping.add(said[0])
+                    for refusal in _judge_pair(*pair, apart, room, drill):
+                        yield refusal
+                        if refusal[1].severity is Severity.ERROR:
+                            overlapping.add(refusal[0])
 
 
 def _judge_pair(

@@ -154,11 +154,11 @@ def _made(texts: list[str], head: int, name: str) -> Reading:
 
 def _refused(lines: list[str], log: Log) -> tuple[Reading, Account]:
     """No part, and a note of how many lines were not looked at."""
-    said = {d.source.line for d in log.diagnostics}
+    known_lines = {d.source.line for d in log.diagnostics}
     data_lines = [
         i for i, line in enumerate(lines, 1) if line.strip() and line.lstrip()[:2] != "**"
     ]
-    unread = [i for i in data_lines if i not in said]
+    unread = [i for i in data_lines if i not in known_lines]
     if unread:
         log.add(rules.UNREAD, unread[-1], count=len(unread))
     log.diagnostics.sort(key=lambda d: d.source.line or 0)

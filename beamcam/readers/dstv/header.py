@@ -118,8 +118,8 @@ def read_header(head: HeaderLines, source: Source, log: Log) -> Part | None:
     elif fault is not None:
         log.add(rules.SECTION, lines[9], found=fault, code=code)
     _warn_of_texts(values, lines, log)
-    said = {d.source.line for d in log.diagnostics[before:]}
-    log.taken += [line for line in lines if line not in said] if said else lines
+    known_lines = {d.source.line for d in log.diagnostics[before:]}
+    log.taken += [line for line in lines if line not in known_lines] if known_lines else lines
     return Part(
         mark=values[3], profile=profile, length=length, source=source, quantity=quantity,
         saw_length=saw_length, order=_text(values[0]), drawing=_text(values[1]),
