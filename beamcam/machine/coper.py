@@ -8,6 +8,7 @@ from beamcam.machine.torch import TorchRow
 
 #: Degrees of A at which the torch looks at a face: its head is at Y -sin A, Z cos A of its tip.
 A_OF_FACE = {"o": -90.0, "v": 0.0, "u": 90.0}
+TUBES = ("RO", "M")  #: codes of sections that close round
 
 
 def torch_way(a_deg: float, b_deg: float = 0.0) -> tuple[float, float, float]:
@@ -36,10 +37,10 @@ class Coper(Keys, frozen=True):
     rows: tuple[TorchRow, ...]  #: of each thickness; of a root that of flange and root together
     #: at which feed steel between two rows is cut: that of the row for thicker, or one in between
     between_rows: Literal["row above", "interpolate"] = "row above"
-    turns: Literal["torch", "bar"] = "torch"  #: what A turns; a bar that turns is a tube
+    turns: Literal["torch", "bar"] = "torch"  #: what A turns; below an upright torch a bar does
     #: what A counts: degrees, or mm of the surface of a round tube, from its lowest line towards v
     a_unit: Literal["deg", "mm"] = "deg"
-    #: DSTV codes that it takes: I, U, L and T, or RO and M where the bar turns
+    #: DSTV codes that it takes; RO and M only where the bar turns
     profiles: tuple[Literal["I", "U", "L", "T", "RO", "M"], ...] = ("I", "U", "L")
     #: of rectangular tubes whose file does not say how round their corners are
     corners: tuple[TubeCorner, ...] = ()
@@ -72,6 +73,11 @@ class Coper(Keys, frozen=True):
     min_bevel: NotNegative = 1.0  #: degrees; an edge with a smaller bevel is cut square
     #: mm that a measured height or width may differ from that of the section, at most
     rolled: NotNegative = 5.0
+
+    def unrolls(self, code: str) -> bool:
+        """Whether a section of a DSTV code is cut on its surface, unrolled, as it turns below the
+        torch: a tube, or a plate (B) that is the surface of one. Others are cut wall by wall."""
+        return self.turns == "bar" and code in (*TUBES, "B")
 
     def outer_radius(self, radius: float, wall: float) -> float:
         """That of the corners of a rectangular tube: its own, or by the table if that is none.

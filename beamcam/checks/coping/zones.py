@@ -24,17 +24,10 @@ def root_faults(
             )  # fmt: skip
 
 
-def tube_zone_faults(
-    strokes: Sequence[TorchStroke],
-    ways: Sequence[TipMove],
-    length: float,
-    section: TubeSection,
-    coper: Coper,
-    slack: float,
-    name: str,
+def seam_faults(
+    strokes: Sequence[TorchStroke], section: TubeSection, coper: Coper, slack: float, name: str
 ) -> Iterator[Diagnostic]:
-    """Strokes once round a tube that begin away from its seam, and the first place of the torch
-    over the stretch of the bar, `length` and the trims behind its start, that the chuck holds."""
+    """Strokes once round a tube that begin away from its seam."""
     turn = section.turn
     seam = coper.seam * turn / 360.0
     for stroke in strokes:
@@ -45,6 +38,13 @@ def tube_zone_faults(
                 Source(name, stroke.line), found=f"an end begun {off:.1f} mm off the seam",
                 expected=f"it at {coper.seam:g} of 360 round the tube, by coper.seam",
             )  # fmt: skip
+
+
+def chuck_faults(
+    ways: Sequence[TipMove], length: float, coper: Coper, name: str
+) -> Iterator[Diagnostic]:
+    """The first place of the torch over the stretch of the bar, `length` and the trims behind its
+    start, that the chuck holds."""
     free = length + 2 * coper.trim - coper.torch_width / 2
     for way in ways:
         if (x := max(way.start[0], way.end[0])) > free:

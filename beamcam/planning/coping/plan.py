@@ -9,7 +9,7 @@ from typing import Literal
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, PlanError, Source, errors_in
-from beamcam.machine.coper import Coper
+from beamcam.machine.coper import TUBES, Coper
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Contour, Face, Feature, Part, Profile
 from beamcam.model.plan import CopeCut, CopeKind, CopePlan, Piece
@@ -124,7 +124,7 @@ def plan_coping(
     if refusals:
         raise PlanError(refusals)
     (part,) = parts
-    if coper.turns == "bar":
+    if coper.unrolls(part.profile.code):
         plan = plan_tube(part, machine, coper, skips)
         return replace(plan, remarks=(*diagnostics, *plan.remarks))
     return _plan_profile(part, machine, coper, skips)
@@ -170,7 +170,7 @@ def _plan_profile(given: Part, machine: Machine, coper: Coper, skips: Collection
         raise PlanError(errors_in(diagnostics))
     if not cuts:
         raise PlanError(bar_rules.NO_WORK.at(part.source, machine=machine.name))
-    needed = part.length + (0.0 if part.made is not None else 2 * coper.trim)
+    needed = part.length + (0.0 if part.made is not None else 2 * coper.trim + coper.chuck)
     diagnostics += _told_of(part, given, needed, coper)
     outcomes = tuple(
         replace(o, left=o.left or _left(part.features[o.feature[1]], slant, at_root))
@@ -272,7 +272,7 @@ def _stock_faults(
     deep = profile.width - (profile.web_thickness or 0.0)
     if profile.code in WEB_AMID:
         deep /= 2
-    if deep + coper.clearance > coper.torch_length and coper.turns == "torch":
+    if deep + coper.clearance > coper.torch_length and profile.code not in TUBES:
         expected = f"{coper.torch_length - coper.clearance:g}"
         yield rules.DEEP.at(source, found=f"{deep:g}", expected=expected)
     needed = part.length + 2 * coper.trim + coper.chuck
