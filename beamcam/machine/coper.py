@@ -24,6 +24,13 @@ class TubeCorner(Keys, frozen=True):
     share: Positive  #: outer radius, in thicknesses
 
 
+class SupportZone(Keys, frozen=True):
+    """A stretch of X where a support holds the bar."""
+
+    min: float
+    max: float
+
+
 class Coper(Keys, frozen=True):
     """The torch of a machine that copes profiles.
 
@@ -40,6 +47,9 @@ class Coper(Keys, frozen=True):
     turns: Literal["torch", "bar"] = "torch"  #: what A turns; below an upright torch a bar does
     #: what A counts: degrees, or mm of the surface of a round tube, from its lowest line towards v
     a_unit: Literal["deg", "mm"] = "deg"
+    #: over a bar that turns: whether Y follows the place that is cut, or the torch stays over the
+    #: axis, where only round tubes are square to it
+    y: Literal["follows", "fixed"] = "follows"
     #: DSTV codes that it takes; RO and M only where the bar turns
     profiles: tuple[Literal["I", "U", "L", "T", "RO", "M"], ...] = ("I", "U", "L")
     #: of rectangular tubes whose file does not say how round their corners are
@@ -49,6 +59,7 @@ class Coper(Keys, frozen=True):
     length: Positive = 12000.0  #: of the bar
     material: str = ""  #: of a part that does not say
     chuck: NotNegative = 0.0  #: of a bar that turns, held behind what is cut
+    supports: tuple[SupportZone, ...] = ()  #: along X, where nothing is cut
     seam: float = 0.0  #: where the ends of a tube are pierced: of 360 round its surface, from u 0
     trim: Positive = 30.0  #: of the bar before a part and behind it, for leads and pierces
     torch_width: Positive = 16.0  #: diameter of the torch from its tip to its holder

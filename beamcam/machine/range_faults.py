@@ -181,6 +181,10 @@ def coper_faults(machine: Machine) -> Iterator[Fault]:
     if not round_bar and not {*coper.profiles}.isdisjoint(TUBES):
         yield "coper.profiles", list(coper.profiles), "RO and M only where the bar turns"
     yield from _tilt_faults(machine, coper)
+    yield from _fixed_faults(machine, coper)
+    for k, zone in enumerate(coper.supports):
+        if zone.min >= zone.max:
+            yield f"coper.supports.{k}.max", zone.max, f"more than min, {zone.min:g}"
     if coper.a_unit == "mm" and {*coper.profiles} != {"RO"}:
         yield "coper.a_unit", "mm", "deg, as only round tubes (RO) turn evenly with their surface"
     if coper.corners and "M" not in coper.profiles:
@@ -229,6 +233,23 @@ def _tilt_faults(machine: Machine, coper: Coper) -> Iterator[Fault]:
     for k, axis in axes:
         if axis.limits[0] > -coper.tilt or axis.limits[1] < coper.tilt:
             yield f"axes.{k}.max", axis.max, f"-{coper.tilt:g} to {coper.tilt:g} at least"
+
+
+def _fixed_faults(machine: Machine, coper: Coper) -> Iterator[Fault]:
+    """A torch without Y over sections that are square to it beside their axis too, or with words
+    for Y."""
+    if coper.y == "follows":
+        return
+    if coper.turns == "torch" or {*coper.profiles} != {"RO"}:
+        expected = "RO alone, and turns = 'bar', where coper.y is fixed"
+        yield "coper.profiles", list(coper.profiles), expected
+    for name in ("turn", "traverse", "feed"):
+        if any("{y}" in line for line in getattr(machine.words, name)):
+            expected = "no {y} where coper.y is fixed"
+            yield f"words.{name}", list(getattr(machine.words, name)), expected
+    for k, axis in enumerate(machine.axes):
+        if axis.moves == "Y":
+            yield f"axes.{k}.moves", "Y", "no such axis where coper.y is fixed"
 
 
 def _reach_faults(machine: Machine, coper: Coper) -> Iterator[Fault]:

@@ -14,8 +14,8 @@ from typing import Any
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.checks.coping import rules as coping_rules
 from beamcam.checks.coping import codes_read, verify_coping
+from beamcam.checks.coping import rules as coping_rules
 from beamcam.checks.coping.compare import taken_of
 from beamcam.checks.coping.program import head_part, head_profile, strokes_of
 from beamcam.checks.coping.section import CoperSection, as_drawn, kerf_of, lying, pieces_of

@@ -55,6 +55,8 @@ def coper_made(program: CoperProgram, trace: Trace) -> TableMade:
 def _round(positions: Floats, part: Part, coper: Coper) -> Floats:
     """Where the torch is round the bar at each knot, mm."""
     profile = part.profile
+    if coper.y == "fixed":
+        positions = np.insert(positions, 1, 0.0, axis=1)
     _, y, z, a_deg, *tilts = positions.T
     if coper.a_unit == "mm":
         around: Floats = a_deg.copy()

@@ -89,7 +89,7 @@ def _profile_faults(
     from beamcam.checks.coping.stock import stock_of
     from beamcam.checks.coping.strokes import ProfileTorch
     from beamcam.checks.coping.turned import TurnedTorch
-    from beamcam.checks.coping.zones import chuck_faults, root_faults
+    from beamcam.checks.coping.zones import chuck_faults, root_faults, support_faults
 
     section = CoperSection(part.profile)
     does_turn = coper.turns == "bar"
@@ -108,6 +108,7 @@ def _profile_faults(
         machine.format.resolution, name,
     )  # fmt: skip
     diagnostics += root_faults(torch.strokes, section, coper, name)
+    diagnostics += support_faults(torch.strokes, coper, name)
     hand = (
         by_hand(f, part, machine) for k, f in enumerate(part.features)
         if k not in left and (is_outline_of(f, asked.off) or asked.has_bevels_left(k, f, coper))

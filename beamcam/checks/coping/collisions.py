@@ -68,7 +68,7 @@ def turned_unseen(
     least = section.reach + coper.play - SLACK
     for event in events:
         if isinstance(event, Move) and isfinite(event.a_deg[1]):
-            x, y, z = event.end
+            _, y, z = event.end
             if not isfinite(event.a_deg[0]) and not z >= least:
                 yield rules.STRIKES.at(
                     Source(name, event.line), found=f"{max(z - section.reach, 0.0):.2f}",

@@ -23,7 +23,7 @@ from beamcam.checks.coping.stock import FINE, outline_ring, ring_of, slot_ring
 from beamcam.checks.coping.strokes import HEIGHT_SLACK, TipMove, TorchFollower, TorchStroke
 from beamcam.checks.coping.tube_planes import kept, planes_of
 from beamcam.checks.coping.wanted import corners_of, with_round_corners
-from beamcam.checks.coping.zones import chuck_faults, seam_faults
+from beamcam.checks.coping.zones import chuck_faults, seam_faults, support_faults
 from beamcam.controllers.events import BarEvent, Move, Place
 from beamcam.errors import Diagnostic, Source, errors_in
 from beamcam.geometry.array_types import Floats
@@ -197,6 +197,7 @@ def tube_faults(
         *said,
         *_compared(torch.strokes, drawn, wanted, part, section, coper, rows, slack, name),
         *seam_faults(torch.strokes, section, coper, slack, name),
+        *support_faults(torch.strokes, coper, name),
         *chuck_faults(torch.ways, part.length, coper, name),
     ]
     for k, feature in enumerate(part.features):

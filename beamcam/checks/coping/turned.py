@@ -1,7 +1,7 @@
 """Programs of profiles that turn below an upright torch, read back wall by wall.
 
-The middle of the section's height and width lies at Y 0, Z 0. Seen from the bar the torch goes round
-it: where the bar has turned by A, so has the torch, and looks at the faces at the same A.
+The middle of the section's height and width lies at Y 0, Z 0. Seen from the bar the torch goes
+round it: where the bar has turned by A, so has the torch, and looks at the faces at the same A.
 
            |  torch               |
          __|__                 ___|___ o      Between cuts it stands clear of the circle that the
@@ -33,15 +33,16 @@ class TurnedTorch(ProfileTorch):
         return x, at_y + y * c - z * s, at_z + y * s + z * c
 
     def _row_of(self, source: Source, moves: Sequence[Move[Place]]) -> TorchRow | None:
-        """The row at whose feed every block goes; where each is an own time, within what its figures
-        leave open."""
+        """The row at whose feed every block goes; where each has its own time, within what its
+        figures leave open."""
         ways = [dist(move.start, move.end) for move in moves]
         minutes = [
             move.minutes or (way / move.feed_mm_min if move.feed_mm_min > 0.0 else 0.0)
             for move, way in zip(moves, ways, strict=True)
         ]
         mean = sum(ways) / sum(minutes) if sum(minutes) > 0.0 else 0.0
-        near = [r.feed_mm_min for r in self._rows if abs(r.feed_mm_min - mean) <= SPEED_SHARE * mean]
+        feeds = [row.feed_mm_min for row in self._rows]
+        near = [feed for feed in feeds if abs(feed - mean) <= SPEED_SHARE * mean]
         row = row_at(self._rows, self._coper, near[0] if near else mean)
         written = 2 * self._machine.format.resolution
         if row is not None and all(
@@ -52,6 +53,6 @@ class TurnedTorch(ProfileTorch):
         speeds = [way / time if time else 0.0 for way, time in zip(ways, minutes, strict=True)]
         self._say(rules.FEED.at(
             source, found=f"{min(speeds):.0f} to {max(speeds):.0f}", thickness="steel",
-            expected=", ".join(f"{row.feed_mm_min:g}" for row in self._rows),
+            expected=", ".join(f"{feed:g}" for feed in feeds),
         ))  # fmt: skip
         return None

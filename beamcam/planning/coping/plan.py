@@ -2,9 +2,8 @@
 
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from itertools import product
+from itertools import pairwise
 from math import cos, pi, radians
-from typing import Literal
 
 from msgspec.structs import replace
 
@@ -20,7 +19,6 @@ from beamcam.planning.coping.bevels import bevel_cuts, edges_of
 from beamcam.planning.coping.chart import Chart
 from beamcam.planning.coping.cuts import led
 from beamcam.planning.coping.ends import (
-    NOISE_DEG,
     agreed_ends,
     crossed,
     ends_on,
@@ -126,8 +124,12 @@ def plan_coping(
     (part,) = parts
     if coper.unrolls(part.profile.code):
         plan = plan_tube(part, machine, coper, skips)
-        return replace(plan, remarks=(*diagnostics, *plan.remarks))
-    return _plan_profile(part, machine, coper, skips)
+        plan = replace(plan, remarks=(*diagnostics, *plan.remarks))
+    else:
+        plan = _plan_profile(part, machine, coper, skips)
+    if refusals := [*_over_supports(plan, coper)]:
+        raise PlanError(refusals)
+    return plan
 
 
 def _plan_profile(given: Part, machine: Machine, coper: Coper, skips: Collection[str]) -> CopePlan:
@@ -282,15 +284,19 @@ def _stock_faults(
         yield bar_rules.BAR_FULL.at(source, found=f"{needed:g}", expected=f"{bar:g}")
 
 
-def _end_faults(part: Part) -> Iterator[Diagnostic]:
-    """Errors for skew ends in the header."""
-    kinds: tuple[Literal["web", "flange"], ...] = ("web", "flange")
-    ends: tuple[Literal["start", "end"], ...] = ("start", "end")
-    for kind, at in product(kinds, ends):
-        angle = getattr(part.cuts, f"{kind}_{at}")
-        if abs(angle) > NOISE_DEG:
-            source = part.cut_source(kind, at)
-            yield rules.END.at(source, kind=kind, found=f"{angle:g}", end=at)
+def _over_supports(plan: CopePlan, coper: Coper) -> Iterator[Diagnostic]:
+    """Errors for cuts along which the torch would come to a support of the bar."""
+    half = coper.torch_width / 2
+    for cut in plan.operations:
+        xs = [x + plan.pieces[0].start for x, _ in cut.path]
+        ways = [sorted(pair) for pair in pairwise(xs)]
+        for zone in coper.supports:
+            there = [low for low, high in ways if low < zone.max + half and high > zone.min - half]
+            if there:
+                yield rules.SUPPORT.at(
+                    cut.source, x=f"{there[0]:.1f}", face=cut.face, least=f"{zone.min:g}",
+                    most=f"{zone.max:g}",
+                )  # fmt: skip
 
 
 def _skew(
