@@ -261,12 +261,14 @@ def _reach_faults(machine: Machine, coper: Coper) -> Iterator[Fault]:
     wide, low, what = max(half, coper.max_height / 2), 0.0, "rectangular tubes"
     if not {*coper.profiles} <= {*TUBES}:
         beyond = coper.over + max((row.kerf for row in coper.rows), default=0.0)
-        wide, low, what = wide + beyond, -half, "webs and flanges that turn"
+        wide, low = wide + beyond, -half
+        what = "walls that turn; else coper.profiles without I, U, L and T"
     for name, least, most in (("Y", -wide, wide), ("Z", low, long + coper.clearance)):
         for k, axis in enumerate(machine.axes):
             if axis.moves == name and (axis.limits[0] > least or axis.limits[1] < most):
+                end = "max" if axis.limits[1] < most else "min"
                 expected = f"{least:g} to {most:.4g} at least, for {what}"
-                yield f"axes.{k}.max", axis.max, expected
+                yield f"axes.{k}.{end}", getattr(axis, end), expected
 
 
 def _row_faults(key: str, row: TorchRow, coper: Coper) -> Iterator[Fault]:

@@ -137,7 +137,7 @@ def test_its_axes_come_to_webs_and_flanges(axis: str, least: str, tmp_path: Path
         if not wrong:
             load(str(path))
             continue
-        said = re.escape(f"{least} at least, for webs and flanges")
+        said = re.escape(f"{least} at least, for walls that turn")
         with pytest.raises(MachineError, match=said):
             load(str(path))
 
