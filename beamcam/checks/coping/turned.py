@@ -14,13 +14,15 @@ from collections.abc import Sequence
 from math import cos, dist, radians, sin
 
 from beamcam.checks.coping import rules
-from beamcam.checks.coping.chart import row_at
+from beamcam.checks.coping.chart import row_at, row_for
 from beamcam.checks.coping.strokes import ProfileTorch
 from beamcam.controllers.events import Move, Place
 from beamcam.errors import Source
 from beamcam.machine.torch import TorchRow
 
 SPEED_SHARE = 0.01  #: of a block's way that its time may be off by, besides how it is written
+#: by which the speed of a whole cut may be off by its figures, where there are speeds between rows
+MEAN_SHARE = 5e-4
 
 
 class TurnedTorch(ProfileTorch):
@@ -41,9 +43,12 @@ class TurnedTorch(ProfileTorch):
             for move, way in zip(moves, ways, strict=True)
         ]
         mean = sum(ways) / sum(minutes) if sum(minutes) > 0.0 else 0.0
-        feeds = [row.feed_mm_min for row in self._rows]
-        near = [feed for feed in feeds if abs(feed - mean) <= SPEED_SHARE * mean]
-        row = row_at(self._rows, self._coper, near[0] if near else mean)
+        walls = self._section.web, self._section.flange
+        known = [*self._rows, *(row_for(self._rows, self._coper, wall) for wall in walls)]
+        share = SPEED_SHARE if self._coper.between_rows == "row above" else MEAN_SHARE
+        near = [row for row in known if row and abs(row.feed_mm_min - mean) <= share * mean]
+        row = min(near, key=lambda one: abs(one.feed_mm_min - mean), default=None)
+        row = row or row_at(self._rows, self._coper, mean)
         written = 2 * self._machine.format.resolution
         if row is not None and all(
             abs(way - row.feed_mm_min * time) <= SPEED_SHARE * way + written
@@ -53,6 +58,6 @@ class TurnedTorch(ProfileTorch):
         speeds = [way / time if time else 0.0 for way, time in zip(ways, minutes, strict=True)]
         self._say(rules.FEED.at(
             source, found=f"{min(speeds):.0f} to {max(speeds):.0f}", thickness="steel",
-            expected=", ".join(f"{feed:g}" for feed in feeds),
+            expected=", ".join(f"{one.feed_mm_min:g}" for one in self._rows),
         ))  # fmt: skip
         return None
