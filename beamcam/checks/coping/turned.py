@@ -3,11 +3,12 @@
 The middle of the section's height and width lies at Y 0, Z 0. Seen from the bar the torch goes
 round it: where the bar has turned by A, so has the torch, and looks at the faces at the same A.
 
-           |  torch               |
-         __|__                 ___|___ o      Between cuts it stands clear of the circle that the
-        |  v                      |           corners of the section sweep.
-      u |  +     A 0              +    A -90
-        |__                    ___|___ u
+       A 0               A -90
+    |   | torch        ____|____ o
+    |   |   |              |
+  u |___v___| o          v +          +: the axis
+    |   +   |              |
+    |       |          ____|____ u
 """
 
 from collections.abc import Sequence
@@ -26,7 +27,7 @@ MEAN_SHARE = 5e-4
 
 
 class TurnedTorch(ProfileTorch):
-    """An upright torch over an I, a U or an L that turns."""
+    """An upright torch over an I, a U, an L or a T that turns."""
 
     def _tip_of(self, place: Place, a_deg: float, b_deg: float = 0.0) -> Place:
         """Where the tip is in the section's axes."""
