@@ -2,8 +2,9 @@
 
     python benchmarks/copers.py [--parts 60]
 
-So many random coped profiles, round tubes and rectangular ones, with holes, slots, windows, copes
-and skew ends, each posted as `post` does. Processor time, after two parts that load all modules.
+So many random coped profiles, round and rectangular tubes and profiles that turn, with holes,
+slots, windows, copes and skew ends, each posted as `post` does. Processor time, after two parts
+that load all modules.
 """
 
 import sys
@@ -24,6 +25,7 @@ KINDS = (
     ("coped profiles", "coper-linuxcnc", random_cope),
     ("round tubes", "tube-linuxcnc", random_tube),
     ("rectangular tubes", "tube-linuxcnc", random_box),
+    ("profiles that turn", "tube-linuxcnc", random_cope),
 )
 
 

@@ -5,7 +5,7 @@ sharp corners, leads in the part, a cut that is missing, made twice or ends too 
 the row of the cut chart), and what of a program's text (A, F, inverse time, heights, waits,
 switches, blending). So many random profiles are tried, as many with skew ends, for a torch that
 tilts and for one that does not, as many pieces that come cut, which may also be taken for a bar or
-for a longer piece, and as many tubes, round and rectangular:
+for a longer piece, as many tubes, round and rectangular, and as many profiles that turn:
 
     python benchmarks/coping_faults.py 20
 """
@@ -30,7 +30,7 @@ from beamcam.planning.coping import plan as planner
 from beamcam.planning.left_out import left_out_kinds, manual_work_sources
 from beamcam.posts import post_of
 from benchmarks.coping_plans import is_tilted, plan_faults, reordered
-from benchmarks.coping_texts import TEXTS, TILT_TEXTS, TUBE_TEXTS
+from benchmarks.coping_texts import TEXTS, TILT_TEXTS, TUBE_TEXTS, TURNED_TEXTS
 from benchmarks.script import arguments, at_least, start
 from tests.random_boxes import random_box
 from tests.random_copes import (
@@ -59,7 +59,7 @@ def faults(part: Part, machine: Machine, chance: random.Random) -> Iterator[tupl
     job = Job(Request((part,), machine, name="JOB"), (0,))
     plan = planner.plan_coping((part,), machine)
     right = program_of(plan, job)
-    for name, of_plan in plan_faults(machine).items():
+    for name, of_plan in plan_faults(machine, plan.profile.code).items():
         if part.made is not None and of_plan is reordered:
             continue  # nothing is parted from a bar
         wrong = of_plan(plan, chance)
@@ -67,7 +67,9 @@ def faults(part: Part, machine: Machine, chance: random.Random) -> Iterator[tupl
             yield name, program_of(wrong, job)
     coper = machine.coper
     assert coper is not None
-    texts = TUBE_TEXTS if coper.turns == "bar" else TILT_TEXTS if coper.tilt else TEXTS
+    texts = TILT_TEXTS if coper.tilt else TEXTS
+    if coper.turns == "bar":
+        texts = TUBE_TEXTS if coper.unrolls(plan.profile.code) else TURNED_TEXTS
     for name, of_text in texts.items():
         lines = of_text(right.split("\n"), chance)
         if lines is not None and "\n".join(lines) != right:
@@ -128,7 +130,8 @@ def survivors(count: int, seed: int = 0) -> tuple[Counter[str], list[tuple[int, 
         ("coper", random_cope), ("tube", random_tube), ("coper", random_piece),
         ("tube", random_box), ("coper", random_tee), ("coper-tilt", random_mitre),
         ("coper", random_mitre), ("coper-tilt", random_bevel), ("coper", random_slant),
-        ("coper-tilt", random_prepared_web),
+        ("coper-tilt", random_prepared_web), ("tube", random_cope), ("tube", random_tee),
+        ("tube", random_slant),
     )  # fmt: skip
     for number in range(len(kinds) * count):
         kind, make = kinds[number % len(kinds)]

@@ -320,8 +320,8 @@ def lower_behind(plan: CopePlan, chance: random.Random) -> CopePlan | None:
     return replace(plan, operations=(*rest[: at + 1], cut, *rest[at + 1 :]))
 
 
-def plan_faults(machine: Machine) -> dict[str, OfPlan]:
-    """Ways to make a plan wrong."""
+def plan_faults(machine: Machine, code: str) -> dict[str, OfPlan]:
+    """Ways to make the plan of a section wrong."""
     of_all: dict[str, OfPlan] = {
         "moved along": _placed(lambda x, y: (x + 0.6, y)),
         "moved across": lambda p, c: _changed(
@@ -332,7 +332,7 @@ def plan_faults(machine: Machine) -> dict[str, OfPlan]:
         "order": reordered, "twice": twice, "kerf on the part": on_the_part,
         "other row": other_row(machine), "bulge": bulge, "extra": extra,
     }  # fmt: skip
-    if machine.coper is not None and machine.coper.turns == "bar":
+    if machine.coper is not None and machine.coper.unrolls(code):
         return of_all | {
             "mirrored round": mirrored_round, "elsewhere round": elsewhere_round,
             "ends before the seam": ends_before_the_seam, "other corners": other_corners,

@@ -254,3 +254,85 @@ TUBE_TEXTS: dict[str, OfText] = {
     "corner by a chord": lambda lines, c: _chord(lines, c),
     "corner at the speed of X, Y and Z": lambda lines, c: _straight_speed(lines, c),
 }  # fmt: skip
+
+
+def _turned_back(lines: Lines) -> Lines | None:
+    """Every turn of a profile the other way round, where its flanges are not cut alike."""
+
+    def on(a: str) -> set[tuple[str, float]]:
+        moves = [re.fullmatch(rf"G1 X(\S+) Y(\S+) Z\S+ A{a} F\S+", line) for line in lines]
+        return {(m[1], round(float(m[2]) * (1 if a == "90" else -1), 2)) for m in moves if m}
+
+    if on("90") == on("-90"):
+        return None
+    return [re.sub(r" A(-?)90\b", lambda m: f" A{'' if m[1] else '-'}90", line) for line in lines]
+
+
+def _stroke(name: str, letter: str, by: float) -> OfText:
+    """A cut of some names, its way down included, with all its words of a letter changed."""
+
+    def of_text(lines: Lines, chance: random.Random) -> Lines | None:
+        which = [k for k, line in enumerate(lines) if re.match(rf"\((?:{name})", line)]
+        if not which:
+            return None
+        k = chance.choice(which)
+        first, end = k + 1 if letter == "A" else k + 2, lines.index("M5", k)
+        moved = [
+            re.sub(rf" {letter}(\S+)", lambda m: f" {letter}{float(m[1]) + by:.8g}", line)
+            for line in lines[first:end]
+        ]
+        return [*lines[:first], *moved, *lines[end:]]
+
+    return of_text
+
+
+def _into_the_wall(lines: Lines, chance: random.Random) -> Lines | None:
+    """A travel into the wall that is farthest below the torch."""
+    wide = re.search(r"WIDTH (\S+):", "\n".join(lines))
+    which = [k for k, line in enumerate(lines) if line.startswith("G0 X")]
+    if wide is None:
+        return None
+    k = chance.choice(which[1:])
+    low = f"{lines[k].split()[0]} {lines[k].split()[1]} Y0 Z{-float(wide[1]) / 2:g}"
+    return [*lines[:k], low, *lines[k + 1 :]]
+
+
+def _lower(
+    lines: Lines, chance: random.Random, which: Callable[[Lines], list[int]]
+) -> Lines | None:
+    """A travel before a turn just over the wall that lies flat."""
+    height = re.search(r"HEIGHT (\S+) WIDTH (\S+):", "\n".join(lines))
+    turns = which(lines)
+    if height is None or not turns:
+        return None
+    low = min(float(height[1]), float(height[2])) / 2 + 2.0
+    k = chance.choice(turns)
+    return [*lines[: k - 1], re.sub(r"Z\S+", f"Z{low:g}", lines[k - 1]), *lines[k:]]
+
+
+def _turns(lines: Lines) -> list[int]:
+    return [k for k, line in enumerate(lines) if line.startswith("G0 A")]
+
+
+def _later_turns(lines: Lines) -> list[int]:
+    """Turns but the first one; none of an L or a T, one corner of whose box is missing."""
+    is_open = any(re.match(r"\((SECTION L|THE T LIES)", line) for line in lines)
+    return [] if is_open else _turns(lines)[1:]
+
+
+_CUTS = "cut-out|notch|near end|far end"  #: as programs call them
+#: Of a program for a profile, which turns between cuts.
+TURNED_TEXTS: dict[str, OfText] = {
+    **{name: TEXTS[name] for name in ("A to the other side", "x of a place", "an arc")},
+    **{name: TUBE_TEXTS[name] for name in (
+        "pierce too short", "torch not started", "torch not stopped", "rapid with the torch on",
+        "corners cut short", "inches", "relative", "cut off in the middle", "beyond an axis",
+        "A of a place", "A missing", "F of a block", "F missing", "no inverse time",
+    )},
+    "A the other way round": lambda lines, c: _turned_back(lines),
+    "A askew": _stroke(_CUTS, "A", 2.0), "cut-out across": _stroke("cut-out", "Y", 1.0),
+    "tip too high": _stroke(_CUTS, "Z", 1.0), "tip too low": _stroke(_CUTS, "Z", -1.0),
+    "into a wall": lambda lines, c: _into_the_wall(lines, c),
+    "turned too low": lambda lines, c: _lower(lines, c, _later_turns),
+    "first turn too low": lambda lines, c: _lower(lines, c, lambda those: _turns(those)[:1]),
+}  # fmt: skip

@@ -30,7 +30,7 @@ SHEETS = ("plate-linuxcnc", "plate-codesys", "plate-oxyfuel", "laser-grbl")
 #: The machines of a kind of stock, of which each makes a random part.
 MACHINES = {
     "bars": BARS, "plates": SHEETS[:3],
-    "profiles": ("coper-linuxcnc",), "tubes": ("tube-linuxcnc",),
+    "profiles": ("coper-linuxcnc", "tube-linuxcnc"), "tubes": ("tube-linuxcnc",),
 }  # fmt: skip
 PIPE = "PIPE"  #: how a plate is called that is the unrolled surface of one
 SUFFIXES = (".nc", ".nc1", ".json", ".dxf", ".svg", ".ifc")
@@ -56,7 +56,7 @@ class Case(Struct, frozen=True):
 def stock_of(part: Part, machine: Machine) -> str:
     """What kind of stock a machine makes a part from."""
     if machine.coper is not None:
-        return "profiles" if machine.coper.turns == "torch" else "tubes"
+        return "tubes" if machine.coper.unrolls(part.profile.code) else "profiles"
     return "plates" if part.profile.code == "B" else "bars"
 
 

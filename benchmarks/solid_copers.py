@@ -77,12 +77,14 @@ def angle(case: Case, rng: Random) -> str | None:
         return f"{case.text[: place.start()]}{place[1]}{off:g}{place[3]}{case.text[place.end() :]}"
     turns = [*_TURN.finditer(case.text)]
     ends = [*(turn.start() for turn in turns[1:]), len(case.text)]
-    cutting = [t for t, end in zip(turns, ends, strict=True) if "M3 " in case.text[t.end() : end]]
-    if not cutting:
+    stretches = [(t, end) for t, end in zip(turns, ends, strict=True)
+                 if "M3 " in case.text[t.end() : end]]  # fmt: skip
+    if not stretches:
         return None
-    turn = rng.choice(cutting)
+    turn, end = rng.choice(stretches)
     other = rng.choice([a for a in ("-90", "0", "90") if a != turn[1]])
-    return f"{case.text[: turn.start()]}G0 A{other}{case.text[turn.end() :]}"
+    wrong = re.sub(rf" A{turn[1]}\b", f" A{other}", case.text[turn.start() : end])
+    return f"{case.text[: turn.start()]}{wrong}{case.text[end:]}"
 
 
 def elsewhere(case: Case, rng: Random) -> str | None:

@@ -356,8 +356,12 @@ def _coper_faults(machine: Machine) -> Iterator[WordFault]:
             if key == "words.turn" and coper.tilt and event.b_deg[1] != 10.0:
                 yield fault_in(key, text, f"B at {event.b_deg[1]:g}", "a move to {b}")
             for name, feeds in (("traverse", (10.0, 20.0, 30.0)), ("feed", (11.0, 21.0, 31.0))):
+                if coper.y == "fixed":
+                    place, feeds = (place[0], 0.0, place[2]), (feeds[0], 0.0, feeds[2])
                 if key == f"words.{name}" and place != feeds:
-                    yield fault_in(key, text, "another place", "a move to {x}, {y} and {z}")
+                    expected = "a move to {x}, {y} and {z}" if coper.y == "follows" else (
+                        "a move to {x} and {z}")  # fmt: skip
+                    yield fault_in(key, text, "another place", expected)
 
 
 def _unmeasured(lines: list[Line], figure: float, machine: Machine) -> Iterator[WordFault]:

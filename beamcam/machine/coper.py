@@ -8,6 +8,7 @@ from beamcam.machine.torch import TorchRow
 
 #: Degrees of A at which the torch looks at a face: its head is at Y -sin A, Z cos A of its tip.
 A_OF_FACE = {"o": -90.0, "v": 0.0, "u": 90.0}
+TUBES = ("RO", "M")  #: codes of sections that close round
 
 
 def torch_way(a_deg: float, b_deg: float = 0.0) -> tuple[float, float, float]:
@@ -23,6 +24,13 @@ class TubeCorner(Keys, frozen=True):
     share: Positive  #: outer radius, in thicknesses
 
 
+class SupportZone(Keys, frozen=True):
+    """A stretch of X where a support holds the bar."""
+
+    min: float
+    max: float
+
+
 class Coper(Keys, frozen=True):
     """The torch of a machine that copes profiles.
 
@@ -36,10 +44,13 @@ class Coper(Keys, frozen=True):
     rows: tuple[TorchRow, ...]  #: of each thickness; of a root that of flange and root together
     #: at which feed steel between two rows is cut: that of the row for thicker, or one in between
     between_rows: Literal["row above", "interpolate"] = "row above"
-    turns: Literal["torch", "bar"] = "torch"  #: what A turns; a bar that turns is a tube
+    turns: Literal["torch", "bar"] = "torch"  #: what A turns; below an upright torch a bar does
     #: what A counts: degrees, or mm of the surface of a round tube, from its lowest line towards v
     a_unit: Literal["deg", "mm"] = "deg"
-    #: DSTV codes that it takes: I, U, L and T, or RO and M where the bar turns
+    #: over a bar that turns: whether Y follows the place that is cut, or the torch stays over the
+    #: axis, where only round tubes are square to it
+    y: Literal["follows", "fixed"] = "follows"
+    #: DSTV codes that it takes; RO and M only where the bar turns
     profiles: tuple[Literal["I", "U", "L", "T", "RO", "M"], ...] = ("I", "U", "L")
     #: of rectangular tubes whose file does not say how round their corners are
     corners: tuple[TubeCorner, ...] = ()
@@ -48,6 +59,7 @@ class Coper(Keys, frozen=True):
     length: Positive = 12000.0  #: of the bar
     material: str = ""  #: of a part that does not say
     chuck: NotNegative = 0.0  #: of a bar that turns, held behind what is cut
+    supports: tuple[SupportZone, ...] = ()  #: along X, where nothing is cut
     seam: float = 0.0  #: where the ends of a tube are pierced: of 360 round its surface, from u 0
     trim: Positive = 30.0  #: of the bar before a part and behind it, for leads and pierces
     torch_width: Positive = 16.0  #: diameter of the torch from its tip to its holder
@@ -72,6 +84,11 @@ class Coper(Keys, frozen=True):
     min_bevel: NotNegative = 1.0  #: degrees; an edge with a smaller bevel is cut square
     #: mm that a measured height or width may differ from that of the section, at most
     rolled: NotNegative = 5.0
+
+    def unrolls(self, code: str) -> bool:
+        """Whether a section of a DSTV code is cut on its surface, unrolled, as it turns below the
+        torch: a tube, or a plate (B) that is the surface of one. Others are cut wall by wall."""
+        return self.turns == "bar" and code in (*TUBES, "B")
 
     def outer_radius(self, radius: float, wall: float) -> float:
         """That of the corners of a rectangular tube: its own, or by the table if that is none.

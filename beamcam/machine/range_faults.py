@@ -13,7 +13,7 @@ from string import Formatter
 from msgspec.structs import fields
 
 from beamcam.conversion import nearest
-from beamcam.machine.coper import Coper
+from beamcam.machine.coper import TUBES, Coper
 from beamcam.machine.machine import Machine
 from beamcam.machine.stations import Drill
 from beamcam.machine.tables import DIALECTS, HeightAxis, TableDialect, Triggers
@@ -178,15 +178,13 @@ def coper_faults(machine: Machine) -> Iterator[Fault]:
         if any("{" + name in line for line in words.feed) != round_bar:
             expected = f"{{{name}}} where coper.turns is bar, and nowhere else"
             yield "words.feed", list(words.feed), expected
-    if round_bar == bool({*coper.profiles} - {"RO", "M"}) or not (
-        round_bar or {*coper.profiles}.isdisjoint({"RO", "M"})
-    ):
-        yield (
-            "coper.profiles",
-            list(coper.profiles),
-            "RO and M where the bar turns, else I, U and L",
-        )
+    if not round_bar and not {*coper.profiles}.isdisjoint(TUBES):
+        yield "coper.profiles", list(coper.profiles), "RO and M only where the bar turns"
     yield from _tilt_faults(machine, coper)
+    yield from _fixed_faults(machine, coper)
+    for k, zone in enumerate(coper.supports):
+        if zone.min >= zone.max:
+            yield f"coper.supports.{k}.max", zone.max, f"more than min, {zone.min:g}"
     if coper.a_unit == "mm" and {*coper.profiles} != {"RO"}:
         yield "coper.a_unit", "mm", "deg, as only round tubes (RO) turn evenly with their surface"
     if coper.corners and "M" not in coper.profiles:
@@ -237,17 +235,40 @@ def _tilt_faults(machine: Machine, coper: Coper) -> Iterator[Fault]:
             yield f"axes.{k}.max", axis.max, f"-{coper.tilt:g} to {coper.tilt:g} at least"
 
 
+def _fixed_faults(machine: Machine, coper: Coper) -> Iterator[Fault]:
+    """A torch without Y over sections that are square to it beside their axis too, or with words
+    for Y."""
+    if coper.y == "follows":
+        return
+    if coper.turns == "torch" or {*coper.profiles} != {"RO"}:
+        expected = "RO alone, and turns = 'bar', where coper.y is fixed"
+        yield "coper.profiles", list(coper.profiles), expected
+    for name in ("turn", "traverse", "feed"):
+        if any("{y}" in line for line in getattr(machine.words, name)):
+            expected = "no {y} where coper.y is fixed"
+            yield f"words.{name}", list(getattr(machine.words, name)), expected
+    for k, axis in enumerate(machine.axes):
+        if axis.moves == "Y":
+            yield f"axes.{k}.moves", "Y", "no such axis where coper.y is fixed"
+
+
 def _reach_faults(machine: Machine, coper: Coper) -> Iterator[Fault]:
-    """Axes that do not come to the corners of the tubes that they are for."""
-    if "M" not in coper.profiles:
+    """Axes that do not come to the corners of the bars that turn below the torch, or to the webs
+    between their flanges."""
+    if coper.turns == "torch" or {*coper.profiles} == {"RO"}:
         return
     half, long = coper.max_width / 2, hypot(coper.max_height, coper.max_width) / 2
-    wide = max(half, coper.max_height / 2)
-    for name, least, most in (("Y", -wide, wide), ("Z", 0.0, long + coper.clearance)):
+    wide, low, what = max(half, coper.max_height / 2), 0.0, "rectangular tubes"
+    if not {*coper.profiles} <= {*TUBES}:
+        beyond = coper.over + max((row.kerf for row in coper.rows), default=0.0)
+        wide, low = wide + beyond, -half
+        what = "walls that turn; else coper.profiles without I, U, L and T"
+    for name, least, most in (("Y", -wide, wide), ("Z", low, long + coper.clearance)):
         for k, axis in enumerate(machine.axes):
             if axis.moves == name and (axis.limits[0] > least or axis.limits[1] < most):
-                expected = f"{least:g} to {most:.4g} at least, for rectangular tubes"
-                yield f"axes.{k}.max", axis.max, expected
+                end = "max" if axis.limits[1] < most else "min"
+                expected = f"{least:g} to {most:.4g} at least, for {what}"
+                yield f"axes.{k}.{end}", getattr(axis, end), expected
 
 
 def _row_faults(key: str, row: TorchRow, coper: Coper) -> Iterator[Fault]:

@@ -9,9 +9,9 @@
 
 from collections.abc import Iterator
 from itertools import pairwise
-from math import acos, ceil, degrees, dist, inf
+from math import acos, ceil, cos, degrees, dist, hypot, inf, radians, sin
 
-from beamcam.machine.coper import A_OF_FACE, Coper, torch_way
+from beamcam.machine.coper import A_OF_FACE, TUBES, Coper, torch_way
 from beamcam.machine.machine import Machine
 from beamcam.model.description import part_data
 from beamcam.model.part import Face
@@ -46,7 +46,10 @@ def coping_program(plan: CopePlan, machine: Machine, job: str) -> Program:
     for piece in plan.pieces:
         is_tee = plan.profile.code == "T"
         if is_tee:
-            commands.append(Comment("THE T LIES ON ITS SIDE: FACE H AT Y 0, FACE U UP"))
+            where = "AT Y 0" if coper.turns == "torch" else "TO Y-"
+            commands.append(Comment(f"THE T LIES ON ITS SIDE: FACE H {where}, FACE U UP"))
+        if coper.turns == "bar" and plan.profile.code not in TUBES:
+            commands += map(Comment, TURNS_SO[is_tee:])
         if piece.part.made is not None:
             lies = "" if is_tee else ", FACE V UP, FACE U AT Y 0"
             commands += map(Comment, (
@@ -59,6 +62,8 @@ def coping_program(plan: CopePlan, machine: Machine, job: str) -> Program:
     return Program(job, tuple(commands), part_data([piece.part for piece in plan.pieces]))
 
 
+#: How a profile is held that turns; of a T the first of them is said otherwise.
+TURNS_SO = ("AT A 0 FACE V IS UP, FACE U TO Y-", "IT TURNS ABOUT THE MIDDLE OF HEIGHT AND WIDTH")
 #: mm of a block of inverse time; the figure of a shorter one would have more digits than are read.
 SHORTEST = 0.001
 
@@ -82,9 +87,7 @@ class _Torch:
         assert patch is not None, cut.face
         row = cut.row
         pierce = self._tip(patch, cut.path[0], row.pierce_height, cut)
-        what = f"{NAMES[cut.kind]} on face {cut.face}{', through the root' if cut.root else ''}"
-        what = f"{'lower ' if cut.lower else ''}bevel of {what}" if cut.bevel else what
-        yield Comment(what)
+        yield Comment(_name_of(cut))
         yield from self._approach(cut.face, pierce)
         yield from self._turned(self._at, cut.face, cut.b_deg)
         yield self._to(pierce, True)
@@ -168,6 +171,12 @@ class _Torch:
             yield TurnTorch(*self._programmed(tip, a_deg, b), a_deg, b)
 
 
+def _name_of(cut: CopeCut) -> str:
+    """What a program calls a cut of a wall."""
+    what = f"{NAMES[cut.kind]} on face {cut.face}{', through the root' if cut.root else ''}"
+    return f"{'lower ' if cut.lower else ''}bevel of {what}" if cut.bevel else what
+
+
 def _along(place: Place, far: float, a_deg: float, b_deg: float) -> Place:
     """The place that lies so far from one along the torch, towards its head."""
     x, y, z = torch_way(a_deg, b_deg)
@@ -175,29 +184,36 @@ def _along(place: Place, far: float, a_deg: float, b_deg: float) -> Place:
 
 
 class _Bar:
-    """A torch that stands upright over a tube, which turns below it about Y 0, Z 0."""
+    """A torch that stands upright over a bar, which turns below it about Y 0, Z 0.
+
+    A tube turns as its surface passes below the torch. Of any other profile the middle of height
+    and width lies on that axis; it turns between cuts, so that the wall to be cut lies flat.
+    """
 
     def __init__(self, plan: CopePlan, coper: Coper) -> None:
-        self._coper, self._start = coper, plan.pieces[0].start
-        self._way = around(plan.profile)
-        self._over = self._way.half_diagonal + coper.clearance
+        profile = plan.profile
+        self._coper, self._start, self._profile = coper, plan.pieces[0].start, profile
+        self._way = around(profile) if profile.code in TUBES else None
+        self._patches = surface_of(profile)
+        far = self._way.half_diagonal if self._way else hypot(profile.height, profile.width) / 2
+        self._over = far + coper.clearance
         self._a_deg: float | None = None
 
     def make(self, cut: CopeCut) -> Iterator[Command]:
-        """The commands of a cut, from where the torch stands clear of the tube as it turns.
+        """The commands of a cut, from where the torch stands clear of the bar as it turns.
 
         A block takes as long as its way on the surface does at the feed of the row.
         """
         row = cut.row
 
         def at(place: tuple[float, float], height: float) -> tuple[float, float, float, float]:
-            a_deg, y, z = self._way.pose(place[1])
+            a_deg, y, z = self._pose(cut.face, place[1])
             if self._coper.a_unit == "mm":
                 a_deg = place[1]
             return place[0] + self._start, y, z + height, a_deg
 
         x, y, z, a_deg = at(cut.path[0], row.pierce_height)
-        yield Comment(NAMES[cut.kind])
+        yield Comment(NAMES[cut.kind] if self._way else _name_of(cut))
         yield TorchTo(x, y, self._over, True)
         if a_deg != self._a_deg:
             yield TurnTorch(x, y, self._over, a_deg)
@@ -221,8 +237,19 @@ class _Bar:
         yield TorchTo(x, y, self._over, True)
 
     def home(self) -> Iterator[Command]:
-        """Nothing: the torch stands clear of the tube."""
+        """Nothing: the torch stands clear of the bar."""
         return iter(())
+
+    def _pose(self, face: Face, u: float) -> tuple[float, float, float]:
+        """A at which a place of a face is on top, and where it lies then: Y and Z."""
+        if self._way is not None:
+            return self._way.pose(u)
+        patch = patch_of(self._patches, face)
+        assert patch is not None, face
+        _, y, z = patch.point(0.0, u)
+        y, z, a = y - self._profile.height / 2, z - self._profile.width / 2, A_OF_FACE[face]
+        c, s = cos(radians(a)), sin(radians(a))
+        return a, c * y + s * z, c * z - s * y
 
     def _blocks(
         self, a: tuple[float, float], b: tuple[float, float]
@@ -232,7 +259,7 @@ class _Bar:
         A stretch ends where a face or a corner does, and on a corner it is short.
         """
         yield a
-        if len(self._way.legs) > 1 and a[1] != b[1]:
+        if self._way is not None and len(self._way.legs) > 1 and a[1] != b[1]:
             low, high = sorted((a[1], b[1]))
             ss = [low]
             while ss[-1] < high - LEAST:

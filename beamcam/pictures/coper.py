@@ -70,8 +70,8 @@ def coper_scene(program: CoperProgram, unit: Unit = "mm") -> Scene:
     part = part_of(program)
     strokes = strokes_of(program, part)
     coper = program.machine.needed(program.machine.coper, "coper")
-    is_tube = coper.turns == "bar"
-    strokes = on_views(strokes, coper)
+    is_tube = coper.unrolls(part.profile.code)
+    strokes = on_views(strokes, is_tube)
     views = tuple(face_view(part, face, strokes, coper) for face in faces_of(part, is_tube))
     ends = [x for view in views for x in (view.box[0], view.box[2])]
     views = tuple(
@@ -139,9 +139,9 @@ def strokes_of(program: CoperProgram, part: Part) -> list[TorchStroke]:
     return strokes
 
 
-def on_views(strokes: Sequence[TorchStroke], coper: Coper) -> list[TorchStroke]:
+def on_views(strokes: Sequence[TorchStroke], is_tube: bool) -> list[TorchStroke]:
     """Strokes by the view that shows them: a tube has one, whichever face they are on."""
-    return [replace(one, face="v") if coper.turns == "bar" else one for one in strokes]
+    return [replace(one, face="v") if is_tube else one for one in strokes]
 
 
 def faces_of(part: Part, is_tube: bool) -> tuple[Face, ...]:
@@ -154,7 +154,7 @@ def faces_of(part: Part, is_tube: bool) -> tuple[Face, ...]:
 def face_view(part: Part, face: Face, strokes: Sequence[TorchStroke], coper: Coper) -> View:
     """A face from x 0 to the part's end, or as far as it is cut; of a tube all of its surface."""
     view = _view(part, face, strokes)
-    return _unrolled(view, part, coper) if coper.turns == "bar" else view
+    return _unrolled(view, part, coper) if coper.unrolls(part.profile.code) else view
 
 
 def _view(part: Part, face: Face, strokes: Sequence[TorchStroke]) -> View:

@@ -75,9 +75,9 @@ def _side(program: ReadProgram) -> _Side:
     own = coper_program(program)
     part = part_of(own)
     coper = program.machine.needed(program.machine.coper, "coper")
-    is_tube = coper.turns == "bar"
+    is_tube = coper.unrolls(part.profile.code)
     turn = tube_section(unrolled_pipe(part), coper).turn if is_tube else None
-    return _Side(part, on_views(strokes_of(own, part), coper), coper, turn)
+    return _Side(part, on_views(strokes_of(own, part), is_tube), coper, turn)
 
 
 def _face(pair: ThingPair) -> str:

@@ -14,8 +14,8 @@ from typing import Any
 from msgspec import Struct
 from msgspec.structs import replace
 
+from beamcam.checks.coping import codes_read, verify_coping
 from beamcam.checks.coping import rules as coping_rules
-from beamcam.checks.coping import verify_coping
 from beamcam.checks.coping.compare import taken_of
 from beamcam.checks.coping.program import head_part, head_profile, strokes_of
 from beamcam.checks.coping.section import CoperSection, as_drawn, kerf_of, lying, pieces_of
@@ -97,13 +97,13 @@ def recover_coped(text: str, machine: Machine, name: str, stock: KnownStock) -> 
         return Recovered((), (UNNAMED.at(source, found=found),))
     bare = head_part(head, profile, name)
     bare = replace(bare, grade=stock.grade or bare.grade)
-    is_tube, within = coper.turns == "bar", coper.tolerance * REFIT_SHARE
+    is_tube, within = coper.unrolls(profile.code), coper.tolerance * REFIT_SHARE
     if profile.code == "M" and not profile.radius:
         turned = replace(profile, radius=corner_radius(text, machine, profile))
         bare = replace(bare, profile=turned)
     bare = lying(bare)
     code = unrolled_pipe(bare).profile.code
-    codes = ("RO", "M") if is_tube else ("I", "U", "L", "T")
+    codes = codes_read(coper)
     if code not in codes:
         expected = ", ".join(codes)
         return Recovered((), (coping_rules.SECTION.at(source, found=code, expected=expected),))

@@ -55,11 +55,13 @@ def coper_made(program: CoperProgram, trace: Trace) -> TableMade:
 def _round(positions: Floats, part: Part, coper: Coper) -> Floats:
     """Where the torch is round the bar at each knot, mm."""
     profile = part.profile
+    if coper.y == "fixed":
+        positions = np.insert(positions, 1, 0.0, axis=1)
     _, y, z, a_deg, *tilts = positions.T
     if coper.a_unit == "mm":
         around: Floats = a_deg.copy()
         return around
-    if coper.turns == "bar":
+    if coper.unrolls(part.profile.code):
         place = tube_section(part, coper).place
         sizes: Floats = np.array([place(*row)[0] for row in positions[:, 1:].tolist()])
         return sizes
@@ -67,6 +69,9 @@ def _round(positions: Floats, part: Part, coper: Coper) -> Floats:
     if tilts:
         pivot = pivot * np.cos(np.radians(tilts[0]))
     tip_y, tip_z = y + pivot * np.sin(a), z - pivot * np.cos(a)
+    if coper.turns == "bar":  # as seen from it
+        tip_y = profile.height / 2 + y * np.cos(a) - z * np.sin(a)
+        tip_z = profile.width / 2 + y * np.sin(a) + z * np.cos(a)
     beside = profile.width - tip_z
     sizes = np.select(
         [a_deg < -45.0, a_deg > 45.0], [profile.height + beside, -beside], default=tip_y

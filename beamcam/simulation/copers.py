@@ -15,7 +15,7 @@ from beamcam.machine.machine import Machine
 from beamcam.machine.words import MISSING_KEY
 from beamcam.simulation.trace import UNIFORM, State, Trace, TraceAxis, TraceBuilder
 
-Positions = tuple[float, ...]  #: of X, Y, Z, A and, where the torch tilts, B
+Positions = tuple[float, ...]  #: of X, Y unless it is fixed, Z, A and, where the torch tilts, B
 LETTERS = "XYZA"
 _M_WORD = re.compile(r"M(\d+)")
 
@@ -23,14 +23,17 @@ _M_WORD = re.compile(r"M(\d+)")
 def coper_trace(events: Sequence[BarEvent], machine: Machine) -> Trace:
     """The axes over time, from the first place that the program names.
 
-    Raises MachineError without `[[axes]]` of X, Y, Z and A, and of B where the torch tilts.
+    Raises MachineError without `[[axes]]` of X, Y unless it is fixed, Z and A, and of B where the
+    torch tilts.
     """
     axes = {axis.moves: axis for axis in machine.axes}
-    letters = LETTERS + ("B" if machine.coper is not None and machine.coper.tilt else "")
+    coper = machine.needed(machine.coper, "coper")
+    letters = LETTERS.replace("Y", "") if coper.y == "fixed" else LETTERS
+    letters += "B" if coper.tilt else ""
     if not {*letters} <= axes.keys():
         raise MachineError(MISSING_KEY.at(Source(machine.name), expected="axes"))
     used = [axes[letter] for letter in letters]  # type: ignore[index]
-    units = {"A": machine.needed(machine.coper, "coper").a_unit, "B": "deg"}
+    units = {"A": coper.a_unit, "B": "deg"}
     rows = tuple(
         TraceAxis(axis.name, units.get(letter, "mm"), axis.min, axis.max)
         for letter, axis in zip(letters, used, strict=True)
@@ -40,14 +43,14 @@ def coper_trace(events: Sequence[BarEvent], machine: Machine) -> Trace:
         for lines in (machine.words.cut_on, machine.words.cut_off)
     )
     moves = [event for event in events if isinstance(event, Move)]
-    here = tuple(_first(moves, k) for k in range(len(letters)))
+    here = tuple(_first(moves, letter) for letter in letters)
     builder, state = TraceBuilder(rows, here), State()
     for event in events:
         match event:
             case Move():
                 to = tuple(
                     b if isfinite(b) else a
-                    for a, b in zip(here, _places(event)[: len(letters)], strict=True)
+                    for a, b in zip(here, map(_places(event).__getitem__, letters), strict=True)
                 )
                 seconds = _seconds(event, here, to, [axis.speed for axis in used])
                 if seconds > 0.0:  # the first one only says where everything is
@@ -64,14 +67,14 @@ def coper_trace(events: Sequence[BarEvent], machine: Machine) -> Trace:
     return builder.trace()
 
 
-def _first(moves: Sequence[Move[Place]], axis: int) -> float:
+def _first(moves: Sequence[Move[Place]], letter: str) -> float:
     """The first place that a program names of an axis; 0 where it names none."""
-    ends = (_places(move)[axis] for move in moves)
+    ends = (_places(move)[letter] for move in moves)
     return next((end for end in ends if isfinite(end)), 0.0)
 
 
-def _places(move: Move[Place]) -> Positions:
-    return (*move.end, move.a_deg[1], move.b_deg[1])
+def _places(move: Move[Place]) -> dict[str, float]:
+    return dict(zip("XYZAB", (*move.end, move.a_deg[1], move.b_deg[1]), strict=True))
 
 
 def _seconds(
@@ -80,5 +83,5 @@ def _seconds(
     if move.minutes > 0.0:
         return 60.0 * move.minutes
     if not move.rapid and move.feed_mm_min > 0.0:
-        return 60.0 * dist(here[:3], to[:3]) / move.feed_mm_min
+        return 60.0 * dist(here[:3], to[:3]) / move.feed_mm_min  # of a torch with Y: else by time
     return max(abs(b - a) / speed for a, b, speed in zip(here, to, speeds, strict=True))

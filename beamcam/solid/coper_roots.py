@@ -33,7 +33,7 @@ def square_ends(
     goes square as deep as its row, and as wide as web and fillets are.
     """
     profile = part.profile
-    if part.made is not None or coper.turns == "bar":
+    if part.made is not None or coper.unrolls(profile.code):
         return
     deepest = max((burn.row.up_to for burn in burns), default=0.0) + slack
     wide = (profile.web_thickness or 0.0) + 2 * profile.radius + slack

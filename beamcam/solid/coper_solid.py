@@ -4,7 +4,8 @@
 
 The jet goes from the tip along the torch, whose head is at X sin B, Y -sin A cos B, Z cos A cos B
 of its tip. How wide and how deep it cuts says the row of the cut chart whose speed the cut has. A
-tube turns below an upright torch, so that its wall is cut square to its surface.
+tube turns below an upright torch, so that its wall is cut square to its surface; any other profile
+that turns is seen by the torch as if it went round.
 """
 
 from collections.abc import Iterator, Sequence
@@ -88,13 +89,15 @@ def _burn(
         map(isfinite, tilts)
     ):
         raise BeamcamError(NO_SOLID.at(source, found="a cut from or to nowhere"))
-    if coper.turns == "bar":
+    unrolls = coper.unrolls(part.profile.code)
+    if unrolls:
         skin = skin_of(part)[0]
         turned = [_over_tube(place, a_deg, coper, skin) for place, a_deg in places]
     else:
-        turned = [_across_bar(place, a, places[0][1], coper, tilts[0]) for place, a in places]
+        axis = _axis_of(part) if coper.turns == "bar" else None
+        turned = [_across_bar(place, a, places[0][1], coper, tilts[0], axis) for place, a in places]
     if any(one is None for one in turned) or max(tilts) - min(tilts) > STEADY_DEG:
-        what = "a torch that is not square to its tube" if coper.turns == "bar" else (
+        what = "a torch that is not square to its tube" if unrolls else (
             "a torch that turns as it cuts")  # fmt: skip
         raise BeamcamError(NO_SOLID.at(source, found=what))
     seen = [one for one in turned if one is not None]
@@ -128,13 +131,29 @@ def _row_of(speed: float, rows: Sequence[TorchRow], coper: Coper) -> TorchRow | 
     return row
 
 
-def _across_bar(place: Place, a_deg: float, first_deg: float, coper: Coper, b_deg: float) -> Any:
+def _axis_of(part: Part) -> tuple[float, float]:
+    """Y and Z of the line about which a profile turns, as it lies: the middle of its box."""
+    high, wide = part.profile.height / 2, part.profile.width / 2
+    return (wide, high) if part.profile.code == "T" else (high, wide)
+
+
+def _across_bar(
+    place: Place, a_deg: float, first_deg: float, coper: Coper, b_deg: float,
+    axis: tuple[float, float] | None = None,
+) -> Any:  # fmt: skip
     """x, the way across and the height of the tip of a torch that goes round, as it looks along
-    itself; None if it turns."""
+    itself; None if it turns.
+
+    Over a bar that turns about an axis it stands upright, so that these are Y and Z, counted from
+    that axis.
+    """
     x, y, z = place
     if abs(a_deg - first_deg) > STEADY_DEG:
         return None
     a, b, x = radians(a_deg), radians(b_deg), x - coper.trim
+    if axis is not None:
+        on_y, on_z = axis
+        return x, y + on_y * cos(a) + on_z * sin(a), z + on_z * cos(a) - on_y * sin(a)
     over = z * cos(a) - y * sin(a)
     along, high = x * cos(b) - over * sin(b), over * cos(b) + x * sin(b)
     return along, y * cos(a) + z * sin(a), high - coper.pivot
@@ -161,7 +180,7 @@ def taken_by(burn: Burn, coper: Coper, part: Part) -> "Manifold":
     tips = burn.heights[1:] or burn.heights
     high = max(tips)
     low = min(tips) - coper.standoff(row.cut_height, burn.b_deg) - row.up_to
-    if coper.turns == "bar":  # beyond its depth by what chords lie within a circle
+    if coper.unrolls(part.profile.code):  # beyond its depth by what chords lie within a circle
         return wrapped(shape, skin_of(part)[0], -high, CHORD - low)
     a, b = radians(burn.a_deg), radians(burn.b_deg)
     up, over = -sin(b), cos(b)  # of a wall's normal, along x as the torch sees it and along itself

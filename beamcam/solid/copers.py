@@ -165,7 +165,7 @@ def _asked(part: Part, machine: Machine, coper: Coper, burns: Sequence[Burn]) ->
     ledges: list[Manifold] = []
     if part.made is None:
         ledges = list(ledges_of(drawn, part, burns, slack))
-    steps = list(steps_of(part, burns, slack)) if coper.turns == "torch" else []
+    steps = list(steps_of(part, burns, slack))
     on_rounds = list(edges_on_rounds(part, slack))
     for many, what in (
         (len(ends), "skew end(s)"), (len(ledges), "hole(s) at a flange"),

@@ -153,6 +153,12 @@ def test_the_part_of_a_coper_comes_back(seed: int) -> None:
 
 @settings(max_examples=examples(10), deadline=None)
 @given(st.integers(0, 10**6))
+def test_the_part_that_turned_comes_back(seed: int) -> None:
+    coped(load("tube-linuxcnc"), random_cope(seed))
+
+
+@settings(max_examples=examples(10), deadline=None)
+@given(st.integers(0, 10**6))
 @example(208)  # arcs end at the seam
 @example(254)  # places of an end lie less than a micron apart
 def test_the_part_of_a_tube_comes_back(seed: int) -> None:

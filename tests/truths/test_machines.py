@@ -474,7 +474,8 @@ def test_the_tube_machine_has_the_torch_of_the_coper() -> None:
     assert tube is not None
     assert coper is not None
     assert tube.rows == coper.rows
-    assert (tube.turns, tube.profiles, tube.chuck, tube.seam) == ("bar", ("RO", "M"), 250, 0)
+    assert tube.profiles == ("RO", "M", "I", "U", "L", "T")
+    assert (tube.turns, tube.y, tube.chuck, tube.seam) == ("bar", "follows", 250, 0)
     surface = load("tube-surface").coper
     assert surface == replace(tube, profiles=("RO",), a_unit="mm")
 

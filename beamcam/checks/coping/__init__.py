@@ -13,7 +13,7 @@ from beamcam.controllers import cell_events
 from beamcam.controllers.events import BarEvent
 from beamcam.controllers.rotary import in_degrees
 from beamcam.errors import Diagnostic, Source, errors_in
-from beamcam.machine.coper import Coper
+from beamcam.machine.coper import TUBES, Coper
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import TorchRow, is_row_for, material_said
 from beamcam.model.part import Part
@@ -43,9 +43,7 @@ def verify_coping(
     if len(parts) > 1:
         return (*diagnostics, rules.PARTS.at(Source(name), found=len(parts)))
     part = unrolled_pipe(parts[0]) if coper.turns == "bar" else parts[0]
-    codes = ["RO", "M"] if coper.turns == "bar" else ["I", "U", "L", "T"]
-    codes = ["RO"] if coper.a_unit == "mm" else codes
-    code = part.profile.code
+    code, codes = part.profile.code, codes_read(coper)
     if code not in codes:
         expected = ", ".join(codes)
         return (*diagnostics, rules.SECTION.at(Source(name), found=code, expected=expected))
@@ -61,7 +59,7 @@ def verify_coping(
     material = material_said(part.grade, coper.material)
     rows = [row for row in coper.rows if is_row_for(row.material, material)]
     left = may_be_left(part, machine, coper, skips)
-    if coper.turns == "bar":
+    if coper.unrolls(part.profile.code):
         events = in_degrees(events, coper, part.profile.height)
         diagnostics += tube_faults(events, part, machine, coper, rows, left, name)
     else:
@@ -71,23 +69,36 @@ def verify_coping(
     return (*diagnostics, *left_to_manual_work(part, machine), *left_out(part, left))
 
 
+def codes_read(coper: Coper) -> tuple[str, ...]:
+    """DSTV codes of the sections whose programs are read back."""
+    if coper.a_unit == "mm":
+        return ("RO",)
+    return (*(TUBES if coper.turns == "bar" else ()), "I", "U", "L", "T")
+
+
 def _profile_faults(
     events: Sequence[BarEvent], part: Part, machine: Machine, coper: Coper,
     rows: Sequence[TorchRow], left: Collection[int], name: str,
 ) -> list[Diagnostic]:  # fmt: skip
-    """What is wrong with a torch that goes round a profile, and what it leaves for manual work."""
-    from beamcam.checks.coping.collisions import collision_faults
+    """What is wrong with a torch that goes round a profile, or over one that turns, and what it
+    leaves for manual work."""
+    from beamcam.checks.coping.collisions import collision_faults, turned_unseen
     from beamcam.checks.coping.compare import compare
     from beamcam.checks.coping.required import is_outline_of, walls_asked
     from beamcam.checks.coping.section import CoperSection
     from beamcam.checks.coping.stock import stock_of
     from beamcam.checks.coping.strokes import ProfileTorch
-    from beamcam.checks.coping.zones import root_faults
+    from beamcam.checks.coping.turned import TurnedTorch
+    from beamcam.checks.coping.zones import chuck_faults, root_faults, support_faults
 
     section = CoperSection(part.profile)
-    torch = ProfileTorch(machine, coper, section, rows, name)
+    does_turn = coper.turns == "bar"
+    torch = (TurnedTorch if does_turn else ProfileTorch)(machine, coper, section, rows, name)
     torch.follow(events)
     diagnostics = [*torch.diagnostics, *collision_faults(torch.ways, section, coper, name)]
+    if does_turn:
+        diagnostics += turned_unseen(events, section, coper, name)
+        diagnostics += chuck_faults(torch.ways, part.length, coper, name)
     if errors_in(diagnostics):
         return diagnostics
     stock = stock_of(part, section, coper)
@@ -97,6 +108,7 @@ def _profile_faults(
         machine.format.resolution, name,
     )  # fmt: skip
     diagnostics += root_faults(torch.strokes, section, coper, name)
+    diagnostics += support_faults(torch.strokes, coper, name)
     hand = (
         manual_work(f, part, machine) for k, f in enumerate(part.features)
         if k not in left and (is_outline_of(f, asked.off) or asked.has_bevels_left(k, f, coper))

@@ -8,13 +8,15 @@
   section           not reach, is clear of it. What is not is looked at by its shape.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from math import isfinite
 
 import numpy as np
 
 from beamcam.checks.coping import rules
 from beamcam.checks.coping.section import CoperSection, TubeSection
 from beamcam.checks.coping.strokes import TipMove
+from beamcam.controllers.events import BarEvent, Move
 from beamcam.errors import MAX_OF_A_PROGRAM, Diagnostic, Source
 from beamcam.geometry.array_types import Counts, Floats
 from beamcam.machine.coper import Coper
@@ -32,7 +34,7 @@ def collision_faults(
 
     if not ways:
         return
-    numbers, before, after = _steps(ways, coper)
+    numbers, before, after = _steps(ways, coper, section.axis)
     swept = np.concatenate((_boxes(before, coper), _boxes(after, coper)), axis=2)
     turned = np.radians((before[:, 2] + after[:, 2]) / 2)
     out = np.column_stack((-np.sin(turned), np.cos(turned)))
@@ -59,9 +61,28 @@ def collision_faults(
             )  # fmt: skip
 
 
-def _steps(ways: Sequence[TipMove], coper: Coper) -> tuple[list[int], Floats, Floats]:
+def turned_unseen(
+    events: Iterable[BarEvent], section: CoperSection | TubeSection, coper: Coper, name: str
+) -> Iterator[Diagnostic]:
+    """A first turn of a bar, from wherever it was, below a torch that its corners may meet."""
+    least = section.reach + coper.play - SLACK
+    for event in events:
+        if isinstance(event, Move) and isfinite(event.a_deg[1]):
+            _, y, z = event.end
+            if not isfinite(event.a_deg[0]) and not z >= least:
+                yield rules.COLLISION.at(
+                    Source(name, event.line), found=f"{max(z - section.reach, 0.0):.2f}",
+                    a=f"{event.a_deg[1]:g}", y=f"{y:.1f}", z=f"{z:.1f}", expected=f"{coper.play:g}",
+                )  # fmt: skip
+            return
+
+
+def _steps(
+    ways: Sequence[TipMove], coper: Coper, axis: tuple[float, float]
+) -> tuple[list[int], Floats, Floats]:
     """Steps of the moves, on each of which the torch turns little: the number of the first way of
-    each, and Y, Z, A and B of the tip where it begins and ends, seen from the bar."""
+    each, and Y, Z, A and B of the tip where it begins and ends, seen from the bar, which turns
+    about an axis at (Y, Z) if it does."""
     numbers, starts, ends = _runs(ways)
     turns = np.abs(ends[:, 2:] - starts[:, 2:]).max(axis=1)
     counts = np.where(turns > 0.0, turns // TURN_STEP_DEG + 1, 1).astype(int)
@@ -72,7 +93,7 @@ def _steps(ways: Sequence[TipMove], coper: Coper) -> tuple[list[int], Floats, Fl
         y, z, a_deg, b_deg = (starts[run] + share[:, None] * (ends - starts)[run]).T
         c, s = np.cos(np.radians(a_deg)), np.sin(np.radians(a_deg))
         if coper.turns == "bar":
-            y, z = y * c - z * s, y * s + z * c
+            y, z = axis[0] + y * c - z * s, axis[1] + y * s + z * c
         down = coper.pivot * np.cos(np.radians(b_deg))
         return np.column_stack((y + down * s, z - down * c, a_deg, b_deg))
 

@@ -3,8 +3,9 @@
 import re
 
 from beamcam.checks.coping.section import CoperSection
-from beamcam.checks.coping.strokes import ProfileTorch, TorchStroke
+from beamcam.checks.coping.strokes import ProfileTorch, TorchFollower, TorchStroke
 from beamcam.checks.coping.tube import TubeTorch, tube_section, unrolled_pipe
+from beamcam.checks.coping.turned import TurnedTorch
 from beamcam.checks.head import Head
 from beamcam.controllers import cell_events
 from beamcam.controllers.rotary import in_degrees
@@ -60,11 +61,13 @@ def strokes_of(
         return [], list(diagnostics)
     material = material_said(part.grade, coper.material)
     rows = [row for row in coper.rows if is_row_for(row.material, material)]
-    if coper.turns == "bar":
+    torch: TorchFollower
+    if coper.unrolls(part.profile.code):
         section = tube_section(unrolled_pipe(part), coper)
         events = in_degrees(events, coper, 2 * section.half_y)
-        torch: ProfileTorch | TubeTorch = TubeTorch(machine, coper, section, rows, name)
+        torch = TubeTorch(machine, coper, section, rows, name)
     else:
-        torch = ProfileTorch(machine, coper, CoperSection(part.profile), rows, name)
+        follower = TurnedTorch if coper.turns == "bar" else ProfileTorch
+        torch = follower(machine, coper, CoperSection(part.profile), rows, name)
     torch.follow(events)
     return torch.strokes, [*diagnostics, *torch.diagnostics]

@@ -132,6 +132,16 @@ class CoperSection:
         self.front = self.back + self.web
 
     @property
+    def axis(self) -> tuple[float, float]:
+        """Y and Z of the line about which a chuck turns it: the middle of its height and width."""
+        return self.high / 2, self.wide / 2
+
+    @property
+    def reach(self) -> float:
+        """How far from that line it reaches as it turns."""
+        return hypot(self.high, self.wide) / 2
+
+    @property
     def faces(self) -> tuple[str, ...]:
         """Those that a torch looks at."""
         return ("v", "o", "u") if self.has_upper else ("v", "u")
@@ -228,6 +238,8 @@ class TubeSection:
 
     Y and Z count from its axis, s goes round its outside from the middle of the lowest line to v.
     """
+
+    axis = 0.0, 0.0
 
     def __init__(self, profile: Profile, corner: float) -> None:
         """`corner` is the outer radius of a rectangular tube's corners."""

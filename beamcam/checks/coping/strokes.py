@@ -286,12 +286,8 @@ class ProfileTorch(TorchFollower):
             expected = f"{self._coper.tilt:g}"
             self._say(rules.TILT.at(source, found=f"{b_deg:g}", expected=expected))
             return
-        feeds = {m.feed_mm_min for m in moves}
-        row = row_at(self._rows, self._coper, min(feeds))
-        if len(feeds) > 1 or row is None:
-            shown = ", ".join(f"{feed:g}" for feed in sorted(feeds))
-            of_chart = ", ".join(f"{row.feed_mm_min:g}" for row in self._rows)
-            self._say(rules.FEED.at(source, found=shown, thickness="steel", expected=of_chart))
+        row = self._row_of(source, moves)
+        if row is None:
             return
         self._pierce_time(source, row)
         places = (moves[0].start, *(m.end for m in moves))
@@ -311,6 +307,17 @@ class ProfileTorch(TorchFollower):
         points = tuple((x - start, y if face == "v" else z) for x, y, z in feet[1:])
         across = tuple((y, z) for _, y, z in tips)
         self.strokes.append(TorchStroke(line, face, points, across, row, b_deg))
+
+    def _row_of(self, source: Source, moves: Sequence[Move[Place]]) -> TorchRow | None:
+        """The row whose feed all moves have; None is said."""
+        feeds = {m.feed_mm_min for m in moves}
+        row = row_at(self._rows, self._coper, min(feeds))
+        if len(feeds) == 1 and row is not None:
+            return row
+        shown = ", ".join(f"{feed:g}" for feed in sorted(feeds))
+        of_chart = ", ".join(f"{row.feed_mm_min:g}" for row in self._rows)
+        self._say(rules.FEED.at(source, found=shown, thickness="steel", expected=of_chart))
+        return None
 
 
 def below(place: Place, far: float, a_deg: float, b_deg: float) -> Place:

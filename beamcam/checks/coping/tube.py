@@ -16,13 +16,13 @@ from msgspec.structs import replace
 from beamcam.checks.coping import rules
 from beamcam.checks.coping.box_tube import LEAST_OFF, box_wanted
 from beamcam.checks.coping.chart import row_for
-from beamcam.checks.coping.collisions import collision_faults
+from beamcam.checks.coping.collisions import collision_faults, turned_unseen
 from beamcam.checks.coping.section import TubeSection, areas_of, kerf_of, line_of, pieces_of
 from beamcam.checks.coping.stock import FINE, outline_ring, ring_of, slot_ring
 from beamcam.checks.coping.strokes import HEIGHT_SLACK, TipMove, TorchFollower, TorchStroke
 from beamcam.checks.coping.tube_planes import kept, planes_of
 from beamcam.checks.coping.wanted import corners_of, with_round_corners
-from beamcam.checks.coping.zones import tube_zone_faults
+from beamcam.checks.coping.zones import chuck_faults, seam_faults, support_faults
 from beamcam.checks.request import manual_work
 from beamcam.controllers.events import BarEvent, Move, Place
 from beamcam.errors import Diagnostic, Source, errors_in
@@ -172,6 +172,8 @@ def tube_faults(
     ways: Sequence[TipMove] = torch.ways
     if part.profile.code == "RO":  # which looks alike from everywhere round it
         ways = [replace(way, a_deg=(0.0, 0.0)) for way in ways]
+    else:
+        torch.diagnostics += turned_unseen(events, section, coper, name)
     said = [*torch.diagnostics, *collision_faults(ways, section, coper, name)]
     if errors_in(said):
         return said
@@ -194,7 +196,9 @@ def tube_faults(
     diagnostics = [
         *said,
         *_compared(torch.strokes, drawn, wanted, part, section, coper, rows, slack, name),
-        *tube_zone_faults(torch.strokes, torch.ways, part.length, section, coper, slack, name),
+        *seam_faults(torch.strokes, section, coper, slack, name),
+        *support_faults(torch.strokes, coper, name),
+        *chuck_faults(torch.ways, part.length, coper, name),
     ]
     for k, feature in enumerate(part.features):
         outline = isinstance(feature, Contour) and feature.kind == "outer" and feature.face in off

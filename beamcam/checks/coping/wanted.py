@@ -169,7 +169,7 @@ def _kind(feature: object, part: Part, coper: Coper) -> str:
         if feature.face not in "vouh":
             return "face"
         return "other" if feature.kind == "open" or not feature.closed else ""
-    if isinstance(feature, EndPlane) and coper.turns == "bar" and feature.normal[0]:
+    if isinstance(feature, EndPlane) and coper.unrolls(part.profile.code) and feature.normal[0]:
         return ""
     if not isinstance(feature, Hole | Slot):
         return "other"

@@ -1,6 +1,7 @@
-"""Where the machine file keeps a torch from: the root, other places than the seam, the chuck."""
+"""Where the machine file keeps a torch from: root, other places than the seam, supports, chuck."""
 
 from collections.abc import Iterator, Sequence
+from itertools import pairwise
 
 from beamcam.checks.coping import rules
 from beamcam.checks.coping.section import CoperSection, TubeSection
@@ -24,17 +25,10 @@ def root_faults(
             )  # fmt: skip
 
 
-def tube_zone_faults(
-    strokes: Sequence[TorchStroke],
-    ways: Sequence[TipMove],
-    length: float,
-    section: TubeSection,
-    coper: Coper,
-    slack: float,
-    name: str,
+def seam_faults(
+    strokes: Sequence[TorchStroke], section: TubeSection, coper: Coper, slack: float, name: str
 ) -> Iterator[Diagnostic]:
-    """Strokes once round a tube that begin away from its seam, and the first place of the torch
-    over the stretch of the bar, `length` and the trims behind its start, that the chuck holds."""
+    """Strokes once round a tube that begin away from its seam."""
     turn = section.turn
     seam = coper.seam * turn / 360.0
     for stroke in strokes:
@@ -45,6 +39,27 @@ def tube_zone_faults(
                 Source(name, stroke.line), found=f"an end begun {off:.1f} mm off the seam",
                 expected=f"it at {coper.seam:g} of 360 round the tube, by coper.seam",
             )  # fmt: skip
+
+
+def support_faults(strokes: Sequence[TorchStroke], coper: Coper, name: str) -> Iterator[Diagnostic]:
+    """Strokes that come to a support of the bar, half the torch's width included."""
+    half, start = coper.torch_width / 2, coper.trim
+    for stroke in strokes:
+        for zone in coper.supports:
+            low, high = zone.min - half - start, zone.max + half - start
+            if any(low < max(a, b) and min(a, b) < high
+                   for (a, _), (b, _) in pairwise(stroke.points)):  # fmt: skip
+                yield rules.ZONE.at(
+                    Source(name, stroke.line), found=f"a cut on face {stroke.face}",
+                    expected=f"none over the support from X {zone.min:g} to {zone.max:g}",
+                )  # fmt: skip
+
+
+def chuck_faults(
+    ways: Sequence[TipMove], length: float, coper: Coper, name: str
+) -> Iterator[Diagnostic]:
+    """The first place of the torch over the stretch of the bar, `length` and the trims behind its
+    start, that the chuck holds."""
     free = length + 2 * coper.trim - coper.torch_width / 2
     for way in ways:
         if (x := max(way.start[0], way.end[0])) > free:

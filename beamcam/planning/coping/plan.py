@@ -2,14 +2,13 @@
 
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from itertools import product
+from itertools import pairwise
 from math import cos, pi, radians
-from typing import Literal
 
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, PlanError, Source, errors_in
-from beamcam.machine.coper import Coper
+from beamcam.machine.coper import TUBES, Coper
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Contour, Face, Feature, Part, Profile
 from beamcam.model.plan import CopeCut, CopeKind, CopePlan, Piece
@@ -20,7 +19,6 @@ from beamcam.planning.coping.bevels import bevel_cuts, edges_of
 from beamcam.planning.coping.chart import Chart
 from beamcam.planning.coping.cuts import led
 from beamcam.planning.coping.ends import (
-    NOISE_DEG,
     agreed_ends,
     crossed,
     ends_on,
@@ -124,10 +122,14 @@ def plan_coping(
     if refusals:
         raise PlanError(refusals)
     (part,) = parts
-    if coper.turns == "bar":
+    if coper.unrolls(part.profile.code):
         plan = plan_tube(part, machine, coper, skips)
-        return replace(plan, remarks=(*diagnostics, *plan.remarks))
-    return _plan_profile(part, machine, coper, skips)
+        plan = replace(plan, remarks=(*diagnostics, *plan.remarks))
+    else:
+        plan = _plan_profile(part, machine, coper, skips)
+    if refusals := [*_over_supports(plan, coper)]:
+        raise PlanError(refusals)
+    return plan
 
 
 def _plan_profile(given: Part, machine: Machine, coper: Coper, skips: Collection[str]) -> CopePlan:
@@ -170,7 +172,7 @@ def _plan_profile(given: Part, machine: Machine, coper: Coper, skips: Collection
         raise PlanError(errors_in(diagnostics))
     if not cuts:
         raise PlanError(bar_rules.NO_WORK.at(part.source, machine=machine.name))
-    needed = part.length + (0.0 if part.made is not None else 2 * coper.trim)
+    needed = part.length + (0.0 if part.made is not None else 2 * coper.trim + coper.chuck)
     diagnostics += _told_of(part, given, needed, coper)
     outcomes = tuple(
         replace(o, left=o.left or _left(part.features[o.feature[1]], slant, at_root))
@@ -272,7 +274,7 @@ def _stock_faults(
     deep = profile.width - (profile.web_thickness or 0.0)
     if profile.code in WEB_AMID:
         deep /= 2
-    if deep + coper.clearance > coper.torch_length and coper.turns == "torch":
+    if deep + coper.clearance > coper.torch_length and profile.code not in TUBES:
         expected = f"{coper.torch_length - coper.clearance:g}"
         yield rules.DEEP.at(source, found=f"{deep:g}", expected=expected)
     needed = part.length + 2 * coper.trim + coper.chuck
@@ -282,15 +284,19 @@ def _stock_faults(
         yield bar_rules.BAR_FULL.at(source, found=f"{needed:g}", expected=f"{bar:g}")
 
 
-def _end_faults(part: Part) -> Iterator[Diagnostic]:
-    """Errors for skew ends in the header."""
-    kinds: tuple[Literal["web", "flange"], ...] = ("web", "flange")
-    ends: tuple[Literal["start", "end"], ...] = ("start", "end")
-    for kind, at in product(kinds, ends):
-        angle = getattr(part.cuts, f"{kind}_{at}")
-        if abs(angle) > NOISE_DEG:
-            source = part.cut_source(kind, at)
-            yield rules.END.at(source, kind=kind, found=f"{angle:g}", end=at)
+def _over_supports(plan: CopePlan, coper: Coper) -> Iterator[Diagnostic]:
+    """Errors for cuts along which the torch would come to a support of the bar."""
+    half = coper.torch_width / 2
+    for cut in plan.operations:
+        xs = [x + plan.pieces[0].start for x, _ in cut.path]
+        ways = [sorted(pair) for pair in pairwise(xs)]
+        for zone in coper.supports:
+            there = [low for low, high in ways if low < zone.max + half and high > zone.min - half]
+            if there:
+                yield rules.SUPPORT.at(
+                    cut.source, x=f"{there[0]:.1f}", face=cut.face, least=f"{zone.min:g}",
+                    most=f"{zone.max:g}",
+                )  # fmt: skip
 
 
 def _skew(

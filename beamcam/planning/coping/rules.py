@@ -8,10 +8,6 @@ from beamcam.errors import error, note, warning
 ALONE = error("plan-coping-alone",
     "found {found} parts for one program; expected one, {machine} copes a bar for each part",
     "Post them one by one, with `batch` or with --quantity file.")
-END = error("plan-coping-end",
-    "found a {kind} cut of {found} degrees at the {end}; expected none, the torch does not tilt",
-    "An end of a round tube that only the header has skew is not unrolled. Draw its outline, or "
-    "have a saw make it.")
 CROSSED = error("plan-coping-crossed",
     "found skew ends that cross on face {face}; expected some of the wall between them",
     "Lengths of a header go from the outermost corner of one end to that of the other.")
@@ -55,6 +51,10 @@ OPEN = warning("plan-coping-open",
     "A hole that is drilled into the corner of a cope before makes it round, but an arc may go out "
     "over it, and what lies behind it is not cut then. Stay beside the machine, or have the hole "
     "smaller than the arc bridges.")
+SUPPORT = error("plan-coping-support",
+    "found a cut at X {x} on face {face}, over the support from X {least} to {most}; expected none "
+    "there",
+    "What holds the bar would be cut. coper.trim shifts the part along the bar.")
 DEEP = error("plan-coping-deep",
     "found the web {found} mm below the edges of the flanges; expected at most {expected} mm",
     "The torch is slim only from its tip to its holder (`coper.torch_length`).")
@@ -70,7 +70,7 @@ BAR = note("plan-coping-bar",
     "the part is cut from a bar of at least {found} mm, its x 0 at {trim} mm from the leading end",
     "Leads and pierces of both ends lie in the scrap before and behind the part.")
 TEE = note("plan-coping-tee",
-    "the T lies on its side: its flange at Y 0, face h outwards, its stem across, face u up; here "
+    "the T lies on its side: its flange upright, face h outwards, its stem across, face u up; here "
     "and in the program face u is the flange and v the stem",
     "So the torch comes to the outside of the flange, from where the root is cut. The program's "
     "first comment says it to the operator.")
@@ -128,6 +128,6 @@ SLOW = warning("plan-coping-slow",
     "{expected} mm/min as on the faces",
     "Round a corner the tube turns fast, and the torch follows it. The controller waits for the "
     "slowest axis, so that the cut gets wider there.")
-RULES = (PIPE, NO_PIPE, ALONE, END, CROSSED, BEYOND, ROOT, LEDGE, STEP, K_AREA, NARROW, OFF, SHORT,
-    OPEN, DEEP, THICK, ROUNDED, BAR, TEE, PIECE, NO_RADIUS, GIVEN_RADIUS, SEAM, CORNER, REACHES,
-    SLANT, WEDGE, SLOW)
+RULES = (PIPE, NO_PIPE, ALONE, CROSSED, BEYOND, ROOT, LEDGE, STEP, K_AREA, NARROW, OFF, SHORT,
+    OPEN, SUPPORT, DEEP, THICK, ROUNDED, BAR, TEE, PIECE, NO_RADIUS, GIVEN_RADIUS, SEAM, CORNER,
+    REACHES, SLANT, WEDGE, SLOW)

@@ -194,7 +194,7 @@ def _unmarked(mark: Feature) -> Diagnostic:
 
 def _refusal(feature: Feature, profile: Profile, coper: Coper) -> Diagnostic | None:
     """Why a torch cannot make a feature wherever it is on its wall; None if it can."""
-    if isinstance(feature, EndPlane) and coper.turns == "bar" and feature.normal[0]:
+    if isinstance(feature, EndPlane) and coper.unrolls(profile.code) and feature.normal[0]:
         return None
     if not isinstance(feature, Hole | Slot | Contour):
         what = type(feature).__name__.lower()

@@ -17,7 +17,7 @@ from beamcam.planning.coping.plan import plan_coping
 from beamcam.solid.opinion import solid_faults
 from tests.conftest import examples
 from tests.random_boxes import random_box
-from tests.random_copes import random_cope
+from tests.random_copes import random_cope, random_tee
 from tests.random_tubes import random_tube
 from tests.unit.coping import samples
 from tests.unit.coping.test_tubes import tube
@@ -41,7 +41,10 @@ def test_a_wall_of_8_goes_half_way_between_6_and_10() -> None:
         assert row.kerf == (2.2 if wall > 6.0 else 2.0)
 
 
-MAKERS = st.sampled_from(((random_cope, COPER), (random_tube, TUBE), (random_box, TUBE)))
+MAKERS = st.sampled_from((
+    (random_cope, COPER), (random_tube, TUBE), (random_box, TUBE), (random_cope, TUBE),
+    (random_tee, TUBE),
+))  # fmt: skip
 
 
 @given(MAKERS, st.integers(0, 3000))
@@ -77,7 +80,7 @@ def test_a_feed_of_the_row_above_is_refused() -> None:
 def test_the_third_opinion_takes_the_depth_by_the_feed() -> None:
     for part, machine in (
         (samples.sample("coped"), COPER), (samples.sample("brace"), TUBE),
-        (samples.sample("leg"), TUBE),
+        (samples.sample("leg"), TUBE), (samples.sample("coped"), TUBE),
     ):  # fmt: skip
         text = samples.program_of(part, machine)
         assert not errors_in(solid_faults(text, Request((part,), machine)))

@@ -12,7 +12,7 @@ from beamcam.checks.coping.section import kerf_of
 from beamcam.errors import PlanError
 from beamcam.geometry.curves import Arc
 from beamcam.machine import Machine
-from beamcam.model.part import Bend, Bevel, Contour, EndCuts, Hole, Part, Profile, Slot, TextMark
+from beamcam.model.part import Bend, Bevel, Contour, Hole, Part, Profile, Slot, TextMark
 from beamcam.model.plan import CopePlan
 from beamcam.planning.coping.plan import ORDER, plan_coping
 from beamcam.planning.coping.regions import region_of
@@ -196,7 +196,6 @@ REFUSED = [
     ("plan-bar-long", part_of(length=12000.0), COPER),
     ("plan-coping-deep", part_of(profile=DEEP), COPER),
     ("plan-coping-deep", part_of(profile=Profile("T", "W", 390.0, 150.0, 10.0, 20.0, 15.0)), COPER),
-    ("plan-coping-end", replace(part_of(), cuts=EndCuts(web_start=15.0)), COPER),
     ("plan-coping-short", replace(part_of(outline("v", LONG)), made=()), COPER),
     ("plan-coping-root", part_of(RAT_HOLE), COPER),
     ("plan-coping-root", part_of(BACK), COPER),

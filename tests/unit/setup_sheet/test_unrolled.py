@@ -87,7 +87,8 @@ def test_a_rectangular_tube_has_the_face_of_each_cut_and_goes_once_round() -> No
 SOLIDS = [
     ("trimmer", "coper-linuxcnc", "vouh"), ("hanger", "coper-linuxcnc", "vouh"),
     ("header-rest", "coper-linuxcnc", "vouh"), ("leg", "tube-linuxcnc", "vouh"),
-    ("hip", "tube-linuxcnc", "vouh"),
+    ("hip", "tube-linuxcnc", "vouh"), ("trimmer", "tube-linuxcnc", "vouh"),
+    ("hanger", "tube-linuxcnc", "vouh"),
     ("stub", "tube-linuxcnc", "v"), ("stub", "tube-surface", "v"),
 ]  # fmt: skip
 

@@ -24,14 +24,19 @@ MACHINES = {
 }  # fmt: skip
 
 
-def posted(name: str) -> Posted:
+TURNED = [("coped", "tube-linuxcnc"), ("trimmer", "tube-linuxcnc")]
+
+
+def posted(name: str, machine: str = "") -> Posted:
     path = next(p for p in COPING.iterdir() if p.stem == name)
-    return post(read_file(str(path)).parts, load(MACHINES[name]))
+    return post(read_file(str(path)).parts, load(machine or MACHINES[name]))
 
 
-@pytest.mark.parametrize("name", [n for n in MACHINES if any(COPING.glob(f"{n}.*"))])
-def test_it_takes_as_long_as_post_says_and_goes_where_its_blocks_say(name: str) -> None:
-    program = posted(name)
+@pytest.mark.parametrize(("name", "machine_name"), [*MACHINES.items(), *TURNED])
+def test_it_takes_as_long_as_post_says_and_goes_where_its_blocks_say(
+    name: str, machine_name: str
+) -> None:
+    program = posted(name, machine_name)
     machine = program.job.machine
     done = simulate_program(program.text, machine, f"{name}.ngc")
     trace = done.trace
