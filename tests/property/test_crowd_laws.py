@@ -145,7 +145,7 @@ def test_a_crowd_of_holes_is_counted_and_not_compared() -> None:
         Hole("v", 100 + 100 * chance.random(), 100 + 50 * chance.random(), 18.0, SOURCE)
         for _ in range(9000)
     ]
-    assert refused(part_of(holes)) == [hole_pairs.CROWD.code]
+    assert refused(part_of(holes)) == [hole_pairs.MANY_PAIRS.code]
     assert refused(part_of(holes[:300]))[0] == "plan-hole-overlap"
 
 
@@ -165,7 +165,7 @@ def test_a_crowd_of_slots_is_counted_and_not_compared() -> None:
         Slot("v", 100 + 100 * chance.random(), 150.0, 18.0, 20.0, 0.0, 0.0, SOURCE)
         for _ in range(600)
     ]
-    assert refused(part_of(slots), "beamline-pusher") == [slot.CROWD.code]
+    assert refused(part_of(slots), "beamline-pusher") == [slot.MANY_PAIRS.code]
 
 
 def test_ways_out_are_tried_for_parts_that_a_shop_has() -> None:
