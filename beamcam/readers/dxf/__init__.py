@@ -47,12 +47,15 @@ def read(
         loaded = load_document(data, source)
     except ReadError as error:
         return Reading("dxf", (), error.diagnostics)
-    chosen = Layers(loaded.document, _folded(layers) or None)
+    chosen = Layers(loaded.tables, _folded(layers) or None)
     diagnostics += (*loaded.remarks, *unknown_layers(chosen.names(), layers, source))
-    runs = iter(loaded.runs)
+    runs, frame = iter(loaded.runs), scaled(unit.mm)
     walk = DrawingWalk(name, chosen, loaded.handles, runs, _folded(fit), _folded(letters))
     try:
-        walk.entities(loaded.document.modelspace(), scaled(unit.mm), LayerLook(), ())
+        if loaded.document is None:
+            walk.run(next(runs), frame)
+        else:
+            walk.entities(loaded.document.modelspace(), frame, LayerLook(), ())
     except ReadError as error:
         return Reading("dxf", (), diagnostics + error.diagnostics)
     collected = walk.found
