@@ -213,14 +213,14 @@ def _refuse_begun(job: Job) -> None:
 
 
 def _plan_sheet(job: Job) -> SheetPlan:
-    from beamcam.planning.contours.layout import laid, laid_otherwise
+    from beamcam.planning.contours.layout import laid
     from beamcam.planning.sheet import plan_sheet
 
     machine = job.machine
     _refuse_begun(job)
-    plan = plan_sheet(laid(job.parts, machine.torch), machine, job.request.skips)
-    diagnostics = laid_otherwise(job.parts, machine.torch)
-    return replace(plan, remarks=(*diagnostics, *plan.remarks)) if diagnostics else plan
+    parts, notes = laid(job.parts, machine.torch)
+    plan = plan_sheet(parts, machine, job.request.skips)
+    return replace(plan, remarks=(*notes, *plan.remarks)) if notes else plan
 
 
 def _of_asked(
