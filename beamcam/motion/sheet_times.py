@@ -9,42 +9,35 @@ axes can follow and a junction to the next. Where the machine's file has no axes
 full speed.
 """
 
-from collections.abc import Callable, Iterator, Sequence
-from math import asin, atan2, ceil, cos, degrees, dist, hypot, inf, radians, sin
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from math import atan2, cos, degrees, hypot, inf, isfinite, radians, sin
 
 import numpy as np
 from msgspec import Struct
 
+from beamcam.controllers.events import Lift, Pause, TableEvent, Touch
 from beamcam.geometry.array_types import Counts, Floats
 from beamcam.geometry.arrays import unit_vectors
 from beamcam.geometry.curves import Bezier, EllipseArc
-from beamcam.geometry.plane import Point, cross
+from beamcam.geometry.plane import Point
 from beamcam.geometry.ramps import move_seconds, stretch_seconds
 from beamcam.machine.machine import Machine, PathLimits, path_limits
-from beamcam.machine.tables import Triggers
 from beamcam.model.plan import SheetPlan, WorkTime
 from beamcam.model.program import (
     ArcFeed,
-    ArcTravel,
     EllipseFeed,
     Feed,
-    LiftTorch,
     Movement,
     ParabolaFeed,
     PassEnd,
     Program,
     SetFeed,
-    SwitchTool,
     ToolOff,
     ToolOn,
     Traverse,
-    TriggerOp,
-    TriggerTable,
 )
 from beamcam.motion.feed_limits import min_radius, straight_mm_s, turning_mm_s
 from beamcam.motion.lookahead import SpeedSection, join_segments, joint_speeds
-from beamcam.motion.step_events import MICROSECONDS
-from beamcam.motion.steps import plan_way, ways
 
 SECONDS_PER_MINUTE = 60.0
 HOME: Point = (0.0, 0.0)
@@ -281,90 +274,42 @@ def _sweep_deg(start: Point, end: Point, first: float, last: float, clockwise: b
     return (last - first) % 360.0
 
 
-# --- table times ----------------------------------------------------------------------------------
+# --- the torch up and down ------------------------------------------------------------------------
 
-# Run times of tables without G-code: chains of triggers, and step tables.
-
-
-HeadPlace = tuple[float, float, float]  #: X, Y, and the height over the sheet
-
-CYCLE_SLACK = 1e-9
+# Times of a torch that the program moves up and down, each move from rest to rest by itself.
 
 
-def trigger_time(plan: SheetPlan, table: TriggerTable, machine: Machine) -> WorkTime:
-    """Run time of a chain of triggers, from the corner of the work area and back to it.
+class LiftTimes:
+    """The height of a torch while its program runs, and how long its moves take.
 
-    Each operation runs from rest to rest; the next begins in the cycle behind the one that sees
-    its arrival. Homing is not included, as its start position is unknown.
+    It begins at the clearance. At a height that nothing says, and at the top of its axis, it counts
+    as there too.
     """
-    return by_operation(
-        plan, _table_passes(table, machine.needed(machine.triggers, "trigger program"))
+
+    def __init__(self, machine: Machine) -> None:
+        torch = machine.needed(machine.torch, "torch")
+        self.height = self._clearance = torch.clearance
+        self._rapid_mm_min = torch.traverse_mm_min
+        self._axis = next((axis for axis in machine.axes if axis.moves == "Z"), None)
+
+    def seconds(self, event: Lift | Touch) -> float:
+        """How long a move takes; the torch is where it ends."""
+        height = event.height if isinstance(event, Touch) else event.end
+        height = height if isfinite(height) else self._clearance
+        is_fed = not (isinstance(event, Lift) and event.rapid) and event.feed_mm_min > 0.0
+        speed = (event.feed_mm_min if is_fed else self._rapid_mm_min) / SECONDS_PER_MINUTE
+        way, self.height = abs(height - self.height), height
+        if self._axis is None:
+            return way / speed
+        jerk = inf if self._axis.jerk is None else self._axis.jerk
+        return move_seconds(way, min(speed, self._axis.speed), self._axis.acceleration, jerk)
+
+
+def standing_seconds(events: Iterable[TableEvent], machine: Machine) -> float:
+    """How long the head stands for some events: moves of the torch in Z, and pauses."""
+    times = LiftTimes(machine)
+    return sum(
+        event.seconds if isinstance(event, Pause) else times.seconds(event)
+        for event in events
+        if isinstance(event, Pause | Lift | Touch)
     )
-
-
-def _table_passes(table: TriggerTable, triggers: Triggers) -> Iterator[float]:
-    """Seconds of each pass with the traverse to it, and of the return home."""
-    here, seconds = (0.0, 0.0, triggers.home_over(table.thickness)), 0.0
-    for op in table.operations:
-        seconds += operation_seconds(op, here, triggers)
-        here = place_behind(op, here)
-        if isinstance(op, SwitchTool) and not op.on:
-            yield seconds
-            seconds = 0.0
-    yield seconds
-
-
-def length_through(start: Point, middle: Point, end: Point) -> float:
-    """Length of the arc through three points, neither half of it above half a circle."""
-    a, b, c = dist(start, middle), dist(middle, end), dist(start, end)
-    to_middle = middle[0] - start[0], middle[1] - start[1]
-    twice_area = abs(cross(to_middle, (end[0] - start[0], end[1] - start[1])))
-    if twice_area <= 1e-12 * c * c:
-        return a + b
-    radius = a * b * c / (2 * twice_area)
-    return 2 * radius * sum(asin(min(1.0, chord / (2 * radius))) for chord in (a, b))
-
-
-def place_behind(op: TriggerOp, here: HeadPlace) -> HeadPlace:
-    """Where an operation that starts `here` ends."""
-    if isinstance(op, LiftTorch):
-        return *here[:2], op.height
-    return here if isinstance(op, SwitchTool) else (op.x, op.y, here[2])
-
-
-def operation_seconds(op: TriggerOp, here: HeadPlace, triggers: Triggers) -> float:
-    """Seconds from an operation that starts `here` to the start of the next one."""
-    cycles = ceil(_seconds(op, here, triggers) / triggers.cycle_s - CYCLE_SLACK) + 1
-    return cycles * triggers.cycle_s
-
-
-def _seconds(op: TriggerOp, here: HeadPlace, triggers: Triggers) -> float:
-    if isinstance(op, SwitchTool):
-        return op.wait_s
-    way = dist(here, place_behind(op, here))
-    if isinstance(op, ArcTravel):
-        way = length_through(here[:2], (op.middle_x, op.middle_y), (op.x, op.y))
-    return move_seconds(way, op.speed_mm_s, triggers.acceleration)
-
-
-def step_time(plan: SheetPlan, machine: Machine) -> WorkTime:
-    """Run time of a step table: until its last step, and the standstill after it.
-
-    Each way is planned by the look-ahead, from rest to rest, as for the rows themselves.
-    """
-    return by_operation(plan, _way_passes(plan, machine))
-
-
-def _way_passes(plan: SheetPlan, machine: Machine) -> Iterator[float]:
-    """Seconds of each pass with the way to it, and of the return home."""
-    stepper = machine.needed(machine.stepper, "stepping motors")
-    rest_us = int(2 * MICROSECONDS / stepper.max_hz) + 1
-    microseconds = 0
-    for way in ways(plan, machine):
-        waits = round(way.wait_s * MICROSECONDS) if way.laser else 0
-        moves = ceil(plan_way(way, stepper).duration_s * MICROSECONDS)
-        microseconds += waits + moves + 2 * rest_us
-        if way.laser:
-            yield microseconds / MICROSECONDS
-            microseconds = 0
-    yield microseconds / MICROSECONDS

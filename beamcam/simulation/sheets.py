@@ -19,10 +19,10 @@ from beamcam.geometry.plane import Point
 from beamcam.geometry.polylines import polylines
 from beamcam.machine.machine import Machine, PathLimits, path_limits
 from beamcam.model.program import ArcFeed, EllipseFeed, Feed, Movement, ParabolaFeed
-from beamcam.motion.lift_times import LiftTimes
 from beamcam.motion.lookahead import SpeedSection
 from beamcam.motion.sheet_times import (
     SECONDS_PER_MINUTE,
+    LiftTimes,
     Segments,
     segments_of,
     speeds_along,

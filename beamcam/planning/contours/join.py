@@ -11,10 +11,9 @@ from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, Severity, Source
 from beamcam.geometry.array_types import Floats
-from beamcam.geometry.arrays import CurveTable
+from beamcam.geometry.arrays import CurveTable, near_pairs, overlapping
 from beamcam.geometry.chains import Chains, join_curves
 from beamcam.geometry.curves import Bezier, Curve, Line
-from beamcam.geometry.near import near_pairs, overlapping
 from beamcam.machine.torch import Torch, TorchProcess
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.assign_process import AssignedCurve

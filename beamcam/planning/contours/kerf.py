@@ -16,9 +16,8 @@ import shapely
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic
-from beamcam.geometry.arrays import CurveTable
+from beamcam.geometry.arrays import CurveTable, overlapping
 from beamcam.geometry.curves import Curve, join_boxes
-from beamcam.geometry.near import overlapping
 from beamcam.machine.torch import Torch
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.entry import from_middle, leads, uncompensated, waste_side

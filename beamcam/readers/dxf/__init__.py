@@ -7,8 +7,7 @@ from msgspec.structs import replace
 from beamcam.errors import Diagnostic, ReadError, Source
 from beamcam.model.part import Measures, Part
 from beamcam.readers.content import Reading
-from beamcam.readers.drawing import counted, drawing_part, unknown_layers, verdict
-from beamcam.readers.drawing.newton import fit_newton
+from beamcam.readers.drawing import counted, drawing_part, fit_newton, unknown_layers, verdict
 from beamcam.readers.dxf import rules
 from beamcam.readers.dxf.curves import scaled
 from beamcam.readers.dxf.layers import LayerLook, Layers

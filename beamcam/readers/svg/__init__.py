@@ -5,8 +5,7 @@ from collections.abc import Sequence
 from beamcam.errors import Diagnostic, ReadError, Rule, Source
 from beamcam.model.part import Measures, Part
 from beamcam.readers.content import Reading
-from beamcam.readers.drawing import counted, drawing_part, unknown_layers, verdict
-from beamcam.readers.drawing.newton import fit_newton
+from beamcam.readers.drawing import counted, drawing_part, fit_newton, unknown_layers, verdict
 from beamcam.readers.svg import rules
 from beamcam.readers.svg.page import Page, find_page
 from beamcam.readers.svg.tree import INITIAL, StyleSheet, looks_like, parse, style_of

@@ -23,14 +23,12 @@ from beamcam.motion.sheet import sheet_program
 from beamcam.motion.sheet_times import (
     SECONDS_PER_MINUTE,
     curve_of,
-    length_through,
     program_time,
     segments_of,
     speeds_along,
-    step_time,
-    trigger_time,
 )
 from beamcam.motion.steps import step_table
+from beamcam.motion.table_times import length_through, step_time, trigger_time
 from beamcam.pipeline import post
 from beamcam.planning.sheet import plan_sheet
 from tests.unit.sheets.parts import NESTED, box, circle, contour, drawing, lines, table
