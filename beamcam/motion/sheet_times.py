@@ -17,7 +17,7 @@ from msgspec import Struct
 
 from beamcam.controllers.events import Lift, Pause, TableEvent, Touch
 from beamcam.geometry.array_types import Counts, Floats
-from beamcam.geometry.arrays import unit_vectors
+from beamcam.geometry.arrays import rows, unit_vectors
 from beamcam.geometry.curves import Bezier, EllipseArc
 from beamcam.geometry.plane import Point
 from beamcam.geometry.ramps import move_seconds, stretch_seconds
@@ -118,7 +118,7 @@ def _traverse_seconds(
     """The pass of each traverse, and its seconds from rest to rest."""
     limits = path_limits(machine)
     rapid = machine.needed(machine.torch, "torch").traverse_mm_min / SECONDS_PER_MINUTE
-    steps = np.array([(b[0] - a[0], b[1] - a[1]) for a, b, _ in traverses])
+    steps = rows([(b[0] - a[0], b[1] - a[1]) for a, b, _ in traverses], 2)
     ways = np.hypot(steps[:, 0], steps[:, 1])
     if limits is None:
         times = (ways / rapid).tolist()
@@ -158,8 +158,7 @@ def segments_of(
     limits: PathLimits | None,
 ) -> Segments:
     """Moves and the places that they start at, at their feeds or as fast as the axes follow."""
-    here = np.array(starts, dtype=np.float64).reshape(-1, 2)
-    steps = np.array([(move.x, move.y) for move in moves], dtype=np.float64).reshape(-1, 2) - here
+    steps = rows([(move.x, move.y) for move in moves], 2) - rows(starts, 2)
     lengths = np.hypot(steps[:, 0], steps[:, 1])
     enters = steps / np.where(lengths > 0.0, lengths, 1.0)[:, None]
     leaves = enters.copy()
@@ -189,7 +188,7 @@ def _along_arcs(arcs: Sequence[Movement], steps: Floats) -> tuple[Floats, Floats
 
     `steps` lead from their starts to their ends; an arc that ends where it starts is a circle.
     """
-    centre = np.array([(a.i, a.j) for a in arcs if isinstance(a, ArcFeed)]).reshape(-1, 2)
+    centre = rows([(a.i, a.j) for a in arcs if isinstance(a, ArcFeed)], 2)
     turn = np.array([-1.0 if a.clockwise else 1.0 for a in arcs if isinstance(a, ArcFeed)])
     radii = np.hypot(centre[:, 0], centre[:, 1])
     angles = [np.degrees(np.arctan2(out[:, 1], out[:, 0])) for out in (-centre, steps - centre)]

@@ -27,7 +27,6 @@ from beamcam.model.part import (
     Contour,
     Feature,
     Hole,
-    Notch,
     Part,
     Slot,
     TextMark,
@@ -333,7 +332,7 @@ def _placed(feature: Feature, matrix: Matrix) -> Feature:
 
 def _placed_contour(contour: Contour, matrix: Matrix) -> Contour:
     curves = tuple([_moved(curve, matrix) for curve in contour.curves])
-    notches = tuple([_placed_notch(notch, matrix) for notch in contour.notches])
+    notches = tuple([replace(n, corner=mapped(matrix, n.corner)) for n in contour.notches])
     if determinant(matrix) < 0.0:
         last = len(curves) - 1
         curves = tuple([curve.reversed() for curve in reversed(curves)])
@@ -346,7 +345,3 @@ def _moved(curve: Curve, matrix: Matrix) -> Curve:
     if isinstance(curve, Arc) and matrix[0][:2] == (1.0, 0.0) and matrix[1][:2] == (0.0, 1.0):
         return replace(curve, centre=mapped(matrix, curve.centre))
     return curve.transformed(matrix)
-
-
-def _placed_notch(notch: Notch, matrix: Matrix) -> Notch:
-    return replace(notch, corner=mapped(matrix, notch.corner))

@@ -355,7 +355,8 @@ def _begun_at(way: Way, place: Point) -> Way:
     if abs(corner - at) <= AT_CORNER:
         k = corners.index(corner) % len(lengths)
         return replace(shape, curves=(*whole[k:], *whole[:k])), kerf
-    return replace(shape, curves=_from(whole, lengths, at, total)), kerf
+    begun = (*stretch(whole, lengths, at, total), *stretch(whole, lengths, 0.0, at))
+    return replace(shape, curves=begun), kerf
 
 
 def _undivided(curves: Curves) -> Curves:
@@ -366,7 +367,3 @@ def _undivided(curves: Curves) -> Curves:
         if ax * bx + ay * by > 0.0 and abs(ax * by - ay * bx) < STRAIGHT:
             return (*curves[1:-1], Line(last.start, first.end))
     return curves
-
-
-def _from(curves: Curves, lengths: Sequence[float], at: float, total: float) -> Curves:
-    return (*stretch(curves, lengths, at, total), *stretch(curves, lengths, 0.0, at))
