@@ -294,10 +294,10 @@ def _table_faults(machine: Machine) -> Iterator[WordFault]:
     low_x, low_y = torch.area[:2]
     for event in events:
         key, text, _ = lines[event.line - 1]
-        x, y = event.end[:2] if isinstance(event, Move) else (low_x, low_y)
-        if not (low_x <= x <= torch.length and low_y <= y <= torch.width):
+        at_x, at_y = event.end[:2] if isinstance(event, Move) else (low_x, low_y)
+        if not (low_x <= at_x <= torch.length and low_y <= at_y <= torch.width):
             expected = f"one within the table of {torch.length:g} x {torch.width:g} mm"
-            yield fault_in(key, text, f"a move to X {x:g}, Y {y:g}", expected)
+            yield fault_in(key, text, f"a move to X {at_x:g}, Y {at_y:g}", expected)
 
 
 def _unexplained(lines: list[Line], events: list[BarEvent]) -> Iterator[WordFault]:
