@@ -105,7 +105,7 @@ def _standing(machine: Machine) -> Callable[[ToolOn], float]:
     """How long the head stands while a tool is started and stopped, its torch moved in Z."""
     from beamcam.controllers import table_events
     from beamcam.emitters import cutting
-    from beamcam.motion.lift_times import standing_seconds
+    from beamcam.motion.sheet_times import standing_seconds
 
     bare = replace(machine, words=replace(machine.words, footer=()))
     known: dict[ToolOn, float] = {}
@@ -139,7 +139,7 @@ def trigger_post() -> Post:
         return _of_asked(verify_triggers, job, text, text)
 
     def time(plan: SheetPlan, table: Any, machine: Machine) -> WorkTime:
-        from beamcam.motion.sheet_times import trigger_time
+        from beamcam.motion.table_times import trigger_time
 
         return trigger_time(plan, table, machine)
 
@@ -164,7 +164,7 @@ def step_post() -> Post:
         return _of_asked(partial(verify_table, form), job, pieces, beginning(program))
 
     def time(plan: SheetPlan, _: Any, machine: Machine) -> WorkTime:
-        from beamcam.motion.sheet_times import step_time
+        from beamcam.motion.table_times import step_time
 
         return step_time(plan, machine)
 
@@ -213,14 +213,14 @@ def _refuse_begun(job: Job) -> None:
 
 
 def _plan_sheet(job: Job) -> SheetPlan:
-    from beamcam.planning.contours.layout import laid, laid_otherwise
+    from beamcam.planning.contours.layout import laid
     from beamcam.planning.sheet import plan_sheet
 
     machine = job.machine
     _refuse_begun(job)
-    plan = plan_sheet(laid(job.parts, machine.torch), machine, job.request.skips)
-    diagnostics = laid_otherwise(job.parts, machine.torch)
-    return replace(plan, remarks=(*diagnostics, *plan.remarks)) if diagnostics else plan
+    parts, notes = laid(job.parts, machine.torch)
+    plan = plan_sheet(parts, machine, job.request.skips)
+    return replace(plan, remarks=(*notes, *plan.remarks)) if notes else plan
 
 
 def _of_asked(

@@ -127,7 +127,7 @@ def test_where_parts_lie_by_complex_numbers(how: dict[str, object], plain: bool)
         part = replace(part, features=(FEATURES[0],))
     torch = with_torch(TABLE, **how).torch
     assert torch is not None
-    theirs, ((ours,), said) = laid((part,), torch), laid_out((part,), torch)
+    (theirs, _), ((ours,), said) = laid((part,), torch), laid_out((part,), torch)
     assert said == []
     middle, turn = complex(150, 100), cmath.exp(1j * cmath.pi * torch.rotate / 180)
 

@@ -67,7 +67,7 @@ def _copies(
 def _tube(ctx: click.Context, param: click.Parameter, value: str | None) -> str | None:
     """The diameter and wall of a round tube."""
     if value is not None:
-        from beamcam.readers.drawing.wrap import tube_of
+        from beamcam.readers.drawing import tube_of
 
         if tube_of(value) is None:
             raise click.BadParameter(f"found {value!r}; expected diameter x wall, as RO168.3x8")

@@ -19,7 +19,6 @@ from beamcam.machine.machine import Machine
 
 if TYPE_CHECKING:
     from beamcam.controllers.moves import TableRun
-    from beamcam.controllers.rs274.blocks import Variant
 
 
 def interpreter_of(machine: Machine, name: str) -> Interpreter:
@@ -30,23 +29,18 @@ def interpreter_of(machine: Machine, name: str) -> Interpreter:
 
         return Codesys(dialect, name)
     from beamcam.controllers.rs274.interpreter import Rs274
+    from beamcam.controllers.rs274.variants import VARIANTS
 
-    return Rs274(_variants()[machine.controller], dialect, name)
+    return Rs274(VARIANTS[machine.controller], dialect, name)
 
 
 def longest_line(machine: Machine) -> int | None:
     """The characters that a line may have for a machine's controller; None: no limit is known."""
     if machine.controller not in ("linuxcnc", "grbl", "mach3"):
         return None
-    return _variants()[machine.controller].longest_line
+    from beamcam.controllers.rs274.variants import VARIANTS
 
-
-def _variants() -> "dict[str, Variant]":
-    from beamcam.controllers.rs274.grbl import GRBL
-    from beamcam.controllers.rs274.linuxcnc import LINUXCNC
-    from beamcam.controllers.rs274.mach3 import MACH3
-
-    return {"linuxcnc": LINUXCNC, "grbl": GRBL, "mach3": MACH3}
+    return VARIANTS[machine.controller].longest_line
 
 
 def cell_events(

@@ -34,8 +34,6 @@ from beamcam.model.description import PART_DATA
 
 #: Of the tools of a bar; `scribe` and `punch` do not turn.
 _TOOLS = ("drill", "tap", "countersink", "mill", "punch", "scribe")
-_STANDING = ("punch", "scribe")
-_PROCESSES = ("cut", "mark", "engrave", "spot")
 #: What stands in the braces: a stroke from 11 or 12 to 33 or 44, figures that fit any other word.
 _STROKE = {
     "y": "11", "z": "12", "near_y": "21", "near_z": "22", "bottom_y": "33", "bottom_z": "44",
@@ -96,18 +94,14 @@ def _allowed_faults(machine: Machine) -> Iterator[WordFault]:
     telling = own.text_word.codes if own.text_word else ()
     for text in machine.allowed_codes:
         code = plain_code(text) or text
-        if code in telling:
+        known = code in telling or code in own.codes
+        if code[0] == "G" and code not in telling and not interpreter.knows(code):
+            expected = "a word of the controller's, or one of [codes]"
+        elif code[0] == "M" and not known and int(code[1:]) not in {*DOCUMENTED, *own.m_words}:
+            expected = "a word of a template, or one of [codes]"
+        else:
             continue
-        if code[0] == "G" and not interpreter.knows(code):
-            yield fault_in(
-                "allowed_codes", text, text, "a word of the controller's, or one of [codes]"
-            )
-        elif (
-            code[0] == "M"
-            and code not in own.codes
-            and (int(code[1:]) not in {*DOCUMENTED, *own.m_words})
-        ):
-            yield fault_in("allowed_codes", text, text, "a word of a template, or one of [codes]")
+        yield fault_in("allowed_codes", text, text, expected)
 
 
 known_faults = PerObject("machine.words", word_faults)
@@ -144,7 +138,7 @@ def _bar_faults(machine: Machine) -> Iterator[WordFault]:
         if getattr(machine.words, tool):
             own = [event for key in words_of(tool) for event in of.get(key, [])]
             first, last = words_of(tool)[0], words_of(tool)[-1]
-            for found, expected in _begin_faults(own, dialect, tool in _STANDING, stroke):
+            for found, expected in _begin_faults(own, dialect, tool in ("punch", "scribe"), stroke):
                 yield fault_in(f"words.{first}", "", found, expected)
             for found, expected in _end_faults(own, dialect, stroke):
                 yield fault_in(f"words.{last}", "", found, expected)
@@ -275,7 +269,7 @@ def _table_faults(machine: Machine) -> Iterator[WordFault]:
     feed = [*_filled(machine, "feed", x="10", y="0")]
     lines = [*_filled(machine, "header"), *_filled(machine, "comment"), *start]
     lines += _filled(machine, "material")
-    for process in _PROCESSES:
+    for process in ("cut", "mark", "engrave", "spot"):
         if getattr(words, f"{process}_on"):
             lines += (*_filled(machine, f"choose_{process}"), *start)
             lines += (*_filled(machine, f"{process}_on"), *feed)
@@ -297,15 +291,13 @@ def _table_faults(machine: Machine) -> Iterator[WordFault]:
     yield from _unexplained(lines, events)
     yield from _standing(lines, events)
     torch = machine.needed(machine.torch, "torch")
-    low, high = torch.area[:2], (torch.length, torch.width)
+    low_x, low_y = torch.area[:2]
     for event in events:
         key, text, _ = lines[event.line - 1]
-        if isinstance(event, Move) and not all(
-            least <= v <= most for least, v, most in zip(low, event.end, high, strict=True)
-        ):
-            found = f"a move to X {event.end[0]:g}, Y {event.end[1]:g}"
-            expected = f"one within the table of {high[0]:g} x {high[1]:g} mm"
-            yield fault_in(key, text, found, expected)
+        at_x, at_y = event.end[:2] if isinstance(event, Move) else (low_x, low_y)
+        if not (low_x <= at_x <= torch.length and low_y <= at_y <= torch.width):
+            expected = f"one within the table of {torch.length:g} x {torch.width:g} mm"
+            yield fault_in(key, text, f"a move to X {at_x:g}, Y {at_y:g}", expected)
 
 
 def _unexplained(lines: list[Line], events: list[BarEvent]) -> Iterator[WordFault]:
@@ -322,31 +314,34 @@ def _unexplained(lines: list[Line], events: list[BarEvent]) -> Iterator[WordFaul
             if switch.does or switch.number in known or switch in tool:
                 continue
             key, text, _ = lines[switch.line - 1]
-            code = f"M{switch.number}"
-            expected = f'codes.{key_for(code, switch.words)} = "none", or what it does, such as '
-            yield fault_in(
-                key, text, f"{switch}, which beamcam does not know", f'{expected}"thc on"'
-            )
+            own = key_for(f"M{switch.number}", switch.words)
+            expected = f'codes.{own} = "none", or what it does, such as "thc on"'
+            yield fault_in(key, text, f"{switch}, which beamcam does not know", expected)
 
 
 # --- copers ---------------------------------------------------------------------------------------
+
+_MEASURED = {"measured_height": 201.0, "measured_width": 101.0}  #: templates, and what they carry
 
 
 def _coper_faults(machine: Machine) -> Iterator[WordFault]:
     coper = machine.needed(machine.coper, "coper")
     lines = [*_filled(machine, "header"), *_filled(machine, "comment")]
-    for name in ("height", "width"):
-        measured = [*_filled(machine, f"measured_{name}", height="201", width="101")]
-        yield from _unmeasured(measured, {"height": 201.0, "width": 101.0}[name], machine)
-        lines += measured
+    for name in _MEASURED:
+        lines += _filled(machine, name, height="201", width="101")
     lines += _filled(machine, "turn", x="0", y="0", z="50", a="-90", b="10")
-    lines += _filled(machine, "traverse", x="10", y="20", z="30")
-    lines += _filled(machine, "cut_on")
+    lines += (*_filled(machine, "traverse", x="10", y="20", z="30"), *_filled(machine, "cut_on"))
     lines += _filled(machine, "feed", x="11", y="21", z="31", a="-90", inverse="100")
     lines += (*_filled(machine, "cut_off"), *_filled(machine, "footer"))
     events, faults = _run(lines, machine)
     yield from faults
     yield from _standing(lines, events)
+    for name, figure in _MEASURED.items():
+        own = [e for e in events if lines[e.line - 1][0] == f"words.{name}"]
+        carried = [v for e in own if isinstance(e, Switch) for v in e.words.values()]
+        if (template := getattr(machine.words, name)) and figure not in carried:
+            found = "no M word with the figure"
+            yield fault_in(f"words.{name}", template[0], found, "one of M100 to M199")
     for event in events:
         if isinstance(event, Move):
             key, text, _ = lines[event.line - 1]
@@ -362,15 +357,6 @@ def _coper_faults(machine: Machine) -> Iterator[WordFault]:
                     expected = "a move to {x}, {y} and {z}" if coper.y == "follows" else (
                         "a move to {x} and {z}")  # fmt: skip
                     yield fault_in(key, text, "another place", expected)
-
-
-def _unmeasured(lines: list[Line], figure: float, machine: Machine) -> Iterator[WordFault]:
-    """A template of a measured figure in which no M word carries it."""
-    program = "\n".join(block for _, _, block in lines) + "\n"
-    events, _ = cell_events(program, machine, "")
-    carried = [v for e in events if isinstance(e, Switch) for v in e.words.values()]
-    if lines and figure not in carried:
-        yield fault_in(lines[0][0], lines[0][1], "no M word with the figure", "one of M100 to M199")
 
 
 def _standing(lines: list[Line], events: list[BarEvent]) -> Iterator[WordFault]:

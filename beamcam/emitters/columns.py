@@ -24,11 +24,11 @@ MOST_DECIMALS = 4  #: more are formatted one by one, and so are wholes of more t
 #: Beyond this share of a step beside the middle of two the nearest one is sure.
 DOUBT = 1e-6
 
-DIGITS: Groups = np.frombuffer(b"".join(b"%04d" % k for k in range(GROUP)), dtype="V4")
-#: The same without zeros before the first digit; none at all for 0, which the last one shows.
-_HEAD: Groups = np.frombuffer(
-    b"".join(b"%4d" % k if k else b"    " for k in range(GROUP)).replace(b" ", b"\0"), dtype="V4"
-)
+_PLACES = np.arange(GROUP)[:, None] // (1000, 100, 10, 1)
+_TEXTS = (_PLACES % 10 + ord("0")).astype(np.uint8)
+#: Without zeros before the first digit: none at all for 0, or, in the last group, one.
+_SHOWN = np.where(_PLACES > 0, _TEXTS, 0).astype(np.uint8)
+DIGITS, _HEAD = (texts.view("V4").reshape(-1) for texts in (_TEXTS, _SHOWN))
 _LAST: Groups = np.concatenate((np.frombuffer(b"\0\0\0" + b"0", dtype="V4"), _HEAD[1:]))
 _SIGNS: Groups = np.frombuffer(b"\0-", dtype="V1")
 

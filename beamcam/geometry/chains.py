@@ -18,10 +18,9 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.geometry.array_types import Floats
-from beamcam.geometry.arrays import CurveTable
+from beamcam.geometry.arrays import CurveTable, near_pairs
 from beamcam.geometry.curves import Curve, join_boxes
 from beamcam.geometry.junctions import SAME_POINT, joined, resolve
-from beamcam.geometry.near import near_pairs
 from beamcam.geometry.plane import Point, distance, groups_of
 
 #: Ends that programs write for one point are as near as this: coordinates of three decimals.

@@ -124,7 +124,7 @@ def _kept_chords(points: Floats, tolerance: float) -> list[bool]:
 
 def _arc_over(points: Floats, tolerance: float) -> Arc | None:
     """The arc from the first place to the last that all chords are within the tolerance of."""
-    first, middle, last = (_point(points[k]) for k in (0, len(points) // 2, -1))
+    first, middle, last = ((x, y) for x, y in points[[0, len(points) // 2, -1]].tolist())
     arc = arc_by_points(first, middle, last)
     if arc is None or abs(arc.sweep_deg) > MOST_SWEEP_DEG:
         return None
@@ -154,7 +154,3 @@ def _is_straight(points: Floats, tolerance: float) -> bool:
     out = points - points[0]
     across = np.abs(out[:, 0] * chord[1] - out[:, 1] * chord[0])
     return bool(steps.min() > 0.0 and across.max() <= tolerance * size)
-
-
-def _point(place: Floats) -> Point:
-    return float(place[0]), float(place[1])

@@ -186,18 +186,18 @@ def _decomposed(spline: BSpline) -> tuple[tuple[Bezier, ...], tuple[float, ...]]
     low, high = knots[degree], knots[len(points)]
     pieces: list[Bezier] = []
     breaks = [0.0]
+    polars: tuple[Homogeneous, ...] = ()
     for k in range(degree, len(points)):
         a, b = knots[k], knots[k + 1]
         if a == b:
             continue
         row = points[k - degree : k + 1]
-        polars = tuple(
-            _blossom(row, knots, k, [a] * (degree - j) + [b] * j) for j in range(degree + 1)
+        first = polars[-1] if polars else _blossom(row, knots, k, [a] * degree)
+        polars = (
+            first,
+            *(_blossom(row, knots, k, [a] * (degree - j) + [b] * j) for j in range(1, degree + 1)),
         )
-        piece = from_homogeneous(polars)
-        if pieces:
-            piece = Bezier((pieces[-1].end, *piece.points[1:]), piece.weights)
-        pieces.append(piece)
+        pieces.append(from_homogeneous(polars))
         breaks.append((b - low) / (high - low))
     breaks[-1] = 1.0
     # A clamped spline begins and ends on its control points, to the last bit.

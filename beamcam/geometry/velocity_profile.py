@@ -52,7 +52,10 @@ class VelocityProfile(Struct, frozen=True):
         before, after = t <= 0.0, t >= self.duration_s
         x, v, a = self.distance + 0.0 * t, self.end_velocity + 0.0 * t, 0.0 * t
         if self.phases:
-            start, _, x0, v0, a0, j = self._columns()
+            start, x0, v0, a0, j = np.array(
+                [(p.start_s, p.position, p.velocity, p.acceleration, p.jerk) for p in self.phases],
+                dtype=np.float64,
+            ).T
             k = np.clip(np.searchsorted(start, t, side="right") - 1, 0, len(start) - 1)
             s = t - start[k]
             x = x0[k] + s * (v0[k] + s * (a0[k] / 2 + s * (j[k] / 6)))
@@ -65,10 +68,3 @@ class VelocityProfile(Struct, frozen=True):
         v = np.where(before & ~after, self.start_velocity, v)
         a = np.where((t < 0.0) | (t > self.duration_s), 0.0, a)
         return x, v, a
-
-    def _columns(self) -> Floats:
-        rows = [
-            (p.start_s, p.duration_s, p.position, p.velocity, p.acceleration, p.jerk)
-            for p in self.phases
-        ]
-        return np.array(rows, dtype=np.float64).T

@@ -9,9 +9,12 @@ smallest arc as fast as commanded. So the feed is lowered where a move asks for 
 
 from collections.abc import Iterator, Sequence
 from itertools import groupby, repeat
-from math import cbrt, cos, hypot, inf, radians, sin, sqrt
+from math import cos, hypot, inf, radians, sin, sqrt
 from operator import itemgetter
 
+import numpy as np
+
+from beamcam.geometry.array_types import Floats
 from beamcam.geometry.plane import Point, cross
 from beamcam.machine.machine import PathLimits
 from beamcam.model.program import ArcFeed, EllipseFeed, Feed, Movement, ParabolaFeed, SetFeed
@@ -49,6 +52,8 @@ def min_radius_of_ellipse(on_it: Point, angle_deg: float, ratio: float) -> float
 
 
 SECONDS_PER_MINUTE = 60.0
+
+TINY = 1e-300  #: in place of a length that is divided by
 
 #: A feed is not lowered by less than this share: no machine shows it.
 WORTH_LOWERING = 1e-3
@@ -90,7 +95,7 @@ def _feeds(
         ):
             feed = feed_mm_s
         else:
-            feed = min(feed_mm_s, feasible_mm_s(here, move, limits))
+            feed = min(feed_mm_s, _feasible_mm_s(here, move, limits))
             feed = feed_mm_s if feed > worth else feed
         yield feed
         here = move.x, move.y
@@ -102,23 +107,27 @@ def calm_radius(speed_mm_s: float, limits: PathLimits) -> float:
     return max(speed_mm_s * speed_mm_s / limits.across_mm_s2, by_jerk)
 
 
-def turning_mm_s(radius: float, limits: PathLimits) -> float:
-    """The maximum speed around a radius; the inverse of `calm_radius`."""
-    by_jerk = cbrt(limits.jerk_mm_s3 * radius * radius)
-    return min(limits.speed_mm_s, sqrt(limits.across_mm_s2 * radius), by_jerk)
+def straight_mm_s(steps: Floats, limits: PathLimits) -> Floats:
+    """The maximum speeds at which the axes can follow lines by their steps (n, 2) in X and Y."""
+    along = np.abs(steps) / np.maximum(np.hypot(steps[:, 0], steps[:, 1]), TINY)[:, None]
+    speeds: Floats = np.min((limits.speed_x_mm_s, limits.speed_y_mm_s) / np.maximum(along, TINY), 1)
+    return speeds
 
 
-def feasible_mm_s(here: Point, move: Movement, limits: PathLimits) -> float:
+def turning_mm_s(radii: Floats, limits: PathLimits) -> Floats:
+    """The maximum speeds around radii; the inverse of `calm_radius`."""
+    by_jerk = np.cbrt(limits.jerk_mm_s3 * radii * radii)
+    by_acceleration = np.sqrt(limits.across_mm_s2 * radii)
+    speeds: Floats = np.minimum(limits.speed_mm_s, np.minimum(by_acceleration, by_jerk))
+    return speeds
+
+
+def _feasible_mm_s(here: Point, move: Movement, limits: PathLimits) -> float:
     """The maximum speed at which the axes can follow a move that starts `here`."""
     if isinstance(move, Feed):
-        dx, dy = abs(move.x - here[0]), abs(move.y - here[1])
-        length = hypot(dx, dy)
-        if length == 0.0:
-            return limits.speed_mm_s
-        x = limits.speed_x_mm_s * length / dx if dx else limits.speed_y_mm_s
-        y = limits.speed_y_mm_s * length / dy if dy else limits.speed_x_mm_s
-        return min(x, y)
-    return turning_mm_s(min_radius(here, move), limits)
+        steps = np.array([(move.x - here[0], move.y - here[1])])
+        return float(straight_mm_s(steps, limits)[0])
+    return float(turning_mm_s(np.array(min_radius(here, move)), limits))
 
 
 def min_radius(here: Point, move: ArcFeed | ParabolaFeed | EllipseFeed) -> float:

@@ -77,21 +77,38 @@ def _absorb(into: SpeedSection, other: SpeedSection) -> None:
 
 
 def join_segments(
-    lengths: Sequence[float], limits: Sequence[float], junctions: Sequence[float],
-    accelerations: Sequence[float], jerks: Sequence[float],
-) -> list[SpeedSection]:  # fmt: skip
+    lengths: Floats, limits: Floats, junctions: Floats, accelerations: Floats, jerks: Floats
+) -> list[SpeedSection]:
     """The stretches of a path with n segments and n + 1 junctions, its ends included.
 
     Stretches without length are junctions whose limit stands for itself. Each segment is looked
     at a bounded number of times on average: a level tower is never looked at again.
     """
+    count = len(junctions)
+    # Junctions and segments in turns; those of one limit that follow one another are one.
+    skyline_limits = _in_turns(junctions, limits)
+    begins = np.flatnonzero(np.append(True, skyline_limits[1:] != skyline_limits[:-1]))
+    behind = np.append(begins[1:], 2 * count - 1)
+    level = zip(
+        skyline_limits[begins].tolist(),
+        np.add.reduceat(_in_turns(np.zeros(count), lengths), begins).tolist(),
+        (begins // 2).tolist(),
+        (behind // 2).tolist(),
+        np.minimum.reduceat(_in_turns(np.full(count, inf), accelerations), begins).tolist(),
+        np.minimum.reduceat(_in_turns(np.full(count, inf), jerks), begins).tolist(),
+        strict=True,
+    )
     skyline: list[SpeedSection] = []
-    for i, junction in enumerate(junctions):
-        _add(skyline, SpeedSection(junction, 0.0, i, i, inf, inf))
-        if i < len(lengths):
-            segment = SpeedSection(limits[i], lengths[i], i, i + 1, accelerations[i], jerks[i])
-            _add(skyline, segment)
+    for section in level:
+        _add(skyline, SpeedSection(*section))
     return _join_stairs(skyline)
+
+
+def _in_turns(junctions: Floats, segments: Floats) -> Floats:
+    """Numbers of n + 1 junctions and of the n segments between them, in turns."""
+    both = np.empty(len(junctions) + len(segments))
+    both[::2], both[1::2] = junctions, segments
+    return both
 
 
 def _add(skyline: list[SpeedSection], new: SpeedSection) -> None:
@@ -311,9 +328,7 @@ def plan_speeds(points: ArrayLike, speed_mm_s: ArrayLike, rules: LookAheadRules)
     acceleration = np.where(curving, ALONG_SHARE * acceleration, acceleration)
     ends = np.concatenate(([0.0], junctions, [0.0]))
     ends[1:-1] = np.minimum(ends[1:-1], np.minimum(limits[:-1], limits[1:]))
-    stretches = join_segments(
-        lengths.tolist(), limits.tolist(), ends.tolist(), acceleration.tolist(), jerk.tolist()
-    )
+    stretches = join_segments(lengths, limits, ends, acceleration, jerk)
     moving, speeds = joint_speeds(stretches)
     return cut_phases(p, lengths, along, moving, np.array(speeds))
 

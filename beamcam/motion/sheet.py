@@ -48,13 +48,13 @@ from beamcam.model.program import (
 from beamcam.motion.arcs import (
     ROUND_RATIO,
     ChainMoves,
+    Numbers,
     ellipse_feeds,
     is_parabola,
     parabola_feed,
     paths_along,
 )
 from beamcam.motion.feed_limits import paced
-from beamcam.motion.spans import Numbers
 
 SHORT = 0.05  #: mm of a curve that is part of a corner
 #: mm: no move is made shorter than this by where it begins to be near a corner.

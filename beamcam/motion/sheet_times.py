@@ -9,39 +9,35 @@ axes can follow and a junction to the next. Where the machine's file has no axes
 full speed.
 """
 
-from collections.abc import Callable, Iterator, Sequence
-from math import asin, atan2, cbrt, ceil, cos, degrees, dist, hypot, inf, radians, sin, sqrt
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from math import atan2, cos, degrees, hypot, inf, isfinite, radians, sin
 
+import numpy as np
 from msgspec import Struct
 
-from beamcam.geometry.curves import Arc, Bezier, EllipseArc, Line
-from beamcam.geometry.plane import Point, cross
+from beamcam.controllers.events import Lift, Pause, TableEvent, Touch
+from beamcam.geometry.array_types import Counts, Floats
+from beamcam.geometry.arrays import rows, unit_vectors
+from beamcam.geometry.curves import Bezier, EllipseArc
+from beamcam.geometry.plane import Point
 from beamcam.geometry.ramps import move_seconds, stretch_seconds
 from beamcam.machine.machine import Machine, PathLimits, path_limits
-from beamcam.machine.tables import Triggers
 from beamcam.model.plan import SheetPlan, WorkTime
 from beamcam.model.program import (
     ArcFeed,
-    ArcTravel,
     EllipseFeed,
     Feed,
-    LiftTorch,
     Movement,
     ParabolaFeed,
     PassEnd,
     Program,
     SetFeed,
-    SwitchTool,
     ToolOff,
     ToolOn,
     Traverse,
-    TriggerOp,
-    TriggerTable,
 )
-from beamcam.motion.feed_limits import feasible_mm_s
+from beamcam.motion.feed_limits import min_radius, straight_mm_s, turning_mm_s
 from beamcam.motion.lookahead import SpeedSection, join_segments, joint_speeds
-from beamcam.motion.step_events import MICROSECONDS
-from beamcam.motion.steps import plan_way, ways
 
 SECONDS_PER_MINUTE = 60.0
 HOME: Point = (0.0, 0.0)
@@ -50,14 +46,15 @@ HOME: Point = (0.0, 0.0)
 SMOOTH_COS = cos(radians(1.0))
 
 
-class Segment(Struct, frozen=True, gc=False):
-    """A move as the look-ahead sees it."""
+class Segments(Struct, frozen=True):
+    """Moves as the look-ahead sees them: those of many moves that go somewhere, as arrays (n,)."""
 
-    length: float
-    speed_mm_s: float
-    acceleration_mm_s2: float
-    enters: Point  #: direction, of length 1
-    leaves: Point
+    places: Counts  #: among the moves
+    lengths: Floats
+    speeds_mm_s: Floats
+    accelerations_mm_s2: Floats
+    enters: Floats  #: directions (n, 2), of length 1
+    leaves: Floats
 
 
 def program_time(
@@ -71,7 +68,7 @@ def program_time(
     `standing` says how long the head stands while a tool is started and stopped, where that is more
     than its waits to preheat and to pierce.
     """
-    return by_operation(plan, _passes(program, machine, standing))
+    return by_operation(plan, iter(_passes(program, machine, standing)))
 
 
 def by_operation(plan: SheetPlan, passes: Iterator[float]) -> WorkTime:
@@ -81,124 +78,169 @@ def by_operation(plan: SheetPlan, passes: Iterator[float]) -> WorkTime:
 
 
 def _passes(
-    program: Program, machine: Machine, standing: Callable[[ToolOn], float] | None = None
-) -> Iterator[float]:
+    program: Program, machine: Machine, standing: Callable[[ToolOn], float] | None
+) -> list[float]:
     """Seconds of each pass with the traverse before it, and of the return home."""
-    limits = path_limits(machine)
-    rapid = machine.needed(machine.torch, "torch").traverse_mm_min / SECONDS_PER_MINUTE
-    here, seconds, feed = HOME, 0.0, 0.0
-    segments: list[Segment] = []
+    here, feed = HOME, 0.0
+    seconds = [0.0]  # of waits; the last pass is the one that goes on
+    moves: list[tuple[Point, Movement, float, int]] = []  # start, move, feed and pass
+    traverses: list[tuple[Point, Point, int]] = []
     for command in program.commands:
         match command:
             case Feed() | ArcFeed() | ParabolaFeed() | EllipseFeed():
-                segment = segment_of(here, command, feed, limits)
-                if segment is not None:
-                    segments.append(segment)
+                moves.append((here, command, feed, len(seconds) - 1))
                 here = command.x, command.y
             case Traverse():
-                seconds += _traverse_seconds(here, (command.x, command.y), rapid, limits)
-                here = command.x, command.y
+                end = command.x, command.y
+                traverses.append((here, end, len(seconds) - 1))
+                here = end
             case ToolOn():
                 feed = command.feed_mm_min / SECONDS_PER_MINUTE
                 waits = command.preheat_s + command.pierce_s
-                seconds += waits if standing is None else standing(command)
+                seconds[-1] += waits if standing is None else standing(command)
             case SetFeed():
                 feed = command.feed_mm_min / SECONDS_PER_MINUTE
             case ToolOff() | PassEnd():
-                yield seconds + seconds_along(segments, limits)
-                seconds, segments = 0.0, []
-    yield seconds + _traverse_seconds(here, HOME, rapid, limits)
+                seconds.append(0.0)
+    traverses.append((here, HOME, len(seconds) - 1))
+    for number, spent in _traverse_seconds(traverses, machine):
+        seconds[number] += spent
+    if moves:
+        starts, fed, feeds, passes = zip(*moves, strict=True)
+        for number, spent in _feed_seconds(starts, fed, feeds, passes, path_limits(machine)):
+            seconds[number] += spent
+    return seconds
 
 
-def _traverse_seconds(start: Point, end: Point, rapid: float, limits: PathLimits | None) -> float:
+def _traverse_seconds(
+    traverses: Sequence[tuple[Point, Point, int]], machine: Machine
+) -> Iterator[tuple[int, float]]:
+    """The pass of each traverse, and its seconds from rest to rest."""
+    limits = path_limits(machine)
+    rapid = machine.needed(machine.torch, "torch").traverse_mm_min / SECONDS_PER_MINUTE
+    steps = rows([(b[0] - a[0], b[1] - a[1]) for a, b, _ in traverses], 2)
+    ways = np.hypot(steps[:, 0], steps[:, 1])
     if limits is None:
-        return dist(start, end) / rapid
-    speed = min(rapid, feasible_mm_s(start, Feed(*end), limits))
-    return move_seconds(dist(start, end), speed, limits.straight_mm_s2, limits.jerk_mm_s3)
-
-
-def segment_of(
-    here: Point, move: Movement, feed_mm_s: float, limits: PathLimits | None
-) -> Segment | None:
-    """A move that starts `here`; None if it goes nowhere."""
-    straight = type(move) is Feed
-    if straight:
-        x, y = move.x - here[0], move.y - here[1]
-        length = hypot(x, y)
-        enters = leaves = (x / length, y / length) if length else (1.0, 0.0)
+        times = (ways / rapid).tolist()
     else:
-        curve = curve_of(here, move)
-        length, enters, leaves = curve.length, curve.tangent(0.0), curve.tangent(1.0)
-    if length == 0.0:
-        return None
-    if limits is None:
-        return Segment(length, feed_mm_s, inf, enters, leaves)
-    speed = min(feed_mm_s, feasible_mm_s(here, move, limits))
-    along = limits.straight_mm_s2 if straight else limits.along_mm_s2
-    return Segment(length, speed, along, enters, leaves)
+        speeds = np.minimum(rapid, straight_mm_s(steps, limits)).tolist()
+        times = [
+            move_seconds(way, speed, limits.straight_mm_s2, limits.jerk_mm_s3)
+            for way, speed in zip(ways.tolist(), speeds, strict=True)
+        ]
+    yield from zip((number for _, _, number in traverses), times, strict=True)
 
 
-def seconds_along(segments: Sequence[Segment], limits: PathLimits | None) -> float:
-    """Time from rest to rest along segments that follow one another."""
-    if not segments:
-        return 0.0
+def _feed_seconds(
+    starts: Sequence[Point],
+    moves: Sequence[Movement],
+    feeds_mm_s: Sequence[float],
+    passes: Sequence[int],
+    limits: PathLimits | None,
+) -> Iterator[tuple[int, float]]:
+    """Passes and seconds of all stretches; a pass runs from rest to rest."""
+    segments = segments_of(starts, moves, feeds_mm_s, limits)
+    owners = np.array(passes)[segments.places]
     if limits is None:
-        return sum(s.length / s.speed_mm_s for s in segments)
-    moving, speeds = speeds_along(segments, limits)
-    return sum(
-        stretch_seconds(s.length, first, last, s.limit, s.acceleration, s.jerk)
-        for s, first, last in zip(moving, speeds, speeds[1:], strict=False)
+        times = (segments.lengths / segments.speeds_mm_s).tolist()
+        yield from zip(owners.tolist(), times, strict=True)
+        return
+    moving, speeds = speeds_along(segments, owners, limits)
+    for s, first, last in zip(moving, speeds, speeds[1:], strict=False):
+        spent = stretch_seconds(s.length, first, last, s.limit, s.acceleration, s.jerk)
+        yield int(owners[s.first]), spent
+
+
+def segments_of(
+    starts: Sequence[Point],
+    moves: Sequence[Movement],
+    feeds_mm_s: Sequence[float],
+    limits: PathLimits | None,
+) -> Segments:
+    """Moves and the places that they start at, at their feeds or as fast as the axes follow."""
+    steps = rows([(move.x, move.y) for move in moves], 2) - rows(starts, 2)
+    lengths = np.hypot(steps[:, 0], steps[:, 1])
+    enters = steps / np.where(lengths > 0.0, lengths, 1.0)[:, None]
+    leaves = enters.copy()
+    radii = np.full(len(moves), inf)
+    arcs = [k for k, move in enumerate(moves) if type(move) is ArcFeed]
+    lengths[arcs], radii[arcs], enters[arcs], leaves[arcs] = _along_arcs(
+        [moves[k] for k in arcs], steps[arcs]
     )
+    for k, move in enumerate(moves):
+        if isinstance(move, ParabolaFeed | EllipseFeed):
+            curve = curve_of(starts[k], move)
+            lengths[k], radii[k] = curve.length, min_radius(starts[k], move)
+            enters[k], leaves[k] = curve.tangent(0.0), curve.tangent(1.0)
+    speeds = np.array(feeds_mm_s, dtype=np.float64)
+    accelerations = np.full(len(moves), inf)
+    if limits is not None:
+        straight = radii == inf
+        turning = turning_mm_s(radii, limits)
+        speeds = np.minimum(speeds, np.where(straight, straight_mm_s(steps, limits), turning))
+        accelerations = np.where(straight, limits.straight_mm_s2, limits.along_mm_s2)
+    at = np.flatnonzero(lengths > 0.0)
+    return Segments(at, lengths[at], speeds[at], accelerations[at], enters[at], leaves[at])
+
+
+def _along_arcs(arcs: Sequence[Movement], steps: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+    """Lengths and radii of arcs, and their directions at both ends.
+
+    `steps` lead from their starts to their ends; an arc that ends where it starts is a circle.
+    """
+    centre = rows([(a.i, a.j) for a in arcs if isinstance(a, ArcFeed)], 2)
+    turn = np.array([-1.0 if a.clockwise else 1.0 for a in arcs if isinstance(a, ArcFeed)])
+    radii = np.hypot(centre[:, 0], centre[:, 1])
+    angles = [np.degrees(np.arctan2(out[:, 1], out[:, 0])) for out in (-centre, steps - centre)]
+    sweeps = np.mod(turn * (angles[1] - angles[0]), 360.0)
+    sweeps[~np.any(steps, axis=1)] = 360.0
+    enters, leaves = (turn[:, None] * unit_vectors(angle + 90.0) for angle in angles)
+    return radii * np.radians(sweeps), radii, enters, leaves
 
 
 def speeds_along(
-    segments: Sequence[Segment], limits: PathLimits
+    segments: Segments, passes: Counts, limits: PathLimits
 ) -> tuple[list[SpeedSection], list[float]]:
-    """The stretches of segments that follow one another, and the speeds at their joints."""
-    count = len(segments)
-    junctions = [0.0, *(_junction_mm_s(segments, k, limits) for k in range(1, count)), 0.0]
+    """The stretches of segments, and the speeds at their joints: rest between two passes."""
+    if not len(passes):
+        return [], [0.0]
+    junctions = _junctions_mm_s(segments, limits)
+    junctions[passes[1:] != passes[:-1]] = 0.0
+    jerks = np.full(len(passes), limits.jerk_mm_s3)
     stretches = join_segments(
-        [s.length for s in segments], [s.speed_mm_s for s in segments], junctions,
-        [s.acceleration_mm_s2 for s in segments], [limits.jerk_mm_s3] * count,
+        segments.lengths, segments.speeds_mm_s, np.concatenate(([0.0], junctions, [0.0])),
+        segments.accelerations_mm_s2, jerks,
     )  # fmt: skip
     return joint_speeds(stretches)
 
 
-def _junction_mm_s(segments: Sequence[Segment], index: int, limits: PathLimits) -> float:
-    """Greatest speed from the segment before `index` into that one.
+def _junctions_mm_s(segments: Segments, limits: PathLimits) -> Floats:
+    """Greatest speeds (n - 1,) from each segment into the next.
 
     Around a corner: that of a circle `corner` from it (grbl), and one at which the turn is made
     within half of both segments (Klipper): what limits a curve that was drawn in short lines.
     """
-    before, after = segments[index - 1], segments[index]
-    least = min(before.speed_mm_s, after.speed_mm_s)
-    (ax, ay), (bx, by) = before.leaves, after.enters
-    cosine = ax * bx + ay * by
-    if cosine >= SMOOTH_COS:
-        return least
+    lengths, speeds = segments.lengths, segments.speeds_mm_s
+    least = np.minimum(speeds[:-1], speeds[1:])
+    cosine = np.einsum("ij,ij->i", segments.leaves[:-1], segments.enters[1:])
+    smooth = cosine >= SMOOTH_COS
     if limits.corner == 0.0:
-        return 0.0
+        return np.where(smooth, least, 0.0)
     whole = hypot(limits.along_mm_s2, limits.across_mm_s2)
-    half_sine = sqrt(max(0.0, 1.0 + cosine) / 2)
-    half_cosine = sqrt((1.0 - cosine) / 2)
+    half_sine = np.sqrt(np.maximum(0.0, 1.0 + cosine) / 2)
+    half_cosine = np.sqrt((1.0 - np.where(smooth, 0.0, cosine)) / 2)
     corner = whole * limits.corner * half_sine * (1.0 + half_sine) / half_cosine**2
-    short = min(before.length, after.length)
+    short = np.minimum(lengths[:-1], lengths[1:])
     spread = 0.5 * short * half_sine / half_cosine * limits.across_mm_s2
-    by_jerk = cbrt(limits.jerk_mm_s3 * (short / (2.0 * half_cosine)) ** 2)
-    return min(least, sqrt(min(corner, spread)), by_jerk)
+    by_jerk = np.cbrt(limits.jerk_mm_s3 * (short / (2.0 * half_cosine)) ** 2)
+    turned = np.minimum(np.sqrt(np.minimum(corner, spread)), by_jerk)
+    return np.where(smooth, least, np.minimum(least, turned))
 
 
-def curve_of(here: Point, move: Movement) -> Line | Arc | Bezier | EllipseArc:
-    """The curve of a move that starts `here`; an arc that ends where it starts is a circle."""
+def curve_of(here: Point, move: ParabolaFeed | EllipseFeed) -> Bezier | EllipseArc:
+    """The curve of a move that starts `here`; an ellipse that ends where it starts is whole."""
     end = move.x, move.y
     match move:
-        case Feed():
-            return Line(here, end)
-        case ArcFeed(i=i, j=j, clockwise=clockwise):
-            centre = here[0] + i, here[1] + j
-            first = degrees(atan2(-j, -i))
-            last = degrees(atan2(end[1] - centre[1], end[0] - centre[0]))
-            return Arc(centre, hypot(i, j), first, _sweep_deg(here, end, first, last, clockwise))
         case ParabolaFeed(i=i, j=j):
             vertex = here[0] + i, here[1] + j
             control = tuple(2 * v - (a + b) / 2 for v, a, b in zip(vertex, here, end, strict=True))
@@ -231,90 +273,42 @@ def _sweep_deg(start: Point, end: Point, first: float, last: float, clockwise: b
     return (last - first) % 360.0
 
 
-# --- table times ----------------------------------------------------------------------------------
+# --- the torch up and down ------------------------------------------------------------------------
 
-# Run times of tables without G-code: chains of triggers, and step tables.
-
-
-HeadPlace = tuple[float, float, float]  #: X, Y, and the height over the sheet
-
-CYCLE_SLACK = 1e-9
+# Times of a torch that the program moves up and down, each move from rest to rest by itself.
 
 
-def trigger_time(plan: SheetPlan, table: TriggerTable, machine: Machine) -> WorkTime:
-    """Run time of a chain of triggers, from the corner of the work area and back to it.
+class LiftTimes:
+    """The height of a torch while its program runs, and how long its moves take.
 
-    Each operation runs from rest to rest; the next begins in the cycle behind the one that sees
-    its arrival. Homing is not included, as its start position is unknown.
+    It begins at the clearance. At a height that nothing says, and at the top of its axis, it counts
+    as there too.
     """
-    return by_operation(
-        plan, _table_passes(table, machine.needed(machine.triggers, "trigger program"))
+
+    def __init__(self, machine: Machine) -> None:
+        torch = machine.needed(machine.torch, "torch")
+        self.height = self._clearance = torch.clearance
+        self._rapid_mm_min = torch.traverse_mm_min
+        self._axis = next((axis for axis in machine.axes if axis.moves == "Z"), None)
+
+    def seconds(self, event: Lift | Touch) -> float:
+        """How long a move takes; the torch is where it ends."""
+        height = event.height if isinstance(event, Touch) else event.end
+        height = height if isfinite(height) else self._clearance
+        is_fed = not (isinstance(event, Lift) and event.rapid) and event.feed_mm_min > 0.0
+        speed = (event.feed_mm_min if is_fed else self._rapid_mm_min) / SECONDS_PER_MINUTE
+        way, self.height = abs(height - self.height), height
+        if self._axis is None:
+            return way / speed
+        jerk = inf if self._axis.jerk is None else self._axis.jerk
+        return move_seconds(way, min(speed, self._axis.speed), self._axis.acceleration, jerk)
+
+
+def standing_seconds(events: Iterable[TableEvent], machine: Machine) -> float:
+    """How long the head stands for some events: moves of the torch in Z, and pauses."""
+    times = LiftTimes(machine)
+    return sum(
+        event.seconds if isinstance(event, Pause) else times.seconds(event)
+        for event in events
+        if isinstance(event, Pause | Lift | Touch)
     )
-
-
-def _table_passes(table: TriggerTable, triggers: Triggers) -> Iterator[float]:
-    """Seconds of each pass with the traverse to it, and of the return home."""
-    here, seconds = (0.0, 0.0, triggers.home_over(table.thickness)), 0.0
-    for op in table.operations:
-        seconds += operation_seconds(op, here, triggers)
-        here = place_behind(op, here)
-        if isinstance(op, SwitchTool) and not op.on:
-            yield seconds
-            seconds = 0.0
-    yield seconds
-
-
-def length_through(start: Point, middle: Point, end: Point) -> float:
-    """Length of the arc through three points, neither half of it above half a circle."""
-    a, b, c = dist(start, middle), dist(middle, end), dist(start, end)
-    to_middle = middle[0] - start[0], middle[1] - start[1]
-    twice_area = abs(cross(to_middle, (end[0] - start[0], end[1] - start[1])))
-    if twice_area <= 1e-12 * c * c:
-        return a + b
-    radius = a * b * c / (2 * twice_area)
-    return 2 * radius * sum(asin(min(1.0, chord / (2 * radius))) for chord in (a, b))
-
-
-def place_behind(op: TriggerOp, here: HeadPlace) -> HeadPlace:
-    """Where an operation that starts `here` ends."""
-    if isinstance(op, LiftTorch):
-        return *here[:2], op.height
-    return here if isinstance(op, SwitchTool) else (op.x, op.y, here[2])
-
-
-def operation_seconds(op: TriggerOp, here: HeadPlace, triggers: Triggers) -> float:
-    """Seconds from an operation that starts `here` to the start of the next one."""
-    cycles = ceil(_seconds(op, here, triggers) / triggers.cycle_s - CYCLE_SLACK) + 1
-    return cycles * triggers.cycle_s
-
-
-def _seconds(op: TriggerOp, here: HeadPlace, triggers: Triggers) -> float:
-    if isinstance(op, SwitchTool):
-        return op.wait_s
-    way = dist(here, place_behind(op, here))
-    if isinstance(op, ArcTravel):
-        way = length_through(here[:2], (op.middle_x, op.middle_y), (op.x, op.y))
-    return move_seconds(way, op.speed_mm_s, triggers.acceleration)
-
-
-def step_time(plan: SheetPlan, machine: Machine) -> WorkTime:
-    """Run time of a step table: until its last step, and the standstill after it.
-
-    Each way is planned by the look-ahead, from rest to rest, as for the rows themselves.
-    """
-    return by_operation(plan, _way_passes(plan, machine))
-
-
-def _way_passes(plan: SheetPlan, machine: Machine) -> Iterator[float]:
-    """Seconds of each pass with the way to it, and of the return home."""
-    stepper = machine.needed(machine.stepper, "stepping motors")
-    rest_us = int(2 * MICROSECONDS / stepper.max_hz) + 1
-    microseconds = 0
-    for way in ways(plan, machine):
-        waits = round(way.wait_s * MICROSECONDS) if way.laser else 0
-        moves = ceil(plan_way(way, stepper).duration_s * MICROSECONDS)
-        microseconds += waits + moves + 2 * rest_us
-        if way.laser:
-            yield microseconds / MICROSECONDS
-            microseconds = 0
-    yield microseconds / MICROSECONDS

@@ -163,7 +163,7 @@ def _read_as(known: Format, data: bytes, name: str, options: Mapping[str, object
     tube = options.get("wrap")
     if tube is None or known.name not in ("dxf", "svg") or reading.refused:
         return reading
-    from beamcam.readers.drawing.wrap import wrapped
+    from beamcam.readers.drawing import wrapped
 
     return wrapped(reading, str(tube))
 

@@ -12,7 +12,7 @@ from msgspec import Struct
 from beamcam.checks.steps.velocities import TableRow
 from beamcam.controllers.simotion.axes import circle_points
 from beamcam.controllers.simotion.job import JobRead, TableOperation
-from beamcam.controllers.step_table.rows import Rows
+from beamcam.controllers.step_table import Rows
 from beamcam.errors import Diagnostic, Source, VerifyError, errors_in
 from beamcam.geometry.array_types import Counts, Floats
 from beamcam.geometry.ramps import move_seconds, ramp
@@ -22,7 +22,7 @@ from beamcam.machine.tables import Stepper
 from beamcam.model.part import Part
 from beamcam.model.program import ArcTravel, LiftTorch, SwitchTool, Travel, TriggerOp
 from beamcam.motion.lookahead import SpeedSection
-from beamcam.motion.sheet_times import operation_seconds, place_behind
+from beamcam.motion.table_times import operation_seconds, place_behind
 from beamcam.simulation import ENDLESS
 from beamcam.simulation.course import ramp_intervals
 from beamcam.simulation.trace import (
@@ -133,8 +133,13 @@ def _triggers(text: str, machine: Machine, name: str) -> Simulated:
 def _steps(data: str | bytes, machine: Machine, name: str, style: str) -> Simulated:
     from beamcam.checks.steps import FORMS, VELOCITIES
     from beamcam.checks.steps.velocities import stretches
-    from beamcam.controllers.step_table.header import header_rows
-    from beamcam.controllers.step_table.rows import Stream, TableFault, binary_rows, text_rows
+    from beamcam.controllers.step_table import (
+        Stream,
+        TableFault,
+        binary_rows,
+        header_rows,
+        text_rows,
+    )
 
     stepper = machine.needed(machine.stepper, "stepping motors")
     form = style if style in FORMS else machine.suffix

@@ -17,11 +17,16 @@ from beamcam.geometry.array_types import Counts
 from beamcam.geometry.curves import Arc, Bezier, Curve, EllipseArc, Line
 from beamcam.geometry.plane import Point
 from beamcam.geometry.polylines import polylines
-from beamcam.machine.machine import Machine, path_limits
+from beamcam.machine.machine import Machine, PathLimits, path_limits
 from beamcam.model.program import ArcFeed, EllipseFeed, Feed, Movement, ParabolaFeed
-from beamcam.motion.lift_times import LiftTimes
 from beamcam.motion.lookahead import SpeedSection
-from beamcam.motion.sheet_times import SECONDS_PER_MINUTE, Segment, segment_of, speeds_along
+from beamcam.motion.sheet_times import (
+    SECONDS_PER_MINUTE,
+    LiftTimes,
+    Segments,
+    segments_of,
+    speeds_along,
+)
 from beamcam.simulation.trace import (
     UNIFORM,
     Chords,
@@ -92,7 +97,7 @@ class _Up(Struct, frozen=True):
 class _Path(Struct, frozen=True):
     """The head moves from rest to rest."""
 
-    first: int  #: of its segments
+    first: int  #: of its moves
     last: int  #: behind the last of them
     state: State
 
@@ -107,7 +112,9 @@ class _HeadPath:
         self.state = State()
         self.here: Point = (0.0, 0.0)  #: a program begins in the corner of the table
         self.curves: list[Curve] = []
-        self.segments: list[Segment] = []
+        self.starts: list[Point] = []
+        self.moves: list[Movement] = []
+        self.feeds_mm_s: list[float] = []
         self.lines: list[int] = []
         self.steps: list[_Wait | _Path | _Up] = []
         torch = machine.needed(machine.torch, "torch")
@@ -116,19 +123,18 @@ class _HeadPath:
 
     def follow(self, legs: Sequence[HeadMove]) -> None:
         """Moves from rest to rest."""
-        first = len(self.segments)
+        first = len(self.moves)
         for leg in legs:
             start = self.here if isnan(leg.start[0]) or isnan(leg.start[1]) else leg.start
             feed = self.rapid_mm_min if leg.rapid or not leg.feed_mm_min else leg.feed_mm_min
-            move = _movement(leg, start)
-            segment = segment_of(start, move, feed / SECONDS_PER_MINUTE, self.limits)
-            if segment is not None:
-                self.curves.append(leg.curve or Line(start, leg.end))
-                self.segments.append(segment)
-                self.lines.append(leg.line)
+            self.curves.append(leg.curve or Line(start, leg.end))
+            self.starts.append(start)
+            self.moves.append(_movement(leg, start))
+            self.feeds_mm_s.append(feed / SECONDS_PER_MINUTE)
+            self.lines.append(leg.line)
             self.here = leg.end
-        if len(self.segments) > first:
-            self.steps.append(_Path(first, len(self.segments), self.state))
+        if len(self.moves) > first:
+            self.steps.append(_Path(first, len(self.moves), self.state))
 
     def lift(self, event: Lift | Touch) -> None:
         """The torch up or down, or to the sheet; one axis from rest to rest."""
@@ -139,11 +145,17 @@ class _HeadPath:
         """All of it."""
         height = (self.clearance,) if self.lifts else ()
         builder = TraceBuilder(head_axes(self.machine), (0.0, 0.0, *height))
-        if not self.segments:
+        segments = segments_of(self.starts, self.moves, self.feeds_mm_s, self.limits)
+        if not len(segments.places):
             return builder.trace()
-        chords, firsts = self._chords()
-        run = self._uniform(chords, firsts) if self.limits is None else self._timed(chords, firsts)
+        chords, firsts = self._chords(segments)
+        if self.limits is None:
+            run = _uniform(segments, chords, firsts)
+        else:
+            run = _timed(segments, chords, firsts, self._paths()[segments.places], self.limits)
+        # Where the phases of each move begin; one that goes nowhere has none.
         edges = np.searchsorted(run.chord, firsts)
+        edges = edges[np.searchsorted(segments.places, np.arange(len(self.moves) + 1))]
         for step in self.steps:
             if isinstance(step, _Wait):
                 builder.wait(step.seconds, step.line, step.state)
@@ -153,6 +165,8 @@ class _HeadPath:
                 builder.add([step.seconds], [end], UNIFORM, step.line, step.state)
                 continue
             own = slice(int(edges[step.first]), int(edges[step.last]))
+            if own.start == own.stop:
+                continue
             lines = chords.lines[run.chord[own]]
             ends = run.ends[own]
             if self.lifts:
@@ -160,11 +174,17 @@ class _HeadPath:
             builder.add(run.seconds[own], ends, run.slopes[own], lines, step.state)
         return builder.trace()
 
-    def _chords(self) -> tuple[Chords, Counts]:
-        """The chords of all curves, and the number of the first one of each."""
-        drawn = polylines(self.curves, CHORD_TOLERANCE)
+    def _paths(self) -> Counts:
+        """The number of the path of each move."""
+        paths = [step for step in self.steps if isinstance(step, _Path)]
+        return np.repeat(np.arange(len(paths)), [path.last - path.first for path in paths])
+
+    def _chords(self, segments: Segments) -> tuple[Chords, Counts]:
+        """The chords of the curves of segments, and the number of the first one of each."""
+        count = len(segments.places)
+        drawn = polylines([self.curves[k] for k in segments.places.tolist()], CHORD_TOLERANCE)
         counts = np.diff(drawn.begins) - 1
-        owner = np.repeat(np.arange(len(self.curves)), counts)
+        owner = np.repeat(np.arange(count), counts)
         inner = np.ones(len(drawn.points), dtype=bool)
         inner[drawn.begins[:-1]] = False
         ends = drawn.points[inner]
@@ -172,34 +192,30 @@ class _HeadPath:
         step = ends - begins
         lengths = np.hypot(step[:, 0], step[:, 1])
         # The chords of a curve share its length, so that it takes the time that it takes.
-        whole = np.bincount(owner, lengths, len(self.curves))
-        lengths = lengths * (np.array([s.length for s in self.segments]) / whole)[owner]
-        lines = np.array(self.lines, dtype=np.int64)[owner]
+        lengths = lengths * (segments.lengths / np.bincount(owner, lengths, count))[owner]
+        lines = np.array(self.lines, dtype=np.int64)[segments.places[owner]]
         return Chords(begins, ends, lengths, lines), np.concatenate(([0], np.cumsum(counts)))
 
-    def _uniform(self, chords: Chords, firsts: Counts) -> Phases:
-        """Each segment at its full speed, where the machine's file has no axes."""
-        speeds = np.repeat([s.speed_mm_s for s in self.segments], np.diff(firsts))
-        count = len(chords.lengths)
-        return Phases(np.arange(count), chords.lengths / speeds, chords.ends, np.ones((count, 2)))
 
-    def _timed(self, chords: Chords, firsts: Counts) -> Phases:
-        """The look-ahead over each path, and the phases of all of them."""
-        assert self.limits is not None
-        sections: list[SpeedSection] = []
-        joints = [0.0]
-        for step in self.steps:
-            if isinstance(step, _Path):
-                moving, speeds = speeds_along(self.segments[step.first : step.last], self.limits)
-                sections += [
-                    SpeedSection(
-                        s.limit, s.length, int(firsts[step.first + s.first]),
-                        int(firsts[step.first + s.last]), s.acceleration, s.jerk,
-                    )
-                    for s in moving
-                ]  # fmt: skip
-                joints += speeds[1:]
-        return phases_of(chords, sections, joints)
+def _uniform(segments: Segments, chords: Chords, firsts: Counts) -> Phases:
+    """Each segment at its full speed, where the machine's file has no axes."""
+    speeds = np.repeat(segments.speeds_mm_s, np.diff(firsts))
+    count = len(chords.lengths)
+    return Phases(np.arange(count), chords.lengths / speeds, chords.ends, np.ones((count, 2)))
+
+
+def _timed(
+    segments: Segments, chords: Chords, firsts: Counts, paths: Counts, limits: PathLimits
+) -> Phases:
+    """The look-ahead over the segments of all paths, and their phases."""
+    moving, joints = speeds_along(segments, paths, limits)
+    sections = [
+        SpeedSection(
+            s.limit, s.length, int(firsts[s.first]), int(firsts[s.last]), s.acceleration, s.jerk
+        )
+        for s in moving
+    ]
+    return phases_of(chords, sections, joints)
 
 
 def _movement(leg: HeadMove, start: Point) -> Movement:

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from beamcam.controllers import table_run
 from beamcam.controllers.codesys.curves import arc_fault as codesys_fault
 from beamcam.controllers.interpreter import arc_of
-from beamcam.controllers.rs274 import grbl, linuxcnc
+from beamcam.controllers.rs274.variants import VARIANTS
 from beamcam.geometry.curves import Arc, Bezier, EllipseArc
 from beamcam.machine import load
 from beamcam.model.program import ArcFeed, EllipseFeed, Feed, Movement
@@ -31,8 +31,8 @@ def codesys_check(start: Point, end: Point, centre: Point, clockwise: bool) -> s
 
 CHECKS: dict[str, Callable[[Point, Point, Point, bool], str | None]] = {
     "plate-codesys": codesys_check,
-    "plate-linuxcnc": linuxcnc.arc_fault,
-    "laser-grbl": grbl.arc_fault,
+    "plate-linuxcnc": VARIANTS["linuxcnc"].arc_fault,
+    "laser-grbl": VARIANTS["grbl"].arc_fault,
 }
 
 

@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from beamcam.errors import Source
 from beamcam.readers import dxf
 from beamcam.readers.content import Reading
 from beamcam.readers.dxf import bulk, load
@@ -238,6 +239,28 @@ def test_damaged_drawings_read_the_same(data: bytes, dice: random.Random) -> Non
             rows[i], rows[j] = rows[j], rows[i]
         case _:
             rows[i] = dice.choice([b"", b"-1", b"nan", b"0", b"ENDSEC", b"\xff", b"EOF", b"67"])
+    assert_same(b"\n".join(rows))
+
+
+SMALL = [p for p in SAMPLES if p.name in ("badge-cm.dxf", "gasket-inch.dxf", "layers.dxf")]
+FRAME = [b"", b"-1", b"nan", b"0", b"ENDSEC", b"\xff", b"EOF", b"67", b"100", b"10", b"LAYER", b"2"]
+
+
+@settings(max_examples=examples(60), deadline=None)
+@given(st.sampled_from(SMALL), st.randoms(use_true_random=False))
+def test_files_damaged_around_their_entities_read_the_same(path: Path, dice: random.Random) -> None:
+    rows = path.read_bytes().replace(b"\r\n", b"\n").split(b"\n")
+    assert load.load_document(b"\n".join(rows), Source("a")).document is None  # without ezdxf
+    i, j = (dice.randrange(rows.index(b"ENTITIES")) for _ in "ij")
+    match dice.randrange(4):
+        case 0:
+            del rows[i : i + dice.randint(1, 3)]
+        case 1:
+            rows.insert(i, rows[j])
+        case 2:
+            rows[i], rows[j] = rows[j], rows[i]
+        case _:
+            rows[i] = dice.choice(FRAME)
     assert_same(b"\n".join(rows))
 
 

@@ -120,6 +120,5 @@ def test_the_least_radius_of_an_ellipse_is_that_of_its_sharp_end(centre, major, 
 
 @given(st.floats(0.5, 300), limits_of_tables)
 def test_radius_and_speed_answer_each_other(speed, limits):
-    assert turning_mm_s(calm_radius(speed, limits), limits) == pytest.approx(
-        min(speed, limits.speed_mm_s)
-    )
+    radii = np.array([calm_radius(speed, limits)])
+    assert turning_mm_s(radii, limits)[0] == pytest.approx(min(speed, limits.speed_mm_s))

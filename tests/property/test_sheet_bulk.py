@@ -17,7 +17,7 @@ from beamcam.controllers import table_events
 from beamcam.controllers.codesys.curves import arc_fault as codesys_fault
 from beamcam.controllers.events import TableEvent
 from beamcam.controllers.moves import sure_arcs
-from beamcam.controllers.rs274 import grbl, linuxcnc
+from beamcam.controllers.rs274.variants import VARIANTS
 from beamcam.controllers.track import scan
 from beamcam.geometry.curves import Arc, Bezier, BSpline, Curve, Line
 from beamcam.machine import load
@@ -133,8 +133,8 @@ def test_no_controller_refuses_a_sure_arc(
     ends = (np.array([p]) for p in (start, end, centre))
     one, other, middle = ends
     if sure_arcs(one, other, middle, 0.005)[0]:
-        assert grbl.arc_fault(start, end, centre, clockwise) is None
-        assert linuxcnc.arc_fault(start, end, centre, clockwise) is None
+        assert VARIANTS["grbl"].arc_fault(start, end, centre, clockwise) is None
+        assert VARIANTS["linuxcnc"].arc_fault(start, end, centre, clockwise) is None
     if sure_arcs(one, other, middle, 2 * 2**0.5 * 1e-3)[0]:
         assert codesys_fault(start, end, centre, 1e-3) is None
 

@@ -12,9 +12,8 @@ from beamcam.controllers.interpreter import arc_of
 from beamcam.geometry.curves import Arc, Curve, Line
 from beamcam.machine import load
 from beamcam.model.program import ArcFeed, Feed, Movement
-from beamcam.motion.arcs import paths_along
+from beamcam.motion.arcs import Numbers, paths_along
 from beamcam.motion.sheet import Pen
-from beamcam.motion.spans import Numbers
 from tests.conftest import examples
 
 #: Coordinates that lie on the written steps, between two of them, or anywhere.

@@ -29,7 +29,7 @@ from beamcam.checks.sheets.joining import (
 )
 from beamcam.checks.sheets.toolpaths import Toolpaths
 from beamcam.geometry.array_types import Counts, Flags, Floats
-from beamcam.geometry.near import first_equal
+from beamcam.geometry.arrays import first_equal
 from beamcam.geometry.plane import Point
 
 SAME_PLACE = 5e-3  #: curves as near as this are drawn twice

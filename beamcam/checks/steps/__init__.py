@@ -15,8 +15,14 @@ from typing import Any
 from beamcam.checks.steps.follow import Followed
 from beamcam.checks.steps.outline import OutlineCheck
 from beamcam.checks.steps.velocities import ROUND, Velocities, stretches
-from beamcam.controllers.step_table.header import header_rows
-from beamcam.controllers.step_table.rows import Rows, Stream, TableFault, binary_rows, text_rows
+from beamcam.controllers.step_table import (
+    Rows,
+    Stream,
+    TableFault,
+    binary_rows,
+    header_rows,
+    text_rows,
+)
 from beamcam.errors import Diagnostic, errors_in
 from beamcam.machine.machine import Machine
 from beamcam.machine.tables import Stepper

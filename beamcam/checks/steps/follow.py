@@ -10,8 +10,8 @@ import numpy as np
 from beamcam.checks.steps import rules
 from beamcam.checks.steps.outline import OutlineCheck
 from beamcam.checks.steps.speeds import Observed, Rest, Seen, StrokeTimes
-from beamcam.controllers.step_table import rules as row_rules
-from beamcam.controllers.step_table.rows import Rows
+from beamcam.controllers import step_table
+from beamcam.controllers.step_table import Rows
 from beamcam.errors import Diagnostic, Source, add_few
 from beamcam.geometry.array_types import Counts, Floats
 from beamcam.machine.machine import Machine
@@ -354,7 +354,7 @@ class Followed:
         """Checks at the end of the table."""
         end = Source(self.name)
         if not self.begun:
-            self.say([row_rules.ROW.at(end, found="no rows", expected="a row at least")])
+            self.say([step_table.ROW.at(end, found="no rows", expected="a row at least")])
         if self.laser:
             self._end_stroke(self.clock_us)
             self.say([rules.LASER.at(end, found="the laser on at the end", expected="it off")])

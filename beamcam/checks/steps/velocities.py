@@ -15,8 +15,8 @@ import shapely
 from beamcam.checks.steps import rules
 from beamcam.checks.steps.outline import BELOW_GREATEST, SPEED_SLACK, OutlineCheck
 from beamcam.checks.steps.speeds import Observed, Seen
-from beamcam.controllers.step_table import rules as row_rules
-from beamcam.controllers.step_table.rows import Stream, shown
+from beamcam.controllers import step_table
+from beamcam.controllers.step_table import Stream, shown
 from beamcam.errors import Diagnostic, Rule, Source, add_few
 from beamcam.machine.machine import Machine
 
@@ -202,7 +202,7 @@ class Velocities:
         """Checks at the end of the table."""
         self._end_stroke()
         if not self.rows:
-            self.say(row_rules.ROW, None, found="no rows", expected="a row at least")
+            self.say(step_table.ROW, None, found="no rows", expected="a row at least")
         if self.here != (0.0, 0.0):
             x, y = (f"{v:g}" for v in self.here)
             self.say(rules.PLACE, None, x=x, y=y, expected="it in the corner at the end")

@@ -100,7 +100,13 @@ def assign_processes(
             elif is_filled_only(feature, torch):
                 assigned.filled[index] = meaning
             else:
-                _follow(index, feature, meaning, meanings.key(feature), assigned)
+                if feature.closed:
+                    assigned.rings.add(index)
+                key = meanings.key(feature)
+                assigned.wanted += [
+                    AssignedCurve(curve, meaning, index, feature.source, key)
+                    for curve in feature.curves
+                ]
         elif torch.drilled == "spot" and cast("Hole | Slot", feature).kind == "mark":
             spot(centres_of(cast("Hole | Slot", feature)), [index], assigned)
         else:
@@ -114,17 +120,6 @@ def assign_processes(
     letter(part, machine, assigned)
     assigned.refusals += _unknown_processes(assigned.wanted, torch, machine.name)
     return assigned
-
-
-def _follow(
-    index: int, contour: Contour, process: TorchProcess, key: str, assigned: Assigned
-) -> None:
-    """Take the curves of a contour; `key` is that of the settings that they are worked with."""
-    if contour.closed:
-        assigned.rings.add(index)
-    assigned.wanted += [
-        AssignedCurve(curve, process, index, contour.source, key) for curve in contour.curves
-    ]
 
 
 def _is_out(

@@ -8,9 +8,8 @@ from msgspec.structs import replace
 
 from beamcam.errors import PlanError
 from beamcam.geometry.array_types import Counts, Floats
-from beamcam.geometry.arrays import CurveTable
+from beamcam.geometry.arrays import CurveTable, first_equal, near_pairs
 from beamcam.geometry.curves import Arc, Curve, Line, signed_area
-from beamcam.geometry.near import first_equal, near_pairs
 from beamcam.geometry.plane import distance
 from beamcam.model.lengths import total_length
 from beamcam.planning.contours import rules

@@ -11,10 +11,9 @@ from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, Severity, Source
 from beamcam.geometry.array_types import Floats
-from beamcam.geometry.arrays import CurveTable
+from beamcam.geometry.arrays import CurveTable, near_pairs, overlapping
 from beamcam.geometry.chains import Chains, join_curves
 from beamcam.geometry.curves import Bezier, Curve, Line
-from beamcam.geometry.near import near_pairs, overlapping
 from beamcam.machine.torch import Torch, TorchProcess
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.assign_process import AssignedCurve
@@ -68,7 +67,10 @@ def join(
     for (process, _), numbers in loose.items():
         once, ends = [wanted[k] for k in numbers], curves.ends[numbers]
         if straight:
-            once = [_as_line(w) if k in straight else w for k, w in zip(numbers, once, strict=True)]
+            once = [
+                replace(w, curve=Line(w.curve.start, w.curve.end)) if k in straight else w
+                for k, w in zip(numbers, once, strict=True)
+            ]
         if may_repeat:
             once = loose_once(once, joined.repeats)
             ends = CurveTable([w.curve for w in once]).ends
@@ -188,10 +190,6 @@ def _is_straight(curve: Curve) -> bool:
     along = [u * (x - x0) + v * (y - y0) for x, y in curve.points]
     aside = max(abs(u * (y - y0) - v * (x - x0)) for x, y in curve.points)
     return aside <= SAME_POINT and along == sorted(along)
-
-
-def _as_line(curve: AssignedCurve) -> AssignedCurve:
-    return replace(curve, curve=Line(curve.curve.start, curve.curve.end))
 
 
 def _features(curves: Sequence[AssignedCurve], places: Floats) -> Iterator[tuple[int, int, bool]]:

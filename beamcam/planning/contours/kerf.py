@@ -16,9 +16,8 @@ import shapely
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic
-from beamcam.geometry.arrays import CurveTable
+from beamcam.geometry.arrays import CurveTable, overlapping
 from beamcam.geometry.curves import Curve, join_boxes
-from beamcam.geometry.near import overlapping
 from beamcam.machine.torch import Torch
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.entry import from_middle, leads, uncompensated, waste_side
@@ -68,7 +67,8 @@ def in_levels(shapes: Sequence[Shape], torch: Torch) -> list[Shape]:
     """
     tree = shapely.STRtree(outlines([s.curves for s in shapes], torch.tolerance / 4))
     runs = [k for k, s in enumerate(shapes) if s.process == "cut" and not s.closed]
-    ends = [shapely.Point(p) for k in runs for p in _ends(shapes[k])]
+    chains = [shapes[k].curves for k in runs]
+    ends = [shapely.Point(p) for chain in chains for p in (chain[0].start, chain[-1].end)]
     before: list[dict[int, int]] = [{} for _ in shapes]  #: by how many levels others are lower
     near = tree.query(ends, "dwithin", distance=torch.gap).T.tolist() if ends else []
     for end, other in near:
@@ -84,10 +84,6 @@ def in_levels(shapes: Sequence[Shape], torch: Torch) -> list[Shape]:
             break
         levels = higher
     return [replace(s, level=max(level, s.level)) for s, level in zip(shapes, levels, strict=True)]
-
-
-def _ends(shape: Shape) -> tuple[tuple[float, float], tuple[float, float]]:
-    return shape.curves[0].start, shape.curves[-1].end
 
 
 #: Mitre limit of corners, in half kerfs.

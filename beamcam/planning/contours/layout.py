@@ -27,7 +27,6 @@ from beamcam.model.part import (
     Contour,
     Feature,
     Hole,
-    Notch,
     Part,
     Slot,
     TextMark,
@@ -134,23 +133,29 @@ def is_laid_otherwise(torch: Torch) -> bool:
     return bool(torch.mirror != "none" or torch.rotate or torch.copies != (1, 1))
 
 
-def laid(parts: tuple[Part, ...], torch: Torch | None) -> tuple[Part, ...]:
-    """Parts of a sheet as the job wants them: mirrored, turned, copied, and hatched.
+def laid(parts: tuple[Part, ...], torch: Torch | None) -> tuple[tuple[Part, ...], list[Diagnostic]]:
+    """Parts of a sheet as the job wants them: mirrored, turned, copied, and hatched; and notes.
 
-    One that fits turned only is turned. Raises PlanError for a feature that cannot be laid so, a
-    sheet that is too small, or a hatch that fills nothing.
+    One that fits turned only is turned, those of a drawing may be moved apart. Raises PlanError
+    for a feature that cannot be laid so, a sheet that is too small, or a hatch that fills nothing.
     """
     if torch is None:
-        return parts
+        return parts, []
+    notes: list[Diagnostic] = []
     if len(parts) == 1:
-        parts = (apart(parts[0], torch)[0],)
+        part, notes = apart(parts[0], torch)
+        parts = (part,)
     torch = spaced(parts[0], torch) if parts else torch
     if fits_turned(parts, torch):
         torch = replace(torch, rotate=QUARTER)
+        x0, y0, x1, y1 = _box(_with_outline(parts[0]))
+        found, expected = f"{x1 - x0:.1f} x {y1 - y0:.1f}", f"{torch.length:g} x {torch.width:g}"
+        notes = [*notes, rules.TURNED.at(parts[0].source, found=found, expected=expected)]
     if not (torch.settings or is_laid_otherwise(torch)):
-        return parts
+        return parts, notes
+    diagnostics: list[Diagnostic] = []
     if is_laid_otherwise(torch):
-        diagnostics = [
+        diagnostics += [
             rules.LAYOUT.at(source, found=what)
             for part in parts
             for source, what in cannot_lie(part, torch)
@@ -164,14 +169,14 @@ def laid(parts: tuple[Part, ...], torch: Torch | None) -> tuple[Part, ...]:
         if diagnostics:
             raise PlanError(diagnostics)
         parts = tuple([laid_out(part, torch) for part in parts])
-    diagnostics = [
+    diagnostics += [
         rules.HATCH.at(part.source, key=key, found=what)
         for part in parts
         for key, what in not_filled(part, torch)
     ]
     if diagnostics:
         raise PlanError(diagnostics)
-    return tuple([hatched(part, torch) for part in parts])
+    return tuple([hatched(part, torch) for part in parts]), notes
 
 
 def apart(part: Part, torch: Torch) -> tuple[Part, list[Diagnostic]]:
@@ -214,18 +219,6 @@ def fits_turned(parts: Sequence[Part], torch: Torch) -> bool:
 def _is_ignored(contour: Contour, torch: Torch) -> bool:
     key = key_of(contour, torch.colours)
     return key is not None and torch.colours[key] == "ignore"
-
-
-def laid_otherwise(parts: Sequence[Part], torch: Torch | None) -> list[Diagnostic]:
-    """Notes on a part that was turned because it fits so only, or whose parts were moved apart."""
-    if torch is None or len(parts) != 1:
-        return []
-    part, diagnostics = apart(parts[0], torch)
-    if not fits_turned((part,), torch):
-        return diagnostics
-    x0, y0, x1, y1 = _box(_with_outline(part))
-    found, expected = f"{x1 - x0:.1f} x {y1 - y0:.1f}", f"{torch.length:g} x {torch.width:g}"
-    return [*diagnostics, rules.TURNED.at(part.source, found=found, expected=expected)]
 
 
 def cannot_lie(part: Part, torch: Torch) -> Iterator[tuple[Source, str]]:
@@ -339,7 +332,7 @@ def _placed(feature: Feature, matrix: Matrix) -> Feature:
 
 def _placed_contour(contour: Contour, matrix: Matrix) -> Contour:
     curves = tuple([_moved(curve, matrix) for curve in contour.curves])
-    notches = tuple([_placed_notch(notch, matrix) for notch in contour.notches])
+    notches = tuple([replace(n, corner=mapped(matrix, n.corner)) for n in contour.notches])
     if determinant(matrix) < 0.0:
         last = len(curves) - 1
         curves = tuple([curve.reversed() for curve in reversed(curves)])
@@ -352,7 +345,3 @@ def _moved(curve: Curve, matrix: Matrix) -> Curve:
     if isinstance(curve, Arc) and matrix[0][:2] == (1.0, 0.0) and matrix[1][:2] == (0.0, 1.0):
         return replace(curve, centre=mapped(matrix, curve.centre))
     return curve.transformed(matrix)
-
-
-def _placed_notch(notch: Notch, matrix: Matrix) -> Notch:
-    return replace(notch, corner=mapped(matrix, notch.corner))

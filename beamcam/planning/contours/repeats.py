@@ -14,10 +14,9 @@ from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.array_types import Counts, Flags, Floats
-from beamcam.geometry.arrays import CurveTable
+from beamcam.geometry.arrays import SAME_PLACE, CurveTable, overlapping
 from beamcam.geometry.biarcs import cubics_of
 from beamcam.geometry.curves import Curve, signed_area
-from beamcam.geometry.near import SAME_PLACE, overlapping
 from beamcam.geometry.polylines import polylines
 from beamcam.model.lengths import total_length
 from beamcam.planning.contours import rules

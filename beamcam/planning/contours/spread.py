@@ -162,8 +162,7 @@ def _holds(polygon: "Polygon", place: Point | None) -> bool:
 
 def _shared(contours: Sequence[Contour]) -> Iterator[_Shared]:
     """The edges that two contours share, one on each side of them."""
-    from beamcam.geometry.arrays import CurveTable
-    from beamcam.geometry.near import overlapping
+    from beamcam.geometry.arrays import CurveTable, overlapping
 
     curves = [curve for contour in contours for curve in contour.curves]
     owners = [k for k, contour in enumerate(contours) for _ in contour.curves]

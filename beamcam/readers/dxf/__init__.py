@@ -7,8 +7,7 @@ from msgspec.structs import replace
 from beamcam.errors import Diagnostic, ReadError, Source
 from beamcam.model.part import Measures, Part
 from beamcam.readers.content import Reading
-from beamcam.readers.drawing import counted, drawing_part, unknown_layers, verdict
-from beamcam.readers.drawing.newton import fit_newton
+from beamcam.readers.drawing import counted, drawing_part, fit_newton, unknown_layers, verdict
 from beamcam.readers.dxf import rules
 from beamcam.readers.dxf.curves import scaled
 from beamcam.readers.dxf.layers import Layers, LayerStyle
@@ -47,12 +46,15 @@ def read(
         loaded = load_document(data, source)
     except ReadError as error:
         return Reading("dxf", (), error.diagnostics)
-    chosen = Layers(loaded.document, _folded(layers) or None)
+    chosen = Layers(loaded.tables, _folded(layers) or None)
     diagnostics += (*loaded.remarks, *unknown_layers(chosen.names(), layers, source))
-    runs = iter(loaded.runs)
+    runs, frame = iter(loaded.runs), scaled(unit.mm)
     walk = DrawingWalk(name, chosen, loaded.handles, runs, _folded(fit), _folded(letters))
     try:
-        walk.entities(loaded.document.modelspace(), scaled(unit.mm), LayerStyle(), ())
+        if loaded.document is None:
+            walk.run(next(runs), frame)
+        else:
+            walk.entities(loaded.document.modelspace(), frame, LayerStyle(), ())
     except ReadError as error:
         return Reading("dxf", (), diagnostics + error.diagnostics)
     collected = walk.found

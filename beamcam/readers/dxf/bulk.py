@@ -5,18 +5,15 @@ that the rest is a sound file and everything keeps its order. What might connect
 with the rest by its name, or by where it stands, leaves the whole file to ezdxf.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 
 import numpy as np
 from msgspec import Struct
-from numpy.typing import NDArray
 
-from beamcam.readers.dxf.layers import Attributes
+from beamcam.readers.dxf.layers import Attributes, Tables, tables_by_rows
 from beamcam.readers.dxf.plain import (
     BEYOND,
-    HANDLE,
     NOT_SAID,
-    SUBCLASS,
     UNSAID,
     Codes,
     Says,
@@ -25,6 +22,7 @@ from beamcam.readers.dxf.plain import (
     attributes_from,
     plan_of,
 )
+from beamcam.readers.dxf.rows import HANDLE, SUBCLASS, Rows, is_sound, rows_of
 
 #: The kind of entity that marks plain entities in the remainder of a file.
 MARKER = "BEAMCAM_PLAIN_ENTITIES"
@@ -53,39 +51,7 @@ class Taken(Struct, frozen=True):
     runs: tuple[Run, ...]
     rest: str
     owners: frozenset[str]  #: the layouts that the entities say they stand in
-
-
-class _Rows(Struct, frozen=True):
-    """The rows of a file: all lines, the group code of each row, and where entities begin."""
-
-    lines: list[str]
-    codes: NDArray[np.int32]
-    starts: list[int]  #: the rows of group 0
-
-    def value(self, row: int) -> str:
-        return self.lines[2 * row + 1]
-
-    def entities(self, name: str) -> range | None:
-        """Which of `starts` are the entities of a section; None if it is not there just once."""
-        entities: range | None = None
-        open_at: int | None = None
-        for k, row in enumerate(self.starts):
-            kind = self.lines[2 * row + 1].strip()
-            if kind == "SECTION":
-                named = self.codes[row + 1] == 2 and self.value(row + 1) == name
-                open_at = k + 1 if named else None
-            elif kind == "ENDSEC" and open_at is not None:
-                if entities is not None:
-                    return None
-                entities, open_at = range(open_at, k), None
-        return entities
-
-    def sequences(self, entities: Iterable[int]) -> Iterator[tuple[int, int, bytes]]:
-        """First row, the row behind the last, and the group codes of entities as bytes."""
-        codes, starts, size = self.codes.tobytes(), self.starts, self.codes.itemsize
-        for k in entities:
-            first, last = starts[k], starts[k + 1]
-            yield first, last, codes[size * first : size * last]
+    tables: Tables | None = None  #: where nothing else is drawn, and ezdxf has nothing to say
 
 
 def take_plain(text: str, version: str, named: bool) -> Taken | None:
@@ -93,41 +59,30 @@ def take_plain(text: str, version: str, named: bool) -> Taken | None:
 
     Lines of `text` end in "\\n". `named` tells whether entities have names of their own (handles).
     """
-    rows = _rows_of(text)
-    entities = rows.entities("ENTITIES") if rows is not None else None
+    rows = rows_of(text)
+    entities = rows.sections.get("ENTITIES") if rows is not None else None
     if rows is None or entities is None or MARKER in text:
         return None
-    blocks = rows.entities("BLOCKS") or range(0)
+    blocks = rows.sections.get("BLOCKS", range(0))
     if named and not _all_named(rows, (*entities, *blocks)):
         return None
     taker = _Taker(rows, version <= R12)
     taker.take(entities)
     if taker.odd or not taker.runs or taker.has_names_of_others():
         return None
-    return Taken(tuple(taker.runs), taker.rest(), frozenset(taker.owners - {UNSAID}))
-
-
-def _rows_of(text: str) -> _Rows | None:
-    """The rows of a text up to EOF; None if they are not two lines each, or if EOF is missing."""
-    lines = text.rstrip().split("\n")
-    if len(lines) % 2 or lines[-1] != "EOF":
-        return None
-    texts = lines[::2]
-    try:
-        numbers = {text: int(text) for text in set(texts)}
-        codes = np.fromiter(map(numbers.__getitem__, texts), np.int32, len(texts))
-    except (ValueError, OverflowError):
-        return None
-    starts: list[int] = np.flatnonzero(codes == 0).tolist()
-    ends = [k for k in starts if lines[2 * k + 1] == "EOF"]
-    return _Rows(lines, codes, starts) if ends == [len(texts) - 1] else None
+    owners = frozenset(taker.owners - {UNSAID})
+    is_whole = sum(map(len, taker.runs)) == len(entities)
+    tables = tables_by_rows(rows, version <= R12) if is_whole and is_sound(rows, version) else None
+    if tables is not None and not owners <= {tables.model_space}:
+        tables = None
+    return Taken(tuple(taker.runs), taker.rest() if tables is None else "", owners, tables)
 
 
 def _codes(sequence: bytes) -> Codes:
     return tuple(np.frombuffer(sequence, np.int32).tolist())
 
 
-def _all_named(rows: _Rows, entities: Iterable[int]) -> bool:
+def _all_named(rows: Rows, entities: Iterable[int]) -> bool:
     """Whether every entity has a handle above its subclasses; ends of blocks need none."""
     seen: dict[bytes, bool] = {}
     for first, _, sequence in rows.sequences(entities):
@@ -143,7 +98,7 @@ def _all_named(rows: _Rows, entities: Iterable[int]) -> bool:
 class _Taker:
     """The entities taken so far, and their places."""
 
-    def __init__(self, rows: _Rows, r12: bool) -> None:
+    def __init__(self, rows: Rows, r12: bool) -> None:
         self.rows = rows
         self.r12 = r12
         self.runs: list[Run] = []

@@ -103,7 +103,8 @@ def _placed(curves: Iterable[Curve], matrix: Matrix) -> Chain:
     """The curves of an entity's plane in mm, without lines that are seen as points."""
     if matrix == IDENTITY:
         return tuple(curves)
-    return tuple(c for c in (_mapped(c, matrix) for c in curves) if not _is_point(c))
+    placed = (_mapped(curve, matrix) for curve in curves)
+    return tuple(c for c in placed if not (isinstance(c, Line) and c.start == c.end))
 
 
 def _mapped(curve: Curve, matrix: Matrix) -> Curve:
@@ -112,10 +113,6 @@ def _mapped(curve: Curve, matrix: Matrix) -> Curve:
     except ValueError as error:
         raise EdgeOnError(str(error)) from error
     return round_if_circle(placed) if isinstance(placed, EllipseArc) else placed
-
-
-def _is_point(curve: Curve) -> bool:
-    return isinstance(curve, Line) and curve.start == curve.end
 
 
 # --- lines, arcs, ellipses ------------------------------------------------------------------------

@@ -4,6 +4,8 @@ from typing import Any
 
 from msgspec import Struct, field
 
+from beamcam.readers.dxf.rows import HANDLE, NAME, SUBCLASS, Rows
+
 Document = Any  #: of ezdxf, which publishes no types that mypy can follow
 
 # Values of group 62. Source: Autodesk DXF reference, "Common group codes for entities".
@@ -35,6 +37,108 @@ class LayerStyle(Struct, frozen=True):
     line_type: str = ""  #: one with gaps, as a centre line has it; empty for a line without
 
 
+# --- tables ---------------------------------------------------------------------------------------
+
+# Group codes of entries. Source: Autodesk DXF reference, TABLES section.
+COLOUR, TRUE_COLOUR, LINE_TYPE, FLAGS, PLOT, DASH = 62, 420, 6, 70, 290, 49
+FROZEN = 1  #: of the flags
+#: The class that an entry names behind that of all entries; R12 has none.
+_CLASSES = {
+    "LAYER": "AcDbLayerTableRecord",
+    "LTYPE": "AcDbLinetypeTableRecord",
+    "BLOCK_RECORD": "AcDbBlockTableRecord",
+}
+
+
+class TableLayer(Struct, frozen=True):
+    """A layer as the table has it."""
+
+    name: str
+    colour: int = 7  #: number in AutoCAD's palette
+    true_colour: int | None = None  #: 0xrrggbb
+    line_type: str = ""
+    hidden: bool = False  #: off, frozen or not plotting
+
+
+class Tables(Struct, frozen=True):
+    """Layers, and which line types have gaps, by their names in lower case."""
+
+    layers: dict[str, TableLayer]
+    has_gaps: dict[str, bool]
+    model_space: str  #: handle of its block record
+
+
+def tables_of(document: Document) -> Tables:
+    """The tables of a document of ezdxf."""
+    layers = [
+        TableLayer(
+            layer.dxf.name, abs(layer.dxf.get("color", 7)), layer.dxf.get("true_color"),
+            str(layer.dxf.get("linetype", "")),
+            bool(layer.is_off() or layer.is_frozen() or not layer.dxf.get("plot", 1)),
+        )
+        for layer in document.layers
+    ]  # fmt: skip
+    has_gaps = {
+        kind.dxf.name.lower(): any(tag.code == DASH for tag in kind.pattern_tags.tags)
+        for kind in document.linetypes
+    }
+    space = str(document.modelspace().layout_key)
+    return Tables({layer.name.lower(): layer for layer in layers}, has_gaps, space)
+
+
+def tables_by_rows(rows: Rows, r12: bool) -> Tables | None:
+    """The tables of a sound file; None where an entry is one for ezdxf."""
+    entries = {kind: _entries(rows, kind, r12) for kind in _CLASSES}
+    try:
+        layers = {name: _layer(entry) for name, entry in entries["LAYER"].items()}
+    except ValueError:
+        return None
+    layers.setdefault("0", TableLayer("0"))
+    layers.setdefault("defpoints", TableLayer("Defpoints"))
+    has_gaps = {name: DASH in entry for name, entry in entries["LTYPE"].items()}
+    space = entries["BLOCK_RECORD"].get("*model_space", {}).get(HANDLE, [""])[0]
+    return (
+        None if any("" in names for names in entries.values()) else Tables(layers, has_gaps, space)
+    )
+
+
+def _entries(rows: Rows, kind: str, r12: bool) -> dict[str, dict[int, list[str]]]:
+    """The values of a table's entries by group code, by names in lower case.
+
+    The name is empty of one that is not as it should be, or has another's.
+    """
+    found: dict[str, dict[int, list[str]]] = {}
+    for k in rows.sections.get("TABLES", ()):
+        if rows.kind(k) != kind:
+            continue
+        entry: dict[int, list[str]] = {}
+        for row in range(rows.starts[k] + 1, rows.starts[k + 1]):
+            entry.setdefault(int(rows.codes[row]), []).append(rows.value(row))
+        names = entry.get(NAME, [])
+        classes = [] if r12 else ["AcDbSymbolTableRecord", _CLASSES[kind]]
+        is_sound = len(names) == 1 and entry.get(SUBCLASS, []) == classes
+        name = names[0].lower() if is_sound else ""
+        found["" if name in found else name] = entry
+    return found
+
+
+def _layer(entry: dict[int, list[str]]) -> TableLayer:
+    """The layer of an entry. Raises ValueError where it says something twice."""
+    (name,), (line_type,) = entry[NAME], entry.get(LINE_TYPE, [""])
+    colour, flags, plot, true_colour = (
+        int(number)
+        for code, missing in ((COLOUR, "7"), (FLAGS, "0"), (PLOT, "1"), (TRUE_COLOUR, "-1"))
+        for (number,) in [entry.get(code, [missing])]
+    )
+    hidden = colour < 0 or bool(flags & FROZEN) or not plot
+    return TableLayer(
+        name, abs(colour), None if TRUE_COLOUR not in entry else true_colour, line_type, hidden
+    )
+
+
+# --- how an entity looks --------------------------------------------------------------------------
+
+
 class _Layer(Struct, frozen=True):
     """What a layer gives the entities on it."""
 
@@ -44,14 +148,14 @@ class _Layer(Struct, frozen=True):
 
 
 class Layers(Struct):
-    """The layers of a document, and which of them are read."""
+    """The layers of a drawing, and which of them are read."""
 
-    document: Document
+    tables: Tables
     chosen: frozenset[str] | None = None  #: names in lower case; None is all that plot
     _known: dict[str, _Layer] = field(default_factory=dict)
 
     def names(self) -> tuple[str, ...]:
-        return tuple(layer.dxf.name for layer in self.document.layers)
+        return tuple(layer.name for layer in self.tables.layers.values())
 
     def look(self, attributes: Attributes, above: LayerStyle, inside: bool) -> LayerStyle:
         """How what has `attributes` shows below `above`; `inside`: whether it stands in a block.
@@ -82,15 +186,14 @@ class Layers(Struct):
     def _read(self, name: str) -> _Layer:
         """A layer as the table has it; white and visible if an entity names one that it has not."""
         hidden = name.lower() == "defpoints"
-        if not self.document.layers.has_entry(name):
+        layer = self.tables.layers.get(name.lower())
+        if layer is None:
             return _Layer(WHITE, "", hidden)
-        layer = self.document.layers.get(name)
-        true_colour = layer.dxf.get("true_color")
-        number = abs(layer.dxf.get("color", 7))
+        true_colour = layer.true_colour
         return _Layer(
-            _hex(true_colour) if true_colour is not None else colour_of_number(number),
-            self._with_gaps(str(layer.dxf.get("linetype", ""))),
-            bool(hidden or layer.is_off() or layer.is_frozen() or not layer.dxf.get("plot", 1)),
+            _hex(true_colour) if true_colour is not None else colour_of_number(layer.colour),
+            self._with_gaps(layer.line_type),
+            hidden or layer.hidden,
         )
 
     def _colour(self, attributes: Attributes, layer: str, above: LayerStyle) -> str:
@@ -113,11 +216,7 @@ class Layers(Struct):
         """A line type if it has gaps, by the table or, where that lacks it, by its name."""
         if name.upper() in (*CONTINUOUS, TYPE_BY_BLOCK, TYPE_BY_LAYER):
             return ""
-        table = self.document.linetypes
-        if not table.has_entry(name):
-            return name
-        dashes = [tag for tag in table.get(name).pattern_tags.tags if tag.code == 49]
-        return name if dashes else ""
+        return name if self.tables.has_gaps.get(name.lower(), True) else ""
 
 
 def attributes_of(entity: Any) -> Attributes:
@@ -129,8 +228,16 @@ def attributes_of(entity: Any) -> Attributes:
     )  # fmt: skip
 
 
+#: The colours of AutoCAD's palette (ACI) that have names, from 1 on; ezdxf knows the others.
+_NAMED = (
+    "#ff0000", "#ffff00", "#00ff00", "#00ffff", "#0000ff", "#ff00ff", WHITE, "#808080", "#c0c0c0",
+)  # fmt: skip
+
+
 def colour_of_number(number: int) -> str:
-    """The colour of AutoCAD's palette (ACI), "#rrggbb"; white for numbers that it has not."""
+    """The colour of AutoCAD's palette, "#rrggbb"; white for numbers that it has not."""
+    if 1 <= number <= len(_NAMED):
+        return _NAMED[number - 1]
     from ezdxf.colors import aci2rgb
 
     return "#{:02x}{:02x}{:02x}".format(*aci2rgb(number)) if 1 <= number <= 255 else WHITE

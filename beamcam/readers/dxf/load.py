@@ -21,7 +21,7 @@ from beamcam.errors import Diagnostic, ReadError, Source
 from beamcam.readers.drawing import MM_PER_UNIT, UNITS_OPTION
 from beamcam.readers.dxf import rules
 from beamcam.readers.dxf.bulk import Run, Taken, take_plain
-from beamcam.readers.dxf.layers import Document
+from beamcam.readers.dxf.layers import Document, Tables, tables_of
 
 #: The class that a marker names, of the entities that ezdxf refuses without it.
 MARKERS = {b"LWPOLYLINE": b"AcDbPolyline", b"SPLINE": b"AcDbSpline"}
@@ -32,6 +32,7 @@ COMMON = frozenset(
      b"430", b"440", b"284")
 )  # fmt: skip
 R12 = 1009  #: and below: files without subclasses
+UTF8 = 1021  #: and above: files in UTF-8, whatever code page they name
 _VERSION = re.compile(rb"\$ACADVER\s+1\s+AC(\d{4})")
 Group = tuple[bytes, bytes]  #: code and value
 
@@ -100,11 +101,12 @@ NEAR_THE_END = 1000  #: bytes in which EOF is looked for first; nearly all files
 
 
 class Loaded(Struct, frozen=True):
-    """A document and remarks on how it was read."""
+    """A drawing and remarks on how it was read."""
 
-    document: Document
+    document: Document | None  #: None where all of model space is one run
+    tables: Tables
+    runs: tuple[Run, ...]  #: what stood at the markers in the document
     handles: bool  #: whether the file names its entities; ezdxf invents names where it does not
-    runs: tuple[Run, ...] = ()  #: what stood at the markers in the document
     remarks: tuple[Diagnostic, ...] = ()
 
 
@@ -126,15 +128,15 @@ def load_document(data: bytes, source: Source) -> Loaded:
     handles = is_binary(data) or bool(_HANDLE.search(data))
     logging.getLogger("ezdxf").addHandler(_SILENT)
     try:
-        document, runs = _load_binary(data) if is_binary(data) else _load_text(data, handles)
+        drawing = _load_binary(data) if is_binary(data) else _load_text(data, handles)
     # ezdxf lets errors of every kind pass through for damaged files (ValueError, KeyError,
     # AttributeError of half-read entities): whatever it is, the file is not sound.
     except Exception as error:
         if is_binary(data):
             raise ReadError(rules.STRUCTURE.at(source, found=_said(error))) from error
-        document, runs, repairs = _repaired(data, handles, source, error)
+        drawing, repairs = _repaired(data, handles, source, error)
         remarks = (*remarks, *repairs)
-    return Loaded(document, handles, runs, remarks)
+    return Loaded(*drawing, handles, remarks)
 
 
 def _check_end(data: bytes, source: Source) -> tuple[Diagnostic, ...]:
@@ -156,18 +158,36 @@ def _check_end(data: bytes, source: Source) -> tuple[Diagnostic, ...]:
     raise ReadError(rules.TRUNCATED.at(source, found=last[0].decode("latin-1").strip()))
 
 
-def _load_text(data: bytes, handles: bool) -> tuple[Document, tuple[Run, ...]]:
-    """The document, without the plain entities of model space where they can be taken apart."""
-    from ezdxf.filemanagement import dxf_stream_info, read
+#: A document, its tables, and what stood at the markers in it.
+_Drawing = tuple[Document | None, Tables, tuple[Run, ...]]
 
+
+def _load_text(data: bytes, handles: bool) -> _Drawing:
+    """The document, without the plain entities of model space where they can be taken apart."""
     data = data.removeprefix(b"\xef\xbb\xbf")
+    version, encoding = _version_and_encoding(data)
+    text = _text(data, encoding, "surrogateescape").read()
+    taken = take_plain(text, version, handles)
+    if taken is not None and taken.tables is not None:
+        return None, taken.tables, taken.runs
+    document = _rest(taken, version) if taken is not None else None
+    if taken is not None and document is not None:
+        return document, tables_of(document), taken.runs
+    from ezdxf.filemanagement import read
+
+    document = read(io.StringIO(text))
+    return document, tables_of(document), ()
+
+
+def _version_and_encoding(data: bytes) -> tuple[str, str]:
+    """The version of a text, "AC1015", and the encoding that belongs to it or to its code page."""
+    said = _VERSION.search(data)
+    if said is not None and (data.isascii() or int(said[1]) >= UTF8):
+        return f"AC{said[1].decode()}", "utf-8"
+    from ezdxf.filemanagement import dxf_stream_info
+
     info = dxf_stream_info(_text(data, "utf-8", "ignore"))
-    text = _text(data, info.encoding, "surrogateescape").read()
-    taken = take_plain(text, info.version, handles)
-    document = _rest(taken, info.version) if taken is not None else None
-    if taken is None or document is None:
-        return read(io.StringIO(text)), ()
-    return document, taken.runs
+    return info.version, info.encoding
 
 
 def _rest(taken: Taken, version: str) -> Document | None:
@@ -186,16 +206,17 @@ def _text(data: bytes, encoding: str, errors: str) -> io.TextIOWrapper:
     return io.TextIOWrapper(io.BytesIO(data), encoding=encoding, errors=errors)
 
 
-def _load_binary(data: bytes) -> tuple[Document, tuple[Run, ...]]:
+def _load_binary(data: bytes) -> _Drawing:
     from ezdxf.document import Drawing
     from ezdxf.lldxf.tagger import binary_tags_loader
 
-    return Drawing.load(binary_tags_loader(data)), ()
+    document = Drawing.load(binary_tags_loader(data))
+    return document, tables_of(document), ()
 
 
 def _repaired(
     data: bytes, handles: bool, source: Source, first: Exception
-) -> tuple[Document, tuple[Run, ...], tuple[Diagnostic, ...]]:
+) -> tuple[_Drawing, tuple[Diagnostic, ...]]:
     """The document of a file that ezdxf does not read as it stands, and what was done to it.
 
     Raises ReadError if nothing helps.
@@ -204,11 +225,11 @@ def _repaired(
     remarks = (rules.SUBCLASSES.at(source, count=count),) if count else ()
     if count:
         try:
-            return *_load_text(marked, handles), remarks
+            return _load_text(marked, handles), remarks
         except Exception as error:  # as above: any kind of error means that it is damaged besides
             first = error
     document, repair = _recover(marked if count else data, source, first)
-    return document, (), (*remarks, repair)
+    return (document, tables_of(document), ()), (*remarks, repair)
 
 
 def _recover(data: bytes, source: Source, first: Exception) -> tuple[Document, Diagnostic]:
@@ -328,14 +349,16 @@ _WORDS = {"inch": 25.4, "inches": 25.4, '"': 25.4, "″": 25.4, "'": 304.8}
 _FORMATTING = re.compile(r"\\[A-Za-z][^;\\]*;|[{}]")
 
 
-def contradictions(document: Document, unit: LengthUnit, name: str) -> tuple[Diagnostic, ...]:
+def contradictions(
+    document: Document | None, unit: LengthUnit, name: str
+) -> tuple[Diagnostic, ...]:
     """An error for the first dimension that names a length in a unit which denies `unit`.
 
     A dimension measures in drawing units and may show its length with a unit, written by hand
     ("100 mm") or appended by its style. If both differ by the factor between two units, the
     drawing was scaled or its header is wrong. Other differences are no matter of units.
     """
-    if unit.given:
+    if unit.given or document is None:
         return ()
     for dimension in document.modelspace().query("DIMENSION"):
         stated = _stated_length(dimension)

@@ -21,6 +21,7 @@ from msgspec import Struct, field
 
 from beamcam.readers.dxf.curves import Vertex
 from beamcam.readers.dxf.layers import BYLAYER, TYPE_BY_LAYER, Attributes
+from beamcam.readers.dxf.rows import BRACKET, HANDLE, SUBCLASS
 
 Codes = tuple[int, ...]
 Values = tuple[Any, ...]  #: what the function of `curves` for the kind of entity takes
@@ -35,8 +36,7 @@ NOT_SAID, NOT_GIVEN = -2, -1
 UNSAID = "\n"  # no line of a file holds that
 BEYOND = (UNSAID, "0")
 
-#: Group codes: name of the entity, of its layout, subclasses, brackets.
-HANDLE, OWNER, SUBCLASS, BRACKET = 5, 330, 100, 102
+OWNER = 330  #: group code: name of the entity's layout
 _BASE = frozenset((HANDLE, OWNER, BRACKET))
 # Layer, line type, its scale, colour, visibility, line weight, true colour and its name,
 # transparency, shadows, plot style, material. Paper space (67) makes an entity one for ezdxf.
@@ -73,6 +73,8 @@ class ValuePlaces(Struct, frozen=True):
             float(row[k])
         for k in self.wholes:
             int(row[k])
+        if self.handle != NOT_SAID:
+            int(row[self.handle], 16)
         for number, k in enumerate(self.brackets):
             if row[k] != ("}" if number % 2 else "{ACAD_REACTORS"):
                 raise ValueError(f"found the bracket {row[k]!r}")
@@ -179,10 +181,12 @@ def _is_regular(kind: _Kind, codes: Codes) -> bool:
     own = kind.needed | kind.optional | kind.unused | {*_EXTRUSION}
     marks = [k for k, code in enumerate(codes) if code == SUBCLASS]
     if marks:
-        base, rest = codes[1 : marks[0]], codes[marks[0] :]
-        ordered = len(marks) == kind.subclasses + 1
-        ordered &= _BASE.issuperset(base) and _COMMON.issuperset(rest[1 : marks[1] - marks[0]])
-        ordered &= own.issuperset(c for c in codes[marks[1] :] if c != SUBCLASS)
+        ordered = (
+            len(marks) == kind.subclasses + 1
+            and _BASE.issuperset(codes[1 : marks[0]])
+            and _COMMON.issuperset(codes[marks[0] + 1 : marks[1]])
+            and own.issuperset(c for c in codes[marks[1] :] if c != SUBCLASS)
+        )
     else:
         ordered = kind.in_r12 and (_COMMON | own | {HANDLE}).issuperset(codes[1:])
     if not ordered or not kind.needed.issubset(codes):

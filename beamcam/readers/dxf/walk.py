@@ -242,7 +242,7 @@ class DrawingWalk(Struct):
         for entity in entities:
             kind = entity.dxftype()
             if kind == MARKER:
-                self._run(next(self.runs), frame)
+                self.run(next(self.runs), frame)
                 continue
             source = self._source(kind, entity.dxf.get("handle"))
             try:
@@ -287,7 +287,7 @@ class DrawingWalk(Struct):
         self.found.lettered[look.layer] += 1
         return True
 
-    def _run(self, run: Run, frame: InsertFrame) -> None:
+    def run(self, run: Run, frame: InsertFrame) -> None:
         """Sort plain entities, which stand in model space."""
         attributes: Attributes | None = None
         for plain in run:

@@ -3,12 +3,11 @@
 from collections.abc import Sequence
 
 from beamcam.errors import Diagnostic, ReadError, Rule, Source
-from beamcam.model.part import Measures, Part
+from beamcam.model.part import Measures
 from beamcam.readers.content import Reading
-from beamcam.readers.drawing import counted, drawing_part, unknown_layers, verdict
-from beamcam.readers.drawing.newton import fit_newton
+from beamcam.readers.drawing import counted, drawing_part, fit_newton, unknown_layers, verdict
 from beamcam.readers.svg import rules
-from beamcam.readers.svg.page import Page, find_page
+from beamcam.readers.svg.page import find_page
 from beamcam.readers.svg.tree import INITIAL, StyleSheet, looks_like, parse, style_of
 from beamcam.readers.svg.walk import Context, PageContent, PageWalk
 
@@ -38,24 +37,21 @@ def read(
         walk.elements(document.root.children, Context(page.matrix, style, hidden=hidden))
     except ReadError as error:
         return Reading("svg", (), error.diagnostics)
-    part, fitted = fit_newton(_part(name, walk.found, page), fit)
+    found = walk.found
+    grid = page.unit * 10.0**-found.decimals if found.contours else None
+    not_cut = tuple(sorted(found.not_cut.items()))
+    measures = Measures(tuple(found.filled), tuple(found.hidden), not_cut, grid)
+    part, fitted = fit_newton(drawing_part(name, tuple(found.contours), measures), fit)
     source = Source(name)
-    seen = [*walk.found.not_cut.items(), ("hidden shapes", walk.found.counts["invisible"])]
+    seen = [*found.not_cut.items(), ("hidden shapes", found.counts["invisible"])]
     unit = "of the page" if units is None and width is None else None
     diagnostics = (
         *page.remarks, *(rules.HIDING.at(source, found=s) for s in sheet.hiding),
         *(rules.SELECTOR.at(source, found=s) for s in sheet.ignored),
-        *unknown_layers(sorted(walk.found.layers - {""}), layers, source), *walk.found.diagnostics,
-        *fitted, *_remarks(walk.found, source), *verdict(part, seen, unit, source),
+        *unknown_layers(sorted(found.layers - {""}), layers, source), *found.diagnostics,
+        *fitted, *_remarks(found, source), *verdict(part, seen, unit, source),
     )  # fmt: skip
     return Reading("svg", (part,), diagnostics)
-
-
-def _part(name: str, collected: PageContent, page: Page) -> Part:
-    grid = page.unit * 10.0**-collected.decimals if collected.contours else None
-    not_cut = tuple(sorted(collected.not_cut.items()))
-    measures = Measures(tuple(collected.filled), tuple(collected.hidden), not_cut, grid)
-    return drawing_part(name, tuple(collected.contours), measures)
 
 
 #: Remarks on the counted shapes, in this order.

@@ -1,19 +1,21 @@
 """Times of cutting tables: from the look-ahead over the program, whatever the controller."""
 
+from collections.abc import Sequence
 from itertools import pairwise
 from math import cbrt, ceil, dist, hypot, pi
 
+import numpy as np
 import pytest
 from msgspec.structs import replace
 
 from beamcam.emitters import simotion
 from beamcam.geometry.curves import Arc, Line
-from beamcam.geometry.ramps import move_seconds
+from beamcam.geometry.ramps import move_seconds, stretch_seconds
 from beamcam.machine import Machine, load
-from beamcam.machine.machine import path_limits
+from beamcam.machine.machine import PathLimits, path_limits
 from beamcam.model.part import Part
 from beamcam.model.plan import WorkTime
-from beamcam.model.program import ArcFeed, EllipseFeed, Feed, ParabolaFeed
+from beamcam.model.program import ArcFeed, EllipseFeed, Feed, Movement, ParabolaFeed
 from beamcam.motion.densify import DensifyRules, densify
 from beamcam.motion.lookahead import LookAheadRules, plan_speeds
 from beamcam.motion.profile import AxisLimits
@@ -21,14 +23,12 @@ from beamcam.motion.sheet import sheet_program
 from beamcam.motion.sheet_times import (
     SECONDS_PER_MINUTE,
     curve_of,
-    length_through,
     program_time,
-    seconds_along,
-    segment_of,
-    step_time,
-    trigger_time,
+    segments_of,
+    speeds_along,
 )
 from beamcam.motion.steps import step_table
+from beamcam.motion.table_times import length_through, step_time, trigger_time
 from beamcam.pipeline import post
 from beamcam.planning.sheet import plan_sheet
 from tests.unit.sheets.parts import NESTED, box, circle, contour, drawing, lines, table
@@ -83,6 +83,19 @@ def test_no_sheet_takes_less_than_its_ways_at_full_speed(name: str) -> None:
     assert time.total_s > unlimited.total_s
 
 
+def seconds_along(
+    start: tuple[float, float], moves: Sequence[Movement], feed_mm_s: float, limits: PathLimits
+) -> float:
+    """From rest to rest."""
+    starts = [start, *((move.x, move.y) for move in moves)]
+    table = segments_of(starts[:-1], moves, [feed_mm_s] * len(moves), limits)
+    moving, speeds = speeds_along(table, np.zeros(len(table.places), int), limits)
+    return sum(
+        stretch_seconds(s.length, first, last, s.limit, s.acceleration, s.jerk)
+        for s, (first, last) in zip(moving, pairwise(speeds), strict=True)
+    )
+
+
 def test_a_contour_takes_as_long_as_the_look_ahead_over_its_points() -> None:
     """Arcs and lines as they are against chords that another function looks ahead over."""
     machine = plain("plate-linuxcnc")
@@ -93,20 +106,15 @@ def test_a_contour_takes_as_long_as_the_look_ahead_over_its_points() -> None:
         Arc((40, 40), 10, 0, 90), Line((40, 50), (20, 50)), Arc((20, 40), 10, 90, 90),
         Line((10, 40), (10, 20)), Arc((20, 20), 10, 180, 90),
     )  # fmt: skip
-    here, segments = (20.0, 10.0), []
-    for curve in curves:
-        move: Feed | ArcFeed = Feed(*curve.end)
-        if isinstance(curve, Arc):
-            (cx, cy), (sx, sy) = curve.centre, curve.start
-            move = ArcFeed(*curve.end, cx - sx, cy - sy, False)
-        segment = segment_of(here, move, 60.0, limits)
-        assert segment is not None
-        segments.append(segment)
-        here = curve.end
+    moves = [
+        ArcFeed(*c.end, c.centre[0] - c.start[0], c.centre[1] - c.start[1], False)
+        if isinstance(c, Arc) else Feed(*c.end)
+        for c in curves
+    ]  # fmt: skip
     axis = AxisLimits(400.0, 2000.0)
     points = densify(curves, DensifyRules(0.0005)).points
     by_points = plan_speeds(points, 60.0, LookAheadRules((axis, axis), 0.01)).duration_s
-    assert seconds_along(segments, limits) == pytest.approx(by_points, rel=0.01)
+    assert seconds_along((20.0, 10.0), moves, 60.0, limits) == pytest.approx(by_points, rel=0.01)
 
 
 def test_corners_cost_time_and_a_controller_that_stops_there_more() -> None:
@@ -127,28 +135,31 @@ def test_corners_cost_time_and_a_controller_that_stops_there_more() -> None:
 def test_lines_in_pieces_take_as_long_as_one() -> None:
     limits = path_limits(plain("plate-codesys"))
     ends = [(x, 0.75 * x) for x in (0.0, 1.0, 1.5, 40.0, 41.0, 200.0)]
-    pieces = [segment_of(a, Feed(*b), 35.0, limits) for a, b in pairwise(ends)]
-    whole = segment_of(ends[0], Feed(*ends[-1]), 35.0, limits)
     assert limits is not None
-    assert whole is not None
-    assert None not in pieces
-    one = seconds_along([whole], limits)
-    assert seconds_along([p for p in pieces if p], limits) == pytest.approx(one, rel=1e-6)
-    assert segment_of((1.0, 2.0), Feed(1.0, 2.0), 35.0, limits) is None
-    assert seconds_along([], limits) == 0.0
+    start, *others = ends
+    one = seconds_along(start, [Feed(*ends[-1])], 35.0, limits)
+    pieces = [Feed(*end) for end in others]
+    assert seconds_along(start, pieces, 35.0, limits) == pytest.approx(one, rel=1e-6)
+    twice = [move for piece in pieces for move in (piece, piece)]
+    assert seconds_along(start, twice, 35.0, limits) == pytest.approx(one, rel=1e-6)
+    assert seconds_along(start, [Feed(*start)], 35.0, limits) == 0.0
 
 
 def test_curves_of_moves() -> None:
-    circle_back = curve_of((10.0, 0.0), ArcFeed(10.0, 0.0, -10.0, 0.0, True))
-    assert circle_back.length == pytest.approx(20 * pi)
-    quarter = curve_of((10.0, 0.0), ArcFeed(0.0, 10.0, -10.0, 0.0, False))
-    assert quarter.length == pytest.approx(5 * pi)
-    assert quarter.end == pytest.approx((0.0, 10.0))
+    starts = ((10.0, 0.0), (10.0, 0.0), (0.0, 0.0), (1.0, 1.0))
+    moves = (
+        ArcFeed(10.0, 0.0, -10.0, 0.0, True), ArcFeed(0.0, 10.0, -10.0, 0.0, False),
+        ParabolaFeed(20.0, 0.0, 10.0, 5.0), Feed(4.0, 5.0),
+    )  # fmt: skip
+    table = segments_of(starts, moves, [1.0] * 4, None)
+    parabola = curve_of(starts[2], ParabolaFeed(20.0, 0.0, 10.0, 5.0))
+    assert table.lengths == pytest.approx([20 * pi, 5 * pi, parabola.length, 5.0])
+    assert table.enters[:2].tolist() == [[0.0, -1.0], [0.0, 1.0]]
+    assert table.leaves[[0, 1, 3]].tolist() == [[0.0, -1.0], [-1.0, 0.0], [0.6, 0.8]]
+    assert parabola.point(0.5) == pytest.approx((10.0, 5.0))
     ellipse = curve_of((20.0, 0.0), EllipseFeed(0.0, 10.0, -20.0, 0.0, 0.0, 0.5, False))
     assert ellipse.end == pytest.approx((0.0, 10.0))
     assert ellipse.point(0.5) == pytest.approx((20 * 0.5**0.5, 10 * 0.5**0.5))
-    parabola = curve_of((0.0, 0.0), ParabolaFeed(20.0, 0.0, 10.0, 5.0))
-    assert parabola.point(0.5) == pytest.approx((10.0, 5.0))
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -16,8 +16,7 @@ from beamcam.model.request import Request
 from beamcam.pipeline import post
 from beamcam.readers import read
 from beamcam.readers.content import Reading
-from beamcam.readers.drawing import WRAP_NAME, WRAP_WIDE
-from beamcam.readers.drawing.wrap import tube_of
+from beamcam.readers.drawing import WRAP_NAME, WRAP_WIDE, tube_of
 from beamcam.solid.opinion import solid_faults
 from tests.conftest import SAMPLES
 

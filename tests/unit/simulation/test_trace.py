@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from beamcam.controllers.step_table.rows import Stream, binary_rows
+from beamcam.controllers.step_table import Stream, binary_rows
 from beamcam.errors import VerifyError
 from beamcam.machine import Machine, load
 from beamcam.pipeline import Posted, post, read_file

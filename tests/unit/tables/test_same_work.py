@@ -7,7 +7,7 @@ from beamcam.checks.steps.follow import Followed
 from beamcam.checks.steps.outline import OutlineCheck
 from beamcam.controllers import table_events
 from beamcam.controllers.events import Move
-from beamcam.controllers.step_table.rows import Stream, binary_rows
+from beamcam.controllers.step_table import Stream, binary_rows
 from beamcam.emitters import step_table as forms
 from beamcam.geometry.array_types import Floats
 from beamcam.geometry.curves import Line

@@ -1,8 +1,13 @@
 """Layers and colours: what is read, what is hidden, and how a contour looks."""
 
+import subprocess
+import sys
+from pathlib import Path
+
 import pytest
 
 from beamcam.readers import dxf
+from beamcam.readers.dxf.layers import colour_of_number
 from tests.dxf_text import (
     Pair,
     block,
@@ -137,3 +142,24 @@ def test_nothing_to_cut_refuses_the_file() -> None:
         "a.dxf: error drawing-empty: found no curve that a tool could follow (1 hidden curves), "
         "expected at least one"
     )
+
+
+def test_colours_are_those_of_the_palette() -> None:
+    from ezdxf.colors import aci2rgb
+
+    assert [colour_of_number(n) for n in range(1, 256)] == [
+        aci2rgb(n).to_hex() for n in range(1, 256)
+    ]
+    assert colour_of_number(300) == "#ffffff"
+
+
+@pytest.mark.parametrize(("name", "needed"), [("layers.dxf", False), ("blocks.dxf", True)])
+def test_ezdxf_is_imported_for_what_it_reads(name: str, needed: bool) -> None:
+    (path,) = (Path(__file__).parents[4] / "samples").rglob(name)
+    code = (
+        "import sys\nfrom pathlib import Path\nfrom beamcam.readers import dxf\n"
+        "assert dxf.read(Path(sys.argv[1]).read_bytes(), 'a.dxf').parts\n"
+        "print('ezdxf' in sys.modules)"
+    )
+    run = subprocess.run([sys.executable, "-c", code, str(path)], capture_output=True, text=True)
+    assert run.stdout == f"{needed}\n", run.stderr

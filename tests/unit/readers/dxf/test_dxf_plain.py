@@ -54,6 +54,8 @@ def test_plain_entities_are_taken(text: str) -> None:
         line(0, 0, 1, 1) + tags((1001, "ACAD"), (1004, "00")),
         entity("LINE", "AcDbLine", (10, 0), (11, 1), (20, 0), (21, 1)),
         entity("LINE", "AcDbLine", (10, 0), (20, 0)),
+        line(0, 0, 1, 1).replace("\nAB\n", "\nno number\n"),
+        tags((0, "CIRCLE"), (5, "AB"), (100, "AcDbCircle"), (10, 0), (20, 0), (40, 1)),
         spline(SQUARE, CLAMPED[1:]),
         spline(SQUARE, CLAMPED, weights=(1, 2)),
         spline([], [], fit=((0, 0), (1, 1))),

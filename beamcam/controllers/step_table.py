@@ -15,10 +15,19 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from beamcam.controllers.step_table import rules
-from beamcam.errors import Diagnostic, Rule, Source
+from beamcam.errors import Diagnostic, Rule, Source, error
 from beamcam.geometry.array_types import Counts
 from beamcam.machine.tables import Stepper
+
+# fmt: off
+
+ROW = error("steps-row",
+    "found {found}; expected {expected}",
+    "The micro-controller would stop there, or read something else.")
+HEAD = error("steps-head",
+    "found {found} in the head of the table; expected {expected}",
+    "The table is for motors or lead screws that this machine does not have.")
+# fmt: on
 
 BLOCK_ROWS = 1 << 16
 COLUMNS = "time_us,x,y,laser"
@@ -56,7 +65,7 @@ class Stream:
         self.name, self.line = name, 1
 
     def fault(
-        self, found: str, expected: str, line: int | None = None, rule: Rule = rules.ROW
+        self, found: str, expected: str, line: int | None = None, rule: Rule = ROW
     ) -> TableFault:
         """The fault at a line, or at the next one."""
         source = Source(self.name, self.line if line is None else line)
@@ -108,7 +117,7 @@ class Stream:
                 match = _FIRST_LINE.fullmatch(line)
                 if match is None or (match[1].decode(), float(match[2])) != (form, step):
                     expected = f"# beamcam/{form}/1 job JOB step {step:g} mm"
-                    raise self.fault(shown(line), expected, self.line - 1, rules.HEAD)
+                    raise self.fault(shown(line), expected, self.line - 1, HEAD)
 
 
 def shown(data: bytes) -> str:
@@ -150,9 +159,9 @@ def binary_rows(stream: Stream, stepper: Stepper) -> Iterator[Rows]:
     if not data.startswith(_MAGIC) or len(data) < _HEAD.size:
         raise stream.fault(repr(shown(data[:8])), f"{_MAGIC.decode()} and a head of 32 bytes")
     _, *head = _HEAD.unpack(data)
-    expected = [_HEAD.size, round(stepper.step * _NM), *(int(w, 2) for w in stepper.sequence)]
-    if head != expected:
-        raise stream.fault(str(head), f"size, step in nm and words {expected}", rule=rules.HEAD)
+    wanted = [_HEAD.size, round(stepper.step * _NM), *(int(w, 2) for w in stepper.sequence)]
+    if head != wanted:
+        raise stream.fault(str(head), f"size, step in nm and words {wanted}", rule=HEAD)
     clock_us = 0
     while data := stream.take(BLOCK_ROWS * 4):
         if len(data) % 4:
@@ -168,3 +177,75 @@ def unpacked(packed: NDArray[np.uint32], first: int, clock_us: int) -> Rows:
     numbers = packed.astype(np.int64)
     time = clock_us + np.cumsum(numbers >> 5)
     return Rows(first, time, numbers & 3, numbers >> 2 & 3, numbers >> 4 & 1)
+
+
+# --- arrays of C ----------------------------------------------------------------------------------
+
+# The C header: the rows of the binary form as an array, and macros that take one apart.
+
+_NUMBER = b"0x%08xu,\n"
+_NUMBER_BYTES = len(_NUMBER % 0)
+_END = (b"};", b"", b"#endif")
+_NIBBLES = np.full(256, 255, dtype=np.uint8)
+_NIBBLES[np.frombuffer(b"0123456789abcdef", dtype=np.uint8)] = np.arange(16)
+
+
+def _frame(stepper: Stepper) -> list[str]:
+    """The lines between the comments and the array; docs/step-tables.md lists them."""
+    return [
+        "#ifndef BEAMCAM_STEPS_H", "#define BEAMCAM_STEPS_H", "#include <stdint.h>", "",
+        f"#define BEAMCAM_STEP_NM {round(stepper.step * 1e6)}u",
+        "#define BEAMCAM_X(row) ((row) & 3u)",
+        "#define BEAMCAM_Y(row) (((row) >> 2) & 3u)",
+        "#define BEAMCAM_LASER(row) (((row) >> 4) & 1u)",
+        "#define BEAMCAM_WAIT_US(row) ((row) >> 5)",
+        "#define BEAMCAM_STEPS (sizeof beamcam_steps / sizeof beamcam_steps[0])", "",
+        "static const uint32_t beamcam_steps[] = {",
+    ]  # fmt: skip
+
+
+def header_rows(stream: Stream, stepper: Stepper) -> Iterator[Rows]:
+    """The rows of a C header. Raises TableFault."""
+    first, *more = _frame(stepper)
+    while (line := stream.take_line(first)) != first.encode():
+        if not (line.startswith(b"/* ") and line.find(b"*/") == len(line) - 2):
+            raise stream.fault(shown(line), f"a comment or {first}", stream.line - 1, HEAD)
+    for expected in more:
+        line = stream.take_line(expected)
+        if line != expected.encode():
+            raise stream.fault(repr(shown(line)), repr(expected), stream.line - 1, HEAD)
+    clock_us = 0
+    while data := stream.take(BLOCK_ROWS * _NUMBER_BYTES):
+        end = data.find(b"}")
+        if end >= 0:
+            stream.give_back(data[end:])
+            data = data[:end]
+        if data:
+            rows = unpacked(_numbers(data, stream), stream.line, clock_us)
+            clock_us = int(rows.time_us[-1])
+            yield rows
+            stream.line += len(rows.x)
+        if end >= 0:
+            break
+    for wanted in _END:
+        line = stream.take_line(repr(wanted.decode()))
+        if line != wanted:
+            raise stream.fault(repr(shown(line)), repr(wanted.decode()), stream.line - 1)
+    if more_bytes := stream.take(1):
+        raise stream.fault(f"{shown(more_bytes)!r} behind #endif", "the end of the table")
+
+
+def _numbers(data: bytes, stream: Stream) -> NDArray[np.uint32]:
+    """The numbers of some rows."""
+    whole = len(data) // _NUMBER_BYTES
+    signs = np.frombuffer(data[: whole * _NUMBER_BYTES], dtype=np.uint8).reshape(-1, _NUMBER_BYTES)
+    sample = np.frombuffer(_NUMBER % 0, dtype=np.uint8)
+    nibbles = _NIBBLES[signs[:, 2:10]]
+    good = (signs[:, [0, 1, 10, 11, 12]] == sample[[0, 1, 10, 11, 12]]).all(axis=1)
+    good &= (nibbles < 16).all(axis=1)
+    bad = whole if good.all() else int(np.argmin(good))
+    if bad * _NUMBER_BYTES < len(data):
+        found = repr(shown(data[bad * _NUMBER_BYTES :][:_NUMBER_BYTES]))
+        raise stream.fault(found, "as 0x0000a1b2u,", stream.line + bad)
+    pairs = nibbles[:, ::2] << 4 | nibbles[:, 1::2]
+    return np.ascontiguousarray(pairs).view(">u4").ravel().astype(np.uint32)

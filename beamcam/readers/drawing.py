@@ -1,18 +1,22 @@
 """Shared by the readers of drawings: units of length, contours, and the part that holds them."""
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import chain as chained
 from itertools import pairwise
-from math import hypot
+from math import hypot, pi
 from pathlib import PurePath
+
+from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, Source, error, note, warning
 from beamcam.geometry.conics import direction_deg
 from beamcam.geometry.curves import Arc, Bezier, BSpline, Curve, EllipseArc, Line, NewtonCurve
-from beamcam.geometry.plane import MAX_COORDINATE
+from beamcam.geometry.newton import find_oscillation, newton_through, node_error
+from beamcam.geometry.plane import MAX_COORDINATE, Matrix, join_boxes
 from beamcam.model.part import Contour, Measures, Part, Profile, extent
 from beamcam.plain_text import whole_text
+from beamcam.readers.content import NODES_LOST, OSCILLATION, Reading
 
 # fmt: off
 
@@ -174,12 +178,12 @@ def verdict(
 
 
 def unknown_layers(
-    known: Iterable[str], selected: Iterable[str], source: Source
+    known: Iterable[str], wanted: Iterable[str], source: Source
 ) -> tuple[Diagnostic, ...]:
     """An error for each layer that the user named and the drawing has not."""
     names = {name.lower(): name for name in known}
     diagnostics = []
-    for name in selected:
+    for name in wanted:
         if name.lower() not in names:
             from difflib import get_close_matches
 
@@ -187,3 +191,159 @@ def unknown_layers(
             expected = repr(names[near[0]]) if near else ", ".join(map(repr, names.values()))
             diagnostics.append(LAYER_OPTION.at(source, found=name, expected=expected or "none"))
     return tuple(diagnostics)
+
+
+# --- polynomials through vertices: --fit newton=LAYER ---------------------------------------------
+
+#: A polynomial that misses its nodes by more, in mm, is another curve than was asked for.
+MAX_NODE_ERROR = 1e-6
+
+
+def checked_polynomials(part: Part) -> Iterator[Diagnostic]:
+    """A warning for each polynomial that oscillates between its nodes, with how far; an error for
+    each that arithmetic does not bring through them."""
+    for contour in part.contours:
+        for curve in contour.curves:
+            if not isinstance(curve, NewtonCurve):
+                continue
+            error = node_error(curve)
+            if not error <= MAX_NODE_ERROR:
+                yield NODES_LOST.at(
+                    contour.source, nodes=len(curve.nodes), found=error, expected=MAX_NODE_ERROR,
+                )  # fmt: skip
+            elif (oscillation := find_oscillation(curve)) is not None:
+                yield OSCILLATION.at(contour.source, found=oscillation)
+
+
+def fit_newton(part: Part, layers: Sequence[str]) -> tuple[Part, tuple[Diagnostic, ...]]:
+    """The part of a drawing with a polynomial for each polyline on `layers`, and what is said.
+
+    Where x rises or falls from vertex to vertex y is a polynomial of x; elsewhere both are
+    polynomials of the length of the chords. Layers are named without regard to case; "" and a
+    layer without polylines are errors.
+    """
+    if not layers:
+        return part, ()
+    there = {c.layer.lower(): c.layer for c in part.contours if c.layer is not None}
+    with_polylines = {(c.layer or "").lower() for c in part.contours if is_polyline(c)}
+    diagnostics: list[Diagnostic] = []
+    contours = list(part.contours)
+    for name in dict.fromkeys(layer.lower() for layer in layers):
+        if name in there and name in with_polylines:
+            diagnostics += _fit_layer(contours, there[name], part.source)
+            continue
+        found = f"no layer {name!r}" if name else "no layer"
+        if name in there:
+            found = f"no polylines on layer {there[name]!r}"
+        expected = ", ".join(map(repr, there.values())) or "none"
+        diagnostics.append(FIT_LAYER.at(part.source, found=found, expected=expected))
+    measures = part.measures
+    assert measures is not None
+    made = drawing_part(part.source.file, tuple(contours), measures)
+    return made, (*diagnostics, *checked_polynomials(made))
+
+
+def is_polyline(contour: Contour) -> bool:
+    """Whether a contour is two lines or more and nothing else."""
+    return len(contour.curves) > 1 and all(isinstance(c, Line) for c in contour.curves)
+
+
+def _fit_layer(contours: list[Contour], layer: str, source: Source) -> list[Diagnostic]:
+    """Replaces the polylines of one layer in `contours`; what is said about it."""
+    diagnostics: list[Diagnostic] = []
+    count = kept = 0
+    for k, contour in enumerate(contours):
+        if (contour.layer or "").lower() != layer.lower():
+            continue
+        if not is_polyline(contour):
+            kept += 1
+            continue
+        nodes = (contour.curves[0].start, *(curve.end for curve in contour.curves))
+        try:
+            contours[k] = replace(contour, curves=(newton_through(nodes),))
+        except ValueError as error:
+            diagnostics.append(FIT_NODES.at(contour.source, found=error))
+            continue
+        count += 1
+    diagnostics.append(FITTED.at(source, count=count, layer=layer, kept=kept))
+    return diagnostics
+
+
+# --- the unrolled surface of a tube: --wrap -------------------------------------------------------
+
+# Drawings of the unrolled surface of a round tube, read as that tube.
+#
+# u |  _________________        x runs along the tube, u round it: the width of the outline
+#   | |      ( )       /        is the circumference, and its lower edge the lowest line of
+#   | |_______________/         the tube, from where face v comes first. Seen from outside.
+#   |_____________________ x
+
+
+#: A diameter and a wall in mm, as RO168.3x8.
+_TUBE = re.compile(
+    r"\s*(?:RO|CHS|PIPE|TUBE)?\s*([0-9]{1,4}(?:\.[0-9]+)?)\s*[xX*]\s*([0-9]{1,3}(?:\.[0-9]+)?)\s*",
+    re.IGNORECASE,
+)
+SLACK = 1.0  #: mm between the width of an outline and the circumference
+
+
+def tube_of(name: str) -> Profile | None:
+    """A round tube by its diameter and its wall; None where a name has none."""
+    size = _TUBE.fullmatch(name)
+    if size is None:
+        return None
+    across, wall = float(size[1]), float(size[2])
+    if not 0.0 < 2 * wall < across:
+        return None
+    return Profile("RO", f"CHS{across:g}*{wall:g}", across, across, wall, wall)
+
+
+def wrapped(reading: Reading, name: str) -> Reading:
+    """The parts of a drawing as tubes whose unrolled surface is drawn."""
+    tube = tube_of(name)
+    parts: list[Part] = []
+    diagnostics: list[Diagnostic] = []
+    for part in reading.parts:
+        if tube is None:
+            diagnostics.append(WRAP_NAME.at(part.source, found=name))
+            break
+        one, more = _round(part, tube)
+        parts.append(one)
+        diagnostics.append(more)
+    return replace(reading, parts=tuple(parts), diagnostics=(*reading.diagnostics, *diagnostics))
+
+
+def _round(part: Part, tube: Profile) -> tuple[Part, Diagnostic]:
+    """A drawing as a tube, and what is said of it; as it was where its outline is no surface."""
+    turn = pi * tube.height
+    boxes = {
+        k: box
+        for k, f in enumerate(part.features)
+        if isinstance(f, Contour) and f.closed and (box := join_boxes([c.bbox for c in f.curves]))
+    }
+    sizes = {k: (b[2] - b[0], b[3] - b[1]) for k, b in boxes.items()}
+    upright = [k for k, (_, high) in sizes.items() if abs(high - turn) <= SLACK]
+    lying = [k for k, (wide, _) in sizes.items() if abs(wide - turn) <= SLACK]
+    outline = max(upright or lying, key=lambda k: sizes[k][0] * sizes[k][1], default=None)
+    if outline is None:
+        largest = max(sizes.values(), key=lambda size: size[0] * size[1], default=(0.0, 0.0))
+        return part, WRAP_WIDE.at(
+            part.source, found=" x ".join(f"{v:.2f}" for v in largest), tube=tube.name,
+            expected=f"{turn:.2f}",
+        )  # fmt: skip
+    x0, y0, x1, _ = boxes[outline]
+    moved: Matrix = ((1.0, 0.0, -x0), (0.0, 1.0, -y0))
+    if not upright:  # turned clockwise, so that it is no mirror image
+        moved = ((0.0, 1.0, -y0), (-1.0, 0.0, x1))
+    features = tuple(
+        replace(
+            f, kind="outer" if k == outline else "inner" if f.closed else f.kind,
+            curves=tuple(c.transformed(moved) for c in f.curves),
+        )
+        if isinstance(f, Contour) else f
+        for k, f in enumerate(part.features)
+    )  # fmt: skip
+    length = sizes[outline][0 if upright else 1]
+    wrapped = replace(part, profile=tube, length=length, features=features)
+    how = "" if upright else ", turned clockwise by 90 degrees"
+    return wrapped, WRAPPED.at(part.source, tube=tube.name, how=how)

@@ -1,1 +1,0 @@
-"""Step tables as rows of time and words: text and bytes (rows), arrays of C (header)."""
