@@ -35,7 +35,7 @@ def post(*words: object) -> Result:
          "2 cuts, 1 bar of 4024.04, 0:42 min; read back: the part but for 1 feature left out"),
         ((DSTV / "marked.nc1", "--machine", "beamline"), "m.gcode",
          "3 holes, 2 cuts, 1 bar of 2424.04, 1:43 min; "
-         "read back: the part but for 3 marks left to the hand"),
+         "read back: the part but for 3 features left for manual work"),
         ((DSTV / "channel.nc1", "--from-operation", 4), "rest.gcode",
          "operations 4 to 12 of 12; read back: the rest of the whole program, exactly"),
         ((SAMPLES / "dxf" / "plate.dxf", "--thickness", 3, "--from-contour", 2), "rest.ngc",

@@ -3,7 +3,7 @@
     (BEAMCAM 2 MACHINE beamline 5f3a9c2e)        version of the form, machine, checksum of its file
     (ALLOWED TO BE LEFT OUT: cope, slot)         the kinds that --allow-skips named, if any
     (LEFT OUT: 2 slot)                           what is missing, by count, if anything
-    (LEFT TO THE HAND: 2)                        marks left for manual work, if any
+    (LEFT TO THE HAND: 2)                        features left for manual work, if any
     (PROGRAM 2 OF 3)                             of a job of several
     (SECTION UPN200 GRADE S235JR)                of a sheet (SHEET 10 GRADE S235JR)
     (BAR 12000)                                  or (BAR 1532.086 AS NEEDED): so long at least

@@ -322,7 +322,7 @@ def _read_back(posted: Posted, is_rest: bool) -> str:
     exactly = f"read back: {parts}, exactly"
     lacking = [f"{_counted(left_out, 'feature')} left out"] if left_out else []
     if manual_work:
-        lacking.append(f"{_counted(manual_work, 'mark')} left to the hand")
+        lacking.append(f"{_counted(manual_work, 'feature')} left for manual work")
     if isinstance(plan, CopePlan):
         from beamcam.planning.coping.rules import ROUNDED
 

@@ -6,7 +6,7 @@ The head is comments that say what a program is, for people and for `verify`.
     BEAMCAM 2 MACHINE beamline 5e57509a            form, machine, checksum of its file
     ALLOWED TO BE LEFT OUT: cope, slot             kinds that --allow-skips named
     LEFT OUT: 2 slot                               what is missing, by count
-    LEFT TO THE HAND: 3                            marks left for manual work
+    LEFT TO THE HAND: 3                            features left for manual work
     PROGRAM 2 OF 3                                 of a job of several
     SECTION UPN200 GRADE S235JR                    of a sheet SHEET 10 GRADE S235JR
     BAR 12000                                      or BAR 1532.086 AS NEEDED
