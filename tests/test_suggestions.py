@@ -101,8 +101,8 @@ def test_the_fewest_kinds_are_left_out_and_none_that_a_shipped_machine_makes() -
         assert "--allow-skips" not in said
     slot = SAMPLES / "bad" / "slot.nc1"
     said = run("post", slot, "-o", "-", "--machine", "beamline").stderr
-    more = "or --machine coper-linuxcnc or --machine coper-tilt-linuxcnc"
-    assert f"{FOUND}--machine beamline-pusher {more}{END}" in said
+    names = ("beamline-pusher", "coper-linuxcnc", "coper-tilt-linuxcnc", "tube-linuxcnc")
+    assert f"{FOUND}{' or '.join(f'--machine {name}' for name in names)}{END}" in said
 
 
 def test_a_flat_that_is_too_long_for_a_table_is_sawn(tmp_path: Path) -> None:

@@ -27,8 +27,8 @@ class TubeCorner(Keys, frozen=True):
 class SupportZone(Keys, frozen=True):
     """A stretch of X where a support holds the bar."""
 
-    min: float
-    max: float
+    min: float  #: X where it begins
+    max: float  #: X where it ends
 
 
 class Coper(Keys, frozen=True):

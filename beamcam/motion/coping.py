@@ -43,27 +43,30 @@ def coping_program(plan: CopePlan, machine: Machine, job: str) -> Program:
     coper = machine.needed(machine.coper, "coper")
     torch = _Torch(plan, coper) if coper.turns == "torch" else _Bar(plan, coper)
     commands: list[Command] = [StartProfile(plan.profile.height, plan.profile.width)]
-    for piece in plan.pieces:
-        is_tee = plan.profile.code == "T"
-        if is_tee:
-            where = "AT Y 0" if coper.turns == "torch" else "TO Y-"
-            commands.append(Comment(f"THE T LIES ON ITS SIDE: FACE H {where}, FACE U UP"))
-        if coper.turns == "bar" and plan.profile.code not in TUBES:
-            commands += map(Comment, TURNS_SO[is_tee:])
-        if piece.part.made is not None:
-            lies = "" if is_tee else ", FACE V UP, FACE U AT Y 0"
-            commands += map(Comment, (
-                f"COMES CUT: ITS X 0 END AT X {piece.start:g}{lies}",
-                "WHAT ITS FILE CALLS MADE IS THERE",
-            ))  # fmt: skip
+    commands += map(Comment, _how_it_lies(plan, coper))
     for cut in plan.operations:
         commands += torch.make(cut)
     commands += torch.home()
     return Program(job, tuple(commands), part_data([piece.part for piece in plan.pieces]))
 
 
-#: How a profile is held that turns; of a T the first of them is said otherwise.
-TURNS_SO = ("AT A 0 FACE V IS UP, FACE U TO Y-", "IT TURNS ABOUT THE MIDDLE OF HEIGHT AND WIDTH")
+def _how_it_lies(plan: CopePlan, coper: Coper) -> Iterator[str]:
+    """What the operator has to know of a bar or a piece as it is put in."""
+    is_tee, turns = plan.profile.code == "T", coper.turns == "bar"
+    if is_tee:
+        where = "TO Y-" if turns else "AT Y 0"
+        yield f"THE T LIES ON ITS SIDE: FACE H {where}, FACE U UP"
+    if turns and plan.profile.code not in TUBES:
+        if not is_tee:
+            yield "AT A 0 FACE V IS UP, FACE U TO Y-"
+        yield "IT TURNS ABOUT THE MIDDLE OF HEIGHT AND WIDTH"
+    for piece in plan.pieces:
+        if piece.part.made is not None:
+            lies = "" if is_tee else ", FACE V UP, FACE U AT Y 0"
+            yield f"COMES CUT: ITS X 0 END AT X {piece.start:g}{lies}"
+            yield "WHAT ITS FILE CALLS MADE IS THERE"
+
+
 #: mm of a block of inverse time; the figure of a shorter one would have more digits than are read.
 SHORTEST = 0.001
 

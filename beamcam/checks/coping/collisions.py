@@ -64,12 +64,15 @@ def collision_faults(
 def turned_unseen(
     events: Iterable[BarEvent], section: CoperSection | TubeSection, coper: Coper, name: str
 ) -> Iterator[Diagnostic]:
-    """A first turn of a bar, from wherever it was, below a torch that its corners may meet."""
+    """A first turn of a bar, from wherever it was, below a torch that its corners may meet.
+
+    Where the torch is before a program says it is not known.
+    """
     least = section.reach + coper.play - SLACK
     for event in events:
         if isinstance(event, Move) and isfinite(event.a_deg[1]):
             _, y, z = event.end
-            if not isfinite(event.a_deg[0]) and not z >= least:
+            if not isfinite(event.a_deg[0]) and z < least:
                 yield rules.COLLISION.at(
                     Source(name, event.line), found=f"{max(z - section.reach, 0.0):.2f}",
                     a=f"{event.a_deg[1]:g}", y=f"{y:.1f}", z=f"{z:.1f}", expected=f"{coper.play:g}",

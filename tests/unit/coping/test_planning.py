@@ -12,6 +12,7 @@ from beamcam.checks.coping.section import kerf_of
 from beamcam.errors import PlanError
 from beamcam.geometry.curves import Arc
 from beamcam.machine import Machine
+from beamcam.machine.coper import SupportZone
 from beamcam.model.part import Bend, Bevel, Contour, Hole, Part, Profile, Slot, TextMark
 from beamcam.model.plan import CopePlan
 from beamcam.planning.coping.plan import ORDER, plan_coping
@@ -207,6 +208,8 @@ REFUSED = [
                                                  (300.0, 110.0)], "inner")), COPER),
     ("plan-coping-off", part_of(outline("v", CORNERED), BACK, Hole("v", 40.0, 280.0, 22.0, AT)),
      COPER),
+    ("plan-coping-support", part_of(Hole("v", 300.0, 100.0, 22.0, AT)),
+     with_keys(supports=(SupportZone(300.0, 320.0),))),
     ("plan-coping-thick", part_of(profile=HEAVY), COPER),
     ("plan-tool", part_of(Hole("v", 300.0, 100.0, 9.0, AT)), COPER),
     ("plan-tool", part_of(Hole("v", 300.0, 100.0, 22.0, AT, 5.0, "blind")), COPER),

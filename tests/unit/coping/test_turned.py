@@ -202,6 +202,10 @@ def test_a_torch_in_the_way_of_the_first_turn_is_seen() -> None:
     for z, wrong in ((107.4, []), (107.2, ["verify-coping-strikes"])):
         lowered = text.replace(f"Z{high[1]}\nG0 A", f"Z{z}\nG0 A", 1)
         assert [d.code for d in found(lowered, U)] == wrong
+    # A bar that is turned before the torch goes anywhere has it where the operator left it.
+    turned = re.sub(r"(G0 X\S+ Y\S+ Z\S+\n)(G0 A\S+\n)", r"\2\1", text, count=1)
+    assert turned != text
+    assert not found(turned, U)
 
 
 def test_the_speed_of_a_block_may_be_said_in_mm_a_minute() -> None:
