@@ -184,7 +184,7 @@ def coper_faults(machine: Machine) -> Iterator[Fault]:
         yield (
             "coper.profiles",
             list(coper.profiles),
-            "RO and M where the bar turns, else I, U and L",
+            "RO and M where the bar turns, else I, U, L, T and C",
         )
     yield from _tilt_faults(machine, coper)
     if coper.a_unit == "mm" and {*coper.profiles} != {"RO"}:
@@ -193,6 +193,8 @@ def coper_faults(machine: Machine) -> Iterator[Fault]:
         yield "coper.corners", len(coper.corners), "none where coper.profiles has no M"
     if coper.corner and "M" not in coper.profiles:
         yield "coper.corner", coper.corner, "none where coper.profiles has no M"
+    if coper.lip and "C" not in coper.profiles:
+        yield "coper.lip", coper.lip, "none where coper.profiles has no C"
     yield from _reach_faults(machine, coper)
     if coper.tcp == bool(coper.pivot):
         expected = "0 where tcp is true, and above 0 where it is false"

@@ -38,17 +38,24 @@ NAMES: dict[str, str] = {
 }  # fmt: skip
 
 
+#: How sections lie that are turned about their length.
+LIES = {
+    "T": "THE T LIES ON ITS SIDE: FACE H AT Y 0, FACE U UP",
+    "C": "THE C LIES ON ITS LIPS: FACE O AT Y 0, FACE H UP",
+}
+
+
 def coping_program(plan: CopePlan, machine: Machine, job: str) -> Program:
     """The commands that carry out a plan, in its order."""
     coper = machine.needed(machine.coper, "coper")
     torch = _Torch(plan, coper) if coper.turns == "torch" else _Bar(plan, coper)
     commands: list[Command] = [StartProfile(plan.profile.height, plan.profile.width)]
     for piece in plan.pieces:
-        is_tee = plan.profile.code == "T"
-        if is_tee:
-            commands.append(Comment("THE T LIES ON ITS SIDE: FACE H AT Y 0, FACE U UP"))
+        turned = LIES.get(plan.profile.code)
+        if turned is not None:
+            commands.append(Comment(turned))
         if piece.part.made is not None:
-            lies = "" if is_tee else ", FACE V UP, FACE U AT Y 0"
+            lies = ", FACE V UP, FACE U AT Y 0" if turned is None else ""
             commands += map(Comment, (
                 f"COMES CUT: ITS X 0 END AT X {piece.start:g}{lies}",
                 "WHAT ITS FILE CALLS MADE IS THERE",
@@ -82,7 +89,8 @@ class _Torch:
         assert patch is not None, cut.face
         row = cut.row
         pierce = self._tip(patch, cut.path[0], row.pierce_height, cut)
-        what = f"{NAMES[cut.kind]} on face {cut.face}{', through the root' if cut.root else ''}"
+        through = ", through the root" if cut.root else ", through the lip" if cut.lip else ""
+        what = f"{NAMES[cut.kind]} on face {cut.face}{through}"
         what = f"{'lower ' if cut.lower else ''}bevel of {what}" if cut.bevel else what
         yield Comment(what)
         yield from self._approach(cut.face, pierce)

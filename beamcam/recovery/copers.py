@@ -103,7 +103,7 @@ def recover_coped(text: str, machine: Machine, name: str, stock: KnownStock) -> 
         bare = replace(bare, profile=turned)
     bare = lying(bare)
     code = unrolled_pipe(bare).profile.code
-    codes = ("RO", "M") if is_tube else ("I", "U", "L", "T")
+    codes = ("RO", "M") if is_tube else ("I", "U", "L", "T", "C")
     if code not in codes:
         expected = ", ".join(codes)
         return Recovered((), (coping_rules.SECTION.at(source, found=code, expected=expected),))
@@ -198,7 +198,7 @@ def _remarks(part: Part, coper: Coper, within: float) -> Iterator[Diagnostic]:
 def _walls(
     part: Part, strokes: Sequence[TorchStroke], coper: Coper, ends: Ends = NO_ENDS
 ) -> Iterator[_Wall]:
-    """The walls of an I, a U or an L, or of a T on its side."""
+    """The walls of an I, a U or an L, of a T on its side or a C on its lips."""
     from shapely import box, union_all
 
     section = CoperSection(part.profile)

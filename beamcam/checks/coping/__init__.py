@@ -8,6 +8,8 @@ nothing is shared with planning and motion, nor is the map of surfaces that they
 
 from collections.abc import Collection, Sequence
 
+from msgspec.structs import replace
+
 from beamcam.checks.asked import by_hand, left_out, left_to_hand
 from beamcam.controllers import cell_events
 from beamcam.controllers.events import BarEvent
@@ -43,7 +45,7 @@ def verify_coping(
     if len(parts) > 1:
         return (*diagnostics, rules.PARTS.at(Source(name), found=len(parts)))
     part = unrolled_pipe(parts[0]) if coper.turns == "bar" else parts[0]
-    codes = ["RO", "M"] if coper.turns == "bar" else ["I", "U", "L", "T"]
+    codes = ["RO", "M"] if coper.turns == "bar" else ["I", "U", "L", "T", "C"]
     codes = ["RO"] if coper.a_unit == "mm" else codes
     code = part.profile.code
     if code not in codes:
@@ -57,6 +59,15 @@ def verify_coping(
                 part.source, found=f"{wall.radius:g}", name=size.name or "a tube",
                 least=f"{wall.wall:g}", most=f"{most:g}",
             ))  # fmt: skip
+    if code == "C":
+        lip = part.profile.lip if part.profile.lip is not None else coper.lip
+        least, most = (part.profile.web_thickness or 0.0) + part.profile.radius, part.profile.height
+        if not least <= lip < most / 2:
+            return (*diagnostics, rules.LIP.at(
+                part.source, found=f"{lip:g}", name=part.profile.name or "a C",
+                least=f"{least:g}", most=f"{most / 2:g}",
+            ))  # fmt: skip
+        part = replace(part, profile=replace(part.profile, lip=lip))
     part = lying(part)
     material = material_said(part.grade, coper.material)
     rows = [row for row in coper.rows if is_row_for(row.material, material)]
@@ -93,8 +104,8 @@ def _profile_faults(
     stock = stock_of(part, section, coper)
     asked = walls_asked(part, section, coper, rows, left, stock, torch.strokes)
     diagnostics += compare(
-        torch.strokes, asked.wanted, asked.ends, asked.passes, stock, section, coper, rows,
-        machine.format.resolution, name,
+        torch.strokes, asked.wanted, asked.ends, asked.made, asked.passes, stock, section, coper,
+        rows, machine.format.resolution, name,
     )  # fmt: skip
     diagnostics += root_faults(torch.strokes, section, coper, name)
     hand = (

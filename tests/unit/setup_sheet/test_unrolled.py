@@ -87,7 +87,7 @@ def test_a_rectangular_tube_has_the_face_of_each_cut_and_goes_once_round() -> No
 SOLIDS = [
     ("trimmer", "coper-linuxcnc", "vouh"), ("hanger", "coper-linuxcnc", "vouh"),
     ("header-rest", "coper-linuxcnc", "vouh"), ("leg", "tube-linuxcnc", "vouh"),
-    ("hip", "tube-linuxcnc", "vouh"),
+    ("hip", "tube-linuxcnc", "vouh"), ("joist", "coper-linuxcnc", "vouh"),
     ("stub", "tube-linuxcnc", "v"), ("stub", "tube-surface", "v"),
 ]  # fmt: skip
 
