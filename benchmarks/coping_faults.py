@@ -4,8 +4,9 @@ By classes: what the planner could get wrong (the side of the kerf, a mirrored o
 sharp corners, leads in the part, a cut that is missing, made twice or ends too early, the order,
 the row of the cut chart), and what of a program's text (A, F, inverse time, heights, waits,
 switches, blending). So many random profiles are tried, as many with skew ends, for a torch that
-tilts and for one that does not, as many pieces that come cut, which may also be taken for a bar or
-for a longer piece, as many tubes, round and rectangular, and as many profiles that turn:
+tilts and for one that does not, as many C sections with lips of each of these kinds, pieces that
+come cut, which may also be taken for a bar or for a longer piece, tubes, round and rectangular, and
+profiles that turn:
 
     python benchmarks/coping_faults.py 20
 """
@@ -14,6 +15,7 @@ import random
 import sys
 from collections import Counter
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 
 from msgspec.structs import replace
@@ -28,14 +30,17 @@ from beamcam.model.plan import CopePlan
 from beamcam.model.request import Job, Request
 from beamcam.planning.coping import plan as planner
 from beamcam.planning.left_out import left_out_kinds, manual_work_sources
+from beamcam.planning.turning import TURNS, alike, turned
 from beamcam.posts import post_of
 from benchmarks.coping_plans import is_tilted, plan_faults, reordered
 from benchmarks.coping_texts import TEXTS, TILT_TEXTS, TUBE_TEXTS, TURNED_TEXTS
 from benchmarks.script import arguments, at_least, start
 from tests.random_boxes import random_box
 from tests.random_copes import (
+    CEES,
     random_bevel,
     random_cope,
+    random_lipped,
     random_mitre,
     random_prepared_web,
     random_slant,
@@ -78,12 +83,30 @@ def faults(part: Part, machine: Machine, chance: random.Random) -> Iterator[tupl
         yield "over the chuck", over_the_chuck(part, machine, right)
     if part.made is not None:
         yield from piece_faults(part, machine)
+    if part.profile.code == "C":
+        yield from lip_faults(part, machine, right)
     if any(is_tilted(cut) and not cut.bevel for cut in plan.operations):
         upright = replace(machine, coper=replace(coper, tilt=0.0))
         yield "cut square", program_of(planner.plan_coping((part,), upright), job)
     if any(said.code == "plan-coping-rounded" for said in plan.remarks):
         sharp = replace(machine, coper=replace(coper, corner_radius=2.5))
         yield "sharp corners", program_of(planner.plan_coping((part,), sharp), job)
+
+
+def lip_faults(part: Part, machine: Machine, right: str) -> Iterator[tuple[str, str]]:
+    """Programs for a C with shorter lips, and for one that lies end for end on them."""
+    job = Job(Request((part,), machine, name="JOB"), (0,))
+    shorter = replace(part, profile=replace(part.profile, lip=(part.profile.lip or 0.0) / 2))
+    text = program_of(planner.plan_coping((shorter,), machine), job)
+    if text != right:
+        yield "shorter lips", text
+    turn = next(t for t in TURNS if t.name == "turned 180 about its length")
+    if not alike(turned(part, turn), part):
+        try:
+            plan = planner.plan_coping((turned(part, turn),), machine)
+        except PlanError:
+            return
+        yield "turned over", program_of(plan, job)
 
 
 def over_the_chuck(part: Part, machine: Machine, right: str) -> str:
@@ -131,7 +154,10 @@ def survivors(count: int, seed: int = 0) -> tuple[Counter[str], list[tuple[int, 
         ("tube", random_box), ("coper", random_tee), ("coper-tilt", random_mitre),
         ("coper", random_mitre), ("coper-tilt", random_bevel), ("coper", random_slant),
         ("coper-tilt", random_prepared_web), ("tube", random_cope), ("tube", random_tee),
-        ("tube", random_slant),
+        ("tube", random_slant), ("coper", random_lipped),
+        ("coper-tilt", partial(random_mitre, sections=CEES)),
+        ("coper", partial(random_mitre, sections=CEES)),
+        ("coper", partial(random_slant, sections=CEES)),
     )  # fmt: skip
     for number in range(len(kinds) * count):
         kind, make = kinds[number % len(kinds)]

@@ -2,7 +2,7 @@
 
 import random
 from collections.abc import Callable
-from math import hypot, radians, tan
+from math import atan, degrees, hypot, radians, tan
 
 from msgspec.structs import replace
 
@@ -36,9 +36,18 @@ def _placed(change: Callable[[float, float], tuple[float, float]]) -> OfPlan:
 
 
 def mirrored_along(plan: CopePlan, chance: random.Random) -> CopePlan | None:
-    """A cut at the other end of the part."""
+    """A cut at the other end of the part, if it does not go round both."""
     length = plan.pieces[0].part.length
-    return _placed(lambda x, y: (length - x, y))(plan, chance)
+
+    def is_alike(cut: CopeCut) -> bool:
+        xs = [x for x, _ in cut.path[cut.lead :]]
+        return abs(min(xs) + max(xs) - length) < 1.0
+
+    return _changed(
+        plan, chance,
+        lambda cut: replace(cut, path=tuple((length - x, y) for x, y in cut.path)),
+        lambda cut: not is_alike(cut),
+    )  # fmt: skip
 
 
 def mirrored_across(plan: CopePlan, chance: random.Random) -> CopePlan | None:
@@ -262,6 +271,12 @@ def is_tilted(cut: CopeCut) -> bool:
     return bool(cut.b_deg)
 
 
+def _seen(plan: CopePlan, cut: CopeCut) -> float:
+    """Degrees of a tilt that are more than the tolerance of what is cut: of a thin wall many."""
+    thick = plan.profile.thickness(cut.face)
+    return 3.0 if cut.lip or thick > 6.0 else degrees(atan(0.6 / thick))
+
+
 #: Ways to make the tilt of a cut wrong.
 TILTS: dict[str, OfPlan] = {
     "B the other way": lambda p, c: _changed(
@@ -269,7 +284,8 @@ TILTS: dict[str, OfPlan] = {
     ),
     "B dropped": lambda p, c: _changed(p, c, lambda cut: replace(cut, b_deg=0.0), is_tilted),
     "B of another angle": lambda p, c: _changed(
-        p, c, lambda cut: replace(cut, b_deg=cut.b_deg + c.choice((-3.0, 3.0))), is_tilted
+        p, c, lambda cut: replace(cut, b_deg=cut.b_deg + c.choice((-1.0, 1.0)) * _seen(p, cut)),
+        is_tilted,
     ),
     "B at all ends the other way": lambda p, c: replace(
         p, operations=tuple(replace(cut, b_deg=-cut.b_deg) for cut in p.operations)
@@ -320,6 +336,53 @@ def lower_behind(plan: CopePlan, chance: random.Random) -> CopePlan | None:
     return replace(plan, operations=(*rest[: at + 1], cut, *rest[at + 1 :]))
 
 
+def lip_left_out(plan: CopePlan, chance: random.Random) -> CopePlan | None:
+    """A flange whose cut goes on over its lip, which only that of the flange cuts."""
+    which = [cut for cut in plan.operations if cut.lip]
+    if not which:
+        return None
+    lip = chance.choice(which)
+    rest = tuple(cut for cut in plan.operations if cut is not lip)
+
+    def change(cut: CopeCut) -> CopeCut:
+        beyond = [(x, max(y, -2.0)) for x, y in lip.path if y < cut.path[1][1]]
+        off = cut.path[1][0] - lip.path[1][0]
+        return replace(cut, path=(*((x + off, y) for x, y in beyond[::-1]), *cut.path[1:]), lead=1)
+
+    return _changed(
+        replace(plan, operations=rest), chance, change,
+        lambda cut: not cut.lip and (cut.face, cut.kind) == (lip.face, lip.kind),
+    )  # fmt: skip
+
+
+def lip_too_shallow(machine: Machine) -> OfPlan:
+    """A lip cut with the row of its flange, or of any that is not as deep."""
+
+    def of_plan(plan: CopePlan, chance: random.Random) -> CopePlan | None:
+        coper = machine.needed(machine.coper, "coper")
+
+        def change(cut: CopeCut) -> CopeCut:
+            row = chance.choice([row for row in coper.rows if row.up_to < cut.thickness])
+            nearer = (cut.row.kerf - row.kerf) / 2
+            nearer *= -1.0 if cut.path[0][0] > cut.path[1][0] else 1.0
+            path = tuple((x + nearer, max(y, -2.0)) for x, y in cut.path)
+            return replace(cut, row=row, path=path)
+
+        return _changed(plan, chance, change, lambda cut: cut.lip)
+
+    return of_plan
+
+
+def along_the_lip(plan: CopePlan, chance: random.Random) -> CopePlan | None:
+    """A cut of a lip that goes on along it, in what is scrap."""
+
+    def change(cut: CopeCut) -> CopeCut | None:
+        x, away = cut.path[-1][0], cut.path[0][0] - cut.path[1][0]
+        return replace(cut, path=(*cut.path[:-1], (x, 1.0), (x + 2.5 * away, 1.0)))
+
+    return _changed(plan, chance, change, lambda cut: cut.lip and cut.kind != "notch")
+
+
 def plan_faults(machine: Machine, code: str) -> dict[str, OfPlan]:
     """Ways to make the plan of a section wrong."""
     of_all: dict[str, OfPlan] = {
@@ -344,4 +407,6 @@ def plan_faults(machine: Machine, code: str) -> dict[str, OfPlan]:
         "bevel pierced in the part": bevel_pierced_in_part,
         **TILTS, "wrong land": wrong_land, "passes in the wrong order": bevel_first,
         "bevel behind the parting": bevel_last, "lower bevel behind": lower_behind,
+        "lip left out": lip_left_out, "lip too shallow": lip_too_shallow(machine),
+        "along the lip": along_the_lip,
     }  # fmt: skip

@@ -1,5 +1,6 @@
-"""Random parts for a coper: I, U, L and T with copes at their ends, notches, windows and holes."""
+"""Random parts for a coper: I, U, L, T, C with copes at their ends, notches, windows, holes."""
 
+from collections.abc import Sequence
 from math import atan, degrees, radians, tan
 from random import Random
 
@@ -30,16 +31,24 @@ TEES = (
 )  # fmt: skip
 
 
+CEES = (
+    Profile("C", "C200*75*20*2.5", 200.0, 75.0, 2.5, 2.5, 3.5, 20.0),
+    Profile("C", "C300*90*28*3", 300.0, 90.0, 3.0, 3.0, 4.0, 28.0),
+    Profile("C", "C150*65*15*1.5", 150.0, 65.0, 1.5, 1.5, 0.0, 15.0),
+    Profile("C", "C250*80*42*4", 250.0, 80.0, 4.0, 4.0, 6.0, 42.0),
+)
+
+
 def polygon(points: list[Point]) -> tuple[Curve, ...]:
     """A closed chain of lines."""
     ends = (*points[1:], points[0])
     return tuple(Line(a, b) for a, b in zip(points, ends, strict=True) if a != b)
 
 
-def random_cope(seed: int) -> Part:
+def random_cope(seed: int, sections: Sequence[Profile] = SECTIONS) -> Part:
     """A part whose copes cut web and flange at one x."""
     random = Random(seed)
-    profile = random.choice(SECTIONS)
+    profile = random.choice(sections)
     length = round(random.uniform(500.0, 1500.0), 1)
     features: list[Feature] = []
     flanges = ("u",) if profile.code == "L" else ("o", "u")
@@ -55,10 +64,23 @@ def random_cope(seed: int) -> Part:
     return Part(f"C{seed}", profile, length, AT, features=tuple(features), grade="S235JR")
 
 
-def random_mitre(seed: int) -> Part:
+def random_lipped(seed: int) -> Part:
+    """A C with lips, as `random_cope`; with a flange that has no lip between its ends now and
+    then."""
+    part = random_cope(seed, CEES)
+    if seed % 4 != 3:
+        return part
+    long, wide = part.length, part.profile.width
+    tip = wide - 2 * (part.profile.web_thickness or 0.0) - part.profile.radius - 12.0
+    bare = polygon([(0.0, 0.0), (long, 0.0), (long, tip), (0.0, tip)])
+    others = tuple(f for f in part.features if isinstance(f, Hole) and f.face == "o")
+    return replace(part, features=(*others, Contour("u", "outer", bare, AT)))
+
+
+def random_mitre(seed: int, sections: Sequence[Profile] = (*SECTIONS, *TEES)) -> Part:
     """A part with skew ends by its header, some of them drawn on the web too, with some holes."""
     random = Random(seed)
-    profile = random.choice((*SECTIONS, *TEES))
+    profile = random.choice(sections)
     length = round(random.uniform(1200.0, 1800.0), 1)
     angles: list[float] = []
     for _ in range(2):
@@ -80,11 +102,11 @@ def random_mitre(seed: int) -> Part:
     )
 
 
-def random_slant(seed: int) -> Part:
+def random_slant(seed: int, sections: Sequence[Profile] = SECTIONS) -> Part:
     """A part whose copes cross their roots on a slant: of the web at the upper flange, and of the
     lower flange, whose end leans over a web that ends square."""
     random = Random(seed)
-    profile = random.choice([one for one in SECTIONS if one.code != "L"])
+    profile = random.choice([one for one in sections if one.code != "L"])
     high, wide = profile.height, profile.width
     web, flange = profile.web_thickness or 0.0, profile.flange_thickness
     length = round(random.uniform(600.0, 1200.0), 1)

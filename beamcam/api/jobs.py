@@ -32,7 +32,7 @@ from beamcam.arguments import (
 from beamcam.errors import Diagnostic, PlanError, ReadError, Source
 from beamcam.machine import DEFAULT_MACHINE, Machine
 from beamcam.machine.faults import TABLE_CONTROLLERS
-from beamcam.machine.overlay import with_corner
+from beamcam.machine.overlay import with_section
 from beamcam.machine.runtime import STYLES
 from beamcam.machine.tables import DIALECTS, STEP_FORMS
 from beamcam.model.description import marked
@@ -56,21 +56,23 @@ def load(
     map: Mapping[str, Process | Mapping[str, object]] | None = None,
     tolerances: Mapping[str, float] | None = None,
     corner: float | None = None,
+    lip: float | None = None,
     **sheet: Unpack[SheetOptions],
 ) -> Machine:
     """A machine as a job wants it, for every function that takes one.
 
     `map` says what is done with a colour or layer, `tolerances` are those of a drill (merge,
     duplicate, sink, path, same_tool), `corner` is the outer radius of a rectangular tube's corners
-    where neither its file nor the machine's has one, `sheet` how a sheet is cut; all as in
-    `beamcam.toml`, over what the machine's file says. Raises MachineError; AskError for a name or
-    value that cannot be meant; ConfigError and PlanError for what this machine cannot do.
+    and `lip` the length of a C's lips where neither its file nor the machine's has one, `sheet` how
+    a sheet is cut; all as in `beamcam.toml`, over what the machine's file says. Raises
+    MachineError; AskError for a name or value that cannot be meant; ConfigError and PlanError for
+    what this machine cannot do.
     """
     from beamcam.config.values import Config, ConfigFile
 
     loaded = machine_of(machine)
     tables: dict[str, Any] = {"sheet": sheet, "map": map or {}, "tolerances": tolerances or {}}
-    settings = converted({**tables, "corner": corner}, ConfigFile)
+    settings = converted({**tables, "corner": corner, "lip": lip}, ConfigFile)
     config = Config(
         loaded.name, sheet=settings.sheet, map=settings.map, tolerances=settings.tolerances
     )
@@ -78,7 +80,7 @@ def load(
         from beamcam.config.values import with_tolerances
 
         loaded = with_tolerances(loaded, config)
-    loaded = with_corner(loaded, settings.corner)
+    loaded = with_section(loaded, settings.corner, settings.lip)
     if not (config.map or sheet):
         return loaded
     from beamcam.machine.overlay import with_torch

@@ -301,7 +301,7 @@ OTHER = "Other"
 GROUPS: Mapping[str, tuple[str, ...]] = {
     "Job": (
         "output", "folder", "machine", "by", "machines", "config_file", "trust", "job", "bar",
-        "bars", "remnants", "nest", "order", "turn", "style", "corner",
+        "bars", "remnants", "nest", "order", "turn", "style", "corner", "lip",
         "show", "to", "table", "quantity", "against", "mark_from", "first", "contour", "after",
         "date", "frame", "rest_name", "rest_as", "size", "code", "profile", "solid",
     ),

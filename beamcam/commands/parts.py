@@ -116,10 +116,12 @@ drawing_options = group(
 #: The thickness of a drawing's sheet, which no drawing says.
 thickness = click.option("--thickness", type=Number(), help="Thickness of a drawing's sheet, mm.")
 
-#: Settings of a sheet and its cuts, which override the machine file, and the radius of a tube.
+#: Settings of a sheet and its cuts, which override the machine file, and what sections lack.
 torch_options = group(
     click.option("--corner", type=Number(), metavar="RADIUS",
                  help="Outer corner radius of a rectangular tube, if file and machine have none."),
+    click.option("--lip", type=Number(), metavar="LENGTH",
+                 help="Length of the lips of a C, if file and machine have none."),
     click.option("--map", "colours", multiple=True, callback=_map, metavar="KEY=PROCESS",
                  help="Process of a colour, a layer or all others (*): cut, mark, engrave, ignore"),
     thickness,

@@ -336,7 +336,8 @@ def coping_lines(plan: CopePlan, time: WorkTime, machine: Machine) -> Iterator[s
     )
     for number, (cut, seconds) in enumerate(zip(plan.operations, time.operations, strict=True), 1):
         x, y = cut.path[0]
-        root = (", root" if cut.root else "") + (f", B {cut.b_deg:.3f}" if cut.b_deg else "")
+        root = ", root" if cut.root else ", lip" if cut.lip else ""
+        root += f", B {cut.b_deg:.3f}" if cut.b_deg else ""
         yield (
             f"{number:4} face {cut.face}  {NAMES[cut.kind]:8} x {x:10.3f} y {y:8.3f} "
             f"{cut_length(cut):9.1f} mm through {cut.thickness:.1f} mm{root} at "
@@ -362,7 +363,7 @@ def coping_record(
             {
                 "face": cut.face, "kind": cut.kind, "start": list(cut.path[0]),
                 "path": round(cut_length(cut), 6), "thickness": round(cut.thickness, 6),
-                "root": cut.root, "tilt_deg": round(cut.b_deg, 6),
+                "root": cut.root, "lip": cut.lip, "tilt_deg": round(cut.b_deg, 6),
                 "feed_mm_min": cut.row.feed_mm_min, "seconds": round(seconds, 3),
                 "source": str(cut.source),
             }

@@ -17,7 +17,7 @@ from beamcam.config.values import COMMAND_LINE, Config, Stock, over
 from beamcam.errors import BeamcamError, Diagnostic, MachineError, PlanError, Source
 from beamcam.files import FilesRead
 from beamcam.machine import Machine, default_machines, is_of_sheets
-from beamcam.machine.overlay import with_corner
+from beamcam.machine.overlay import with_section
 from beamcam.machine.words import UNKNOWN_MACHINE
 from beamcam.machine_choice import InTurn
 from beamcam.model.part import Part
@@ -29,7 +29,7 @@ from beamcam.self_test import load_tested
 _OPTIONS = {
     "machine": "machine", "by": "by", "machines": "split", "skips": "allow_skips",
     "strict": "strict", "job": "job", "jobs": "jobs", "name": "name", "quantity": "quantity",
-    "flat": "flat", "colours": "map", "corner": "corner",
+    "flat": "flat", "colours": "map", "corner": "corner", "lip": "lip",
 }  # fmt: skip
 #: Options that are rows of the table `[sheet]`.
 SAME_THICKNESS = 0.01  #: mm that two statements may differ by
@@ -343,7 +343,7 @@ def _as_asked(machine: Machine, config: Config, is_one_of_two: bool) -> Machine:
         from beamcam.config.values import with_tolerances
 
         machine = with_tolerances(machine, config)
-    machine = with_corner(machine, config.corner)
+    machine = with_section(machine, config.corner, config.lip)
     if not (config.sheet.given() or config.map) or (machine.torch is None and is_one_of_two):
         return machine
     return _with_sheet(machine, config)

@@ -130,6 +130,7 @@ class ConfigFile(Keys, frozen=True):
     #: of drills, over the machine's own, mm
     tolerances: Mapping[Tolerance, NotNegative] = field(default_factory=dict)
     corner: Positive | None = None  #: outer radius of a tube's corners, if nothing else says it, mm
+    lip: Positive | None = None  #: length of a C's lips, if nothing else says it, mm
     sheet: Sheet = Sheet()  #: how sheets are cut, over the machine's own
     dask: Dask = Dask()  #: cluster of a batch
     limits: Limits = Limits()  #: how much a run may take

@@ -36,7 +36,7 @@ class Coper(Keys, frozen=True):
 
     X runs along the bar from its leading end. Y and Z are those of the section: Y 0 is the outside
     of the lower flange, Z 0 the edge that lies on the rollers. A T lies on its side, as an I that
-    has no upper flange: its flange at Y 0, its stem across.
+    has no upper flange: its flange at Y 0, its stem across. A C lies on its lips.
     """
 
     max_height: Positive  #: of the section, along Y
@@ -50,12 +50,14 @@ class Coper(Keys, frozen=True):
     #: over a bar that turns: whether Y follows the place that is cut, or the torch stays over the
     #: axis, where only round tubes are square to it
     y: Literal["follows", "fixed"] = "follows"
-    #: DSTV codes that it takes; RO and M only where the bar turns
-    profiles: tuple[Literal["I", "U", "L", "T", "RO", "M"], ...] = ("I", "U", "L")
+    #: DSTV codes that it takes; RO and M only where the bar turns, C only where the torch does
+    profiles: tuple[Literal["I", "U", "L", "T", "C", "RO", "M"], ...] = ("I", "U", "L")
     #: of rectangular tubes whose file does not say how round their corners are
     corners: tuple[TubeCorner, ...] = ()
     #: outer radius of those corners where `corners` does not say it either, mm; 0 for none
     corner: NotNegative = 0.0
+    #: length of the lips of a C whose file does not say it, mm; 0 for none
+    lip: NotNegative = 0.0
     length: Positive = 12000.0  #: of the bar
     material: str = ""  #: of a part that does not say
     chuck: NotNegative = 0.0  #: of a bar that turns, held behind what is cut

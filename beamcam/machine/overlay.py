@@ -15,13 +15,18 @@ Meaning = Literal["cut", "mark", "engrave", "ignore"]
 MEANINGS: tuple[Meaning, ...] = ("cut", "mark", "engrave", "ignore")
 
 
-def with_corner(machine: Machine, radius: float | None) -> Machine:
-    """A machine that turns rectangular tubes, with the outer radius of their corners where neither
-    their file nor its own table has one; any other machine as it is."""
+def with_section(machine: Machine, corner: float | None, lip: float | None) -> Machine:
+    """A coper with what a file may not say of its sections: of rectangular tubes the outer radius
+    of their corners, of C sections the length of their lips.
+
+    A machine that does not take such sections stays as it is.
+    """
     coper = machine.coper
-    if not radius or coper is None or "M" not in coper.profiles:
-        return machine
-    return replace(machine, coper=replace(coper, corner=radius))
+    if coper is not None and corner and "M" in coper.profiles:
+        coper = replace(coper, corner=corner)
+    if coper is not None and lip and "C" in coper.profiles:
+        coper = replace(coper, lip=lip)
+    return machine if coper is machine.coper else replace(machine, coper=coper)
 
 
 def with_torch(

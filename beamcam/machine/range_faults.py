@@ -178,8 +178,11 @@ def coper_faults(machine: Machine) -> Iterator[Fault]:
         if any("{" + name in line for line in words.feed) != round_bar:
             expected = f"{{{name}}} where coper.turns is bar, and nowhere else"
             yield "words.feed", list(words.feed), expected
-    if not round_bar and not {*coper.profiles}.isdisjoint(TUBES):
-        yield "coper.profiles", list(coper.profiles), "RO and M only where the bar turns"
+    if not {*coper.profiles} <= (
+        allowed := {"I", "U", "L", "T", *(TUBES if round_bar else ("C",))}
+    ):
+        expected = f"some of {', '.join(sorted(allowed))} where coper.turns is {coper.turns}"
+        yield "coper.profiles", list(coper.profiles), expected
     yield from _tilt_faults(machine, coper)
     yield from _fixed_faults(machine, coper)
     for k, zone in enumerate(coper.supports):
@@ -191,6 +194,8 @@ def coper_faults(machine: Machine) -> Iterator[Fault]:
         yield "coper.corners", len(coper.corners), "none where coper.profiles has no M"
     if coper.corner and "M" not in coper.profiles:
         yield "coper.corner", coper.corner, "none where coper.profiles has no M"
+    if coper.lip and "C" not in coper.profiles:
+        yield "coper.lip", coper.lip, "none where coper.profiles has no C"
     yield from _reach_faults(machine, coper)
     if coper.tcp == bool(coper.pivot):
         expected = "0 where tcp is true, and above 0 where it is false"

@@ -23,11 +23,13 @@ from beamcam.conversion import Count, Keys, NotNegative, Positive, PositiveCount
 
 MILD_STEEL, STAINLESS, ALUMINIUM = "mild steel", "stainless steel", "aluminium"
 
-#: By EN 10025, 10027-2, 10111, 10130, 10088 and 573, DIN 17100, ASTM, JIS, GB; spaces do not count.
+#: By EN 10025, 10346, 10027-2, 10111, 10130, 10088 and 573, DIN 17100, ASTM, JIS, GB; spaces do not
+#: count.
 _GRADES = (
     (MILD_STEEL,
      r"(METAL)?(MILD|STRUCTURAL|CARBON)?STEEL(\d+MPA)?|STAHL|BAUSTAHL|MS|CS"
      r"|S(185|195|235|275|355|420|450|460)\D.*|S(185|195|235|275|355|420|450|460)"
+     r"|S(220|250|280|320|350|390|550)GD.*|SSC400"
      r"|R?S?ST(33|37|44|50|52|60|70).*|(RST|UST)\d\d.*|FE(310|360|430|490|510).*|E(24|28|36).*"
      r"|A(36|53|283|500|501|516|529|572|992|1011)(\D.*)?|A572(42|50|55|60|65)"
      r"|Q(195|215|235|275|345|355|390|420|460).*"

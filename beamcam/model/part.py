@@ -51,6 +51,8 @@ class Profile(Struct, frozen=True, cache_hash=True):
     flange_thickness: float
     web_thickness: float | None  #: thickness of a plate; None for a drawing that does not say
     radius: float = 0.0
+    #: of a C how long its lips are, from the outside of the flange; None where it is not known
+    lip: float | None = None
 
     def face_width(self, face: Face) -> float:
         """Extent of `face` across the part: the height on v and h, the flange width on o and u."""

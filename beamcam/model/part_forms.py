@@ -140,6 +140,8 @@ class ProfileForm(Keys, frozen=True):
     flange_thickness: Number = 0.0
     web_thickness: Number | None = None  #: thickness of a plate
     radius: Number = 0.0
+    #: of a C how long its lips are, from the outside of the flange; without it it is not known
+    lip: Positive | None = None
 
 
 class HoleForm(Featured, frozen=True, kw_only=True):

@@ -45,6 +45,9 @@ def part_to_json(part: Part) -> Json:
     """The JSON form of `part`, of values that `json.dumps` takes."""
     file = part.source.file
     made = {} if part.made is None else {"made": _lists(part.made, file)}
+    profile = asdict(part.profile)
+    if part.profile.lip is None:
+        del profile["lip"]
     return {
         "mark": part.mark,
         "drawing": part.drawing,
@@ -52,7 +55,7 @@ def part_to_json(part: Part) -> Json:
         "phase": part.phase,
         "grade": part.grade,
         "quantity": part.quantity,
-        "profile": asdict(part.profile),
+        "profile": profile,
         "length": part.length,
         "saw_length": part.saw_length,
         "cuts": asdict(part.cuts),

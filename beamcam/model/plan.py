@@ -257,6 +257,7 @@ class CopeCut(Struct, frozen=True, gc=False):
     b_deg: float = 0.0  #: tilt of the torch towards X
     bevel: bool = False  #: whether it makes the bevel of an edge that a square cut makes too
     lower: bool = False  #: of the far side of its wall, before the square cut
+    lip: bool = False  #: whether it takes the lip below a flange
 
 
 class CopePlan(Struct, frozen=True):

@@ -168,6 +168,10 @@ def section_fault(profile: Profile) -> str | None:
         return f"flanges of {flange:g} mm in a height of {height:g} mm"
     if webs >= width:
         return f"a web of {web:g} mm in a flange width of {width:g} mm"
+    if profile.lip is not None and profile.code == "C":
+        bend = web + profile.radius
+        if not bend <= profile.lip < height / 2 or 2 * bend > width:
+            return f"lips of {profile.lip:g} mm with bends of {bend:g} mm, {height:g} mm high"
     return None
 
 
@@ -231,7 +235,7 @@ def single_contours(part: Part) -> list[Contour]:
 
 
 def section_area(profile: Profile, outline: tuple[SectionPoint, ...] = ()) -> float | None:
-    """mm2 of a section by its figures; None for lipped and special ones without an outline."""
+    """mm2 of a section by its figures; None for a C without its lips, an SO without its outline."""
     h, b, r = profile.height, profile.width, profile.radius
     flange, web = profile.flange_thickness, profile.web_thickness or 0.0
     match profile.code:
@@ -239,6 +243,10 @@ def section_area(profile: Profile, outline: tuple[SectionPoint, ...] = ()) -> fl
             return 2 * b * flange + (h - 2 * flange) * web + 4 * _FILLET * r * r
         case "U":
             return 2 * b * flange + (h - 2 * flange) * web + 2 * _FILLET * r * r
+        case "C" if profile.lip is not None:  # one sheet: round outside too where it is inside
+            outer = r + web if r else 0.0
+            plates = 2 * b * flange + (h - 2 * flange) * web + 2 * (profile.lip - flange) * web
+            return plates + 4 * _FILLET * (r * r - outer * outer)
         case "T":
             return b * flange + (h - flange) * web + 2 * _FILLET * r * r
         case "L":
@@ -264,13 +272,16 @@ LIP_SHARES = (0.2, 0.6)
 def lip_of(part: Part) -> float:
     """How far the lips of a C reach over its trough, mm from the outside of its flange; else 0.
 
-    No header says it. The section is bent of one sheet, so that its weight per metre does; where
-    that gives no lip of at least 0.2 of the flange's width, the longest is taken, 0.6 of it.
+    No header says it, though a name may. Else the weight per metre does, as the section is bent of
+    one sheet; where that gives no lip of at least 0.2 of the flange's width, the longest is taken,
+    0.6 of it.
     """
     profile = part.profile
     wall = profile.web_thickness
     if profile.code != "C" or not wall:
         return 0.0
+    if profile.lip is not None:
+        return profile.lip
     girth = part.weight / 1000 / STEEL_KG_MM3 / wall
     corners = 4 * _FILLET * (2 * profile.radius + wall)  # steel that round bends have less
     lip = (girth + corners - profile.height - 2 * profile.width + 4 * wall) / 2

@@ -70,15 +70,18 @@ def surface_of(profile: Profile) -> tuple[Patch, ...]:
     """The patches of a section that a torch can look at; none of a section without such walls.
 
     A corner of a rectangular tube is as round as `profile.radius` says, which is the outer one. A
-    T is taken as it lies under a torch, with its flange at Y 0 and its stem along Y.
+    T is taken as it lies under a torch, with its flange at Y 0 and its stem along Y, and so is a C,
+    which lies on its lips.
     """
     h, b, r = profile.height, profile.width, profile.radius
     flange, web = profile.flange_thickness, profile.web_thickness or 0.0
     match profile.code:
         case "I" | "T":
             front, back = (b + web) / 2, (b - web) / 2
-        case "U" | "C" | "L":
+        case "U" | "L":
             front, back = web, 0.0
+        case "C":
+            front, back = b, b - web
         case "M":
             return _tube(h, b, min(r, h / 2, b / 2), flange, web)
         case "RO" | "RU":

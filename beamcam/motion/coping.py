@@ -38,6 +38,13 @@ NAMES: dict[str, str] = {
 }  # fmt: skip
 
 
+#: How sections lie that are turned about their length.
+LIES = {
+    "T": "THE T LIES ON ITS SIDE: FACE H AT Y 0, FACE U UP",
+    "C": "THE C LIES ON ITS LIPS: FACE O AT Y 0, FACE H UP",
+}
+
+
 def coping_program(plan: CopePlan, machine: Machine, job: str) -> Program:
     """The commands that carry out a plan, in its order."""
     coper = machine.needed(machine.coper, "coper")
@@ -52,17 +59,16 @@ def coping_program(plan: CopePlan, machine: Machine, job: str) -> Program:
 
 def _how_it_lies(plan: CopePlan, coper: Coper) -> Iterator[str]:
     """What the operator has to know of a bar or a piece as it is put in."""
-    is_tee, turns = plan.profile.code == "T", coper.turns == "bar"
-    if is_tee:
-        where = "TO Y-" if turns else "AT Y 0"
-        yield f"THE T LIES ON ITS SIDE: FACE H {where}, FACE U UP"
+    turned, turns = LIES.get(plan.profile.code), coper.turns == "bar"
+    if turned is not None:
+        yield turned.replace("AT Y 0", "TO Y-") if turns else turned
     if turns and plan.profile.code not in TUBES:
-        if not is_tee:
+        if turned is None:
             yield "AT A 0 FACE V IS UP, FACE U TO Y-"
         yield "IT TURNS ABOUT THE MIDDLE OF HEIGHT AND WIDTH"
     for piece in plan.pieces:
         if piece.part.made is not None:
-            lies = "" if is_tee else ", FACE V UP, FACE U AT Y 0"
+            lies = "" if turned is not None else ", FACE V UP, FACE U AT Y 0"
             yield f"COMES CUT: ITS X 0 END AT X {piece.start:g}{lies}"
             yield "WHAT ITS FILE CALLS MADE IS THERE"
 
@@ -176,7 +182,8 @@ class _Torch:
 
 def _name_of(cut: CopeCut) -> str:
     """What a program calls a cut of a wall."""
-    what = f"{NAMES[cut.kind]} on face {cut.face}{', through the root' if cut.root else ''}"
+    through = ", through the root" if cut.root else ", through the lip" if cut.lip else ""
+    what = f"{NAMES[cut.kind]} on face {cut.face}{through}"
     return f"{'lower ' if cut.lower else ''}bevel of {what}" if cut.bevel else what
 
 

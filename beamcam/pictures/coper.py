@@ -44,10 +44,17 @@ from beamcam.pictures.views import (
 from beamcam.recovery.box_tube import corner_radius
 
 NUMBER_SIZE = 9.0
-#: Of a T, which lies on its side.
-TEE_TITLES = {
-    "v": "v   stem, seen from above; y = 0 is at the flange",
-    "u": "u   flange, seen from outside; y = 0 is the edge on the rollers",
+#: Of a T, which lies on its side, and of a C, which lies on its lips.
+LYING_TITLES: dict[str, dict[Face, str]] = {
+    "T": {
+        "v": "v   stem, seen from above; y = 0 is at the flange",
+        "u": "u   flange, seen from outside; y = 0 is the edge on the rollers",
+    },
+    "C": {
+        "o": "o   flange, u in the file, seen from outside; y = 0 is the edge on the rollers",
+        "v": "v   web, h in the file, seen from above; y = 0 is at flange u",
+        "u": "u   flange, o in the file, seen from outside; y = 0 is the edge on the rollers",
+    },
 }
 
 
@@ -148,7 +155,7 @@ def faces_of(part: Part, is_tube: bool) -> tuple[Face, ...]:
     """The faces that a torch looks at, from the uppermost one; a tube is one."""
     if is_tube:
         return ("v",)
-    return ("o", "v", "u") if part.profile.code in ("I", "U") else ("v", "u")
+    return ("o", "v", "u") if part.profile.code in ("I", "U", "C") else ("v", "u")
 
 
 def face_view(part: Part, face: Face, strokes: Sequence[TorchStroke], coper: Coper) -> View:
@@ -160,10 +167,10 @@ def face_view(part: Part, face: Face, strokes: Sequence[TorchStroke], coper: Cop
 def _view(part: Part, face: Face, strokes: Sequence[TorchStroke]) -> View:
     points = [place for stroke in strokes if stroke.face == face for place in stroke.points]
     xs, ys = [x for x, _ in points], [y for _, y in points]
-    is_tee = part.profile.code == "T"
+    turned = LYING_TITLES.get(part.profile.code)
     high, title = part.profile.face_width(face), face_title(face, part.profile.code)
-    if is_tee:
-        title = TEE_TITLES[face]
+    if turned is not None:
+        title = turned[face]
     box = (min(0.0, *xs, 0.0), min(0.0, *ys, 0.0), max(part.length, *xs, 1.0), max(high, *ys, 0.0))
     ends = {round(end, 1) for s in strokes if s.face == face
             for xs in ([x for x, _ in s.points],) for end in (min(xs), max(xs))}  # fmt: skip
@@ -171,7 +178,7 @@ def _view(part: Part, face: Face, strokes: Sequence[TorchStroke]) -> View:
              for ys in ([y for _, y in s.points],) for end in (min(ys), max(ys))}  # fmt: skip
     return View(
         face, title, box, tuple(ends | {part.length}), (*(rises - {high}), high),
-        runs_down(face), edges=("", "") if is_tee else edges_of(face, part.profile.code),
+        runs_down(face), edges=("", "") if turned else edges_of(face, part.profile.code),
     )  # fmt: skip
 
 

@@ -200,6 +200,10 @@ def section_outlines(profile: Profile) -> tuple[tuple[Point, ...], ...]:
         case "I":
             return (((0, 0), (w, 0), (w, f), (b, f), (b, h - f), (w, h - f), (w, h), (0, h),
                      (0, h - f), (a, h - f), (a, f), (0, f)),)  # fmt: skip
+        case "C" if profile.lip is not None:
+            g = profile.lip
+            return (((0, 0), (w, 0), (w, g), (w - t, g), (w - t, f), (t, f), (t, h - f),
+                     (w - t, h - f), (w - t, h - g), (w, h - g), (w, h), (0, h)),)  # fmt: skip
         case "U" | "C":
             return (((0, 0), (w, 0), (w, f), (t, f), (t, h - f), (w, h - f), (w, h), (0, h)),)
         case "L":

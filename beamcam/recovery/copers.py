@@ -198,7 +198,7 @@ def _remarks(part: Part, coper: Coper, within: float) -> Iterator[Diagnostic]:
 def _walls(
     part: Part, strokes: Sequence[TorchStroke], coper: Coper, ends: Ends = NO_ENDS
 ) -> Iterator[_Wall]:
-    """The walls of an I, a U or an L, or of a T on its side."""
+    """The walls of an I, a U or an L, of a T on its side or a C on its lips."""
     from shapely import box, union_all
 
     section = CoperSection(part.profile)

@@ -83,9 +83,7 @@ def cuts_of(ends: Ends) -> EndCuts:
 
 def length_of(end: SkewEnd, section: CoperSection) -> float:
     """The length of a part by its skew end: x of the outermost corner of its section."""
-    return max(
-        end.x(y, z) for y0, z0, y1, z1 in section.plates() for y in (y0, y1) for z in (z0, z1)
-    )
+    return max(end.x(y, z) for y, z in section.outermost)
 
 
 def whole_wall(face: str, ends: Ends, length: float, section: CoperSection, wide: float) -> Shape:

@@ -36,7 +36,9 @@ def square_ends(
     if part.made is not None or coper.unrolls(profile.code):
         return
     deepest = max((burn.row.up_to for burn in burns), default=0.0) + slack
-    wide = (profile.web_thickness or 0.0) + 2 * profile.radius + slack
+    # The round jet leaves a little more in the corner of a step.
+    half_kerf = max((burn.row.kerf for burn in burns), default=0.0) / 2
+    wide = (profile.web_thickness or 0.0) + 2 * profile.radius + half_kerf + slack
     over = profile.height + profile.width + FREE
     bar = prism(section_of(part), -over, part.length + over, ALONG_BAR)
     for (x, y, z), (side, by_y, by_z) in end_planes(part, drawn=True):
@@ -59,7 +61,7 @@ def ledges_of(
     """
     m = kernel()
     profile, flange = part.profile, part.profile.flange_thickness
-    if profile.code not in ("I", "U", "L", "T") or not burns:
+    if profile.code not in ("I", "U", "L", "T", "C") or not burns:
         return
     rows = [burn.row for burn in burns if burn.a_deg]
     ends = [*end_planes(part, drawn=True)]
@@ -68,7 +70,7 @@ def ledges_of(
     deep += max(burn.row.kerf for burn in burns)
     high, wide = profile.height, profile.width
     strips = [(0.0, flange, deep)]
-    if profile.code in ("I", "U"):
+    if profile.code in ("I", "U", "C"):
         strips.append((high - flange, high - deep, high - flange))
     for low, first, last in strips:
         first, last = sorted((first, last))
@@ -104,18 +106,19 @@ def steps_of(part: Part, burns: Sequence[Burn], slack: float) -> "Iterator[Manif
     profile, is_tee = part.profile, part.profile.code == "T"
     web = profile.web_thickness or 0.0
     deep = max((burn.row.up_to for burn in burns if burn.a_deg), default=0.0)
-    if profile.code not in ("I", "U", "L", "T") or not deep:
+    if profile.code not in ("I", "U", "L", "T", "C") or not deep:
         return
     near = max(burn.row.kerf for burn in burns) + slack
     high, wide = (profile.width, profile.height) if is_tee else (profile.height, profile.width)
     middle = (wide - web) / 2 if profile.code in ("I", "T") else 0.0
     across = middle - profile.radius - near, middle + web + profile.radius + near
-    for face, low in (("u", True), ("o", False)) if profile.code in ("I", "U") else (("u", True),):
+    for face in "u" if profile.code in ("L", "T") else "uo":
+        low = face == "u"
         root = (0.0, deep + near) if low else (high - deep - near, high)
-        webs, flanges = ("ou", "hv") if is_tee else ("vh", face)
+        webs, own = ("ou", "hv") if is_tee else ("vh", face)
         inner = (0.0, deep) if low else (high - deep, high)
         for contour in part.contours:
-            band = inner if contour.face in webs else across if contour.face in flanges else None
+            band = inner if contour.face in webs else across if contour.face in own else None
             for line in contour.curves if band and is_cut(contour) else ():
                 xs = _crossing(line, band) if isinstance(line, Line) and band else None
                 if xs is None or xs[1] - xs[0] <= SQUARE:

@@ -188,6 +188,9 @@ def taken_by(burn: Burn, coper: Coper, part: Part) -> "Manifold":
     z = (cos(a) * up, sin(a), cos(a) * over, 0.0)
     if part.profile.code == "T":  # on its side: Y is its z, Z its height less its y
         y, z = (-z[0], -z[1], -z[2], part.profile.height), y
+    if part.profile.code == "C":  # on its lips: turned 180 degrees about its length
+        y = (-y[0], -y[1], -y[2], part.profile.height)
+        z = (-z[0], -z[1], -z[2], part.profile.width)
     frame: Frame = ((cos(b), 0.0, sin(b), 0.0), y, z)
     return prism(shape, low, high, frame)
 

@@ -97,7 +97,7 @@ def coper_faults(
     coper = machine.needed(machine.coper, "coper")
     if len({*parts}) > 1:
         return [PIECES.at(source, found="1 piece", expected=f"{len(parts)}, one for each part")]
-    part = as_tube(parts[0], coper) if coper.turns == "bar" else parts[0]
+    part = as_tube(parts[0], coper) if coper.turns == "bar" else with_lip(parts[0], coper)
     events, _ = cell_events(text, machine, name)
     events = in_degrees(events, coper, part.profile.height)
     burns = list(burns_of(events, machine, coper, part, name))
@@ -117,6 +117,14 @@ def coper_faults(
     if abs(off) < best.differs / 2:  # a mirror image has as much steel
         mirror = ways_to_lie(best.laid, one.bodies.part, one.bodies, True)
     return [*diagnostics, *differences(best, mirror, one.bodies, "the piece", source)]
+
+
+def with_lip(part: Part, coper: Coper) -> Part:
+    """A part; a C with the lips that the machine file says where no file does."""
+    size = part.profile
+    if size.code != "C" or size.lip is not None or not coper.lip:
+        return part
+    return replace(part, profile=replace(size, lip=coper.lip))
 
 
 def as_tube(part: Part, coper: Coper) -> Part:

@@ -10,7 +10,7 @@ from math import cos, hypot, radians, sin, tan
 from typing import TYPE_CHECKING
 
 from beamcam.geometry.polylines import polylines
-from beamcam.model.part import Bevel, Contour, Hole, Part, Slot
+from beamcam.model.part import Bevel, Contour, Hole, Part, Profile, Slot
 from beamcam.solid.kernel import (
     CHORD,
     FLAT_DEG,
@@ -96,6 +96,17 @@ def contour_cutters(
         )  # the wall that the others stand on, with their fillets
     else:
         yield prism(shape, 0.0, wall.thickness, wall.frame)
+        yield from _through_lip(shape, wall, part.profile)
+
+
+def _through_lip(shape: Shape, wall: Wall, profile: Profile) -> Iterator["Manifold"]:
+    """What a contour of a flange takes of the lip at its edge: all of it that stands there."""
+    from shapely import box
+
+    if profile.code == "C" and profile.lip is not None and wall.normal == "y":
+        inside = wall.width - (profile.web_thickness or 0.0) - profile.radius
+        over = shape.intersection(box(-FAR, inside, FAR, FAR))
+        yield prism(over, 0.0, profile.lip + FREE, wall.frame)
 
 
 def _beside_ends(gone: Shape, wall: Wall, part: Part) -> Shape:

@@ -148,8 +148,8 @@ def behind(body: "Manifold", point: Vec, normal: Vec) -> "Manifold":
 #         |-----
 #         0  u     Z              v is seen from +Z, h from -Z, o from +Y, u from -Y
 #
-# Figures from the standard's page 7. Toes of angles are sharp and lips of a C end behind their
-# bend: no figure of a part gives them.
+# Figures from the standard's page 7. Toes of angles are sharp: no figure of a part gives them. Lips
+# of a C whose length is not known end behind their bend.
 
 
 Interval = tuple[float, float]
@@ -194,11 +194,12 @@ def walls(profile: Profile) -> dict[str, Wall]:
                 "u": Wall("y", 0.0, 1, t, b, (web,), 0.0, r),
             }
         case "U" | "C":
+            beside = ((0.0, s),) if profile.lip is None else ((0.0, s), (b - s, b))
             return {
                 "v": Wall("z", s, -1, s, h, (low, high), r, 0.0),
                 "h": Wall("z", 0.0, 1, s, h, (low, high), 0.0, r),
-                "o": Wall("y", h, -1, t, b, ((0.0, s),), 0.0, r),
-                "u": Wall("y", 0.0, 1, t, b, ((0.0, s),), 0.0, r),
+                "o": Wall("y", h, -1, t, b, beside, 0.0, r),
+                "u": Wall("y", 0.0, 1, t, b, beside, 0.0, r),
             }
         case "L":
             return {
@@ -259,7 +260,9 @@ def outline(part: Part) -> Any:
         "L": [box(0, 0, h, s), box(0, 0, t, b)],
         "T": [box(0, 0, h, s), box((h - t) / 2, 0, (h + t) / 2, b)],
     }
-    plates["C"] = plates["U"]
+    lip = profile.lip or 0.0
+    lips = [box(0, b - s, lip, b), box(h - lip, b - s, h, b)] if lip else []
+    plates["C"] = [*plates["U"], *lips]
     whole = union_all([*plates[profile.code], *_fillets(profile)])
     if profile.code == "C" and profile.radius:  # bent: round outside as well, and to its lips
         outer = profile.radius + s

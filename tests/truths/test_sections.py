@@ -6,10 +6,11 @@ leg lies along Y and the u leg stands along Z at Y = 0; the flange of a T lies a
 along Z.
 """
 
-from math import inf
+from math import inf, pi
 
 import pytest
 import shapely
+from msgspec.structs import replace
 
 from beamcam.checks.bars.stations import lip_length
 from beamcam.errors import Source
@@ -270,3 +271,20 @@ def test_a_plate_weighs_what_its_cut_outs_leave() -> None:
         Contour("v", "outer", outline, SOURCE), Contour("v", "inner", hole, SOURCE),
     ))  # fmt: skip
     assert weight_of(part) == pytest.approx(5.66346, abs=1e-4)
+
+
+def test_a_c_is_one_bent_sheet() -> None:
+    """Flats of 188, 2 x 63 and 2 x 14 mm, four bends, their middle line at 4.75 mm."""
+    profile = Profile("C", "", 200.0, 75.0, 2.5, 2.5, 3.5, 20.0)
+    sheet = 188.0 + 2 * 63.0 + 2 * 14.0 + 4 * pi / 2 * 4.75
+    assert section_area(profile) == pytest.approx(2.5 * sheet, abs=0.01)
+    assert section_area(replace(profile, lip=None)) is None
+    part = Part("C", profile, 1000.0, SOURCE, weight=1.0)  # which the section's own lips go before
+    assert lip_of(part) == lip_length(part) == 20.0
+
+
+@pytest.mark.parametrize("lip", [0.0, 5.9, 100.0])
+def test_lips_that_no_c_has(lip: float) -> None:
+    profile = Profile("C", "", 200.0, 75.0, 2.5, 2.5, 3.5, 20.0)
+    assert section_fault(profile) is None
+    assert "lips" in (section_fault(replace(profile, lip=lip)) or "")

@@ -65,13 +65,16 @@ def recess(profile: Profile, face: Face) -> float:
 def lip_length(part: Part) -> float:
     """How far the lips of a C reach over its web, from the outside of its flange; else 0.
 
-    The length of the sheet it is bent of is its area by its thickness, and the middle line of the
-    section is as long. What is shorter than a fifth of the flange is no lip (EN 1993-1-3, 5.2):
-    then the weight is not that of the section, and the longest that is made is taken.
+    Where the part does not say it: the length of the sheet it is bent of is its area by its
+    thickness, and the middle line of the section is as long. What is shorter than a fifth of the
+    flange is no lip (EN 1993-1-3, 5.2): then the weight is not that of the section, and the longest
+    that is made is taken.
     """
     profile, sheet = part.profile, part.profile.web_thickness
     if profile.code != "C" or not sheet:
         return 0.0
+    if profile.lip is not None:
+        return profile.lip
     middle_line = part.weight / 7.85e-3 / sheet  # 7.85 g/cm3, kg/m
     bend = profile.radius + sheet
     flat = profile.height - 2 * bend + 2 * (profile.width - 2 * bend)

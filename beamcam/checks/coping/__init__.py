@@ -8,6 +8,8 @@ nothing is shared with planning and motion, nor is the map of surfaces that they
 
 from collections.abc import Collection, Sequence
 
+from msgspec.structs import replace
+
 from beamcam.checks.request import left_out, left_to_manual_work, manual_work
 from beamcam.controllers import cell_events
 from beamcam.controllers.events import BarEvent
@@ -55,6 +57,15 @@ def verify_coping(
                 part.source, found=f"{wall.radius:g}", name=size.name or "a tube",
                 least=f"{wall.wall:g}", most=f"{most:g}",
             ))  # fmt: skip
+    if code == "C":
+        lip = part.profile.lip if part.profile.lip is not None else coper.lip
+        least, most = (part.profile.web_thickness or 0.0) + part.profile.radius, part.profile.height
+        if not least <= lip < most / 2:
+            return (*diagnostics, rules.LIP.at(
+                part.source, found=f"{lip:g}", name=part.profile.name or "a C",
+                least=f"{least:g}", most=f"{most / 2:g}",
+            ))  # fmt: skip
+        part = replace(part, profile=replace(part.profile, lip=lip))
     part = lying(part)
     material = material_said(part.grade, coper.material)
     rows = [row for row in coper.rows if is_row_for(row.material, material)]
@@ -73,7 +84,7 @@ def codes_read(coper: Coper) -> tuple[str, ...]:
     """DSTV codes of the sections whose programs are read back."""
     if coper.a_unit == "mm":
         return ("RO",)
-    return (*(TUBES if coper.turns == "bar" else ()), "I", "U", "L", "T")
+    return ("I", "U", "L", "T", *(TUBES if coper.turns == "bar" else ("C",)))
 
 
 def _profile_faults(
@@ -104,8 +115,8 @@ def _profile_faults(
     stock = stock_of(part, section, coper)
     asked = walls_asked(part, section, coper, rows, left, stock, torch.strokes)
     diagnostics += compare(
-        torch.strokes, asked.wanted, asked.ends, asked.passes, stock, section, coper, rows,
-        machine.format.resolution, name,
+        torch.strokes, asked.wanted, asked.ends, asked.made, asked.passes, stock, section, coper,
+        rows, machine.format.resolution, name,
     )  # fmt: skip
     diagnostics += root_faults(torch.strokes, section, coper, name)
     diagnostics += support_faults(torch.strokes, coper, name)

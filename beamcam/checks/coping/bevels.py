@@ -68,6 +68,8 @@ def passes_of(
     from shapely import Polygon
 
     passes: list[BevelPass] = []
+    if section.lip:  # a pass would go on into a lip
+        return passes
     for f, contour in enumerate(part.features):
         if not isinstance(contour, Contour) or contour.kind != "outer":
             continue

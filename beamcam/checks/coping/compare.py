@@ -17,8 +17,9 @@ from msgspec import Struct
 from beamcam.checks.coping import rules
 from beamcam.checks.coping.bevels import BevelPass, pass_faults
 from beamcam.checks.coping.chart import SAME_FEED, row_for
+from beamcam.checks.coping.lips import lip_faults
 from beamcam.checks.coping.section import ARC, CoperSection, jet_of, line_of, narrowed, pieces_of
-from beamcam.checks.coping.skew import EndOnWall
+from beamcam.checks.coping.skew import EndOnWall, SkewEnd
 from beamcam.checks.coping.stock import FINE, WallStock
 from beamcam.checks.coping.strokes import TorchStroke
 from beamcam.checks.coping.wanted import RequiredWall
@@ -45,6 +46,7 @@ def compare(
     strokes: Sequence[TorchStroke],
     wanted: Mapping[Surface, RequiredWall],
     ends: Mapping[str, Sequence[EndOnWall]],
+    made: Sequence[SkewEnd],
     passes: Sequence[BevelPass],
     stock: WallStock,
     section: CoperSection,
@@ -54,7 +56,7 @@ def compare(
     name: str,
 ) -> Iterator[Diagnostic]:
     """All that strokes make otherwise than wanted on each surface; `ends` are skew ones by wall,
-    `passes` the strokes that make bevels."""
+    `made` those that a tilted torch makes, `passes` the strokes that make bevels."""
     slack = coper.tolerance + 2 * step + FINE
     left: dict[Surface, WallPieces] = {}
     for (face, depth), asked in wanted.items():
@@ -76,8 +78,12 @@ def compare(
         for one, depth in left:
             if one == "v":
                 pair = left[one, depth], left[face, inner]
-                yield from _holding(face, *pair, section, section.front - depth, slack, name)
-    far = {s.line: not stock.is_piece and _is_far(s, wanted, ends) for s in strokes}
+                z = min(section.front - depth, section.wide - 1e-3)
+                yield from _holding(face, *pair, section, z, slack, name)
+    far = {s.line: not stock.is_piece and _is_far(s, wanted, ends, section) for s in strokes}
+    for stroke in strokes if section.lip else ():
+        if stroke.face != "v":
+            yield from lip_faults(stroke, made, section, slack, Source(name, stroke.line))
     yield from _order_faults(strokes, far, name)
     yield from pass_faults(passes, strokes, far, name)
 
@@ -120,7 +126,7 @@ def _below(
     downs = section.flange, deep
     ys = [section.high - down if stroke.face == "o" else down for down in downs]
     back = [down * tan(radians(stroke.b_deg)) for down in downs]
-    run = line_of(stroke.points)
+    run = line_of(stroke.points[1:])
     z = high - depth
     for one in pieces_of(run.intersection(box(-1e6, low - half, 1e6, high + half))):
         kerf = jet_of([*one.coords], half, stroke.share)
@@ -361,7 +367,7 @@ def _thickness(
     """The steel that a stroke has to go through, with what it may be off.
 
     Through a root that is as deep as from outside of the flange to where cuts over the web end, and
-    `root_over` more.
+    `root_over` more; through a lip as that is long, and as much more.
     """
     ys = [y for _, y in stroke.points]
     if stroke.face == "v":
@@ -370,11 +376,13 @@ def _thickness(
         deep = max(section.web, *(section.steel_through("v", y) for y in ends)) / stroke.share
         return deep - SURE, deep + SURE
     back, front = section.root(stroke.face)
+    lip = section.lip + coper.root_over if min(ys) < section.bend - SURE else 0.0
     if max(ys) <= back or min(ys) >= front:
-        return (section.flange / stroke.share,) * 2
+        deep = max(section.flange, lip) / stroke.share
+        return (deep - SURE, deep + SURE) if lip else (deep, deep)
     over = [y for one in strokes if one.face == "v" for _, y in one.points]
     end = (section.high - max(over) if stroke.face == "o" else min(over)) if over else 0.0
-    deep = (max(section.flange, end) + coper.root_over) / stroke.share
+    deep = max(max(section.flange, end) + coper.root_over, lip) / stroke.share
     return deep - SURE, deep + SURE
 
 
@@ -382,9 +390,17 @@ def _is_far(
     stroke: TorchStroke,
     wanted: Mapping[Surface, RequiredWall],
     ends: Mapping[str, Sequence[EndOnWall]],
+    section: CoperSection,
 ) -> bool:
-    """Whether a stroke is of the far end."""
-    bounds = wanted[stroke.face, 0.0].drawn.bounds
+    """Whether a stroke is of the far end; of a flange with a lip by where that part of it ends."""
+    from shapely import box
+
+    drawn = wanted[stroke.face, 0.0].drawn
+    if section.lip and stroke.face != "v":
+        at_lip = min(y for _, y in stroke.points) < 0.0
+        band = (0.0, section.bend) if at_lip else (section.bend, section.wide)
+        drawn = drawn.intersection(box(-1e6, band[0], 1e6, band[1]))
+    bounds = drawn.bounds
     return (bool(bounds) and max(x for x, _ in stroke.points) > bounds[2]) or any(
         end.side > 0 and any(x > end.at + end.more * y for x, y in stroke.points)
         for end in ends[stroke.face]

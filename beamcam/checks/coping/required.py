@@ -134,7 +134,7 @@ def walls_asked(
     upper = {face: surface(face, 0.0, (True, True)) for face in faces}
     drawn = {face: one.drawn for face, one in upper.items()}
     height = min((row.cut_height for row in rows), default=0.0)
-    near = coper.reach_beside(section.radius, height)
+    near = section.near(coper, height)
     tilted = [
         end is not None and is_tilted(end, drawn, section, coper, near) for end in ends
     ]  # fmt: skip
@@ -150,7 +150,7 @@ def walls_asked(
     widest = max((row.kerf for row in rows), default=0.0)
     for end, is_tilted_to in zip(ends, tilted, strict=True):
         if end is not None and not is_tilted_to:
-            by_face = _with_square_end(wanted, end, section, strokes, widest)
+            by_face = _with_square_end(wanted, end, section, coper, strokes, widest)
             off |= {face: max(mm, off.get(face, 0.0)) for face, mm in by_face.items()}
     on_walls = {face: ends_on(ends, (True, True), face, section, 0.0) for face in faces}
     known = {
@@ -180,7 +180,7 @@ def walls_asked(
 
 def _with_square_end(
     wanted: dict[tuple[str, float], RequiredWall], end: SkewEnd, section: CoperSection,
-    strokes: Sequence[TorchStroke], widest: float,
+    coper: Coper, strokes: Sequence[TorchStroke], widest: float,
 ) -> dict[str, float]:  # fmt: skip
     """Puts what stays at a skew end that is cut square into `wanted`, on all surfaces that it has;
     gives the mm that are too much, by face. `widest` is the widest kerf."""
@@ -190,7 +190,7 @@ def _with_square_end(
     for inner in (False, True) if has_inner else (False,):
         some = {face: (face, section.thickness(face) if inner else 0.0) for face in faces}
         shapes = {face: wanted[key].drawn for face, key in some.items()}
-        more, by_face, steps = as_square(end, shapes, section, depths)
+        more, by_face, steps = as_square(end, shapes, section, coper, depths)
         for face, key in some.items():
             one = wanted[key]
             cut = one.cut.union(more[face])

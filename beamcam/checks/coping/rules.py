@@ -31,6 +31,11 @@ RADIUS = error("verify-coping-radius",
     "the part, by a row of coper.corners or by --corner",
     "Where the torch has to be over a corner follows from its radius. A program that was made "
     "with --corner is read back with the same.")
+LIP = error("verify-coping-lip",
+    "found lips of {found} mm on {name}; expected their length, {least} to {most} mm, in the part, "
+    "by coper.lip or by --lip",
+    "How deep each cut of a flange has to be at its lip follows from its length. A program that "
+    "was made with --lip is read back with the same.")
 LOST = error("verify-coping-corner",
     "found contours that end at the corner between faces {found}; expected them to go over it and "
     "meet",
@@ -96,7 +101,7 @@ ZONE = error("verify-coping-zone",
     "(k_area), other places of a tube than its seam where an end begins, the stretch of the bar "
     "that the chuck holds.")
 RULES = (
-    PARTS, SECTION, TORCH, ANGLE, TILT, SQUARE, RADIUS, LOST, HEIGHT, FEED, PIERCE, AIR, COLLISION,
-    LIMIT, PLACE, HURT, LEFT, SHORT, GONE, HOLDS, EXTRA, ORDER, PASSES,
+    PARTS, SECTION, TORCH, ANGLE, TILT, SQUARE, RADIUS, LIP, LOST, HEIGHT, FEED, PIERCE, AIR,
+    COLLISION, LIMIT, PLACE, HURT, LEFT, SHORT, GONE, HOLDS, EXTRA, ORDER, PASSES,
     MEASURED, ZONE,
 )  # fmt: skip

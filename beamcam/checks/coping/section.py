@@ -1,7 +1,8 @@
 """The section that a torch goes round, worked out from its figures for the read-back alone.
 
 Its plates as boxes in (Y, Z), its root fillets, and the plane that each face is. A T lies on its
-side: its flange stands at Y 0, seen from u, and its stem goes off it along Y, seen from v.
+side: its flange stands at Y 0, seen from u, and its stem goes off it along Y, seen from v. A C lies
+on its lips, a sheet that is bent four times, its web up.
 """
 
 from collections.abc import Sequence
@@ -13,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from msgspec.structs import replace
 
 from beamcam.checks.bars.pieces import Rotation, rotated
+from beamcam.machine.coper import Coper
 from beamcam.model.part import Bevel, Contour, Feature, Part, Profile
 
 if TYPE_CHECKING:
@@ -80,8 +82,20 @@ def jet_of(points: Sequence[tuple[float, float]], half_kerf: float, share: float
 _ON_ITS_SIDE: Rotation = ((1.0, 0.0, 0.0), (0.0, 0.0, 1.0), (0.0, -1.0, 0.0))
 
 
+#: Rotation of a C about X onto its lips, and back.
+_ON_ITS_LIPS: Rotation = ((1.0, 0.0, 0.0), (0.0, -1.0, 0.0), (0.0, 0.0, -1.0))
+
+
 def lying(part: Part) -> Part:
-    """A part as it lies under the torch; what a T has on the far sides of its plates on u and v."""
+    """A part as it lies under the torch; what a T has on the far sides of its plates on u and v,
+    what a C has on its web on v."""
+    if part.profile.code == "C":
+        on_lips = rotated(part, _ON_ITS_LIPS)
+        on_lips = replace(on_lips, features=_over_web(on_lips))
+        if part.made is None:
+            return on_lips
+        begun = rotated(replace(part, features=part.made), _ON_ITS_LIPS)
+        return replace(on_lips, made=_over_web(begun))
     if part.profile.code != "T":
         return part
     turned = rotated(part, _ON_ITS_SIDE)
@@ -94,11 +108,30 @@ def lying(part: Part) -> Part:
 
 
 def as_drawn(part: Part) -> Part:
-    """A part that lies under the torch in the axes of its section; of a T on faces h and u."""
+    """A part that lies under the torch in the axes of its section; of a T on faces h and u, of a C
+    with what its web has on v."""
+    if part.profile.code == "C":
+        drawn = rotated(part, _ON_ITS_LIPS)
+        return replace(drawn, features=_over_web(drawn))
     if part.profile.code != "T":
         return part
     back: Rotation = ((1.0, 0.0, 0.0), (0.0, 0.0, -1.0), (0.0, 1.0, 0.0))
     return rotated(part, back)
+
+
+def _over_web(part: Part) -> tuple[Feature, ...]:
+    """The features of a part, those of its web on v."""
+    return tuple(map(_from_front, part.features))
+
+
+def _from_front(feature: Feature) -> Feature:
+    """A feature of a web that is seen from behind, on v in the same place."""
+    if getattr(feature, "face", "") != "h":
+        return feature
+    if isinstance(feature, Contour):
+        curves = tuple(curve.reversed() for curve in reversed(feature.curves))
+        return replace(feature, face="v", curves=curves)
+    return replace(feature, face="v")
 
 
 def _seen(feature: Feature, tee: Profile) -> Feature:
@@ -119,7 +152,7 @@ def other_side(bevel: Bevel, thickness: float) -> Bevel:
 
 
 class CoperSection:
-    """An I, a U or an L, or a T on its side."""
+    """An I, a U or an L, a T on its side, or a C on its lips."""
 
     def __init__(self, profile: Profile) -> None:
         self.code = profile.code
@@ -127,8 +160,13 @@ class CoperSection:
         self.flange, self.web = profile.flange_thickness, profile.web_thickness or 0.0
         self.radius = profile.radius
         self.is_central = self.code in ("I", "T")  #: whether the web stands in their middle
-        self.has_upper = self.code in ("I", "U")  #: whether there is a flange at o
+        self.has_upper = self.code in ("I", "U", "C")  #: whether there is a flange at o
         self.back = (self.wide - self.web) / 2 if self.is_central else 0.0
+        #: how long lips are, from the outside of their flange, and how wide with their bend
+        self.lip = (profile.lip or 0.0) if self.code == "C" else 0.0
+        self.bend = self.web + self.radius if self.lip else 0.0
+        if self.code == "C":
+            self.back = self.wide - self.web
         self.front = self.back + self.web
 
     @property
@@ -169,13 +207,38 @@ class CoperSection:
         ]  # fmt: skip
         if self.has_upper:
             found.append((self.high - self.flange, 0.0, self.high, self.wide))
+        if self.lip:
+            found += [
+                (0.0, 0.0, self.lip, self.web),
+                (self.high - self.lip, 0.0, self.high, self.web),
+            ]
         return found
+
+    @cached_property
+    def outermost(self) -> list[tuple[float, float]]:
+        """Places (Y, Z) at one of which a skew end comes to the end of its bar."""
+        if self.code == "C":
+            return [*self.steel.convex_hull.exterior.coords]
+        return [(y, z) for y0, z0, y1, z1 in self.plates() for y in (y0, y1) for z in (z0, z1)]
+
+    def near(self, coper: Coper, height: float) -> float:
+        """How near to a flange the web is cut from over it, by a torch `height` above it."""
+        if self.code == "C":
+            return max(self.radius, *(row.kerf / 2 for row in coper.rows))
+        return coper.reach_beside(self.radius, height)
+
+    def beside_lip(self, coper: Coper) -> float:
+        """The y of a flange up to which it is cut as its lip is: 1 mm more than its bend, and half
+        of the widest kerf."""
+        return self.bend + 1.0 + max(row.kerf for row in coper.rows) / 2 if self.lip else 0.0
 
     @cached_property
     def steel(self) -> Any:
         """The section as a shape of shapely."""
         from shapely import Polygon, box, union_all
 
+        if self.code == "C":
+            return self._bent()
         shapes = [box(*plate) for plate in self.plates()]
         corners: list[tuple[float, float, Literal[1, -1], Literal[1, -1]]] = [
             (self.flange, self.front, 1, 1)
@@ -191,6 +254,27 @@ class CoperSection:
             arc = [(y + up * r * (1 - cos(t)), z + out * r * (1 - sin(t))) for t in turns]
             shapes.append(Polygon([(y, z), *arc]))
         return union_all(shapes)
+
+    def _bent(self) -> Any:
+        """A C by the middle line of its sheet, half of it to either side."""
+        from shapely import LineString
+
+        half, mean = self.web / 2, self.radius + self.web / 2
+        high, wide = self.high - half, self.wide - half
+        turns = [pi / 2 * k / FILLET_STEPS for k in range(FILLET_STEPS + 1)]
+        places = [(self.lip, half), (half, half), (half, wide), (high, wide), (high, half),
+                  (self.high - self.lip, half)]  # fmt: skip
+        line = [places[0]]
+        for (y0, z0), (y, z), (y1, z1) in zip(places, places[1:], places[2:], strict=False):
+            a, b = hypot(y - y0, z - z0), hypot(y1 - y, z1 - z)
+            (ay, az), (by, bz) = ((y - y0) / a, (z - z0) / a), ((y1 - y) / b, (z1 - z) / b)
+            line += [
+                (y + mean * (by * (1 - cos(t)) - ay * (1 - sin(t))),
+                 z + mean * (bz * (1 - cos(t)) - az * (1 - sin(t))))
+                for t in (turns if self.radius else [])
+            ] or [(y, z)]  # fmt: skip
+        line.append(places[-1])
+        return LineString(line).buffer(half, cap_style="flat", join_style="mitre")
 
     def reach_along(self, ways: "Floats") -> "Floats":
         """How far the box of the section reaches along ways (Y, Z) of length 1, from Y 0, Z 0."""
@@ -229,6 +313,8 @@ class CoperSection:
 
     def root(self, face: str) -> tuple[float, float]:
         """The y of a flange below which the web and its fillets stand."""
+        if self.code == "C":
+            return self.back - self.radius, self.front
         least = self.back - self.radius if self.is_central else 0.0
         return max(0.0, least), self.front + self.radius
 

@@ -70,10 +70,7 @@ def skew_ends(part: Part, section: CoperSection) -> tuple[SkewEnd | None, SkewEn
             same = len(known) == len(flanges) and max(known) - min(known) <= SQUARE_DEG
             flange = known[0] if same else 0.0
         by_y, by_z = (tan(radians(d)) if abs(d) > SQUARE_DEG else 0.0 for d in (web, flange))
-        corners = [
-            y * by_y + z * by_z for y0, z0, y1, z1 in section.plates()
-            for y in (y0, y1) for z in (z0, z1)
-        ]  # fmt: skip
+        corners = [y * by_y + z * by_z for y, z in section.outermost]
         c = part.length + min(corners) if k else max(corners)
         skew_ends.append(SkewEnd(1 if k else -1, c, by_y, by_z) if by_y or by_z else None)
     return skew_ends[0], skew_ends[1]
@@ -176,7 +173,11 @@ def is_tilted(
 
 
 def as_square(
-    end: SkewEnd, drawn: Mapping[str, Shape], section: CoperSection, depths: Mapping[str, float]
+    end: SkewEnd,
+    drawn: Mapping[str, Shape],
+    section: CoperSection,
+    coper: Coper,
+    depths: Mapping[str, float],
 ) -> tuple[dict[str, Shape], dict[str, float], dict[str, list[Point]]]:
     """What stays of each wall whose end is cut square to it, how many mm that is too much, and the
     corners of its steps.
@@ -191,6 +192,14 @@ def as_square(
             thick = section.thickness(face)
             off[face] = thick * tan(radians(end.leans(face)))
             found[face] = areas_of(shape.union(_up_to(end, face, shape, section)))
+    for face in off if section.lip else ():
+        if face != "v":
+            band = 0.0, section.beside_lip(coper)
+            more, at_lip = _as_long_as_lip(end, face, section, band)
+            if at_lip:
+                found[face] = areas_of(found[face].union(more))
+                off[face] = max(off[face], at_lip[0])
+                steps[face] += at_lip[1]
     for face in drawn:
         deep = depths.get(face, 0.0)
         if face == "v" or not deep or face not in off or "v" not in off:
@@ -213,6 +222,28 @@ def as_square(
             reach = [abs(x - at - more * y) for y in (max(band[0], 0.0), min(band[1], wide))]
             off[one] = max(off[one], *reach)
     return found, off, steps
+
+
+def _as_long_as_lip(
+    end: SkewEnd, face: str, section: CoperSection, band: tuple[float, float]
+) -> tuple[Shape, tuple[float, list[Point]] | None]:
+    """What a flange keeps beyond an end that is cut square to it, where a pass takes its lip too
+    and the lip reaches farther; by how many mm, and where that ends."""
+    from shapely import Polygon
+
+    ys = (section.high - section.lip, section.high) if face == "o" else (0.0, section.lip)
+    x = end.farthest(ys, (0.0, section.bend))
+    at, more = outermost(end, face, section)
+    far = max(end.side * (x - at - more * z) for z in band)
+    if far <= ON_PLANE / 2:
+        return Polygon(), None
+    low, high = band
+    meets = (x - at) / more if end.side * more > 0.0 else FAR
+    if meets < high:
+        high = meets
+    elif abs(more) > tan(radians(STEEP_DEG)):
+        high = min(section.wide, meets) if meets < FAR else high
+    return step_of(end.side, at, more, low, high, x), (far, [(at + more * high, high)])
 
 
 def outermost(end: SkewEnd, face: str, section: CoperSection) -> tuple[float, float]:

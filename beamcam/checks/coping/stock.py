@@ -160,11 +160,7 @@ def _plane(
 ) -> dict[str, tuple[float, float, float]]:
     """Where a plane ends each wall; `pick` takes of leaning corners the one at `outermost`."""
     by_y, by_z = tan(radians(web_deg)), tan(radians(flange_deg))
-    c = outermost + pick(
-        y * by_y + z * by_z
-        for low_y, low_z, high_y, high_z in section.plates()
-        for y in (low_y, high_y) for z in (low_z, high_z)
-    )  # fmt: skip
+    c = outermost + pick(y * by_y + z * by_z for y, z in section.outermost)
     outer = min if pick is max else max
     plane = {}
     for face in section.faces:

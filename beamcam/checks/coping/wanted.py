@@ -28,6 +28,7 @@ from beamcam.model.part import Contour, EndPlane, Hole, Part, Slot
 Shape = Any  #: of shapely
 
 CORNER_DEG = 20.0  #: a contour that turns by more has a corner
+FAR = 1e4  #: mm beyond any end
 LOOK = 0.2  #: mm round a corner in which steel and air are weighed
 
 
@@ -62,7 +63,10 @@ def wanted_on(
     ]  # fmt: skip
     outlines = [f for f in features if isinstance(f, Contour) and f.kind == "outer"]
     whole, short = stock.wall(face), 0.0
-    drawn: Shape = whole if stock.is_piece else box(0.0, 0.0, part.length, wide)
+    # A plane through a round edge of the section ends a wall beyond that edge.
+    sides = {end.side for end in ends}
+    first, last = (-FAR if -1 in sides else 0.0), (FAR if 1 in sides else part.length)
+    drawn: Shape = whole if stock.is_piece else box(first, 0.0, last, wide)
     if outlines:
         at_end = partial(_at_ends, ends) if ends else partial(stock.at_end, face)
         rings = [outline_ring(one.curves, (0.0, wide), at_end) for one in outlines]

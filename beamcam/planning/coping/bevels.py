@@ -83,6 +83,9 @@ def bevel_cuts(
     """
     cuts: list[CopeCut] = []
     made: set[int] = set()
+    # A pass would go on into the lip of a C behind its flange.
+    if part.profile.code == "C":
+        return cuts, made
     skew = any(line is not None for one in regions.values() for line in one.wall.skew)
     if not coper.tilt or skew:
         return cuts, made

@@ -177,14 +177,16 @@ def led(
     """A chain with its lead; None if there is no room for one in scrap.
 
     It begins at a free edge where it has one, that away from the root if both are free; at the
-    other where it runs along the first.
+    other where it runs along the first. Edges of a flange with a lip are round: it ends there.
     """
     if not chain.start:
         return _closed(chain, wall, shape, row, coper)
     free = {"low": wall.low == -inf, "high": wall.high == inf, "near": True, "far": True}
-    if free[chain.end] and (
-        not free[chain.start] or (chain.start == "low" and len(wall.roots) == 1)
-    ):
+    nearer = chain.start == "low" and len(wall.roots) == 1
+    turns = free[chain.end] and (not free[chain.start] or nearer)
+    if wall.lip and free[chain.start] != free[chain.end]:
+        turns = free[chain.start]
+    if turns:
         chain = chain.reversed()
     led = _from_edge(chain, wall, shape, row, coper) if free[chain.start] else None
     if led is None and free[chain.start] and free[chain.end]:

@@ -22,12 +22,12 @@ from msgspec.structs import replace
 from beamcam.errors import Diagnostic
 from beamcam.geometry.curves import Line, Point
 from beamcam.machine.coper import Coper
-from beamcam.model.part import Contour, EndCuts, Face, Part
+from beamcam.model.part import Contour, EndCuts, Face, Part, Profile
 from beamcam.model.section import corners
 from beamcam.planning import rules as bar_rules
 from beamcam.planning.coping.cuts import borders_of, chains_of
 from beamcam.planning.coping.regions import OUTLINE_NOISE, Shape, WallRegion
-from beamcam.planning.coping.walls import EDGE, WEB_AMID, EndLine, PlannedWall
+from beamcam.planning.coping.walls import EDGE, EndLine, PlannedWall, web_back
 
 NOISE_DEG = 0.2  #: of an end cut; header and outlines may differ by as much
 ON_LINE = 0.02  #: mm that an edge of a region lies off the end that it is
@@ -84,7 +84,7 @@ def ends_on(face: Face, part: Part) -> tuple[EndLine, EndLine]:
 
 def _outermost(plane: SectionEnd, face: Face, part: Part) -> EndLine:
     web, profile = part.profile.web_thickness or 0.0, part.profile
-    back = (profile.width - web) / 2 if profile.code in WEB_AMID else 0.0
+    back = web_back(profile)
     edge = profile.height - profile.flange_thickness if face == "o" else 0.0
     slope, across = (plane.by_y, plane.by_z) if face == "v" else (plane.by_z, plane.by_y)
     near, thick = (back, web) if face == "v" else (edge, profile.flange_thickness)
@@ -98,7 +98,7 @@ def _tilted(plane: SectionEnd, face: Face, part: Part) -> EndLine:
     web, profile = part.profile.web_thickness or 0.0, part.profile
     line = _outermost(plane, face, part)
     if face == "v":
-        front = web + ((profile.width - web) / 2 if profile.code in WEB_AMID else 0.0)
+        front = web + web_back(profile)
         return replace(line, at=plane.x(0.0, front), b_deg=-degrees(atan(plane.by_z)))
     if face == "o":
         return replace(line, at=plane.x(profile.height, 0.0), b_deg=-degrees(atan(plane.by_y)))
@@ -224,9 +224,7 @@ def room_at(b_deg: float, coper: Coper) -> float:
 
 def tilts_at(regions: Mapping[Face, WallRegion], part: Part, k: int, coper: Coper) -> bool:
     """Whether the torch can be tilted to an end: each wall that it leans over ends in it alone."""
-    front = part.profile.web_thickness or 0.0
-    if part.profile.code in WEB_AMID:
-        front += (part.profile.width - front) / 2
+    front = web_back(part.profile) + (part.profile.web_thickness or 0.0)
     for region in regions.values():
         line = region.wall.skew[k]
         for edge in edges_at(region, k):
@@ -269,6 +267,9 @@ def squared(
         if face not in regions:
             continue
         line, web_line = lines[face], lines["v"]
+        if line is not None and there[face] and regions[face].wall.lip:
+            found[face], mm = _as_long_as_lip(found[face], line, part.profile, plane)
+            off[face] = max(off[face], mm)
         if line is None or web_line is None or not (there[face] and there["v"]):
             continue
         wall, high = regions[face].wall, regions["v"].wall.width
@@ -281,6 +282,22 @@ def squared(
             found[one] = replace(found[one], shape=found[one].shape.union(more))
             off[one] = max(off[one], *(abs(x - edge.x(y)) for y in band))
     return found, off
+
+
+def _as_long_as_lip(
+    flange: WallRegion, line: EndLine, profile: Profile, plane: SectionEnd
+) -> tuple[WallRegion, float]:
+    """A flange that at its lip is as long as that, with which it is cut, and how many mm more."""
+    high, lip, band = profile.height, profile.lip or 0.0, (0.0, flange.wall.lip)
+    ys = (high - lip, high) if flange.wall.face == "o" else (0.0, lip)
+    x = plane.farthest(ys, (0.0, flange.wall.low))
+    mm = max(0.0, *(plane.side * (x - line.x(y)) for y in band))
+    if mm <= ON_LINE:
+        return flange, 0.0
+    if plane.side * (line.x(band[1]) - x) > 0.0 and plane.side * line.slope > 0.0:
+        band = 0.0, (x - line.at) / line.slope  # from where on the line reaches farther
+    more = stepped(line, band, x, plane.side, flange.wall.width)
+    return replace(flange, shape=flange.shape.union(more)), mm
 
 
 def stepped(line: EndLine, band: tuple[float, float], x: float, side: float, wide: float) -> Shape:

@@ -3,7 +3,7 @@
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from itertools import pairwise
-from math import cos, pi, radians
+from math import cos, inf, pi, radians
 
 from msgspec.structs import replace
 
@@ -29,23 +29,24 @@ from beamcam.planning.coping.ends import (
     with_skew,
 )
 from beamcam.planning.coping.regions import WallRegion, features_on, open_on, region_of
-from beamcam.planning.coping.roots import root_faults, with_ledges, with_steps
+from beamcam.planning.coping.roots import lip_faults, root_faults, with_ledges, with_steps
 from beamcam.planning.coping.tube import LEAST_SLANT, is_slanted, outcomes_of, plan_tube
 from beamcam.planning.coping.views import chains_seen, kind_of, tilts_of
 from beamcam.planning.coping.walls import (
     EDGE,
-    WEB_AMID,
     PlannedWall,
     Sorted,
     laid,
     sorted_features,
     walls_of,
+    web_back,
 )
 from beamcam.planning.left_out import BEVEL, ROOT
 from beamcam.planning.sheet import PIPE
 
 #: A size in a name: 168.3, 6, 1-1/2 or 3/4.
 _SIZE = re.compile(r"(?:([0-9]+)[- ])?([0-9]+)/([0-9]+)|([0-9]+(?:\.[0-9]+)?)")
+ONE_SHEET = 0.05  #: mm between walls of a C, which are one sheet
 SLACK = 0.5  #: mm between a diameter in a name and that of the width
 INCH = 25.4
 #: Outside diameter of pipes by their nominal size, both in inches (ASME B36.10M, table 1).
@@ -118,22 +119,25 @@ def plan_coping(
         diagnostics = tuple(diagnostic for _, diagnostic in (*pipes, *turned) if diagnostic)
         if errors_in(diagnostics):
             raise PlanError(diagnostics)
+    else:
+        given = [_with_lip(part, coper) for part in parts]
+        parts = [part for part, _ in given]
+        diagnostics = tuple(diagnostic for _, diagnostic in given if diagnostic)
     refusals = [*_stock_faults(parts, machine, coper, bar)]
     if refusals:
         raise PlanError(refusals)
     (part,) = parts
     if coper.unrolls(part.profile.code):
         plan = plan_tube(part, machine, coper, skips)
-        plan = replace(plan, remarks=(*diagnostics, *plan.remarks))
     else:
         plan = _plan_profile(part, machine, coper, skips)
     if refusals := [*_over_supports(plan, coper)]:
         raise PlanError(refusals)
-    return plan
+    return replace(plan, remarks=(*diagnostics, *plan.remarks)) if diagnostics else plan
 
 
 def _plan_profile(given: Part, machine: Machine, coper: Coper, skips: Collection[str]) -> CopePlan:
-    """The work on an I, a U, an L or a T. Raises PlanError as `plan_coping` does."""
+    """The work on an I, a U, an L, a T or a C. Raises PlanError as `plan_coping` does."""
     part = laid(given)
     diagnostics: list[Diagnostic] = []
     found = sorted_features(part, machine, coper, skips)
@@ -209,7 +213,7 @@ def _at_roots(
     regions, steps, off = with_steps(regions, chart.depth(flange.root_depth), part.source)
     more |= {face for face, mm in off.items() if mm >= LEAST_SLANT}
     faults = root_faults(regions, depths, coper, part.source)
-    return regions, [*diagnostics, *steps, *faults], more
+    return regions, [*diagnostics, *steps, *faults, *lip_faults(regions, part.source)], more
 
 
 def _told_of(part: Part, given: Part, needed: float, coper: Coper) -> Iterator[Diagnostic]:
@@ -218,8 +222,8 @@ def _told_of(part: Part, given: Part, needed: float, coper: Coper) -> Iterator[D
     yield rule.at(part.source, found=f"{needed:g}", trim=f"{coper.trim:g}")
     if part.quantity > 1:
         yield bar_rules.QUANTITY.at(part.source, found=part.quantity, made=1)
-    if given.profile.code == "T":
-        yield rules.TEE.at(part.source)
+    if given.profile.code in ("T", "C"):
+        yield (rules.TEE if given.profile.code == "T" else rules.LIPS).at(part.source)
 
 
 def _with_corners(part: Part, coper: Coper) -> tuple[Part, Diagnostic | None]:
@@ -233,6 +237,15 @@ def _with_corners(part: Part, coper: Coper) -> tuple[Part, Diagnostic | None]:
     by = "coper.corners" if radius != coper.corner else "--corner or coper.corner"
     diagnostic = rules.GIVEN_RADIUS.at(part.source, name=profile.name, found=f"{radius:g}", by=by)
     return replace(part, profile=replace(profile, radius=radius)), diagnostic
+
+
+def _with_lip(part: Part, coper: Coper) -> tuple[Part, Diagnostic | None]:
+    """A C with lips as long as the machine has them, if it does not say; that is told."""
+    profile = part.profile
+    if profile.code != "C" or profile.lip is not None or not coper.lip:
+        return part, None
+    diagnostic = rules.GIVEN_LIP.at(part.source, name=profile.name, found=f"{coper.lip:g}")
+    return replace(part, profile=replace(profile, lip=coper.lip)), diagnostic
 
 
 def _stock_faults(
@@ -253,7 +266,17 @@ def _stock_faults(
             source, found=profile.code, machine=machine.name, expected=", ".join(coper.profiles)
         )
         return
+    if profile.code == "C" and (profile.lip is None or section_fault(profile) is not None):
+        least = (profile.web_thickness or 0.0) + profile.radius
+        yield rules.NO_LIP.at(
+            source, found="no length" if profile.lip is None else f"{profile.lip:g} mm",
+            name=profile.name or "a C", least=f"{least:g}", most=f"{profile.height / 2:g}",
+        )  # fmt: skip
+        return
     fault = section_fault(part.profile)
+    flange, web = profile.flange_thickness, profile.web_thickness or 0.0
+    if profile.code == "C" and abs(flange - web) > ONE_SHEET:
+        fault = f"flanges of {flange:g} mm and a web of {web:g} mm in one bent sheet"
     if fault is not None:
         yield bar_rules.SECTION_SHAPE.at(source, found=fault, code=profile.code)
         return
@@ -271,9 +294,7 @@ def _stock_faults(
             source, found=f"{profile.height:g} x {profile.width:g}", station="torch",
             expected=f"{coper.max_height:g} x {coper.max_width:g}",
         )  # fmt: skip
-    deep = profile.width - (profile.web_thickness or 0.0)
-    if profile.code in WEB_AMID:
-        deep /= 2
+    deep = profile.width - (profile.web_thickness or 0.0) - web_back(profile)
     if deep + coper.clearance > coper.torch_length and profile.code not in TUBES:
         expected = f"{coper.torch_length - coper.clearance:g}"
         yield rules.DEEP.at(source, found=f"{deep:g}", expected=expected)
@@ -393,6 +414,7 @@ def _cuts(
                 CopeCut(
                     kind_of(chain, seen.region, row.kerf), face, path, way.lead, thickness, row,
                     features, source, root, seen.b_deg,
+                    lip=bool(region.wall.lip) and seen.region.wall.high < inf,
                 )
             )  # fmt: skip
     return cuts, [*dict.fromkeys(diagnostics)]

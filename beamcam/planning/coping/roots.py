@@ -31,6 +31,7 @@ from beamcam.planning.coping.ends import STEEPEST_DEG, is_on, stepped
 from beamcam.planning.coping.regions import OUTLINE_NOISE, Shape, WallRegion
 from beamcam.planning.coping.walls import EDGE, EndLine, PlannedWall, Root
 
+ALONG_LIP = 4.0  #: mm along the bar by mm across it that a cut through a lip goes, at most
 SHARE = 0.5  #: of the tolerance, that web and flange may differ by at a root
 
 
@@ -76,6 +77,21 @@ def root_faults(
         if coper.k_area == "refuse":
             for one in on_web[:1]:
                 yield rules.K_AREA.at(source, x=f"{one.x:g}", face=root.face)
+
+
+def lip_faults(regions: Mapping[Face, WallRegion], source: Source) -> Iterator[Diagnostic]:
+    """What cannot be cut at the lips of a C: all that does not go through a lip as a whole."""
+    for face, region in regions.items():
+        wall = region.wall
+        if not wall.lip:
+            continue
+        for high in (wall.lip, wall.low):
+            for chain in chains_of(region.shape, borders_of(wall, EDGE, high, -EDGE)):
+                xs = [x for x, _ in chain.points]
+                along = high == wall.low and max(xs) - min(xs) > ALONG_LIP * high
+                if along or {chain.start, chain.end} != {"low", "high"}:
+                    what = "a cut into or along a lip" if chain.start else "a hole over a lip"
+                    yield rules.INTO_LIP.at(source, what=what, x=f"{xs[0]:g}", face=face)
 
 
 def _band(root: Root, depth: float, web: PlannedWall) -> tuple[float, float]:

@@ -74,6 +74,26 @@ TEE = note("plan-coping-tee",
     "and in the program face u is the flange and v the stem",
     "So the torch comes to the outside of the flange, from where the root is cut. The program's "
     "first comment says it to the operator.")
+LIPS = note("plan-coping-lips",
+    "the C lies on its lips, face h up, face o at Y 0; here and in the program face v is its web "
+    "from outside, u what the file has on o, and o what it has on u",
+    "So the torch comes to all of the web, and to the edges of the lips from outside of the "
+    "flanges. The program's first comment says it to the operator.")
+NO_LIP = error("plan-coping-lip",
+    "found {found} for the lips of {name}; expected their length, {least} to {most} mm, in the "
+    "name of the section, by coper.lip or by --lip",
+    "Each cut of a flange goes through the lip at its edge, as deep as that is long. No header "
+    "line of DSTV has it; a name with four figures does (C200*70*20*2), and so does IFC (Girth). "
+    "It is not guessed.")
+GIVEN_LIP = note("plan-coping-given-lip",
+    "found no length of the lips of {name} in the file; taken as {found} mm, as --lip or coper.lip "
+    "has it",
+    "Measure the lips of the bar, from the outside of the flange: the torch cuts as deep as this.")
+INTO_LIP = error("plan-coping-into-lip",
+    "found {what} at x {x} on face {face}; expected one through all of the lip, or clear of it by "
+    "half a kerf",
+    "At its lip a flange is cut by a pass that is as deep as the lip is long. What runs along the "
+    "lip, or ends in it or its bend, cannot be made so.")
 PIECE = note("plan-coping-piece",
     "the part comes cut to {found} mm with finished ends; its x 0 end lies at X {trim}, face v up, "
     "face u at Y 0",
@@ -129,5 +149,5 @@ SLOW = warning("plan-coping-slow",
     "Round a corner the tube turns fast, and the torch follows it. The controller waits for the "
     "slowest axis, so that the cut gets wider there.")
 RULES = (PIPE, NO_PIPE, ALONE, CROSSED, BEYOND, ROOT, LEDGE, STEP, K_AREA, NARROW, OFF, SHORT,
-    OPEN, SUPPORT, DEEP, THICK, ROUNDED, BAR, TEE, PIECE, NO_RADIUS, GIVEN_RADIUS, SEAM, CORNER,
-    REACHES, SLANT, WEDGE, SLOW)
+    OPEN, SUPPORT, DEEP, THICK, ROUNDED, BAR, TEE, LIPS, NO_LIP, GIVEN_LIP, INTO_LIP, PIECE,
+    NO_RADIUS, GIVEN_RADIUS, SEAM, CORNER, REACHES, SLANT, WEDGE, SLOW)

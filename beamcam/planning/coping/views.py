@@ -15,8 +15,8 @@ from beamcam.model.plan import CopeKind
 from beamcam.planning.coping.chart import Chart
 from beamcam.planning.coping.cuts import SHARE_OVER, CutChain, borders_of, chains_of, paths_of
 from beamcam.planning.coping.ends import is_on
-from beamcam.planning.coping.regions import WallRegion
-from beamcam.planning.coping.walls import EDGE, PlannedWall
+from beamcam.planning.coping.regions import BEYOND, WallRegion
+from beamcam.planning.coping.walls import EDGE, PlannedWall, over_lip
 
 
 class SeenRegion(Struct, frozen=True):
@@ -53,8 +53,17 @@ def chains_seen(
     """The paths at a tilt round a region, each with its row, what it cuts through, and whether with
     a root.
 
-    A path through a root runs as far off the part as its own, wider kerf asks for.
+    A path through a root runs as far off the part as its own, wider kerf asks for. A flange with a
+    lip is cut by two paths, of which one goes through the lip.
     """
+    yield from _chains_on(region, b_deg, chart)
+    if region.wall.lip:
+        yield from _chains_on(replace(region, wall=over_lip(region.wall)), b_deg, chart)
+
+
+def _chains_on(
+    region: WallRegion, b_deg: float, chart: Chart
+) -> Iterator[tuple[CutChain, TorchRow | None, SeenRegion, float, bool]]:
     seen = _seen(region, b_deg)
     region, wall = seen.region, seen.region.wall
     shallow = wall.thickness / seen.share
@@ -86,9 +95,15 @@ def _is_rooted(chain: CutChain, wall: PlannedWall) -> bool:
 
 def kind_of(chain: CutChain, region: WallRegion, kerf: float) -> CopeKind:
     """What a path makes: what is inside, or at which end of its wall it is."""
+    from shapely import box
+
     if not chain.start:
         return "inner"
-    low, _, high, _ = region.shape.bounds
+    shape, wall = region.shape, region.wall
+    if wall.lip:  # at its lip a flange may end elsewhere
+        y0, y1 = max(wall.low, 0.0), min(wall.high, wall.width)
+        shape = shape.intersection(box(-BEYOND, y0, BEYOND, y1))
+    low, _, high, _ = shape.bounds
     xs = [x for x, _ in chain.points]
     near, far = (
         line is not None and any(line.is_beside(place, kerf) for place in chain.points)

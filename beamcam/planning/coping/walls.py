@@ -6,7 +6,13 @@ ___o___      The torch looks at o, v and u. Over the web (v) it keeps `near` off
 ___|___
    u
 
-A T lies on its side, as an I that has no upper flange: u looks at its flange, v at its stem.
+A T lies on its side, as an I that has no upper flange: u looks at its flange, v at its stem. A C
+lies on its lips, its web up, which the torch sees from outside:
+
+     __v__      A cut of a flange goes through the root with a row that is as deep as flange and
+    |     |     bend, and through the lip, which the torch meets at its edge, with one that is as
+    |     |     deep as the lip is long. Both begin over the flange between them and end beyond
+    '-   -'     its edges, which are round.
 """
 
 from collections.abc import Collection, Sequence
@@ -29,9 +35,12 @@ from beamcam.planning.turning import TURNS, turned
 
 #: Of a T about its length, so that its flange, in the file flat on the h side, stands at Y 0.
 ON_ITS_SIDE = next(t for t in TURNS if (t.swap, t.reverse_y, t.reverse_z) == (True, True, False))
+#: Of a C about its length, so that its web is up.
+ON_ITS_LIPS = next(t for t in TURNS if (t.swap, t.reverse_y, t.reverse_z) == (False, True, True))
 OPEN = ("L", "T")  #: sections without an upper flange, as they lie
 WEB_AMID = ("I", "T")  #: sections whose web stands in the middle of their flanges
 ON_END = 1e-6  #: mm; a cut that begins on a skew end lies there but for rounding
+LAP = 1.0  #: mm that cuts of a flange and of its lip overlap
 EDGE = 0.05  #: mm; what lies so near to an edge of a wall is that edge
 
 
@@ -76,6 +85,8 @@ class PlannedWall(Struct, frozen=True):
     #: Of a bar the skew ones that it is cut to, at its start and its end.
     skew: tuple[EndLine | None, EndLine | None] = (None, None)
     open: Any = None  #: of shapely; the holes of a piece that are there already, or None
+    lip: float = 0.0  #: y from 0 in which a flange is cut with its lip, or not at all
+    lip_depth: float = 0.0  #: of a cut from outside through a lip, with what it is cut deeper
 
     def holds(self, place: Point) -> bool:
         """Whether there is steel of the bar or piece at a place, and the torch comes to it."""
@@ -96,12 +107,24 @@ class PlannedWall(Struct, frozen=True):
         return (over.centroid.x, over.centroid.y) if over.length > most else None
 
 
+def web_back(profile: Profile) -> float:
+    """The z of the web's back as a section lies."""
+    behind = profile.width - (profile.web_thickness or 0.0)
+    if profile.code in WEB_AMID:
+        return behind / 2
+    return behind if profile.code == "C" else 0.0
+
+
 def laid(part: Part) -> Part:
-    """A part as it lies under the torch: a T on its side, all it has on the faces u and v."""
-    if part.profile.code != "T":
+    """A part as it lies under the torch: a T on its side, all it has on the faces u and v, a C on
+    its lips."""
+    turn = {"T": ON_ITS_SIDE, "C": ON_ITS_LIPS}.get(part.profile.code)
+    if turn is None:
         return part
-    lying = turned(part, ON_ITS_SIDE)
-    there = turned(replace(part, features=part.made or ()), ON_ITS_SIDE).features
+    lying = turned(part, turn)
+    there = turned(replace(part, features=part.made or ()), turn).features
+    if part.profile.code == "C":
+        return replace(lying, made=None if part.made is None else there)
     made = None if part.made is None else tuple(_seen(one, part.profile) for one in there)
     features = tuple(_seen(one, part.profile) for one in lying.features)
     return replace(lying, features=features, made=made)
@@ -134,6 +157,8 @@ def walls_of(profile: Profile, coper: Coper, cut_height: float) -> dict[Face, Pl
     height, width, radius = profile.height, profile.width, profile.radius
     flange, web = profile.flange_thickness, profile.web_thickness or 0.0
     near = coper.reach_beside(radius, cut_height)
+    if profile.code == "C":  # over the bend a jet would go on along the flange
+        near = max(radius, max(row.kerf for row in coper.rows) / 2)
     low, high = flange + near, (inf if profile.code in OPEN else height - flange - near)
     roots = [Root("u", 0.0, flange + near, flange)]
     if profile.code not in OPEN:
@@ -141,13 +166,27 @@ def walls_of(profile: Profile, coper: Coper, cut_height: float) -> dict[Face, Pl
     rise = radius - sqrt(radius**2 - (radius - near) ** 2) if near < radius else 0.0
     sides = 2 if profile.code in WEB_AMID else 1
     walls = {"v": PlannedWall("v", height, web, low, high, tuple(roots), 0.0, sides * rise)}
-    middle = (width - web) / 2 if profile.code in WEB_AMID else 0.0
-    back = middle - radius if profile.code in WEB_AMID else 0.0
-    root = (Root("v", back, middle + web + radius),)
+    back = web_back(profile)
+    ends = back - radius if back else 0.0, back + web + radius
+    root = (Root("v", ends[0], min(ends[1], width) if profile.code == "C" else ends[1]),)
     depth = flange + near + coper.root_over
     for face in ("u",) if profile.code in OPEN else ("o", "u"):
         walls[face] = PlannedWall(face, width, flange, -inf, inf, root, depth)
+        if profile.code == "C" and profile.lip:
+            bend = web + radius
+            beside = LAP + max(row.kerf for row in coper.rows) / 2
+            walls[face] = replace(
+                walls[face], low=bend, lip=bend + beside, lip_depth=profile.lip + coper.root_over
+            )
     return walls
+
+
+def over_lip(flange: PlannedWall) -> PlannedWall:
+    """What of a flange is cut with its lip."""
+    return replace(
+        flange, low=-inf, high=flange.low + LAP, roots=(), root_depth=0.0,
+        thickness=flange.lip_depth,
+    )  # fmt: skip
 
 
 class Sorted(Struct, frozen=True):

@@ -3,11 +3,12 @@
 import re
 
 from msgspec import Struct
+from msgspec.structs import replace
 
 from beamcam.caches import cached
 from beamcam.errors import Source
 from beamcam.model.part import ALONG_DEG, PROFILE_CODES, EndCuts, Part, Profile, ProfileCode
-from beamcam.model.section import section_fault
+from beamcam.model.section import LIP_SHARES, TOLERANCE, section_fault
 from beamcam.readers.dstv import rules
 from beamcam.readers.dstv.tokens import CODES, PLAIN_CODES, Log, number
 
@@ -16,6 +17,9 @@ TEXT_LIMIT = 80  # DSTV NC, page 6
 
 #: Data behind the header whose block code is missing: a face and a number, or a number.
 _ROW = re.compile(r"([vouh]\s*)?[+-]?[0-9]+\.[0-9]")
+
+#: A name with four figures, as writers call lipped channels: C200*70*20*2, LIP C 100 x 50 x 20 x 2.
+_FOUR = re.compile(r"[A-Z -]*" + r"\s*[-X*×/]\s*".join([r"(\d+(?:[.,]\d+)?)"] * 4), re.IGNORECASE)
 
 _WHOLE = re.compile(r"([0-9]{1,9})(\.0*)?", re.ASCII)  #: a quantity, which some write as 2.00
 
@@ -117,6 +121,13 @@ def read_header(head: HeaderLines, source: Source, log: Log) -> Part | None:
         log.add(rules.HEIGHT, lines[9], found=height)
     elif fault is not None:
         log.add(rules.SECTION, lines[9], found=fault, code=code)
+    elif code == "C" and profile.lip is None and _FOUR.fullmatch(profile.name):
+        sizes = f"{height:g} x {width:g}, {flange:g} thick"
+        log.add(rules.LIP_NAME, lines[6], found=profile.name, sizes=sizes)
+    elif code == "U":
+        lip = lip_by_name(replace(profile, code="C")) or 0.0
+        if lip and lip >= LIP_SHARES[0] * width:
+            log.add(rules.LIP_CODE, lines[7], found=code, name=profile.name, lip=lip)
     _warn_of_texts(values, lines, log)
     known_lines = {d.source.line for d in log.diagnostics[before:]}
     log.taken += [line for line in lines if line not in known_lines] if known_lines else lines
@@ -151,7 +162,29 @@ def _section(
     """A section, the same object for all files that have it, and what is impossible in it."""
     sizes = (size + 0.0 for size in (height, width, flange, web, radius))  # no -0
     profile = Profile(code, name, *sizes)
+    if code == "C":
+        profile = replace(profile, lip=lip_by_name(profile))
     return profile, section_fault(profile) if min(width, flange, web) > 0 else None
+
+
+def lip_by_name(profile: Profile) -> float | None:
+    """The length of the lips of a C, which its name says where no header does; else None.
+
+    Of four figures three have to be the header's height, width and thickness, in whatever order
+    writers have them; the other one is the lip.
+    """
+    match = _FOUR.fullmatch(profile.name)
+    if match is None:
+        return None
+    figures = [float(text.replace(",", ".")) for text in match.groups()]
+    known = sorted((profile.height, profile.width, profile.flange_thickness))
+    found = set()
+    for k, figure in enumerate(figures):
+        others = sorted(figures[:k] + figures[k + 1 :])
+        if all(abs(a - b) <= TOLERANCE for a, b in zip(others, known, strict=True)):
+            found.add(figure)
+    lip = found.pop() if len(found) == 1 else None
+    return lip if lip and section_fault(replace(profile, lip=lip)) is None else None
 
 
 def _warn_of_texts(values: list[str], lines: list[int], log: Log) -> None:

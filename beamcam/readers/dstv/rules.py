@@ -106,6 +106,14 @@ SECTION = error("dstv-section",
     "found {found} in a section of profile code {code}, expected walls that fit into each other",
     "Such a section cannot be rolled. Header lines 10 to 15 are height, flange width, thickness of "
     "flange and web, and radius.")
+LIP_NAME = warning("dstv-lip-name",
+    "found the name {found} of a C that is {sizes}; expected those figures in the name, and the "
+    "length of its lips",
+    "No header line says how long the lips of a C are; the name of one with four figures does. "
+    "Where they are not the header's, the lips are as not known.")
+LIP_CODE = warning("dstv-lip-code",
+    "found profile code {found} for {name}, whose name has lips of {lip:g} mm; expected C",
+    "A U has no lips, so that tools and torches would meet them. Correct the code.")
 TEXT_LONG = note("dstv-text-long",
     "found a text of {count} characters, the standard allows {limit}",
     "Other programs may cut it.")

@@ -128,4 +128,8 @@ def _sized(code: ProfileCode, corners: Sequence[Corner], area: float) -> Section
         return None
     if code == "L" and width > height:
         height, width, flange, web, y, z = width, height, web, flange, z, y
-    return placed(code, (height, width, flange, web, radius), centre, y, z, area)
+    section = placed(code, (height, width, flange, web, radius), centre, y, z, area)
+    if code != "C":
+        return section
+    lips = [abs(p[1] - edges[1]["0" if at[1] == "g" else "h"]) for at, p in pairs if at[1] in "gG"]
+    return replace(section, lip=fmean(lips) if max(lips) - min(lips) <= ALIKE else None)

@@ -294,7 +294,7 @@ class Members(Struct):
         grade, other = marks.grade_of(material, data)
         if other is not None:
             self.taken.diagnostics.append(rules.GRADE.at(source, found=other, expected=grade))
-        if section.lips:
+        if section.lips and section.lip is None:
             areas = f"{section.area / 100:.2f}", f"{(section.area - section.lips) / 100:.2f}"
             self.taken.diagnostics.append(rules.LIPS.at(source, found=areas[0], expected=areas[1]))
         return Part(

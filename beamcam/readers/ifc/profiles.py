@@ -183,7 +183,9 @@ def _measured(model: Model, entity: Entity) -> Section:
         code, (h, b or h if code == "L" else b, tf, tw, r), model.axes(entity.Position)
     )
     if code == "C":
-        section = replace(section, area=abs(signed_area(_drawn(section, number("Girth")))))
+        lip = number("Girth")
+        area = abs(signed_area(_drawn(section, lip)))
+        section = replace(section, area=area, lip=lip or None)
     return section
 
 

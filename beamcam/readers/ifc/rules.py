@@ -107,9 +107,10 @@ ROOT_CUT = error("ifc-root-cut",
     "So much of the fillet between web and flange is cut otherwise than the walls beside it, as by "
     "a groove along them. --force takes the part without that cut.")
 LIPS = note("ifc-lips",
-    "found a channel of {found} cm2 with lips in the model; the part holds its height, width, wall "
-    "and radius, {expected} cm2",
-    "The lips count in the weight. No hole, cut or text is held against them.")
+    "found a channel of {found} cm2 with lips of no single length in the model; the part holds its "
+    "height, width, wall and radius, {expected} cm2",
+    "The lips count in the weight. No hole, cut or text is held against them, and no torch cuts "
+    "them. Lips of one length are the part's own.")
 LEANING = warning("ifc-leaning-edge",
     "found {found} in the model; a cut square to the face leaves that steel standing",
     "The edge does not go square through its wall, as where a tube is saddled. Grind it off.")

@@ -42,6 +42,7 @@ class Section(Struct, frozen=True, gc=False, cache_hash=True):
     z: Point
     area: float  #: mm2
     outline: Chain = ()  #: of a special section
+    lip: float | None = None  #: of a C, from the outside of its flange; None where it is not known
 
     @property
     def is_plain_flat(self) -> bool:
@@ -59,11 +60,12 @@ class Section(Struct, frozen=True, gc=False, cache_hash=True):
             0.0 if flat else self.flange_thickness,
             self.web_thickness,
             self.radius,
+            self.lip,
         )
 
     @property
     def lips(self) -> float:
-        """Area of a channel's lips in mm2, which its measures do not give; 0 of other sections."""
+        """Area of a channel's lips in mm2; 0 of other sections."""
         if self.code != "C":
             return 0.0
         sizes = self.height, self.width, self.flange_thickness, self.web_thickness, self.radius
@@ -102,6 +104,7 @@ class Section(Struct, frozen=True, gc=False, cache_hash=True):
             web_thickness=self.web_thickness * by,
             radius=self.radius * by,
             area=self.area * by * by,
+            lip=self.lip and self.lip * by,
         )
 
     def right_way(self) -> "Section":

@@ -12,7 +12,7 @@ from tests.random_copes import polygon
 
 AT = Source("part.nc1", 7)
 COPER = load("coper-linuxcnc")
-NAMES = ("coped", "trimmer", "cleat", "hanger")
+NAMES = ("coped", "trimmer", "cleat", "hanger", "joist")
 IPE300 = Profile("I", "IPE300", 300.0, 150.0, 10.7, 7.1, 15.0)
 UPN200 = Profile("U", "UPN200", 200.0, 75.0, 11.5, 8.5, 11.5)
 L100 = Profile("L", "L100*65*8", 100.0, 65.0, 8.0, 8.0, 10.0)

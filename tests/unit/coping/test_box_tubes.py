@@ -17,7 +17,7 @@ from beamcam.cli import main
 from beamcam.errors import PlanError
 from beamcam.machine import Machine
 from beamcam.machine.coper import TubeCorner
-from beamcam.machine.overlay import with_corner
+from beamcam.machine.overlay import with_section
 from beamcam.model.part import Contour, EndCuts, Face, Feature, Hole, Part, Profile, Slot
 from beamcam.model.request import Request
 from beamcam.model.surface import around
@@ -251,7 +251,7 @@ def test_corners_that_the_file_does_not_say_are_those_of_the_machine() -> None:
 
 def test_corners_that_neither_says_are_those_of_the_job() -> None:
     bare = tube(HOLE, profile=replace(SHS, radius=0.0))
-    machine = with_corner(TUBE, 10.0)
+    machine = with_section(TUBE, 10.0, None)
     plan = planned(bare, machine)
     assert plan.operations == planned(tube(HOLE)).operations
     (said,) = [d for d in plan.remarks if d.code == "plan-coping-given-radius"]
@@ -259,13 +259,15 @@ def test_corners_that_neither_says_are_those_of_the_job() -> None:
     text = program_of(bare, machine)
     assert not found(text, bare, machine)
     assert {d.code for d in found(text, bare)} == {"verify-coping-radius"}
-    assert {d.code for d in found(text, bare, with_corner(TUBE, 12.0))} == {"verify-coping-square"}
+    assert {d.code for d in found(text, bare, with_section(TUBE, 12.0, None))} == {
+        "verify-coping-square"
+    }
     # The file goes before the machine's table, and that before the job.
-    both = with_corner(with_corners(TubeCorner(6.0, 10.0 / 6.0)), 14.0)
+    both = with_section(with_corners(TubeCorner(6.0, 10.0 / 6.0)), 14.0, None)
     assert planned(bare, both).operations == plan.operations
     assert "as coper.corners has it" in str(planned(bare, both).remarks[0])
     assert planned(tube(HOLE), both).operations == plan.operations
-    assert with_corner(COPER, 10.0) is COPER
+    assert with_section(COPER, 10.0, None) is COPER
 
 
 def test_the_option_and_the_configuration(tmp_path: Path) -> None:

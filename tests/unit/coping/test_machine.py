@@ -175,3 +175,11 @@ def test_only_round_tubes_turn_by_mm_of_their_surface(tmp_path: Path) -> None:
     assert _faults(path) == {"coper.a_unit"}
     path.write_text('base = "tube-linuxcnc"\n[coper]\nprofiles = ["RO"]\ncorner = 10\n')
     assert _faults(path) == {"coper.corner"}
+
+
+def test_only_a_machine_for_c_sections_has_the_length_of_their_lips(tmp_path: Path) -> None:
+    path = tmp_path / "own.toml"
+    path.write_text('base = "coper-linuxcnc"\n[coper]\nlip = 20\n')
+    assert _faults(path) == set()
+    path.write_text('base = "coper-linuxcnc"\n[coper]\nlip = 20\nprofiles = ["I", "U"]\n')
+    assert _faults(path) == {"coper.lip"}

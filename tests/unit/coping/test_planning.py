@@ -191,7 +191,7 @@ HIGH = Profile("I", "W", 1100.0, 300.0, 20.0, 10.0, 15.0)
 LONG = [(0.0, 0.0), (603.0, 0.0), (603.0, 300.0), (0.0, 300.0)]
 REFUSED = [
     ("plan-no-parts", None, COPER),
-    ("plan-stock", part_of(profile=Profile("C", "C200", 200.0, 70.0, 2.0, 2.0, 3.0)), COPER),
+    ("plan-coping-lip", part_of(profile=Profile("C", "C200", 200.0, 70.0, 2.0, 2.0, 3.0)), COPER),
     ("plan-section", part_of(profile=HIGH), COPER),
     ("plan-section-shape", part_of(profile=replace(IPE300, flange_thickness=200.0)), COPER),
     ("plan-bar-long", part_of(length=12000.0), COPER),
@@ -291,6 +291,9 @@ def test_every_rule_has_a_case() -> None:
     tested |= {"plan-coping-crossed", "plan-coping-beyond"}  # in test_skew.py
     tested |= {"plan-coping-ledge"}  # in test_ledges.py
     tested |= {"plan-coping-step"}  # in test_slants.py
+    tested |= {
+        f"plan-coping-{name}" for name in ("lips", "given-lip", "into-lip")
+    }  # in test_lips.py
     assert {rule.code for rule in RULES} <= tested
 
 

@@ -149,12 +149,12 @@ def moved(kind: str, face: str, up: float, first: int, machine: Machine = COPER)
     )
 
 
-C200 = Profile("C", "C200", 200.0, 70.0, 2.0, 2.0, 3.0)
+SHS = Profile("M", "SHS100*6", 100.0, 100.0, 6.0, 6.0, 10.0)
 THIN = outline("o", [(0.0, 60.0), (9.0, 60.0), (9.0, 60.05), (0.0, 60.05)])
 SLIM = with_keys(play=0.0001, torch_width=0.1, head_width=0.1)  # that strikes nothing
 
 WRONG = [
-    ("verify-coping-section", PROGRAM, part_of(profile=C200)),
+    ("verify-coping-section", PROGRAM, part_of(profile=SHS)),
     ("verify-coping-torch", swapped("^M5$", "M3 S1"), COPED),
     ("verify-coping-torch", swapped("^M5\n", "M7\nM5\n"), COPED),
     ("verify-coping-torch", swapped("^M3 S1", "G4 P99\nM3 S1"), COPED),
@@ -215,6 +215,7 @@ def test_every_rule_has_a_case() -> None:
     tested |= {"verify-coping-short", "verify-coping-zone"}  # in test_pieces.py, test_zones.py
     tested |= {"verify-coping-tilt", "verify-coping-passes"}  # in test_skew.py, test_bevels.py
     tested |= {"verify-coping-measured"}  # in test_measured.py
+    tested |= {"verify-coping-lip"}  # in test_lips.py
     of_boxes = ("square", "corner", "radius")  # in test_box_tubes.py
     tested |= {f"verify-coping-{name}" for name in of_boxes}
     assert {rule.code for rule in RULES} == tested

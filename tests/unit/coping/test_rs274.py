@@ -23,8 +23,10 @@ from beamcam.solid.kernel import kernel, outline
 from beamcam.solid.part_solid import part_solid
 from tests.conftest import sampled
 from tests.random_copes import (
+    CEES,
     random_bevel,
     random_cope,
+    random_lipped,
     random_mitre,
     random_prepared_web,
     random_tee,
@@ -125,7 +127,13 @@ def pieces(part: Part, strokes: list[Burn], stock: Any = None) -> list[Any]:
 
 
 def lying(solid: Any, part: Part) -> Any:
-    """A solid in the section's axes as it lies: of a T Y is what was Z, Z what was height - Y."""
+    """A solid in the section's axes as it lies: of a T Y is what was Z, Z what was height - Y, a C
+    is turned by 180 degrees."""
+    high, wide = part.profile.height, part.profile.width
+    if part.profile.code == "C":
+        return solid.transform(
+            ((1.0, 0.0, 0.0, 0.0), (0.0, -1.0, 0.0, high), (0.0, 0.0, -1.0, wide))
+        )
     if part.profile.code != "T":
         return solid
     rows = (1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0), (0.0, -1.0, 0.0, part.profile.height)
@@ -182,6 +190,32 @@ def test_random_parts_fall_out_of_the_bar(seed: int, tmp_path: Path) -> None:
 @pytest.mark.parametrize("seed", sampled([0, 1, 2, 3, 5, 8], 2))
 def test_random_tees_fall_out_of_the_bar(seed: int, tmp_path: Path) -> None:
     check(random_tee(seed), tmp_path)
+
+
+@needs_rs274
+@pytest.mark.parametrize("seed", sampled(range(12), 2))
+def test_random_sections_with_lips_fall_out_of_the_bar(seed: int, tmp_path: Path) -> None:
+    check(random_lipped(seed), tmp_path)
+
+
+@needs_rs274
+def test_a_lip_holds_the_piece_where_it_is_not_cut(tmp_path: Path) -> None:
+    part = sample("joist")
+    strokes = burns(written(part, tmp_path))
+    check(part, tmp_path)
+    deep = max(burn.feed for burn in strokes if CHART[burn.feed][1] >= 20.0)
+    lips = [burn for burn in strokes if burn.feed == deep]
+    assert len(lips) == 6  # two at each end, two of a notch
+    for lip in lips:
+        rest = [burn for burn in strokes if burn is not lip]
+        wanted = lying(part_solid(part), part)
+        assert (pieces(part, rest)[0] - wanted).volume() > 500.0
+
+
+@needs_rs274
+@pytest.mark.parametrize("seed", sampled([0, 1, 2, 3, 4, 6], 2))
+def test_random_sections_with_lips_end_skew(seed: int, tmp_path: Path) -> None:
+    check(random_mitre(seed, CEES), tmp_path, BEVEL)
 
 
 @needs_rs274
@@ -268,7 +302,7 @@ def test_the_jet_goes_along_the_plane_of_an_end(tmp_path: Path) -> None:
 
 @needs_rs274
 @pytest.mark.exhaustive
-@pytest.mark.parametrize("random_part", [random_cope, random_tee])
+@pytest.mark.parametrize("random_part", [random_cope, random_tee, random_lipped])
 def test_many_random_parts_fall_out_of_the_bar(
     random_part: Callable[[int], Part], tmp_path: Path
 ) -> None:

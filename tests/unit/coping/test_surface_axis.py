@@ -16,7 +16,7 @@ from beamcam.controllers.events import Move
 from beamcam.controllers.rotary import in_degrees
 from beamcam.errors import PlanError, errors_in
 from beamcam.machine import load
-from beamcam.machine.overlay import with_corner
+from beamcam.machine.overlay import with_section
 from beamcam.model.part import Hole
 from beamcam.model.request import Request
 from beamcam.pipeline import post
@@ -113,7 +113,7 @@ def test_a_rectangular_tube_is_not_for_it() -> None:
         post((part,), SURFACE)
     (said,) = verify_coping(program_of(part), (part,), SURFACE)
     assert (said.code, said["expected"]) == ("verify-coping-section", "RO")
-    assert with_corner(SURFACE, 10.0) is SURFACE
+    assert with_section(SURFACE, 10.0, None) is SURFACE
 
 
 def test_events_of_a_machine_in_degrees_stay() -> None:

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from beamcam.errors import PlanError, errors_in
 from beamcam.machine import load
-from beamcam.machine.overlay import with_corner
+from beamcam.machine.overlay import with_section
 from beamcam.model.part import EndCuts, EndPlane, Part, Profile
 from beamcam.model.request import Request
 from beamcam.model.surface import around
@@ -207,7 +207,7 @@ def test_rs274_leaves_all_of_the_solid_behind_a_plane(
 def test_real_tubes_mitred_both_ways(corner: float) -> None:
     """One of them has no corners in the model, one corners thinner than its wall."""
     path = THIRD_PARTY / "cases" / "ifc" / "rhs_mitred_both_ways.ifc"
-    machine = with_corner(load("tube-linuxcnc"), corner)
+    machine = with_section(load("tube-linuxcnc"), corner, None)
     parts = read_file(str(path)).parts
     assert sum(isinstance(f, EndPlane) for part in parts for f in part.features) == 4
     for part in parts:

@@ -52,7 +52,7 @@ from tests.unit.coping.samples import (
 TUBE = load("tube-linuxcnc")
 MACHINES = {
     "coped": COPER, "trimmer": COPER, "cleat": COPER, "hanger": COPER, "brace": TUBE, "stub": TUBE,
-    "leg": TUBE, "hip": TUBE,
+    "leg": TUBE, "hip": TUBE, "joist": COPER,
 }  # fmt: skip
 CHS = Profile("RO", "CHS168.3*8", 168.3, 168.3, 8.0, 8.0)
 TOLD = [REFITTED.code, ROUNDED.code]
@@ -80,7 +80,7 @@ def of(part: Part, kind: type[Feature]) -> list[Feature]:
 
 
 #: Sections that no catalogue has by their name in the head.
-NAMED = {"hanger": sample("hanger").profile}
+NAMED = {name: sample(name).profile for name in ("hanger", "joist")}
 
 
 @pytest.mark.parametrize("name", MACHINES)

@@ -88,7 +88,7 @@ SOLIDS = [
     ("trimmer", "coper-linuxcnc", "vouh"), ("hanger", "coper-linuxcnc", "vouh"),
     ("header-rest", "coper-linuxcnc", "vouh"), ("leg", "tube-linuxcnc", "vouh"),
     ("hip", "tube-linuxcnc", "vouh"), ("trimmer", "tube-linuxcnc", "vouh"),
-    ("hanger", "tube-linuxcnc", "vouh"),
+    ("hanger", "tube-linuxcnc", "vouh"), ("joist", "coper-linuxcnc", "vouh"),
     ("stub", "tube-linuxcnc", "v"), ("stub", "tube-surface", "v"),
 ]  # fmt: skip
 

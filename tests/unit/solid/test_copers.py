@@ -23,7 +23,7 @@ from benchmarks.coping_faults import random_piece
 from benchmarks.solid import KINDS, mutants
 from tests.conftest import sampled
 from tests.random_boxes import over_corner, random_box
-from tests.random_copes import random_cope, random_tee
+from tests.random_copes import random_cope, random_lipped, random_tee
 from tests.random_tubes import SECTIONS, random_tube, window
 from tests.unit.coping.samples import AT, COPER, outline, part_of, sample, with_keys
 
@@ -33,7 +33,7 @@ TURN = pi * 168.3
 SAMPLES = (
     ("coped", COPER, ()), ("brace", TUBE, ()), ("trimmer", COPER, ()), ("stub", TUBE, ()),
     ("header-rest", COPER, ()), ("cleat", COPER, ()), ("header", COPER, ("tool",)),
-    ("hanger", COPER, ()), ("leg", TUBE, ()), ("hip", TUBE, ()),
+    ("hanger", COPER, ()), ("leg", TUBE, ()), ("hip", TUBE, ()), ("joist", COPER, ()),
 )  # fmt: skip
 
 
@@ -77,7 +77,7 @@ def test_samples_agree(name: str, machine: Machine, skips: tuple[str, ...]) -> N
     assert {d.code for d in found} <= {"solid-rounded", "solid-square", "solid-left-out"}
 
 
-MAKES = (random_cope, random_tube, random_piece, random_box)
+MAKES = (random_cope, random_tube, random_piece, random_box, random_lipped)
 RANDOM = [(make, seed) for seed in range(4) for make in MAKES]
 
 

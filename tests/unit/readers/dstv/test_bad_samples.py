@@ -83,6 +83,8 @@ LINES = {
     "dstv-slot-letter": 33,
     "dstv-slot-round": 33,
     "dstv-text-fields": 33,
+    "dstv-lip-code": 10,
+    "dstv-lip-name": 9,
     "dstv-text-long": 2,
     "dstv-text-outside": 33,
     "dstv-tolerance-fields": 33,

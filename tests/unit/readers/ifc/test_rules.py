@@ -190,11 +190,31 @@ def grooved() -> bytes:
     return m.data
 
 
+def lipped(lower: float, upper: float) -> bytes:
+    """A channel of 200 x 75 x 2.5 with lips of these lengths."""
+    m = Small()
+    outline = m.polygon(
+        (0, 0), (75, 0), (75, lower), (72.5, lower), (72.5, 2.5), (2.5, 2.5), (2.5, 197.5),
+        (72.5, 197.5), (72.5, 200 - upper), (75, 200 - upper), (75, 200), (0, 200),
+    )  # fmt: skip
+    m.element(m.extruded(outline, 2000.0))
+    return m.data
+
+
 def with_lips() -> bytes:
+    return lipped(20.0, 25.0)
+
+
+def test_lips_of_one_length_are_the_parts_own() -> None:
+    found = read(lipped(20.0, 20.0), "m.ifc")
+    assert [part.profile.lip for part in found.parts] == [20.0]
+    assert "ifc-lips" not in {d.code for d in found.diagnostics}
+    (other,) = read(with_lips(), "m.ifc").parts
+    assert other.profile.lip is None
     m = Small()
     profile = m.add(f"IFCCSHAPEPROFILEDEF(.AREA.,$,{m.flat},200.,75.,2.5,20.,4.,$)")
     m.element(m.extruded(profile, 2000.0))
-    return m.data
+    assert [part.profile.lip for part in read(m.data, "m.ifc").parts] == [20.0]
 
 
 def saddled() -> bytes:
