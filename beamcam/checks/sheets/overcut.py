@@ -8,7 +8,8 @@ import shapely
 
 from beamcam.checks.sheets import rules
 from beamcam.checks.sheets.toolpaths import Toolpaths
-from beamcam.checks.sheets.work import SHOWN, Traced, Work
+from beamcam.checks.sheets.tracing import Traced
+from beamcam.checks.sheets.work import SHOWN, Work
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.array_types import Floats
 from beamcam.machine.torch import LayerSettings
@@ -20,7 +21,6 @@ SHORTEST = 0.2  #: share of a line that leads out, by which it leaves its contou
 LED = 0.4  #: share of a lead that lies along the contour, if it is not only tangent to it
 CORNER_SPAN, CORNER_RAD = 0.2, 0.35  #: mm on both sides of a corner, and what it turns at least
 Limits = tuple[float, float, float]  #: mm beyond the start: found, least, most
-MIN_WIDTH = 1e-3  #: mm, half of it on an average, of what a ring goes round
 
 
 def overcut_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
@@ -77,10 +77,8 @@ def _along(work: Work, t: Traced) -> Limits:
     asked = asked_overcut(work, t, over, first / 2)
     if not over and not asked:
         return 0.0, 0.0, 0.0
-    if len(t.members) == 1:
-        inside = t.inside()
-        if inside is None or inside.area <= MIN_WIDTH * inside.length:
-            return over, 0.0, 0.0
+    if t.contour < 0:
+        return over, 0.0, 0.0
     return over, asked, asked + _along_leads(work, t.members[-1])
 
 
