@@ -141,7 +141,6 @@ SAME_POINT = 1e-9  #: ends of the curves of one feature that follow one another
 WRITTEN_SAME = 1e-3  #: ends that are written as one point: coordinates of three decimals
 PASSED_AGAIN = 1e-6  #: a place of a contour, to its last digits
 WIDEST_PLACE = 2.0  #: gaps that ends which meet may meet one another over
-MANY_GO_ON = 0.9  #: share of ways that go on at both ends, from which on they are drawn together
 SLACK = 1 + 1e-6  #: of the gap, for the last digits of ends that are as far apart
 
 
@@ -205,13 +204,7 @@ def rings_of(toolpaths: Stretches, which: Sequence[int], gap: float) -> list[Cha
     if not len(numbers):
         return []
     places = _places(np.concatenate((toolpaths.starts[numbers], toolpaths.ends[numbers])), gap)
-    ends = places.reshape(2, -1)
-    # Branches are taken away together, as long as they are many; most drawings have little else.
-    while (goes_on := (np.bincount(ends.ravel())[ends] > 1).all(axis=0)).mean() < MANY_GO_ON:
-        numbers, ends = numbers[goes_on], ends[:, goes_on]
-        if not len(numbers):
-            return []
-    net = _Net(ends.T.tolist())
+    net = _Net(places.reshape(2, -1).T.tolist())
     return [[(int(numbers[k]), turned) for k, turned in ring] for ring in net.rings()]
 
 

@@ -16,7 +16,7 @@ from beamcam.checks.sheets.toolpaths import Samples, kept_samples
 from beamcam.checks.sheets.tracing import Traced, on_contour
 from beamcam.checks.sheets.work import SHOWN, SPACING, Work
 from beamcam.errors import Diagnostic, Source
-from beamcam.geometry.array_types import Floats
+from beamcam.geometry.array_types import Counts, Floats
 from beamcam.machine.torch import LayerSettings, TorchProcess
 
 TOUCHING = 0.01  #: mm by which a contour may leave the one around it
@@ -150,8 +150,9 @@ def _asked(work: Work) -> list[bool | None]:
     """Of each ring whether it is to be followed counter-clockwise; None if that is left open."""
     if work.torch.direction == "drawn":
         turned = work.region.anticlockwise.tolist()
+        twins = np.flatnonzero(work.region.twins)
         return [
-            is_turned if _is_one_feature(work, ring) else None
+            is_turned if _is_one_feature(work, ring, twins) else None
             for ring, is_turned in zip(work.region.rings, turned, strict=True)
         ]
     # With climb the waste is on the left: counter-clockwise where it lies inside.
@@ -159,17 +160,15 @@ def _asked(work: Work) -> list[bool | None]:
     return [None if is_hole is None else is_hole == climbs for is_hole in work.holes]
 
 
-def _is_one_feature(work: Work, ring: Chain) -> bool:
+def _is_one_feature(work: Work, ring: Chain, twins: Counts) -> bool:
     """Whether a ring is one feature as it is drawn, and no other curve lies on it.
 
     Of curves that are joined, and of what is drawn twice, any direction is one that is drawn.
     """
-    ways = np.array([way for way, _ in ring])
-    features = np.array(work.asked.features[work.process])
+    features, ways = work.asked.features[work.process], [way for way, _ in ring]
     own = features[ways[0]]
-    if any(back for _, back in ring) or (features[ways] != own).any():
+    if any(back or features[way] != own for way, back in ring):
         return False
-    twins = np.flatnonzero(work.region.twins)
     if not len(twins):
         return True
     low, high = work.need.boxes
@@ -185,10 +184,11 @@ def _turns(work: Work, heads: Sequence[Traced]) -> list[bool | None]:
     """
     points, begins = work.path.outlines(work.fine)
     members = [(m.first, m.last) for head in heads for m in head.members or [head]]
-    rows = [np.arange(begins[first], begins[last]) for first, last in members]
+    low, high = begins[np.array(members).T]
+    behind = np.cumsum(high - low)
+    rows = np.arange(behind[-1]) + np.repeat(high - behind, high - low)
     first = np.cumsum([0, *(len(head.members or [head]) for head in heads)])
-    ends = np.cumsum([0, *map(len, rows)])[first]
-    areas, lengths = signed_areas(points[np.concatenate(rows)], ends)
+    areas, lengths = signed_areas(points[rows], np.append(0, behind)[first])
     wide = np.abs(areas) > MIN_WIDTH * lengths
     return [
         turned if is_wide else None

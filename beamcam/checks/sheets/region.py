@@ -278,18 +278,24 @@ def _lie_on(toolpaths: Toolpaths, rank: Counts, same: float) -> Flags:
     """
     order = np.argsort(rank, kind="stable")
     exact = toolpaths.kinds < 2
-    # Its ends are known; along the way the last place of one is the first of the next.
-    ends = toolpaths.starts[order], toolpaths.ends[order]
-    places = [
-        *(toolpaths.point(order, share * toolpaths.lengths[order]) for share in SHARES),
-        *ends,
-    ]
-    first = first_equal(np.concatenate(places, axis=1))
+
+    def place(of: Counts, k: int) -> Floats:
+        # Its ends are known; along the way the last place of one is the first of the next.
+        if k < len(SHARES):
+            return toolpaths.point(of, SHARES[k] * toolpaths.lengths[of])
+        ends: Floats = (toolpaths.starts, toolpaths.ends)[k - len(SHARES)][of]
+        return ends
+
+    every = range(len(SHARES) + 2)
+    first = first_equal(np.hstack([place(order, k) for k in (0, *every[-2:])]))
+    alike = np.flatnonzero(np.bincount(first, minlength=len(first))[first] > 1)
+    first[alike] = alike[first_equal(np.hstack([place(order[alike], k) for k in every]))]
     left = np.flatnonzero(first == np.arange(len(first)))
     on = np.zeros(len(first), dtype=bool)
-    for points in places:
+    for k in every:
+        points = place(order[left], k)
         hit = np.zeros(len(left), dtype=bool)
-        for pairs in toolpaths.batches(points[left], same):
+        for pairs in toolpaths.batches(points, same):
             own, other = order[left][pairs.point], toolpaths.owner[pairs.element]
             near = np.where(exact[own] & exact[other], min(same, WRITTEN_SAME * SLACK), same)
             hit[pairs.point[(rank[other] < rank[own]) & (pairs.away <= near)]] = True
