@@ -20,7 +20,7 @@ import numpy as np
 from beamcam.checks.sheets import rules
 from beamcam.checks.sheets.areas import in_corners, left_faults
 from beamcam.checks.sheets.grid import Pairs
-from beamcam.checks.sheets.overcut import end_faults, restart_faults
+from beamcam.checks.sheets.overcut import end_faults
 from beamcam.checks.sheets.region import left_of, off_surely
 from beamcam.checks.sheets.toolpaths import (
     NEAR_BEND,
@@ -49,7 +49,7 @@ def follow(work: Work) -> tuple[list[Traced], list[Diagnostic]]:
     traced = trace(work, bad, expected, points, way, off)
     wrong = np.flatnonzero(~followed & on_contour(work, traced)[way])
     diagnostics = _strays(work, points[wrong], way[wrong], expected)
-    return traced, diagnostics + end_faults(work, traced) + restart_faults(work, traced)
+    return traced, diagnostics + end_faults(work, traced)
 
 
 def _on_or_beside(
