@@ -41,8 +41,7 @@ def pierce_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
     if row is None or not rings or not row.pierce_radius:
         return []
     contours = shapely.STRtree(work.contours)
-    firsts = [int(np.searchsorted(work.of_way, work.of_way[t.first])) for t in rings]
-    pierced = work.path.starts[firsts]
+    pierced = work.path.starts[[t.begin for t in rings]]
     away, nearest = _distances(contours, pierced)
     diagnostics: list[Diagnostic] = []
     near = row.pierce_radius - work.slack[nearest] - 2 * work.fine
@@ -71,12 +70,11 @@ def edge_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
     They are what is left of contours whose other edges are cut with those of another part.
     """
     diagnostics: list[Diagnostic] = []
-    firsts = np.searchsorted(work.of_way, np.arange(len(work.strokes)))
     for t in traced:
         if not t.half_kerf or t.members or t.joined or t.closed:
             continue
         number = int(work.of_way[t.first])
-        begin = work.path.starts[firsts[number]].reshape(1, 2)
+        begin = work.path.starts[t.begin].reshape(1, 2)
         near = work.path.near(begin, 2 * work.tolerance)
         if (work.of_way[work.path.owner[near.element]] < number).any():
             continue
@@ -181,12 +179,11 @@ def middle_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
         if circle is None:
             continue
         middle = np.array(circle.centre) + np.array(work.shift)
-        first = int(np.searchsorted(work.of_way, work.of_way[t.first]))
-        away = float(np.hypot(*(work.path.starts[first] - middle)))
+        away = float(np.hypot(*(work.path.starts[t.begin] - middle)))
         # What of a short ring comes before its end again may have been traced as a lead.
-        joins = work.path.ends[first]
+        joins = work.path.ends[t.begin]
         on_ring = abs(float(np.hypot(*(joins - middle)) - np.hypot(*(at - middle))))
-        smooth = on_ring <= 2 * work.tolerance and _is_half_circle(work, first, middle, joins)
+        smooth = on_ring <= 2 * work.tolerance and _is_half_circle(work, t.begin, middle, joins)
         if away <= 2 * work.tolerance and smooth:
             continue
         half = np.linspace(0.0, np.pi, 65)[:, None]
@@ -246,18 +243,17 @@ def dark_faults(work: Work, traced: Sequence[Traced], asked: bool) -> list[Diagn
     by_machine = work.torch.kerf_by == "machine"
     diagnostics: list[Diagnostic] = []
     for t in traced:
-        last = int(np.searchsorted(work.of_way, work.of_way[t.first], "right"))
         closed = t.closed and len(t.members) == 1
         closed = closed and bool((by_machine and t.half_kerf) or asked_overcut(work, t, t.over))
         due = closed and asked and work.process == "cut"
-        dark, beyond = t.stroke.dark, last - t.last if due else 0
+        dark, beyond = t.stroke.dark, t.end - t.last if due else 0
         if dark == beyond and bool(dark) == due:
             continue
         # The path may come back to where it joins its contour: what comes along that for no longer
         # than a lead may be one, or the contour's beginning.
-        first, way = int(np.searchsorted(work.of_way, work.of_way[t.first])), last - dark
+        way = t.end - dark
         if due and dark and t.first < way < t.last:
-            away = work.path.starts[first : t.first] - work.path.starts[way]
+            away = work.path.starts[t.begin : t.first] - work.path.starts[way]
             if (np.hypot(*away.T) <= work.meeting).any():
                 continue
         expected = _shown(beyond) if beyond or not due else "the arc out where it is closed"

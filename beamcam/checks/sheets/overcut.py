@@ -58,8 +58,7 @@ def _beyond(work: Work, t: Traced, slack: float) -> list[Diagnostic]:
     """That a stroke runs on from its contour for longer than a lead-out."""
     if t.beyond <= work.most_lead + slack:
         return []
-    last = int(np.searchsorted(work.of_way, work.of_way[t.first], "right")) - 1
-    place, line = work.path.ends[last], int(work.moves.line[last])
+    place, line = work.path.ends[t.end - 1], int(work.moves.line[t.end - 1])
     away = f"{t.beyond:.3f} mm beyond its contour"
     return [work.extra(line, place, away, f"at most {work.most_lead:.3f} mm to lead out")]
 
@@ -107,8 +106,7 @@ def _led_along(work: Work, t: Traced) -> float:
     if not work.stepped or t.before <= LED * work.most_in:
         return 0.0
     path = work.path
-    first = int(np.searchsorted(work.of_way, work.of_way[t.first]))
-    begin = float(path.begins[first])
+    begin = float(path.begins[t.begin])
     led = float(path.begins[t.first]) - begin
     along = np.arange(CORNER_SPAN, led + CORNER_SPAN, CORNER_SPAN / 8)
     places = _places(work, begin + along)
@@ -134,7 +132,7 @@ def _tangent(work: Work, t: Traced) -> float:
     It is off by the tolerance after sqrt(2 radius tolerance); the chord there may go on as far.
     """
     path = work.path
-    if t.last >= path.count or work.of_way[t.last] != work.of_way[t.first]:
+    if t.last >= t.end:
         return 0.0
     chord = hypot(*(path.ends[t.last] - path.starts[t.last]))
     if chord < (1.0 - 1e-9) * float(path.lengths[t.last]):
@@ -217,9 +215,8 @@ def _beside(work: Work, t: Traced) -> Limits:
     path = work.path
     end = path.ends[t.last - 1]
     pairs = path.near(end.reshape(1, 2), work.tolerance)
-    first = int(np.searchsorted(work.of_way, work.of_way[t.first]))
     # A lead that runs so close to the contour that it was traced as part of it is still a lead.
-    start = min(t.first + (t.first == first), t.last - 1)
+    start = min(t.first + (t.first == t.begin), t.last - 1)
     at = path.at(pairs.element, pairs.along) - path.begins[start]
     mine = (work.of_way[path.owner[pairs.element]] == work.of_way[t.first]) & (at >= 0.0)
     found = float(np.min(at[mine], initial=np.inf))
@@ -322,17 +319,17 @@ def _directions(need: Toolpaths, places: Floats, reach: float, gap: float) -> li
     though both are within reach of the path's.
     """
     apart = np.flatnonzero(np.hypot(*(need.ends - need.starts).T) > 1e-9)
-    lengths = need.lengths[apart]
-    near = np.minimum(lengths / 2, 20 * reach)
     corners = np.concatenate((need.starts[apart], need.ends[apart]))
-    inner = np.concatenate((need.point(apart, near), need.point(apart, lengths - near)))
-    x, y = (inner - corners).T
-    ends = list(zip(corners.tolist(), np.degrees(np.arctan2(y, x)).tolist(), strict=True))
-    beside: list[list[End]] = [[] for _ in places]
     tree = shapely.STRtree(shapely.points(corners))
-    pairs = tree.query(shapely.points(places), "dwithin", distance=reach)
-    for place, end in pairs.T.tolist():
-        beside[place].append(ends[end])
+    place, which = tree.query(shapely.points(places), "dwithin", distance=reach)
+    way, lengths = np.tile(apart, 2)[which], np.tile(need.lengths[apart], 2)[which]
+    near = np.minimum(lengths / 2, 20 * reach)
+    inner = need.point(way, np.where(which < len(apart), near, lengths - near))
+    x, y = (inner - corners[which]).T
+    beside: list[list[End]] = [[] for _ in places]
+    columns = (place.tolist(), corners[which].tolist(), np.degrees(np.arctan2(y, x)).tolist())
+    for k, corner, angle in zip(*columns, strict=True):
+        beside[k].append((corner, angle))
     own = zip(places.tolist(), beside, strict=True)
     return [_branches(place, some, gap) if some else 2 for place, some in own]
 

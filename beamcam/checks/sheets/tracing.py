@@ -31,8 +31,10 @@ class Traced(Struct):
     """A stroke whose leads are known, and what it goes round."""
 
     stroke: HeadStroke
-    first: int  #: of its ways along the contour
-    last: int  #: behind the last of them
+    begin: int  #: the first of its ways, leads among them
+    first: int  #: of those along the contour
+    last: int  #: behind the last of those
+    end: int  #: behind the last of its ways
     half_kerf: float  #: that the path keeps off the contour
     closed: bool
     contour: int = -1  #: closed contour that it runs along, by its number; -1 of none
@@ -53,39 +55,47 @@ def trace(
     `bad` ways follow no contour, and `half_kerfs` tell how far each stroke keeps off. `points` are
     places of the path, `way` those that they lie on, `near` the contours that they follow.
     """
-    ends = np.cumsum(np.bincount(work.of_way, minlength=len(work.strokes))).tolist()
-    bounds = list(zip([0, *ends[:-1]], ends, strict=True))
-    kept = rings(work, bounds, bad)
+    bounds = _bounds(work)
+    kept = _rings(work, bounds, bad)
     rows = np.array(kept, dtype=np.int64).reshape(-1, 2)
     starts, ends = work.path.starts[rows[:, 0]], work.path.ends[rows[:, 1] - 1]
     closed = np.hypot(*(ends - starts).T) <= 2 * work.tolerance
     closed &= ~_gaping(work, starts, ends, closed & (half_kerfs == 0.0))
     contours = _contours(work, half_kerfs, points, work.of_way[way], near)
-    columns = (work.strokes, kept, half_kerfs.tolist(), closed.tolist(), contours.tolist())
+    sizes = (half_kerfs.tolist(), closed.tolist(), contours.tolist())
+    columns = (work.strokes, bounds, kept, *sizes)
     traced = [
-        Traced(stroke, first, last, half_kerf, is_closed, contour)
-        for stroke, (first, last), half_kerf, is_closed, contour in zip(*columns, strict=True)
+        Traced(stroke, begin, first, last, end, half_kerf, is_closed, contour)
+        for stroke, (begin, end), (first, last), half_kerf, is_closed, contour in zip(
+            *columns, strict=True
+        )
     ]
     if work.bridged:
-        _join_bridged(work, bounds, traced)
+        _join_bridged(work, traced)
     for t in traced:
         t.members = t.members or ([t] if t.closed else [])
-    _overs(work, bounds, traced, points, way)
+    _overs(work, traced, points, way)
     return traced
 
 
 def close(work: Work, which: Counts) -> Flags:
     """Which of some strokes close, but for their leads."""
-    ends = np.cumsum(np.bincount(work.of_way, minlength=len(work.strokes)))
-    bounds = [(int(ends[k - 1]) if k else 0, int(ends[k])) for k in which.tolist()]
+    every = _bounds(work)
+    bounds = [every[k] for k in which.tolist()]
     if not bounds:
         return np.zeros(0, dtype=bool)
-    lows, highs = np.array(rings(work, bounds, np.zeros(work.path.count, dtype=bool))).T
+    lows, highs = np.array(_rings(work, bounds, np.zeros(work.path.count, dtype=bool))).T
     apart = np.hypot(*(work.path.ends[highs - 1] - work.path.starts[lows]).T)
     return np.asarray(apart <= work.meeting)
 
 
-def rings(work: Work, bounds: Bounds, bad: Flags) -> list[tuple[int, int]]:
+def _bounds(work: Work) -> Bounds:
+    """The ways of each stroke, leads among them: the first, and what is behind the last."""
+    ends = np.cumsum(np.bincount(work.of_way, minlength=len(work.strokes))).tolist()
+    return list(zip([0, *ends[:-1]], ends, strict=True))
+
+
+def _rings(work: Work, bounds: Bounds, bad: Flags) -> list[tuple[int, int]]:
     """The ways of each stroke along its contour; `bad` are those that follow none."""
     if work.process != "cut" or (work.torch.lead == "none" and not work.most_over):
         return list(bounds)
@@ -198,18 +208,16 @@ def _contours(work: Work, half_kerfs: Floats, points: Floats, stroke: Counts, ne
     return found
 
 
-def _overs(
-    work: Work, bounds: Bounds, traced: Sequence[Traced], points: Floats, way: Counts
-) -> None:
+def _overs(work: Work, traced: Sequence[Traced], points: Floats, way: Counts) -> None:
     """Tell each stroke the length of other strokes that run along its ring.
 
     `points` are places of the path, `way` those that they lie on.
     """
     on_ring = on_contour(work, traced)
     outside = np.zeros(work.path.count, dtype=bool)
-    for t, (first, last) in zip(traced, bounds, strict=True):
+    for t in traced:
         if t.members or t.joined:
-            outside[first : t.first] = outside[t.last : last] = True
+            outside[t.begin : t.first] = outside[t.last : t.end] = True
     which = np.flatnonzero(outside[way])
     if not len(which):
         return
@@ -223,19 +231,20 @@ def _overs(
     missed = np.ones(len(which), dtype=bool)
     missed[pairs.point[own & on_ring[other]]] = False
     outside[way[which[missed]]] = False
-    for t, (first, _) in zip(traced, bounds, strict=True):
+    for t in traced:
         if not t.members:
             continue
         # A lead may come along the contour; what begins where the contour has an end is not a lead.
         heads = [work.path.starts[m.first : m.last] for m in t.members]
-        for k in np.flatnonzero(outside[first : t.first]).tolist():
-            away = np.hypot(*(np.concatenate(heads) - work.path.starts[first + k]).T)
-            outside[first + k] = bool(away.min() <= work.meeting)
+        for k in np.flatnonzero(outside[t.begin : t.first]).tolist():
+            away = np.hypot(*(np.concatenate(heads) - work.path.starts[t.begin + k]).T)
+            outside[t.begin + k] = bool(away.min() <= work.meeting)
     reached = np.concatenate(([0.0], np.cumsum(np.where(outside, work.path.lengths, 0.0))))
-    for t, (first, last) in zip(traced, bounds, strict=True):
-        t.over = float(reached[last] - reached[first])
-        t.before = float(reached[t.first] - reached[first])
-        t.beyond = float(work.path.lengths[t.last : last].sum() - reached[last] + reached[t.last])
+    for t in traced:
+        t.over = float(reached[t.end] - reached[t.begin])
+        t.before = float(reached[t.first] - reached[t.begin])
+        behind = float(work.path.lengths[t.last : t.end].sum())
+        t.beyond = behind - float(reached[t.end] - reached[t.last])
 
 
 def on_contour(work: Work, traced: Sequence[Traced]) -> Flags:
@@ -249,16 +258,13 @@ def on_contour(work: Work, traced: Sequence[Traced]) -> Flags:
 # --- bridges --------------------------------------------------------------------------------------
 
 
-def _join_bridged(work: Work, bounds: Bounds, traced: Sequence[Traced]) -> None:
-    """Puts the strokes together that go round a contour with bridges, one after the other.
-
-    `bounds` are the ways of each stroke, those of leads included.
-    """
+def _join_bridged(work: Work, traced: Sequence[Traced]) -> None:
+    """Puts the strokes together that go round a contour with bridges, one after the other."""
     first = 0
     while first < len(traced):
         last = first
         while not traced[last].closed:
-            if last > first and _close(work, bounds, traced, first, last):
+            if last > first and _close(work, traced[first], traced[last]):
                 break
             goes_on = last + 1 < len(traced) and not traced[last + 1].closed
             if not goes_on or not _is_bridge(work, traced, first, last, last + 1):
@@ -310,20 +316,20 @@ def _join(work: Work, mine: Sequence[Traced]) -> None:
     mine[0].members = list(mine)
 
 
-def _close(work: Work, bounds: Bounds, traced: Sequence[Traced], first: int, last: int) -> bool:
-    """Whether stroke `last` ends where `first` begins; what is not part of the ring is lead."""
+def _close(work: Work, one: Traced, last: Traced) -> bool:
+    """Whether the last stroke ends where the first begins; what is not part of the ring is lead."""
     starts, ends, begins = work.path.starts, work.path.ends, work.path.begins
-    head, tail = bounds[first][0], bounds[last][1]
+    head, tail = one.begin, last.end
     total = begins[tail - 1] + work.path.lengths[tail - 1]
-    for low in range(traced[first].last - 1, head - 1, -1):
+    for low in range(one.last - 1, head - 1, -1):
         most = max(work.most_in, work.most_from_middle) if low == head + 1 else work.most_in
         if begins[low] - begins[head] > most:
             continue
-        for high in range(bounds[last][0] + 1, tail + 1):
+        for high in range(last.begin + 1, tail + 1):
             if high < tail and total - begins[high] > work.most_out:
                 continue
             if np.hypot(*(starts[low] - ends[high - 1])) <= work.meeting:
-                traced[first].first, traced[last].last = low, high
+                one.first, last.last = low, high
                 return True
     return False
 
