@@ -24,6 +24,7 @@ Near = tuple[Floats, Counts, Floats]  #: how far the nearest way is, which, how 
 SHORTEST = 4.0  #: by how near ends have to be that meet, of a ring of stairs
 LEAST = 16.0  #: squares of two steps that a ring of one curve is longer than
 WIDEST = 1.5  #: of a bridge that is told to be too wide, by the width of one
+BETWEEN = np.array([0.25, 0.5, 0.75])  #: shares of a bridge where it is asked whether it is cut
 MOST_ALONG = 1.75  #: of the contour in a bridge, by the distance of its ends
 
 
@@ -267,8 +268,8 @@ def _join_bridged(work: Work, traced: Sequence[Traced]) -> None:
             if last > first and _close(work, traced[first], traced[last]):
                 break
             goes_on = last + 1 < len(traced) and not traced[last + 1].closed
-            if not goes_on or not _is_bridge(work, traced, first, last, last + 1):
-                if not _is_bridge(work, traced, first, last, first):
+            if not goes_on or not _is_bridge(work, traced[last], traced[last + 1]):
+                if not _is_bridge(work, traced[last], traced[first]):
                     last = -1
                 break
             last += 1
@@ -279,37 +280,43 @@ def _join_bridged(work: Work, traced: Sequence[Traced]) -> None:
         first = max(first, last) + 1
 
 
-def _is_bridge(work: Work, traced: Sequence[Traced], first: int, before: int, after: int) -> bool:
-    """Whether a stroke begins about a bridge's width behind another, on the contour of the first.
+def _is_bridge(work: Work, t: Traced, following: Traced) -> bool:
+    """Whether a stroke begins about a bridge's width behind another one, on the same contour.
 
-    That is not cut between both.
+    Of an edge that two contours share either may be the one that a stroke follows; and what is cut
+    between both holds nothing.
     """
-    t, following = traced[before], traced[after]
     end, start = work.path.ends[t.last - 1], work.path.starts[following.first]
     width = float(np.hypot(*(start - end)))
-    contour = traced[first].contour
-    if contour < 0 or width > WIDEST * work.tab_width(t.half_kerf):
+    if width > WIDEST * work.tab_width(t.half_kerf):
         return False
-    ring = shapely.get_exterior_ring(work.region.polygons[contour])
     reach = MITRE * t.half_kerf + 2 * work.tolerance
     ends = shapely.points([end, start])
-    if (shapely.distance(ring, ends) > reach).any():
-        return False
-    at, to = shapely.line_locate_point(ring, ends)
-    way = (to - at + ring.length / 2) % ring.length - ring.length / 2
-    if not 4 * work.tolerance < abs(way) <= MOST_ALONG * width + 2 * reach:
-        return False
-    middle = shapely.line_interpolate_point(ring, (at + way / 2) % ring.length)
-    cut = work.path.near(shapely.get_coordinates(middle), t.half_kerf + work.tolerance)
-    return not len(cut.point)
+    for contour in {t.contour, following.contour} - {-1}:
+        ring = shapely.get_exterior_ring(work.region.polygons[contour])
+        if (shapely.distance(ring, ends) > reach).any():
+            continue
+        at, to = shapely.line_locate_point(ring, ends)
+        way = (to - at + ring.length / 2) % ring.length - ring.length / 2
+        if not 4 * work.tolerance < abs(way) <= MOST_ALONG * width + 2 * reach:
+            continue
+        between = shapely.line_interpolate_point(ring, (at + way * BETWEEN) % ring.length)
+        cut = work.path.near(shapely.get_coordinates(between), t.half_kerf + work.tolerance)
+        if len(np.unique(cut.point)) < len(BETWEEN):
+            return True
+    return False
 
 
 def _join(work: Work, mine: Sequence[Traced]) -> None:
     """Tells strokes that they go round a contour together."""
     starts = work.path.starts[[t.first for t in mine]].tolist()
+    along: dict[int, float] = {}
+    for t in mine:
+        length = float(work.path.lengths[t.first : t.last].sum())
+        along[t.contour] = along.get(t.contour, 0.0) + length
+    contour = max(along, key=lambda one: along[one])
     for t, (x, y) in zip(mine, [*starts[1:], starts[0]], strict=True):
-        t.bridge_to, t.joined = (x, y), True
-        t.contour = mine[0].contour
+        t.bridge_to, t.joined, t.contour = (x, y), True, contour
     end = work.path.ends[mine[-1].last - 1]
     if np.hypot(*(np.array(starts[0]) - end)) <= 2 * work.tolerance:
         mine[-1].bridge_to = None
