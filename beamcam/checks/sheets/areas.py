@@ -15,7 +15,6 @@ curve.
 """
 
 from collections.abc import Sequence
-from itertools import pairwise
 
 import numpy as np
 import shapely
@@ -24,76 +23,12 @@ from numpy.typing import NDArray
 
 from beamcam.checks.request import UNCUT
 from beamcam.checks.sheets import rules
-from beamcam.checks.sheets.grid import Pairs
-from beamcam.checks.sheets.paths import on_contour
+from beamcam.checks.sheets.region import left_of, sides_at
 from beamcam.checks.sheets.toolpaths import Samples, kept_samples
-from beamcam.checks.sheets.work import SHOWN, Traced, Work
+from beamcam.checks.sheets.tracing import Traced, on_contour
+from beamcam.checks.sheets.work import SHOWN, Work
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.array_types import Counts, Flags, Floats
-
-LINE = 0
-BESIDE_LINE = 2e-4  #: mm off a line, where it is asked on which side of it the part is
-BELOW = 0.1  #: sine of the angle below a contour from which on a path may be behind it
-
-
-def _off(work: Work, way: Counts) -> Floats:
-    """How far off some ways it is sure what is part: the region has chords for all but lines."""
-    return np.where(work.need.kinds[way] == LINE, BESIDE_LINE, 2 * work.fine)
-
-
-def on_own_side(work: Work, samples: Samples, points: Floats, pairs: Pairs) -> Pairs:
-    """The pairs of a sample of a contour and a place of the path that are not behind the contour.
-
-    A thin wall may have the beam at both sides, and on one of them no nearer than the other: what
-    is cut from behind the wall is not cut on this side. `points` are the places of the samples.
-    """
-    if work.region is None or not len(pairs.point):
-        return pairs
-    element, share, owner = samples
-    to_waste = _to_waste(work, element, share, waste_sides(work)[owner])
-    path = work.path.elements
-    length = path.length[pairs.element]
-    at = np.divide(pairs.along, length, out=np.zeros(len(length)), where=length > 0.0)
-    way = path.places(pairs.element, at) - points[pairs.point]
-    below = np.sum(way * to_waste[pairs.point], axis=1) < -BELOW * pairs.away
-    which = np.flatnonzero(below & (pairs.away > 0.0))
-    step = _off(work, owner[pairs.point[which]]) / pairs.away[which]
-    beside = points[pairs.point[which]] + step[:, None] * way[which]
-    kept = np.ones(len(below), dtype=bool)
-    kept[which[work.region.in_part(beside)]] = False
-    return pairs.kept(kept)
-
-
-def _to_waste(work: Work, element: Counts, share: Floats, sides: Floats) -> Floats:
-    """The direction square to elements, to the left where their side is 1, to the right at -1."""
-    ahead = work.need.elements.directions(element, share)
-    return sides[:, None] * np.column_stack((-ahead[:, 1], ahead[:, 0]))
-
-
-def waste_sides(work: Work) -> Floats:
-    """Of each way 1 if the waste lies left of it, -1 right of it, 0 if it bounds no part."""
-    assert work.region is not None
-    need = work.need
-    sides = np.zeros(need.count)
-    rings = work.region.rings
-    longest = np.array([max(ring, key=lambda m: need.lengths[m[0]])[0] for ring in rings])
-    if not len(longest):
-        return sides
-    left = _sides_at(work, need.first(longest), np.full(len(longest), 0.5))
-    for ring, way, side in zip(rings, longest.tolist(), left.tolist(), strict=True):
-        turned = dict(ring)
-        for k, back in ring:
-            sides[k] = side if back == turned[way] else -side
-    return sides
-
-
-def _sides_at(work: Work, element: Counts, share: Floats) -> Floats:
-    """The same at places of elements, from what lies left of them."""
-    assert work.region is not None
-    aside = _to_waste(work, element, share, _off(work, work.need.owner[element]))
-    left = work.region.in_part(work.need.elements.places(element, share) + aside)
-    return np.where(left, -1.0, 1.0)
-
 
 # --- taken ----------------------------------------------------------------------------------------
 
@@ -106,8 +41,6 @@ def _sides_at(work: Work, element: Counts, share: Floats) -> Floats:
 
 def band_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
     """Places where the beam cuts into the part."""
-    if work.region is None:
-        return []
     keeps_off = np.array([t.half_kerf > 0.0 for t in traced])
     diagnostics = _bites(work, traced, keeps_off)
     places = work.path.starts[[t.first for t in traced]]
@@ -126,7 +59,6 @@ def band_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
 
 def _bites(work: Work, traced: Sequence[Traced], keeps_off: Flags) -> list[Diagnostic]:
     """The first place of each stroke that is nearer to a closed contour than half a kerf."""
-    assert work.region is not None
     closed = np.flatnonzero(work.region.closed & ~work.region.twins)
     strokes = np.flatnonzero(keeps_off)
     if not len(closed) or not len(strokes):
@@ -170,6 +102,7 @@ def _bites(work: Work, traced: Sequence[Traced], keeps_off: Flags) -> list[Diagn
 
 
 SPARE = 0.5  #: of `fine`, by which a rest is farther from the beam than the contour that it touches
+POLYGON = 3  #: of shapely's types
 QUADRANT = 16  #: chords of a quarter of a beam
 TOUCHING = 1e-3  #: mm between contours that bound one waste
 SHALLOW = 2.0  #: by half the kerf; what is less deep need not grow narrow
@@ -177,64 +110,66 @@ NARROWS = 0.75  #: area of what grows narrow, at most, by that of its mouth and 
 TOLD = 1.0  #: by the kerf, deeper than which it is told what stays, as in a corner of 39 degrees
 
 
-class UncutCorner(Struct, frozen=True):
-    """Waste in a corner that no beam reaches."""
+class UncutCorners(Struct, frozen=True):
+    """Waste in corners that no beam reaches."""
 
-    rest: shapely.Polygon
-    depth: float  #: of the farthest place from the beam
-    place: tuple[float, float]
-    middle: Floats  #: of the beam that touches both of its sides
+    rests: NDArray[np.object_]
+    depths: Floats  #: of the farthest place of each from the beam
+    places: Floats  #: these places, (n, 2)
+    middles: Floats  #: of the beam that touches both of its sides, (n, 2)
+
+    def kept(self, which: Counts | Flags) -> "UncutCorners":
+        """Some of them."""
+        rests, depths = self.rests[which], self.depths[which]
+        return UncutCorners(rests, depths, self.places[which], self.middles[which])
 
 
 def in_corners(
     work: Work, traced: Sequence[Traced], missing: Counts, samples: Samples
-) -> tuple[Flags, Sequence[UncutCorner]]:
+) -> tuple[Flags, UncutCorners | None]:
     """Which of the samples without a path lie in a corner that the beam comes to, and these.
 
     It comes to a corner if its path passes where it touches both sides at once.
     """
     element, share, owner = kept_samples(samples, missing)
     found = np.zeros(len(missing), dtype=bool)
-    if work.region is None:
-        return found, []
     which = np.flatnonzero(work.beside[owner])
     which = which[~_has_room(work, element[which], share[which])]
     if not len(which):
-        return found, []
+        return found, None
     corners = _corners(work, owner[which])
     # Along a contour it is as far from where the beam touches to the end of the rest's mouth.
     spare = SPARE * work.fine
     reach = np.sqrt(2 * work.half_kerf * spare + spare * spare) + 2 * work.fine
     places = shapely.points(work.need.elements.places(element[which], share[which]))
-    rests = shapely.STRtree([corner.rest for corner in corners])
-    inside, rest = rests.query(places, "dwithin", distance=reach)
-    slack = np.zeros(len(corners))
+    inside, rest = shapely.STRtree(corners.rests).query(places, "dwithin", distance=reach)
+    slack = np.zeros(len(corners.rests))
     np.maximum.at(slack, rest, work.slack[owner[which[inside]]])
-    middles = np.array([corner.middle for corner in corners]).reshape(-1, 2)
-    pairs = work.path.near(middles, work.half_kerf)
+    pairs = work.path.near(corners.middles, work.half_kerf)
     keeps_off = np.array([t.half_kerf > 0.0 for t in traced])
     pairs = pairs.kept(keeps_off[work.of_way[work.path.owner[pairs.element]]])
-    touched = work.path.feet(pairs, len(middles))[0] <= slack + work.tolerance
+    touched = work.path.nearest_of(pairs, len(slack))[0] <= slack + work.tolerance
     # A curve that lies on another is where that one is.
     found[which] = work.region.twins[owner[which]]
     found[which[inside[touched[rest]]]] = True
-    return found, [corners[k] for k in np.unique(rest[touched[rest]]).tolist()]
+    return found, corners.kept(np.unique(rest[touched[rest]]))
 
 
 def _has_room(work: Work, element: Counts, share: Floats) -> Flags:
     """Places of contours beside which a beam has room in the waste."""
     need, half = work.need, work.half_kerf
-    sides = waste_sides(work)[need.owner[element]]
+    sides = work.sides[need.owner[element]]
     twins = np.flatnonzero(sides == 0.0)
-    sides[twins] = _sides_at(work, element[twins], share[twins])
-    middles = need.elements.places(element, share) + half * _to_waste(work, element, share, sides)
+    sides[twins] = sides_at(work.region, need, element[twins], share[twins], work.fine)
+    aside = sides[:, None] * left_of(need, element, share)
+    middles = need.elements.places(element, share) + half * aside
     pairs = need.near(middles, half)
     pairs = pairs.kept(work.beside[need.owner[pairs.element]])
     is_free: Flags = need.nearest_of(pairs, len(middles))[0] >= half - 2 * work.fine
     return is_free
 
 
-def _corners(work: Work, ways: Counts) -> list[UncutCorner]:
+def _corners(work: Work, ways: Counts) -> UncutCorners:
     """The corners of the waste beside the contours that some ways are of."""
     areas, signs = _areas(work, ways)
     half, wider = work.half_kerf, work.half_kerf + SPARE * work.fine
@@ -242,38 +177,51 @@ def _corners(work: Work, ways: Counts) -> list[UncutCorner]:
     swept = shapely.buffer(kept_off, -signs * wider, quad_segs=QUADRANT)
     is_part = signs > 0.0
     rests = shapely.difference(np.where(is_part, swept, areas), np.where(is_part, areas, swept))
-    rests, group = shapely.get_parts(rests, return_index=True)
+    rests = shapely.get_parts(rests)
+    rests = rests[(shapely.get_type_id(rests) == POLYGON) & ~shapely.is_empty(rests)]
+    rests = rests[shapely.get_num_interior_rings(rests) == 0]
     points, own = shapely.get_coordinates(rests, return_index=True)
     corners = np.concatenate([shapely.get_coordinates(some) for some in (areas, swept)])
     is_end = ~np.isin(_complex(points), _complex(corners))
-    room, of_area = shapely.get_coordinates(kept_off, return_index=True)
-    firsts = np.searchsorted(of_area, np.arange(len(areas) + 1))
-    uncut_corners = []
-    begins = np.searchsorted(own, np.arange(len(rests) + 1)).tolist()
-    sizes = shapely.area(rests).tolist()
-    for k, (low, high) in enumerate(pairwise(begins)):
-        ring = points[low:high]
-        ends = np.unique(ring[is_end[low:high]], axis=0)
-        if len(ends) > 2:  # mouths as narrow as paths may be off are closed
-            apart = np.hypot(*(ends[:, None] - ends).transpose(2, 0, 1))
-            ends = ends[(apart <= 2 * work.tolerance).sum(axis=1) == 1]
-        if len(ends) != 2 or shapely.get_num_interior_rings(rests[k]):
-            continue
-        mouth = float(np.hypot(*(ends[1] - ends[0])))
-        aside = np.array((ends[0, 1] - ends[1, 1], ends[1, 0] - ends[0, 0])) / mouth
-        aside *= np.sqrt(max(wider**2 - mouth**2 / 4, 0.0))
-        middle = ends.mean(axis=0)
-        middle -= aside if np.sum((ring.mean(axis=0) - middle) * aside) > 0.0 else -aside
-        # The beam's middle is a corner of where that has room.
-        mine = room[firsts[group[k]] : firsts[group[k] + 1]]
-        middle = mine[np.argmin(np.hypot(*(mine - middle).T))]
-        depths = np.hypot(*(ring - middle).T) - half
-        deepest = int(np.argmax(depths))
-        depth = float(depths[deepest])
-        if depth <= SHALLOW * half or sizes[k] <= NARROWS * mouth * depth:
-            x, y = ring[deepest].tolist()
-            uncut_corners.append(UncutCorner(rests[k], depth, (x, y), middle))
-    return uncut_corners
+    is_end &= np.append(own[1:] == own[:-1], False)  # the last place of a ring is its first
+    rows = np.flatnonzero(is_end)
+    count = np.bincount(own[rows], minlength=len(rests))
+    for k in np.flatnonzero(count > 2).tolist():
+        # Mouths as narrow as paths may be off are closed.
+        mine = rows[own[rows] == k]
+        apart = np.hypot(*(points[mine][:, None] - points[mine]).transpose(2, 0, 1))
+        is_end[mine] = (apart <= 2 * work.tolerance).sum(axis=1) == 1
+    rows = np.flatnonzero(is_end)
+    count = np.bincount(own[rows], minlength=len(rests))
+    two = np.flatnonzero(count == 2)
+    firsts = np.searchsorted(own[rows], two)
+    ends = points[rows[firsts]], points[rows[firsts + 1]]
+    mouths = np.hypot(*(ends[1] - ends[0]).T)
+    room = shapely.points(shapely.get_coordinates(kept_off))
+    middles = _touching(ends, mouths, wider, shapely.get_coordinates(shapely.centroid(rests[two])))
+    # The beam's middle is a corner of where that has room.
+    nearest = shapely.STRtree(room).nearest(shapely.points(middles))
+    middles = shapely.get_coordinates(room[nearest])
+    begins = np.searchsorted(own, two)
+    sizes = np.searchsorted(own, two, "right") - begins
+    inner = np.repeat(begins - (np.cumsum(sizes) - sizes), sizes) + np.arange(sizes.sum())
+    away = np.hypot(*(points[inner] - np.repeat(middles, sizes, axis=0)).T) - half
+    group = np.repeat(np.arange(len(two)), sizes)
+    deepest = np.lexsort((away, group))[np.cumsum(sizes) - 1]
+    depths = away[deepest]
+    narrows = shapely.area(rests[two]) <= NARROWS * mouths * depths
+    found = UncutCorners(rests[two], depths, points[inner[deepest]], middles)
+    return found.kept((depths <= SHALLOW * half) | narrows)
+
+
+def _touching(ends: tuple[Floats, Floats], mouths: Floats, radius: float, inner: Floats) -> Floats:
+    """Middles of discs with two places each on their edges, (n, 2), beyond an inner one."""
+    (x, y), middle = (ends[1] - ends[0]).T, (ends[0] + ends[1]) / 2
+    height = np.sqrt(np.maximum(radius**2 - mouths**2 / 4, 0.0)) / mouths
+    aside = np.column_stack((-y, x)) * height[:, None]
+    towards = np.sum((inner - middle) * aside, axis=1) > 0.0
+    touching: Floats = middle + np.where(towards[:, None], -aside, aside)
+    return touching
 
 
 def _complex(points: Floats) -> NDArray[np.complex128]:
@@ -282,11 +230,9 @@ def _complex(points: Floats) -> NDArray[np.complex128]:
 
 def _areas(work: Work, ways: Counts) -> tuple[NDArray[np.object_], Floats]:
     """What the contours of some ways enclose, those that touch together: 1 part, -1 waste."""
-    assert work.region is not None
     region = work.region
     rings = np.unique(region.ring_of[ways])
     rings = rings[rings >= 0]
-    sides = waste_sides(work)
     areas = shapely.make_valid(region.polygons[rings])
     group = np.arange(len(rings))
     outlines = shapely.get_exterior_ring(region.polygons[rings])
@@ -295,8 +241,8 @@ def _areas(work: Work, ways: Counts) -> tuple[NDArray[np.object_], Floats]:
             group[group == group[b]] = group[a]
     signs = np.ones(len(rings))
     for n, k in enumerate(rings.tolist()):
-        (way, back), *_ = region.rings[k]
-        waste_left = (sides[way] > 0.0) != back
+        way, back = region.rings[k][0]
+        waste_left = (work.sides[way] > 0.0) != back
         signs[n] = -1.0 if waste_left == region.anticlockwise[k] else 1.0
     kinds, firsts, count = np.unique(group, return_index=True, return_counts=True)
     found = areas[firsts]
@@ -310,21 +256,19 @@ def _areas(work: Work, ways: Counts) -> tuple[NDArray[np.object_], Floats]:
     return found, signs[firsts]
 
 
-def left_faults(work: Work, corners: Sequence[UncutCorner]) -> list[Diagnostic]:
+def left_faults(work: Work, corners: UncutCorners) -> list[Diagnostic]:
     """Of each contour the deepest of its corners, if it is deep enough to be told."""
-    if work.region is None:
-        return []
-    deepest: dict[int, tuple[UncutCorner, int]] = {}
-    for corner in sorted(corners, key=lambda one: one.depth):
-        if corner.depth > TOLD * 2 * work.half_kerf:
-            way = work.need.nearest_to(np.array(corner.place))[1]
-            deepest[int(work.region.ring_of[way])] = corner, way
+    told = corners.kept(corners.depths > TOLD * 2 * work.half_kerf)
+    deepest: dict[int, tuple[int, int]] = {}
+    for k in np.argsort(told.depths, kind="stable").tolist():
+        way = work.need.nearest_to(told.places[k])[1]
+        deepest[int(work.region.ring_of[way])] = k, way
     diagnostics = []
-    for number, (corner, way) in sorted(deepest.items()):
+    for number, (k, way) in sorted(deepest.items()):
         first = min(k for k, _ in work.region.rings[number]) if number >= 0 else way
-        x, y = (np.array(corner.place) - np.array(work.shift)).tolist()
+        x, y = (told.places[k] - np.array(work.shift)).tolist()
         source = work.asked.source(work.process, first)
         diagnostics.append(
-            UNCUT.at(source, found=f"{corner.depth:.3f}", x=f"{x:.3f}", y=f"{y:.3f}")
+            UNCUT.at(source, found=f"{told.depths[k]:.3f}", x=f"{x:.3f}", y=f"{y:.3f}")
         )
     return diagnostics

@@ -8,10 +8,13 @@ r"""Paths travelled with the tool on, compared with the contours of the part.
     part      \    /
                \  /  rest of waste: the beam does not come into the corner
 
-paths      each path runs along a contour but for its leads, and each stroke closes (`paths`)
-contours   each stretch of a contour has a path, and one only, but for bridges (`contours`)
+region     closed contours, as `joining` has them, part the sheet into part and waste (`region`)
+tracing    a stroke without its leads goes round one closed contour, by itself or with others and
+           bridges between (`tracing`); all else is asked of that contour
 areas      the beam takes nothing of the part, its leads neither; what it does not reach is a
            corner of the waste (`areas`)
+paths      each path runs along a contour but for its leads, and each stretch of a contour has a
+           path, and one only, but for bridges (`paths`)
 tabs       the bridges are as many and as wide as asked, at places that hold the part (`tabs`)
 overcut    a stroke goes on beyond its start as far as asked; open ones end where contours do
 leads      the torch pierces where it does no harm, small holes in their middle
@@ -27,7 +30,6 @@ import numpy as np
 
 from beamcam.checks.sheets.areas import band_faults
 from beamcam.checks.sheets.compensation import beam_of
-from beamcam.checks.sheets.contours import cover
 from beamcam.checks.sheets.leads import (
     dark_faults,
     edge_faults,
@@ -53,10 +55,11 @@ from beamcam.checks.sheets.order import (
     turn_faults,
 )
 from beamcam.checks.sheets.overcut import overcut_faults
-from beamcam.checks.sheets.paths import follow
+from beamcam.checks.sheets.paths import cover, follow
 from beamcam.checks.sheets.strokes import Strokes
 from beamcam.checks.sheets.tabs import tab_faults
-from beamcam.checks.sheets.work import Traced, Work, work_of
+from beamcam.checks.sheets.tracing import Traced
+from beamcam.checks.sheets.work import Work, work_of
 from beamcam.errors import Diagnostic
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch, TorchProcess

@@ -68,7 +68,8 @@ class _Watch:
 
     def __init__(self, moves: Moves, machine: Machine, torch: Torch, name: str) -> None:
         self.diagnostics: list[Diagnostic] = []
-        self._rapid, self._feeds, self._lines = moves.rapid, moves.feed_mm_min, moves.line
+        self._rapid, self._lines = moves.rapid.tolist(), moves.line
+        self._feeds = np.where(moves.rapid, inf, moves.feed_mm_min)
         self._torch, self._name = torch, name
         self._follows = torch.z == "program"
         speeds = [axis.speed for axis in machine.axes if axis.moves == "Z"]
@@ -92,7 +93,7 @@ class _Watch:
 
     def moves(self, first: int, last: int) -> Iterator[Diagnostic]:
         """What is wrong with the moves in X and Y of one height."""
-        rapids = self._rapid[first:last].tolist()
+        rapids = self._rapid[first:last]
         if True in rapids:
             self._touched = self._touched and self._torch.touch != "each"
             clear = self._height >= self._torch.clearance - self._slack
@@ -109,10 +110,12 @@ class _Watch:
             found, process = f"a feed {_shown(self._height)}", self._stroke.process
             yield self._fault(rules.HEIGHT, line, found, f"{height:g} mm to {process}")
         if self._stroke.process == "cut":
-            feeds = self._feeds[first:last][~self._rapid[first:last]]
-            slow = feeds < SLOWER * self._stroke.row.feed_mm_min
-            held = ~slow if not self._torch.thc_slow else np.ones(len(feeds), dtype=bool)
-            if (held != self._thc).any():
+            is_wrong = not self._thc
+            if not self._torch.thc_slow:
+                feeds = self._feeds[first:last]
+                slow = feeds < SLOWER * self._stroke.row.feed_mm_min
+                is_wrong = bool((slow == self._thc)[np.isfinite(feeds)].any())
+            if is_wrong:
                 found = f"a cut with the height control {'on' if self._thc else 'off'}"
                 expected = "it off in small holes and near corners" if self._thc else "it on"
                 yield self._fault(rules.THC, line, found, expected)

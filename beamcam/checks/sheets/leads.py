@@ -8,84 +8,11 @@ import shapely
 
 from beamcam.checks.sheets import rules
 from beamcam.checks.sheets.overcut import required_overcut
-from beamcam.checks.sheets.region import ring_depths
-from beamcam.checks.sheets.work import SHOWN, Traced, Work
+from beamcam.checks.sheets.tracing import Traced
+from beamcam.checks.sheets.work import SHOWN, Work
 from beamcam.errors import Diagnostic, Source
-from beamcam.geometry.array_types import Flags, Floats
+from beamcam.geometry.array_types import Floats
 from beamcam.geometry.curves import Arc
-
-Bounds = Sequence[tuple[int, int]]
-
-SHORTEST = 4.0  #: by how near ends have to be that meet, of a ring of stairs
-LEAST = 16.0  #: squares of two steps that a ring of one curve is longer than
-
-
-def rings(work: Work, bounds: Bounds, bad: Flags) -> list[tuple[int, int]]:
-    """The ways of each stroke along its contour; `bad` are those that follow none."""
-    if work.process != "cut" or (work.torch.lead == "none" and not work.most_over):
-        return list(bounds)
-    shape = _Shape(work)
-    wrong = bad.tolist()
-    return [shape.ring(first, last, wrong) for first, last in bounds]
-
-
-class _Shape:
-    """The ways of a path as plain numbers, which are quicker to look at one by one."""
-
-    def __init__(self, work: Work) -> None:
-        self._starts = work.path.starts.tolist()
-        self._ends = work.path.ends.tolist()
-        self._lengths = work.path.lengths.tolist()
-        self._begins = work.path.begins.tolist()
-        #: Places of stairs are nearer to each other than their ends have to be.
-        self._shortest = SHORTEST * work.meeting if work.stepped else 0.0
-        self._most_in, self._most_out = work.most_in, work.most_out
-        self._most_lead, self._from_middle = work.most_lead, work.most_from_middle
-        self._near = work.meeting**2
-
-    def _meets(self, low: int, high: int) -> bool:
-        """Whether the way before `high` ends where way `low` starts, and went round something."""
-        (x0, y0), (x1, y1) = self._starts[low], self._ends[high - 1]
-        dx, dy = x1 - x0, y1 - y0
-        if (
-            dx * dx + dy * dy > self._near
-            or self._begins[high - 1] + self._lengths[high - 1] - self._begins[low] < self._shortest
-        ):
-            return False
-        return high - low > 1 or self._lengths[low] ** 2 > LEAST * self._near
-
-    def _before(self, first: int, last: int, most: float) -> int:
-        """The way behind which no more than `most` is left."""
-        end, size = last, self._lengths[last - 1]
-        while end > first + 1 and size <= most:
-            end -= 1
-            size += self._lengths[end - 1]
-        return end
-
-    def ring(self, first: int, last: int, bad: Sequence[bool]) -> tuple[int, int]:
-        """The ways that are not leads: those that close, with the longest leads that may be.
-
-        Where nothing closes, what lies off the contours is taken for the leads.
-        """
-        begin = first
-        size = self._lengths[first]
-        while begin < last - 1 and size <= self._most_in:
-            begin += 1
-            size += self._lengths[begin]
-        if begin == first < last - 1 and self._lengths[first] <= self._from_middle:
-            begin += 1
-        end = self._before(first, last, self._most_out)
-        for low in range(begin, first - 1, -1):
-            for high in range(end, last + 1):
-                if low < high and self._meets(low, high):
-                    return low, high
-        end = self._before(first, last, self._most_lead)
-        while begin > first and not bad[begin - 1]:
-            begin -= 1
-        while end < last and not bad[end]:
-            end += 1
-        return (begin, end) if begin < end else (first, last)
-
 
 # --- pierces --------------------------------------------------------------------------------------
 
@@ -108,19 +35,13 @@ def pierce_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
     """Strokes round a contour that pierce too near to one although there is room for a lead."""
     row = work.asked.rows.get(work.process)
     rings = [
-        t
-        for t in traced
-        if t.half_kerf
-        and t.ring
-        and not t.joined
-        and t.bridge_to is None
-        and not t.stroke.is_linked
-    ]
+        t for t in traced
+        if t.half_kerf and t.closed and not t.joined and not t.stroke.is_linked
+    ]  # fmt: skip
     if row is None or not rings or not row.pierce_radius:
         return []
     contours = shapely.STRtree(work.contours)
-    firsts = [int(np.searchsorted(work.of_way, work.of_way[t.first])) for t in rings]
-    pierced = work.path.starts[firsts]
+    pierced = work.path.starts[[t.begin for t in rings]]
     away, nearest = _distances(contours, pierced)
     diagnostics: list[Diagnostic] = []
     near = row.pierce_radius - work.slack[nearest] - 2 * work.fine
@@ -149,12 +70,11 @@ def edge_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
     They are what is left of contours whose other edges are cut with those of another part.
     """
     diagnostics: list[Diagnostic] = []
-    firsts = np.searchsorted(work.of_way, np.arange(len(work.strokes)))
     for t in traced:
         if not t.half_kerf or t.members or t.joined or t.closed:
             continue
         number = int(work.of_way[t.first])
-        begin = work.path.starts[firsts[number]].reshape(1, 2)
+        begin = work.path.starts[t.begin].reshape(1, 2)
         near = work.path.near(begin, 2 * work.tolerance)
         if (work.of_way[work.path.owner[near.element]] < number).any():
             continue
@@ -174,7 +94,8 @@ def _distances(contours: shapely.STRtree, points: Floats) -> tuple[Floats, Float
 
 def _whole_lead(work: Work, t: Traced, contours: shapely.STRtree) -> Floats:
     """Places of the machine's lead from where a stroke joins its contour to its far end, (n, 2)."""
-    at, (tx, ty) = work.path.starts[t.first], work.heading(t, at_end=False)
+    at = work.path.starts[t.first]
+    ((tx, ty),) = work.path.elements.directions(work.path.first(np.array([t.first])), np.zeros(1))
     place = shapely.Point(at)
     nearest = contours.geometries[contours.nearest(place)]
     foot = shapely.get_coordinates(shapely.shortest_line(place, nearest))[1]
@@ -231,19 +152,17 @@ def find_small(work: Work, traced: Sequence[Traced]) -> None:
     """Tell each stroke whether it goes round a small hole; None where it is as good as either."""
     if not any(s.row.hole_diameter for s in work.strokes):
         return
-    rings = [t for t in traced if t.members or (t.contour is not None and not t.joined)]
-    polygons = [t.inside() for t in rings]
-    small: dict[int, bool | None] = {}  #: by stroke; None: as good as either
-    for t, polygon, depth in zip(rings, polygons, ring_depths(polygons), strict=True):
-        row = t.stroke.row
-        around = polygon.length if polygon is not None else 0.0
-        limit, doubt = pi * row.hole_diameter, ROUND_DOUBT * around + 8 * work.tolerance
-        is_small: bool | None = around < limit and depth is not None and depth % 2 == 1
-        if depth is None or (depth % 2 == 1 and abs(around - limit) <= doubt):
-            is_small = None
-        small |= {id(one.stroke): is_small for one in t.members or [t]}
     for t in traced:
-        t.small = small.get(id(t.stroke), False)
+        row = t.stroke.row
+        if t.contour < 0 or not row.hole_diameter:
+            t.small = False
+            continue
+        around = float(shapely.length(work.region.polygons[t.contour]))
+        limit, doubt = pi * row.hole_diameter, ROUND_DOUBT * around + 8 * work.tolerance
+        is_hole = work.holes[t.contour]
+        t.small = around < limit and bool(is_hole)
+        if is_hole is None or (is_hole and abs(around - limit) <= doubt):
+            t.small = None
 
 
 def middle_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
@@ -260,12 +179,11 @@ def middle_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
         if circle is None:
             continue
         middle = np.array(circle.centre) + np.array(work.shift)
-        first = int(np.searchsorted(work.of_way, work.of_way[t.first]))
-        away = float(np.hypot(*(work.path.starts[first] - middle)))
+        away = float(np.hypot(*(work.path.starts[t.begin] - middle)))
         # What of a short ring comes before its end again may have been traced as a lead.
-        joins = work.path.ends[first]
+        joins = work.path.ends[t.begin]
         on_ring = abs(float(np.hypot(*(joins - middle)) - np.hypot(*(at - middle))))
-        smooth = on_ring <= 2 * work.tolerance and _is_half_circle(work, first, middle, joins)
+        smooth = on_ring <= 2 * work.tolerance and _is_half_circle(work, t.begin, middle, joins)
         if away <= 2 * work.tolerance and smooth:
             continue
         half = np.linspace(0.0, np.pi, 65)[:, None]
@@ -325,18 +243,17 @@ def dark_faults(work: Work, traced: Sequence[Traced], asked: bool) -> list[Diagn
     by_machine = work.torch.kerf_by == "machine"
     diagnostics: list[Diagnostic] = []
     for t in traced:
-        last = int(np.searchsorted(work.of_way, work.of_way[t.first], "right"))
         closed = t.closed and len(t.members) == 1
         closed = closed and bool((by_machine and t.half_kerf) or required_overcut(work, t, t.over))
         due = closed and asked and work.process == "cut"
-        dark, beyond = t.stroke.dark, last - t.last if due else 0
+        dark, beyond = t.stroke.dark, t.end - t.last if due else 0
         if dark == beyond and bool(dark) == due:
             continue
         # The path may come back to where it joins its contour: what comes along that for no longer
         # than a lead may be one, or the contour's beginning.
-        first, way = int(np.searchsorted(work.of_way, work.of_way[t.first])), last - dark
+        way = t.end - dark
         if due and dark and t.first < way < t.last:
-            away = work.path.starts[first : t.first] - work.path.starts[way]
+            away = work.path.starts[t.begin : t.first] - work.path.starts[way]
             if (np.hypot(*away.T) <= work.meeting).any():
                 continue
         expected = _shown(beyond) if beyond or not due else "the arc out where it is closed"

@@ -103,14 +103,9 @@ def text_process(machine: Machine) -> TorchProcess:
 
 
 def _need(
-    need: Need,
-    process: TorchProcess,
-    index: int,
-    text: RequiredText,
-    x: float,
-    y: float,
+    need: Need, process: TorchProcess, index: int, text: RequiredText, x: float, y: float,
     height: float,
-) -> None:
+) -> None:  # fmt: skip
     need.add(process, [Line(a, b) for a, b in text.at(x, y, height)], index, text.feature.source)
 
 

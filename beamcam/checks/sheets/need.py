@@ -87,6 +87,8 @@ class Need(Struct):
 
     def _forget(self, process: TorchProcess) -> None:
         """Curves of a process are others now."""
+        if not self.drawn and not self.regions:
+            return
         self.drawn = {key: drawn for key, drawn in self.drawn.items() if key[0] != process}
         if process == "cut":
             self.regions = {}

@@ -5,17 +5,16 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import shapely
 from msgspec import Struct
-from msgspec.structs import replace
 
 from beamcam.checks.sheets import rules
-from beamcam.checks.sheets.areas import waste_sides
 from beamcam.checks.sheets.controller_state import SKELETON
 from beamcam.checks.sheets.grid import Pairs
 from beamcam.checks.sheets.joining import Chain
-from beamcam.checks.sheets.paths import aligned, on_contour
-from beamcam.checks.sheets.region import signed_areas
+from beamcam.checks.sheets.paths import aligned
+from beamcam.checks.sheets.region import Region, signed_areas
 from beamcam.checks.sheets.toolpaths import Samples, kept_samples
-from beamcam.checks.sheets.work import MITRE, SHOWN, SPACING, Traced, Work
+from beamcam.checks.sheets.tracing import Traced, on_contour
+from beamcam.checks.sheets.work import SHOWN, SPACING, Work
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.array_types import Counts, Floats
 from beamcam.machine.torch import LayerSettings, TorchProcess
@@ -42,16 +41,15 @@ def order_faults(
             break
     diagnostics += _before_skeleton(traced, works, name)
     # An open cut has no inside, and lies in none.
-    cuts = [t for t in traced if t.stroke.process == "cut" and t.goes_round]
-    for a, b in _inside_of_earlier(cuts):
-        if cuts[a].group != cuts[b].group:
-            diagnostics.append(
-                rules.ORDER.at(
-                    Source(name, cuts[a].stroke.line), found=_contour(works, cuts[a]),
-                    before=f"{_contour(works, cuts[b])} around it, cut on line "
-                    f"{cuts[b].stroke.line}",
-                )
-            )  # fmt: skip
+    cuts = [t for t in traced if t.stroke.process == "cut" and t.contour >= 0]
+    pairs = inside_of_earlier([t.contour for t in cuts], works["cut"].region) if cuts else []
+    for a, b in pairs:
+        diagnostics.append(
+            rules.ORDER.at(
+                Source(name, cuts[a].stroke.line), found=_contour(works, cuts[a]),
+                before=f"{_contour(works, cuts[b])} around it, cut on line {cuts[b].stroke.line}",
+            )
+        )  # fmt: skip
     return diagnostics[:SHOWN]
 
 
@@ -81,50 +79,34 @@ def _before_skeleton(
 
 
 def _contour(works: Mapping[TorchProcess, Work], t: Traced) -> str:
-    return f"the contour of {works[t.stroke.process].contour_at(np.array(t.middle))}"
+    work = works[t.stroke.process]
+    if t.contour >= 0:
+        return f"the contour of {work.contour(work.region.rings[t.contour][0][0])}"
+    return f"the contour of {work.contour_at(work.path.starts[t.first])}"
 
 
-def _inside_of_earlier(cuts: Sequence[Traced]) -> list[tuple[int, int]]:
-    """Pairs of a cut and an earlier one whose ring it lies in.
+def inside_of_earlier(contours: Sequence[int], region: Region) -> list[tuple[int, int]]:
+    """Pairs of a cut and an earlier one that it lies inside of; `contours` are those of the cuts.
 
+    It may touch that. One that lies on it all round has the same inside, and either may be first.
     Boxes are looked at first: in most programs no contour is in the box of an earlier one. That is
-    done for some rings at a time, so that it takes no more memory the more of them lie above one
-    another.
+    done for some at a time, so that it takes no more memory the more of them lie above one another.
     """
-    rings = [k for k, t in enumerate(cuts) if t.ring or t.contour is not None]
-    tree = shapely.STRtree(shapely.points(np.array([t.middle for t in cuts]).reshape(-1, 2)))
+    polygons = region.polygons[np.array(contours, dtype=np.int64)]
+    x0, y0, x1, y1 = shapely.bounds(polygons).reshape(-1, 4).T
+    tree = shapely.STRtree(shapely.points((x0 + x1) / 2, (y0 + y1) / 2))
     pairs: list[tuple[int, int]] = []
-    for low in range(0, len(rings), AT_ONCE):
-        some = np.array(rings[low : low + AT_ONCE])
-        boxes = shapely.box(*np.array([cuts[k].box for k in some]).T)
-        number, inner = tree.query(boxes)
-        later = inner > some[number]
-        found, starts = np.unique(some[number[later]], return_index=True)
-        for ring, own in zip(found.tolist(), np.split(inner[later], starts)[1:], strict=True):
-            pairs += _within(cuts, own.tolist(), ring)
+    for low in range(0, len(contours), AT_ONCE):
+        some = slice(low, low + AT_ONCE)
+        outer, inner = tree.query(shapely.box(x0[some], y0[some], x1[some], y1[some]))
+        outer += low
+        later = inner > outer
+        for b in np.unique(outer[later]).tolist():
+            own = inner[later & (outer == b)]
+            own = own[shapely.covers(shapely.buffer(polygons[b], TOUCHING), polygons[own])]
+            same = shapely.covers(shapely.buffer(polygons[own], TOUCHING), polygons[b])
+            pairs += [(a, b) for a in own[~same].tolist()]
     return sorted(pairs)
-
-
-def _within(cuts: Sequence[Traced], inner: list[int], ring: int) -> list[tuple[int, int]]:
-    """Those of some cuts that lie in the ring of one, with it.
-
-    They may touch it. One that lies on it all round has the same inside, and either may be first.
-    """
-    polygon = cuts[ring].inside()
-    if polygon is None:
-        return []
-    wider = shapely.buffer(polygon, TOUCHING)
-    inside = shapely.contains_xy(wider, np.array([cuts[k].middle for k in inner]))
-    return [
-        (k, ring)
-        for k, is_in in zip(inner, inside.tolist(), strict=True)
-        if is_in
-        and shapely.covers(wider, shapely.multipoints(cuts[k].corners()))
-        and not (
-            (own := cuts[k].inside()) is not None
-            and shapely.covers(shapely.buffer(own, TOUCHING), polygon)
-        )
-    ]
 
 
 # --- direction ------------------------------------------------------------------------------------
@@ -135,7 +117,6 @@ def _within(cuts: Sequence[Traced], inner: list[int], ring: int) -> list[tuple[i
 # the other way round, the bevel is on the part.
 
 
-ASKED = 8  #: places of a stroke where it is asked which contour it follows
 MIN_WIDTH = 1e-3  #: mm, half of it on an average, of what a ring goes round
 
 
@@ -143,23 +124,19 @@ def direction_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
     """Closed cuts that go round their contour the wrong way."""
     # A beam that the controller leads comes to its contour half a kerf behind the start.
     led = work.torch.kerf_by == "machine"
-    heads = [t for t in traced if t.members or (led and t.contour is not None)]
-    if work.process != "cut" or not heads or not work.need.count:
+    heads = [t for t in traced if t.contour >= 0 and (t.members or led)]
+    if work.process != "cut" or not heads:
         return []
-    if work.region is None:
-        work = replace(work, region=work.asked.region(work.torch).moved(work.shift))
-    assert work.region is not None
     asked = _asked(work)
     diagnostics = []
-    rows = zip(heads, _rings_of(work, heads).tolist(), _turns(work, heads), strict=True)
-    for t, ring, found in rows:
-        wanted = asked[ring] if ring >= 0 else None
+    for t, found in zip(heads, _turns(work, heads), strict=True):
+        wanted = asked[t.contour]
         if wanted is None or found is None or found == wanted:
             continue
         diagnostics.append(
             rules.DIRECTION.at(
                 Source(work.name, t.stroke.line), found=_shown(found), expected=_shown(wanted),
-                contour=work.contour(work.region.rings[ring][0][0]), how=work.torch.direction,
+                contour=work.contour(work.region.rings[t.contour][0][0]), how=work.torch.direction,
             )
         )  # fmt: skip
     return diagnostics[:SHOWN]
@@ -171,71 +148,33 @@ def _shown(is_anticlockwise: bool) -> str:
 
 def _asked(work: Work) -> list[bool | None]:
     """Of each ring whether it is to be followed counter-clockwise; None if that is left open."""
-    assert work.region is not None
-    rings, polygons = work.region.rings, work.region.polygons
-    turned = work.region.anticlockwise.tolist()
-    # Of contours that cross, neither lies inside of the other.
-    clear = shapely.is_valid(polygons)
-    one, other = np.flatnonzero(clear)[shapely.STRtree(polygons[clear]).query(polygons[clear])]
-    one, other = one[one < other], other[one < other]
-    crossing = shapely.intersects(*(shapely.get_exterior_ring(polygons[k]) for k in (one, other)))
-    one, other = one[crossing], other[crossing]
-    crossing = shapely.overlaps(polygons[one], polygons[other])
-    clear[one[crossing]] = clear[other[crossing]] = False
-    way = work.torch.direction
-    sides = waste_sides(work) if way != "drawn" else np.zeros(0)
-    directions: list[bool | None] = []
-    for ring, is_turned, is_clear in zip(rings, turned, clear.tolist(), strict=True):
-        if way == "drawn":
-            directions.append(is_turned if _is_one_feature(work, ring) else None)
-            continue
-        first, back = ring[0]
-        waste_left = bool((sides[first] > 0.0) != back)
-        # With climb the waste is on the left: counter-clockwise where it lies inside.
-        is_hole = waste_left == is_turned
-        directions.append(is_hole == (way == "climb") if is_clear and sides[first] else None)
-    return directions
+    if work.torch.direction == "drawn":
+        turned = work.region.anticlockwise.tolist()
+        twins = np.flatnonzero(work.region.twins)
+        return [
+            is_turned if _is_one_feature(work, ring, twins) else None
+            for ring, is_turned in zip(work.region.rings, turned, strict=True)
+        ]
+    # With climb the waste is on the left: counter-clockwise where it lies inside.
+    climbs = work.torch.direction == "climb"
+    return [None if is_hole is None else is_hole == climbs for is_hole in work.holes]
 
 
-def _is_one_feature(work: Work, ring: Chain) -> bool:
+def _is_one_feature(work: Work, ring: Chain, twins: Counts) -> bool:
     """Whether a ring is one feature as it is drawn, and no other curve lies on it.
 
     Of curves that are joined, and of what is drawn twice, any direction is one that is drawn.
     """
-    assert work.region is not None
-    ways = np.array([way for way, _ in ring])
-    features = np.array(work.asked.features[work.process])
+    features, ways = work.asked.features[work.process], [way for way, _ in ring]
     own = features[ways[0]]
-    if any(back for _, back in ring) or (features[ways] != own).any():
+    if any(back or features[way] != own for way, back in ring):
         return False
-    twins = np.flatnonzero(work.region.twins)
     if not len(twins):
         return True
     low, high = work.need.boxes
     least, most = low[ways].min(axis=0), high[ways].max(axis=0)
     beside = np.all((high[twins] >= least) & (low[twins] <= most), axis=1)
     return not beside.any()
-
-
-def _rings_of(work: Work, heads: Sequence[Traced]) -> Counts:
-    """The ring that each stroke follows at most of the places where it is asked; -1 for none."""
-    assert work.region is not None
-    ring_of = work.region.ring_of
-    ends = np.array([(t.first, t.last - 1) for t in heads])
-    ways = np.linspace(ends[:, 0], ends[:, 1], ASKED, axis=1).astype(np.int64)
-    owner, column = np.nonzero(np.diff(ways, axis=1, prepend=-1))
-    every = ways[owner, column]
-    places = work.path.point(every, work.path.lengths[every] / 2)
-    most = float(work.slack.max(initial=0.0))
-    reaches = (work.half_kerf + most, MITRE * work.half_kerf + 2 * most)
-    away, nearest, _ = work.need.nearest_within(places, reaches, ring_of >= 0)
-    rings = np.where(np.isfinite(away), ring_of[nearest], -1)
-    near, found = rings >= 0, np.full(len(heads), -1)
-    count = max(len(work.region.rings), 1)
-    pairs, times = np.unique(owner[near] * count + rings[near], return_counts=True)
-    ruling = 2 * times > np.bincount(owner, minlength=len(heads))[pairs // count]
-    found[pairs[ruling] // count] = pairs[ruling] % count
-    return found
 
 
 def _turns(work: Work, heads: Sequence[Traced]) -> list[bool | None]:
@@ -245,10 +184,11 @@ def _turns(work: Work, heads: Sequence[Traced]) -> list[bool | None]:
     """
     points, begins = work.path.outlines(work.fine)
     members = [(m.first, m.last) for head in heads for m in head.members or [head]]
-    rows = [np.arange(begins[first], begins[last]) for first, last in members]
+    low, high = begins[np.array(members).T]
+    behind = np.cumsum(high - low)
+    rows = np.arange(behind[-1]) + np.repeat(high - behind, high - low)
     first = np.cumsum([0, *(len(head.members or [head]) for head in heads)])
-    ends = np.cumsum([0, *map(len, rows)])[first]
-    areas, lengths = signed_areas(points[np.concatenate(rows)], ends)
+    areas, lengths = signed_areas(points[rows], np.append(0, behind)[first])
     wide = np.abs(areas) > MIN_WIDTH * lengths
     return [
         turned if is_wide else None

@@ -8,9 +8,10 @@ import shapely
 
 from beamcam.checks.sheets import rules
 from beamcam.checks.sheets.toolpaths import Toolpaths
-from beamcam.checks.sheets.work import SHOWN, Traced, Work
+from beamcam.checks.sheets.tracing import Traced
+from beamcam.checks.sheets.work import SHOWN, Work
 from beamcam.errors import Diagnostic, Source
-from beamcam.geometry.array_types import Floats
+from beamcam.geometry.array_types import Counts, Floats
 from beamcam.machine.torch import LayerSettings
 
 PLAIN = LayerSettings()
@@ -20,7 +21,6 @@ SHORTEST = 0.2  #: share of a line that leads out, by which it leaves its contou
 LED = 0.4  #: share of a lead that lies along the contour, if it is not only tangent to it
 CORNER_SPAN, CORNER_RAD = 0.2, 0.35  #: mm on both sides of a corner, and what it turns at least
 Limits = tuple[float, float, float]  #: mm beyond the start: found, least, most
-MIN_WIDTH = 1e-3  #: mm, half of it on an average, of what a ring goes round
 
 
 def overcut_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
@@ -58,8 +58,7 @@ def _beyond(work: Work, t: Traced, slack: float) -> list[Diagnostic]:
     """That a stroke runs on from its contour for longer than a lead-out."""
     if t.beyond <= work.most_lead + slack:
         return []
-    last = int(np.searchsorted(work.of_way, work.of_way[t.first], "right")) - 1
-    place, line = work.path.ends[last], int(work.moves.line[last])
+    place, line = work.path.ends[t.end - 1], int(work.moves.line[t.end - 1])
     away = f"{t.beyond:.3f} mm beyond its contour"
     return [work.extra(line, place, away, f"at most {work.most_lead:.3f} mm to lead out")]
 
@@ -77,10 +76,8 @@ def _along(work: Work, t: Traced) -> Limits:
     asked = required_overcut(work, t, over, first / 2)
     if not over and not asked:
         return 0.0, 0.0, 0.0
-    if len(t.members) == 1:
-        inside = t.inside()
-        if inside is None or inside.area <= MIN_WIDTH * inside.length:
-            return over, 0.0, 0.0
+    if t.contour < 0:
+        return over, 0.0, 0.0
     return over, asked, asked + _along_leads(work, t.members[-1])
 
 
@@ -104,13 +101,12 @@ def _led_along(work: Work, t: Traced) -> float:
     """How far a stroke of steps comes along its contour: not an overcut, up to its first corner.
 
     From an inner corner a line leads in along the contour. Of paths with known corners that is no
-    part of what runs along the ring; see `paths._overs`.
+    part of what runs along the ring; see `tracing._overs`.
     """
     if not work.stepped or t.before <= LED * work.most_in:
         return 0.0
     path = work.path
-    first = int(np.searchsorted(work.of_way, work.of_way[t.first]))
-    begin = float(path.begins[first])
+    begin = float(path.begins[t.begin])
     led = float(path.begins[t.first]) - begin
     along = np.arange(CORNER_SPAN, led + CORNER_SPAN, CORNER_SPAN / 8)
     places = _places(work, begin + along)
@@ -136,7 +132,7 @@ def _tangent(work: Work, t: Traced) -> float:
     It is off by the tolerance after sqrt(2 radius tolerance); the chord there may go on as far.
     """
     path = work.path
-    if t.last >= path.count or work.of_way[t.last] != work.of_way[t.first]:
+    if t.last >= t.end:
         return 0.0
     chord = hypot(*(path.ends[t.last] - path.starts[t.last]))
     if chord < (1.0 - 1e-9) * float(path.lengths[t.last]):
@@ -219,9 +215,8 @@ def _beside(work: Work, t: Traced) -> Limits:
     path = work.path
     end = path.ends[t.last - 1]
     pairs = path.near(end.reshape(1, 2), work.tolerance)
-    first = int(np.searchsorted(work.of_way, work.of_way[t.first]))
     # A lead that runs so close to the contour that it was traced as part of it is still a lead.
-    start = min(t.first + (t.first == first), t.last - 1)
+    start = min(t.first + (t.first == t.begin), t.last - 1)
     at = path.at(pairs.element, pairs.along) - path.begins[start]
     mine = (work.of_way[path.owner[pairs.element]] == work.of_way[t.first]) & (at >= 0.0)
     found = float(np.min(at[mine], initial=np.inf))
@@ -250,105 +245,71 @@ APART = 8.0
 
 
 def end_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
-    """Open ends of paths where no contour ends and no bridge begins.
+    """Ends of strokes in the middle of a contour, with nothing there or the start of another cut.
 
-    Where the beam keeps off a contour, what is left of that says whether it closes.
+    Where the beam keeps off a contour, what is left of that says whether it closes. An edge that
+    two contours share, or one has twice, is cut once: what is left ends on a third cut, or
+    elsewhere on its own. With bridges the last of several cuts ends where the first began.
     """
-    opened = [t for t in traced if not t.closed and not t.half_kerf]
+    opened = [t for t in traced if not (t.closed or t.joined)]
     if not opened:
         return []
     path = work.path
-    ends = [(t, end) for t in opened for end in (("begins", t.first), ("ends", t.last - 1))]
-    toolpaths = np.array([way for _, (_, way) in ends])
+    ways = np.array([way for t in opened for way in (t.first, t.last - 1)])
     stops = np.tile([False, True], len(opened))
-    places = np.where(stops[:, None], path.ends[toolpaths], path.starts[toolpaths])
-    reached = path.begins[toolpaths] + np.where(stops, path.lengths[toolpaths], 0.0)
-    counts = _directions(work.need, places, work.tolerance, work.torch.gap)
+    places = np.where(stops[:, None], path.ends[ways], path.starts[ways])
+    touching = _touching(work, opened, ways, places)
+    once = work.process == "cut" and not work.bridged
+    asked = np.array([not t.half_kerf for t in opened for _ in range(2)])
+    counts = np.full(len(ways), 2)
+    counts[asked] = _directions(work.need, places[asked], work.tolerance, work.torch.gap)
     diagnostics: list[Diagnostic] = []
-    for (t, (what, way)), place, at, count in zip(ends, places, reached, counts, strict=True):
-        if (
-            count != 2
-            or t.joined
-            or _on_another(work, place, way, at)
-            or work.on_kept_off(place.reshape(1, 2))[0]
-        ):
-            continue
-        x, y = place.tolist()
-        source = Source(work.name, int(work.moves.line[way]))
-        contour = work.contour_at(place)
-        diagnostics.append(
-            rules.OPEN.at(source, what=what, contour=contour, x=f"{x:.3f}", y=f"{y:.3f}")
-        )
+    for k in np.flatnonzero(counts == 2).tolist():
+        t, place = opened[k // 2], places[k]
+        x, y = (f"{value:.3f}" for value in place.tolist())
+        others = touching[k]
+        if not others and asked[k] and not work.on_kept_off(place.reshape(1, 2))[0]:
+            what, line = "ends" if stops[k] else "begins", int(work.moves.line[ways[k]])
+            contour = work.contour_at(place)
+            diagnostics.append(
+                rules.OPEN.at(Source(work.name, line), what=what, contour=contour, x=x, y=y)
+            )
+        elif once and len(others) == 1 and _goes_on(work, place, t.half_kerf):
+            (other, is_end), *_ = others
+            if is_end and other < work.of_way[t.first]:
+                source, contour = Source(work.name, t.stroke.line), work.contour_at(place)
+                diagnostics.append(rules.RESTART.at(source, contour=contour, x=x, y=y))
     return diagnostics[:SHOWN]
 
 
-def restart_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
-    """Cuts that end where another goes on along the same contour, the tool off and on between.
-
-    Where contours meet, or what lies on another is cut with it, a cut may end on a third one. With
-    bridges the last of several cuts ends where the first began; see `tab_faults`.
-    """
-    opened = [t for t in traced if not t.closed and not t.joined]
-    if work.process != "cut" or work.bridged or len(opened) < 2:
-        return []
-    path, count = work.path, len(opened)
-    reach = 2 * work.tolerance
-    ways = np.array([way for t in opened for way in (t.first, t.last - 1)])
-    places = np.where((np.arange(2 * count) % 2)[:, None], path.ends[ways], path.starts[ways])
-    low, high = (path.begins[[t.first for t in opened]], path.begins[[t.last - 1 for t in opened]])
-    high = high + path.lengths[[t.last - 1 for t in opened]]
-    number = {int(work.of_way[t.first]): k for k, t in enumerate(opened)}
+def _touching(
+    work: Work, opened: Sequence[Traced], ways: Counts, places: Floats
+) -> list[set[tuple[int, bool]]]:
+    """Other strokes at each end of some, and whether these end there; its own too, if elsewhere."""
+    path, reach = work.path, 2 * work.tolerance
+    low, high = np.full(len(work.strokes), -np.inf), np.full(len(work.strokes), np.inf)
+    own = work.of_way[ways]
+    low[own[::2]] = path.begins[ways[::2]]
+    high[own[1::2]] = path.begins[ways[1::2]] + path.lengths[ways[1::2]]
+    here = np.where(np.arange(len(ways)) % 2, high[own], low[own])
     pairs = path.near(places, reach)
     at, stroke = path.at(pairs.element, pairs.along), work.of_way[path.owner[pairs.element]]
-    touching: list[set[tuple[int, int]]] = [set() for _ in places]
-    for place, other, along in zip(pairs.point.tolist(), stroke.tolist(), at.tolist(), strict=True):
-        k = number.get(other, -1)
-        side = -1
-        if k >= 0 and min(along - low[k], high[k] - along) <= 2 * reach:
-            side = int(along - low[k] > high[k] - along)
-        touching[place].add((other, side))
-    which = [
-        k
-        for k, found in enumerate(touching)
-        if len(found) == len(dict(found)) == 2 and all(side >= 0 for _, side in found)
-    ]
-    diagnostics = []
-    for k in which:
-        t = opened[k // 2]
-        other = max(s for s, _ in touching[k])
-        if other == work.of_way[t.first] and _goes_on(work, places[k], t.half_kerf):
-            x, y = places[k].tolist()
-            diagnostics.append(
-                rules.RESTART.at(
-                    Source(work.name, t.stroke.line), contour=work.contour_at(places[k]),
-                    x=f"{x:.3f}", y=f"{y:.3f}",
-                )
-            )  # fmt: skip
-    return diagnostics[:SHOWN]
+    is_end = np.minimum(at - low[stroke], high[stroke] - at) <= 2 * reach
+    is_other = stroke != own[pairs.point]
+    is_other |= np.abs(at - here[pairs.point]) > APART * work.tolerance
+    found: list[set[tuple[int, bool]]] = [set() for _ in places]
+    columns = (pairs.point, stroke, is_end & (stroke != own[pairs.point]))
+    for k in np.flatnonzero(is_other).tolist():
+        point, other, ends = (column[k] for column in columns)
+        found[int(point)].add((int(other), bool(ends)))
+    return found
 
 
 def _goes_on(work: Work, place: Floats, half_kerf: float) -> bool:
-    """Whether one contour goes on at a place of the path, with the same settings."""
-    reach = half_kerf + work.tolerance
-    pairs = work.need.near(place.reshape(1, 2), reach if half_kerf else work.tolerance)
+    """Whether the contours at a place of the path have the same settings."""
+    pairs = work.need.near(place.reshape(1, 2), half_kerf + work.tolerance)
     looks = work.asked.looks[work.process]
-    if len({looks[way] for way in work.need.owner[pairs.element].tolist()}) > 1:
-        return False
-    if half_kerf:
-        return True
-    return _directions(work.need, place.reshape(1, 2), work.tolerance, work.torch.gap) == [2]
-
-
-def _on_another(work: Work, place: Floats, way: int, at: float) -> bool:
-    """Whether an end `at` so far along the path lies on another stroke, or elsewhere on its own.
-
-    An edge that two contours share, or one has twice, is cut once: what is left ends on it.
-    """
-    path = work.path
-    pairs = path.near(place.reshape(1, 2), work.tolerance)
-    is_other = work.of_way[path.owner[pairs.element]] != work.of_way[way]
-    is_apart = np.abs(path.at(pairs.element, pairs.along) - at) > APART * work.tolerance
-    return bool((is_other | is_apart).any())
+    return len({looks[way] for way in work.need.owner[pairs.element].tolist()}) <= 1
 
 
 def _directions(need: Toolpaths, places: Floats, reach: float, gap: float) -> list[int]:
@@ -358,17 +319,17 @@ def _directions(need: Toolpaths, places: Floats, reach: float, gap: float) -> li
     though both are within reach of the path's.
     """
     apart = np.flatnonzero(np.hypot(*(need.ends - need.starts).T) > 1e-9)
-    lengths = need.lengths[apart]
-    near = np.minimum(lengths / 2, 20 * reach)
     corners = np.concatenate((need.starts[apart], need.ends[apart]))
-    inner = np.concatenate((need.point(apart, near), need.point(apart, lengths - near)))
-    x, y = (inner - corners).T
-    ends = list(zip(corners.tolist(), np.degrees(np.arctan2(y, x)).tolist(), strict=True))
-    beside: list[list[End]] = [[] for _ in places]
     tree = shapely.STRtree(shapely.points(corners))
-    pairs = tree.query(shapely.points(places), "dwithin", distance=reach)
-    for place, end in pairs.T.tolist():
-        beside[place].append(ends[end])
+    place, which = tree.query(shapely.points(places), "dwithin", distance=reach)
+    way, lengths = np.tile(apart, 2)[which], np.tile(need.lengths[apart], 2)[which]
+    near = np.minimum(lengths / 2, 20 * reach)
+    inner = need.point(way, np.where(which < len(apart), near, lengths - near))
+    x, y = (inner - corners[which]).T
+    beside: list[list[End]] = [[] for _ in places]
+    columns = (place.tolist(), corners[which].tolist(), np.degrees(np.arctan2(y, x)).tolist())
+    for k, corner, angle in zip(*columns, strict=True):
+        beside[k].append((corner, angle))
     own = zip(places.tolist(), beside, strict=True)
     return [_branches(place, some, gap) if some else 2 for place, some in own]
 

@@ -1,57 +1,59 @@
-"""Check that every path runs along a contour, and that its strokes close.
+"""Paths and contours compared, each at samples along it: what has no other beside it is told.
 
 With r half the kerf of a beam that keeps off, 0 of any other:
 
-    every sample of a path   has a closed contour at most r away, or one along its middle (any
-                             contour, with r 0), but for the leads, which lie in waste
-    every stroke             closes, or ends where a contour ends
+    every sample of a path     has a closed contour at most r away, or one along its middle (any
+                               contour, with r 0), but for the leads, which lie in waste
+    every sample of a contour  has one path, where the beam's middle passes it: r off a closed one,
+                               if there is room (see `areas`); bridges are left out
+
+Contours are asked at places `SPACING` apart, or r / 2 but no less than 0.2 mm where the beam keeps
+off, three on each or more: no stretch is overlooked that is longer, nor one of more than a third
+of its curve. Distances are exact for lines and arcs, and within the machine's tolerance / 8 for
+others.
 """
 
 from collections.abc import Sequence
 
 import numpy as np
-import shapely
 
+from beamcam.checks.sheets import rules
+from beamcam.checks.sheets.areas import in_corners, left_faults
 from beamcam.checks.sheets.grid import Pairs
-from beamcam.checks.sheets.leads import Bounds, rings
-from beamcam.checks.sheets.overcut import end_faults, restart_faults
-from beamcam.checks.sheets.tabs import join_bridged
-from beamcam.checks.sheets.toolpaths import NEAR_BEND, Samples, Toolpaths, joined_samples
-from beamcam.checks.sheets.work import MITRE, SHOWN, SPACING, Traced, Work
-from beamcam.errors import Diagnostic
+from beamcam.checks.sheets.overcut import end_faults
+from beamcam.checks.sheets.region import left_of, off_surely
+from beamcam.checks.sheets.toolpaths import (
+    NEAR_BEND,
+    Samples,
+    Toolpaths,
+    joined_samples,
+    kept_samples,
+)
+from beamcam.checks.sheets.tracing import Near, Traced, close, in_bridges, on_contour, trace
+from beamcam.checks.sheets.work import MITRE, SHOWN, SPACING, Work
+from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.array_types import Counts, Flags, Floats
-
-Near = tuple[Floats, Counts, Floats]  #: how far the nearest way is, which, how far along it
 
 
 def follow(work: Work) -> tuple[list[Traced], list[Diagnostic]]:
     """The strokes without their leads, and what follows no contour."""
     samples = _samples(work)
     points, way = work.path.elements.places(*samples[:2]), samples[2]
-    stroke = work.of_way[way]
     on, off = _nearest(work, samples, points)
     followed = on[0] <= work.slack[on[1]]
-    ends = np.cumsum(np.bincount(work.of_way, minlength=len(work.strokes))).tolist()
-    bounds = list(zip([0, *ends[:-1]], ends, strict=True))
     expected = np.zeros(len(work.strokes))
     if work.half_kerf:
-        followed, expected = _on_or_beside(work, points, stroke, bounds, followed, off)
+        followed, expected = _on_or_beside(work, points, work.of_way[way], followed, off)
     bad = np.zeros(work.path.count, dtype=bool)
     bad[way[~followed]] = True
-    traced = _traced(work, rings(work, bounds, bad), expected)
-    if work.half_kerf:
-        _round_contours(work, traced, points, stroke, off)
-    join_bridged(work, bounds, traced)
-    for t in traced:
-        t.members = t.members or ([t] if t.closed else [])
-    _overs(work, bounds, traced, points, way)
+    traced = trace(work, bad, expected, points, way, off)
     wrong = np.flatnonzero(~followed & on_contour(work, traced)[way])
     diagnostics = _strays(work, points[wrong], way[wrong], expected)
-    return traced, diagnostics + end_faults(work, traced) + restart_faults(work, traced)
+    return traced, diagnostics + end_faults(work, traced)
 
 
 def _on_or_beside(
-    work: Work, points: Floats, stroke: Counts, bounds: Bounds, on: Flags, off: Near
+    work: Work, points: Floats, stroke: Counts, on: Flags, off: Near
 ) -> tuple[Flags, Floats]:
     """Which samples follow what they should, and how far each stroke keeps off its contour.
 
@@ -69,7 +71,7 @@ def _on_or_beside(
     at_side = _count(work, stroke, beside)
     centred &= at_side <= on_middle
     both = np.flatnonzero(centred & (at_side == on_middle))
-    centred[both] = ~_close(work, [bounds[k] for k in both.tolist()])
+    centred[both] = ~close(work, both)
     return np.where(centred[stroke], on, beside), np.where(centred, 0.0, work.half_kerf)
 
 
@@ -89,58 +91,9 @@ def _strays(work: Work, points: Floats, way: Counts, expected: Floats) -> list[D
     return diagnostics
 
 
-def _close(work: Work, bounds: Bounds) -> Flags:
-    """Which strokes close, but for their leads."""
-    if not bounds:
-        return np.zeros(0, dtype=bool)
-    lows, highs = np.array(rings(work, bounds, np.zeros(work.path.count, dtype=bool))).T
-    apart = np.hypot(*(work.path.ends[highs - 1] - work.path.starts[lows]).T)
-    return np.asarray(apart <= work.meeting)
-
-
 def _count(work: Work, stroke: Counts, which: Flags) -> Counts:
     """How many of the samples of each stroke are `which`."""
     return np.bincount(stroke[which], minlength=len(work.strokes))
-
-
-def _overs(
-    work: Work, bounds: Bounds, traced: Sequence[Traced], points: Floats, way: Counts
-) -> None:
-    """Tell each stroke the length of other strokes that run along its ring.
-
-    `points` are places of the path, `way` those that they lie on.
-    """
-    on_ring = on_contour(work, traced)
-    outside = np.zeros(work.path.count, dtype=bool)
-    for t, (first, last) in zip(traced, bounds, strict=True):
-        if t.members or t.joined:
-            outside[first : t.first] = outside[t.last : last] = True
-    which = np.flatnonzero(outside[way])
-    if not len(which):
-        return
-    number = np.arange(len(traced))
-    for k, t in enumerate(traced):
-        if len(t.members) > 1:
-            number[k : k + len(t.members)] = k
-    pairs = work.path.near(points[which], work.tolerance)
-    other = work.path.owner[pairs.element]
-    own = number[work.of_way[way[which[pairs.point]]]] == number[work.of_way[other]]
-    missed = np.ones(len(which), dtype=bool)
-    missed[pairs.point[own & on_ring[other]]] = False
-    outside[way[which[missed]]] = False
-    for t, (first, _) in zip(traced, bounds, strict=True):
-        if not t.members:
-            continue
-        # A lead may come along the contour; what begins where the contour has an end is not a lead.
-        heads = [work.path.starts[m.first : m.last] for m in t.members]
-        for k in np.flatnonzero(outside[first : t.first]).tolist():
-            away = np.hypot(*(np.concatenate(heads) - work.path.starts[first + k]).T)
-            outside[first + k] = bool(away.min() <= work.meeting)
-    reached = np.concatenate(([0.0], np.cumsum(np.where(outside, work.path.lengths, 0.0))))
-    for t, (first, last) in zip(traced, bounds, strict=True):
-        t.over = float(reached[last] - reached[first])
-        t.before = float(reached[t.first] - reached[first])
-        t.beyond = float(work.path.lengths[t.last : last].sum() - reached[last] + reached[t.last])
 
 
 def _samples(work: Work) -> Samples:
@@ -193,92 +146,186 @@ def _round_corners(work: Work, points: Floats) -> Flags:
     return round_corners
 
 
-def on_contour(work: Work, traced: Sequence[Traced]) -> Flags:
-    """The ways of the path that are not leads."""
-    on = np.zeros(work.path.count, dtype=bool)
-    for t in traced:
-        on[t.first : t.last] = True
-    return on
+# --- coverage -------------------------------------------------------------------------------------
 
 
-def _traced(work: Work, kept: Bounds, radii: Floats) -> list[Traced]:
-    rows = np.array(kept, dtype=np.int64).reshape(-1, 2)
-    starts, ends = work.path.starts[rows[:, 0]], work.path.ends[rows[:, 1] - 1]
-    closed = np.hypot(*(ends - starts).T) <= 2 * work.tolerance
-    closed &= ~_gaping(work, starts, ends, closed & (radii == 0.0))
-    sizes = np.array([s.last - s.first for s in work.strokes], dtype=np.int64)
-    middles = work.moves.end[np.cumsum(sizes) - sizes + sizes // 2]
-    boxes = _boxes(work, rows).tolist()
-    columns = (work.strokes, kept, radii.tolist(), closed.tolist(), middles.tolist(), boxes)
-    return [
-        Traced(
-            stroke, first, last, half_kerf, is_closed, work.path, work.fine,
-            [(first, last)] if is_closed else [], (x, y), box, stroke.line, is_closed,
-        )
-        for stroke, (first, last), half_kerf, is_closed, (x, y), box in zip(*columns, strict=True)
-    ]  # fmt: skip
+MIN_SPACING = 0.2
+BELOW = 0.1  #: sine of the angle below a contour from which on a path may be behind it
+OVER = 6.0  #: how far a stroke may run over its start, by half the kerf
+
+#: Where each of some ways begins and ends, counted along all, and whether it closes.
+Loops = tuple[Floats, Floats, Flags]
 
 
-def _gaping(work: Work, starts: Floats, ends: Floats, which: Flags) -> Flags:
-    """Strokes that end beside their start because the contour has a gap there, wider than `gap`."""
-    gaping = np.zeros(len(starts), dtype=bool)
-    which = which & (np.hypot(*(ends - starts).T) > 2 * work.step)
-    if not which.any():
-        return gaping
-    stops = shapely.points(np.concatenate((work.need.starts, work.need.ends)))
-    tree = shapely.STRtree(stops)
-    first, second = tree.query(stops, "dwithin", distance=work.torch.gap)
-    free = np.ones(len(stops), dtype=bool)
-    free[first[first != second]] = False
-    open_ends = stops[free]
-    tree = shapely.STRtree(open_ends)
-    for k in np.flatnonzero(which).tolist():
-        near = [
-            set(tree.query(shapely.Point(place), "dwithin", distance=2 * work.tolerance).tolist())
-            for place in (starts[k], ends[k])
-        ]
-        gaping[k] = len(near[0] | near[1]) > 1 and all(near)
-    return gaping
+def cover(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
+    """Stretches of contours that are missing, and those followed more than once."""
+    dense = min(SPACING, max(work.half_kerf / 2, MIN_SPACING))
+    samples = work.need.samples(np.where(work.beside, dense, SPACING))
+    count = len(samples[2])
+    bends = beside_bends(work.need, work.path, _most(work))
+    bends = kept_samples(bends, ~(work.beside | work.small)[bends[2]])
+    samples = joined_samples(samples, bends)
+    points, owner = work.need.elements.places(*samples[:2]), samples[2]
+    reach = (work.slack + np.where(work.beside, work.half_kerf, 0.0))[owner]
+    away, feet = work.path.feet(_pairs(work, traced, samples, points, reach), len(points))
+    missing = np.flatnonzero((away > reach) & ~work.small[owner])
+    diagnostics: list[Diagnostic] = []
+    if len(missing) and work.half_kerf:
+        missing = missing[~work.on_kept_off(points[missing]) | work.beside[owner[missing]]]
+        is_left, corners = in_corners(work, traced, missing, samples)
+        missing = missing[~is_left]
+        diagnostics = left_faults(work, corners) if corners is not None else []
+    diagnostics += _missing(work, traced, points[missing], owner[missing])
+    covered = (away <= reach)[:count]
+    places = points[:count]
+    if work.half_kerf:
+        places = np.where(covered[:, None], feet[:count], places)
+    return diagnostics + _twice(work, traced, places, owner[:count], np.flatnonzero(covered))
 
 
-def _round_contours(
-    work: Work, traced: Sequence[Traced], points: Floats, stroke: Counts, beside: Near
-) -> None:
-    """Gives the strokes that keep off a contour the one that most of their samples are beside.
+def _pairs(
+    work: Work, traced: Sequence[Traced], samples: Samples, points: Floats, reach: Floats
+) -> Pairs:
+    """The samples and the elements of the path that may be of their curve.
 
-    Of contours on one another only the first is a ring, whichever of them is the nearest.
+    A beam that keeps off is not behind the contour: what is cut from behind a thin wall is not cut
+    at this side of it.
     """
-    assert work.region is not None
-    ring_of = work.region.ring_of
-    is_near = np.isfinite(beside[0])
-    rings = np.where(is_near, ring_of[beside[1]], -1)
-    twin = np.flatnonzero(is_near & (rings < 0))
-    if len(twin):
-        reach = beside[0][twin].max() + float(work.slack.max(initial=0.0))
-        away, nearest, _ = work.need.nearest_within(points[twin], (reach,), ring_of >= 0)
-        rings[twin] = np.where(np.isfinite(away), ring_of[nearest], -1)
-    known = rings >= 0
-    count = len(work.region.rings)
-    pairs, times = np.unique(stroke[known] * max(count, 1) + rings[known], return_counts=True)
-    order = np.argsort(times, kind="stable")
-    most = dict(zip((pairs[order] // max(count, 1)).tolist(), pairs[order].tolist(), strict=True))
-    for k, t in enumerate(traced):
-        if t.half_kerf and k in most:
-            ring = most[k] % count
-            polygon = work.region.polygons[ring]
-            t.contour, t.box, t.group, t.goes_round = polygon, polygon.bounds, -1 - ring, True
-            t.middle = polygon.exterior.coords[0]
+    element, share, owner = samples
+    pairs = work.path.near(points, float(reach.max(initial=0.0)))
+    beside = work.beside[owner]
+    if work.half_kerf:
+        keeps_off = np.array([t.half_kerf > 0.0 for t in traced])
+        stroke = work.of_way[work.path.owner[pairs.element]]
+        pairs = pairs.kept(keeps_off[stroke] == beside[pairs.point])
+        to_waste = work.sides[owner][:, None] * left_of(work.need, element, share)
+        way = work.path.places_of(pairs) - points[pairs.point]
+        below = np.sum(way * to_waste[pairs.point], axis=1) < -BELOW * pairs.away
+        which = np.flatnonzero(below & beside[pairs.point] & (pairs.away > 0.0))
+        off = off_surely(work.need, owner[pairs.point[which]], work.fine) / pairs.away[which]
+        behind = points[pairs.point[which]] + off[:, None] * way[which]
+        pairs = pairs.kept(np.delete(np.arange(len(way)), which[work.region.in_part(behind)]))
+    along = aligned(work.need, samples, work.path, pairs, _most(work))
+    return pairs.kept(along | beside[pairs.point])
 
 
-def _boxes(work: Work, kept: Counts) -> Floats:
-    """The box around the ways of each stroke: least x and y, greatest x and y, (n, 4)."""
-    low, high = work.path.boxes
-    # Every other stretch is that between two strokes.
-    bounds = np.minimum(kept.ravel(), work.path.count - 1)
-    lasts = kept[:, 1] - 1
-    least = np.minimum(np.minimum.reduceat(low, bounds)[::2], low[lasts])
-    greatest = np.maximum(np.maximum.reduceat(high, bounds)[::2], high[lasts])
-    return np.concatenate((least, greatest), axis=1)
+def _missing(
+    work: Work, traced: Sequence[Traced], places: Floats, owner: Counts
+) -> list[Diagnostic]:
+    """That some curves have no path at some places, but for those in bridges."""
+    left = ~in_bridges(work, traced, places)
+    places, owner = places[left], owner[left]
+    _, firsts = np.unique(owner, return_index=True)
+    return [work.missing(int(owner[k]), places[k]) for k in firsts[:SHOWN]]
+
+
+def _twice(
+    work: Work, traced: Sequence[Traced], points: Floats, owner: Counts, covered: Counts
+) -> list[Diagnostic]:
+    """Stretches of a contour that have more than one path; `points` are where it passes."""
+    slack = work.slack[owner]
+    pairs = work.path.near(points, _most(work))
+    is_long = np.zeros(len(points), dtype=bool)
+    is_long[covered] = work.need.lengths[owner[covered]] > 8 * work.tolerance
+    reach = float(np.max(slack[is_long], initial=0.0))
+    passes = _path_passes(work, traced, pairs, is_long, reach)
+    doubtful = np.flatnonzero(passes > 1)
+    doubtful = doubtful[passes[doubtful] > _permitted(work, points[doubtful], reach)]
+    diagnostics: list[Diagnostic] = []
+    for way in sorted(set(owner[doubtful].tolist()))[:SHOWN]:
+        mine = doubtful[owner[doubtful] == way]
+        if len(mine) < 2 or np.min(np.diff(mine)) > 1:
+            continue
+        x, y = (points[mine[0]] - np.array(work.shift)).tolist()
+        worst = int(np.max(passes[mine]))
+        diagnostics.append(
+            rules.TWICE.at(
+                Source(work.name), contour=work.contour(int(way)),
+                x=f"{x:.3f}", y=f"{y:.3f}", found=worst,
+            )
+        )  # fmt: skip
+    return diagnostics
+
+
+def _path_passes(
+    work: Work, traced: Sequence[Traced], pairs: Pairs, which: Flags, reach: float
+) -> Counts:
+    """How often the path passes each sample; 0 of those that are none of `which`, or passed once.
+
+    `pairs` are the samples and the path.
+    """
+    near = work.path.by_way(pairs)
+    way = work.path.owner[near.element]
+    kept = which[near.point] & on_contour(work, traced)[way] & (near.away <= reach)
+    kept &= np.bincount(near.point[kept], minlength=len(which))[near.point] > 1
+    if not kept.any():
+        return np.zeros(len(which), dtype=np.int64)
+    kept &= ~_overlap(work, traced, near)
+    at = work.path.at(near.element[kept], near.along[kept])
+    stroke = work.of_way[way[kept]]
+    loops = _loops(work.path, traced)
+    return _passes(near.point[kept], at, stroke, loops, 6 * reach, len(which))
+
+
+def _permitted(work: Work, points: Floats, reach: float) -> Counts:
+    """How many passes places may have.
+
+    Contours side by side have a path each; one that runs back beside itself has a path for each of
+    its passes.
+    """
+    need = work.need
+    beside = need.near(points, work.half_kerf + 2 * reach)
+    beside = beside.kept(~work.region.twins[need.owner[beside.element]])
+    at, way = need.at(beside.element, beside.along), need.owner[beside.element]
+    toolpaths = need.begins, need.begins + need.lengths, np.all(need.starts == need.ends, axis=1)
+    return _passes(beside.point, at, way, toolpaths, 6 * (work.half_kerf + 2 * reach), len(points))
+
+
+def _overlap(work: Work, traced: Sequence[Traced], near: Pairs) -> Flags:
+    """Which pairs are of the end of a stroke that has to run over its start.
+
+    A controller that keeps off takes up half a kerf along the contour at both ends of it.
+    """
+    if work.torch.kerf_by != "machine" or not work.half_kerf:
+        return np.zeros(len(near.point), dtype=bool)
+    path = work.path
+    lasts = np.array([t.last for t in traced]) - 1
+    ends = path.begins[lasts] + path.lengths[lasts]
+    stroke = work.of_way[path.owner[near.element]]
+    over = OVER * work.half_kerf + work.torch.lead_out + work.most_over
+    overlap: Flags = path.at(near.element, near.along) > ends[stroke] - over
+    return overlap
+
+
+def _loops(path: Toolpaths, traced: Sequence[Traced]) -> Loops:
+    firsts, lasts = np.array([(t.first, t.last - 1) for t in traced]).T
+    closed = np.array([t.closed for t in traced])
+    return path.begins[firsts], path.begins[lasts] + path.lengths[lasts], closed
+
+
+def _passes(
+    sample: Counts, at: Floats, stroke: Counts, loops: Loops, apart: float, count: int
+) -> Counts:
+    """How many separate ways of the path are near each sample.
+
+    Places on the path that are farther apart along it than `apart` belong to different ways; the
+    way over the start of a closed stroke counts too.
+    """
+    if not len(sample):
+        return np.zeros(count, dtype=np.int64)
+    order = np.lexsort((at, stroke, sample))
+    sample, at, stroke = sample[order], at[order], stroke[order]
+    new = np.ones(len(sample), dtype=bool)
+    new[1:] = (sample[1:] != sample[:-1]) | (stroke[1:] != stroke[:-1])
+    new[1:] |= at[1:] - at[:-1] > apart
+    passes: Counts = np.bincount(sample[new], minlength=count)
+    change = np.flatnonzero((sample[1:] != sample[:-1]) | (stroke[1:] != stroke[:-1])) + 1
+    first, last = np.append(0, change), np.append(change, len(sample)) - 1
+    begins, ends, closed = (column[stroke[first]] for column in loops)
+    over = closed & (at[first] - begins + ends - at[last] <= apart)
+    over &= np.add.reduceat(new, first) > 1
+    np.subtract.at(passes, sample[first[over]], 1)
+    return passes
 
 
 # --- alignment ------------------------------------------------------------------------------------

@@ -51,6 +51,13 @@ class Region(Struct, frozen=True):
     anticlockwise: Flags  #: rings that run so
     ring_of: Counts  #: that each way is of; -1 of none
 
+    @classmethod
+    def none(cls, count: int) -> "Region":
+        """Of so many ways that enclose nothing."""
+        no, apart = np.zeros(count, dtype=bool), np.zeros(count)
+        ring_of = np.full(count, -1)
+        return cls(np.zeros(0, dtype=object), [], no, no, apart, np.zeros(0, dtype=bool), ring_of)
+
     def moved(self, shift: Point) -> "Region":
         """The same elsewhere."""
         return replace(self, polygons=shapely.transform(self.polygons, lambda at: at + shift))
@@ -123,6 +130,71 @@ def signed_areas(points: Floats, begins: Counts) -> tuple[Floats, Floats]:
     x, y = (points - np.repeat(points[begins[:-1]], np.diff(begins), axis=0)).T
     areas = np.add.reduceat(x * y[after] - x[after] * y, begins[:-1]) / 2
     return areas, np.add.reduceat(np.hypot(x[after] - x, y[after] - y), begins[:-1])
+
+
+# --- sides ----------------------------------------------------------------------------------------
+
+# The part is known by chords for all but lines, so that it is asked a little off a curve.
+
+
+LINE = 0
+BESIDE_LINE = 2e-4  #: mm off a line, where it is asked on which side of it the part is
+
+
+def off_surely(toolpaths: Toolpaths, way: Counts, fine: float) -> Floats:
+    """How far off some ways it is sure what is part; chords are at most `fine` off."""
+    return np.where(toolpaths.kinds[way] == LINE, BESIDE_LINE, 2 * fine)
+
+
+def left_of(toolpaths: Toolpaths, element: Counts, share: Floats) -> Floats:
+    """The directions square to elements, to their left, (n, 2)."""
+    ahead = toolpaths.elements.directions(element, share)
+    return np.column_stack((-ahead[:, 1], ahead[:, 0]))
+
+
+def sides_at(
+    region: Region, toolpaths: Toolpaths, element: Counts, share: Floats, fine: float
+) -> Floats:
+    """Of places of elements 1 where the waste lies left of them, -1 where the part does."""
+    off = off_surely(toolpaths, toolpaths.owner[element], fine)[:, None]
+    places = toolpaths.elements.places(element, share)
+    is_part = region.in_part(places + off * left_of(toolpaths, element, share))
+    return np.where(is_part, -1.0, 1.0)
+
+
+def waste_sides(region: Region, toolpaths: Toolpaths, fine: float) -> Floats:
+    """Of each way 1 if the waste lies left of it, -1 right of it, 0 if it bounds no part."""
+    sides = np.zeros(toolpaths.count)
+    if not region.rings:
+        return sides
+    rings = _Rings.of(region.rings)
+    longest = np.lexsort((toolpaths.lengths[rings.ways], rings.ring))[rings.begins[1:] - 1]
+    middle = np.full(len(longest), 0.5)
+    left = sides_at(region, toolpaths, toolpaths.first(rings.ways[longest]), middle, fine)
+    along = np.where(rings.turned[longest], -left, left)
+    sides[rings.ways] = np.where(rings.turned, -along[rings.ring], along[rings.ring])
+    return sides
+
+
+def holes_of(region: Region, sides: Floats) -> list[bool | None]:
+    """Whether the waste lies inside of each ring; None of those that cross themselves or others."""
+    polygons = region.polygons
+    clear = shapely.is_valid(polygons)
+    one, other = np.flatnonzero(clear)[shapely.STRtree(polygons[clear]).query(polygons[clear])]
+    one, other = one[one < other], other[one < other]
+    crossing = shapely.intersects(*(shapely.get_exterior_ring(polygons[k]) for k in (one, other)))
+    one, other = one[crossing], other[crossing]
+    crossing = shapely.overlaps(polygons[one], polygons[other])
+    clear[one[crossing]] = clear[other[crossing]] = False
+    firsts = [ring[0] for ring in region.rings]
+    rows = zip(firsts, region.anticlockwise.tolist(), clear.tolist(), strict=True)
+    return [
+        ((sides[way] > 0.0) != back) == turned if is_clear and sides[way] else None
+        for (way, back), turned, is_clear in rows
+    ]
+
+
+# --- ways -----------------------------------------------------------------------------------------
 
 
 def small_ways(toolpaths: Toolpaths, gap: float) -> Flags:
@@ -206,18 +278,24 @@ def _lie_on(toolpaths: Toolpaths, rank: Counts, same: float) -> Flags:
     """
     order = np.argsort(rank, kind="stable")
     exact = toolpaths.kinds < 2
-    # Its ends are known; along the way the last place of one is the first of the next.
-    ends = toolpaths.starts[order], toolpaths.ends[order]
-    places = [
-        *(toolpaths.point(order, share * toolpaths.lengths[order]) for share in SHARES),
-        *ends,
-    ]
-    first = first_equal(np.concatenate(places, axis=1))
+
+    def place(of: Counts, k: int) -> Floats:
+        # Its ends are known; along the way the last place of one is the first of the next.
+        if k < len(SHARES):
+            return toolpaths.point(of, SHARES[k] * toolpaths.lengths[of])
+        ends: Floats = (toolpaths.starts, toolpaths.ends)[k - len(SHARES)][of]
+        return ends
+
+    every = range(len(SHARES) + 2)
+    first = first_equal(np.hstack([place(order, k) for k in (0, *every[-2:])]))
+    alike = np.flatnonzero(np.bincount(first, minlength=len(first))[first] > 1)
+    first[alike] = alike[first_equal(np.hstack([place(order[alike], k) for k in every]))]
     left = np.flatnonzero(first == np.arange(len(first)))
     on = np.zeros(len(first), dtype=bool)
-    for points in places:
+    for k in every:
+        points = place(order[left], k)
         hit = np.zeros(len(left), dtype=bool)
-        for pairs in toolpaths.batches(points[left], same):
+        for pairs in toolpaths.batches(points, same):
             own, other = order[left][pairs.point], toolpaths.owner[pairs.element]
             near = np.where(exact[own] & exact[other], min(same, WRITTEN_SAME * SLACK), same)
             hit[pairs.point[(rank[other] < rank[own]) & (pairs.away <= near)]] = True
@@ -226,22 +304,6 @@ def _lie_on(toolpaths: Toolpaths, rank: Counts, same: float) -> Flags:
     found = np.empty(len(first), dtype=bool)
     found[order] = on[first] | (rank[order] > rank[order[first]])
     return found
-
-
-def ring_depths(polygons: Sequence[shapely.Polygon | None]) -> list[int | None]:
-    """Number of larger rings around each; None where one crosses it."""
-    shapes = np.array([shapely.Polygon() if p is None else p for p in polygons], dtype=object)
-    tree = shapely.STRtree(shapes)
-    areas = shapely.area(shapes)
-    depths: list[int | None] = [0] * len(shapes)
-    for inner, outer in tree.query(shapes, predicate="intersects").T.tolist():
-        if areas[outer] <= areas[inner] or inner == outer or depths[inner] is None:
-            continue
-        if shapely.covers(shapely.buffer(shapes[outer], 0.01), shapes[inner]):
-            depths[inner] = (depths[inner] or 0) + 1
-        elif shapely.area(shapely.intersection(shapes[inner], shapes[outer])) > 0.0:
-            depths[inner] = None
-    return depths
 
 
 class _Rings(Struct, frozen=True):

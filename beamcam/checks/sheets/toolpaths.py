@@ -185,11 +185,14 @@ class Toolpaths:
         """How far the nearest way is from each of `count` points, and its nearest place, (n, 2)."""
         away, feet = np.full(count, np.inf), np.zeros((count, 2))
         best = _nearest(pairs, pairs.point)
-        length = self.elements.length[best.element]
-        share = np.divide(best.along, length, out=np.zeros(len(length)), where=length > 0.0)
-        away[best.point] = best.away
-        feet[best.point] = self.elements.places(best.element, share)
+        away[best.point], feet[best.point] = best.away, self.places_of(best)
         return away, feet
+
+    def places_of(self, pairs: Pairs) -> Floats:
+        """The place of each pair on its element, (n, 2)."""
+        length = self.elements.length[pairs.element]
+        share = np.divide(pairs.along, length, out=np.zeros(len(length)), where=length > 0.0)
+        return self.elements.places(pairs.element, share)
 
     def at(self, element: Counts, along: Floats) -> Floats:
         """How far along all ways, one after the other, places on elements lie."""

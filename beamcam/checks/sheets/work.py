@@ -5,16 +5,14 @@ from functools import cached_property
 from math import inf, pi
 
 import numpy as np
-import shapely
-from msgspec import Struct, field
+from msgspec import Struct
 from msgspec.structs import replace
 from numpy.typing import NDArray
-from shapely import Polygon
 
 from beamcam.checks.sheets import rules
 from beamcam.checks.sheets.grid import widest_gap
 from beamcam.checks.sheets.need import Need
-from beamcam.checks.sheets.region import Region, small_ways
+from beamcam.checks.sheets.region import Region, holes_of, small_ways, waste_sides
 from beamcam.checks.sheets.strokes import HeadStroke, Strokes
 from beamcam.checks.sheets.toolpaths import Toolpaths
 from beamcam.controllers.moves import Moves
@@ -26,59 +24,6 @@ SPACING = 4.0  #: mm between samples
 MITRE = 2.5  #: how far from a corner a path may pass it, by half the kerf
 SHOWN = 5  #: of one kind of fault
 WINDING = 0.02  #: share by which stairs of steps are longer than their path, at most
-STAIRS = 20.0  #: tolerances of which the direction of stairs is told
-MOST_ROUNDS = 20  #: of a path that goes round an inside, repetitions of it by passes included
-
-
-class Traced(Struct):
-    """A stroke whose leads are known, and what it goes round."""
-
-    stroke: HeadStroke
-    first: int  #: of its ways along the contour
-    last: int  #: behind the last of them
-    half_kerf: float  #: that the path keeps off the contour
-    closed: bool
-    path: Toolpaths
-    fine: float  #: what chords may be off
-    ring: list[tuple[int, int]]  #: ways that go round an inside together; none if it is open
-    middle: tuple[float, float]  #: a place on the contour
-    box: tuple[float, float, float, float]  #: around the ring
-    group: int  #: of strokes of one contour
-    goes_round: bool  #: by itself, or with others and the bridges between them
-    contour: Polygon | None = None  #: inside of the closed contour that it keeps off
-    over: float = 0.0  #: mm of its ways that are not part of the ring, and run along a contour
-    before: float = 0.0  #: of `over`, what lies before the ring
-    beyond: float = 0.0  #: mm behind the ring that do not run along it
-    bridge_to: tuple[float, float] | None = None  #: start of the stroke behind a bridge at its end
-    members: list["Traced"] = field(
-        default_factory=list
-    )  #: strokes that go round with it, it first
-    joined: bool = False  #: whether it goes round a contour together with others
-    small: bool | None = False  #: whether it goes round a small hole; None: as good as either
-
-    def inside(self) -> Polygon | None:
-        """The polygon that it goes round; None of less than a triangle, or if another has it.
-
-        And of a path that runs round many times, which no contour does: parting it into rings
-        that do not meet would take gigabytes.
-        """
-        if self.contour is not None or not self.ring:
-            return self.contour
-        points = np.concatenate([self.path.outline(a, b, self.fine) for a, b in self.ring])
-        if len(points) <= 3:
-            return None
-        steps = np.diff(points, axis=0)
-        ahead = np.unwrap(np.arctan2(*steps[np.any(steps != 0.0, axis=1)].T[::-1]))
-        if len(ahead) and abs(ahead[-1] - ahead[0]) > MOST_ROUNDS * 2 * np.pi:
-            return None
-        return shapely.make_valid(shapely.Polygon(points))
-
-    def corners(self) -> Floats:
-        """Places of the contour, (n, 2); chords between them are at most `fine` off."""
-        if self.contour is None:
-            return self.path.outline(self.first, self.last, self.fine)
-        corners: Floats = shapely.get_coordinates(self.contour)
-        return corners
 
 
 class Work(Struct, dict=True):
@@ -97,16 +42,26 @@ class Work(Struct, dict=True):
     tolerance: float
     slack: Floats  #: what each needed curve may be off: the tolerance and what joining may move
     half_kerf: float  #: of the beam, that keeps off closed contours; 0 stays on them
-    region: Region | None  #: of a beam that keeps off
+    region: Region  #: what closed cuts enclose
     small: Flags  #: needed curves that are too small to be cut
     shift: tuple[float, float]
     name: str
     stepped: bool = False  #: whether paths are stairs of a table's steps
 
-    @property
+    @cached_property
     def beside(self) -> Flags:
         """The required curves with kerf compensation."""
-        return np.zeros(self.need.count, dtype=bool) if self.region is None else self.region.closed
+        return self.region.closed & (self.half_kerf > 0.0)
+
+    @cached_property
+    def sides(self) -> Floats:
+        """Of each required curve 1 if the waste lies left of it, -1 right of it, 0 of neither."""
+        return waste_sides(self.region, self.need, self.fine)
+
+    @cached_property
+    def holes(self) -> list[bool | None]:
+        """Of each closed contour whether it is one of a hole; None where that is not clear."""
+        return holes_of(self.region, self.sides)
 
     @cached_property
     def contours(self) -> NDArray[np.object_]:
@@ -176,24 +131,6 @@ class Work(Struct, dict=True):
         """How far apart the strokes on both sides of a bridge may be."""
         return self.torch.tab_width + 2 * half_kerf + 2 * self.tolerance
 
-    def heading(self, t: Traced, at_end: bool) -> Floats:
-        """The direction in which a stroke ends or begins; on stairs, that over a few of them."""
-        path = self.path
-        way = np.array([t.last - 1 if at_end else t.first])
-        if self.stepped:
-            size = float(path.begins[t.last - 1] + path.lengths[t.last - 1] - path.begins[t.first])
-            back = min(size, STAIRS * self.tolerance)
-            here = path.begins[t.first] + (size - back if at_end else back)
-            owner = np.searchsorted(path.begins, [here], "right") - 1
-            place = path.point(owner, here - path.begins[owner])[0]
-            found = path.ends[way[0]] - place if at_end else place - path.starts[way[0]]
-            size = float(np.hypot(*found))
-            if size > 0.0:
-                return np.array(found / size)
-        element = path.last(way) if at_end else path.first(way)
-        direction: Floats = path.elements.directions(element, np.full(1, float(at_end)))[0]
-        return direction
-
     def contour(self, way: int) -> str:
         """Source of a required curve."""
         return str(self.asked.source(self.process, way))
@@ -234,13 +171,13 @@ def work_of(
     half_kerf = 0.0
     if process == "cut" and torch.kerf_by != "none":
         half_kerf = max((s.row.kerf / 2 for s in mine), default=0.0)
-    region = None
+    region = Region.none(len(curves))
+    if process == "cut" and len(curves):
+        region = need.region(torch).moved(shift)
     tolerance = torch.tolerance + 2 * step + fine
     # What joining ends may move is allowed where there is something to join.
-    if half_kerf and len(curves):
-        region = need.region(torch).moved(shift)
-        joined = region.apart
-    else:
+    joined = region.apart
+    if not (half_kerf and len(curves)):
         tolerance += widest_joint(toolpaths, torch.gap)
         joined = np.zeros(len(curves))
     slack = tolerance + joined

@@ -171,6 +171,28 @@ def test_a_bridge_at_a_corner_passes_where_no_place_is_better() -> None:
     assert post((part,), machine).text.count("M4") == 2
 
 
+@pytest.mark.parametrize(("boxes", "tabs", "width"), [
+    ([(10, 10, 26.82, 28), (36.82, 10.54, 7.2, 29.78), (10, 38, 26.82, 29.78)], 3, 1.1),
+    ([(10, 10, 18.1, 30.6), (28.1, 10, 33, 30.6), (10, 40.6, 18.1, 17.2)], 3, 1.2),
+])  # fmt: skip
+def test_bridges_of_parts_that_share_edges_are_found(
+    boxes: list[tuple[float, float, float, float]], tabs: int, width: float
+) -> None:
+    """An edge that two parts share is cut once, up to a bridge in the corner of one of them."""
+    part = drawing(*(contour(box(*one), line=k) for k, one in enumerate(boxes, 1)), thickness=3.0)
+    machine = asked(tabs=tabs, tab_width=width, kerf_by="none", lead="none", inner_tabs=True)
+    assert post((part,), machine).plan.operations
+
+
+def test_bridges_keep_their_distance_to_corners_of_their_own_contour_alone() -> None:
+    """A corner of the part beside it may lie beside a bridge."""
+    boxes = [(10, 10, 22, 30), (32, 13, 20, 12)]
+    part = drawing(*(contour(box(*one), line=k) for k, one in enumerate(boxes, 1)), thickness=3.0)
+    for clear in (1.0, 3.0):
+        machine = asked(tabs=2, min_tab_to_corner=clear, kerf_by="none", lead="none")
+        assert post((part,), machine).plan.operations
+
+
 def test_an_inner_contour_with_a_bridge_is_refused_unless_asked_for() -> None:
     both, outer = asked(tabs=1, inner_tabs=True), asked(tabs=1)
     for made, machine in ((both, outer), (outer, both)):
