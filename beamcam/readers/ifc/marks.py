@@ -87,7 +87,7 @@ def _set_of(model: Model, definition: Entity) -> tuple[str, dict[str, Value]]:
     """The name of a property set and those of its values that matter here."""
     file = definition.file
     named = definition.is_a("IfcPropertySetDefinition")
-    of = file.peek(definition, 2) or "" if named else ""
+    of = definition.values[2] or "" if named else ""
     rows: list[tuple[str, str, Any]] = []
     if _SETS.search(of) is None:
         pass

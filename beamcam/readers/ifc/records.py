@@ -1,35 +1,25 @@
-"""A model's entities as ifcopenshell reads them: attributes by name or place, relations.
+"""A model's entities: attributes by name or place, relations.
 
-An entity is made when it is first referred to, and has its values from ifcopenshell when one is
-first asked for, all at once and once: every look at an instance of its costs a few microseconds. So
-what the kernel is given in place of what it cannot build never shows here.
+An entity is made when it is first referred to, and has its values from the text of its record when
+one is first asked for, all at once and once. What the kernel is given in place of what it cannot
+build never shows here.
 """
 
 import re
 from collections import Counter
-from collections.abc import Callable, Container, Iterable, Iterator, Set
+from collections.abc import Container, Iterable, Iterator, Set
 from functools import cached_property
 from typing import Any
 
 from msgspec import Struct
 
 from beamcam.caches import cached
-from beamcam.readers.ifc.text import (
-    Malformed,
-    Typed,
-    Values,
-    escaped,
-    look_over,
-    plain,
-    records,
-    values_of,
-)
+from beamcam.readers.ifc.text import Malformed, StepRecord, Values, records, values_of
 from beamcam.system import interrupts_waiting
 
 _SCHEMA = re.compile(r"(FILE_SCHEMA\s*\(\s*\(\s*')[^']*", re.IGNORECASE)
 _POINTS = frozenset(("IfcCartesianPoint", "IfcDirection"))
 _PLACEMENTS = frozenset(("IfcAxis2Placement2D", "IfcAxis2Placement3D"))
-_PLAIN = (str, float, int, type(None))  #: what ifcopenshell's values and ours have in common
 
 
 class EntityType(Struct, frozen=True):
@@ -53,7 +43,7 @@ class Entity(Struct, eq=False, gc=False):
     file: "File"
     number: int
     type: EntityType  #: what the schema says of it; of an entity that it does not know, its name
-    held: Any  #: ifcopenshell's instance, or the record where the file is doubtful
+    inner: str  #: its values as they are written
     values: Values = ()  #: none until they are asked for: deleted, so that `__getattr__` reads them
 
     @property
@@ -72,7 +62,7 @@ class Entity(Struct, eq=False, gc=False):
     def __getattr__(self, name: str) -> Any:
         # Called for what has no value yet: the slot that is filled late, and attributes.
         if name == "values":
-            self.values = self.file.values(self.type, self.held)
+            self.values = values_of(self.inner, self.file.entity)
             return self.values
         place = self.type.places.get(name)
         if place is not None:
@@ -140,24 +130,25 @@ class File:
     def __init__(self, text: str, schema: str) -> None:
         """Raises Malformed if the text is not a STEP file."""
         self.schema = schema  #: IFC2X3, IFC4 or IFC4X3
-        text = _SCHEMA.sub(rf"\g<1>{identifier_of(schema)}", plain(text), count=1)
-        self._names, doubtful = look_over(text)
-        self._types: dict[str, EntityType] = {}
+        self._text = text
+        self._records = records(text)
+        self._by_kind: dict[str, list[StepRecord]] = {}
+        for record in self._records.values():
+            self._by_kind.setdefault(record.kind, []).append(record)
+        self._types = {kind: self._type(kind) for kind in self._by_kind}
         self._things: dict[int, Any] = {}  #: what stands for each record that was met
         self.tied: dict[str, dict[int, list[Any]]] = {}  #: see entities.py
-        #: Value of an instance by its place, without its wrapper's checks; so since 0.9.
-        instances = parser().entity_instance
-        self._read = getattr(instances, "get_argument", instances.__getitem__)
-        self._instance: Any = instances
-        parser().get_log()  # what others left there
+
+    @cached_property
+    def opened(self) -> Any:
+        """The file as ifcopenshell reads it, for its geometry kernel. Raises Malformed."""
+        text = _SCHEMA.sub(rf"\g<1>{identifier_of(self.schema)}", self._text, count=1)
+        # It loses the way behind a stray backslash, and the kernel asks for no text with letters.
+        text = text.replace("\\", "/").encode("ascii", "replace").decode()
         try:
-            self.opened: Any = parser().file.from_string(escaped(text))
+            return parser().file.from_string(text)
         except Exception as fault:  # the parser's own errors have no class of their own
             raise Malformed(str(fault)) from fault
-        remarks, count = str(parser().get_log()).strip(), len(self.opened.entity_names())
-        doubtful |= bool(remarks) or count != len(self._names)
-        #: The records as they are written, where ifcopenshell does not read all of them so.
-        self._written = {one.number: one for one in records(text)} if doubtful else None
 
     def close(self) -> None:
         """Let go of all entities, they of the file and of one another: the collector knows none."""
@@ -166,36 +157,29 @@ class File:
             if isinstance(thing, Entity):
                 thing.values = ()  # which may lead back to it
         self._things = {}
-        self.opened = None
+        self.__dict__.pop("opened", None)
 
     def entity(self, number: int) -> Any:
         """What stands for a number among values; a missing entity fails when it is looked at."""
-        if number in self._things:
-            return self._things[number]
-        if self._written is None:
-            return self._met(number, self.opened.by_id(number))
-        record = self._written.get(number)
+        thing: Any = self._things.get(number)
+        if thing is not None:
+            return thing
+        record = self._records.get(number)
         if record is None:
-            made = Missing(self, number, EntityType("", frozenset(), {}), None)
-            del made.type, made.held, made.values
+            made = Missing(self, number, EntityType("", frozenset(), {}), "")
+            del made.type, made.inner, made.values
             return made
-        return self._met(number, record)
-
-    def _met(self, number: int, held: Any) -> Any:
-        """What stands for a record that was not met before: an entity, or its numbers."""
-        kind = held.kind if self._written is not None else held.is_a()
-        known = self._types.get(kind) or self._type(kind)
-        thing: Any
+        known = self._types[record.kind]
         if known.name in _POINTS:
-            values = self.values(known, held)
+            values = values_of(record.inner, self.entity)
             try:
                 thing = tuple(map(float, values[0]))
             except (IndexError, TypeError, ValueError):
                 raise Malformed(f"#{number} without numbers") from None
         elif known.name in _PLACEMENTS:
-            thing = self.values(known, held)
+            thing = values_of(record.inner, self.entity)
         else:
-            thing = Entity(self, number, known, held)
+            thing = Entity(self, number, known, record.inner)
             del thing.values
         self._things[number] = thing
         return thing
@@ -203,94 +187,42 @@ class File:
     def _type(self, kind: str) -> EntityType:
         """What the schema says of a class, or else what IFC4 does."""
         known = entity_type(self.schema, kind) or entity_type("IFC4", kind)
-        known = self._types[kind] = known or EntityType(kind, frozenset((kind,)), {})
-        return known
-
-    def values(self, known: EntityType, held: Any) -> Values:
-        """The values of an instance or a record. Raises Malformed."""
-        if self._written is not None:
-            return values_of(held.inner, self.entity)
-        read, instances, things = self._read, self._instance, self._things
-        values = []
-        for place in range(len(known.places)):
-            value = read(held, place)
-            if type(value) is instances and (number := value.id()):
-                thing = things.get(number)
-                value = self._met(number, value) if thing is None else thing
-            elif not isinstance(value, _PLAIN):
-                value = self._value(value)
-            values.append(value)
-        return tuple(values)
-
-    def _value(self, value: Any) -> Any:
-        """A list of ifcopenshell's, or an instance, as one of ours."""
-        if isinstance(value, tuple):
-            plain = not value or isinstance(value[0], _PLAIN)
-            return value if plain else tuple(map(self._value, value))
-        if not isinstance(value, self._instance):
-            return value
-        if not (number := value.id()):
-            return Typed(value.is_a().upper(), self._value(self._read(value, 0)))
-        thing = self._things.get(number)
-        return self._met(number, value) if thing is None else thing
+        return known or EntityType(kind, frozenset((kind,)), {})
 
     def sides(self, relations: Iterable[str], near: int, far: int) -> Iterator[tuple[Any, Any]]:
         """Two values of each relation of some classes, in the order of the file.
 
         The far one is None where a relation is cut short, so that only what is near it suffers.
         """
-        for one in (one for relation in relations for one in self._of(relation)):
-            if self._written is None:
-                yield self._value(self._read(one, near)), self._value(self._read(one, far))
-            else:
-                values = self.entity(one.number).values
-                yield values[near], values[far] if far < len(values) else None
+        for one in (one for relation in relations for one in self.by_type(relation)):
+            values = one.values
+            yield values[near], values[far] if far < len(values) else None
 
-    def peek(self, entity: Entity, place: int) -> Any:
-        """One of an entity's values, without a look at the others."""
-        if self._written is not None:
-            return entity.values[place]
-        return self._value(self._read(entity.held, place))
+    def counts(self, name: str) -> Counter[str]:
+        """Number of records of each class below another."""
+        found = Counter[str]()
+        for kind in self._below(name):
+            found[self._types[kind].name] += len(self._by_kind[kind])
+        return found
+
+    def by_type(self, name: str) -> list[Any]:
+        """The entities of a class and of its subtypes, in the order of the file."""
+        found = [record for kind in self._below(name) for record in self._by_kind[kind]]
+        return [self.entity(r.number) for r in sorted(found, key=lambda record: record.at)]
+
+    def _below(self, name: str) -> list[str]:
+        """The classes of records that are of a class, as they are written."""
+        return [kind for kind, known in self._types.items() if name in known.kinds]
 
     def listed(self, entity: Entity, place: int, names: Set[str]) -> Iterator[Entity]:
         """Those of the entities in a list among an entity's values whose first value is a name.
 
-        The others, of which there are many, are not made.
+        The values of the others, of which there are many, are not read.
         """
-        if self._written is not None:
-            quoted = tuple(f"'{name}'" for name in names)
-            for one in entity.values[place]:
-                if type(one) is Entity and one.held.inner.lstrip().startswith(quoted):
-                    yield one
-            return
-        for one in self._read(entity.held, place) or ():
-            if self._read(one, 0) in names:
-                yield self._value(one)
-
-    def counts(self, name: str) -> Counter[str]:
-        """Number of records of each class below another."""
-        written = self._written is not None
-        return Counter(self._type(r.kind).name if written else r.is_a() for r in self._of(name))
-
-    def by_type(self, name: str) -> list[Any]:
-        """The entities of a class and of its subtypes, in the order of the file."""
-        if self._written is not None:
-            return [self.entity(record.number) for record in self._of(name)]
-        return list(map(self._value, self._of(name)))
-
-    def _of(self, name: str) -> list[Any]:
-        """The instances, or else the records, of a class and of its subtypes."""
-        if self._written is not None:
-            kinds = {r.kind: self._type(r.kind).kinds for r in self._written.values()}
-            return [record for record in self._written.values() if name in kinds[record.kind]]
-        if entity_type(self.schema, name) is None:
-            return []
-        return sorted(self.opened.by_type(name), key=lambda instance: self._order(instance.id()))
-
-    @cached_property
-    def _order(self) -> Callable[[int], int]:
-        """The place of a record in the file, by its number."""
-        return {int(number): place for place, number in enumerate(self._names)}.__getitem__
+        quoted = tuple(f"'{name}'" for name in names)
+        for one in entity.values[place]:
+            if type(one) is Entity and one.inner.lstrip().startswith(quoted):
+                yield one
 
 
 @cached("ifc.parser")
