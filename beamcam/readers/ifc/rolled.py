@@ -4,7 +4,6 @@ from math import asin, ceil, cos
 from typing import Any
 
 import numpy as np
-from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.geometry.curves import Arc
@@ -34,6 +33,7 @@ from beamcam.readers.ifc.shell import (
     vec,
 )
 from beamcam.readers.ifc.space import Frame, Vec, across, add, cross, dot, scale, size, sub, unit
+from beamcam.readers.ifc.stock import Stock
 
 STATIONS = (0.5, 0.31, 0.69, 0.17, 0.83, 0.08, 0.92, 0.42, 0.58, 0.03, 0.97)
 FLAT = 0.6  #: share of its box that a flat bar with bevelled edges fills
@@ -50,20 +50,7 @@ NEARLY_PLANE = 1 - 1e-8  #: cosine between the facets of one plane
 SAME = 1e-9  #: mm between the lines of one section at two stations, from rounding
 
 
-Rough = tuple[float, Any]  #: mm between arcs and facets, and the region in which facets lie
-Best = tuple[Section, Any, Any]  #: a section, its region with its arcs, and with its facets
-
-
-class Rolled(Struct, frozen=True):
-    """A stock that was found in a shell, and where."""
-
-    section: Section
-    frame: Frame
-    x0: float
-    x1: float
-    shape: Any  #: the section's region in (Y, Z), with its arcs
-    stock: BareStock
-    rise: float = 0.0  #: mm between its roundings and facets that run slantwise
+Best = tuple[Section, BareStock]  #: a section, its shape in the axes of the stations
 
 
 def other_axes(shell: Shell, along: Vec) -> list[Vec]:
@@ -74,26 +61,24 @@ def other_axes(shell: Shell, along: Vec) -> list[Vec]:
     return [unit(cross(along, normal)), normal]
 
 
-def rolled_stock(shell: Shell, axis: Vec) -> Rolled | None:
-    """The section of a shell along an axis; None if no station shows a rolled form."""
+def rolled_stock(shell: Shell, axis: Vec) -> Stock | None:
+    """The stock of a shell along an axis; None if no station shows a rolled form."""
     u = reference(shell, axis)
     v = cross(axis, u)
     low, high = extent(shell, axis)
     best: Best | None = None
     special: Best | None = None
     seen: list[Segments] = []
-    rough: Rough | None = None
-    areas: list[float] = []  #: of the special sections of the stations
+    areas: list[float] = []  #: of each station's section if it is a special one, else 0
     sizes: list[float] = []
-    last = 0.0
     for share in STATIONS:
         at = low + share * (high - low)
         lines = segments(shell, scale(axis, at), axis, u, v)
         if any(_same(lines, other) for other in seen):
-            areas.append(last)  # most of a member shows one section
+            areas.append(areas[-1])  # most of a member shows one section
             continue
         seen.append(lines)
-        last = 0.0
+        areas.append(0.0)
         pieces = pieces_of(region_within(lines))
         sizes += [float(piece.area) for piece in pieces]
         if len(pieces) != 1:
@@ -103,51 +88,43 @@ def rolled_stock(shell: Shell, axis: Vec) -> Rolled | None:
         section = _told(outer, inner, pieces[0]) if outer else None
         if section is not None and section.code == "SO":
             box = (*extent(shell, u), *extent(shell, v))
-            last = section.area
-            areas.append(last)
+            areas[-1] = section.area
             if special is None or section.area > special[0].area * SAME_AREA:
-                special = section, pieces[0], pieces[0]
+                special = section, BareStock(pieces[0], sizes[-1])
             section = _flat(pieces[0]) if _reaches(pieces[0], box) else None
         if section is None or (section.code == "B" and section.width > 200):
             continue
         if best is None or section.area > best[0].area * SAME_AREA:
             exact = polygon_of(outer, inner, Circles()) if circles.known else pieces[0]
-            best = section, exact, pieces[0]
+            best = section, BareStock(pieces[0], float(exact.area))
     slanted = len({round(size, SAME_SIZE) for size in sizes}) > len(STATIONS) // 2
     if slanted and not shell.cylinders:
-        for side in (-1, 1):
-            skinned = _end_section(shell, axis, side, u, v, max(sizes))
-            if skinned is not None:
-                best, rough = skinned
-                break
+        ends = (_end_section(shell, axis, side, u, v, max(sizes)) for side in (-1, 1))
+        best = next((one for one in ends if one is not None), best)
     if best is None and special is not None:
         alike = sum(area * SAME_AREA >= special[0].area for area in areas)
         best = special if alike > len(STATIONS) // 2 else None
-    return None if best is None else _as_rolled(shell, best, rough, u, v)
+    return None if best is None else _placed(shell, *best, u, v)
 
 
-def _as_rolled(shell: Shell, best: Best, rough: Rough | None, u: Vec, v: Vec) -> Rolled:
-    """The stock of the best section that stations along a shell show, in axes u and v."""
+def _placed(shell: Shell, section: Section, bare: BareStock, u: Vec, v: Vec) -> Stock:
+    """The stock of a section that stations along a shell show, in axes u and v."""
     from shapely import transform
 
-    section, exact, drawn = best
     o, y, z = (add(scale(u, p), scale(v, q)) for p, q in (section.origin, section.y, section.z))
     frame = Frame(o, cross(y, z), y, z)
-    x0, x1 = extent(shell, frame.x)
 
     def turned(points: Any) -> Any:
         off = points - np.array(section.origin)
         return np.column_stack((off @ np.array(section.y), off @ np.array(section.z)))
 
-    shape = transform(exact, turned)
     if section.is_plain_flat:  # its edges may be bevelled all along
         section = replace(section, area=section.height * section.width)
-        return Rolled(section, frame, x0, x1, shape, plain_stock(section))
-    shown = BareStock(transform(drawn, turned), float(exact.area))
-    rise = 0.0
-    if rough is not None:
-        rise, shown = rough[0], replace(shown, rough=transform(rough[1], turned))
-    return Rolled(section, frame, x0, x1, shape, shown, rise)
+        bare = plain_stock(section)
+    else:
+        rough = None if bare.rough is None else transform(bare.rough, turned)
+        bare = replace(bare, shape=transform(bare.shape, turned), rough=rough)
+    return Stock(section, frame, *extent(shell, frame.x), bare=bare)
 
 
 def _same(lines: Segments, others: Segments) -> bool:
@@ -170,9 +147,7 @@ def _told(outer: Chain, inner: tuple[Chain, ...], piece: Any) -> Section | None:
     return section if again is None else replace(again, area=float(piece.area))
 
 
-def _end_section(
-    shell: Shell, axis: Vec, side: int, u: Vec, v: Vec, widest: float
-) -> tuple[Best, Rough] | None:
+def _end_section(shell: Shell, axis: Vec, side: int, u: Vec, v: Vec, widest: float) -> Best | None:
     """The section of a mesh whose facets run slantwise from a mitred end to the other one.
 
     No two of its stations are alike, and no corner of theirs lies on a rounding. Those of an end
@@ -209,7 +184,7 @@ def _end_section(
         bands += [Polygon([*outside[k : k + 2], *inside[k : k + 2][::-1]]) for k in range(count)]
     shape = polygon_of(outer, tuple(inner), Circles())
     section = replace(section, area=float(shape.area))
-    return (section, shape, shape), (most, union_all(bands))
+    return section, BareStock(shape, section.area, union_all(bands), most)
 
 
 def round_axis(shell: Shell, along: Vec) -> Vec | None:

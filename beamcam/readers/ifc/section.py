@@ -119,6 +119,7 @@ class BareStock(Struct, frozen=True, eq=False):
     shape: Any  #: in (Y, Z), with the facets of the body
     area: float  #: mm2, of the section that its facets stand for
     rough: Any = None  #: where facets that run slantwise lie somewhere between arcs and chords
+    rise: float = 0.0  #: mm between its roundings and such facets
 
 
 def plain_stock(section: Section) -> BareStock:
