@@ -12,12 +12,12 @@ from typing import Any
 import numpy as np
 from msgspec.structs import replace
 
-from beamcam.errors import Diagnostic, Severity, Source
+from beamcam.errors import Diagnostic, Source, errors_in
 from beamcam.readers.ifc import rules
 from beamcam.readers.ifc.checks import section_said
 from beamcam.readers.ifc.cutters import planes_of
 from beamcam.readers.ifc.ends import MemberEnd, of_plane
-from beamcam.readers.ifc.entities import Bent, Entity, Model, OddSection, Unreadable
+from beamcam.readers.ifc.entities import Entity, Model, Unreadable
 from beamcam.readers.ifc.finish import Regions, Shaped, from_regions, reach, sawn
 from beamcam.readers.ifc.kernel import ANGLE, CHORD, build_both
 from beamcam.readers.ifc.profiles import Outline
@@ -100,15 +100,13 @@ def read_shell(shell: Shell, source: Source, volume: float | None = None) -> Sha
             return shape
         shapes.append(shape)
     if shapes:  # the likeliest of those that are not denied
-        return min(
-            shapes, key=lambda one: any(d.severity is Severity.ERROR for d in one.diagnostics)
-        )
+        return min(shapes, key=lambda one: bool(errors_in(one.diagnostics)))
     kink = kinked(shell)
     if kink is not None:
-        raise Bent(rules.KINKED, f"a member kinked by {kink:.1f} degrees")
+        raise Unreadable(f"a member kinked by {kink:.1f} degrees", rules.KINKED, final=True)
     if faults:
         raise faults[0]
-    raise OddSection(f"a shell of {shell.count} faces without a constant section")
+    raise Unreadable(f"a shell of {shell.count} faces without a constant section", rules.SECTION)
 
 
 def _stocks(shell: Shell) -> Iterator[Stock]:
@@ -140,7 +138,7 @@ def _unexplained(
     beyond = _beyond(body, shape.section)
     if beyond is not None:
         if kinked(shell) is not None:
-            raise OddSection("a kinked member")
+            raise Unreadable("a kinked member", rules.SECTION)
         return (rules.UNEXPLAINED.at(source, found=beyond),)
     stock = shape.stock or plain_stock(shape.section)
     by = MESH if volume is not None else FACES
@@ -161,10 +159,11 @@ def _beyond(body: Shell, section: Section) -> str | None:
     return f"more steel, up to {far.max():.1f} mm beyond the section {place},"
 
 
-def _not_explained(theirs: float, explained: float) -> OddSection:
-    return OddSection(
+def _not_explained(theirs: float, explained: float) -> Unreadable:
+    return Unreadable(
         f"a shell of {theirs / 1e3:.1f} cm3 whose section and cuts explain "
-        f"{explained / 1e3:.1f} cm3"
+        f"{explained / 1e3:.1f} cm3",
+        rules.SECTION,
     )
 
 
@@ -255,7 +254,7 @@ def _flat_end(local: Shell, side: int) -> MemberEnd:
     """The plane that most of an end's area lies in."""
     areas, same = local.areas, end_faces(local, ALONG, side)
     if not len(same):
-        raise OddSection("a round section without plane ends")
+        raise Unreadable("a round section without plane ends", rules.SECTION)
     n = vec(local.area_normals[same[areas[same].argmax()]])
     a, b = -n[1] / n[0], -n[2] / n[0]
     if abs(a) < LEVEL_NOISE and abs(b) < LEVEL_NOISE:

@@ -7,9 +7,10 @@ from msgspec.structs import replace
 
 from beamcam.errors import Source
 from beamcam.model.part import Hole, Slot
+from beamcam.readers.ifc import rules
 from beamcam.readers.ifc.cutters import Box3, Cutter, Prism
 from beamcam.readers.ifc.ends import MemberEnd, Trim
-from beamcam.readers.ifc.entities import OddCut, Unreadable
+from beamcam.readers.ifc.entities import Unreadable
 from beamcam.readers.ifc.finish import slot
 from beamcam.readers.ifc.outline import Round, Slotted
 from beamcam.readers.ifc.section import Section, Wall, walls_of
@@ -164,7 +165,7 @@ def _radial(
     start = cutter.start(shape)
     y, z = start[1] - r, start[2] - r
     if abs(y * along[2] - z * along[1]) > 0.05:
-        raise OddCut("a hole beside the axis of a round section")
+        raise Unreadable("a hole beside the axis of a round section", rules.ODD_CUT)
     first = y * along[1] + z * along[2]
     last = first + dot(cutter.frame.z, along)
     wall = section.web_thickness if section.code == "RO" else r
@@ -178,9 +179,9 @@ def _radial(
             angle = atan2(way[2], -way[1]) % (2 * pi)
             found.append(Hole("v", start[0], angle * r, diameter, source))
         elif min(last, high) - max(first, low) > TOUCH:
-            raise OddCut("a blind hole in a round section")
+            raise Unreadable("a blind hole in a round section", rules.ODD_CUT)
     if section.code == "RU" and found:
         if len(found) == 1:
-            raise OddCut("a blind hole in a round section")
+            raise Unreadable("a blind hole in a round section", rules.ODD_CUT)
         found.pop()  # a solid bar is drilled from one side
     return found

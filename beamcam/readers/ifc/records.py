@@ -7,7 +7,7 @@ build never shows here.
 
 import re
 from collections import Counter
-from collections.abc import Container, Iterable, Iterator, Set
+from collections.abc import Container, Iterator
 from functools import cached_property
 from typing import Any
 
@@ -189,15 +189,6 @@ class File:
         known = entity_type(self.schema, kind) or entity_type("IFC4", kind)
         return known or EntityType(kind, frozenset((kind,)), {})
 
-    def sides(self, relations: Iterable[str], near: int, far: int) -> Iterator[tuple[Any, Any]]:
-        """Two values of each relation of some classes, in the order of the file.
-
-        The far one is None where a relation is cut short, so that only what is near it suffers.
-        """
-        for one in (one for relation in relations for one in self.by_type(relation)):
-            values = one.values
-            yield values[near], values[far] if far < len(values) else None
-
     def counts(self, name: str) -> Counter[str]:
         """Number of records of each class below another."""
         found = Counter[str]()
@@ -213,16 +204,6 @@ class File:
     def _below(self, name: str) -> list[str]:
         """The classes of records that are of a class, as they are written."""
         return [kind for kind, known in self._types.items() if name in known.kinds]
-
-    def listed(self, entity: Entity, place: int, names: Set[str]) -> Iterator[Entity]:
-        """Those of the entities in a list among an entity's values whose first value is a name.
-
-        The values of the others, of which there are many, are not read.
-        """
-        quoted = tuple(f"'{name}'" for name in names)
-        for one in entity.values[place]:
-            if type(one) is Entity and one.inner.lstrip().startswith(quoted):
-                yield one
 
 
 @cached("ifc.parser")

@@ -13,11 +13,12 @@ from msgspec.structs import replace
 from beamcam.errors import Source
 from beamcam.geometry.curves import Line, Point
 from beamcam.model.part import Hole, Slot
+from beamcam.readers.ifc import rules
 from beamcam.readers.ifc.body import Body, Swept
 from beamcam.readers.ifc.curves2d import Chain
 from beamcam.readers.ifc.cutters import MIN_LEAN, Bounded, Box3, Cutter, HalfSpace, Prism, planes_of
 from beamcam.readers.ifc.ends import MemberEnd, of_plane, trim
-from beamcam.readers.ifc.entities import Entity, Model, OddCut, Unreadable
+from beamcam.readers.ifc.entities import Entity, Model, Unreadable
 from beamcam.readers.ifc.finish import Levels, Regions, Shaped, from_regions, sawn
 from beamcam.readers.ifc.holes import Drilled, pierce
 from beamcam.readers.ifc.region import Circles, Shape, polygon_of, rectangle
@@ -129,7 +130,9 @@ def cut(stock: Stock, cutters: Sequence[Cutter], source: Source) -> Shaped:
         span = -start.reach, end.reach
         return sawn(section, (start.sole, end.sole), span, holes, source, gross)
     if not walls:
-        raise OddCut(f"cuts other than saw cuts and holes in a section of code {section.code}")
+        raise Unreadable(
+            f"cuts other than saw cuts and holes in a section of code {section.code}", rules.ODD_CUT
+        )
     circles = Circles()
     regions = _left_of_walls(stock, (*starts, *ends), general, circles)
     planes = [*start.planes, *end.planes, *_sides(stock.outline)]
