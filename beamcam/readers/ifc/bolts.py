@@ -10,6 +10,7 @@ from math import acos, degrees
 
 from msgspec import Struct
 from msgspec.structs import replace
+from shapely import Point as ShapelyPoint
 
 from beamcam.errors import Diagnostic, Source, errors_in
 from beamcam.model.part import Hole, Part
@@ -214,12 +215,10 @@ def _in_steel(holes: Sequence[Hole], part: Part) -> tuple[list[Hole], list[Hole]
     air: list[Hole] = []
     if not holes:
         return steel, air
-    from shapely import Point
-
     solid, walls = part_solid(part), solid_walls(part.profile)
     for hole in holes:
         wall = walls[hole.face]
-        circle = Point(hole.x, hole.y).buffer(hole.diameter / 2 + NEAR)
+        circle = ShapelyPoint(hole.x, hole.y).buffer(hole.diameter / 2 + NEAR)
         bore = prism(circle, 0.0, wall.thickness, wall.frame)
         (air if (bore - solid).volume() > AIR else steel).append(hole)
     return steel, air

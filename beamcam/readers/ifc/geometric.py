@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 from msgspec.structs import replace
+from shapely import LineString, MultiPolygon, Polygon, get_coordinates
 
 from beamcam.errors import Diagnostic, Source, errors_in
 from beamcam.readers.ifc import rules
@@ -201,8 +202,6 @@ def _full_width(shape: Shape, wall: Wall, c: float, stock: BareStock) -> Shape:
 
     A level a little inside a tube's wall, or near the toe of an angle, is narrower than the wall.
     """
-    from shapely import LineString, MultiPolygon, Polygon, get_coordinates
-
     lines = LineString([wall.point(0.0, q, c)[1:] for q in (-FAR, FAR)])
     crossed = [wall.split((0.0, *p))[0] for p in get_coordinates(stock.shape.intersection(lines))]
     if len(crossed) < 2:

@@ -5,10 +5,11 @@ from typing import Any
 
 import numpy as np
 from msgspec.structs import replace
+from shapely import Polygon, transform, union_all
 
 from beamcam.geometry.curves import Arc
 from beamcam.readers.ifc.classify import classify
-from beamcam.readers.ifc.curves2d import Chain
+from beamcam.readers.ifc.curves2d import Chain, points_chain
 from beamcam.readers.ifc.cutters import MIN_LEAN
 from beamcam.readers.ifc.outline import sharpened, with_arcs
 from beamcam.readers.ifc.region import (
@@ -21,7 +22,7 @@ from beamcam.readers.ifc.region import (
     polygon_of,
     region_within,
 )
-from beamcam.readers.ifc.section import BareStock, Section, placed, plain_stock
+from beamcam.readers.ifc.section import BareStock, Section, plain_stock
 from beamcam.readers.ifc.shell import (
     Places,
     Shell,
@@ -109,8 +110,6 @@ def rolled_stock(shell: Shell, axis: Vec) -> Stock | None:
 
 def _placed(shell: Shell, section: Section, bare: BareStock, u: Vec, v: Vec) -> Stock:
     """The stock of a section that stations along a shell show, in axes u and v."""
-    from shapely import transform
-
     o, y, z = (add(scale(u, p), scale(v, q)) for p, q in (section.origin, section.y, section.z))
     frame = Frame(o, cross(y, z), y, z)
 
@@ -153,8 +152,6 @@ def _end_section(shell: Shell, axis: Vec, side: int, u: Vec, v: Vec, widest: flo
     No two of its stations are alike, and no corner of theirs lies on a rounding. Those of an end
     do, if it is one plane; along the axis the end is the section.
     """
-    from shapely import Polygon, union_all
-
     end = np.isin(shell.rings.face_of_corner, end_faces(shell, axis, side))
     flat = np.column_stack((coordinates(shell.points, u), coordinates(shell.points, v)))
     before = flat[shell.rings.before]
@@ -244,10 +241,7 @@ def _flat(piece: Any) -> Section | None:
         return None
     if float(piece.area) < FLAT * b * h or max(b, h) < FLATTER * min(b, h):
         return None
-    centre, up, right = ((x0 + x1) / 2, (y0 + y1) / 2), (0.0, 1.0), (1.0, 0.0)
-    if b > h:
-        b, h, up, right = h, b, right, up
-    return placed("B", (h, b, 0.0, b, 0.0), centre, up, right, b * h)
+    return classify(points_chain([(x0, y0), (x1, y0), (x1, y1), (x0, y1)]))
 
 
 def reference(shell: Shell, axis: Vec) -> Vec:

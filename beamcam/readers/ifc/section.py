@@ -16,12 +16,13 @@ from typing import Any, Literal
 
 from msgspec import Struct
 from msgspec.structs import replace
+from shapely import box
 
 from beamcam.caches import cached
 from beamcam.geometry.curves import Arc, Point, signed_area
 from beamcam.geometry.plane import cross
 from beamcam.model.part import Face, Profile, ProfileCode, SectionPoint
-from beamcam.model.section import corners
+from beamcam.model.section import corners, section_area
 from beamcam.readers.ifc.curves2d import Chain, box_around
 from beamcam.readers.ifc.space import Vec
 
@@ -124,8 +125,6 @@ class BareStock(Struct, frozen=True, eq=False):
 
 def plain_stock(section: Section) -> BareStock:
     """That of a flat bar or a plate."""
-    from shapely import box
-
     height, thickness = section.height, section.width
     return BareStock(box(0.0, 0.0, height, thickness), height * thickness)
 
@@ -190,19 +189,12 @@ FORMS: dict[ProfileCode, Form] = {
 def area_by_measures(
     code: ProfileCode, h: float, b: float, tf: float, tw: float, r: float
 ) -> float:
-    """Area of a section in mm2; fillets add (1 - pi/4) r2 each, rounded corners take as much."""
+    """Area of a section in mm2 as models have it: toes of angles are sharp, lips not counted."""
     corner = (1 - pi / 4) * r * r
-    if code == "M":
-        inner = max(0.0, r - tw)
-        return h * b - (h - 2 * tf) * (b - 2 * tw) - 4 * (corner - (1 - pi / 4) * inner * inner)
-    if code == "RO":
-        return pi * (h - tw) * tw
-    if code == "RU":
-        return pi * h * h / 4
-    form = FORMS["U" if code == "C" else code]  # no measure gives the lips
-    p = form.drawn(h, b, tf, tw)
-    area = sum(cross(a, b) for a, b in zip(p, [*p[1:], p[0]], strict=True)) / 2
-    return area + corner * (form.reflex.count(True) or -4)
+    if code == "B":
+        return h * b - 4 * corner
+    area = section_area(Profile("U" if code == "C" else code, "", h, b, tf, tw, r)) or 0.0
+    return area + corner / 2 if code == "L" else area
 
 
 def placed(

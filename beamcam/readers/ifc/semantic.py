@@ -9,6 +9,7 @@
 from collections.abc import Iterator, Sequence
 
 from msgspec.structs import replace
+from shapely import contains_xy
 
 from beamcam.errors import Source
 from beamcam.geometry.curves import Line, Point
@@ -52,8 +53,6 @@ def end_plane(cutter: Cutter, stock: Stock, corners: Sequence[Point]) -> HalfSpa
 
 def _takes_all(cutter: Prism, plane: HalfSpace, stock: Stock, corners: Sequence[Point]) -> bool:
     """Whether a prism holds everything of the stock beyond a plane, up to the stock's end."""
-    from shapely import contains_xy
-
     inverse = cutter.frame.inverse()
     way, far = (1.0, stock.x1) if plane.normal[0] > 0 else (-1.0, stock.x0)
     h, b = stock.section.height, stock.section.width
