@@ -29,7 +29,7 @@ _NAMES = {
     "reference": ("Reference",),
     "phase": ("Phase",),
 }  # fmt: skip
-_WANTED = tuple(f"'{name}'" for names in _NAMES.values() for name in names)
+_WANTED = frozenset(name for names in _NAMES.values() for name in names)
 _NOT_STEEL = (
     ("concrete", re.compile(r"concrete|beton|b[ée]ton|hormig|\bC\d\d/\d\d|precast", re.IGNORECASE)),
     ("timber", re.compile(r"timber|wood|holz|glulam|lumber|\bGL\d\d|bois|plywood", re.IGNORECASE)),
@@ -85,16 +85,15 @@ def data_of(model: Model, element: Entity) -> Data:
 
 def _set_of(model: Model, definition: Entity) -> tuple[str, dict[str, Value]]:
     """The name of a property set and those of its values that matter here."""
+    file = definition.file
     named = definition.is_a("IfcPropertySetDefinition")
-    of = definition.values[2] or "" if named else ""
+    of = file.peek(definition, 2) or "" if named else ""
     rows: list[tuple[str, str, Any]] = []
     if _SETS.search(of) is None:
         pass
     elif definition.is_a("IfcPropertySet"):
-        for one in definition.HasProperties:
-            # The values of the others, of which there are many, are not read.
-            if type(one) is not Entity or not one.inner.lstrip().startswith(_WANTED):
-                continue
+        properties = definition.type.places["HasProperties"]
+        for one in file.listed(definition, properties, _WANTED):
             if one.is_a("IfcPropertySingleValue") and (value := one.NominalValue) is not None:
                 rows.append((one.Name, value.kind, value.value))
     elif definition.is_a("IfcElementQuantity"):
