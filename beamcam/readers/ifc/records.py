@@ -135,7 +135,13 @@ class File:
         self._by_kind: dict[str, list[StepRecord]] = {}
         for record in self._records.values():
             self._by_kind.setdefault(record.kind, []).append(record)
-        self._types = {kind: self._type(kind) for kind in self._by_kind}
+        #: What the schema says of each class, or else what IFC4 does.
+        self._types = {
+            kind: entity_type(schema, kind)
+            or entity_type("IFC4", kind)
+            or EntityType(kind, frozenset((kind,)), {})
+            for kind in self._by_kind
+        }
         self._things: dict[int, Any] = {}  #: what stands for each record that was met
         self.tied: dict[str, dict[int, list[Any]]] = {}  #: see entities.py
 
@@ -183,11 +189,6 @@ class File:
             del thing.values
         self._things[number] = thing
         return thing
-
-    def _type(self, kind: str) -> EntityType:
-        """What the schema says of a class, or else what IFC4 does."""
-        known = entity_type(self.schema, kind) or entity_type("IFC4", kind)
-        return known or EntityType(kind, frozenset((kind,)), {})
 
     def counts(self, name: str) -> Counter[str]:
         """Number of records of each class below another."""
