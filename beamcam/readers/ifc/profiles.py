@@ -19,8 +19,7 @@ from beamcam.readers.ifc.entities import Entity, Model, Unreadable
 from beamcam.readers.ifc.section import FORMS, Section, area_by_measures, placed
 from beamcam.readers.ifc.space import IDENTITY, Frame
 
-Sizes = tuple[float, float, float, float, float]  #: height, width, flange, web and radius
-#: Code of a parameterised profile, and the names of its sizes as it is drawn.
+#: Code of a parameterised profile, and the names of its height, width, flange, web and radius.
 MEASURES: dict[str, tuple[ProfileCode, str]] = {
     "IfcIShapeProfileDef":
         ("I", "OverallDepth OverallWidth FlangeThickness WebThickness FilletRadius"),
@@ -171,19 +170,9 @@ def _measured(model: Model, entity: Entity) -> Section:
     code, names = MEASURES[entity.is_a()]
     number = partial(_number, entity, model.mm)
     h, b, tf, tw, r = (number(name) * (2 if name == "Radius" else 1) for name in names.split())
+    b, frame = b or h if code == "L" else b, model.axes(entity.Position)
     if code == "B":
         tw = min(h, b)
-    section = _standing(
-        code, (h, b or h if code == "L" else b, tf, tw, r), model.axes(entity.Position)
-    )
-    if code == "C":
-        section = replace(section, area=abs(signed_area(_drawn(section, number("Girth")))))
-    return section
-
-
-def _standing(code: ProfileCode, sizes: Sizes, frame: Frame) -> Section:
-    """The section of a profile about the middle of `frame`, with its zero point and directions."""
-    h, b, tf, tw, r = sizes
     z, y = (frame.x[0], frame.x[1]), (frame.y[0], frame.y[1])
     if code == "T":  # its flange lies across, with the stem below
         y, z = z, (-y[0], -y[1])
@@ -191,9 +180,11 @@ def _standing(code: ProfileCode, sizes: Sizes, frame: Frame) -> Section:
         h, b, y, z = b, h, z, y
     if min(h, b, tw) <= 0 or r < 0:
         raise Unreadable(f"a profile of impossible size {h:g} x {b:g} x {tw:g}")
-    sizes = h, b, tf, tw, r
-    centre = (frame.o[0], frame.o[1])
-    return placed(code, sizes, centre, y, z, area_by_measures(code, *sizes))
+    sizes, centre = (h, b, tf, tw, r), (frame.o[0], frame.o[1])
+    section = placed(code, sizes, centre, y, z, area_by_measures(code, *sizes))
+    if code == "C":
+        section = replace(section, area=abs(signed_area(_drawn(section, number("Girth")))))
+    return section
 
 
 def _number(entity: Entity, mm: float, *names: str) -> float:

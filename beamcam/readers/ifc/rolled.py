@@ -75,7 +75,7 @@ def rolled_stock(shell: Shell, axis: Vec) -> Stock | None:
     for share in STATIONS:
         at = low + share * (high - low)
         lines = segments(shell, scale(axis, at), axis, u, v)
-        if any(_same(lines, other) for other in seen):
+        if any(lines.shape == o.shape and (np.abs(lines - o) < SAME).all() for o in seen):
             areas.append(areas[-1])  # most of a member shows one section
             continue
         seen.append(lines)
@@ -88,11 +88,13 @@ def rolled_stock(shell: Shell, axis: Vec) -> Stock | None:
         outer, inner = chains_of(pieces[0], circles)
         section = _told(outer, inner, pieces[0]) if outer else None
         if section is not None and section.code == "SO":
-            box = (*extent(shell, u), *extent(shell, v))
+            (x0, x1), (y0, y1) = extent(shell, u), extent(shell, v)
+            off = np.abs(np.subtract(pieces[0].bounds, (x0, y0, x1, y1)))
             areas[-1] = section.area
             if special is None or section.area > special[0].area * SAME_AREA:
                 special = section, BareStock(pieces[0], sizes[-1])
-            section = _flat(pieces[0]) if _reaches(pieces[0], box) else None
+            # A bar with bevelled edges is as wide and high as its shell is.
+            section = _flat(pieces[0]) if off.max() < WHOLE else None
         if section is None or (section.code == "B" and section.width > 200):
             continue
         if best is None or section.area > best[0].area * SAME_AREA:
@@ -124,11 +126,6 @@ def _placed(shell: Shell, section: Section, bare: BareStock, u: Vec, v: Vec) -> 
         rough = None if bare.rough is None else transform(bare.rough, turned)
         bare = replace(bare, shape=transform(bare.shape, turned), rough=rough)
     return Stock(section, frame, *extent(shell, frame.x), bare=bare)
-
-
-def _same(lines: Segments, others: Segments) -> bool:
-    """Whether two stations show one section, as most of a member do."""
-    return lines.shape == others.shape and bool((np.abs(lines - others) < SAME).all())
 
 
 def _told(outer: Chain, inner: tuple[Chain, ...], piece: Any) -> Section | None:
@@ -224,13 +221,6 @@ def end_faces(shell: Shell, axis: Vec, side: int) -> Places:
     ways = shell.area_normals[found] * (1 / areas[found])[:, None]
     way = heaviest(ways, areas[found], NEARLY_PLANE, len(found))
     return found if way is None else found[np.abs(coordinates(ways, way)) > NEARLY_PLANE]
-
-
-def _reaches(piece: Any, extents: tuple[float, float, float, float]) -> bool:
-    """Whether a section is as wide and high as the shell is."""
-    x0, x1, y0, y1 = extents
-    pairs = zip(piece.bounds, (x0, y0, x1, y1), strict=True)
-    return all(abs(a - b) < WHOLE for a, b in pairs)
 
 
 def _flat(piece: Any) -> Section | None:

@@ -105,14 +105,6 @@ class Section(Struct, frozen=True, gc=False, cache_hash=True):
             area=self.area * by * by,
         )
 
-    def right_way(self) -> "Section":
-        """The section turned so that Y x Z points out of the drawing, where its form allows it."""
-        if self.y[0] * self.z[1] - self.y[1] * self.z[0] > 0:
-            return self
-        if self.code == "L" and abs(self.height - self.width) < 0.01:  # its legs are exchanged
-            return replace(self, height=self.width, width=self.height, y=self.z, z=self.y)
-        return self.turned()
-
 
 class BareStock(Struct, frozen=True, eq=False):
     """The section that a body was cut from, as its faces show it."""
@@ -205,10 +197,17 @@ def placed(
     z: Point,
     area: float,
 ) -> Section:
-    """The section of height, width, flange, web and radius `sizes` centred on `centre`."""
+    """The section of height, width, flange, web and radius `sizes` centred on `centre`.
+
+    It is turned so that Y x Z points out of the drawing, where its form allows it.
+    """
     h, b, tf, tw, r = sizes
     origin = (centre[0] - y[0] * h / 2 - z[0] * b / 2, centre[1] - y[1] * h / 2 - z[1] * b / 2)
-    return Section(code, h, b, tf, tw, r, origin, y, z, area).right_way()
+    if cross(y, z) > 0:
+        return Section(code, h, b, tf, tw, r, origin, y, z, area)
+    if code == "L" and abs(h - b) < 0.01:  # its legs are exchanged
+        return Section(code, b, h, tf, tw, r, origin, z, y, area)
+    return Section(code, h, b, tf, tw, r, origin, y, z, area).turned()
 
 
 def special(outer: Chain, area: float) -> Section:

@@ -35,14 +35,13 @@ def end_plane(cutter: Cutter, stock: Stock, corners: Sequence[Point]) -> HalfSpa
     """The half-space that a cutter is for this member; None if it does not take all of an end."""
     planes: Sequence[HalfSpace] = ()
     prism: Prism | None = None  #: that has to hold all beyond the plane
-    if isinstance(cutter, HalfSpace):
-        planes = (cutter,)
-    elif isinstance(cutter, Bounded) and isinstance(cutter.first, HalfSpace):
-        if not isinstance(cutter.second, Prism):
-            return None
-        planes, prism = (cutter.first,), cutter.second
-    elif isinstance(cutter, Prism) and cutter.shape is None:
-        planes, prism = cutter.sides, cutter
+    match cutter:
+        case HalfSpace():
+            planes = (cutter,)
+        case Bounded(first=HalfSpace() as half, second=Prism() as prism):
+            planes = (half,)
+        case Prism(shape=None):
+            planes, prism = cutter.sides, cutter
     for plane in planes:
         if abs(plane.normal[0]) > MIN_LEAN and (
             prism is None or _takes_all(prism, plane, stock, corners)
