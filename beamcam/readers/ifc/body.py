@@ -21,7 +21,6 @@ from beamcam.readers.ifc import rules
 from beamcam.readers.ifc.curves2d import chain_of
 from beamcam.readers.ifc.cutters import Bounded, Cutter, HalfSpace, Less, Prism, hole_of
 from beamcam.readers.ifc.entities import (
-    Bent,
     Coordinates,
     Entity,
     Model,
@@ -164,7 +163,7 @@ TAPERED = ("IfcExtrudedAreaSolidTapered", "IfcRevolvedAreaSolidTapered", "IfcSec
 
 
 def refuse_bent(element: Entity) -> None:
-    """Raise Bent for an element that has a curved or tapered solid, below maps and booleans."""
+    """Raise Unreadable if an element has a curved or tapered solid, below maps and booleans."""
     shape = element.Representation
     todo = [
         item for one in (shape.Representations if shape is not None else ())
@@ -188,7 +187,7 @@ def refuse_bent(element: Entity) -> None:
     for rule, names in ((rules.CURVED, CURVED), (rules.TAPERED, TAPERED)):
         for kind in names:
             if kind in kinds:
-                raise Bent(rule, kind)
+                raise Unreadable(kind, rule, final=True)
 
 
 def _is_straight(item: Entity) -> bool:

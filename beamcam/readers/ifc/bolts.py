@@ -10,9 +10,10 @@ from math import acos, degrees
 
 from msgspec import Struct
 from msgspec.structs import replace
+from shapely import Point as ShapelyPoint
 
-from beamcam.errors import Diagnostic, Severity, Source
-from beamcam.model.part import Hole, Part, Slot
+from beamcam.errors import Diagnostic, Source, errors_in
+from beamcam.model.part import Hole, Part
 from beamcam.model.request import Options
 from beamcam.readers.ifc import rules
 from beamcam.readers.ifc.body import body_representation, mapping, pushed
@@ -124,7 +125,7 @@ def drill_bolt_holes(
     diagnostics: list[Diagnostic] = []
     for element, part, shaped in members:
         said: list[Diagnostic] = []
-        if bolts and walls_of(shaped.section) and not _holes_of(part):
+        if bolts and walls_of(shaped.section) and not any((*part.holes, *part.slots)):
             try:
                 world = model.placement(element.ObjectPlacement).times(shaped.frame)
             except (Unreadable, *NOT_WELL_FORMED) as reason:
@@ -132,21 +133,17 @@ def drill_bolt_holes(
             else:
                 part, said = _drilled(bolts, world, part, shaped, options, name)
         diagnostics += said
-        if all(d.severity is not Severity.ERROR for d in said):
+        if not errors_in(said):
             parts.append(part)
     source = Source(name)
     if without:
         diagnostics.append(rules.BOLT_SHANK.at(source, found=len(without), which=_some(without)))
     if bolts or without:  # every fastener is in one of three numbers
-        used = {hole.source.where for part in parts for hole in _holes_of(part)}
+        used = {hole.source.where for part in parts for hole in part.holes}
         drilled = sum(b.guid in used for b in bolts)
         counts = {"drilled": drilled, "idle": len(bolts) - drilled, "without": len(without)}
         diagnostics.append(rules.BOLTS.at(source, found=len(bolts) + len(without), **counts))
     return parts, diagnostics
-
-
-def _holes_of(part: Part) -> list[Hole | Slot]:
-    return [f for f in part.features if isinstance(f, (Hole, Slot))]
 
 
 def _some(texts: Sequence[str]) -> str:
@@ -218,12 +215,10 @@ def _in_steel(holes: Sequence[Hole], part: Part) -> tuple[list[Hole], list[Hole]
     air: list[Hole] = []
     if not holes:
         return steel, air
-    from shapely import Point
-
     solid, walls = part_solid(part), solid_walls(part.profile)
     for hole in holes:
         wall = walls[hole.face]
-        circle = Point(hole.x, hole.y).buffer(hole.diameter / 2 + NEAR)
+        circle = ShapelyPoint(hole.x, hole.y).buffer(hole.diameter / 2 + NEAR)
         bore = prism(circle, 0.0, wall.thickness, wall.frame)
         (air if (bore - solid).volume() > AIR else steel).append(hole)
     return steel, air

@@ -14,6 +14,7 @@ from operator import sub
 
 from msgspec import Struct
 from msgspec.structs import replace
+from shapely import Point as ShapelyPoint
 
 from beamcam.geometry.curves import Line, Point
 from beamcam.model.part import Bevel
@@ -156,14 +157,12 @@ Run = list[tuple[float, float]]  #: depth below a surface, and how far the edge 
 
 def bevels_of(outer: Chain, wall: Wall, levels: Sequence[tuple[float, Shape]]) -> tuple[Bevel, ...]:
     """The bevels of an outline that goes round the wall at all its levels together."""
-    from shapely import Point
-
     by_depth = sorted(levels, key=lambda level: -level[0] if wall.outer else level[0])
     bevels: list[Bevel] = []
     for i, curve in enumerate(outer):
         if not isinstance(curve, Line) or curve.length < MIN_EDGE:
             continue
-        middle = Point(curve.point(0.5))
+        middle = ShapelyPoint(curve.point(0.5))
         run = [
             (abs(wall.surface - c), 0.0 if s.is_empty else float(s.distance(middle)))
             for c, s in by_depth

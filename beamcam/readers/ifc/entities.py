@@ -5,6 +5,7 @@ All lengths that leave this module are millimetres.
 
 from collections import defaultdict
 from collections.abc import Callable
+from itertools import chain
 from math import pi
 from typing import Any, TypeVar
 
@@ -70,31 +71,10 @@ class Unreadable(Exception):
     `final` says that the solid of the kernel would be no other, so that it is not asked for.
     """
 
-    rule = rules.GEOMETRY
-
-    def __init__(self, found: str, *, final: bool = False) -> None:
+    def __init__(self, found: str, rule: Rule = rules.GEOMETRY, *, final: bool = False) -> None:
         super().__init__(found)
-        self.final = final
-
-
-class OddSection(Unreadable):
-    """What the reader does not take is the section."""
-
-    rule = rules.SECTION
-
-
-class OddCut(OddSection):
-    """A cut that a part of a round or special section cannot hold."""
-
-    rule = rules.ODD_CUT
-
-
-class Bent(Unreadable):
-    """A curved, a tapered or a kinked member."""
-
-    def __init__(self, rule: Rule, found: str) -> None:
-        super().__init__(found, final=True)
         self.rule = rule
+        self.final = final
 
 
 class Model(Struct):
@@ -233,7 +213,11 @@ def tied(element: Entity, what: str) -> list[Any]:
     if known is None:
         known = defaultdict(list)
         classes, place = _CLASSES[what]
-        for near, one in element.file.sides(classes, 9 - place, place):
+        for relation in chain.from_iterable(map(element.file.by_type, classes)):
+            values = relation.values
+            near = values[9 - place]
+            # None where a relation is cut short, so that only what is near it suffers.
+            one = values[place] if place < len(values) else None
             for end in near if isinstance(near, tuple) else (near,):
                 if isinstance(end, Entity):
                     known[end.number].append(one)

@@ -11,14 +11,15 @@ from typing import Any
 
 import numpy as np
 from msgspec.structs import replace
+from shapely import LineString, MultiPolygon, Polygon, get_coordinates
 
-from beamcam.errors import Diagnostic, Severity, Source
+from beamcam.errors import Diagnostic, Source, errors_in
 from beamcam.model.part import Hole, Slot
 from beamcam.readers.ifc import rules
 from beamcam.readers.ifc.checks import section_said
 from beamcam.readers.ifc.cutters import planes_of
 from beamcam.readers.ifc.ends import MemberEnd, of_plane
-from beamcam.readers.ifc.entities import Bent, Entity, Model, OddSection, Unreadable
+from beamcam.readers.ifc.entities import Entity, Model, Unreadable
 from beamcam.readers.ifc.finish import Regions, Shaped, from_regions, opening, reach, sawn
 from beamcam.readers.ifc.kernel import ANGLE, CHORD, build_both
 from beamcam.readers.ifc.outline import with_arcs
@@ -35,7 +36,6 @@ from beamcam.readers.ifc.region import (
     with_circles,
 )
 from beamcam.readers.ifc.rolled import (
-    Rolled,
     end_faces,
     other_axes,
     reference,
@@ -43,7 +43,7 @@ from beamcam.readers.ifc.rolled import (
     round_axis,
 )
 from beamcam.readers.ifc.same_solid import Fineness, differences
-from beamcam.readers.ifc.section import Section, Wall, plain_stock, walls_of
+from beamcam.readers.ifc.section import BareStock, Section, Wall, plain_stock, walls_of
 from beamcam.readers.ifc.semantic import BETWEEN, cut, in_place, outer_level
 from beamcam.readers.ifc.shell import (
     ALONG,
@@ -57,9 +57,10 @@ from beamcam.readers.ifc.shell import (
 )
 from beamcam.readers.ifc.solid_body import section_area
 from beamcam.readers.ifc.space import Frame, cross, scale
-from beamcam.readers.ifc.stock import box_of, plate_stock
+from beamcam.readers.ifc.stock import Stock, box_of, plate_stock
 
 PRISMATIC = 0.01  #: share by which a plate's volume may differ from outline times thickness
+SAME_HOLE = 2  #: decimals of a mm in which a hole lies alike at both levels
 SAME_HOLE = 2  #: decimals of a mm in which a hole lies alike at both levels
 LEVEL_IN = 0.1  #: share of a wall's thickness: nearer to its surface edges may be round
 STEEPEST = 4.0  #: mm along a level of a wall for each mm that facets lie off its round edge
@@ -91,58 +92,45 @@ def read_shell(shell: Shell, source: Source, volume: float | None = None) -> Sha
 
     `volume` is that of the solid in mm3 where the shell only stands for it.
     """
-    best: Shaped | None = None
-    fault: Unreadable | None = None
-    for found in _readings(shell, source):
-        if isinstance(found, Unreadable):
-            fault = fault or found
-            continue
+    shapes: list[Shaped] = []
+    faults: list[Unreadable] = []
+    for stock in _stocks(shell):
         try:
-            diagnostics = _unexplained(found, shell, source, volume)
+            shape = in_place(_member(shell, stock, source), stock.frame)
+            shape = replace(shape, stock=stock.bare)
+            shape = replace(shape, diagnostics=_unexplained(shape, shell, source, volume))
         except Unreadable as reason:
-            fault = fault or reason
+            faults.append(reason)
             continue
-        found = replace(found, diagnostics=diagnostics)
-        if not diagnostics:
-            return found
-        if best is None or (_denied(best) and not _denied(found)):
-            best = found
-    if best is not None:
-        return best
+        if not shape.diagnostics:
+            return shape
+        shapes.append(shape)
+    if shapes:  # the likeliest of those that are not denied
+        return min(shapes, key=lambda one: bool(errors_in(one.diagnostics)))
     kink = kinked(shell)
     if kink is not None:
-        raise Bent(rules.KINKED, f"a member kinked by {kink:.1f} degrees")
-    raise fault or OddSection(f"a shell of {shell.count} faces without a constant section")
+        raise Unreadable(f"a member kinked by {kink:.1f} degrees", rules.KINKED, final=True)
+    if faults:
+        raise faults[0]
+    raise Unreadable(f"a shell of {shell.count} faces without a constant section", rules.SECTION)
 
 
-def _denied(shape: Shaped) -> bool:
-    return any(d.severity is Severity.ERROR for d in shape.diagnostics)
-
-
-def _readings(shell: Shell, source: Source) -> Iterator[Shaped | Unreadable]:
-    """The members that a shell may be, the likeliest first; or why it is none."""
-    shape = _plate(shell, source)
-    if shape is not None:
-        yield shape
+def _stocks(shell: Shell) -> Iterator[Stock]:
+    """What a shell may have been cut from, the likeliest first."""
+    plate = _plate(shell)
+    if plate is not None:
+        yield plate
     along = longest_direction(shell)
     for axis in (along, *other_axes(shell, along), round_axis(shell, along)):
-        if axis is None:
-            continue
-        stock = rolled_stock(shell, axis)
+        stock = rolled_stock(shell, axis) if axis is not None else None
         if stock is None:
             continue
         section, length = stock.section, stock.x1 - stock.x0
         # A flat bar shorter than it is thick has its thickness along another side; a special
         # section wider than the bar is long is that of a bent one.
         least = {"B": section.width, "SO": max(section.height, section.width)}
-        if length < least.get(section.code, 0.0):
-            continue
-        try:
-            made = _member(shell, stock, source)
-        except Unreadable as reason:
-            yield reason
-        else:
-            yield replace(in_place(made, stock.frame), stock=stock.stock)
+        if length >= least.get(section.code, 0.0):
+            yield stock
 
 
 def _unexplained(
@@ -156,7 +144,7 @@ def _unexplained(
     beyond = _beyond(body, shape.section)
     if beyond is not None:
         if kinked(shell) is not None:
-            raise OddSection("a kinked member")
+            raise Unreadable("a kinked member", rules.SECTION)
         return (rules.UNEXPLAINED.at(source, found=beyond),)
     stock = shape.stock or plain_stock(shape.section)
     by = MESH if volume is not None else FACES
@@ -177,18 +165,24 @@ def _beyond(body: Shell, section: Section) -> str | None:
     return f"more steel, up to {far.max():.1f} mm beyond the section {place},"
 
 
-def _not_explained(theirs: float, explained: float) -> OddSection:
-    return OddSection(
+def _not_explained(theirs: float, explained: float) -> Unreadable:
+    return Unreadable(
         f"a shell of {theirs / 1e3:.1f} cm3 whose section and cuts explain "
-        f"{explained / 1e3:.1f} cm3"
+        f"{explained / 1e3:.1f} cm3",
+        rules.SECTION,
     )
 
 
-def _member(shell: Shell, stock: Rolled, source: Source) -> Shaped:
+def _member(shell: Shell, stock: Stock, source: Source) -> Shaped:
+    """What a shell shows of a stock, in the stock's own frame."""
+    if stock.bare is None:  # a plate, which its outline says all of
+        return cut(stock, (), source)
     local = shell.moved(stock.frame.inverse())
     walls, flat = walls_of(stock.section), stock.section.is_plain_flat
-    if not walls:
-        return _round(local, stock, source)
+    if not walls:  # a round or a special section: two plane ends, nothing else
+        start, end = [_flat_end(local, side) for side in (-1, 1)]
+        span = reach(stock.section, start, end)
+        return sawn(stock.section, (start, end), span, (), source, span[1] - span[0])
     circles = Circles()
     regions: Regions = {}
     holes: list[Hole | Slot] = []
@@ -198,27 +192,27 @@ def _member(shell: Shell, stock: Rolled, source: Source) -> Shaped:
             edge = outer_level(wall)
             shares = (edge, *BETWEEN, 1 - edge)
         cs = [wall.low + share * wall.thickness for share in shares]
-        raw = [local.raw_slice(wall, c) for c in cs]
-        drilled, raw = _drilled(raw, wall, local.circles(wall), source)
+        exact = local.circles(wall)
+        drilled, raw = _drilled([local.raw_slice(wall, c) for c in cs], wall, exact, source)
         holes += drilled
         levels: list[tuple[float, Shape]] = []
         for c, shape in zip(cs, raw, strict=True):
-            shape = cleaned(with_circles(shape, circles, local.circles(wall)))
-            if not flat:
-                shape = _full_width(shape, wall, c, stock)
-            levels.append((c, shape))
+            shape = cleaned(with_circles(shape, circles, exact))
+            levels.append((c, shape if flat else _full_width(shape, wall, c, stock.bare)))
         regions[wall] = tuple(levels)
     # The levels lie inside the walls; only the shell itself knows how far the tips reach.
-    span, planes = (stock.x0, stock.x1), map(of_plane, planes_of(local))
+    span, planes = (stock.x0, stock.x1), [*map(of_plane, planes_of(local))]
     gross = stock.x1 - stock.x0
-    return from_regions(stock.section, regions, holes, circles, source, gross, [*planes], span)
+    return from_regions(stock.section, regions, holes, circles, source, gross, planes, span)
 
 
 def _drilled(
     levels: Sequence[Shape], wall: Wall, exact: Circles, source: Source
 ) -> tuple[list[Hole | Slot], list[Shape]]:
-    """The round and slotted hollows that both levels of a wall show; the levels without them."""
-    from shapely import MultiPolygon, Polygon
+    """The round and slotted hollows that both levels of a wall show; the levels without them.
+
+    With their arcs in it a region takes twice as long to cut.
+    """
 
     def place(ring: Any) -> tuple[float, ...]:
         return tuple(round(value, SAME_HOLE) for value in ring.bounds)
@@ -238,13 +232,11 @@ def _drilled(
     return [*holes.values()], [MultiPolygon(row) for row in kept]
 
 
-def _full_width(shape: Shape, wall: Wall, c: float, stock: Rolled) -> Shape:
+def _full_width(shape: Shape, wall: Wall, c: float, stock: BareStock) -> Shape:
     """A wall's region with its long edges at its full width, which rounded corners take off.
 
     A level a little inside a tube's wall, or near the toe of an angle, is narrower than the wall.
     """
-    from shapely import LineString, MultiPolygon, Polygon, get_coordinates
-
     lines = LineString([wall.point(0.0, q, c)[1:] for q in (-FAR, FAR)])
     crossed = [wall.split((0.0, *p))[0] for p in get_coordinates(stock.shape.intersection(lines))]
     if len(crossed) < 2:
@@ -266,7 +258,7 @@ def _full_width(shape: Shape, wall: Wall, c: float, stock: Rolled) -> Shape:
     return MultiPolygon(found)
 
 
-def _plate(shell: Shell, source: Source) -> Shaped | None:
+def _plate(shell: Shell) -> Stock | None:
     """The plate that a shell is, if it is one."""
     normal = broadest_normal(shell)
     low, high = extent(shell, normal)
@@ -289,22 +281,14 @@ def _plate(shell: Shell, source: Source) -> Shaped | None:
             return None
     outline = Outline(*chains_of(pieces_of(shape)[0], circles_in(shell.cylinders, normal, u, v)))
     lies = Frame(scale(normal, low), u, v, normal)
-    stock = plate_stock(box_of(outline), lies, scale(normal, thickness), thickness)
-    return in_place(cut(stock, (), source), stock.frame)
-
-
-def _round(local: Shell, stock: Rolled, source: Source) -> Shaped:
-    """A round bar or pipe, or a special section, by its shell: two plane ends, nothing else."""
-    start, end = [_flat_end(local, side) for side in (-1, 1)]
-    span = reach(stock.section, start, end)
-    return sawn(stock.section, (start, end), span, (), source, span[1] - span[0])
+    return plate_stock(box_of(outline), lies, scale(normal, thickness))
 
 
 def _flat_end(local: Shell, side: int) -> MemberEnd:
     """The plane that most of an end's area lies in."""
     areas, same = local.areas, end_faces(local, ALONG, side)
     if not len(same):
-        raise OddSection("a round section without plane ends")
+        raise Unreadable("a round section without plane ends", rules.SECTION)
     n = vec(local.area_normals[same[areas[same].argmax()]])
     a, b = -n[1] / n[0], -n[2] / n[0]
     if abs(a) < LEVEL_NOISE and abs(b) < LEVEL_NOISE:

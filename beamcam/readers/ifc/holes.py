@@ -6,11 +6,11 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.errors import Source
-from beamcam.model.part import Hole, Slot
+from beamcam.model.part import Hole, HoleKind, Slot
+from beamcam.readers.ifc import rules
 from beamcam.readers.ifc.cutters import Box3, Cutter, Prism
 from beamcam.readers.ifc.ends import MemberEnd, Trim
-from beamcam.readers.ifc.entities import OddCut, Unreadable
-from beamcam.readers.ifc.finish import slot
+from beamcam.readers.ifc.entities import Unreadable
 from beamcam.readers.ifc.outline import Round, Slotted
 from beamcam.readers.ifc.section import Section, Wall, walls_of
 from beamcam.readers.ifc.space import dot, scale, size, unit
@@ -130,22 +130,16 @@ def _drilled(
     factor = size(cutter.frame.x)
     p = cutter.start(shape)
     q = p[2] if wall.normal == "y" else p[1]
+    kind: HoleKind = "blind" if depth else "through"
     if isinstance(shape, Round):
-        return Hole(
-            face, p[0], q, shape.diameter * factor, source, depth, "blind" if depth else "through"
-        )
+        return Hole(face, p[0], q, shape.diameter * factor, source, depth, kind)
     turn = radians(shape.angle)
     way = cutter.frame.vector((cos(turn), sin(turn), 0.0))
     angle = degrees(atan2(wall.split(way)[0], way[0])) % 180.0
-    placed = Slotted(
-        (p[0], q),
-        shape.diameter * factor,
-        shape.length * factor,
-        shape.height * factor,
-        0.0 if angle < 1e-7 or angle > 180 - 1e-7 else angle,
-    )
-    made = slot(wall, placed, source, depth)
-    return made if depth is None else replace(made, face=face, kind="blind")
+    if angle < 1e-7 or angle > 180 - 1e-7:
+        angle = 0.0
+    sizes = (shape.diameter * factor, shape.length * factor, shape.height * factor, angle)
+    return Slot(face, p[0], q, *sizes, source, depth, kind)
 
 
 def _radial(
@@ -164,7 +158,7 @@ def _radial(
     start = cutter.start(shape)
     y, z = start[1] - r, start[2] - r
     if abs(y * along[2] - z * along[1]) > 0.05:
-        raise OddCut("a hole beside the axis of a round section")
+        raise Unreadable("a hole beside the axis of a round section", rules.ODD_CUT)
     first = y * along[1] + z * along[2]
     last = first + dot(cutter.frame.z, along)
     wall = section.web_thickness if section.code == "RO" else r
@@ -178,9 +172,9 @@ def _radial(
             angle = atan2(way[2], -way[1]) % (2 * pi)
             found.append(Hole("v", start[0], angle * r, diameter, source))
         elif min(last, high) - max(first, low) > TOUCH:
-            raise OddCut("a blind hole in a round section")
+            raise Unreadable("a blind hole in a round section", rules.ODD_CUT)
     if section.code == "RU" and found:
         if len(found) == 1:
-            raise OddCut("a blind hole in a round section")
+            raise Unreadable("a blind hole in a round section", rules.ODD_CUT)
         found.pop()  # a solid bar is drilled from one side
     return found

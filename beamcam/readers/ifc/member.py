@@ -10,7 +10,7 @@ from msgspec.structs import replace
 from shapely.errors import ShapelyError
 
 from beamcam.budget import MEMBER, OverTimeError, begin_member, limits
-from beamcam.errors import Diagnostic, Severity, Source
+from beamcam.errors import Diagnostic, Source, errors_in
 from beamcam.geometry.plane import MAX_COORDINATE
 from beamcam.model.part import Part
 from beamcam.model.request import Options, Selection
@@ -24,16 +24,7 @@ from beamcam.readers.ifc.checks import (
     check_stock,
     form_of,
 )
-from beamcam.readers.ifc.entities import (
-    NOT_WELL_FORMED,
-    Bent,
-    Entity,
-    Model,
-    OddCut,
-    OddSection,
-    Unreadable,
-    features_of,
-)
+from beamcam.readers.ifc.entities import NOT_WELL_FORMED, Entity, Model, Unreadable, features_of
 from beamcam.readers.ifc.finish import Shaped
 from beamcam.readers.ifc.geometric import read_kernel, read_shell
 from beamcam.readers.ifc.kernel import load
@@ -149,7 +140,7 @@ class Members(Struct):
             try:
                 part, shaped, against = self._member(self._known(element))
                 taken.diagnostics += against
-                if not any(d.severity is Severity.ERROR for d in against):
+                if not errors_in(against):
                     taken.members.append((place, part, shaped))
                     verdict = "read"
             except LeftOut as reason:
@@ -267,20 +258,19 @@ class Members(Struct):
             raise KernelNeeded
         try:
             shaped = read_kernel(self.model, member.element, member.source)
-        except Bent:
-            raise
         except Unreadable as second:
-            if isinstance(reason, OddCut) or str(reason) == str(second):
+            if second.rule is rules.KINKED:
+                raise
+            if reason.rule is rules.ODD_CUT or str(reason) == str(second):
                 raise reason from None
-            kind = OddSection if isinstance(second, OddSection) else Unreadable
-            raise kind(f"{reason}; by the kernel {second}") from None
-        denied = [d for d in shaped.diagnostics if d.severity is Severity.ERROR]
+            raise Unreadable(f"{reason}; by the kernel {second}", second.rule) from None
+        denied = errors_in(shaped.diagnostics)
         if not denied:
             return shaped
-        if isinstance(reason, OddCut):
+        if reason.rule is rules.ODD_CUT:
             raise reason
         text = f"{reason}; by the kernel {rules.of_the_solid(denied[0])} than was read"
-        raise type(reason)(text)
+        raise Unreadable(text, reason.rule)
 
     def _part(self, member: Member, material: str, shaped: Shaped, profile: Entity | None) -> Part:
         section, source, data = shaped.section, member.source, member.data

@@ -12,14 +12,14 @@ from beamcam.geometry.curves import Arc, Curve, Line, Point, signed_area
 from beamcam.geometry.plane import MAX_COORDINATE, cross, normalized
 from beamcam.model.part import ProfileCode
 from beamcam.model.section import section_fault
+from beamcam.readers.ifc import rules
 from beamcam.readers.ifc.classify import classify
 from beamcam.readers.ifc.curves2d import Chain, chain_of, points_chain
-from beamcam.readers.ifc.entities import Entity, Model, OddSection, Unreadable
+from beamcam.readers.ifc.entities import Entity, Model, Unreadable
 from beamcam.readers.ifc.section import FORMS, Section, area_by_measures, placed
 from beamcam.readers.ifc.space import IDENTITY, Frame
 
-Sizes = tuple[float, float, float, float, float]  #: height, width, flange, web and radius
-#: Code of a parameterised profile, and the names of its sizes as it is drawn.
+#: Code of a parameterised profile, and the names of its height, width, flange, web and radius.
 MEASURES: dict[str, tuple[ProfileCode, str]] = {
     "IfcIShapeProfileDef":
         ("I", "OverallDepth OverallWidth FlangeThickness WebThickness FilletRadius"),
@@ -57,23 +57,21 @@ def section_of(model: Model, entity: Entity) -> Section:
 
 def _section(model: Model, entity: Entity) -> Section:
     """As `section_of`. Raises Unreadable for measures that no section has."""
-    section = _stated_section(model, entity)
+    if entity.is_a() in MEASURES:
+        section = _measured(model, entity)
+    else:
+        outline = outline_of(model, entity)
+        known = model.once("form", outline, classify, outline.outer, outline.inner)
+        if known is None:
+            found = f"a section that is no rolled form ({entity.is_a()})"
+            raise Unreadable(found, rules.SECTION, final=True)
+        section = known
     widest = max(section.height, section.width, section.radius)
     if widest > MAX_COORDINATE:
-        raise OddSection(f"a section with a measure of {widest:g} mm")
+        raise Unreadable(f"a section with a measure of {widest:g} mm", rules.SECTION)
     fault = section_fault(section.profile(""))
     if fault is not None:
-        raise OddSection(f"a section with {fault}", final=True)
-    return section
-
-
-def _stated_section(model: Model, entity: Entity) -> Section:
-    if entity.is_a() in MEASURES:
-        return _measured(model, entity)
-    outline = outline_of(model, entity)
-    section = model.once("form", outline, classify, outline.outer, outline.inner)
-    if section is None:
-        raise OddSection(f"a section that is no rolled form ({entity.is_a()})", final=True)
+        raise Unreadable(f"a section with {fault}", rules.SECTION, final=True)
     return section
 
 
@@ -85,7 +83,9 @@ def outline_of(model: Model, entity: Entity) -> Outline:
 def _outline(model: Model, entity: Entity) -> Outline:
     if entity.is_a("IfcDerivedProfileDef"):
         parent = outline_of(model, entity.ParentProfile)
-        by = _operator(model, entity)
+        # A mirrored one turns about the y axis.
+        mirrored = entity.is_a("IfcMirroredProfileDef")
+        by = Frame(x=(-1.0, 0.0, 0.0)) if mirrored else model.operator(entity.Operator)
         return Outline(_moved(parent.outer, by), tuple(_moved(c, by) for c in parent.inner))
     if entity.is_a("IfcArbitraryClosedProfileDef"):
         inner = tuple(chain_of(model, c) for c in getattr(entity, "InnerCurves", ()))
@@ -165,33 +165,14 @@ def _moved(chain: Chain, by: Frame) -> Chain:
     return tuple(c.transformed(matrix) for c in chain)
 
 
-def _operator(model: Model, entity: Entity) -> Frame:
-    """The map of a derived profile; a mirrored one turns about the y axis."""
-    if entity.is_a("IfcMirroredProfileDef"):
-        return Frame(x=(-1.0, 0.0, 0.0))
-    return model.operator(entity.Operator)
-
-
 def _measured(model: Model, entity: Entity) -> Section:
     """The section of a parameterised profile, by its numbers."""
     code, names = MEASURES[entity.is_a()]
     number = partial(_number, entity, model.mm)
     h, b, tf, tw, r = (number(name) * (2 if name == "Radius" else 1) for name in names.split())
+    b, frame = b or h if code == "L" else b, model.axes(entity.Position)
     if code == "B":
         tw = min(h, b)
-    section = _standing(
-        code, (h, b or h if code == "L" else b, tf, tw, r), model.axes(entity.Position)
-    )
-    if code == "C":
-        lip = number("Girth")
-        area = abs(signed_area(_drawn(section, lip)))
-        section = replace(section, area=area, lip=lip or None)
-    return section
-
-
-def _standing(code: ProfileCode, sizes: Sizes, frame: Frame) -> Section:
-    """The section of a profile about the middle of `frame`, with its zero point and directions."""
-    h, b, tf, tw, r = sizes
     z, y = (frame.x[0], frame.x[1]), (frame.y[0], frame.y[1])
     if code == "T":  # its flange lies across, with the stem below
         y, z = z, (-y[0], -y[1])
@@ -199,9 +180,13 @@ def _standing(code: ProfileCode, sizes: Sizes, frame: Frame) -> Section:
         h, b, y, z = b, h, z, y
     if min(h, b, tw) <= 0 or r < 0:
         raise Unreadable(f"a profile of impossible size {h:g} x {b:g} x {tw:g}")
-    sizes = h, b, tf, tw, r
-    centre = (frame.o[0], frame.o[1])
-    return placed(code, sizes, centre, y, z, area_by_measures(code, *sizes))
+    sizes, centre = (h, b, tf, tw, r), (frame.o[0], frame.o[1])
+    section = placed(code, sizes, centre, y, z, area_by_measures(code, *sizes))
+    if code == "C":
+        lip = number("Girth")
+        area = abs(signed_area(_drawn(section, lip)))
+        section = replace(section, area=area, lip=lip or None)
+    return section
 
 
 def _number(entity: Entity, mm: float, *names: str) -> float:

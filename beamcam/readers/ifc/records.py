@@ -7,7 +7,7 @@ what the kernel is given in place of what it cannot build never shows here.
 
 import re
 from collections import Counter
-from collections.abc import Callable, Container, Iterable, Iterator, Set
+from collections.abc import Callable, Container, Iterator, Set
 from functools import cached_property
 from typing import Any
 
@@ -233,18 +233,6 @@ class File:
             return Typed(value.is_a().upper(), self._value(self._read(value, 0)))
         thing = self._things.get(number)
         return self._met(number, value) if thing is None else thing
-
-    def sides(self, relations: Iterable[str], near: int, far: int) -> Iterator[tuple[Any, Any]]:
-        """Two values of each relation of some classes, in the order of the file.
-
-        The far one is None where a relation is cut short, so that only what is near it suffers.
-        """
-        for one in (one for relation in relations for one in self._of(relation)):
-            if self._written is None:
-                yield self._value(self._read(one, near)), self._value(self._read(one, far))
-            else:
-                values = self.entity(one.number).values
-                yield values[near], values[far] if far < len(values) else None
 
     def peek(self, entity: Entity, place: int) -> Any:
         """One of an entity's values, without a look at the others."""

@@ -4,12 +4,12 @@ from math import asin, ceil, cos
 from typing import Any
 
 import numpy as np
-from msgspec import Struct
 from msgspec.structs import replace
+from shapely import Polygon, transform, union_all
 
 from beamcam.geometry.curves import Arc
 from beamcam.readers.ifc.classify import classify
-from beamcam.readers.ifc.curves2d import Chain
+from beamcam.readers.ifc.curves2d import Chain, points_chain
 from beamcam.readers.ifc.cutters import MIN_LEAN
 from beamcam.readers.ifc.outline import sharpened, with_arcs
 from beamcam.readers.ifc.region import (
@@ -22,7 +22,7 @@ from beamcam.readers.ifc.region import (
     polygon_of,
     region_within,
 )
-from beamcam.readers.ifc.section import BareStock, Section, placed, plain_stock
+from beamcam.readers.ifc.section import BareStock, Section, plain_stock
 from beamcam.readers.ifc.shell import (
     Places,
     Shell,
@@ -34,6 +34,7 @@ from beamcam.readers.ifc.shell import (
     vec,
 )
 from beamcam.readers.ifc.space import Frame, Vec, across, add, cross, dot, scale, size, sub, unit
+from beamcam.readers.ifc.stock import Stock
 
 STATIONS = (0.5, 0.31, 0.69, 0.17, 0.83, 0.08, 0.92, 0.42, 0.58, 0.03, 0.97)
 FLAT = 0.6  #: share of its box that a flat bar with bevelled edges fills
@@ -50,20 +51,7 @@ NEARLY_PLANE = 1 - 1e-8  #: cosine between the facets of one plane
 SAME = 1e-9  #: mm between the lines of one section at two stations, from rounding
 
 
-Rough = tuple[float, Any]  #: mm between arcs and facets, and the region in which facets lie
-Best = tuple[Section, Any, Any]  #: a section, its region with its arcs, and with its facets
-
-
-class Rolled(Struct, frozen=True):
-    """A stock that was found in a shell, and where."""
-
-    section: Section
-    frame: Frame
-    x0: float
-    x1: float
-    shape: Any  #: the section's region in (Y, Z), with its arcs
-    stock: BareStock
-    rise: float = 0.0  #: mm between its roundings and facets that run slantwise
+Best = tuple[Section, BareStock]  #: a section, its shape in the axes of the stations
 
 
 def other_axes(shell: Shell, along: Vec) -> list[Vec]:
@@ -74,26 +62,24 @@ def other_axes(shell: Shell, along: Vec) -> list[Vec]:
     return [unit(cross(along, normal)), normal]
 
 
-def rolled_stock(shell: Shell, axis: Vec) -> Rolled | None:
-    """The section of a shell along an axis; None if no station shows a rolled form."""
+def rolled_stock(shell: Shell, axis: Vec) -> Stock | None:
+    """The stock of a shell along an axis; None if no station shows a rolled form."""
     u = reference(shell, axis)
     v = cross(axis, u)
     low, high = extent(shell, axis)
     best: Best | None = None
     special: Best | None = None
     seen: list[Segments] = []
-    rough: Rough | None = None
-    areas: list[float] = []  #: of the special sections of the stations
+    areas: list[float] = []  #: of each station's section if it is a special one, else 0
     sizes: list[float] = []
-    last = 0.0
     for share in STATIONS:
         at = low + share * (high - low)
         lines = segments(shell, scale(axis, at), axis, u, v)
-        if any(_same(lines, other) for other in seen):
-            areas.append(last)  # most of a member shows one section
+        if any(lines.shape == o.shape and (np.abs(lines - o) < SAME).all() for o in seen):
+            areas.append(areas[-1])  # most of a member shows one section
             continue
         seen.append(lines)
-        last = 0.0
+        areas.append(0.0)
         pieces = pieces_of(region_within(lines))
         sizes += [float(piece.area) for piece in pieces]
         if len(pieces) != 1:
@@ -102,57 +88,44 @@ def rolled_stock(shell: Shell, axis: Vec) -> Rolled | None:
         outer, inner = chains_of(pieces[0], circles)
         section = _told(outer, inner, pieces[0]) if outer else None
         if section is not None and section.code == "SO":
-            box = (*extent(shell, u), *extent(shell, v))
-            last = section.area
-            areas.append(last)
+            (x0, x1), (y0, y1) = extent(shell, u), extent(shell, v)
+            off = np.abs(np.subtract(pieces[0].bounds, (x0, y0, x1, y1)))
+            areas[-1] = section.area
             if special is None or section.area > special[0].area * SAME_AREA:
-                special = section, pieces[0], pieces[0]
-            section = _flat(pieces[0]) if _reaches(pieces[0], box) else None
+                special = section, BareStock(pieces[0], sizes[-1])
+            # A bar with bevelled edges is as wide and high as its shell is.
+            section = _flat(pieces[0]) if off.max() < WHOLE else None
         if section is None or (section.code == "B" and section.width > 200):
             continue
         if best is None or section.area > best[0].area * SAME_AREA:
             exact = polygon_of(outer, inner, Circles()) if circles.known else pieces[0]
-            best = section, exact, pieces[0]
+            best = section, BareStock(pieces[0], float(exact.area))
     slanted = len({round(size, SAME_SIZE) for size in sizes}) > len(STATIONS) // 2
     if slanted and not shell.cylinders:
-        for side in (-1, 1):
-            skinned = _end_section(shell, axis, side, u, v, max(sizes))
-            if skinned is not None:
-                best, rough = skinned
-                break
+        ends = (_end_section(shell, axis, side, u, v, max(sizes)) for side in (-1, 1))
+        best = next((one for one in ends if one is not None), best)
     if best is None and special is not None:
         alike = sum(area * SAME_AREA >= special[0].area for area in areas)
         best = special if alike > len(STATIONS) // 2 else None
-    return None if best is None else _as_rolled(shell, best, rough, u, v)
+    return None if best is None else _placed(shell, *best, u, v)
 
 
-def _as_rolled(shell: Shell, best: Best, rough: Rough | None, u: Vec, v: Vec) -> Rolled:
-    """The stock of the best section that stations along a shell show, in axes u and v."""
-    from shapely import transform
-
-    section, exact, drawn = best
+def _placed(shell: Shell, section: Section, bare: BareStock, u: Vec, v: Vec) -> Stock:
+    """The stock of a section that stations along a shell show, in axes u and v."""
     o, y, z = (add(scale(u, p), scale(v, q)) for p, q in (section.origin, section.y, section.z))
     frame = Frame(o, cross(y, z), y, z)
-    x0, x1 = extent(shell, frame.x)
 
     def turned(points: Any) -> Any:
         off = points - np.array(section.origin)
         return np.column_stack((off @ np.array(section.y), off @ np.array(section.z)))
 
-    shape = transform(exact, turned)
     if section.is_plain_flat:  # its edges may be bevelled all along
         section = replace(section, area=section.height * section.width)
-        return Rolled(section, frame, x0, x1, shape, plain_stock(section))
-    shown = BareStock(transform(drawn, turned), float(exact.area))
-    rise = 0.0
-    if rough is not None:
-        rise, shown = rough[0], replace(shown, rough=transform(rough[1], turned))
-    return Rolled(section, frame, x0, x1, shape, shown, rise)
-
-
-def _same(lines: Segments, others: Segments) -> bool:
-    """Whether two stations show one section, as most of a member do."""
-    return lines.shape == others.shape and bool((np.abs(lines - others) < SAME).all())
+        bare = plain_stock(section)
+    else:
+        rough = None if bare.rough is None else transform(bare.rough, turned)
+        bare = replace(bare, shape=transform(bare.shape, turned), rough=rough)
+    return Stock(section, frame, *extent(shell, frame.x), bare=bare)
 
 
 def _told(outer: Chain, inner: tuple[Chain, ...], piece: Any) -> Section | None:
@@ -170,16 +143,12 @@ def _told(outer: Chain, inner: tuple[Chain, ...], piece: Any) -> Section | None:
     return section if again is None else replace(again, area=float(piece.area))
 
 
-def _end_section(
-    shell: Shell, axis: Vec, side: int, u: Vec, v: Vec, widest: float
-) -> tuple[Best, Rough] | None:
+def _end_section(shell: Shell, axis: Vec, side: int, u: Vec, v: Vec, widest: float) -> Best | None:
     """The section of a mesh whose facets run slantwise from a mitred end to the other one.
 
     No two of its stations are alike, and no corner of theirs lies on a rounding. Those of an end
     do, if it is one plane; along the axis the end is the section.
     """
-    from shapely import Polygon, union_all
-
     end = np.isin(shell.rings.face_of_corner, end_faces(shell, axis, side))
     flat = np.column_stack((coordinates(shell.points, u), coordinates(shell.points, v)))
     before = flat[shell.rings.before]
@@ -209,7 +178,7 @@ def _end_section(
         bands += [Polygon([*outside[k : k + 2], *inside[k : k + 2][::-1]]) for k in range(count)]
     shape = polygon_of(outer, tuple(inner), Circles())
     section = replace(section, area=float(shape.area))
-    return (section, shape, shape), (most, union_all(bands))
+    return section, BareStock(shape, section.area, union_all(bands), most)
 
 
 def round_axis(shell: Shell, along: Vec) -> Vec | None:
@@ -254,13 +223,6 @@ def end_faces(shell: Shell, axis: Vec, side: int) -> Places:
     return found if way is None else found[np.abs(coordinates(ways, way)) > NEARLY_PLANE]
 
 
-def _reaches(piece: Any, extents: tuple[float, float, float, float]) -> bool:
-    """Whether a section is as wide and high as the shell is."""
-    x0, x1, y0, y1 = extents
-    pairs = zip(piece.bounds, (x0, y0, x1, y1), strict=True)
-    return all(abs(a - b) < WHOLE for a, b in pairs)
-
-
 def _flat(piece: Any) -> Section | None:
     """The flat bar that a section has been before its long edges were bevelled; None if none."""
     x0, y0, x1, y1 = piece.bounds
@@ -269,10 +231,7 @@ def _flat(piece: Any) -> Section | None:
         return None
     if float(piece.area) < FLAT * b * h or max(b, h) < FLATTER * min(b, h):
         return None
-    centre, up, right = ((x0 + x1) / 2, (y0 + y1) / 2), (0.0, 1.0), (1.0, 0.0)
-    if b > h:
-        b, h, up, right = h, b, right, up
-    return placed("B", (h, b, 0.0, b, 0.0), centre, up, right, b * h)
+    return classify(points_chain([(x0, y0), (x1, y0), (x1, y1), (x0, y1)]))
 
 
 def reference(shell: Shell, axis: Vec) -> Vec:

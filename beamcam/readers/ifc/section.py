@@ -16,12 +16,13 @@ from typing import Any, Literal
 
 from msgspec import Struct
 from msgspec.structs import replace
+from shapely import box
 
 from beamcam.caches import cached
 from beamcam.geometry.curves import Arc, Point, signed_area
 from beamcam.geometry.plane import cross
 from beamcam.model.part import Face, Profile, ProfileCode, SectionPoint
-from beamcam.model.section import corners
+from beamcam.model.section import corners, section_area
 from beamcam.readers.ifc.curves2d import Chain, box_around
 from beamcam.readers.ifc.space import Vec
 
@@ -107,14 +108,6 @@ class Section(Struct, frozen=True, gc=False, cache_hash=True):
             lip=self.lip and self.lip * by,
         )
 
-    def right_way(self) -> "Section":
-        """The section turned so that Y x Z points out of the drawing, where its form allows it."""
-        if self.y[0] * self.z[1] - self.y[1] * self.z[0] > 0:
-            return self
-        if self.code == "L" and abs(self.height - self.width) < 0.01:  # its legs are exchanged
-            return replace(self, height=self.width, width=self.height, y=self.z, z=self.y)
-        return self.turned()
-
 
 class BareStock(Struct, frozen=True, eq=False):
     """The section that a body was cut from, as its faces show it."""
@@ -122,12 +115,11 @@ class BareStock(Struct, frozen=True, eq=False):
     shape: Any  #: in (Y, Z), with the facets of the body
     area: float  #: mm2, of the section that its facets stand for
     rough: Any = None  #: where facets that run slantwise lie somewhere between arcs and chords
+    rise: float = 0.0  #: mm between its roundings and such facets
 
 
 def plain_stock(section: Section) -> BareStock:
     """That of a flat bar or a plate."""
-    from shapely import box
-
     height, thickness = section.height, section.width
     return BareStock(box(0.0, 0.0, height, thickness), height * thickness)
 
@@ -192,19 +184,12 @@ FORMS: dict[ProfileCode, Form] = {
 def area_by_measures(
     code: ProfileCode, h: float, b: float, tf: float, tw: float, r: float
 ) -> float:
-    """Area of a section in mm2; fillets add (1 - pi/4) r2 each, rounded corners take as much."""
+    """Area of a section in mm2 as models have it: toes of angles are sharp, lips not counted."""
     corner = (1 - pi / 4) * r * r
-    if code == "M":
-        inner = max(0.0, r - tw)
-        return h * b - (h - 2 * tf) * (b - 2 * tw) - 4 * (corner - (1 - pi / 4) * inner * inner)
-    if code == "RO":
-        return pi * (h - tw) * tw
-    if code == "RU":
-        return pi * h * h / 4
-    form = FORMS["U" if code == "C" else code]  # no measure gives the lips
-    p = form.drawn(h, b, tf, tw)
-    area = sum(cross(a, b) for a, b in zip(p, [*p[1:], p[0]], strict=True)) / 2
-    return area + corner * (form.reflex.count(True) or -4)
+    if code == "B":
+        return h * b - 4 * corner
+    area = section_area(Profile("U" if code == "C" else code, "", h, b, tf, tw, r)) or 0.0
+    return area + corner / 2 if code == "L" else area
 
 
 def placed(
@@ -215,10 +200,17 @@ def placed(
     z: Point,
     area: float,
 ) -> Section:
-    """The section of height, width, flange, web and radius `sizes` centred on `centre`."""
+    """The section of height, width, flange, web and radius `sizes` centred on `centre`.
+
+    It is turned so that Y x Z points out of the drawing, where its form allows it.
+    """
     h, b, tf, tw, r = sizes
     origin = (centre[0] - y[0] * h / 2 - z[0] * b / 2, centre[1] - y[1] * h / 2 - z[1] * b / 2)
-    return Section(code, h, b, tf, tw, r, origin, y, z, area).right_way()
+    if cross(y, z) > 0:
+        return Section(code, h, b, tf, tw, r, origin, y, z, area)
+    if code == "L" and abs(h - b) < 0.01:  # its legs are exchanged
+        return Section(code, b, h, tf, tw, r, origin, z, y, area)
+    return Section(code, h, b, tf, tw, r, origin, y, z, area).turned()
 
 
 def special(outer: Chain, area: float) -> Section:

@@ -9,15 +9,17 @@
 from collections.abc import Iterator, Sequence
 
 from msgspec.structs import replace
+from shapely import contains_xy
 
 from beamcam.errors import Source
 from beamcam.geometry.curves import Line, Point
 from beamcam.model.part import Hole, Slot
+from beamcam.readers.ifc import rules
 from beamcam.readers.ifc.body import Body, Swept
 from beamcam.readers.ifc.curves2d import Chain
 from beamcam.readers.ifc.cutters import MIN_LEAN, Bounded, Box3, Cutter, HalfSpace, Prism, planes_of
 from beamcam.readers.ifc.ends import MemberEnd, of_plane, trim
-from beamcam.readers.ifc.entities import Entity, Model, OddCut, Unreadable
+from beamcam.readers.ifc.entities import Entity, Model, Unreadable
 from beamcam.readers.ifc.finish import Levels, Regions, Shaped, from_regions, sawn
 from beamcam.readers.ifc.holes import Drilled, pierce
 from beamcam.readers.ifc.region import Circles, Shape, polygon_of, rectangle
@@ -33,14 +35,13 @@ def end_plane(cutter: Cutter, stock: Stock, corners: Sequence[Point]) -> HalfSpa
     """The half-space that a cutter is for this member; None if it does not take all of an end."""
     planes: Sequence[HalfSpace] = ()
     prism: Prism | None = None  #: that has to hold all beyond the plane
-    if isinstance(cutter, HalfSpace):
-        planes = (cutter,)
-    elif isinstance(cutter, Bounded) and isinstance(cutter.first, HalfSpace):
-        if not isinstance(cutter.second, Prism):
-            return None
-        planes, prism = (cutter.first,), cutter.second
-    elif isinstance(cutter, Prism) and cutter.shape is None:
-        planes, prism = cutter.sides, cutter
+    match cutter:
+        case HalfSpace():
+            planes = (cutter,)
+        case Bounded(first=HalfSpace() as half, second=Prism() as prism):
+            planes = (half,)
+        case Prism(shape=None):
+            planes, prism = cutter.sides, cutter
     for plane in planes:
         if abs(plane.normal[0]) > MIN_LEAN and (
             prism is None or _takes_all(prism, plane, stock, corners)
@@ -51,8 +52,6 @@ def end_plane(cutter: Cutter, stock: Stock, corners: Sequence[Point]) -> HalfSpa
 
 def _takes_all(cutter: Prism, plane: HalfSpace, stock: Stock, corners: Sequence[Point]) -> bool:
     """Whether a prism holds everything of the stock beyond a plane, up to the stock's end."""
-    from shapely import contains_xy
-
     inverse = cutter.frame.inverse()
     way, far = (1.0, stock.x1) if plane.normal[0] > 0 else (-1.0, stock.x0)
     h, b = stock.section.height, stock.section.width
@@ -129,7 +128,9 @@ def cut(stock: Stock, cutters: Sequence[Cutter], source: Source) -> Shaped:
         span = -start.reach, end.reach
         return sawn(section, (start.sole, end.sole), span, holes, source, gross)
     if not walls:
-        raise OddCut(f"cuts other than saw cuts and holes in a section of code {section.code}")
+        raise Unreadable(
+            f"cuts other than saw cuts and holes in a section of code {section.code}", rules.ODD_CUT
+        )
     circles = Circles()
     regions = _left_of_walls(stock, (*starts, *ends), general, circles)
     planes = [*start.planes, *end.planes, *_sides(stock.outline)]

@@ -12,7 +12,7 @@ from beamcam.readers.ifc.curves2d import Chain, box_around
 from beamcam.readers.ifc.entities import Entity, Model, Unreadable
 from beamcam.readers.ifc.outline import with_arcs
 from beamcam.readers.ifc.profiles import Outline, outline_of, section_of
-from beamcam.readers.ifc.section import Section
+from beamcam.readers.ifc.section import BareStock, Section
 from beamcam.readers.ifc.space import Frame, Vec, add, cross, dot, size, unit
 
 # --- plates ---------------------------------------------------------------------------------------
@@ -117,6 +117,7 @@ class Stock(Struct, frozen=True, gc=False):
     x1: float
     outline: Chain = ()  #: of a plate, in (x, y); none of a full rectangle
     hollows: tuple[Chain, ...] = ()
+    bare: BareStock | None = None  #: the section, where the faces of a shell show it
 
 
 def stock_of(model: Model, element: Entity, base: Swept) -> Stock:
@@ -130,7 +131,7 @@ def stock_of(model: Model, element: Entity, base: Swept) -> Stock:
         raise Unreadable("a profile that is stretched unevenly")
     plate = plate_of(model, element, base.profile, depth / factor)
     if plate is not None:
-        return plate_stock(plate, base.frame, base.along, depth, factor)
+        return plate_stock(plate, base.frame, base.along)
     section = section_of(model, base.profile)
     frame = _frame(section, base.frame)
     if dot(frame.x, base.along) < 0:
@@ -150,26 +151,21 @@ def _frame(section: Section, at: Frame) -> Frame:
     return Frame(o, cross(y, z), y, z)
 
 
-def plate_stock(
-    plate: Plate, at: Frame, along: Vec, thickness: float, factor: float = 1.0
-) -> Stock:
-    """The stock of a plate that is pushed `along`, which is its thickness, off the plane of `at`.
-
-    Its measures grow by a factor.
-    """
+def plate_stock(plate: Plate, at: Frame, along: Vec) -> Stock:
+    """The stock of a plate that is pushed through its thickness off the plane of `at`."""
+    factor, thickness = size(at.x), size(along)
     x = unit(at.vector((*plate.x, 0.0)))
     y = unit(at.vector((*plate.y, 0.0)))
     z = cross(x, y)
     o = at.point((*plate.origin, 0.0))
     if dot(z, along) < 0:
         o = add(o, along)
-    width, length = plate.width * factor, plate.length * factor
-    section = Section(
-        "B", width, thickness, 0.0, thickness, 0.0, (0.0, 0.0), (0.0, 1.0), (1.0, 0.0),
-        width * thickness,
-    )  # fmt: skip
+    width = plate.width * factor
+    sizes, area = (width, thickness, 0.0, thickness, 0.0), width * thickness
+    section = Section("B", *sizes, (0.0, 0.0), (0.0, 1.0), (1.0, 0.0), area)
     matrix = ((factor, 0.0, 0.0), (0.0, factor, 0.0))
     outline, *hollows = (
         tuple(c.transformed(matrix) for c in chain) for chain in (plate.outline, *plate.hollows)
     )
-    return Stock(section, Frame(o, x, y, z), 0.0, length, outline, tuple(hollows))
+    frame = Frame(o, x, y, z)
+    return Stock(section, frame, 0.0, plate.length * factor, outline, tuple(hollows))
