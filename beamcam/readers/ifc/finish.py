@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Iterator, Sequence
 from math import hypot, pi
 
+import shapely
 from msgspec import Struct
 from msgspec.structs import replace
 
@@ -23,7 +24,7 @@ from beamcam.readers.ifc.curves2d import Chain
 from beamcam.readers.ifc.ends import UNEXPLAINED, Level, MemberEnd, bevels_of, end_of, reaches
 from beamcam.readers.ifc.entities import Unreadable
 from beamcam.readers.ifc.outline import Round, Slotted, shape_of
-from beamcam.readers.ifc.region import Circles, Shape, chains_of, cleaned, pieces_of, rectangle
+from beamcam.readers.ifc.region import Circles, Shape, chains_of, cleaned, pieces_of
 from beamcam.readers.ifc.section import BareStock, Section, Wall, corner_points, walls_of
 from beamcam.readers.ifc.space import IDENTITY, Frame
 
@@ -180,7 +181,7 @@ def _wall_features(
     if len(pieces) > 1:
         remarks.append(f"face {wall.face} is left in {len(pieces)} pieces")
     flat_stock = section.code == "B"
-    box = rectangle(joint.bounds[0], 0.0, joint.bounds[2], wall.width)
+    box = shapely.box(joint.bounds[0], 0.0, joint.bounds[2], wall.width)
     needs_outline = not explained or (flat_stock and not _alike(box, _filled(joint)))
     for piece in pieces:
         outer, inner = chains_of(piece, circles)
@@ -195,17 +196,15 @@ def _wall_features(
 
 def _filled(shape: Shape) -> Shape:
     """A region without its hollows."""
-    from shapely import MultiPolygon, Polygon
-
-    return MultiPolygon([Polygon(p.exterior) for p in pieces_of(shape)])
+    return shapely.MultiPolygon([shapely.Polygon(p.exterior) for p in pieces_of(shape)])
 
 
 def _plain(wall: Wall, c: float, ends: tuple[MemberEnd, MemberEnd], shape: Shape) -> Shape:
     """What the stock and the two end planes alone would leave of a wall at a level."""
     if shape.is_empty:
-        return rectangle(0.0, 0.0, 0.0, 0.0)
+        return shapely.box(0.0, 0.0, 0.0, 0.0)
     x0, _, x1, _ = shape.bounds
-    plain = rectangle(x0 - 10.0, 0.0, x1 + 10.0, wall.width)
+    plain = shapely.box(x0 - 10.0, 0.0, x1 + 10.0, wall.width)
     for end in ends:
         plain = plain.difference(end.removed(wall, c))
     return plain

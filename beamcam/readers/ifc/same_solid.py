@@ -14,6 +14,7 @@ from math import cos, inf, radians, tan
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import shapely
 from msgspec import Struct
 from msgspec.structs import replace
 
@@ -24,7 +25,7 @@ from beamcam.model.part import Contour, Hole, Part, Slot
 from beamcam.readers.ifc import rules
 from beamcam.readers.ifc.entities import Unreadable
 from beamcam.readers.ifc.finish import Shaped, part_of
-from beamcam.readers.ifc.region import Shape, rectangle
+from beamcam.readers.ifc.region import Shape
 from beamcam.readers.ifc.section import BareStock, Section, Wall, walls_of
 from beamcam.readers.ifc.shell import Shell
 from beamcam.readers.ifc.solid_body import by_stations, section_area, solid_of
@@ -185,8 +186,6 @@ def _plainly_drilled(
     to be their plugs then: one of each, which is no further from their outline than facets are, and
     as deep as the wall.
     """
-    from shapely import MultiPoint
-
     walls = {wall.face: wall for wall in walls_of(section)}
     round_ones = [f for f in part.features if isinstance(f, (Hole, Slot)) and f.face in walls]
     bare = replace(part, features=tuple(f for f in part.features if f not in round_ones))
@@ -197,7 +196,7 @@ def _plainly_drilled(
     for f in round_ones:
         wall, radius = walls[f.face], f.diameter / 2
         centres = slot_corners(f) if isinstance(f, Slot) else [(f.x, f.y)]
-        spine = MultiPoint(centres).convex_hull
+        spine = shapely.MultiPoint(centres).convex_hull
         found = [one for one in plugs if _is_plug(one, spine, radius, wall, by)]
         through = f.depth is None and (isinstance(f, Slot) or f.kind == "through")
         if len(found) != 1 or not through:
@@ -208,14 +207,12 @@ def _plainly_drilled(
 
 def _is_plug(one: "Manifold", spine: Shape, radius: float, wall: Wall, by: Fineness) -> bool:
     """Whether steel is what a hole or a slot takes of a wall, but for facets."""
-    from shapely import distance, points
-
     box, axis = one.bounding_box(), 1 if wall.normal == "y" else 2
     ends = box[axis] - wall.low - by.slack, wall.high - by.slack - box[axis + 3]
     if max(map(abs, ends)) > ROUNDING:
         return False
     corners = one.to_mesh64().vert_properties
-    off = distance(spine, points(corners[:, 0], corners[:, 3 - axis]))
+    off = shapely.distance(spine, shapely.points(corners[:, 0], corners[:, 3 - axis]))
     if np.abs(off - radius).max() > by.slack or one.hull().volume() - one.volume() > MIN_CORE:
         return False
     inside = spine.buffer(radius - _rise(radius, by), ROUND).area * (wall.thickness - 2 * by.slack)
@@ -276,17 +273,15 @@ def _by_face(
 
 def _box_of(wall: Wall, larger: float) -> "Manifold":
     """All of a wall, larger on every side."""
-    shape = rectangle(-FAR, -larger, FAR, wall.width + larger)
+    shape = shapely.box(-FAR, -larger, FAR, wall.width + larger)
     return prism(shape, wall.low - larger, wall.high + larger, _frame(wall))
 
 
 def _face_beside(piece: "Manifold", walls: Sequence[Wall], of: Section) -> str:
     """Where steel lies that is in no wall: in the fillets between two, or at none."""
-    from shapely import box, union_all
-
     reach = of.radius + 0.01 * of.height
-    fillets = union_all([
-        box(a.low - reach, b.low - reach, a.high + reach, b.high + reach)
+    fillets = shapely.union_all([
+        shapely.box(a.low - reach, b.low - reach, a.high + reach, b.high + reach)
         for a in walls if a.normal == "y"
         for b in walls if b.normal == "z"
     ])  # fmt: skip
@@ -306,10 +301,8 @@ def _leans(piece: "Manifold", more: bool, wall: Wall, part: Part) -> bool:
     The part has the outline of both sides of the wall together, so that it may lack no more than
     what lies between its surface and the level at which it was looked at.
     """
-    from shapely import union_all
-
     cuts = _cuts_of(wall, part)
-    gone = union_all(cuts)
+    gone = shapely.union_all(cuts)
 
     def through(shape: Shape) -> "Manifold":
         return prism(shape, wall.low - FREE, wall.high + FREE, _frame(wall))
@@ -318,21 +311,21 @@ def _leans(piece: "Manifold", more: bool, wall: Wall, part: Part) -> bool:
         return False
     near = gone.buffer(LEAN_REACH * wall.thickness)
     if more:
-        near = union_all([cut.boundary for cut in cuts]).buffer(LEVEL_REACH * wall.thickness)
+        near = shapely.union_all([cut.boundary for cut in cuts]).buffer(
+            LEVEL_REACH * wall.thickness
+        )
     return bool((piece - through(near)).volume() < MIN_LUMP)
 
 
 def _cuts_of(wall: Wall, part: Part) -> list[Shape]:
     """What contours take of a wall, and each of their bevels, in (x, q)."""
-    from shapely import LineString, union_all
-
     contours = [c for c in part.contours if c.face == wall.face]
     gone = [shape_of(c.curves) for c in contours if c.kind == "inner"]
     outer = [shape_of(c.curves) for c in contours if c.kind == "outer"]
     if outer:
-        whole = rectangle(0.0, 0.0, part.length, wall.width)
-        gone.append(whole.difference(union_all(outer)))
-    cuts = [union_all(gone).buffer(-TOUCHING).buffer(TOUCHING)]
+        whole = shapely.box(0.0, 0.0, part.length, wall.width)
+        gone.append(whole.difference(shapely.union_all(outer)))
+    cuts = [shapely.union_all(gone).buffer(-TOUCHING).buffer(TOUCHING)]
     for contour in contours:
         for bevel in contour.bevels:
             deep = wall.thickness - bevel.land
@@ -340,7 +333,7 @@ def _cuts_of(wall: Wall, part: Part) -> list[Shape]:
                 deep = bevel.land or wall.thickness
             wide = deep * tan(radians(abs(bevel.angle)))
             edge = contour.curves[bevel.curve]
-            cuts.append(LineString([edge.start, edge.end]).buffer(wide, cap_style="square"))
+            cuts.append(shapely.LineString([edge.start, edge.end]).buffer(wide, cap_style="square"))
     return cuts
 
 
