@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 from math import hypot, pi
+from typing import Literal
 
 import shapely
 from msgspec import Struct
@@ -14,6 +15,7 @@ from beamcam.model.part import (
     Contour,
     EndCuts,
     EndPlane,
+    Face,
     Feature,
     Hole,
     Part,
@@ -47,18 +49,14 @@ class Shaped(Struct, frozen=True, gc=False):
     frame: Frame = IDENTITY  #: the part's coordinates in the element's
     fitted: tuple[str, ...] = ()  #: surfaces of the kernel that only facets stand for
     stock: BareStock | None = None  #: the section, where a shell showed it
-    diagnostics: tuple[
-        Diagnostic, ...
-    ] = ()  #: of what no feature explains, where a body was compared
+    #: of what no feature explains, where a body was compared
+    diagnostics: tuple[Diagnostic, ...] = ()
 
     def at(self, source: Source) -> "Shaped":
         """What was read of a member, of another one of its form."""
         features = tuple(replace(f, source=source) for f in self.features)
-        return replace(
-            self,
-            features=features,
-            diagnostics=tuple(replace(d, source=source) for d in self.diagnostics),
-        )
+        diagnostics = tuple(replace(d, source=source) for d in self.diagnostics)
+        return replace(self, features=features, diagnostics=diagnostics)
 
 
 def part_of(shaped: Shaped) -> Part:
@@ -252,20 +250,21 @@ def slot(wall: Wall, shape: Slotted, source: Source, depth: float | None = None)
 
 
 def contour(
-    face: str, kind: str, chain: Chain, source: Source, bevels: tuple[Bevel, ...] = ()
+    face: Face,
+    kind: Literal["outer", "inner"],
+    chain: Chain,
+    source: Source,
+    bevels: tuple[Bevel, ...] = (),
 ) -> Contour:
     """A contour from a chain that is counter-clockwise in the face's numbers.
 
     Outer ones run counter-clockwise seen from outside, inner ones clockwise; the numbers of o and
     h are mirrored.
     """
-    outer = kind == "outer"
-    if outer == (face not in MIRRORED_FACES):
-        return Contour(face, "outer" if outer else "inner", chain, source, bevels=bevels)
-    last = len(chain) - 1
-    turned = tuple(replace(b, curve=last - b.curve) for b in bevels)
-    back = tuple(c.reversed() for c in reversed(chain))
-    return Contour(face, "outer" if outer else "inner", back, source, bevels=turned)
+    if (kind == "outer") != (face not in MIRRORED_FACES):
+        bevels = tuple(replace(b, curve=len(chain) - 1 - b.curve) for b in bevels)
+        chain = tuple(c.reversed() for c in reversed(chain))
+    return Contour(face, kind, chain, source, bevels=bevels)
 
 
 def in_order(features: Iterable[Cut]) -> list[Cut]:
@@ -281,26 +280,18 @@ def in_order(features: Iterable[Cut]) -> list[Cut]:
 
     once: list[Cut] = []
     for feature in sorted(features, key=place):
-        if not _is_again(feature, once):
+        if not any(_is_same(feature, one) for one in once):
             once.append(feature)
     return once
 
 
-def _is_again(feature: Cut, earlier: Sequence[Cut]) -> bool:
-    """Whether a hole or a slot is one of those before it, modelled twice."""
-    for one in reversed(earlier):
-        if isinstance(feature, Contour) or isinstance(one, Contour):
-            return False
-        if abs(feature.x - one.x) > 2 * SAME:
-            return False
-        same = (
-            abs(feature.x - one.x) < SAME
-            and abs(feature.y - one.y) < SAME
-            and abs(feature.diameter - one.diameter) < SAME
-            and (feature.face, feature.depth, type(feature)) == (one.face, one.depth, type(one))
-        )
-        if same and isinstance(feature, Slot) and isinstance(one, Slot):
-            same = abs(feature.length - one.length) < SAME and abs(feature.angle - one.angle) < SAME
-        if same:
-            return True
-    return False
+def _is_same(a: Cut, b: Cut) -> bool:
+    """Whether two holes or slots are one that is modelled twice."""
+    if isinstance(a, Contour) or isinstance(b, Contour):
+        return False
+    if abs(a.x - b.x) >= SAME or (a.face, a.depth, type(a)) != (b.face, b.depth, type(b)):
+        return False
+    pairs = [(a.y, b.y), (a.diameter, b.diameter)]
+    if isinstance(a, Slot) and isinstance(b, Slot):
+        pairs += [(a.length, b.length), (a.angle, b.angle)]
+    return all(abs(p - q) < SAME for p, q in pairs)

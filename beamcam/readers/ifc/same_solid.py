@@ -11,7 +11,7 @@ What sticks out on either side is named by face and x.
 
 from collections.abc import Iterator, Sequence
 from math import cos, inf, radians, tan
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import shapely
@@ -273,8 +273,7 @@ def _by_face(
 
 def _box_of(wall: Wall, larger: float) -> "Manifold":
     """All of a wall, larger on every side."""
-    shape = shapely.box(-FAR, -larger, FAR, wall.width + larger)
-    return prism(shape, wall.low - larger, wall.high + larger, _frame(wall))
+    return _through(wall, shapely.box(-FAR, -larger, FAR, wall.width + larger), larger)
 
 
 def _face_beside(piece: "Manifold", walls: Sequence[Wall], of: Section) -> str:
@@ -289,10 +288,11 @@ def _face_beside(piece: "Manifold", walls: Sequence[Wall], of: Section) -> str:
     return FILLET if inside.volume() > piece.volume() / 2 else "no face"
 
 
-def _frame(wall: Wall) -> Any:
-    """Takes (x, q, c) of a wall to (x, y, z)."""
+def _through(wall: Wall, shape: Shape, over: float) -> "Manifold":
+    """All through a wall and over its surfaces, by a shape in (x, q)."""
     along, first, second = (1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0)
-    return (along, second, first) if wall.normal == "y" else (along, first, second)
+    frame = (along, second, first) if wall.normal == "y" else (along, first, second)
+    return prism(shape, wall.low - over, wall.high + over, frame)
 
 
 def _leans(piece: "Manifold", more: bool, wall: Wall, part: Part) -> bool:
@@ -303,18 +303,13 @@ def _leans(piece: "Manifold", more: bool, wall: Wall, part: Part) -> bool:
     """
     cuts = _cuts_of(wall, part)
     gone = shapely.union_all(cuts)
-
-    def through(shape: Shape) -> "Manifold":
-        return prism(shape, wall.low - FREE, wall.high + FREE, _frame(wall))
-
-    if gone.is_empty or (piece ^ through(gone.buffer(BESIDE))).is_empty():
+    if gone.is_empty or (piece ^ _through(wall, gone.buffer(BESIDE), FREE)).is_empty():
         return False
     near = gone.buffer(LEAN_REACH * wall.thickness)
     if more:
-        near = shapely.union_all([cut.boundary for cut in cuts]).buffer(
-            LEVEL_REACH * wall.thickness
-        )
-    return bool((piece - through(near)).volume() < MIN_LUMP)
+        edges = shapely.union_all([cut.boundary for cut in cuts])
+        near = edges.buffer(LEVEL_REACH * wall.thickness)
+    return bool((piece - _through(wall, near, FREE)).volume() < MIN_LUMP)
 
 
 def _cuts_of(wall: Wall, part: Part) -> list[Shape]:

@@ -245,18 +245,9 @@ def segments(shell: Shell, at: Vec, normal: Vec, u: Vec, v: Vec) -> Segments:
 
 
 def longest_direction(shell: Shell) -> Vec:
-    """The direction that most of the shell's edges run along, by their length.
-
-    Edges between two faces of one plane, as in a mesh of triangles, do not count.
-    """
-    edges = shell.points - shell.points[shell.rings.before]
-    length = lengths(edges)
-    real = length >= MIN_EDGE
-    ways = edges[real] * (1 / length[real])[:, None]
-    counted = np.ones(len(ways), bool)
-    if len(shell.points) == 3 * shell.count:
-        counted = _creased(shell, shell.rings.before)[real]
-    found = heaviest(ways[counted], length[real][counted], 1 - 1e-7, MOST_WAYS)
+    """The direction that most of the shell's edges run along, by their length."""
+    ways, length, creased = _edges(shell)
+    found = heaviest(ways[creased], length[creased], 1 - 1e-7, MOST_WAYS)
     if found is None:
         return ALONG
     along = coordinates(ways, found)  # which way it runs, the first of all says
@@ -266,16 +257,11 @@ def longest_direction(shell: Shell) -> Vec:
 def kinked(shell: Shell) -> float | None:
     """The degrees by which a member bends once, from most of its edges to the rest; None if none.
 
-    Edges between two faces of one plane, as in a mesh of triangles, do not count.
+    Edges shorter than a tenth of the longest do not count.
     """
-    before = shell.rings.before
-    edges = shell.points - shell.points[before]
-    edges = edges[_creased(shell, before)]
-    length = lengths(edges)
-    long = length > max(MIN_EDGE, float(length.max(initial=0.0)) / 10)
-    if not long.any():
-        return None
-    ways, length = edges[long] * (1 / length[long])[:, None], length[long]
+    ways, length, creased = _edges(shell)
+    long = creased & (length > float(length[creased].max(initial=0.0)) / 10)
+    ways, length = ways[long], length[long]
     first = heaviest(ways, length, 1 - 1e-7, MOST_WAYS)
     if first is None:
         return None
@@ -290,6 +276,19 @@ def kinked(shell: Shell) -> float | None:
     angle = float(np.degrees(np.arccos(min(1.0, abs(float(np.dot(first, second)))))))
     bent = MIN_KINK_DEG <= angle <= MOST_KINK_DEG
     return angle if bent and shares[1] >= MIN_KINK * shares[0] else None
+
+
+def _edges(shell: Shell) -> tuple[Points, Numbers, NDArray[np.bool_]]:
+    """The directions and the lengths of a shell's edges, and which of them are to be counted.
+
+    Those between two faces of one plane, as in a mesh of triangles, are not.
+    """
+    before = shell.rings.before
+    edges = shell.points - shell.points[before]
+    length = lengths(edges)
+    real = length >= MIN_EDGE
+    ways, length = edges[real] * (1 / length[real])[:, None], length[real]
+    return ways, length, _creased(shell, before)[real]
 
 
 def _creased(shell: Shell, before: Places) -> NDArray[np.bool_]:
