@@ -31,7 +31,7 @@ from beamcam.readers.ifc.shell import Shell
 from beamcam.readers.ifc.solid_body import by_stations, section_area, solid_of
 from beamcam.readers.ifc.space import cross, dot
 from beamcam.solid.cutters import slot_corners
-from beamcam.solid.kernel import FREE, kernel, outline, prism
+from beamcam.solid.kernel import FREE, kernel, prism, walls
 from beamcam.solid.part_solid import part_solid
 from beamcam.solid.stock_solid import ALONG as SECTIONS
 from beamcam.solid.stock_solid import Margins, shape_of
@@ -162,14 +162,26 @@ def differences(
 
 
 def _drawn(part: Part, stock: BareStock) -> "Manifold":
-    return part_solid(part, Margins(section=stock.shape, square_below=0.0))
+    return _solid(part, Margins(section=stock.shape, square_below=0.0))
+
+
+def _solid(part: Part, margins: Margins) -> "Manifold":
+    """The solid of a part; a channel's lips, which no contour describes, go with their flanges."""
+    solid, p = part_solid(part, margins), part.profile
+    for face, wall in walls(p).items():
+        if p.code == "C" and wall.normal == "y":
+            bend = p.radius + (p.web_thickness or 0.0)
+            strip = shapely.box(-FAR, wall.width - bend, FAR, FAR)
+            gone = _gone(part, face, wall.width).buffer(margins.outline).intersection(strip)
+            solid -= prism(gone, -FREE, p.height / 2, wall.frame)
+    return solid
 
 
 def _cores(
     solid: "Manifold", part: Part, stock: BareStock, by: Fineness
 ) -> "Iterator[tuple[bool, list[Manifold]]]":
     """What sticks out of the margins of a part: of more steel, and of less."""
-    least, most = (part_solid(part, one) for one in _margins(part, stock, by.slack))
+    least, most = (_solid(part, one) for one in _margins(part, stock, by.slack))
     arcs = _arcs(part)
     for more, rest in ((True, solid - most), (False, least - solid)):
         cores = [one for one in rest.decompose() if one.volume() > MIN_CORE]
@@ -229,15 +241,8 @@ def _grown(piece: "Manifold", exact: "Manifold", slack: float) -> "Manifold":
 
 
 def _margins(part: Part, stock: BareStock, slack: float) -> tuple[Margins, Margins]:
-    """Of the least steel and of the most.
-
-    The lips of a channel, which no part holds, may be there or not.
-    """
-    shape = stock.shape
-    sections = shape, shape
-    if part.profile.code == "C":
-        drawn = outline(part)
-        sections = shape.intersection(drawn), shape.union(drawn)
+    """Of the least steel and of the most."""
+    sections = stock.shape, stock.shape
     if stock.rough is not None:
         sections = sections[0].difference(stock.rough), sections[1].union(stock.rough)
 
@@ -312,16 +317,21 @@ def _leans(piece: "Manifold", more: bool, wall: Wall, part: Part) -> bool:
     return bool((piece - _through(wall, near, FREE)).volume() < MIN_LUMP)
 
 
-def _cuts_of(wall: Wall, part: Part) -> list[Shape]:
-    """What contours take of a wall, and each of their bevels, in (x, q)."""
-    contours = [c for c in part.contours if c.face == wall.face]
+def _gone(part: Part, face: str, width: float) -> Shape:
+    """What contours take of the wall behind a face, in (x, q)."""
+    contours = [c for c in part.contours if c.face == face]
     gone = [shape_of(c.curves) for c in contours if c.kind == "inner"]
     outer = [shape_of(c.curves) for c in contours if c.kind == "outer"]
     if outer:
-        whole = shapely.box(0.0, 0.0, part.length, wall.width)
+        whole = shapely.box(0.0, 0.0, part.length, width)
         gone.append(whole.difference(shapely.union_all(outer)))
-    cuts = [shapely.union_all(gone).buffer(-TOUCHING).buffer(TOUCHING)]
-    for contour in contours:
+    return shapely.union_all(gone).buffer(-TOUCHING).buffer(TOUCHING)
+
+
+def _cuts_of(wall: Wall, part: Part) -> list[Shape]:
+    """What contours take of a wall, and each of their bevels, in (x, q)."""
+    cuts = [_gone(part, wall.face, wall.width)]
+    for contour in (c for c in part.contours if c.face == wall.face):
         for bevel in contour.bevels:
             deep = wall.thickness - bevel.land
             if bevel.angle < 0.0:
