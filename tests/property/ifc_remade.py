@@ -67,11 +67,11 @@ def remade(part: Part, bar: Bar) -> tuple[Cuts, str]:
 
 
 def _over_lips(bar: Bar, face: str, gone: Any) -> list[list[tuple[float, float]]]:
-    """The borders of what is gone of a flange over its lip, which goes with it."""
-    b, t = bar.sizes[1], bar.sizes[3]
+    """The borders of what is gone of a flange over its lip and their bend, which go with it."""
+    b, bend = bar.sizes[1], bar.sizes[3] + bar.sizes[4]
     if not bar.girth or face not in ("o", "u"):
         return []
-    return rings(gone.intersection(shapely_box(-50.0, b - t, bar.length + 50.0, b + 5.0)))
+    return rings(gone.intersection(shapely_box(-50.0, b - bend, bar.length + 50.0, b + 5.0)))
 
 
 def _lip(made: Cuts, bar: Bar, face: str, ring: list[tuple[float, float]]) -> str:

@@ -129,3 +129,25 @@ def test_a_part_that_is_not_the_member_would_be_seen() -> None:
     data = model_of(bar, cutters)
     plain = read(model_of(bar, ()), "m.ifc")
     assert "SILENTLY" in outcome(bar, data, plain)
+
+
+LIPPED = {0.0: Bar("C", 1200.0, (200.0, 75.0, 2.0, 2.0, 0.0), 20.0),
+          3.0: Bar("C", 1200.0, (200.0, 75.0, 3.0, 3.0, 3.0), 20.0)}  # fmt: skip
+
+
+@pytest.mark.parametrize("radius", LIPPED)
+def test_a_mitred_channel_with_lips_is_read_from_its_mesh(radius: float) -> None:
+    """The facets of small bends run slantwise from a mitre to the other end, nearly along it."""
+    data = model_of(LIPPED[radius], [Half((1100.0, 100.0, 37.5), (cos(0.5), sin(0.5), 0.0))])
+    reading = read(meshed(data), "m.ifc", options=CHECKED)
+    assert outcome(LIPPED[radius], data, reading) == "read"
+    assert reading.parts[0].profile.radius == pytest.approx(radius, abs=0.01)
+
+
+@pytest.mark.parametrize("radius", LIPPED)
+def test_lips_go_with_their_flange_and_no_part_keeps_them_alone(radius: float) -> None:
+    bar = LIPPED[radius]
+    for deep, found in ((40.0, "read"), (8.0, "refused ifc-unexplained")):
+        data = model_of(bar, [Box((-20.0, -20.0, -20.0), (150.0, deep, 95.0))])
+        for one in (data, meshed(data)):
+            assert outcome(bar, data, read(one, "m.ifc", options=CHECKED)) == found

@@ -15,7 +15,6 @@ from math import hypot
 import numpy as np
 from msgspec import Struct
 
-from beamcam.caches import cached
 from beamcam.geometry.curves import Arc
 from beamcam.readers.ifc import rules
 from beamcam.readers.ifc.curves2d import chain_of
@@ -24,15 +23,13 @@ from beamcam.readers.ifc.entities import (
     Coordinates,
     Entity,
     Model,
-    Placement,
     Unreadable,
     features_of,
     ratios,
-    right_handed,
 )
 from beamcam.readers.ifc.profiles import Outline, definition, outline_of, rounded_box
 from beamcam.readers.ifc.shell import Shell, moved, shell
-from beamcam.readers.ifc.space import IDENTITY, ORIGIN, Frame, Vec, scale, unit
+from beamcam.readers.ifc.space import IDENTITY, Frame, Vec, scale, unit
 
 #: Identifiers of a representation that holds the solid, the best first.
 _BODIES = {"Body": 0, None: 1, "": 2, "Facetation": 3, "Body-FallBack": 4}
@@ -66,13 +63,11 @@ class Body(Struct, frozen=True, gc=False):
 
     def cutters(self, model: Model, to: Frame) -> list[Cutter]:
         """What is taken away, in coordinates in which the element stands in `to`."""
-        found: list[Cutter] = []
-        stands, frame = IDENTITY, to
-        for one in self.removed:
-            if one.frame is not stands:  # as few are: a chain of booleans has one frame
-                stands, frame = one.frame, to.times(one.frame)
-            found += solid_cutters(model, one.item, frame, one.where)
-        return found
+        return [
+            cutter
+            for one in self.removed
+            for cutter in solid_cutters(model, one.item, to.times(one.frame), one.where)
+        ]
 
 
 def body_of(model: Model, element: Entity) -> Body:
@@ -266,45 +261,20 @@ def _extrusion(model: Model, item: Entity, frame: Frame, where: str | None) -> P
     profile, place, way, depth, *_ = item.values
     outline = outline_of(model, profile)
     hole = model.once("cut-out", definition(profile), hole_of, outline)
-    o, axes, even = _standing(model, frame, place)
-    along = pushed(model, axes, way, depth)
+    at = frame.times(model.axes(place))
     upright = way is None or hypot(way[0], way[1]) <= OFF_SQUARE * abs(way[2])
-    if not (even and upright):
+    if not (at.even and upright):
         hole = None  # pushed off square or stretched it is no circle across its length
-    return Prism(Frame(o, axes.x, axes.y, along), outline, where, hole)
-
-
-def _standing(model: Model, frame: Frame, place: Placement | None) -> tuple[Vec, Frame, bool]:
-    """The origin and the axes of a solid that is placed in `frame`, and whether they keep forms."""
-    if place is None or len(place) != 3:
-        at = frame.times(model.axes(place))
-        return at.o, at, at.even
-    location, axis, reference = place
-    axes, even = _turned(frame.x, frame.y, frame.z, axis, reference)
-    return frame.point(model.point(location)), axes, even
-
-
-@cached("ifc.placement")
-def _turned(
-    x: Vec, y: Vec, z: Vec, axis: Coordinates | None, reference: Coordinates | None
-) -> tuple[Frame, bool]:
-    """The axes of a placement by its Axis and RefDirection, in a frame that has the axes x, y, z.
-
-    Behind them whether they keep forms. A model's holes stand in many places, but lie few ways.
-    """
-    by = Frame(ORIGIN, x, y, z)
-    axes = Frame(ORIGIN, *map(by.vector, right_handed(ratios(axis), ratios(reference))))
-    return axes, axes.even
+    return Prism(Frame(at.o, at.x, at.y, pushed(model, at, way, depth)), outline, where, hole)
 
 
 def _half_space(model: Model, item: Entity, frame: Frame, where: str | None) -> HalfSpace:
     surface, agreement, *_ = item.values
     if not surface.is_a("IfcPlane"):
         raise Unreadable(f"a cut by a half-space over {surface.is_a()}")
-    plane = model.axes(surface.values[0])
     # AgreementFlag true: the half-space lies against the normal of its plane.
-    normal = scale(plane.z, -1.0) if agreement else plane.z
-    return HalfSpace(plane.o, normal, where).moved(frame)
+    side = -1.0 if agreement else 1.0
+    return HalfSpace.of(frame.times(model.axes(surface.values[0])), side, where)
 
 
 def _primitive(model: Model, item: Entity, frame: Frame, where: str | None) -> Prism:

@@ -1,7 +1,7 @@
 """The curves of profiles and of cuts' outlines, exact: lines and arcs in mm."""
 
 import itertools
-from math import atan2, degrees, hypot, pi
+from math import atan2, degrees, dist, hypot, pi
 from typing import Any
 
 from beamcam.geometry.arc_fitting import fit_chains
@@ -22,8 +22,7 @@ def chain_of(model: Model, entity: Entity) -> Chain:
     if not chain:
         raise Unreadable(f"an empty {entity.is_a()}")
     first, last = chain[0].start, chain[-1].end
-    gap = hypot(first[0] - last[0], first[1] - last[1])
-    if gap > SAME_POINT and len(chain) > 1:
+    if dist(first, last) > SAME_POINT and len(chain) > 1:
         chain = (*chain, Line(last, first))
     return chain
 
@@ -37,10 +36,6 @@ def box_around(chain: Chain) -> Box:
 def points_chain(points: list[Point]) -> Chain:
     """The polygon of `points`, closed."""
     return tuple(_polyline([*points, points[0]]))
-
-
-def _apart(a: Point, b: Point) -> bool:
-    return hypot(a[0] - b[0], a[1] - b[1]) > SAME_POINT
 
 
 def _curve(model: Model, entity: Entity) -> list[Curve]:
@@ -98,7 +93,7 @@ def _long(curves: list[Curve]) -> list[Curve]:
 
 
 def _polyline(points: list[Point]) -> list[Curve]:
-    return [Line(a, b) for a, b in itertools.pairwise(points) if _apart(a, b)]
+    return [Line(a, b) for a, b in itertools.pairwise(points) if dist(a, b) > SAME_POINT]
 
 
 def _indexed(model: Model, entity: Entity) -> list[Curve]:

@@ -4,20 +4,20 @@ Every cutter stands in the member's coordinates (x along it, Y, Z) and tells its
 wall: the region of the plane c = const that it removes.
 """
 
-from math import copysign, sqrt
-from typing import Any
+from math import copysign, hypot
 
+import shapely
 from msgspec import Struct
 
 from beamcam.caches import cached
-from beamcam.geometry.curves import Line, Point, unit_vector
+from beamcam.geometry.curves import Line, Point
 from beamcam.readers.ifc.curves2d import box_around
-from beamcam.readers.ifc.outline import Round, Slotted, shape_of
+from beamcam.readers.ifc.outline import Round, Slotted, shape_of, with_arcs
 from beamcam.readers.ifc.profiles import Outline
-from beamcam.readers.ifc.region import FAR, Circles, Shape, half_plane, polygon_of, rectangle
+from beamcam.readers.ifc.region import FAR, Circles, Shape, half_plane, polygon_of
 from beamcam.readers.ifc.section import Wall
 from beamcam.readers.ifc.shell import ALONG, Shell
-from beamcam.readers.ifc.space import Frame, Vec, across, add, cross, dot, scale, size, sub, unit
+from beamcam.readers.ifc.space import Frame, Vec, add, cross, dot, scale, size, sub, unit
 
 Box3 = tuple[Vec, Vec]
 MIN_LEAN = 0.17  #: of a normal along the member; a plane nearer to the axis is not an end
@@ -36,22 +36,21 @@ class HalfSpace(Struct, frozen=True, gc=False):
     def box(self) -> Box3:
         return EVERYWHERE
 
-    def moved(self, by: Frame) -> "HalfSpace":
-        if by.rigid:
-            return HalfSpace(by.point(self.point), by.vector(self.normal), self.where)
-        # A normal goes with the two directions in its plane, so that scales and mirrors are right.
-        a = across(self.normal)
-        normal = unit(cross(by.vector(a), by.vector(cross(self.normal, a))))
-        if dot(normal, by.vector(self.normal)) < 0:
-            normal = scale(normal, -1.0)
-        return HalfSpace(by.point(self.point), normal, self.where)
+    @classmethod
+    def of(cls, plane: Frame, side: float, where: str | None) -> "HalfSpace":
+        """All on one side of the x, y of a frame: 1 for that of its z, -1 for the other.
+
+        The normal goes with the two directions in the plane, so that scales and mirrors are right.
+        """
+        normal = cross(plane.x, plane.y)
+        return cls(plane.o, unit(scale(normal, copysign(side, side * dot(normal, plane.z)))), where)
 
     def slice(self, wall: Wall, c: float, circles: Circles) -> Shape:
         """The half of the wall's plane that is removed."""
         nq, nc = wall.split(self.normal)
         d = dot(self.normal, self.point) - nc * c
         if abs(self.normal[0]) < LEVEL and abs(nq) < LEVEL:
-            return rectangle(-FAR, -FAR, FAR, FAR) if d < 0 else _nothing()
+            return shapely.box(-FAR, -FAR, FAR, FAR) if d < 0 else shapely.Polygon()
         return half_plane(self.normal[0], nq, d)
 
     def x_at(self, y: float, z: float) -> float:
@@ -71,23 +70,12 @@ class Prism(Struct, frozen=True, gc=False):
     @property
     def box(self) -> Box3:
         f = self.frame
-        if self.shape is not None:
-            return self._round_box(self.shape)
-        x0, y0, x1, y1 = box_around(self.outline.outer)
-        points = [f.point((a, b, k)) for a in (x0, x1) for b in (y0, y1) for k in (0.0, 1.0)]
-        xs, ys, zs = zip(*points, strict=True)
-        return (min(xs), min(ys), min(zs)), (max(xs), max(ys), max(zs))
-
-    def _round_box(self, shape: Round | Slotted) -> Box3:
-        """The box of a round or slotted prism."""
-        f = self.frame
-        x, y, z = self.start(shape)
-        dx, dy, dz = _spread(f.x, f.y, shape)
-        cx, cy, cz = f.z
-        x0, x1 = (x, x + cx) if cx > 0 else (x + cx, x)
-        y0, y1 = (y, y + cy) if cy > 0 else (y + cy, y)
-        z0, z1 = (z, z + cz) if cz > 0 else (z + cz, z)
-        return (x0 - dx, y0 - dy, z0 - dz), (x1 + dx, y1 + dy, z1 + dz)
+        (x0, y0, z0), (x1, y1, z1) = (add(f.o, one) for one in _spread(f.x, f.y, self.outline))
+        x, y, z = f.z
+        return (
+            (x0 + min(x, 0.0), y0 + min(y, 0.0), z0 + min(z, 0.0)),
+            (x1 + max(x, 0.0), y1 + max(y, 0.0), z1 + max(z, 0.0)),
+        )
 
     def start(self, shape: Round | Slotted) -> Vec:
         """Where the axis of a round or slotted prism begins."""
@@ -134,9 +122,9 @@ class Prism(Struct, frozen=True, gc=False):
         matrix = ((s1[0] - o[0], t1[0] - o[0], o[0]), (s1[1] - o[1], t1[1] - o[1], o[1]))
         flat = abs(u) < LEVEL and abs(v) < LEVEL
         if flat and not -1e-9 <= at / e <= 1 + 1e-9:
-            return _nothing()
+            return shapely.Polygon()
         if abs(matrix[0][0] * matrix[1][1] - matrix[0][1] * matrix[1][0]) < 1e-9:
-            return _nothing()
+            return shapely.Polygon()
         outer = tuple(c.transformed(matrix) for c in self.outline.outer)
         inner = tuple(tuple(c.transformed(matrix) for c in hole) for hole in self.outline.inner)
         shape = polygon_of(outer, inner, circles)
@@ -155,15 +143,13 @@ class Prism(Struct, frozen=True, gc=False):
 
     def _along(self, wall: Wall, at: float, by: Point, circles: Circles) -> Shape:
         """Where the plane runs along the rulings: a strip for each stretch of the outline."""
-        from shapely import LineString, Polygon, union_all
-
         u, v = by
         grade = u * u + v * v
         if grade < LEVEL * LEVEL:
-            return _nothing()
+            return shapely.Polygon()
         s0, t0 = u * at / grade, v * at / grade
         far = 1e6 / grade**0.5
-        line = LineString([(s0 - v * far, t0 + u * far), (s0 + v * far, t0 - u * far)])
+        line = shapely.LineString([(s0 - v * far, t0 + u * far), (s0 + v * far, t0 - u * far)])
         inside = polygon_of(self.outline.outer, self.outline.inner, Circles()).intersection(line)
         strips = []
         for piece in getattr(inside, "geoms", (inside,)):
@@ -171,8 +157,8 @@ class Prism(Struct, frozen=True, gc=False):
                 continue
             ends = [self.frame.point((s, t, 0.0)) for s, t in (piece.coords[0], piece.coords[-1])]
             ring = [*ends, *(add(p, self.frame.z) for p in reversed(ends))]
-            strips.append(Polygon([(p[0], wall.split(p)[0]) for p in ring]))
-        return union_all(strips) if strips else _nothing()
+            strips.append(shapely.Polygon([(p[0], wall.split(p)[0]) for p in ring]))
+        return shapely.union_all(strips) if strips else shapely.Polygon()
 
 
 class Bounded(Struct, frozen=True):
@@ -231,23 +217,16 @@ def planes_of(cutter: Cutter) -> list[HalfSpace]:
 
 
 @cached("ifc.spread")
-def _spread(x: Vec, y: Vec, shape: Round | Slotted) -> Vec:
-    """How far a circle or slot reaches about its centre in a plane of the axes x and y.
-
-    A circle reaches r sqrt(x_i^2 + y_i^2) along i.
-    """
-    r = shape.diameter / 2
-    (ax, ay, az), (bx, by, bz) = x, y
-    dx = r * sqrt(ax * ax + bx * bx)
-    dy = r * sqrt(ay * ay + by * by)
-    dz = r * sqrt(az * az + bz * bz)
-    if isinstance(shape, Slotted):
-        u, v = unit_vector(shape.angle)
-        u, v = u * shape.length / 2, v * shape.length / 2
-        dx += abs(ax * u + bx * v)
-        dy += abs(ay * u + by * v)
-        dz += abs(az * u + bz * v)
-    return dx, dy, dz
+def _spread(x: Vec, y: Vec, outline: Outline) -> Box3:
+    """The box of an outline in a plane of the axes x and y about the origin."""
+    (x0, x1), (y0, y1), (z0, z1) = (
+        box_around(tuple(
+            c.transformed(((a, b, 0.0), (-b, a, 0.0))) for c in with_arcs(outline.outer)
+        ))[::2]
+        if hypot(a, b) > LEVEL else (0.0, 0.0)
+        for a, b in zip(x, y, strict=True)
+    )  # fmt: skip
+    return (x0, y0, z0), (x1, y1, z1)
 
 
 def hole_of(outline: Outline) -> Round | Slotted | None:
@@ -256,9 +235,3 @@ def hole_of(outline: Outline) -> Round | Slotted | None:
     if isinstance(shape, Slotted) and shape.height > 0:
         return None  # a cut-out with round corners, not a slot for a bolt
     return shape
-
-
-def _nothing() -> Any:
-    from shapely import Polygon
-
-    return Polygon()

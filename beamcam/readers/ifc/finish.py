@@ -2,7 +2,9 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 from math import hypot, pi
+from typing import Literal
 
+import shapely
 from msgspec import Struct
 from msgspec.structs import replace
 
@@ -13,6 +15,7 @@ from beamcam.model.part import (
     Contour,
     EndCuts,
     EndPlane,
+    Face,
     Feature,
     Hole,
     Part,
@@ -23,7 +26,7 @@ from beamcam.readers.ifc.curves2d import Chain
 from beamcam.readers.ifc.ends import UNEXPLAINED, Level, MemberEnd, bevels_of, end_of, reaches
 from beamcam.readers.ifc.entities import Unreadable
 from beamcam.readers.ifc.outline import Round, Slotted, shape_of
-from beamcam.readers.ifc.region import Circles, Shape, chains_of, cleaned, pieces_of, rectangle
+from beamcam.readers.ifc.region import Circles, Shape, chains_of, cleaned, pieces_of
 from beamcam.readers.ifc.section import BareStock, Section, Wall, corner_points, walls_of
 from beamcam.readers.ifc.space import IDENTITY, Frame
 
@@ -52,11 +55,8 @@ class Shaped(Struct, frozen=True, gc=False):
     def at(self, source: Source) -> "Shaped":
         """What was read of a member, of another one of its form."""
         features = tuple(replace(f, source=source) for f in self.features)
-        return replace(
-            self,
-            features=features,
-            diagnostics=tuple(replace(d, source=source) for d in self.diagnostics),
-        )
+        diagnostics = tuple(replace(d, source=source) for d in self.diagnostics)
+        return replace(self, features=features, diagnostics=diagnostics)
 
 
 def part_of(shaped: Shaped) -> Part:
@@ -179,7 +179,7 @@ def _wall_features(
     if len(pieces) > 1:
         remarks.append(f"face {wall.face} is left in {len(pieces)} pieces")
     flat_stock = section.code == "B"
-    box = rectangle(joint.bounds[0], 0.0, joint.bounds[2], wall.width)
+    box = shapely.box(joint.bounds[0], 0.0, joint.bounds[2], wall.width)
     needs_outline = not explained or (flat_stock and not _alike(box, _filled(joint)))
     for piece in pieces:
         outer, inner = chains_of(piece, circles)
@@ -194,17 +194,15 @@ def _wall_features(
 
 def _filled(shape: Shape) -> Shape:
     """A region without its hollows."""
-    from shapely import MultiPolygon, Polygon
-
-    return MultiPolygon([Polygon(p.exterior) for p in pieces_of(shape)])
+    return shapely.MultiPolygon([shapely.Polygon(p.exterior) for p in pieces_of(shape)])
 
 
 def _plain(wall: Wall, c: float, ends: tuple[MemberEnd, MemberEnd], shape: Shape) -> Shape:
     """What the stock and the two end planes alone would leave of a wall at a level."""
     if shape.is_empty:
-        return rectangle(0.0, 0.0, 0.0, 0.0)
+        return shapely.box(0.0, 0.0, 0.0, 0.0)
     x0, _, x1, _ = shape.bounds
-    plain = rectangle(x0 - 10.0, 0.0, x1 + 10.0, wall.width)
+    plain = shapely.box(x0 - 10.0, 0.0, x1 + 10.0, wall.width)
     for end in ends:
         plain = plain.difference(end.removed(wall, c))
     return plain
@@ -252,20 +250,21 @@ def slot(wall: Wall, shape: Slotted, source: Source, depth: float | None = None)
 
 
 def contour(
-    face: str, kind: str, chain: Chain, source: Source, bevels: tuple[Bevel, ...] = ()
+    face: Face,
+    kind: Literal["outer", "inner"],
+    chain: Chain,
+    source: Source,
+    bevels: tuple[Bevel, ...] = (),
 ) -> Contour:
     """A contour from a chain that is counter-clockwise in the face's numbers.
 
     Outer ones run counter-clockwise seen from outside, inner ones clockwise; the numbers of o and
     h are mirrored.
     """
-    outer = kind == "outer"
-    if outer == (face not in MIRRORED_FACES):
-        return Contour(face, "outer" if outer else "inner", chain, source, bevels=bevels)
-    last = len(chain) - 1
-    turned = tuple(replace(b, curve=last - b.curve) for b in bevels)
-    back = tuple(c.reversed() for c in reversed(chain))
-    return Contour(face, "outer" if outer else "inner", back, source, bevels=turned)
+    if (kind == "outer") != (face not in MIRRORED_FACES):
+        bevels = tuple(replace(b, curve=len(chain) - 1 - b.curve) for b in bevels)
+        chain = tuple(c.reversed() for c in reversed(chain))
+    return Contour(face, kind, chain, source, bevels=bevels)
 
 
 def in_order(features: Iterable[Cut]) -> list[Cut]:
@@ -281,26 +280,18 @@ def in_order(features: Iterable[Cut]) -> list[Cut]:
 
     once: list[Cut] = []
     for feature in sorted(features, key=place):
-        if not _is_again(feature, once):
+        if not any(_is_same(feature, one) for one in once):
             once.append(feature)
     return once
 
 
-def _is_again(feature: Cut, earlier: Sequence[Cut]) -> bool:
-    """Whether a hole or a slot is one of those before it, modelled twice."""
-    for one in reversed(earlier):
-        if isinstance(feature, Contour) or isinstance(one, Contour):
-            return False
-        if abs(feature.x - one.x) > 2 * SAME:
-            return False
-        same = (
-            abs(feature.x - one.x) < SAME
-            and abs(feature.y - one.y) < SAME
-            and abs(feature.diameter - one.diameter) < SAME
-            and (feature.face, feature.depth, type(feature)) == (one.face, one.depth, type(one))
-        )
-        if same and isinstance(feature, Slot) and isinstance(one, Slot):
-            same = abs(feature.length - one.length) < SAME and abs(feature.angle - one.angle) < SAME
-        if same:
-            return True
-    return False
+def _is_same(a: Cut, b: Cut) -> bool:
+    """Whether two holes or slots are one that is modelled twice."""
+    if isinstance(a, Contour) or isinstance(b, Contour):
+        return False
+    if abs(a.x - b.x) >= SAME or (a.face, a.depth, type(a)) != (b.face, b.depth, type(b)):
+        return False
+    pairs = [(a.y, b.y), (a.diameter, b.diameter)]
+    if isinstance(a, Slot) and isinstance(b, Slot):
+        pairs += [(a.length, b.length), (a.angle, b.angle)]
+    return all(abs(p - q) < SAME for p, q in pairs)

@@ -5,13 +5,13 @@ edges that lie on it become arcs again, with the centre and radius that came in.
 a solid whose cylinders are known.
 """
 
-from collections import Counter
 from collections.abc import Sequence
 from itertools import groupby
 from math import acos, ceil, dist, hypot, radians
 from typing import Any
 
 import numpy as np
+import shapely
 from msgspec import Struct, field
 from numpy.typing import NDArray
 
@@ -35,7 +35,6 @@ FACET_RAD = 0.5  #: that a facet spans at most, twice the angle that the kernel 
 SAME_POINT = 1e-5
 SHORTEST = 0.05  #: mm of an arc
 GRID = 1e-3  #: mm of the grid that section lines are joined on; cracks are narrower
-MIN_CELL = 1e-3  #: mm2
 TINY_AREA = 0.01  #: mm2 of a scrap that cutting leaves
 
 Shape = Any  #: a shapely polygon or a collection of them
@@ -82,28 +81,18 @@ def points_of(chain: Chain, circles: Circles) -> list[Point]:
 
 def polygon_of(chain: Chain, holes: tuple[Chain, ...], circles: Circles) -> Shape:
     """The region inside a chain, without its hollows."""
-    from shapely import Polygon
-
-    shape = Polygon(points_of(chain, circles), [points_of(h, circles) for h in holes])
+    shape = shapely.Polygon(points_of(chain, circles), [points_of(h, circles) for h in holes])
     return shape if shape.is_valid else shape.buffer(0)
 
 
 def half_plane(a: float, b: float, d: float) -> Shape:
     """The region where a x + b y >= d, as far as any member reaches."""
-    from shapely import Polygon
-
     by = hypot(a, b)
     nx, ny = a / by, b / by
     ox, oy = nx * d / by, ny * d / by
     ux, uy = nx * FAR, ny * FAR
-    return Polygon([(ox + uy, oy - ux), (ox + uy + ux, oy - ux + uy),
+    return shapely.Polygon([(ox + uy, oy - ux), (ox + uy + ux, oy - ux + uy),
                     (ox - uy + ux, oy + ux + uy), (ox - uy, oy + ux)])  # fmt: skip
-
-
-def rectangle(x0: float, y0: float, x1: float, y1: float) -> Shape:
-    from shapely import box
-
-    return box(x0, y0, x1, y1)
 
 
 def pieces_of(shape: Shape) -> list[Any]:
@@ -115,10 +104,8 @@ def pieces_of(shape: Shape) -> list[Any]:
 
 def cleaned(shape: Shape) -> Shape:
     """The region without slivers thinner than 0.02 mm that touching cuts leave."""
-    from shapely import MultiPolygon
-
     solid = [p for p in pieces_of(shape) if p.area > 0.01 * p.length]
-    return MultiPolygon(solid)
+    return shapely.MultiPolygon(solid)
 
 
 def chain_of_ring(ring: Any, circles: Circles) -> Chain:
@@ -180,11 +167,9 @@ def chains_of(polygon: Any, circles: Circles) -> tuple[Chain, tuple[Chain, ...]]
 
 def with_circles(shape: Shape, circles: Circles, exact: Circles) -> Shape:
     """The region with arcs where its polygon follows circles; `circles` remembers them."""
-    from shapely import union_all
-
     chains = [chains_of(p, exact) for p in getattr(shape, "geoms", (shape,)) if not p.is_empty]
     out = [polygon_of(outer, inner, circles) for outer, inner in chains if outer]
-    return union_all(out) if out else shape
+    return shapely.union_all(out) if out else shape
 
 
 def circles_in(cylinders: Sequence[Cylinder], normal: Vec, u: Vec, v: Vec) -> Circles:
@@ -197,32 +182,23 @@ def circles_in(cylinders: Sequence[Cylinder], normal: Vec, u: Vec, v: Vec) -> Ci
 
 
 def region_within(segments: Segments) -> Shape:
-    """The region that segments enclose, each of which may be there more than once."""
-    check_member()
-    from shapely import point_on_surface, union_all
+    """The region that segments enclose, each of which may be there more than once.
 
+    Inside is what a ray leaves through an odd number of them. Cracks narrower than the grid are
+    closed if there are any.
+    """
+    check_member()
     start, end = segments[:, 0], segments[:, 1]
     back = (start[:, 0] > end[:, 0]) | ((start[:, 0] == end[:, 0]) & (start[:, 1] > end[:, 1]))
     turned = np.where(back[:, None, None], segments[:, ::-1], segments)
-    counts = Counter(map(tuple, turned.reshape(-1, 4).tolist()))
-    lines = np.array(list(counts)).reshape(-1, 2, 2)
-    odd = lines[np.array(list(counts.values()), int) % 2 == 1]
-    if not len(odd):
-        return union_all([])
-    cells = _cells(lines)
-    inside = [c for c, p in zip(cells, point_on_surface(cells), strict=True) if _within(odd, p)]
-    return cleaned(union_all(inside)) if inside else union_all([])
-
-
-def _cells(lines: Segments) -> list[Any]:
-    """The cells that lines enclose; across cracks narrower than the grid if there are any."""
-    from shapely import linestrings, polygonize_full, union_all
-
-    drawn = linestrings(lines)
-    cells, cuts, dangles, rings = polygonize_full([union_all(drawn)])
-    if not (cuts.is_empty and dangles.is_empty and rings.is_empty):
-        cells = polygonize_full([union_all(drawn, grid_size=GRID)])[0]
-    return [c for c in cells.geoms if c.area > MIN_CELL]
+    lines, counts = np.unique(turned, axis=0, return_counts=True)
+    odd = lines[counts % 2 == 1]
+    drawn = shapely.linestrings(odd)
+    cells, *loose = shapely.polygonize_full([shapely.union_all(drawn)])
+    if not all(one.is_empty for one in loose):
+        cells = shapely.polygonize_full([shapely.union_all(drawn, grid_size=GRID)])[0]
+    inside = [cell for cell in cells.geoms if _within(odd, cell.representative_point())]
+    return cleaned(shapely.union_all(inside))
 
 
 def _within(segments: Segments, point: Any) -> bool:

@@ -11,9 +11,10 @@ What sticks out on either side is named by face and x.
 
 from collections.abc import Iterator, Sequence
 from math import cos, inf, radians, tan
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
+import shapely
 from msgspec import Struct
 from msgspec.structs import replace
 
@@ -24,13 +25,13 @@ from beamcam.model.part import Contour, Hole, Part, Slot
 from beamcam.readers.ifc import rules
 from beamcam.readers.ifc.entities import Unreadable
 from beamcam.readers.ifc.finish import Shaped, part_of
-from beamcam.readers.ifc.region import Shape, rectangle
+from beamcam.readers.ifc.region import Shape
 from beamcam.readers.ifc.section import BareStock, Section, Wall, walls_of
 from beamcam.readers.ifc.shell import Shell
 from beamcam.readers.ifc.solid_body import by_stations, section_area, solid_of
 from beamcam.readers.ifc.space import cross, dot
 from beamcam.solid.cutters import slot_corners
-from beamcam.solid.kernel import FREE, kernel, outline, prism
+from beamcam.solid.kernel import FREE, kernel, prism, walls
 from beamcam.solid.part_solid import part_solid
 from beamcam.solid.stock_solid import ALONG as SECTIONS
 from beamcam.solid.stock_solid import Margins, shape_of
@@ -161,14 +162,26 @@ def differences(
 
 
 def _drawn(part: Part, stock: BareStock) -> "Manifold":
-    return part_solid(part, Margins(section=stock.shape, square_below=0.0))
+    return _solid(part, Margins(section=stock.shape, square_below=0.0))
+
+
+def _solid(part: Part, margins: Margins) -> "Manifold":
+    """The solid of a part; a channel's lips, which no contour describes, go with their flanges."""
+    solid, p = part_solid(part, margins), part.profile
+    for face, wall in walls(p).items():
+        if p.code == "C" and wall.normal == "y":
+            bend = p.radius + (p.web_thickness or 0.0)
+            strip = shapely.box(-FAR, wall.width - bend, FAR, FAR)
+            gone = _gone(part, face, wall.width).buffer(margins.outline).intersection(strip)
+            solid -= prism(gone, -FREE, p.height / 2, wall.frame)
+    return solid
 
 
 def _cores(
     solid: "Manifold", part: Part, stock: BareStock, by: Fineness
 ) -> "Iterator[tuple[bool, list[Manifold]]]":
     """What sticks out of the margins of a part: of more steel, and of less."""
-    least, most = (part_solid(part, one) for one in _margins(part, stock, by.slack))
+    least, most = (_solid(part, one) for one in _margins(part, stock, by.slack))
     arcs = _arcs(part)
     for more, rest in ((True, solid - most), (False, least - solid)):
         cores = [one for one in rest.decompose() if one.volume() > MIN_CORE]
@@ -185,8 +198,6 @@ def _plainly_drilled(
     to be their plugs then: one of each, which is no further from their outline than facets are, and
     as deep as the wall.
     """
-    from shapely import MultiPoint
-
     walls = {wall.face: wall for wall in walls_of(section)}
     round_ones = [f for f in part.features if isinstance(f, (Hole, Slot)) and f.face in walls]
     bare = replace(part, features=tuple(f for f in part.features if f not in round_ones))
@@ -197,7 +208,7 @@ def _plainly_drilled(
     for f in round_ones:
         wall, radius = walls[f.face], f.diameter / 2
         centres = slot_corners(f) if isinstance(f, Slot) else [(f.x, f.y)]
-        spine = MultiPoint(centres).convex_hull
+        spine = shapely.MultiPoint(centres).convex_hull
         found = [one for one in plugs if _is_plug(one, spine, radius, wall, by)]
         through = f.depth is None and (isinstance(f, Slot) or f.kind == "through")
         if len(found) != 1 or not through:
@@ -208,14 +219,12 @@ def _plainly_drilled(
 
 def _is_plug(one: "Manifold", spine: Shape, radius: float, wall: Wall, by: Fineness) -> bool:
     """Whether steel is what a hole or a slot takes of a wall, but for facets."""
-    from shapely import distance, points
-
     box, axis = one.bounding_box(), 1 if wall.normal == "y" else 2
     ends = box[axis] - wall.low - by.slack, wall.high - by.slack - box[axis + 3]
     if max(map(abs, ends)) > ROUNDING:
         return False
     corners = one.to_mesh64().vert_properties
-    off = distance(spine, points(corners[:, 0], corners[:, 3 - axis]))
+    off = shapely.distance(spine, shapely.points(corners[:, 0], corners[:, 3 - axis]))
     if np.abs(off - radius).max() > by.slack or one.hull().volume() - one.volume() > MIN_CORE:
         return False
     inside = spine.buffer(radius - _rise(radius, by), ROUND).area * (wall.thickness - 2 * by.slack)
@@ -232,15 +241,8 @@ def _grown(piece: "Manifold", exact: "Manifold", slack: float) -> "Manifold":
 
 
 def _margins(part: Part, stock: BareStock, slack: float) -> tuple[Margins, Margins]:
-    """Of the least steel and of the most.
-
-    The lips of a channel, which no part holds, may be there or not.
-    """
-    shape = stock.shape
-    sections = shape, shape
-    if part.profile.code == "C":
-        drawn = outline(part)
-        sections = shape.intersection(drawn), shape.union(drawn)
+    """Of the least steel and of the most."""
+    sections = stock.shape, stock.shape
     if stock.rough is not None:
         sections = sections[0].difference(stock.rough), sections[1].union(stock.rough)
 
@@ -276,17 +278,14 @@ def _by_face(
 
 def _box_of(wall: Wall, larger: float) -> "Manifold":
     """All of a wall, larger on every side."""
-    shape = rectangle(-FAR, -larger, FAR, wall.width + larger)
-    return prism(shape, wall.low - larger, wall.high + larger, _frame(wall))
+    return _through(wall, shapely.box(-FAR, -larger, FAR, wall.width + larger), larger)
 
 
 def _face_beside(piece: "Manifold", walls: Sequence[Wall], of: Section) -> str:
     """Where steel lies that is in no wall: in the fillets between two, or at none."""
-    from shapely import box, union_all
-
     reach = of.radius + 0.01 * of.height
-    fillets = union_all([
-        box(a.low - reach, b.low - reach, a.high + reach, b.high + reach)
+    fillets = shapely.union_all([
+        shapely.box(a.low - reach, b.low - reach, a.high + reach, b.high + reach)
         for a in walls if a.normal == "y"
         for b in walls if b.normal == "z"
     ])  # fmt: skip
@@ -294,10 +293,11 @@ def _face_beside(piece: "Manifold", walls: Sequence[Wall], of: Section) -> str:
     return FILLET if inside.volume() > piece.volume() / 2 else "no face"
 
 
-def _frame(wall: Wall) -> Any:
-    """Takes (x, q, c) of a wall to (x, y, z)."""
+def _through(wall: Wall, shape: Shape, over: float) -> "Manifold":
+    """All through a wall and over its surfaces, by a shape in (x, q)."""
     along, first, second = (1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0)
-    return (along, second, first) if wall.normal == "y" else (along, first, second)
+    frame = (along, second, first) if wall.normal == "y" else (along, first, second)
+    return prism(shape, wall.low - over, wall.high + over, frame)
 
 
 def _leans(piece: "Manifold", more: bool, wall: Wall, part: Part) -> bool:
@@ -306,41 +306,39 @@ def _leans(piece: "Manifold", more: bool, wall: Wall, part: Part) -> bool:
     The part has the outline of both sides of the wall together, so that it may lack no more than
     what lies between its surface and the level at which it was looked at.
     """
-    from shapely import union_all
-
     cuts = _cuts_of(wall, part)
-    gone = union_all(cuts)
-
-    def through(shape: Shape) -> "Manifold":
-        return prism(shape, wall.low - FREE, wall.high + FREE, _frame(wall))
-
-    if gone.is_empty or (piece ^ through(gone.buffer(BESIDE))).is_empty():
+    gone = shapely.union_all(cuts)
+    if gone.is_empty or (piece ^ _through(wall, gone.buffer(BESIDE), FREE)).is_empty():
         return False
     near = gone.buffer(LEAN_REACH * wall.thickness)
     if more:
-        near = union_all([cut.boundary for cut in cuts]).buffer(LEVEL_REACH * wall.thickness)
-    return bool((piece - through(near)).volume() < MIN_LUMP)
+        edges = shapely.union_all([cut.boundary for cut in cuts])
+        near = edges.buffer(LEVEL_REACH * wall.thickness)
+    return bool((piece - _through(wall, near, FREE)).volume() < MIN_LUMP)
+
+
+def _gone(part: Part, face: str, width: float) -> Shape:
+    """What contours take of the wall behind a face, in (x, q)."""
+    contours = [c for c in part.contours if c.face == face]
+    gone = [shape_of(c.curves) for c in contours if c.kind == "inner"]
+    outer = [shape_of(c.curves) for c in contours if c.kind == "outer"]
+    if outer:
+        whole = shapely.box(0.0, 0.0, part.length, width)
+        gone.append(whole.difference(shapely.union_all(outer)))
+    return shapely.union_all(gone).buffer(-TOUCHING).buffer(TOUCHING)
 
 
 def _cuts_of(wall: Wall, part: Part) -> list[Shape]:
     """What contours take of a wall, and each of their bevels, in (x, q)."""
-    from shapely import LineString, union_all
-
-    contours = [c for c in part.contours if c.face == wall.face]
-    gone = [shape_of(c.curves) for c in contours if c.kind == "inner"]
-    outer = [shape_of(c.curves) for c in contours if c.kind == "outer"]
-    if outer:
-        whole = rectangle(0.0, 0.0, part.length, wall.width)
-        gone.append(whole.difference(union_all(outer)))
-    cuts = [union_all(gone).buffer(-TOUCHING).buffer(TOUCHING)]
-    for contour in contours:
+    cuts = [_gone(part, wall.face, wall.width)]
+    for contour in (c for c in part.contours if c.face == wall.face):
         for bevel in contour.bevels:
             deep = wall.thickness - bevel.land
             if bevel.angle < 0.0:
                 deep = bevel.land or wall.thickness
             wide = deep * tan(radians(abs(bevel.angle)))
             edge = contour.curves[bevel.curve]
-            cuts.append(LineString([edge.start, edge.end]).buffer(wide, cap_style="square"))
+            cuts.append(shapely.LineString([edge.start, edge.end]).buffer(wide, cap_style="square"))
     return cuts
 
 

@@ -8,6 +8,7 @@
 
 from collections.abc import Iterator, Sequence
 
+import shapely
 from msgspec.structs import replace
 from shapely import contains_xy
 
@@ -22,7 +23,7 @@ from beamcam.readers.ifc.ends import MemberEnd, of_plane, trim
 from beamcam.readers.ifc.entities import Entity, Model, Unreadable
 from beamcam.readers.ifc.finish import Levels, Regions, Shaped, from_regions, sawn
 from beamcam.readers.ifc.holes import Drilled, pierce
-from beamcam.readers.ifc.region import Circles, Shape, polygon_of, rectangle
+from beamcam.readers.ifc.region import Circles, Shape, polygon_of
 from beamcam.readers.ifc.section import Wall, corner_points, walls_of
 from beamcam.readers.ifc.space import Frame, add, dot, scale, sub
 from beamcam.readers.ifc.stock import Stock, stock_of
@@ -169,7 +170,7 @@ def _left_of_walls(
         if stock.outline:
             uncut = polygon_of(stock.outline, stock.hollows, circles)
         else:
-            uncut = rectangle(stock.x0, 0.0, stock.x1, wall.width)
+            uncut = shapely.box(stock.x0, 0.0, stock.x1, wall.width)
             for hollow in stock.hollows:
                 uncut = uncut.difference(polygon_of(hollow, (), circles))
         edge = outer_level(wall)

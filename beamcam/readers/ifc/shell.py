@@ -32,6 +32,7 @@ MOST_KINK_DEG = 75.0  #: more is a corner of the section
 MIN_KINK = 0.25  #: of the edges' length of the longer piece
 MOST_PLANES = 32  #: that an end is looked for in
 MIN_AREA = 1e-9  #: mm2 of a face
+NEARLY, EXACTLY = 1 - 1e-7, 1 - 1e-13  #: cosines between edges that run one way
 MIN_EDGE = 1e-6  #: mm of an edge that has a direction
 
 Points = NDArray[np.float64]  #: (n, 3)
@@ -245,51 +246,55 @@ def segments(shell: Shell, at: Vec, normal: Vec, u: Vec, v: Vec) -> Segments:
 
 
 def longest_direction(shell: Shell) -> Vec:
-    """The direction that most of the shell's edges run along, by their length.
-
-    Edges between two faces of one plane, as in a mesh of triangles, do not count.
-    """
-    edges = shell.points - shell.points[shell.rings.before]
-    length = lengths(edges)
-    real = length >= MIN_EDGE
-    ways = edges[real] * (1 / length[real])[:, None]
-    counted = np.ones(len(ways), bool)
-    if len(shell.points) == 3 * shell.count:
-        counted = _creased(shell, shell.rings.before)[real]
-    found = heaviest(ways[counted], length[real][counted], 1 - 1e-7, MOST_WAYS)
+    """The direction that most of the shell's edges run along, by their length."""
+    ways, length, counted = _edges(shell)
+    found = heaviest(ways[counted], length[counted], NEARLY, MOST_WAYS)
     if found is None:
         return ALONG
+    # The facets of a small round may run slantwise, nearly along it.
+    near = counted & (np.abs(coordinates(ways, found)) > NEARLY)
+    exact = heaviest(ways[near], length[near], EXACTLY, MOST_WAYS) or found
+    if np.count_nonzero(np.abs(coordinates(ways[near], exact)) > EXACTLY) >= MIN_EDGES:
+        found = exact
     along = coordinates(ways, found)  # which way it runs, the first of all says
-    return scale(found, float(np.sign(along[np.abs(along) > 1 - 1e-7][0])))
+    return scale(found, float(np.sign(along[np.abs(along) > NEARLY][0])))
 
 
 def kinked(shell: Shell) -> float | None:
     """The degrees by which a member bends once, from most of its edges to the rest; None if none.
 
-    Edges between two faces of one plane, as in a mesh of triangles, do not count.
+    Edges shorter than a tenth of the longest do not count.
     """
-    before = shell.rings.before
-    edges = shell.points - shell.points[before]
-    edges = edges[_creased(shell, before)]
-    length = lengths(edges)
-    long = length > max(MIN_EDGE, float(length.max(initial=0.0)) / 10)
-    if not long.any():
-        return None
-    ways, length = edges[long] * (1 / length[long])[:, None], length[long]
-    first = heaviest(ways, length, 1 - 1e-7, MOST_WAYS)
+    ways, length, creased = _edges(shell)
+    long = creased & (length > float(length[creased].max(initial=0.0)) / 10)
+    ways, length = ways[long], length[long]
+    first = heaviest(ways, length, NEARLY, MOST_WAYS)
     if first is None:
         return None
     rest = np.abs(coordinates(ways, first)) < 1 - 1e-5
-    second = heaviest(ways[rest], length[rest], 1 - 1e-7, MOST_WAYS)
+    second = heaviest(ways[rest], length[rest], NEARLY, MOST_WAYS)
     if second is None:
         return None
-    along = [np.abs(coordinates(ways, w)) > 1 - 1e-7 for w in (first, second)]
+    along = [np.abs(coordinates(ways, w)) > NEARLY for w in (first, second)]
     if min(int(np.count_nonzero(one)) for one in along) < MIN_EDGES:
         return None
     shares = [float(length[one].sum()) for one in along]
     angle = float(np.degrees(np.arccos(min(1.0, abs(float(np.dot(first, second)))))))
     bent = MIN_KINK_DEG <= angle <= MOST_KINK_DEG
     return angle if bent and shares[1] >= MIN_KINK * shares[0] else None
+
+
+def _edges(shell: Shell) -> tuple[Points, Numbers, NDArray[np.bool_]]:
+    """The directions and the lengths of a shell's edges, and which of them are to be counted.
+
+    Those between two faces of one plane, as in a mesh of triangles, are not.
+    """
+    before = shell.rings.before
+    edges = shell.points - shell.points[before]
+    length = lengths(edges)
+    real = length >= MIN_EDGE
+    ways, length = edges[real] * (1 / length[real])[:, None], length[real]
+    return ways, length, _creased(shell, before)[real]
 
 
 def _creased(shell: Shell, before: Places) -> NDArray[np.bool_]:

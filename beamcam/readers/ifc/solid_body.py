@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import shapely
 
 from beamcam.budget import check_member
 from beamcam.readers.ifc.region import Shape
@@ -99,9 +100,7 @@ def by_stations(body: Shell, drawn: "Manifold", slack: float) -> "Iterator[tuple
 
 
 def _section(solid: "Manifold", x: float) -> Shape:
-    from shapely import Polygon, union_all
-
-    shape = union_all([])
+    shape = shapely.union_all([])
     for ring in solid.slice(x).to_polygons():
-        shape = shape.symmetric_difference(Polygon(ring).buffer(0))
+        shape = shape.symmetric_difference(shapely.Polygon(ring).buffer(0))
     return shape

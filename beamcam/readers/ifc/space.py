@@ -7,7 +7,6 @@ from msgspec import Struct
 Vec = tuple[float, float, float]
 
 ORIGIN: Vec = (0.0, 0.0, 0.0)
-RIGID = 1e-13  #: by which the axes of a rigid frame may be off 1 and off square, from rounding
 EVEN = 1e-6  #: by which they may be off one length and off square, of a frame that keeps forms
 
 
@@ -97,17 +96,10 @@ class Frame(Struct, frozen=True, gc=False):
         )
 
     @property
-    def rigid(self) -> bool:
-        """Whether lengths and right angles are kept; a mirror keeps them too."""
-        return abs(dot(self.x, self.x) - 1.0) < RIGID and self._keeps_forms(RIGID)
-
-    @property
     def even(self) -> bool:
         """Whether it keeps the form of what lies in it, be it larger, smaller or mirrored."""
-        return self._keeps_forms(EVEN * dot(self.x, self.x))
-
-    def _keeps_forms(self, slack: float) -> bool:
         x, y, z, xx = self.x, self.y, self.z, dot(self.x, self.x)
+        slack = EVEN * xx
         return (
             abs(dot(y, y) - xx) < slack
             and abs(dot(z, z) - xx) < slack
@@ -118,14 +110,11 @@ class Frame(Struct, frozen=True, gc=False):
 
     def inverse(self) -> "Frame":
         """The map back. Raises ValueError if the axes lie in one plane."""
-        if self.rigid:
-            rows = self.x, self.y, self.z
-        else:
-            yz, zx, xy = cross(self.y, self.z), cross(self.z, self.x), cross(self.x, self.y)
-            det = dot(self.x, yz)
-            if abs(det) < 1e-12:
-                raise ValueError("the axes of the placement lie in one plane")
-            rows = scale(yz, 1 / det), scale(zx, 1 / det), scale(xy, 1 / det)
+        yz, zx, xy = cross(self.y, self.z), cross(self.z, self.x), cross(self.x, self.y)
+        det = dot(self.x, yz)
+        if abs(det) < 1e-12:
+            raise ValueError("the axes of the placement lie in one plane")
+        rows = scale(yz, 1 / det), scale(zx, 1 / det), scale(xy, 1 / det)
         (ax, ay, az), (bx, by, bz), (cx, cy, cz) = rows
         o = -dot(rows[0], self.o), -dot(rows[1], self.o), -dot(rows[2], self.o)
         return Frame(o, (ax, bx, cx), (ay, by, cy), (az, bz, cz))
