@@ -29,6 +29,7 @@ from beamcam.model.request import Job, Request
 from beamcam.planning.coping import plan as planner
 from beamcam.planning.left_out import by_hand_sources, left_out_kinds
 from beamcam.posts import post_of
+from benchmarks.coping_bevels import BEVEL_TEXTS
 from benchmarks.coping_plans import is_tilted, plan_faults, reordered
 from benchmarks.coping_texts import TEXTS, TILT_TEXTS, TUBE_TEXTS
 from benchmarks.script import arguments, at_least, start
@@ -38,6 +39,7 @@ from tests.random_copes import (
     random_cope,
     random_mitre,
     random_prepared_web,
+    random_shaped_bevel,
     random_slant,
     random_tee,
 )  # fmt: skip
@@ -67,7 +69,8 @@ def faults(part: Part, machine: Machine, chance: random.Random) -> Iterator[tupl
             yield name, program_of(wrong, job)
     coper = machine.coper
     assert coper is not None
-    texts = TUBE_TEXTS if coper.turns == "bar" else TILT_TEXTS if coper.tilt else TEXTS
+    tilt_texts = TILT_TEXTS | BEVEL_TEXTS
+    texts = TUBE_TEXTS if coper.turns == "bar" else tilt_texts if coper.tilt else TEXTS
     for name, of_text in texts.items():
         lines = of_text(right.split("\n"), chance)
         if lines is not None and "\n".join(lines) != right:
@@ -128,7 +131,7 @@ def survivors(count: int, seed: int = 0) -> tuple[Counter[str], list[tuple[int, 
         ("coper", random_cope), ("tube", random_tube), ("coper", random_piece),
         ("tube", random_box), ("coper", random_tee), ("coper-tilt", random_mitre),
         ("coper", random_mitre), ("coper-tilt", random_bevel), ("coper", random_slant),
-        ("coper-tilt", random_prepared_web),
+        ("coper-tilt", random_prepared_web), ("coper-tilt", random_shaped_bevel),
     )  # fmt: skip
     for number in range(len(kinds) * count):
         kind, make = kinds[number % len(kinds)]

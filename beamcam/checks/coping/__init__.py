@@ -79,9 +79,9 @@ def _profile_faults(
     from beamcam.checks.coping.asked import is_outline_of, walls_asked
     from beamcam.checks.coping.collisions import strike_faults
     from beamcam.checks.coping.compare import compare
+    from beamcam.checks.coping.profile_torch import ProfileTorch
     from beamcam.checks.coping.section import CoperSection
     from beamcam.checks.coping.stock import stock_of
-    from beamcam.checks.coping.strokes import ProfileTorch
     from beamcam.checks.coping.zones import root_faults
 
     section = CoperSection(part.profile)
