@@ -32,6 +32,7 @@ from beamcam.planning.coping import plan as planner
 from beamcam.planning.left_out import left_out_kinds, manual_work_sources
 from beamcam.planning.turning import TURNS, alike, turned
 from beamcam.posts import post_of
+from benchmarks.coping_bevels import BEVEL_TEXTS
 from benchmarks.coping_plans import is_tilted, plan_faults, reordered
 from benchmarks.coping_texts import TEXTS, TILT_TEXTS, TUBE_TEXTS, TURNED_TEXTS
 from benchmarks.script import arguments, at_least, start
@@ -43,6 +44,7 @@ from tests.random_copes import (
     random_lipped,
     random_mitre,
     random_prepared_web,
+    random_shaped_bevel,
     random_slant,
     random_tee,
 )  # fmt: skip
@@ -72,7 +74,7 @@ def faults(part: Part, machine: Machine, chance: random.Random) -> Iterator[tupl
             yield name, program_of(wrong, job)
     coper = machine.coper
     assert coper is not None
-    texts = TILT_TEXTS if coper.tilt else TEXTS
+    texts = TILT_TEXTS | BEVEL_TEXTS if coper.tilt else TEXTS
     if coper.turns == "bar":
         texts = TUBE_TEXTS if coper.unrolls(plan.profile.code) else TURNED_TEXTS
     for name, of_text in texts.items():
@@ -153,7 +155,8 @@ def survivors(count: int, seed: int = 0) -> tuple[Counter[str], list[tuple[int, 
         ("coper", random_cope), ("tube", random_tube), ("coper", random_piece),
         ("tube", random_box), ("coper", random_tee), ("coper-tilt", random_mitre),
         ("coper", random_mitre), ("coper-tilt", random_bevel), ("coper", random_slant),
-        ("coper-tilt", random_prepared_web), ("tube", random_cope), ("tube", random_tee),
+        ("coper-tilt", random_prepared_web), ("coper-tilt", random_shaped_bevel),
+        ("tube", random_cope), ("tube", random_tee),
         ("tube", random_slant), ("coper", random_lipped),
         ("coper-tilt", partial(random_mitre, sections=CEES)),
         ("coper", partial(random_mitre, sections=CEES)),

@@ -9,8 +9,7 @@ from msgspec.structs import replace
 from beamcam.machine import Machine
 from beamcam.model.plan import CopeCut, CopePlan
 from beamcam.model.surface import around
-
-OfPlan = Callable[[CopePlan, random.Random], CopePlan | None]
+from benchmarks.coping_bevels import BEVEL_PLANS, OfPlan, turned
 
 
 def _changed(plan: CopePlan, chance: random.Random, change: Callable[[CopeCut], CopeCut | None],
@@ -84,7 +83,7 @@ def on_the_part(plan: CopePlan, chance: random.Random) -> CopePlan | None:
         longest = max(getattr(moved, "geoms", (moved,)), key=lambda one: one.length)
         return replace(cut, path=(pierce, *longest.coords))
 
-    return _changed(plan, chance, change)
+    return _changed(plan, chance, change, lambda cut: not cut.turns)
 
 
 def left_out(plan: CopePlan, chance: random.Random) -> CopePlan | None:
@@ -112,10 +111,11 @@ def on_other_face(plan: CopePlan, chance: random.Random) -> CopePlan | None:
 
 def too_short(plan: CopePlan, chance: random.Random) -> CopePlan | None:
     """A cut that ends too early; where a second pass goes along it, that may take what it left."""
-    again = {(cut.face, cut.kind) for cut in plan.operations if cut.b_deg}
+    again = {(cut.face, cut.kind) for cut in plan.operations if cut.b_deg or cut.bevel}
     return _changed(
         plan, chance, lambda cut: replace(cut, path=_shortened(cut.path, 9.0)),
-        lambda cut: len(cut.path) > 2 and (bool(cut.b_deg) or (cut.face, cut.kind) not in again),
+        lambda cut: len(cut.path) > 2 and not cut.bevel
+        and (bool(cut.b_deg) or (cut.face, cut.kind) not in again),
     )  # fmt: skip
 
 
@@ -169,7 +169,7 @@ def bevel_pierced_in_part(plan: CopePlan, chance: random.Random) -> CopePlan | N
         inside = (xb + xc) / 2 - (yc - yb) * share, (yb + yc) / 2 + (xc - xb) * share
         return replace(cut, path=(inside, *cut.path[1:]))
 
-    return _changed(plan, chance, change, lambda cut: bool(cut.bevel) and len(cut.path) > 2)
+    return _changed(plan, chance, change, lambda cut: cut.bevel and not cut.turns)
 
 
 def other_row(machine: Machine) -> OfPlan:
@@ -206,7 +206,8 @@ def extra(plan: CopePlan, chance: random.Random) -> CopePlan | None:
     """A cut somewhere in the scrap before the part."""
     cut = plan.operations[0]
     return replace(plan, operations=(
-        replace(cut, path=((-20.0, 60.0), (-20.0, 40.0), (-20.0, 61.0))), *plan.operations
+        replace(cut, path=((-20.0, 60.0), (-20.0, 40.0), (-20.0, 61.0)), turns=()),
+        *plan.operations,
     ))  # fmt: skip
 
 
@@ -268,7 +269,8 @@ def ends_before_the_seam(plan: CopePlan, chance: random.Random) -> CopePlan | No
 
 
 def is_tilted(cut: CopeCut) -> bool:
-    return bool(cut.b_deg)
+    """Whether B leaves 0 by enough to matter."""
+    return max(abs(b_deg) for _, b_deg in (*cut.turns, (0.0, cut.b_deg))) > 3.0
 
 
 def _seen(plan: CopePlan, cut: CopeCut) -> float:
@@ -277,18 +279,25 @@ def _seen(plan: CopePlan, cut: CopeCut) -> float:
     return 3.0 if cut.lip or thick > 6.0 else degrees(atan(0.6 / thick))
 
 
+def _off_by(plan: CopePlan, chance: random.Random, sign: float) -> CopePlan | None:
+    """A cut whose B is another one by what is seen."""
+    return _changed(
+        plan, chance,
+        lambda cut: turned(cut, lambda t: (t[0], t[1] + sign * _seen(plan, cut))), is_tilted,
+    )  # fmt: skip
+
+
 #: Ways to make the tilt of a cut wrong.
 TILTS: dict[str, OfPlan] = {
     "B the other way": lambda p, c: _changed(
-        p, c, lambda cut: replace(cut, b_deg=-cut.b_deg), is_tilted
+        p, c, lambda cut: turned(cut, lambda t: (t[0], -t[1])), is_tilted
     ),
-    "B dropped": lambda p, c: _changed(p, c, lambda cut: replace(cut, b_deg=0.0), is_tilted),
-    "B of another angle": lambda p, c: _changed(
-        p, c, lambda cut: replace(cut, b_deg=cut.b_deg + c.choice((-1.0, 1.0)) * _seen(p, cut)),
-        is_tilted,
+    "B dropped": lambda p, c: _changed(
+        p, c, lambda cut: turned(cut, lambda t: (t[0], 0.0)), is_tilted
     ),
+    "B of another angle": lambda p, c: _off_by(p, c, c.choice((-1.0, 1.0))),
     "B at all ends the other way": lambda p, c: replace(
-        p, operations=tuple(replace(cut, b_deg=-cut.b_deg) for cut in p.operations)
+        p, operations=tuple(turned(cut, lambda t: (t[0], -t[1])) for cut in p.operations)
     ) if any(map(is_tilted, p.operations)) else None,
 }  # fmt: skip
 
@@ -300,7 +309,12 @@ def wrong_land(plan: CopePlan, chance: random.Random) -> CopePlan | None:
         off = chance.choice((-1.0, 1.0)) * tan(radians(abs(cut.b_deg)))
         return replace(cut, path=(cut.path[0], *((x + off, y) for x, y in cut.path[1:])))
 
-    return _changed(plan, chance, change, lambda cut: cut.bevel)
+    return _changed(plan, chance, change, lambda cut: cut.bevel and is_across(cut))
+
+
+def is_across(cut: CopeCut) -> bool:
+    """Whether a bevel goes straight across the bar."""
+    return not cut.turns and not cut.a_off_deg
 
 
 def bevel_first(plan: CopePlan, chance: random.Random) -> CopePlan | None:
@@ -311,7 +325,11 @@ def bevel_first(plan: CopePlan, chance: random.Random) -> CopePlan | None:
     k = chance.choice(which)
     cut = plan.operations[k]
     rest = [one for one in plan.operations if one is not cut]
-    at = next(j for j, one in enumerate(rest) if (one.kind, one.face) == (cut.kind, cut.face))
+    own = [j for j, one in enumerate(rest)
+           if (one.kind, one.face) == (cut.kind, cut.face) and not one.bevel]  # fmt: skip
+    if not own:  # of an edge that the bar has
+        return None
+    at = own[0]
     return replace(plan, operations=(*rest[:at], cut, *rest[at:]))
 
 
@@ -405,7 +423,7 @@ def plan_faults(machine: Machine, code: str) -> dict[str, OfPlan]:
         "mirrored across": mirrored_across, "face left out": face_left_out,
         "other face": on_other_face, "pierced in the part": pierced_in_part,
         "bevel pierced in the part": bevel_pierced_in_part,
-        **TILTS, "wrong land": wrong_land, "passes in the wrong order": bevel_first,
+        **TILTS, **BEVEL_PLANS, "wrong land": wrong_land, "passes in the wrong order": bevel_first,
         "bevel behind the parting": bevel_last, "lower bevel behind": lower_behind,
         "lip left out": lip_left_out, "lip too shallow": lip_too_shallow(machine),
         "along the lip": along_the_lip,

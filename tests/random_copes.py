@@ -1,7 +1,8 @@
 """Random parts for a coper: I, U, L, T, C with copes at their ends, notches, windows, holes."""
 
 from collections.abc import Sequence
-from math import atan, degrees, radians, tan
+from itertools import pairwise
+from math import asin, atan, cos, degrees, radians, tan
 from random import Random
 
 from msgspec.structs import replace
@@ -196,6 +197,90 @@ def random_prepared_web(seed: int) -> Part:
     elif random.random() < 0.3:
         features[0] = replace(drawn, face="h")
     return Part(f"K{seed}", profile, length, AT, features=tuple(features), grade="S235JR")
+
+
+def random_shaped_bevel(seed: int) -> Part:
+    """A part with bevels along its flanges or its free leg, at slanted, hollow and bulging ends of
+    a web that is coped at all flanges, or at flanges that end skew; some round a corner."""
+    random = Random(seed)
+    angle, land = round(random.uniform(25.0, 44.0), 1), round(random.uniform(0.0, 2.0), 1)
+    kind = random.choice(("along", "corner", "leg", "skew", "web", "web", "web"))
+    length = round(random.uniform(500.0, 900.0), 1)
+    profile = random.choice([one for one in SECTIONS if (one.code == "L") == (kind == "leg")])
+    if kind == "web":
+        return _shaped_web(f"F{seed}", profile, length, angle, random)
+    high, wide = profile.height, profile.width
+    features: list[Feature] = []
+    cuts = EndCuts()
+    if kind == "leg":
+        ring = [(0.0, 0.0), (length, 0.0), (length, high), (0.0, high)]
+        features.append(Contour("v", "outer", polygon(ring), AT, bevels=(Bevel(2, angle, land),)))
+    elif kind == "corner":  # along the bar, round the corner and across it
+        r = round(random.uniform(15.0, 25.0), 1)
+        ring = [*polygon([(0.0, 0.0), (length - r, 0.0)])[:1], Arc((length - r, r), r, -90.0, 90.0)]
+        for a, b in pairwise([(length, r), (length, wide), (0.0, wide), (0.0, 0.0)]):
+            ring.append(Line(a, b))
+        which = random.choice(((0, 1, 2), (1, 2), (0, 1)))
+        bevels = tuple(Bevel(k, angle, land) for k in which)
+        features.append(Contour("u", "outer", tuple(ring), AT, bevels=bevels))
+    elif kind == "along":
+        for face in ("o", "u"):
+            which = random.choice(((0,), (0, 1), (0, 3), (2,)))
+            ring = [(0.0, 0.0), (length, 0.0), (length, wide), (0.0, wide)]
+            bevels = tuple(Bevel(k, angle, land) for k in which)
+            features.append(Contour(face, "outer", polygon(ring), AT, bevels=bevels))
+    else:
+        lean = round(random.uniform(5.0, 25.0), 1) * random.choice((-1, 1))
+        cuts = EndCuts(flange_end=lean)
+        slope = tan(radians(lean))
+        ends = [length + min(0.0, slope) * wide, length - max(0.0, slope) * wide]
+        ring = [(0.0, 0.0), (ends[0], 0.0), (ends[1], wide), (0.0, wide)]
+        for face in ("o", "u"):
+            bevels = (Bevel(random.choice((1, 3)), angle, land),)
+            features.append(Contour(face, "outer", polygon(ring), AT, bevels=bevels))
+    return Part(
+        f"F{seed}", profile, length, AT, cuts=cuts, features=tuple(features), grade="S235JR"
+    )
+
+
+def _shaped_web(mark: str, profile: Profile, length: float, angle: float, random: Random) -> Part:
+    """A web that stands out between its flanges at the far end, which is slanted or round."""
+    high, web = profile.height, profile.web_thickness or 0.0
+    deep = round(profile.flange_thickness + profile.radius + random.uniform(34.0, 45.0), 1)
+    back, half = length - round(random.uniform(90.0, 120.0), 1), (high - 2 * deep) / 2
+    shape = random.choice(("slanted", "hollow", "bulging"))
+    low, top = (length, deep), (length, high - deep)
+    end: list[Curve] = [Line(low, top)]
+    if shape == "slanted":
+        by = round(random.uniform(-0.3, 0.3) * 2 * half, 2)
+        low, top = (length - max(0.0, by), deep), (length + min(0.0, by), high - deep)
+        end = [Line(low, top)]
+    else:
+        radius = round(half * random.uniform(1.5, 3.0), 1)
+        turn = degrees(asin(half / radius))
+        off = radius * cos(radians(turn))
+        if shape == "hollow":
+            arc = Arc((length + off, high / 2), radius, 180.0 + turn, -2 * turn)
+        else:
+            arc = Arc((length - radius, high / 2), radius, -turn, 2 * turn)
+        end, low, top = [arc], arc.start, arc.end
+    before = [(0.0, 0.0), (back, 0.0), (back, deep), low]
+    behind = [top, (back, high - deep), (back, high), (0.0, high), (0.0, 0.0)]
+    curves = [*(Line(a, b) for a, b in pairwise(before)), *end,
+              *(Line(a, b) for a, b in pairwise(behind))]  # fmt: skip
+    land, lower = round(random.uniform(0.0, 2.0), 1), random.choice("ulk")
+    split = round(random.uniform(0.4, 0.6) * web, 2)
+    bevels: list[Bevel] = []
+    for k in range(3, 3 + len(end)):
+        over = land + (split if lower == "k" else 0.0)
+        bevels += [Bevel(k, angle, over)] if lower in "uk" else []
+        bevels += [Bevel(k, -angle, split)] if lower in "lk" else []
+    drawn = Contour("v", "outer", tuple(curves), AT, bevels=tuple(bevels))
+    if random.random() < 0.3:
+        drawn = replace(drawn, face="h")
+    flange = polygon([(0.0, 0.0), (back, 0.0), (back, profile.width), (0.0, profile.width)])
+    flanges = [Contour(face, "outer", flange, AT) for face in "ou"]
+    return Part(mark, profile, length, AT, features=(drawn, *flanges), grade="S235JR")
 
 
 def _skew_web(profile: Profile, length: float, cuts: EndCuts) -> tuple[Curve, ...]:

@@ -16,9 +16,10 @@ from tests.conftest import ROOT
 BENCHMARKS = ROOT / "benchmarks"
 #: Are there to be imported.
 OTHERS = (
-    "asked_liars", "bent_accessories", "coping_plans", "coping_texts", "damage", "doors", "faults",
-    "feed_faults", "heads", "ifc_anyhow", "ifc_families", "letterings", "liars", "mutants",
-    "order_faults", "script", "sheet_faults", "sheet_liars", "solid_cases", "solid_copers", "uses",
+    "asked_liars", "bent_accessories", "coping_bevels", "coping_plans", "coping_texts", "damage",
+    "doors", "faults", "feed_faults", "heads", "ifc_anyhow", "ifc_families", "letterings", "liars",
+    "mutants", "order_faults", "script", "sheet_faults", "sheet_liars", "solid_cases",
+    "solid_copers", "uses",
 )  # fmt: skip
 SCRIPTS = sorted(path.name for path in BENCHMARKS.glob("*.py") if path.stem not in OTHERS)
 

@@ -16,6 +16,7 @@ from beamcam.commands.settings import files_read, machines_for, settled
 from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Diagnostic
 from beamcam.files import FilesRead
+from beamcam.machine.coper import A_OF_FACE
 from beamcam.machine.machine import Machine
 from beamcam.machine_choice import on_best_machine
 from beamcam.model.lengths import total_length
@@ -337,7 +338,10 @@ def coping_lines(plan: CopePlan, time: WorkTime, machine: Machine) -> Iterator[s
     for number, (cut, seconds) in enumerate(zip(plan.operations, time.operations, strict=True), 1):
         x, y = cut.path[0]
         root = ", root" if cut.root else ", lip" if cut.lip else ""
+        a_deg = A_OF_FACE[cut.face] + cut.a_off_deg
+        root += f", A {a_deg:.3f}" if cut.a_off_deg else ""
         root += f", B {cut.b_deg:.3f}" if cut.b_deg else ""
+        root += ", turning" if cut.turns else ""
         yield (
             f"{number:4} face {cut.face}  {NAMES[cut.kind]:8} x {x:10.3f} y {y:8.3f} "
             f"{cut_length(cut):9.1f} mm through {cut.thickness:.1f} mm{root} at "
@@ -364,6 +368,7 @@ def coping_record(
                 "face": cut.face, "kind": cut.kind, "start": list(cut.path[0]),
                 "path": round(cut_length(cut), 6), "thickness": round(cut.thickness, 6),
                 "root": cut.root, "lip": cut.lip, "tilt_deg": round(cut.b_deg, 6),
+                "turn_deg": round(cut.a_off_deg, 6), "turning": bool(cut.turns),
                 "feed_mm_min": cut.row.feed_mm_min, "seconds": round(seconds, 3),
                 "source": str(cut.source),
             }

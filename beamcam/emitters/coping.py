@@ -40,10 +40,11 @@ def _blocks(
         case TorchTo(x, y, z, rapid):
             template = words.traverse if rapid else words.feed
             values = {"x": number(x, places), "y": number(y, places), "z": number(z, places)}
-        case TorchRound(x, y, z, a_deg, per_minute):
-            template = words.feed
+        case TorchRound(x, y, z, a_deg, per_minute, b_deg):
+            template = words.feed if b_deg is None else words.feed_turning
             values = {"x": number(x, places), "y": number(y, places), "z": number(z, places)}
             values["a"] = number(a_deg, machine.format.angle_decimals)
+            values["b"] = number(b_deg or 0.0, machine.format.angle_decimals)
             values["inverse"] = number(per_minute, INVERSE_DECIMALS)
         case TurnTorch(x, y, z, a_deg, b_deg):
             template = words.turn

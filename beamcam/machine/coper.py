@@ -1,6 +1,6 @@
 """A torch that goes round a profile: it turns about the bar, along which it or the bar moves."""
 
-from math import cos, radians, sin, sqrt, tan
+from math import asin, atan, cos, degrees, radians, sin, sqrt, tan
 from typing import Literal
 
 from beamcam.conversion import Keys, NotNegative, Positive
@@ -15,6 +15,14 @@ def torch_way(a_deg: float, b_deg: float = 0.0) -> tuple[float, float, float]:
     """The way from the tip of the torch to its head, of length 1: B tilts it towards X."""
     a, b = radians(a_deg), radians(b_deg)
     return sin(b), -sin(a) * cos(b), cos(a) * cos(b)
+
+
+def torch_angles(face: str, lean: tuple[float, float]) -> tuple[float, float]:
+    """A off that of a face, and B, of a torch whose head is so far over along the bar and across
+    the face, by mm of its height over that face."""
+    along, across = lean
+    off = degrees(atan(across if face == "o" else -across)) + 0.0
+    return off, 0.0 + degrees(asin(along / sqrt(1.0 + along * along + across * across)))
 
 
 class TubeCorner(Keys, frozen=True):

@@ -218,6 +218,8 @@ class Words(Keys, frozen=True):
     measured_height: tuple[str, ...] = ()  #: of a coper behind its header: the bar's, as measured
     measured_width: tuple[str, ...] = ()  #: likewise its width
     feed: tuple[str, ...] = ()  #: the tool along a line
+    #: the torch of a coper along a line while it turns about the bar and tilts, its tool on
+    feed_turning: tuple[str, ...] = ()
     arc_cw: tuple[str, ...] = ()  #: the tool along an arc, clockwise
     arc_ccw: tuple[str, ...] = ()  #: counter-clockwise
     parabola: tuple[str, ...] = ()  #: the tool along a parabola
@@ -302,7 +304,9 @@ WORD_NAMES: dict[str, frozenset[str]] = {
     "printer": _TEXT_NAMES, "change": frozenset({"spindle", "station", "diameter", "text"}),
     "traverse": frozenset({"x", "y", "z"}), "turn": frozenset({"x", "y", "z", "a", "b"}),
     "measured_height": frozenset({"height"}), "measured_width": frozenset({"width"}),
-    "feed": _TO_NAMES | {"z", "a", "inverse"}, "arc_cw": _ARC_NAMES, "arc_ccw": _ARC_NAMES,
+    "feed": _TO_NAMES | {"z", "a", "inverse"},
+    "feed_turning": frozenset({"x", "y", "z", "a", "b", "inverse"}),
+    "arc_cw": _ARC_NAMES, "arc_ccw": _ARC_NAMES,
     "parabola": _ARC_NAMES, "ellipse_cw": _ELLIPSE_NAMES, "ellipse_ccw": _ELLIPSE_NAMES,
     "choose_cut": frozenset(), "choose_mark": frozenset(), "choose_engrave": frozenset(),
     "material": _ROW_NAMES | {"material_name", "thickness", "kerf", "nozzle"},

@@ -257,6 +257,9 @@ class CopeCut(Struct, frozen=True, gc=False):
     b_deg: float = 0.0  #: tilt of the torch towards X
     bevel: bool = False  #: whether it makes the bevel of an edge that a square cut makes too
     lower: bool = False  #: of the far side of its wall, before the square cut
+    a_off_deg: float = 0.0  #: turn about the bar off that at which the torch looks at its face
+    #: that turn and the tilt at each place of the path; empty where both stand still
+    turns: tuple[tuple[float, float], ...] = ()
     lip: bool = False  #: whether it takes the lip below a flange
 
 

@@ -263,13 +263,14 @@ class TorchTo(Struct, frozen=True, gc=False):
 
 
 class TorchRound(Struct, frozen=True, gc=False):
-    """The torch along a line while the bar turns below it."""
+    """The torch along a line while the bar turns below it, or while it turns and tilts itself."""
 
     x: float
     y: float
     z: float
     a_deg: float
     per_minute: float  #: inverse of the time that it takes
+    b_deg: float | None = None  #: of a torch that tilts
 
 
 Movement = Feed | ArcFeed | ParabolaFeed | EllipseFeed

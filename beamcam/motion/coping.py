@@ -87,7 +87,7 @@ class _Torch:
         self._top = profile.width + coper.clearance
         self._sides = {"o": profile.height + coper.clearance, "u": -coper.clearance}
         self._face: Face | None = None
-        self._b_deg = 0.0
+        self._a_deg = self._b_deg = 0.0
         self._at: Place = (0.0, 0.0, 0.0)
 
     def make(self, cut: CopeCut) -> Iterator[Command]:
@@ -95,17 +95,27 @@ class _Torch:
         patch = patch_of(self._patches, cut.face)
         assert patch is not None, cut.face
         row = cut.row
-        pierce = self._tip(patch, cut.path[0], row.pierce_height, cut)
+        turns = cut.turns or ((cut.a_off_deg, cut.b_deg),) * len(cut.path)
+        turns = tuple((A_OF_FACE[cut.face] + off, b_deg) for off, b_deg in turns)
+        pierce = self._tip(patch, cut.path[0], row.pierce_height, turns[0])
         yield Comment(_name_of(cut))
         yield from self._approach(cut.face, pierce)
-        yield from self._turned(self._at, cut.face, cut.b_deg)
+        yield from self._turned(self._at, cut.face, turns[0])
         yield self._to(pierce, True)
         yield ToolOn(
             row.process, row.feed_mm_min, row.power, row.pierce_s, cut.source, row.pierce_height,
             row.cut_height,
         )  # fmt: skip
-        for place in cut.path:
-            yield self._to(self._tip(patch, place, row.cut_height, cut), False)
+        yield self._to(self._tip(patch, cut.path[0], row.cut_height, turns[0]), False)
+        for (before, place), turn in zip(pairwise(cut.path), turns[1:], strict=True):
+            tip = self._tip(patch, place, row.cut_height, turn)
+            if cut.turns:
+                (self._a_deg, self._b_deg), self._at = turn, tip
+                x, y, z = self._programmed(tip, *turn)
+                per_minute = row.feed_mm_min / max(dist(before, place), SHORTEST)
+                yield TorchRound(x, y, z, turn[0], per_minute, turn[1])
+            else:
+                yield self._to(tip, False)
         yield ToolOff(row.process)
         yield self._to(self._outside(cut.face, self._at), True)
         yield from self._turned(self._at, cut.face)
@@ -143,11 +153,14 @@ class _Torch:
         x, y, z = place
         return (x, y, self._top) if face == "v" else (x, self._sides[face], z)
 
-    def _tip(self, patch: Patch, place: tuple[float, float], height: float, cut: CopeCut) -> Place:
+    def _tip(
+        self, patch: Patch, place: tuple[float, float], height: float, turn: tuple[float, float]
+    ) -> Place:
         """The tip as it points at a place of a face, at a height of the row over it."""
         at = patch.point(place[0] + self._start, place[1])
-        away = self._coper.standoff(height, cut.b_deg)
-        return _along(at, away, patch.a_deg(place[1]), cut.b_deg)
+        off = radians(turn[0] - patch.a_deg(place[1]))
+        leaning = degrees(acos(min(1.0, cos(off) * cos(radians(turn[1])))))
+        return _along(at, self._coper.standoff(height, leaning), *turn)
 
     def _programmed(self, tip: Place, a_deg: float, b_deg: float) -> Place:
         """What a program says of a tip: the tip itself, or the axes that the torch turns about."""
@@ -156,19 +169,21 @@ class _Torch:
     def _to(self, tip: Place, rapid: bool) -> Command:
         assert self._face is not None
         self._at = tip
-        return TorchTo(*self._programmed(tip, A_OF_FACE[self._face], self._b_deg), rapid)
+        return TorchTo(*self._programmed(tip, self._a_deg, self._b_deg), rapid)
 
-    def _turned(self, tip: Place, face: Face, b_deg: float = 0.0) -> Iterator[Command]:
-        """The turn to a face and a tilt, the tip at a place; nothing where it has both.
+    def _turned(
+        self, tip: Place, face: Face, turn: tuple[float, float] | None = None
+    ) -> Iterator[Command]:
+        """The turn to a face, or off it, and a tilt, the tip at a place; nothing where it has both.
 
         An axis that goes straight while the torch turns takes the tip off that place by
         pivot (1 - cos(step / 2)); steps are so small that this is a quarter of the clearance.
         """
-        last = A_OF_FACE[face]
-        first = last if self._face is None else A_OF_FACE[self._face]
-        if self._face == face and self._b_deg == b_deg:
+        last, b_deg = turn or (A_OF_FACE[face], 0.0)
+        first = last if self._face is None else self._a_deg
+        if self._face == face and (first, self._b_deg) == (last, b_deg):
             return
-        tilted, self._b_deg = self._b_deg, b_deg
+        tilted, self._b_deg, self._a_deg = self._b_deg, b_deg, last
         steps = 1
         if not self._coper.tcp:
             off = min(1.0, self._coper.clearance / 4 / self._coper.pivot)
@@ -184,6 +199,8 @@ def _name_of(cut: CopeCut) -> str:
     """What a program calls a cut of a wall."""
     through = ", through the root" if cut.root else ", through the lip" if cut.lip else ""
     what = f"{NAMES[cut.kind]} on face {cut.face}{through}"
+    if cut.bevel and cut.kind == "notch":
+        what = f"an edge of face {cut.face}"
     return f"{'lower ' if cut.lower else ''}bevel of {what}" if cut.bevel else what
 
 
@@ -312,6 +329,7 @@ def coping_time(plan: CopePlan, program: Program, machine: Machine) -> WorkTime:
             case TorchRound():
                 spent += 60.0 / command.per_minute
                 at, a_deg = (command.x, command.y, command.z), command.a_deg
+                b_deg = command.b_deg or 0.0
             case ToolOn():
                 spent, feed = spent + command.pierce_s, command.feed_mm_min
             case ToolOff():

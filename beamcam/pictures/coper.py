@@ -232,7 +232,8 @@ def _cuts(
         points = frame.all(stroke.points)
         colour = feeds.index(stroke.row.feed_mm_min) % len(TOOL_COLOURS)
         tip = f"{number}: cut on face {stroke.face} at {stroke.row.feed_mm_min:g} mm/min"
-        tip += f", tilted to B {stroke.b_deg:g}" if stroke.b_deg else ""
+        tip += f", tilted to B {stroke.b_deg:g}" if stroke.b_deg and not stroke.leans else ""
+        tip += ", A and B off square to the face" if stroke.leans else ""
         yield Polyline(f"path-{colour}", points, False, tip, stroke.line)
         at = labels.place(points[0], 2.0, str(number), NUMBER_SIZE, 3)
         yield Text("number order", at or points[0], str(number), NUMBER_SIZE, line=stroke.line)

@@ -110,7 +110,7 @@ def recover_coped(text: str, machine: Machine, name: str, stock: KnownStock) -> 
     strokes, diagnostics = strokes_of(text, bare, machine, name)
     if errors_in(diagnostics):
         return Recovered((), tuple(diagnostics))
-    tilted = next((stroke for stroke in strokes if stroke.b_deg), None)
+    tilted = next((stroke for stroke in strokes if stroke.is_tilted), None)
     if tilted is not None:
         return _tilted(text, bare, strokes, machine, coper, diagnostics, tilted, name)
     walls = [_surface(bare, strokes, coper)] if is_tube else [*_walls(bare, strokes, coper)]
@@ -149,7 +149,7 @@ def _tilted(
     The read-back says which of them it is; an error where it takes neither.
     """
     section, within = CoperSection(bare.profile), coper.tolerance * REFIT_SHARE
-    square = [stroke for stroke in strokes if not stroke.b_deg]
+    square = [stroke for stroke in strokes if not stroke.is_tilted]
     ends = ends_of(strokes, section)
     tries: list[tuple[Sequence[TorchStroke], Ends]] = [] if ends is None else [(strokes, ends)]
     for cutting, planes in (*tries, (square, NO_ENDS)):
@@ -163,7 +163,7 @@ def _tilted(
         part = replace(bare, mark=mark, length=length, cuts=cuts_of(planes))
         find = _Features(part, None, coper.corner_radius, within)
         if planes == NO_ENDS:  # an outline carries the bevels, whatever else is cut of its wall
-            tilted = {stroke.face for stroke in strokes if stroke.b_deg}
+            tilted = {stroke.face for stroke in strokes if stroke.is_tilted}
             walls = [replace(wall, is_drawn=wall.face in tilted) for wall in walls]
         features = [
             feature for wall in walls

@@ -37,7 +37,7 @@ def ends_of(strokes: Sequence[TorchStroke], section: CoperSection) -> Ends | Non
     for side in (-1, 1):
         own = [
             _plane(stroke, side, section) for stroke in strokes
-            if stroke.b_deg and side * (stroke.points[-1][0] - middle) > 0.0
+            if stroke.b_deg and not stroke.leans and side * (stroke.points[-1][0] - middle) > 0.0
         ]  # fmt: skip
         if any(_differ(one, own[0]) for one in own):
             return None
@@ -105,13 +105,16 @@ def with_bevels(
         if not isinstance(feature, Contour) or feature.kind != "outer":
             yield feature
             continue
-        own = [one for one in strokes if one.b_deg and one.face == feature.face]
+        own = [one for one in strokes if one.is_tilted and one.face == feature.face]
         found = [_bevel(feature, stroke, section.thickness(feature.face)) for stroke in own]
         yield replace(feature, bevels=tuple(one for one in found if one is not None))
 
 
 def _bevel(contour: Contour, stroke: TorchStroke, thick: float) -> Bevel | None:
-    """The bevel of the nearest edge of a contour that a stroke runs along; None without one."""
+    """The bevel of the nearest edge of a contour that a straight stroke runs along; None without
+    one."""
+    if len({*stroke.leans}) > 1:
+        return None
     start, end = stroke.points[1], stroke.points[-1]
     turned = -1.0 if signed_area(contour.curves) < 0.0 else 1.0
     found: list[tuple[float, Bevel]] = []
@@ -122,12 +125,15 @@ def _bevel(contour: Contour, stroke: TorchStroke, thick: float) -> Bevel | None:
                   zip(curve.start, curve.end, strict=True))  # fmt: skip
         across = dist(start, end) * curve.length
         along = abs(_dot(_way(start, end), _way(curve.start, curve.end))) / (across or 1.0)
-        if along < ALONG or not dy:
+        if along < ALONG:
             continue
         (x, y), (px, py) = curve.start, start
         inside = -dy * (px - x) + dx * (py - y)  # the steel lies on the left
-        reach = hypot(stroke.row.kerf / 2 / stroke.share * dy, stroke.row.kerf / 2 * dx)
-        slope = -tan(radians(stroke.b_deg)) * dy
+        lx, ly = stroke.leans[0] if stroke.leans else (tan(radians(stroke.b_deg)), 0.0)
+        slope = ly * dx - lx * dy
+        reach = stroke.row.kerf / 2 * hypot(1.0, slope)
+        if not slope:
+            continue
         land = thick - (inside + reach) / slope
         bevel = Bevel(k, plain(degrees(atan(slope)), ANGLE_DEG, DECIMALS), plain(land, LAND, 2))
         if -LAND <= land <= thick + LAND:

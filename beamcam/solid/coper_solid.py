@@ -10,7 +10,7 @@ that turns is seen by the torch as if it went round.
 
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
-from math import cos, dist, isfinite, radians, sin
+from math import acos, cos, degrees, dist, isfinite, pi, radians, sin
 from typing import TYPE_CHECKING, Any
 
 from msgspec import Struct
@@ -23,7 +23,7 @@ from beamcam.machine.machine import Machine
 from beamcam.machine.torch import TorchRow, is_row_for, material_said
 from beamcam.model.part import Part
 from beamcam.solid import NO_SOLID
-from beamcam.solid.kernel import CHORD, Frame, facets, minus, outline, prism
+from beamcam.solid.kernel import CHORD, Frame, facets, kernel, minus, outline, prism
 from beamcam.solid.part_solid import part_solid
 from beamcam.solid.sheet_solid import starting_words
 from beamcam.solid.stock_solid import ALONG
@@ -47,6 +47,8 @@ class Burn(Struct, frozen=True):
     path: tuple[tuple[float, float], ...]
     heights: tuple[float, ...]  #: of the tip along the torch, from the part's axis or a tube's skin
     b_deg: float = 0.0  #: of the torch towards X
+    #: tip, A and B of a torch that turns as it cuts, X from the part's start
+    poses: tuple[tuple[Place, float, float], ...] = ()
 
 
 def stock_of(part: Part, coper: Coper, bar: float | None) -> "Manifold":
@@ -89,17 +91,23 @@ def _burn(
         map(isfinite, tilts)
     ):
         raise BeamcamError(NO_SOLID.at(source, found="a cut from or to nowhere"))
-    unrolls = coper.unrolls(part.profile.code)
-    if unrolls:
+    if coper.turns == "torch" and (max(tilts) - min(tilts) > STEADY_DEG or any(
+        abs(a_deg - places[0][1]) > STEADY_DEG for _, a_deg in places
+    )):  # fmt: skip
+        return _turning(source, moves, coper, rows)
+    if unrolls := coper.unrolls(part.profile.code):
         skin = skin_of(part)[0]
         turned = [_over_tube(place, a_deg, coper, skin) for place, a_deg in places]
     else:
         axis = _axis_of(part) if coper.turns == "bar" else None
-        turned = [_across_bar(place, a, places[0][1], coper, tilts[0], axis) for place, a in places]
-    if any(one is None for one in turned) or max(tilts) - min(tilts) > STEADY_DEG:
-        what = "a torch that is not square to its tube" if unrolls else (
-            "a torch that turns as it cuts")  # fmt: skip
-        raise BeamcamError(NO_SOLID.at(source, found=what))
+        turned = [
+            None if abs(a_deg - places[0][1]) > STEADY_DEG
+            else _across_bar(place, a_deg, coper, tilts[0], axis)
+            for place, a_deg in places
+        ]  # fmt: skip
+    if any(one is None for one in turned):
+        what = "that is not square to its tube" if unrolls else "that turns as it cuts"
+        raise BeamcamError(NO_SOLID.at(source, found=f"a torch {what}"))
     seen = [one for one in turned if one is not None]
     ways = [dist(a, b) for a, b in pairwise(seen)]
     minutes = [
@@ -131,6 +139,74 @@ def _row_of(speed: float, rows: Sequence[TorchRow], coper: Coper) -> TorchRow | 
     return row
 
 
+def _turning(
+    source: Source, moves: Sequence[Move[Place]], coper: Coper, rows: Sequence[TorchRow]
+) -> Burn:
+    """A cut on which the torch turns, in inverse time; the way down to the steel says its row."""
+    if not coper.tilt or any(
+        not move.minutes and (move.a_deg[0] != move.a_deg[1] or move.b_deg[0] != move.b_deg[1])
+        for move in moves
+    ):
+        raise BeamcamError(NO_SOLID.at(source, found="a torch that turns as it cuts"))
+    row = min(rows, key=lambda one: abs(one.feed_mm_min - moves[0].feed_mm_min), default=None)
+    if row is None or abs(row.feed_mm_min - moves[0].feed_mm_min) > SAME_SPEED * row.feed_mm_min:
+        found = f"a cut at {moves[0].feed_mm_min:.0f} mm/min, the speed of no row of the chart"
+        raise BeamcamError(NO_SOLID.at(source, found=found))
+    poses: list[tuple[Place, float, float]] = []
+    for move in moves:
+        for share in (0.0, 0.5, 1.0):
+            x, y, z = (a + share * (b - a) for a, b in zip(move.start, move.end, strict=True))
+            a_deg, b_deg = (a + share * (b - a) for a, b in (move.a_deg, move.b_deg))
+            (ux, uy, uz), down = _way(a_deg, b_deg), coper.pivot
+            tip = x - coper.trim - down * ux, y - down * uy, z - down * uz
+            poses.append((tip, a_deg, b_deg))
+    path, heights = tuple((x, y) for (x, y, _), _, _ in poses), tuple(z for (*_, z), _, _ in poses)
+    return Burn(source.line or 0, row, poses[0][1], path, heights, poses[0][2], tuple(poses[2:]))
+
+
+def _way(a_deg: float, b_deg: float) -> Place:
+    """The way from the tip of a torch to its head, of length 1."""
+    a, b = radians(a_deg), radians(b_deg)
+    return sin(b), -sin(a) * cos(b), cos(a) * cos(b)
+
+
+def _swept(burn: Burn, coper: Coper, part: Part) -> "Manifold":
+    """What a jet takes that turns: between one place and the next the hull of both. It is as deep
+    from the wall's surface on, whatever its angle to that."""
+    m, row = kernel(), burn.row
+
+    def round_at(pose: tuple[Place, float, float], radius: float) -> list[Place]:
+        tip, a_deg, b_deg = pose
+        way = _way(a_deg, b_deg)
+        out = _way(90.0 * round(a_deg / 90.0), 0.0)  # of the wall
+        share = sum(a * b for a, b in zip(way, out, strict=True))
+        deep = coper.standoff(row.cut_height, degrees(acos(share))) + row.up_to
+        aside = (0.0, cos(radians(a_deg)), sin(radians(a_deg)))  # square to the way
+        over = (
+            way[1] * aside[2] - way[2] * aside[1], way[2] * aside[0] - way[0] * aside[2],
+            way[0] * aside[1] - way[1] * aside[0],
+        )  # fmt: skip
+        count = facets(radius)
+        found = []
+        for k in range(count):
+            c, s = radius * cos(2 * pi * k / count), radius * sin(2 * pi * k / count)
+            beside = [c * aside[i] + s * over[i] for i in range(3)]
+            down = deep + sum(a * b for a, b in zip(beside, out, strict=True)) / share
+            x, y, z = (tip[i] + beside[i] for i in range(3))
+            found.append((x, y, z))
+            found.append((x - down * way[0], y - down * way[1], z - down * way[2]))
+        if part.profile.code == "T":  # on its side: Y is its z, Z its height less its y
+            return [(x, part.profile.height - z, y) for x, y, z in found]
+        if part.profile.code == "C":  # on its lips: turned 180 degrees about its length
+            return [(x, part.profile.height - y, part.profile.width - z) for x, y, z in found]
+        return found
+
+    rounds = [round_at(pose, row.kerf / 2) for pose in burn.poses]
+    bodies = [m.Manifold.hull_points([*a, *b]) for a, b in pairwise(rounds) if a != b]
+    bodies.append(m.Manifold.hull_points(round_at(burn.poses[0], row.pierce_radius)))
+    return m.Manifold.batch_boolean(bodies, m.OpType.Add)
+
+
 def _axis_of(part: Part) -> tuple[float, float]:
     """Y and Z of the line about which a profile turns, as it lies: the middle of its box."""
     high, wide = part.profile.height / 2, part.profile.width / 2
@@ -138,18 +214,15 @@ def _axis_of(part: Part) -> tuple[float, float]:
 
 
 def _across_bar(
-    place: Place, a_deg: float, first_deg: float, coper: Coper, b_deg: float,
-    axis: tuple[float, float] | None = None,
-) -> Any:  # fmt: skip
+    place: Place, a_deg: float, coper: Coper, b_deg: float, axis: tuple[float, float] | None
+) -> Any:
     """x, the way across and the height of the tip of a torch that goes round, as it looks along
-    itself; None if it turns.
+    itself.
 
     Over a bar that turns about an axis it stands upright, so that these are Y and Z, counted from
     that axis.
     """
     x, y, z = place
-    if abs(a_deg - first_deg) > STEADY_DEG:
-        return None
     a, b, x = radians(a_deg), radians(b_deg), x - coper.trim
     if axis is not None:
         on_y, on_z = axis
@@ -170,6 +243,8 @@ def taken_by(burn: Burn, coper: Coper, part: Part) -> "Manifold":
     """What a cut takes: the hole that is pierced, and the kerf behind the way down to the steel."""
     from shapely import LineString, Point, union_all
 
+    if burn.poses:
+        return _swept(burn, coper, part)
     row, half = burn.row, burn.row.kerf / 2
     quarter = facets(half) // 4
     ways = [LineString(way) for way in pairwise(burn.path[1:]) if way[0] != way[1]]
@@ -179,7 +254,9 @@ def taken_by(burn: Burn, coper: Coper, part: Part) -> "Manifold":
     ])  # fmt: skip
     tips = burn.heights[1:] or burn.heights
     high = max(tips)
-    low = min(tips) - coper.standoff(row.cut_height, burn.b_deg) - row.up_to
+    off = burn.a_deg - 90.0 * round(burn.a_deg / 90.0) if coper.turns == "torch" else 0.0
+    leaning = degrees(acos(cos(radians(off)) * cos(radians(burn.b_deg))))
+    low = min(tips) - coper.standoff(row.cut_height, leaning) - row.up_to
     if coper.unrolls(part.profile.code):  # beyond its depth by what chords lie within a circle
         return wrapped(shape, skin_of(part)[0], -high, CHORD - low)
     a, b = radians(burn.a_deg), radians(burn.b_deg)

@@ -29,7 +29,7 @@ from beamcam.geometry.curves import Line
 from beamcam.geometry.plane import Point
 from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
-from beamcam.model.part import Contour, Face, Feature, Hole, Part, Slot
+from beamcam.model.part import Contour, Face, Feature, Hole, Part, Profile, Slot
 from beamcam.model.request import Request
 from beamcam.solid import PIECES, ROUNDED, SQUARE
 from beamcam.solid.compare import (
@@ -74,6 +74,7 @@ if TYPE_CHECKING:
 
 CORNER_DEG = 20.0  #: what a corner turns more than
 ALONG_ARC = 1.3  #: reaches of a corner's round along a side that bends towards the other one
+OFF_TANGENT = 1.0  #: mm that an outline may end off the tangents of its face and mean them
 SKIN = 0.05  #: mm off surfaces that no one cuts: those that lie in one another are dear to cut
 _CALLED_PIPE = re.compile(r"\s*(PIPE|CHS|TUBE)", re.IGNORECASE)
 
@@ -140,6 +141,8 @@ def as_tube(part: Part, coper: Coper) -> Part:
         size = replace(size, code="RO", height=across, width=across, flange_thickness=wall)
     elif size.code == "M":
         size = replace(size, radius=coper.outer_radius(size.radius, wall))
+        whole = tuple(_to_edges(f, size) if isinstance(f, Contour) else f for f in part.features)
+        part = replace(part, features=whole)
         outer = [c for c in part.contours if c.kind == "outer" and is_cut(c)]
         webs = {c.face for c in outer} & {"v", "h"}
         if len(webs) == 1:
@@ -147,6 +150,27 @@ def as_tube(part: Part, coper: Coper) -> Part:
             twins = (replace(c, face=other, bevels=()) for c in outer if c.face in webs)
             part = replace(part, features=(*part.features, *twins))
     return replace(part, profile=size)
+
+
+def _to_edges(contour: Contour, size: Profile) -> Contour:
+    """An outline that ends at the tangents of its face, its sides gone straight on to the edges."""
+    wide, r, curves = size.face_width(contour.face), size.radius, list(contour.curves)
+    ys = [y for c in curves for y in (c.bbox[1], c.bbox[3])]
+    for farthest, tangent, edge in ((min(ys), r, 0.0), (max(ys), wide - r, wide)):
+        for k, side in enumerate(curves):
+            before, after = curves[k - 1], curves[(k + 1) % len(curves)]
+            if contour.kind != "outer" or not is_cut(contour) or any(
+                abs(y - tangent) > OFF_TANGENT for y in (farthest, side.start[1], side.end[1])
+            ) or not (isinstance(before, Line) and isinstance(after, Line)):  # fmt: skip
+                continue
+            at = [
+                x + (edge - y) * (x - xo) / (y - yo)
+                for (x, y), (xo, yo) in ((side.start, before.start), (side.end, after.end))
+            ]
+            curves[k - 1] = Line(before.start, (at[0], edge))
+            curves[k] = Line((at[0], edge), (at[1], edge))
+            curves[(k + 1) % len(curves)] = Line((at[1], edge), after.end)
+    return replace(contour, curves=tuple(curves))
 
 
 def _asked(part: Part, machine: Machine, coper: Coper, burns: Sequence[Burn]) -> PartWithAllowance:

@@ -4,11 +4,12 @@ A hole goes through the wall of its face, and through a root fillet in its way, 
 other walls; a cope of a web takes the fillets on it.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import pairwise
-from math import cos, hypot, radians, sin, tan
+from math import atan2, cos, hypot, radians, sin, tan
 from typing import TYPE_CHECKING
 
+from beamcam.geometry.curves import signed_area
 from beamcam.geometry.polylines import polylines
 from beamcam.model.part import Bevel, Contour, Hole, Part, Profile, Slot
 from beamcam.solid.kernel import (
@@ -311,11 +312,14 @@ def _bevel(contour: Contour, inside: Shape, bevel: Bevel, wall: Wall, margin: fl
         return body
     near = bevel.angle > 0
     chain = polylines((contour.curves[bevel.curve],), CHORD).points.tolist()
-    for (ax, aq), (bx, bq) in pairwise(chain):
+    first, last = (wide * by for by in _blunt(contour, bevel.curve))
+    joint = wide * _hollow(chain, inside)
+    for k, ((ax, aq), (bx, bq)) in enumerate(pairwise(chain)):
         long = hypot(bx - ax, bq - aq)
         if long <= 0.0:
             continue
         ex, eq = (bx - ax) / long, (bq - aq) / long
+        low, high = -(first if k == 0 else joint), long + (last if k == len(chain) - 2 else joint)
         nx, nq = -eq, ex
         if not inside.contains(Point((ax + bx) / 2 + nx * 0.01, (aq + bq) / 2 + nq * 0.01)):
             nx, nq = -nx, -nq
@@ -328,5 +332,31 @@ def _bevel(contour: Contour, inside: Shape, bevel: Bevel, wall: Wall, margin: fl
         grown = wide * FREE / deep
         top, foot = (-FREE, deep) if near else (wall.thickness + FREE, wall.thickness - deep)
         wedge = Polygon([(-FREE, top), (wide + grown + margin, top), (margin, foot), (-FREE, foot)])
-        body += prism(wedge, 0.0, long, (rows[0], rows[1], rows[2]))
+        body += prism(wedge, low, high, (rows[0], rows[1], rows[2]))
     return body
+
+
+def _hollow(chain: Sequence[tuple[float, float]], inside: Shape) -> float:
+    """How far wedges beside one another at a place of a hollow curve go on, to meet, by mm that
+    they reach inside; 0 of a bulging one."""
+    from shapely import Point
+
+    if len(chain) < 3:
+        return 0.0
+    (ax, aq), (bx, bq), (cx, cq) = chain[:3]
+    turn = atan2((bx - ax) * (cq - bq) - (bq - aq) * (cx - bx),
+                 (bx - ax) * (cx - bx) + (bq - aq) * (cq - bq))  # fmt: skip
+    middle = Point((ax + cx) / 2, (aq + cq) / 2)  # of a chord, in the air of a hollow curve
+    return 0.0 if inside.contains(middle) else tan(abs(turn) / 2)
+
+
+def _blunt(contour: Contour, k: int) -> Iterator[float]:
+    """At the start and the end of a curve how far a bevel goes straight on to the next edge, by mm
+    that it reaches inside: beyond a blunt corner of up to 135 degrees."""
+    curves = tuple(c for c in contour.curves if c.length > 0.0)
+    k = sum(c.length > 0.0 for c in contour.curves[:k])
+    outwards = (signed_area(curves) > 0.0) == (contour.kind == "outer")
+    for before, after in ((curves[k - 1], curves[k]), (curves[k], curves[(k + 1) % len(curves)])):
+        (ax, ay), (bx, by) = before.tangent(1.0), after.tangent(0.0)
+        turn, same_way = (ax * by - ay * bx) * (1 if outwards else -1), ax * bx + ay * by
+        yield same_way / turn if 0.0 < same_way <= turn else 0.0

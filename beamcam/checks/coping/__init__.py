@@ -95,10 +95,10 @@ def _profile_faults(
     leaves for manual work."""
     from beamcam.checks.coping.collisions import collision_faults, turned_unseen
     from beamcam.checks.coping.compare import compare
+    from beamcam.checks.coping.profile_torch import ProfileTorch
     from beamcam.checks.coping.required import is_outline_of, walls_asked
     from beamcam.checks.coping.section import CoperSection
     from beamcam.checks.coping.stock import stock_of
-    from beamcam.checks.coping.strokes import ProfileTorch
     from beamcam.checks.coping.turned import TurnedTorch
     from beamcam.checks.coping.zones import chuck_faults, root_faults, support_faults
 

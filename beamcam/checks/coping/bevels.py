@@ -2,22 +2,26 @@
 
 A bevel with the angle b takes of a wall t thick (t - land) tan(b) at the surface that the torch
 looks at, and nothing from the land on; one of the far side land tan(b) there, and nothing above. A
-stroke makes it that is tilted so and runs along its edge, half a kerf off what stays; any other
-tilted stroke is none. It comes after the square cut along that edge, of the far side before it,
-and before the piece is parted from its bar.
+stroke makes it that runs, at both surfaces of the wall, along its edge, half a kerf off what stays
+there; any other stroke whose torch is tilted otherwise than a skew end asks for is none. Curves
+that go on in one another and have one bevel are one edge. A pass comes after the square cut along
+its edge, of the far side before it, and before the piece is parted from its bar; an edge that the
+bar has by itself has no square cut.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from math import atan2, cos, degrees, hypot, radians, sin, tan
+from math import atan2, ceil, cos, hypot, pi, radians, tan
 from typing import Any
 
 from msgspec import Struct
+from msgspec.structs import replace
 
 from beamcam.checks.coping import rules
 from beamcam.checks.coping.section import CoperSection, other_side
-from beamcam.checks.coping.strokes import ANGLE_SLACK_DEG, TorchStroke
+from beamcam.checks.coping.skew import SkewEnd, own_bevels
+from beamcam.checks.coping.strokes import TorchStroke
 from beamcam.errors import Diagnostic, Source
-from beamcam.geometry.curves import Line
+from beamcam.geometry.curves import Arc, Curve, Line
 from beamcam.geometry.plane import Point
 from beamcam.machine.coper import Coper
 from beamcam.model.part import Bevel, Contour, Part
@@ -28,45 +32,96 @@ AT_EDGE = 1.0  #: mm from an edge of its wall within which a drawn place means t
 OFF_PASS = 0.1  #: mm that a pass may lie beside where its bevel has it
 HAIR = 1e-3  #: mm that what is taken is larger, so that no hair of it stays
 BESIDE = 0.1  #: mm that a square cut may lie beside the edge that it makes
+STEP = 0.5  #: mm from place to place of a round edge
+NO_CORNER = 0.015  #: sine between curves that go on in one another
+SAME = 1e-6  #: degrees and mm that bevels of one edge may differ
 
 
-class BevelPass(Struct, frozen=True):
-    """A bevel of a part, and the stroke that makes it."""
+class BevelledEdge(Struct, frozen=True):
+    """Curves with one bevel, the steel on their left, as the torch sees them."""
 
     feature: int
     bevel: Bevel
-    stroke: TorchStroke
-    start: Point
-    end: Point
+    curves: tuple[Curve, ...]
     thickness: float
-    drawn: Bevel  #: as the contour has it, from whichever side
+    drawn: tuple[Bevel, ...]  #: as the contour has them, from whichever side
+    #: sharp turns of the contour at its start and its end, in radians; 0 for none that is blunt
+    turns: tuple[float, float]
+
+    def places(self) -> Iterator[tuple[Point, Point]]:
+        """Places along it, each with the way into the steel."""
+        for curve in self.curves:
+            count = 1 if isinstance(curve, Line) else ceil(curve.length / STEP)
+            for k in range(count + 1):
+                dx, dy = curve.tangent(k / count)
+                yield curve.point(k / count), (-dy, dx)
+
+    def inside(self, mm: float, longer: float = 0.0, wide: float = 0.0) -> list[Point]:
+        """The line so far inside of it, longer at both ends, and at a blunt corner as far as a
+        bevel so wide goes to the next edge."""
+        line = [(x + mm * nx, y + mm * ny) for (x, y), (nx, ny) in self.places()]
+        (ax, ay), (bx, by) = self.curves[0].tangent(0.0), self.curves[-1].tangent(1.0)
+        (xa, ya), (xb, yb) = line[0], line[-1]
+        by_a, by_b = (longer + (wide / tan(turn) if turn else 0.0) for turn in self.turns)
+        return [(xa - by_a * ax, ya - by_a * ay), *line, (xb + by_b * bx, yb + by_b * by)]
+
+    def strip(self, depth: float) -> Shape:
+        """What the bevel takes of its wall, so far below the face."""
+        from shapely import Polygon, make_valid
+
+        over_land = self.thickness - self.bevel.land - depth
+        wide = max(0.0, over_land * tan(radians(self.bevel.angle)))
+        if not wide:
+            return Polygon()
+        whole = make_valid(Polygon([*self.inside(0.0), *reversed(self.inside(wide, 0.0, wide))]))
+        return whole.buffer(HAIR, join_style="mitre")
+
+
+class BevelPass(BevelledEdge, frozen=True):
+    """A bevelled edge of a part, and the stroke that makes it."""
+
+    stroke: TorchStroke
 
     @property
     def is_lower(self) -> bool:
         """Whether it is of the far side of its wall."""
         return self.bevel.angle < 0.0
 
-    def strip(self, depth: float) -> Shape:
-        """What it takes of its wall, so far below the face."""
-        from shapely import Polygon
+    def beside(self, strokes: Sequence[TorchStroke], section: CoperSection) -> list[int]:
+        """The lines of the square strokes along it, in their order, but where the bar has the edge;
+        none where it has all of it."""
+        from shapely import LineString
+        from shapely import Point as Place
 
-        over_land = self.thickness - self.bevel.land - depth
-        wide = max(0.0, over_land * tan(radians(self.bevel.angle)))
-        turn = atan2(self.end[1] - self.start[1], self.end[0] - self.start[0])
-        dx, dy = -sin(turn) * wide, cos(turn) * wide
-        (xa, ya), (xb, yb) = self.start, self.end
-        if not wide:
-            return Polygon()
-        whole = Polygon([(xa, ya), (xb, yb), (xb + dx, yb + dy), (xa + dx, ya + dy)])
-        return whole.buffer(HAIR, join_style="mitre")
+        middles = [Place(curve.point(share)) for curve in self._cut(section)
+                   for share in (0.3, 0.5, 0.7)]  # fmt: skip
+        return [] if not middles else [
+            s.line for s in strokes
+            if s.face == self.stroke.face and not s.is_tilted
+            and all(abs(LineString(s.points).distance(place) - s.row.kerf / 2) <= BESIDE
+                    for place in middles)
+        ]  # fmt: skip
+
+    def is_rolled(self, section: CoperSection) -> bool:
+        """Whether it is all an edge that the bar has."""
+        return not self._cut(section)
+
+    def _cut(self, section: CoperSection) -> list[Curve]:
+        """Its curves that do not lie on an edge of the bar."""
+        wide = section.high if self.stroke.face == "v" else section.wide
+        return [
+            curve for curve in self.curves
+            if not isinstance(curve, Line)
+            or (curve.start[1], curve.end[1]) not in ((0.0, 0.0), (wide, wide))
+        ]  # fmt: skip
 
 
 def passes_of(
-    part: Part, section: CoperSection, coper: Coper, strokes: Sequence[TorchStroke]
-) -> list[BevelPass]:
-    """The bevels of a part that strokes make, each stroke once."""
-    from shapely import Polygon
-
+    part: Part, section: CoperSection, coper: Coper, strokes: Sequence[TorchStroke],
+    ends: Sequence[SkewEnd],
+) -> list[BevelPass]:  # fmt: skip
+    """The bevelled edges of a part that strokes make, each stroke once; not the bevels that tilted
+    `ends` show."""
     passes: list[BevelPass] = []
     if section.lip:  # a pass would go on into a lip
         return passes
@@ -74,78 +129,125 @@ def passes_of(
         if not isinstance(contour, Contour) or contour.kind != "outer":
             continue
         face = "v" if contour.face == "h" else contour.face
-        if face not in section.faces:
-            continue
-        for bevel in contour.bevels:
-            curve = contour.curves[bevel.curve]
-            if abs(bevel.angle) < coper.min_bevel or not isinstance(curve, Line):
-                continue
-            asked = bevel
-            if contour.face == "h":  # seen through the web
-                asked = other_side(bevel, section.web)
-            wide = section.high if face == "v" else section.wide
-            ends = [_at_edge(place, wide) for place in (curve.start, curve.end)]
-            if not Polygon([c.start for c in contour.curves]).exterior.is_ccw:
-                ends.reverse()  # so that the steel lies on the left
-            thick = section.thickness(face)
+        contour = replace(contour, bevels=tuple(own_bevels(contour, ends, coper.min_bevel)))
+        for edge in _edges(f, contour, section, coper) if face in section.faces else ():
             one = next(
                 (s for s in strokes if s.face == face
                  and all(s is not other.stroke for other in passes)
-                 and _makes(s, asked, ends[0], ends[1], thick, coper.over)),
+                 and _makes(s, edge, coper.over)),
                 None,
             )  # fmt: skip
             if one is not None:
-                passes.append(BevelPass(f, asked, one, ends[0], ends[1], thick, bevel))
+                passes.append(BevelPass(f, edge.bevel, edge.curves, edge.thickness, edge.drawn,
+                                        edge.turns, one))  # fmt: skip
     return passes
 
 
-def _at_edge(place: Point, wide: float) -> Point:
-    x, y = place
-    return x, 0.0 if abs(y) <= AT_EDGE else wide if abs(y - wide) <= AT_EDGE else y
+def _edges(f: int, contour: Contour, section: CoperSection, coper: Coper) -> Iterator[BevelledEdge]:
+    """The bevelled edges of a contour that are straight or round."""
+    from shapely import Polygon
+
+    face = "v" if contour.face == "h" else contour.face
+    thick, wide = section.thickness(face), section.high if face == "v" else section.wide
+    which = [k for k, curve in enumerate(contour.curves) if curve.length > SAME]
+    curves = [_at_edge(contour.curves[k], wide) for k in which]
+    there = [[b for b in contour.bevels if b.curve == k and abs(b.angle) >= coper.min_bevel]
+             for k in which]  # fmt: skip
+    if not Polygon([p for c in contour.curves for p in (c.start, c.point(0.5))]).exterior.is_ccw:
+        curves, there = [c.reversed() for c in reversed(curves)], there[::-1]
+    for side in (1.0, -1.0):
+        own = [next((b for b in some if b.angle * side > 0.0), None) for some in there]
+        found: list[list[int]] = []
+        for k, bevel in enumerate(own):
+            if bevel is None or not isinstance(curves[k], Line | Arc):
+                continue
+            goes_on = found and found[-1][-1] == k - 1
+            if goes_on and _is_one(own[k - 1], bevel, curves[k - 1 : k + 1]):
+                found[-1].append(k)
+            else:
+                found.append([k])
+        first, last = own[0], own[-1]
+        if len(found) > 1 and found[0][0] == 0 and found[-1][-1] == len(own) - 1 and _is_one(
+            last, first, (curves[-1], curves[0])
+        ):  # fmt: skip
+            found[0] = [*found.pop(), *found[0]]
+        for chain in found:
+            bevel = own[chain[0]]
+            assert bevel is not None
+            land = bevel.land or (thick if bevel.angle < 0.0 else 0.0)
+            asked = Bevel(bevel.curve, bevel.angle, land)
+            if contour.face == "h":  # seen through the web
+                asked = other_side(bevel, section.web)
+            drawn = tuple(b for k in chain if (b := own[k]) is not None)
+            some = tuple(curves[k] for k in chain)
+            after = curves[(chain[-1] + 1) % len(curves)]
+            turns = _blunt(curves[chain[0] - 1], some[0]), _blunt(some[-1], after)
+            yield BevelledEdge(f, asked, some, thick, drawn, turns)
 
 
-def _makes(
-    stroke: TorchStroke, bevel: Bevel, start: Point, end: Point, thick: float, over: float
-) -> bool:
+def _blunt(before: Curve, after: Curve) -> float:
+    """How far the contour turns where a bevel goes on over a corner; 0 where it does not."""
+    (ax, ay), (bx, by) = before.tangent(1.0), after.tangent(0.0)
+    turn = atan2(ax * by - ay * bx, ax * bx + ay * by)
+    return turn if pi / 4 - 1e-9 <= turn < pi / 2 else 0.0
+
+
+def _is_one(a: Bevel | None, b: Bevel | None, curves: Sequence[Curve]) -> bool:
+    """Whether a curve goes on from another without a corner, with the same bevel."""
+    if a is None or b is None or max(abs(a.angle - b.angle), abs(a.land - b.land)) > SAME:
+        return False
+    (ax, ay), (bx, by) = curves[0].tangent(1.0), curves[1].tangent(0.0)
+    return abs(ax * by - ay * bx) <= NO_CORNER and ax * bx + ay * by > 0.0
+
+
+def _at_edge(curve: Curve, wide: float) -> Curve:
+    """A curve; the ends of a straight one near an edge of its wall on that."""
+    if not isinstance(curve, Line):
+        return curve
+    (xa, ya), (xb, yb) = curve.start, curve.end
+    ya, yb = (0.0 if abs(y) <= AT_EDGE else wide if abs(y - wide) <= AT_EDGE else y
+              for y in (ya, yb))  # fmt: skip
+    return Line((xa, ya), (xb, yb)) if hypot(xb - xa, yb - ya) > SAME else curve
+
+
+def _makes(stroke: TorchStroke, edge: BevelledEdge, over: float) -> bool:
     """Whether a stroke is the pass of a bevel, `over` mm longer than its edge and half a kerf."""
-    long = hypot(end[0] - start[0], end[1] - start[1])
-    dx, dy = (end[0] - start[0]) / long, (end[1] - start[1]) / long
-    if not dy or not stroke.b_deg:
+    from shapely import LineString
+
+    bevel, half = edge.bevel, stroke.row.kerf / 2
+    if not stroke.is_tilted or len(stroke.points) < 3:
         return False
-    b_deg = -degrees(atan2(tan(radians(bevel.angle)) * (1 if dy > 0 else -1), abs(dy)))
-    if abs(stroke.b_deg - b_deg) > 2 * ANGLE_SLACK_DEG:
-        return False
-    half = stroke.row.kerf / 2
-    reach = hypot(half / stroke.share * dy, half * dx)
-    wanted = (thick - bevel.land) * tan(radians(bevel.angle)) - reach
-    along = [((x - start[0]) * dx + (y - start[1]) * dy) for x, y in stroke.points[1:]]
-    inside = [((x - start[0]) * -dy + (y - start[1]) * dx) for x, y in stroke.points[1:]]
-    whole = bool(along) and min(along) <= -half and max(along) >= long + half
-    most = half + over + OFF_PASS
-    whole = whole and min(along) >= -most and max(along) <= long + most
-    return whole and all(abs(one - wanted) <= OFF_PASS for one in inside)
+    slope = tan(radians(bevel.angle))
+    wide = max((edge.thickness - bevel.land) * slope, -bevel.land * slope)
+    for depth in (0.0, edge.thickness):
+        at = (edge.thickness - bevel.land - depth) * tan(radians(bevel.angle))
+        at -= half / cos(radians(bevel.angle))
+        run = LineString(stroke.at(depth)[1:])
+        least, most = (edge.inside(at, mm, wide) for mm in (half, half + over + OFF_PASS))
+        if not (
+            LineString(most).buffer(OFF_PASS, cap_style="flat").covers(run)
+            and run.buffer(OFF_PASS, cap_style="square").covers(LineString(least))
+        ):
+            return False
+    return True
 
 
 def pass_faults(
-    passes: Sequence[BevelPass], strokes: Sequence[TorchStroke], far: Mapping[int, bool], name: str
-) -> Iterator[Diagnostic]:
+    passes: Sequence[BevelPass], strokes: Sequence[TorchStroke], far: Mapping[int, bool],
+    section: CoperSection, name: str,
+) -> Iterator[Diagnostic]:  # fmt: skip
     """Passes before the square cut along their edge, or of a piece that is parted already.
 
     `far` says of each stroke by its line whether it is of the far end of a bar.
     """
-    from shapely import LineString
     from shapely import Point as Place
 
     of_pass = {one.stroke.line for one in passes}
     square = [s for s in strokes if s.line not in of_pass]
     parted = max((s.line for s in square if far.get(s.line)), default=0)
     for one in passes:
-        middle = (one.start[0] + one.end[0]) / 2, (one.start[1] + one.end[1]) / 2
-        along = [
-            s.line for s in square
-            if s.face == one.stroke.face and not s.b_deg
-            and abs(LineString(s.points).distance(Place(middle)) - s.row.kerf / 2) <= BESIDE
-        ]  # fmt: skip
+        along = one.beside(square, section)
+        is_rolled = one.is_rolled(section)
         if one.is_lower:
             if not along or min(along) < one.stroke.line:
                 yield rules.PASSES.at(
@@ -157,7 +259,7 @@ def pass_faults(
             yield rules.AIR.at(
                 Source(name, one.stroke.line), x=f"{x:.1f}", y=f"{y:.1f}", face=one.stroke.face
             )
-        elif not along or min(along) > one.stroke.line:
+        elif not is_rolled and (not along or min(along) > one.stroke.line):
             yield rules.PASSES.at(
                 Source(name, one.stroke.line), face=one.stroke.face,
                 expected="after the square cut along its edge, which leaves the land",

@@ -12,7 +12,7 @@ from typing import Any
 
 from msgspec import Struct
 
-from beamcam.checks.coping.section import TubeSection, pieces_of
+from beamcam.checks.coping.section import TubeSection, areas_of, pieces_of
 from beamcam.checks.coping.stock import FINE, outline_ring, ring_of, slot_ring
 from beamcam.checks.coping.tube_planes import FAR, End, is_stated, kept, planes_of, round_corner
 from beamcam.checks.coping.wanted import corners_of, with_round_corners
@@ -55,7 +55,7 @@ def box_wanted(part: Part, coper: Coper, left: set[int], section: TubeSection) -
     from shapely.affinity import translate
 
     features = [f for k, f in enumerate(part.features) if k not in left]
-    walls = {face: _outlined(part, face, features) for face in "uvoh"}
+    walls = {face: _outlined(part, face, features, section) for face in "uvoh"}
     ends = [_end(part, walls, section, side) for side in (-1, 1)]
     planes = [*planes_of(part, left, section)]
     skew = [*ends, *(end for _, end in planes)]
@@ -92,12 +92,13 @@ def box_wanted(part: Part, coper: Coper, left: set[int], section: TubeSection) -
             for void in ending[face]
         ]
         shapes.append(shape.difference(union_all(seen)) if seen else shape)
-    one, turn = union_all(shapes), section.turn
+    one, turn = areas_of(union_all(shapes)), section.turn
     drawn = union_all([translate(one, 0.0, k * turn) for k in (-1, 0, 1)])
     for side, end in planes:
         drawn = kept(drawn, side, end, section)
     everywhere = [(x, s + k * turn) for x, s in corners for k in (-1, 0, 1)]
-    cut = with_round_corners(drawn, everywhere, coper.corner_radius)
+    drawn = areas_of(drawn)
+    cut = areas_of(with_round_corners(drawn, everywhere, coper.corner_radius))
     return BoxWanted(drawn, cut, {f: mm for f, mm in off.items() if mm >= LEAST_OFF})
 
 
@@ -111,7 +112,7 @@ def box_outlines(part: Part, coper: Coper, section: TubeSection) -> Iterator[lis
             yield [(x, s) for x, s in ring.coords[:-1]]
 
 
-def _outlined(part: Part, face: str, features: Sequence[Any]) -> _Wall:
+def _outlined(part: Part, face: str, features: Sequence[Any], section: TubeSection) -> _Wall:
     """A face within its outline; v and h have that of the other one if they have none."""
     from shapely import Polygon, box, make_valid, union_all
 
@@ -123,9 +124,30 @@ def _outlined(part: Part, face: str, features: Sequence[Any]) -> _Wall:
     if not own:
         return _Wall(face, wide, box(0.0, 0.0, part.length, wide), False)
 
-    rings = [outline_ring(f.curves, (0.0, wide), lambda place: place) for f in own]
+    rings = [
+        _gone_on(outline_ring(f.curves, (0.0, wide), lambda place: place), wide, section.radius)
+        for f in own
+    ]
     steel = union_all([make_valid(Polygon(ring)) for ring in rings])
     return _Wall(face, wide, steel.intersection(box(-FAR, 0.0, FAR, wide)), True)
+
+
+def _gone_on(ring: list[Point], wide: float, radius: float) -> list[Point]:
+    """A ring that goes straight on to the edges where all of it ends at the tangents."""
+    ys = [y for _, y in ring]
+    sides = [(0.0, radius)] if abs(min(ys) - radius) <= APART else []
+    sides += [(wide, wide - radius)] if abs(max(ys) - wide + radius) <= APART else []
+    found: list[Point] = []
+    for k, (x, y) in enumerate(ring):
+        before, after = ring[k - 1], ring[(k + 1) % len(ring)]
+        for edge, tangent in sides:
+            off = [abs(one - tangent) <= APART for one in (before[1], y, after[1])]
+            if off[1] and off[0] != off[2]:
+                xb, yb = before if off[2] else after
+                x, y = x + (edge - y) * (xb - x) / (yb - y), edge
+                break
+        found.append((x, y))
+    return found
 
 
 def _void(feature: Any) -> Shape:
@@ -194,7 +216,10 @@ def _end(part: Part, walls: Mapping[str, _Wall], section: TubeSection, side: int
             given = matrix[:, 1] * web + matrix[:, 2] * flange
             found = np.array([np.mean(values - given), web, flange])
         else:
-            found = np.linalg.lstsq(matrix, values, rcond=None)[0]
+            # Round the means, so that a slope of which no face says anything is none.
+            around = matrix[:, 1:] - matrix[:, 1:].mean(axis=0)
+            slopes = np.linalg.lstsq(around, values - values.mean(), rcond=None)[0]
+            found = np.array([np.mean(values - matrix[:, 1:] @ slopes), *slopes])
         worst = float(np.max(np.abs(matrix @ found - values)))
         by_y, by_z = float(found[1]), float(found[2])
         if worst > APART / 2 or min(signs[0] * by_y, signs[1] * by_z) < -LEVEL:

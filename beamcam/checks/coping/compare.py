@@ -18,7 +18,7 @@ from beamcam.checks.coping import rules
 from beamcam.checks.coping.bevels import BevelPass, pass_faults
 from beamcam.checks.coping.chart import SAME_FEED, row_for
 from beamcam.checks.coping.lips import lip_faults
-from beamcam.checks.coping.section import ARC, CoperSection, jet_of, line_of, narrowed, pieces_of
+from beamcam.checks.coping.section import CoperSection, jet_of, line_of, narrowed, pieces_of
 from beamcam.checks.coping.skew import EndOnWall, SkewEnd
 from beamcam.checks.coping.stock import FINE, WallStock
 from beamcam.checks.coping.strokes import TorchStroke
@@ -81,11 +81,14 @@ def compare(
                 z = min(section.front - depth, section.wide - 1e-3)
                 yield from _holding(face, *pair, section, z, slack, name)
     far = {s.line: not stock.is_piece and _is_far(s, wanted, ends, section) for s in strokes}
+    for bevel in passes:
+        beside = [far[line] for line in bevel.beside(strokes, section)]
+        far[bevel.stroke.line] = bool(beside) and beside[0]
     for stroke in strokes if section.lip else ():
         if stroke.face != "v":
             yield from lip_faults(stroke, made, section, slack, Source(name, stroke.line))
     yield from _order_faults(strokes, far, name)
-    yield from pass_faults(passes, strokes, far, name)
+    yield from pass_faults(passes, strokes, far, section, name)
 
 
 def taken_of(
@@ -96,15 +99,12 @@ def taken_of(
 
     `own` are those on its face.
     """
-    from shapely import Point, union_all
+    from shapely import union_all
 
     found: list[tuple[Shape, Shape]] = []
     for stroke in own:
-        points, share = stroke.at(depth), stroke.share
-        kerf = jet_of(points, stroke.row.kerf / 2, share)
-        x, y = points[0]
-        pierced = Point(x * share, y).buffer(stroke.row.pierce_radius, ARC)
-        found.append((kerf, union_all([kerf, narrowed(pierced, 1.0 / share)])))
+        kerf = stroke.jet(depth)
+        found.append((kerf, union_all([kerf, stroke.pierced(depth)])))
     if face == "v":
         found += [cut for stroke in strokes for cut in _below(stroke, section, depth)]
     return found
@@ -125,6 +125,9 @@ def _below(
         return
     downs = section.flange, deep
     ys = [section.high - down if stroke.face == "o" else down for down in downs]
+    if stroke.leans:
+        yield Polygon(), _met_off(stroke, section, downs, ys, high - depth)
+        return
     back = [down * tan(radians(stroke.b_deg)) for down in downs]
     run = line_of(stroke.points[1:])
     z = high - depth
@@ -140,6 +143,27 @@ def _below(
         least = one.intersection(box(-1e6, low, 1e6, high)).bounds
         along = bool(least) and least[2] - least[0] > SLANTED * (high - low) + 2 * half
         yield met if through and not along else Polygon(), met
+
+
+def _met_off(
+    stroke: TorchStroke, section: CoperSection, downs: tuple[float, float],
+    ys: Sequence[float], z: float,
+) -> Shape:  # fmt: skip
+    """What a stroke whose A is off its face may take of the web below it at most, at z of it; all
+    that it meets of the web where it does not go across it."""
+    from shapely import LineString, MultiPoint, Polygon, box
+
+    places = []
+    for down, y in zip(downs, ys, strict=True):
+        jet = stroke.jet(down)
+        is_across = jet.bounds[1] <= section.back and jet.bounds[3] >= section.front
+        met = jet.intersection(
+            LineString([(-1e6, z), (1e6, z)]) if is_across
+            else box(-1e6, section.back, 1e6, section.front)
+        )  # fmt: skip
+        if not met.is_empty:
+            places += [(met.bounds[0], y), (met.bounds[2], y)]
+    return MultiPoint(places).convex_hull if len(places) > 2 else Polygon()
 
 
 def _hurt(
@@ -275,14 +299,17 @@ def _stroke_faults(
     if stroke.face == "v":
         free = (-stroke.row.kerf / 2, -stroke.row.kerf / 2 if section.has_upper else over)
     ys = [y for _, y in stroke.points]
-    if min(ys) < low - free[0] or max(ys) > high + free[1]:
+    is_pass = any(one.stroke is stroke for one in passes)  # which has its edge to stay along
+    if not is_pass and (min(ys) < low - free[0] or max(ys) > high + free[1]):
         y = min(ys) if min(ys) < low - free[0] else max(ys)
         yield rules.PLACE.at(
             source, y=f"{y:g}", face=stroke.face, least=f"{low:g}", most=f"{high:g}"
         )
         return
     steel = stock.wall(stroke.face).intersection(box(-1e6, low, 1e6, high))
-    is_pass = any(one.stroke is stroke for one in passes)
+    if stroke.leans and not is_pass:
+        yield rules.ANGLE.at(source, found="off that of its face, along no bevel")
+        return
     offs = [_off_contour(stroke, one, depth, steel, slack) for depth, one in wanted.items()]
     if not is_pass and (off := offs[0]) is not None and None not in offs:
         x, y = off
@@ -296,7 +323,8 @@ def _stroke_faults(
         yield rules.AIR.at(source, x=f"{x:.1f}", y=f"{y:.1f}", face=stroke.face)
     least, most = _thickness(stroke, strokes, section, coper)
     if is_pass:
-        least = most = section.thickness(stroke.face) / stroke.share
+        deep = section.thickness(stroke.face) / stroke.share
+        least, most = deep - SURE, deep + SURE
     found = (row_for(rows, coper, thickness) for thickness in (least, most))
     fits = {row.feed_mm_min if row else 0.0 for row in found}
     between = min(fits) < stroke.row.feed_mm_min < max(fits) + SAME_FEED
@@ -332,7 +360,7 @@ def _twice(face: str, own: Sequence[TorchStroke], name: str) -> Iterator[Diagnos
         for before in own[:k]:
             if not run.intersects(line_of(before.points)):
                 continue
-            again = run.difference(jet_of(before.points, before.row.kerf / 2, before.share))
+            again = run.difference(before.jet(0.0))
             if again.length < TWICE * run.length:
                 x, y = stroke.points[0]
                 yield rules.EXTRA.at(

@@ -2,8 +2,9 @@
 
 import re
 
+from beamcam.checks.coping.profile_torch import ProfileTorch
 from beamcam.checks.coping.section import CoperSection
-from beamcam.checks.coping.strokes import ProfileTorch, TorchFollower, TorchStroke
+from beamcam.checks.coping.strokes import TorchFollower, TorchStroke
 from beamcam.checks.coping.tube import TubeTorch, tube_section, unrolled_pipe
 from beamcam.checks.coping.turned import TurnedTorch
 from beamcam.checks.head import Head

@@ -108,7 +108,7 @@ class WallsAsked(Struct, frozen=True):
 
     def has_bevels_left(self, k: int, feature: Feature, coper: Coper) -> bool:
         """Whether the feature k of a part has bevels that neither an end nor a pass makes."""
-        there = [one.drawn for one in self.passes if one.feature == k]
+        there = [bevel for one in self.passes if one.feature == k for bevel in one.drawn]
         return any(one not in there for one in own_bevels(feature, self.made, coper.min_bevel))
 
 
@@ -160,19 +160,28 @@ def walls_asked(
     }  # fmt: skip
     for face, mm in with_square_roots(wanted, known, section, strokes, widest).items():
         off[face] = max(mm, off.get(face, 0.0))
-    passes = [] if any(ends) else passes_of(part, section, coper, strokes)
+    made = [end for end, yes in zip(ends, tilted, strict=True) if end is not None and yes]
+    passes = passes_of(part, section, coper, strokes, made)
     for face in {one.stroke.face for one in passes}:
         own = [one for one in passes if one.stroke.face == face]
-        plain = wanted[face, 0.0]
-        for down in {0.0, section.thickness(face), *(p.thickness - p.bevel.land for p in own)}:
+        outer, thick = wanted[face, 0.0], section.thickness(face)
+        inner = wanted.get((face, thick), outer)
+        for down in {0.0, thick, *(p.thickness - p.bevel.land for p in own)}:
+            # Between both surfaces a skew end lies between where it is at them.
+            over, under = outer if down < thick else inner, inner if down > 0.0 else outer
             gone = union_all([bevel.strip(down) for bevel in own])
             drawn, cut, most = (
-                areas_of(shape.difference(gone)) for shape in (plain.drawn, plain.cut, plain.most)
+                areas_of(shape.difference(gone))
+                for shape in (
+                    over.drawn.intersection(under.drawn),
+                    over.cut.intersection(under.cut),
+                    over.most.union(under.most),
+                )
             )
-            wanted[face, down] = RequiredWall(drawn, cut, plain.short, most)
+            wanted[face, down] = RequiredWall(drawn, cut, outer.short, most)
     return WallsAsked(
         wanted, on_walls,
-        [end for end, yes in zip(ends, tilted, strict=True) if end is not None and yes],
+        made,
         {face: mm for face, mm in off.items() if mm >= LEAST_OFF},
         passes,
     )  # fmt: skip

@@ -15,12 +15,14 @@ TORCH = error("verify-coping-torch",
     "found {found}; expected {expected}",
     "The torch may only be on while it cuts, and only as the machine file says that it is.")
 ANGLE = error("verify-coping-angle",
-    "found the torch cutting at A {found}; expected -90, 0 or 90, fixed from pierce to end",
+    "found the torch cutting at A {found}; expected -90, 0 or 90, fixed from pierce to end, "
+    "or off it along a bevel",
     "Any other angle cuts the wall at a slant, or another wall.")
 TILT = error("verify-coping-tilt",
     "found the torch cutting at B {found}; expected one angle from pierce to end, {expected} "
     "degrees at most",
-    "B tilts the torch in the plane of the cut, and stands still while it cuts.")
+    "B tilts the torch in the plane of the cut, and stands still while it cuts, but along a bevel "
+    "of a curve, in inverse time.")
 SQUARE = error("verify-coping-square",
     "found the torch {found} mm beside the normal of the surface below it; expected at most "
     "{expected} mm",

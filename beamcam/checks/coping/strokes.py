@@ -2,13 +2,15 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Sequence
-from math import cos, dist, isfinite, radians, sin, tan
+from itertools import pairwise
+from math import cos, hypot, isfinite, pi, radians, sin, tan
+from typing import Any
 
+import numpy as np
 from msgspec import Struct
 
 from beamcam.checks.coping import rules
-from beamcam.checks.coping.chart import row_at
-from beamcam.checks.coping.section import CoperSection
+from beamcam.checks.coping.section import ARC, jet_of, kerf_of, narrowed
 from beamcam.controllers import cell_events
 from beamcam.controllers.events import (
     BarEvent,
@@ -39,7 +41,7 @@ _FIGURES = {
 
 
 class TorchStroke(Struct, frozen=True):
-    """What is cut between torch on and torch off, square to one wall or tilted along the bar."""
+    """What is cut between torch on and torch off, square to one wall or tilted off its normal."""
 
     line: int
     face: str
@@ -47,17 +49,75 @@ class TorchStroke(Struct, frozen=True):
     points: tuple[tuple[float, float], ...]
     places: tuple[tuple[float, float], ...]  #: Y and Z of the tip
     row: TorchRow
-    b_deg: float = 0.0  #: tilt of the torch towards X
+    b_deg: float = 0.0  #: tilt of the torch towards X, where it starts
+    #: how far the head is over along x and y of the face, by mm of height, at each of `points`;
+    #: empty where the torch looks square at the face but for a tilt that stands still
+    leans: tuple[tuple[float, float], ...] = ()
 
     def at(self, depth: float) -> tuple[tuple[float, float], ...]:
         """Where it goes through a plane so far below the face."""
+        if self.leans:
+            return tuple(
+                (x - depth * lx, y - depth * ly)
+                for (x, y), (lx, ly) in zip(self.points, self.leans, strict=True)
+            )
         back = depth * tan(radians(self.b_deg))
         return tuple((x - back, y) for x, y in self.points)
 
     @property
+    def is_tilted(self) -> bool:
+        return bool(self.b_deg or self.leans)
+
+    @property
     def share(self) -> float:
-        """cos(B): how much narrower the wall is along the bar as the torch sees it."""
+        """The cosine of its angle to the wall's normal; along B how much narrower the wall is."""
+        if self.leans:
+            return 1.0 / hypot(1.0, *self.leans[0])
         return cos(radians(self.b_deg))
+
+    def jet(self, depth: float) -> Any:
+        """What the jet takes so far below the face, as wide as its kerf square to itself."""
+        from shapely import MultiPoint, transform, union_all
+
+        points, half = self.at(depth), self.row.kerf / 2
+        if not self.leans:
+            return jet_of(points, half, self.share)
+        if len({*self.leans}) == 1:
+            seen = [stretched(place, self.leans[0], False) for place in points]
+            kerf = kerf_of(seen, half)
+            return transform(kerf, lambda p: stretched(p.T, self.leans[0], True))
+        rounds = [
+            [(x + dx, y + dy) for dx, dy in ellipse(half, lean)]
+            for (x, y), lean in zip(points, self.leans, strict=True)
+        ]
+        return union_all([MultiPoint([*a, *b]).convex_hull for a, b in pairwise(rounds)])
+
+    def pierced(self, depth: float) -> Any:
+        """What piercing takes there."""
+        from shapely import Point, Polygon
+
+        (x, y), radius = self.at(depth)[0], self.row.pierce_radius
+        if self.leans:
+            return Polygon([(x + dx, y + dy) for dx, dy in ellipse(radius, self.leans[0])])
+        share = self.share
+        return narrowed(Point(x * share, y).buffer(radius, ARC), 1.0 / share)
+
+
+def stretched(places: Any, lean: tuple[float, float], longer: bool) -> Any:
+    """Places as long along a lean as a surface cuts a round jet that leans so; or back again."""
+    (x, y), (lx, ly) = places, lean
+    long = hypot(1.0, lx, ly)
+    by = ((long if longer else 1.0 / long) - 1.0) / (lx * lx + ly * ly or 1.0)
+    along = by * (x * lx + y * ly)
+    if isinstance(along, float):
+        return x + along * lx, y + along * ly
+    return np.column_stack((x + along * lx, y + along * ly))
+
+
+def ellipse(radius: float, lean: tuple[float, float]) -> list[tuple[float, float]]:
+    """How a surface cuts a round jet that leans so."""
+    turns = (2 * pi * k / (4 * ARC) for k in range(4 * ARC))
+    return [stretched((radius * cos(t), radius * sin(t)), lean, True) for t in turns]
 
 
 class TipMove(Struct, frozen=True):
@@ -188,9 +248,10 @@ class TorchFollower(ABC):
                 self._wrong(move.line, "a move of a torch that may be tilted", "B before")
             self._a_deg = a_deg if isfinite(a_deg) else None
             return
-        if is_on and not self.turning and move.a_deg[0] != a_deg:
+        may_turn = self.turning or (self._tilts and move.minutes > 0.0)
+        if is_on and not may_turn and move.a_deg[0] != a_deg:
             self._say(rules.ANGLE.at(Source(self._name, move.line), found=f"{a_deg:g}, turning"))
-        if is_on and tilts[0] != tilts[1]:
+        if is_on and not may_turn and tilts[0] != tilts[1]:
             found = f"{tilts[1]:g}, turning"
             self._say(rules.TILT.at(
                 Source(self._name, move.line), found=found, expected=f"{self._coper.tilt:g}"
@@ -255,71 +316,6 @@ class TorchFollower(ABC):
                 return
 
 
-class ProfileTorch(TorchFollower):
-    """A torch that goes round an I, a U or an L."""
-
-    def __init__(
-        self,
-        machine: Machine,
-        coper: Coper,
-        section: CoperSection,
-        rows: Sequence[TorchRow],
-        name: str,
-    ) -> None:
-        super().__init__(machine, coper, rows, name)
-        self._section = section
-
-    @property
-    def sizes(self) -> tuple[float, float]:
-        return self._section.high, self._section.wide
-
-    def _take(self, line: int, moves: Sequence[Move[Place]]) -> None:
-        """A stroke: its wall, its heights, its row."""
-        source = Source(self._name, line)
-        a_deg = moves[0].a_deg[1]
-        b_deg = moves[0].b_deg[1] if self._tilts else 0.0
-        face = next((f for a, f in ANGLES.items() if abs(a - a_deg) <= ANGLE_SLACK_DEG), None)
-        if face is None or face not in self._section.faces:
-            self._say(rules.ANGLE.at(source, found=f"{a_deg:g}"))
-            return
-        if abs(b_deg) > self._coper.tilt + ANGLE_SLACK_DEG:
-            expected = f"{self._coper.tilt:g}"
-            self._say(rules.TILT.at(source, found=f"{b_deg:g}", expected=expected))
-            return
-        row = self._row_of(source, moves)
-        if row is None:
-            return
-        self._pierce_time(source, row)
-        places = (moves[0].start, *(m.end for m in moves))
-        tips = [self._tip_of(place, a_deg, b_deg) for place in places]
-        over = [self._section.over(face, y, z) for _, y, z in tips]
-        # The tip is wide; its lower edge keeps the height of the row.
-        lower = self._coper.torch_width / 2 * sin(radians(abs(b_deg)))
-        lowest = [height - lower for height in over]
-        self._height(source, face, lowest[:1], row.pierce_height, "pierces")
-        self._height(source, face, lowest[1:], row.cut_height, "cuts")
-        far = 1.0 / cos(radians(b_deg))
-        feet = [below(tip, far * height, a_deg, b_deg)
-                for tip, height in zip(tips, over, strict=True)]  # fmt: skip
-        if dist(_across(feet[0], face), _across(feet[1], face)) > HEIGHT_SLACK:
-            self._wrong(line, "a slanting way down to the steel", "one straight along the torch")
-        start = self._coper.trim
-        points = tuple((x - start, y if face == "v" else z) for x, y, z in feet[1:])
-        across = tuple((y, z) for _, y, z in tips)
-        self.strokes.append(TorchStroke(line, face, points, across, row, b_deg))
-
-    def _row_of(self, source: Source, moves: Sequence[Move[Place]]) -> TorchRow | None:
-        """The row whose feed all moves have; None is said."""
-        feeds = {m.feed_mm_min for m in moves}
-        row = row_at(self._rows, self._coper, min(feeds))
-        if len(feeds) == 1 and row is not None:
-            return row
-        shown = ", ".join(f"{feed:g}" for feed in sorted(feeds))
-        of_chart = ", ".join(f"{row.feed_mm_min:g}" for row in self._rows)
-        self._say(rules.FEED.at(source, found=shown, thickness="steel", expected=of_chart))
-        return None
-
-
 def below(place: Place, far: float, a_deg: float, b_deg: float) -> Place:
     """A place so far from another along the torch, away from its head.
 
@@ -327,10 +323,6 @@ def below(place: Place, far: float, a_deg: float, b_deg: float) -> Place:
     """
     (x, y, z), a, b = place, radians(a_deg), radians(b_deg)
     return x - far * sin(b), y + far * sin(a) * cos(b), z - far * cos(a) * cos(b)
-
-
-def _across(tip: Place, face: str) -> tuple[float, float]:
-    return tip[0], tip[1] if face == "v" else tip[2]
 
 
 def _switches(machine: Machine, word: str) -> frozenset[Said]:

@@ -247,7 +247,8 @@ def _compared(
                 expected=f"{slack:.2f}",
             )  # fmt: skip
             return
-        off = line_of(points[1:]).difference(edges[stroke.row.kerf])
+        lead = _lead_of(points, coper.lead + half, slack)
+        off = line_of(points[lead:]).difference(edges[stroke.row.kerf])
         if off.length > slack:
             x, u = off.representative_point().coords[0]
             yield rules.EXTRA.at(source, x=f"{x:.1f}", y=f"{u:.1f}", face=stroke.face)
@@ -286,6 +287,20 @@ def _compared(
                 y=f"{u:.1f}",
             )
             return
+
+
+def _lead_of(points: Sequence[Point], most: float, slack: float) -> int:
+    """How many blocks the lead has: one, or over a corner those that go straight on, so far."""
+    from shapely import LineString, MultiPoint
+
+    lead = 1
+    while (
+        lead + 1 < len(points) and dist(points[0], points[lead + 1]) <= most
+        and LineString([points[0], points[lead + 1]]).hausdorff_distance(
+            MultiPoint(points[: lead + 2])) <= slack
+    ):  # fmt: skip
+        lead += 1
+    return lead
 
 
 def _places(shape: Shape) -> list[Point]:

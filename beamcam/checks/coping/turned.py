@@ -16,7 +16,7 @@ from math import cos, dist, radians, sin
 
 from beamcam.checks.coping import rules
 from beamcam.checks.coping.chart import row_at, row_for
-from beamcam.checks.coping.strokes import ProfileTorch
+from beamcam.checks.coping.profile_torch import ProfileTorch
 from beamcam.controllers.events import Move, Place
 from beamcam.errors import Source
 from beamcam.machine.torch import TorchRow
@@ -35,7 +35,9 @@ class TurnedTorch(ProfileTorch):
         c, s = cos(radians(a_deg)), sin(radians(a_deg))
         return x, at_y + y * c - z * s, at_z + y * s + z * c
 
-    def _row_of(self, source: Source, moves: Sequence[Move[Place]]) -> TorchRow | None:
+    def _row(
+        self, source: Source, moves: Sequence[Move[Place]], feet: Sequence[tuple[float, float]]
+    ) -> TorchRow | None:
         """The row at whose feed every block goes; where each has its own time, within what its
         figures leave open."""
         ways = [dist(move.start, move.end) for move in moves]

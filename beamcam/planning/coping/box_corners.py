@@ -156,6 +156,28 @@ def _lines_over(
     return at, lines, leaning, reaches
 
 
+def to_edges(shape: Shape, size: float, radius: float) -> Shape:
+    """A face whose outline ends at the tangents of its corners, gone straight on to the edges."""
+    from shapely import Polygon
+
+    if shape.geom_type != "Polygon" or shape.is_empty:
+        return shape
+    _, low, _, high = shape.bounds
+    ring = [(x, y) for x, y in shape.exterior.coords[:-1]]
+    for farthest, tangent, edge in ((low, radius, 0.0), (high, size - radius, size)):
+        if abs(farthest - tangent) > MEET:
+            continue
+        there = [abs(y - tangent) <= MEET for _, y in ring]
+        longer = list(ring)
+        for k, (x, y) in enumerate(ring):
+            for beside, before in ((k - 1, (k + 1) % len(ring)), ((k + 1) % len(ring), k - 1)):
+                (xb, yb) = ring[before]
+                if there[k] and there[beside] and not there[before]:
+                    longer[k] = x + (x - xb) / (y - yb) * (edge - y), edge
+        ring = longer
+    return Polygon(ring, shape.interiors)
+
+
 def on_surface(one: BoxFace, y: float, wall: float) -> Iterator[float]:
     """The s of a place of a face; on a corner beside it as it is seen from there, where outside of
     the wall and where inside."""

@@ -24,7 +24,14 @@ from beamcam.model.section import corners
 from beamcam.model.surface import Around, SurfacePatch
 from beamcam.planning import rules as bar_rules
 from beamcam.planning.coping import rules
-from beamcam.planning.coping.box_corners import MEET, BoxFace, corner_of, ending_in, on_surface
+from beamcam.planning.coping.box_corners import (
+    MEET,
+    BoxFace,
+    corner_of,
+    ending_in,
+    on_surface,
+    to_edges,
+)
 from beamcam.planning.coping.regions import (
     CHORD,
     Cut,
@@ -60,8 +67,9 @@ def unrolled(part: Part, features: Sequence[int], way: Around) -> tuple[Unrolled
     from shapely import box, transform, union_all
 
     own = [f for f in map(part.features.__getitem__, features) if isinstance(f, Cut)]
-    faces = {face: _face(part, face, own, way.on_face(face)) for face in FACES}
-    diagnostics: list[Diagnostic] = [d for side in (-1, 1) for d in _denied(part, faces, side)]
+    diagnostics: list[Diagnostic] = []
+    faces = {face: _face(part, face, own, way.on_face(face), diagnostics) for face in FACES}
+    diagnostics += [d for side in (-1, 1) for d in _denied(part, faces, side)]
     ends = [_end(part, faces, side) for side in (-1, 1)]
     planes = [*filter(None, ends), *planes_of(part, features)]
     slant = {
@@ -117,7 +125,9 @@ def unrolled(part: Part, features: Sequence[int], way: Around) -> tuple[Unrolled
     return Unrolled(within(union_all(shapes), planes, way), tuple(points), slant), diagnostics
 
 
-def _face(part: Part, face: Face, own: Sequence[Cut], leg: SurfacePatch) -> BoxFace:
+def _face(
+    part: Part, face: Face, own: Sequence[Cut], leg: SurfacePatch, diagnostics: list[Diagnostic]
+) -> BoxFace:
     """A face within its outlines; h is as v without one of its own, and the other way round."""
     from shapely import box, union_all
 
@@ -130,7 +140,10 @@ def _face(part: Part, face: Face, own: Sequence[Cut], leg: SurfacePatch) -> BoxF
     if not mine:
         return BoxFace(leg, size, box(0.0, 0.0, part.length, size), False)
     strip = box(-part.length, 0.0, 2 * part.length, size)
-    shape = union_all([outline_on(wall, c.curves) for c in mine]).intersection(strip)
+    drawn = union_all([outline_on(wall, c.curves) for c in mine])
+    shape = to_edges(drawn, size, part.profile.radius).intersection(strip)
+    if shape.area > drawn.area + CHORD:
+        diagnostics.append(rules.TANGENTS.at(mine[0].source, face=face))
     return BoxFace(leg, size, shape, True)
 
 

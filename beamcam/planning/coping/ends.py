@@ -22,7 +22,7 @@ from msgspec.structs import replace
 from beamcam.errors import Diagnostic
 from beamcam.geometry.curves import Line, Point
 from beamcam.machine.coper import Coper
-from beamcam.model.part import Contour, EndCuts, Face, Part, Profile
+from beamcam.model.part import Bevel, Contour, EndCuts, Face, Part, Profile
 from beamcam.model.section import corners
 from beamcam.planning import rules as bar_rules
 from beamcam.planning.coping.cuts import borders_of, chains_of
@@ -236,20 +236,16 @@ def tilts_at(regions: Mapping[Face, WallRegion], part: Part, k: int, coper: Cope
     return True
 
 
-def shown_by_ends(part: Part, tilts: Sequence[bool], least: float) -> list[int]:
-    """The contours whose bevels of `least` degrees are all what tilted ends show of themselves."""
-    found = []
-    for f, contour in enumerate(part.features):
-        if not isinstance(contour, Contour):
-            continue
-        angles = [
-            degrees(atan(plane.by_z if contour.face in ("v", "h") else plane.by_y))
-            for plane, tilt in zip(planes_of(part), tilts, strict=True) if tilt
-        ]  # fmt: skip
-        bevels = [abs(bevel.angle) for bevel in contour.bevels if abs(bevel.angle) >= least]
-        if all(any(abs(one - abs(a)) <= NOISE_DEG for a in angles) for one in bevels):
-            found.append(f)
-    return found
+def own_bevels(contour: Contour, part: Part, tilts: Sequence[bool], least: float) -> list[Bevel]:
+    """The bevels of a contour of `least` degrees that no tilted end shows of itself."""
+    angles = [
+        degrees(atan(plane.by_z if contour.face in ("v", "h") else plane.by_y))
+        for plane, tilt in zip(planes_of(part), tilts, strict=True) if tilt
+    ]  # fmt: skip
+    return [
+        bevel for bevel in contour.bevels if abs(bevel.angle) >= least
+        and all(abs(abs(bevel.angle) - abs(a)) > NOISE_DEG for a in angles)
+    ]  # fmt: skip
 
 
 def squared(

@@ -23,7 +23,6 @@ from beamcam.planning.coping.ends import (
     crossed,
     ends_on,
     planes_of,
-    shown_by_ends,
     squared,
     tilts_at,
     with_skew,
@@ -166,7 +165,8 @@ def _plan_profile(given: Part, machine: Machine, coper: Coper, skips: Collection
         raise PlanError(errors_in(diagnostics))
     cuts, more = _cuts(part, regions, found, chart, coper)
     diagnostics += more
-    passes, bevelled = bevel_cuts(part, regions, features_on(part, found.cut), chart, coper)
+    on = features_on(part, found.cut)
+    passes, bevelled = bevel_cuts(part, regions, on, cuts, tilts, chart, machine)
     cuts = _in_order([*cuts, *passes])
     slant = {face: off for face, off in slant.items() if off >= LEAST_SLANT}
     if slant:
@@ -182,8 +182,7 @@ def _plan_profile(given: Part, machine: Machine, coper: Coper, skips: Collection
         replace(o, left=o.left or _left(part.features[o.feature[1]], slant, at_root))
         if o.how == "made" else o
         for o in outcomes_of(
-            part, found, coper.min_bevel,
-            {*shown_by_ends(part, tilts, coper.min_bevel), *bevelled},
+            part, found, coper.min_bevel, bevelled,
         )
     )  # fmt: skip
     plan = CopePlan(

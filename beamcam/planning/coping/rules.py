@@ -128,6 +128,11 @@ CORNER = error("plan-coping-corner",
     "go over it and meet at its edge",
     "What is cut over a corner has to be drawn on both faces beside it, up to the edge at which "
     "they meet; holes and slots lie beside the corner.")
+TANGENTS = note("plan-coping-tangents",
+    "found an outline on face {face} that ends at the tangents of the corners; its lines go "
+    "straight on to the edges",
+    "Where a face is round its outline counts up to the edge at which it would meet the other "
+    "face. One that ends where the face is no longer flat says nothing else of the corners.")
 REACHES = warning("plan-coping-reaches",
     "found a line of face {face} that reaches {into} mm into a corner; cut square to its round, up "
     "to {found} mm of steel more at one surface of the wall",
@@ -150,4 +155,4 @@ SLOW = warning("plan-coping-slow",
     "slowest axis, so that the cut gets wider there.")
 RULES = (PIPE, NO_PIPE, ALONE, CROSSED, BEYOND, ROOT, LEDGE, STEP, K_AREA, NARROW, OFF, SHORT,
     OPEN, SUPPORT, DEEP, THICK, ROUNDED, BAR, TEE, LIPS, NO_LIP, GIVEN_LIP, INTO_LIP, PIECE,
-    NO_RADIUS, GIVEN_RADIUS, SEAM, CORNER, REACHES, SLANT, WEDGE, SLOW)
+    NO_RADIUS, GIVEN_RADIUS, SEAM, CORNER, TANGENTS, REACHES, SLANT, WEDGE, SLOW)

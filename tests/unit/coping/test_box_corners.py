@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from beamcam.errors import PlanError, errors_in
-from beamcam.model.part import Part, Profile
+from beamcam.model.part import Face, Part, Profile
 from beamcam.model.request import Request
 from beamcam.model.surface import around
 from beamcam.solid.opinion import solid_faults
@@ -120,3 +120,75 @@ def test_rs274_goes_along_the_edge_above_all_steel_of_the_web(tmp_path: Path) ->
         out = y - 110.0, abs(z - 40.0) - 30.0
         turned = asin(out[0] / hypot(*out)) - 1.0 / 10.0  # half a kerf of 1 nearer to the web
         assert 110.0 + 5.0 * sin(turned) == pytest.approx(112.5, abs=0.03)
+
+
+# --- windows and outlines that end at a corner ----------------------------------------------------
+
+
+def window(profile: Profile, face: Face, into: float, at_high: bool) -> Part:
+    """A tube with a window that ends so far beyond a tangent of its face."""
+    wide, r = profile.face_width(face), profile.radius
+    low, high = (0.45 * wide, wide - r + into) if at_high else (r - into, 0.55 * wide)
+    ring = [(200.0, low), (240.0, low), (240.0, high), (200.0, high)]
+    return tube(outline(face, ring, "inner"), profile=profile)
+
+
+@pytest.mark.parametrize("profile", [RHS, ROUND])
+@pytest.mark.parametrize("into", [-0.01, -1e-4, 0.0, 1e-7, 1e-4, 0.011, 2.0, 4.99])
+@pytest.mark.parametrize(
+    ("face", "at_high"), [("u", False), ("u", True), ("o", False), ("v", True)]
+)
+def test_a_window_may_end_at_a_tangent_or_within_the_corner(
+    profile: Profile, into: float, face: Face, at_high: bool
+) -> None:
+    """A lead that goes over the tangent has several blocks; the seam lies beside face u."""
+    part = window(profile, face, into, at_high)
+    text = program_of(part)
+    assert not found(text, part)
+    assert found(text, window(profile, face, into - 1.0, at_high))
+
+
+def test_the_edge_of_a_window_in_a_corner_worked_by_hand() -> None:
+    """2 mm beyond the tangent of a corner of 10 its edge is asin(0.2) round, half a kerf off it."""
+    (cut,) = (c for c in planned(window(RHS, "v", 2.0, True)).operations if c.kind == "inner")
+    edge = around(RHS).on_face("v").s(110.0) + 10.0 * asin(0.2)
+    assert max(s for _, s in cut.path) == pytest.approx(edge - cut.row.kerf / 2, abs=0.011)
+
+
+def faced(profile: Profile, faces: str, off: float, cut_back: float = 0.0) -> Part:
+    """A tube of 500, mitred in the web's view by so much, each outline so far off its edges."""
+    features = []
+    for face in faces:
+        wide = profile.face_width(face)  # type: ignore[arg-type]
+        slope = cut_back / profile.height
+        ends = [
+            500.0 - (slope * y if face in "vh" else cut_back if face == "o" else 0.0)
+            for y in (off, wide - off)
+        ]  # fmt: skip
+        points = [(0.0, off), (ends[0], off), (ends[1], wide - off), (0.0, wide - off)]
+        features.append(outline(face, points))  # type: ignore[arg-type]
+    return tube(*features, profile=profile)
+
+
+@pytest.mark.parametrize("faces", ["v", "h", "o", "u", "vh", "ou", "vhou"])
+@pytest.mark.parametrize("off", [0.0, 9.7, 10.3])
+def test_outlines_that_end_at_the_tangents_go_on_to_the_edges(faces: str, off: float) -> None:
+    part = faced(RHS, faces, off)
+    plan = planned(part)
+    told = [d.code for d in plan.remarks]
+    assert ("plan-coping-tangents" in told) == (off > 0.0)
+    plain = planned(tube(profile=RHS))
+    assert [cut.path for cut in plan.operations] == [cut.path for cut in plain.operations]
+    text = program_of(part)
+    assert not found(text, part)
+    if off == 9.7:
+        assert not solid_faults(text, Request((part,), TUBE))
+
+
+def test_a_mitre_that_is_drawn_to_the_tangents_is_the_same_end() -> None:
+    whole, short = (faced(RHS, "vhou", off, 60.0) for off in (0.0, 10.0))
+    text = program_of(short)
+    assert not found(text, short)
+    assert not found(text, whole)
+    assert found(text, faced(RHS, "vhou", 10.0, 57.0))
+    assert not errors_in(solid_faults(text, Request((short,), TUBE)))

@@ -283,6 +283,7 @@ def test_every_rule_has_a_case() -> None:
         "given-radius",
         "corner",
         "reaches",
+        "tangents",
         "slant",
         "slow",
     )  # in test_box_tubes.py

@@ -7,7 +7,8 @@ direction, as deep as its speed is for.
 
 import re
 from collections.abc import Callable
-from math import cos, radians, sin, tan
+from itertools import pairwise
+from math import acos, cos, pi, radians, sin, tan
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -29,6 +30,7 @@ from tests.random_copes import (
     random_lipped,
     random_mitre,
     random_prepared_web,
+    random_shaped_bevel,
     random_tee,
 )  # fmt: skip
 from tests.rs274 import INI, interpreted, needs_rs274
@@ -66,9 +68,9 @@ def burns(path: Path) -> list[Burn]:
         move = MOVE.search(line)
         if move is not None:
             here = tuple(float(v) for v in move[2].split(","))[:5]
-            if is_on:
+            if is_on:  # the way down says the speed; in inverse time rs274 prints none of the face
                 assert move[1] == "FEED"
-                found[-1] = Burn(feed, [*found[-1].points, here])
+                found[-1] = Burn(found[-1].feed or feed, [*found[-1].points, here])
     assert not is_on
     return [burn for burn in found if len(burn.points) > 1]
 
@@ -87,6 +89,8 @@ def slab(burn: Burn) -> Any:
     m = kernel()
     kerf, deep = CHART[burn.feed]
     tips = burn.points[1:]
+    if len({tip[3:] for tip in tips}) > 1:
+        return turning(tips, kerf, deep)
     a, b = radians(tips[0][3]), radians(tips[0][4])
     out = (sin(b), -sin(a) * cos(b), cos(a) * cos(b))  # from the steel to the torch
     side = (0.0, cos(a), sin(a))
@@ -97,7 +101,8 @@ def slab(burn: Burn) -> Any:
         for x, y, z, *_ in tips
     ]  # fmt: skip
     flat = [(p, q) for p, q, _ in ways]
-    off = 3.0 / cos(b) + 6.0 * tan(abs(b))
+    lean = acos(cos(a - pi / 2 * round(2 * a / pi)) * cos(b))  # off the normal of its wall
+    off = 3.0 / cos(lean) + 6.0 * tan(lean)
     shape = LineString(flat).buffer(kerf / 2, 16)
     rings = [
         list(ring.coords)[:-1]
@@ -105,11 +110,34 @@ def slab(burn: Burn) -> Any:
         for ring in (one.exterior, *one.interiors)
     ]
     heights = [high for *_, high in ways]  # of a torch that is tilted they differ along the path
-    assert b or max(heights) - min(heights) < 1e-3
+    assert lean or max(heights) - min(heights) < 1e-3
     low = min(heights) - off - deep
     body = m.Manifold.extrude(m.CrossSection(rings, m.FillRule.EvenOdd), max(heights) - low)
     rows = [(along[k], side[k], out[k], low * out[k]) for k in (0, 1, 2)]
     return body.transform(rows)
+
+
+def turning(tips: list[tuple[float, ...]], kerf: float, deep: float) -> Any:
+    """What a torch takes that turns: hulls of round jets, at ten places of each stretch."""
+    m = kernel()
+    rounds = []
+    for one, other in pairwise(tips):
+        for k in range(10 if one[3:] != other[3:] else 1):
+            x, y, z, *turn = (p + k / 10 * (q - p) for p, q in zip(one, other, strict=True))
+            a, b = map(radians, turn)
+            lean = acos(cos(a - pi / 2 * round(2 * a / pi)) * cos(b))
+            far = 3.0 / cos(lean) + 6.0 * tan(lean) + deep + kerf / 2 * tan(lean)
+            out = (sin(b), -sin(a) * cos(b), cos(a) * cos(b))
+            side, along = (0.0, cos(a), sin(a)), (cos(b), sin(a) * sin(b), -cos(a) * sin(b))
+            turns = (pi * j / 16 for j in range(32))
+            ring = [(kerf / 2 * cos(t), kerf / 2 * sin(t)) for t in turns]
+            rounds.append([
+                tuple(at + p * u + q * v - down * w
+                      for at, u, v, w in zip((x - START, y, z), along, side, out, strict=True))
+                for p, q in ring for down in (0.0, far)
+            ])  # fmt: skip
+    hulls = [m.Manifold.hull_points([*a, *b]) for a, b in pairwise(rounds)]
+    return m.Manifold.batch_boolean(hulls, m.OpType.Add)
 
 
 def pieces(part: Part, strokes: list[Burn], stock: Any = None) -> list[Any]:
@@ -258,6 +286,29 @@ def test_random_webs_with_bevels_on_both_sides_fall_out_of_the_bar(
 @needs_rs274
 def test_a_splice_falls_out_of_the_bar(tmp_path: Path) -> None:
     check(sample("splice"), tmp_path, BEVEL)
+
+
+@needs_rs274
+def test_a_round_bevel_and_one_along_the_bar_fall_out_of_it(tmp_path: Path) -> None:
+    part = sample("collar")
+    check(part, tmp_path, BEVEL)
+    strokes = burns(written(part, tmp_path, BEVEL))
+    assert sum(len({point[3:] for point in burn.points}) > 10 for burn in strokes) == 1
+    # Without the passes the piece keeps their wedges.
+    square = [burn for burn in strokes if burn.points[1][3] % 90.0 == 0.0 and not burn.points[1][4]]
+    assert len(square) == len(strokes) - 3
+    wedges = (pieces(part, square)[0] - pieces(part, strokes)[0]).volume()
+    along, across = 10.6**2 * tan(radians(40.0)) / 2, 10.6**2 * tan(radians(30.0)) / 2
+    least = 1110.0 * along + 170.0 * across + 270.0 * 7.4**2 * tan(radians(30.0)) / 2
+    assert wedges > least
+
+
+@needs_rs274
+@pytest.mark.parametrize("seed", sampled([8, 11, 14, 23, 31, 38, 43, 68], 2))
+def test_random_bevels_in_any_direction_fall_out_of_the_bar(seed: int, tmp_path: Path) -> None:
+    part = random_shaped_bevel(seed)
+    assert any(cut.bevel for cut in plan_coping((part,), BEVEL).operations)
+    check(part, tmp_path, BEVEL)
 
 
 @needs_rs274

@@ -18,7 +18,7 @@ from beamcam.solid.kernel import kernel
 from beamcam.solid.part_solid import part_solid
 from benchmarks import coping_faults
 from tests.conftest import examples, sampled
-from tests.random_copes import random_bevel, random_mitre, random_prepared_web
+from tests.random_copes import random_bevel, random_mitre, random_prepared_web, random_shaped_bevel
 from tests.unit.coping.samples import job_of, part_of, sample
 
 TILT = load("coper-tilt-linuxcnc")
@@ -60,6 +60,13 @@ def test_bevels_come_back_with_angle_and_land(name: str) -> None:
     again = recovered(text_of(part), part)
     assert bevels_of(again) == bevels_of(part)
     assert len(bevels_of(part)) in (2, 3)
+
+
+def test_bevels_along_the_bar_and_on_slanted_edges_come_back() -> None:
+    for seed in (3, 5, 40):
+        part = random_shaped_bevel(seed)
+        assert bevels_of(part)
+        assert bevels_of(recovered(text_of(part), part)) == bevels_of(part)
 
 
 @given(

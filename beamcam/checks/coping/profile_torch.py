@@ -1,0 +1,170 @@
+"""Strokes of a torch that goes round a profile: the wall of each, its angle to that, its row."""
+
+from collections.abc import Sequence
+from math import atan, degrees, dist, hypot, sin
+
+from msgspec import Struct
+
+from beamcam.checks.coping import rules
+from beamcam.checks.coping.chart import row_at
+from beamcam.checks.coping.section import CoperSection
+from beamcam.checks.coping.strokes import (
+    ANGLE_SLACK_DEG,
+    ANGLES,
+    HEIGHT_SLACK,
+    TorchFollower,
+    TorchStroke,
+    below,
+)
+from beamcam.controllers.events import Move, Place
+from beamcam.errors import Source
+from beamcam.machine.coper import Coper
+from beamcam.machine.machine import Machine
+from beamcam.machine.torch import TorchRow
+
+MIDDLE_SLACK = 0.05  #: mm of height on the way of a block on which the torch turns
+SHARES = (0.25, 0.5, 0.75)  #: of such a block, where the torch is looked at besides its ends
+SPEED_SHARE = 0.01  #: of its way that its time may be off by, besides how it is written
+TURNED = 0.002  #: mm that its way may be off as A and B are written
+
+
+class ProfileTorch(TorchFollower):
+    """A torch that goes round an I, a U, an L or a T."""
+
+    def __init__(
+        self,
+        machine: Machine,
+        coper: Coper,
+        section: CoperSection,
+        rows: Sequence[TorchRow],
+        name: str,
+    ) -> None:
+        super().__init__(machine, coper, rows, name)
+        self._section = section
+
+    @property
+    def sizes(self) -> tuple[float, float]:
+        return self._section.high, self._section.wide
+
+    def _take(self, line: int, moves: Sequence[Move[Place]]) -> None:
+        """A stroke: its wall, its heights, its row."""
+        source, coper = Source(self._name, line), self._coper
+        poses = self._poses(moves)
+        face = self._face_of(poses[0])
+        if face is None:
+            self._say(rules.ANGLE.at(source, found=f"{poses[0].a_deg:g}"))
+            return
+        for pose in poses:
+            leaning = degrees(atan(hypot(*pose.lean(face))))
+            if leaning > coper.tilt + ANGLE_SLACK_DEG:
+                found = f"{pose.b_deg:g}" if pose.is_on(face) else f"{pose.b_deg:g}, A off its face"
+                self._say(rules.TILT.at(source, found=found, expected=f"{coper.tilt:g}"))
+                return
+        over = [self._section.over(face, *pose.tip[1:]) for pose in poses]
+        feet = [pose.foot(face, height) for pose, height in zip(poses, over, strict=True)]
+        row = self._row(source, moves, [feet[k] for k in self._ends(moves)])
+        if row is None:
+            return
+        self._pierce_time(source, row)
+        # The tip is wide; its lower edge keeps the height of the row.
+        lowest = [
+            height - coper.torch_width / 2 * sin(atan(hypot(*pose.lean(face))))
+            for pose, height in zip(poses, over, strict=True)
+        ]  # fmt: skip
+        ends = self._ends(moves)
+        self._height(source, face, lowest[:1], row.pierce_height, "pierces")
+        self._height(source, face, [lowest[k] for k in ends[1:]], row.cut_height, "cuts")
+        off = max(lowest[ends[1] :], key=lambda one: abs(one - row.cut_height))
+        if abs(off - row.cut_height) > MIDDLE_SLACK:
+            self._height(source, face, (off,), row.cut_height, "cuts on its way")
+        if dist(feet[0], feet[ends[1]]) > HEIGHT_SLACK or poses[0].turned != poses[ends[1]].turned:
+            self._wrong(line, "a slanting way down to the steel", "one straight along the torch")
+        places = tuple(pose.tip[1:] for pose in poses)
+        cut = poses[ends[1] :]
+        leans: tuple[tuple[float, float], ...] = ()
+        if not all(pose.is_on(face) and pose.b_deg == cut[0].b_deg for pose in cut):
+            leans = tuple(pose.lean(face) for pose in cut)
+        points = tuple(feet[ends[1] :])
+        self.strokes.append(TorchStroke(line, face, points, places, row, cut[0].b_deg, leans))
+
+    def _poses(self, moves: Sequence[Move[Place]]) -> "list[_Pose]":
+        """The torch at the start of some moves and at the end of each, and on the way of those on
+        which it turns."""
+        found: list[_Pose] = []
+        for k, move in enumerate(moves):
+            tilts = move.b_deg if self._tilts else (0.0, 0.0)
+            is_steady = move.a_deg[0] == move.a_deg[1] and tilts[0] == tilts[1]
+            for share in (*((0.0,) if not k else ()), *(() if is_steady else SHARES), 1.0):
+                x, y, z = (a + share * (b - a) for a, b in zip(move.start, move.end, strict=True))
+                a_deg, b_deg = (a + share * (b - a) for a, b in (move.a_deg, tilts))
+                tip = self._tip_of((x, y, z), a_deg, b_deg)
+                found.append(_Pose((tip[0] - self._coper.trim, *tip[1:]), a_deg, b_deg))
+        return found
+
+    def _ends(self, moves: Sequence[Move[Place]]) -> list[int]:
+        """Which poses are those at the ends of moves."""
+        ends = [0]
+        for move in moves:
+            tilts = move.b_deg if self._tilts else (0.0, 0.0)
+            is_steady = move.a_deg[0] == move.a_deg[1] and tilts[0] == tilts[1]
+            ends.append(ends[-1] + (1 if is_steady else len(SHARES) + 1))
+        return ends
+
+    def _face_of(self, pose: "_Pose") -> str | None:
+        """The wall that the torch looks at: A is that of its face, or off it by what it may tilt,
+        and its tip is in front of it, nearest of those."""
+        most = self._coper.tilt + ANGLE_SLACK_DEG
+        faces = [face for a, face in ANGLES.items()
+                 if face in self._section.faces and abs(a - pose.a_deg) <= most]  # fmt: skip
+        exact = [face for face in faces if pose.is_on(face)]
+        return min(exact or faces, default=None,
+                   key=lambda face: abs(self._section.over(face, *pose.tip[1:])))  # fmt: skip
+
+    def _row(
+        self, source: Source, moves: Sequence[Move[Place]], feet: Sequence[tuple[float, float]]
+    ) -> TorchRow | None:
+        """The row whose feed all moves have, those of inverse time along the face."""
+        feeds = {m.feed_mm_min for m in moves if not m.minutes}
+        row = row_at(self._rows, self._coper, min(feeds, default=0.0))
+        slack = 2 * self._machine.format.resolution + TURNED
+        speeds = []
+        for move, way in zip(moves, map(dist, feet, feet[1:]), strict=True):
+            wanted = row.feed_mm_min * move.minutes if row is not None else 0.0
+            if move.minutes and abs(way - wanted) > SPEED_SHARE * way + slack:
+                speeds.append(way / move.minutes)
+        if len(feeds) > 1 or row is None or speeds:
+            shown = ", ".join(f"{feed:g}" for feed in sorted({*feeds, *speeds[:1]}))
+            of_chart = ", ".join(f"{row.feed_mm_min:g}" for row in self._rows)
+            self._say(rules.FEED.at(source, found=shown, thickness="steel", expected=of_chart))
+            return None
+        return row
+
+
+class _Pose(Struct, frozen=True):
+    """Tip, A and B of the torch, X from the part's start."""
+
+    tip: Place
+    a_deg: float
+    b_deg: float
+
+    @property
+    def turned(self) -> tuple[float, float]:
+        return self.a_deg, self.b_deg
+
+    def is_on(self, face: str) -> bool:
+        """Whether A is that of a face."""
+        return any(f == face and abs(a - self.a_deg) <= ANGLE_SLACK_DEG for a, f in ANGLES.items())
+
+    def lean(self, face: str) -> tuple[float, float]:
+        """How far the head is over along x and y of a face, by mm of height over it."""
+        x, y, z = below((0.0, 0.0, 0.0), -1.0, self.a_deg, self.b_deg)
+        if face == "v":
+            return x / z, y / z
+        out = y if face == "o" else -y
+        return x / out, z / out
+
+    def foot(self, face: str, height: float) -> tuple[float, float]:
+        """Where the torch points at on a face, from so high over it."""
+        lx, ly = self.lean(face)
+        x, y, z = self.tip
+        return x - height * lx, (y if face == "v" else z) - height * ly
