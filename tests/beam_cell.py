@@ -46,7 +46,8 @@ class Section(NamedTuple):
         """How far a face lies below the outermost steel on its side."""
         if face != "v":  # the stem of a T stands in the middle of its flange
             return (self.height - self.flange) / 2 if self.code == "T" else 0.0
-        return {"I": (self.width - self.web) / 2, "M": 0.0}.get(self.code, self.width - self.web)
+        least = {"I": (self.width - self.web) / 2, "M": 0.0, "B": 0.0}
+        return least.get(self.code, self.width - self.web)
 
     def wall(self, face: str) -> float:
         """Thickness of the steel behind a face."""
@@ -110,7 +111,7 @@ CELLS = {
     ),
     "beamline-pusher": Cell(
         0.0, 1250.0, 1.6, 90.0, False, False, "M42", False, False,
-        {"I": 1, "U": 2, "L": 3, "M": 4, "C": 5, "T": 6}, 0.0005,
+        {"I": 1, "U": 2, "L": 3, "M": 4, "C": 5, "T": 6, "B": 9}, 0.0005,
     ),
 }  # fmt: skip
 

@@ -51,15 +51,18 @@ def test_a_folder_is_listed_with_all_its_pieces(tmp_path: Path) -> None:
     found = lists(tmp_path, str(SAMPLES), "--bar", "6000", "--bar", "12000", status=1)
     pieces = {row["mark"]: row["quantity"] for row in found["part_list"]}
     assert pieces == {"B1": 1, "BP1": 2, "C1": 1, "G1": 1, "PL1": 4, "Z1": 6, "S1": 1, "T1": 2,
-                      "TU1": 1, "L-7": 1, "B-12": 2, "T7": 2, "P4": 2}  # fmt: skip
+                      "TU1": 1, "L-7": 1, "B-12": 2, "T7": 2, "P4": 2, "FM1": 2, "FL1": 6,
+                      "BV1": 1}  # fmt: skip
     assert sum(row["gross_kg"] * row["quantity"] for row in found["part_list"]) == pytest.approx(
-        582.841 + 2 * (29.570 + 3.2 * 5.733), abs=0.01
+        582.841 + 2 * (29.570 + 3.2 * 5.733) + 2 * 41.357 + 6 * 2.904 + 11.775, abs=0.01
     )
     cut = Counter(row["mark"] for row in found["cutting_list"])
-    assert cut == {"B1": 1, "C1": 1, "S1": 1, "T1": 2, "B-12": 2, "T7": 2, "P4": 2}
+    assert cut == {"B1": 1, "C1": 1, "S1": 1, "T1": 2, "B-12": 2, "T7": 2, "P4": 2,
+                   "FM1": 2}  # fmt: skip
     assert {row["stock"] for row in found["bars"]} == {6000, 12000}
     of = {row["profile"]: row["machine"] for row in found["bars"]}  # the cell takes no T and no C
-    assert {of.pop(name) for name in ("1/2 IPE300", "C200*70*20*2")} == {"beamline-pusher"}
+    pusher = ("1/2 IPE300", "C200*70*20*2", "IPE180")
+    assert {of.pop(name) for name in pusher} == {"beamline-pusher"}
     assert {*of.values()} == {"beamline"}
 
 
@@ -209,7 +212,7 @@ def test_labels_are_read_by_a_scanner(tmp_path: Path) -> None:
     pages = pypdfium2.PdfDocument(output)
     read = [zxingcpp.read_barcode(page.render(scale=3).to_pil()) for page in pages]
     codes = [code.text for code in read if code is not None]
-    assert len(codes) == len(pages) == 26 - 9  # of three parts no machine makes
+    assert len(codes) == len(pages) == 35 - 9  # of three parts no machine makes
     programs = dict(code.split("\n") for code in codes)
     assert programs["B1"] == "beam.gcode"
     assert programs["PL1"].startswith("plate.")

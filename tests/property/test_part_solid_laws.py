@@ -31,6 +31,6 @@ def test_volumes_are_the_kernels(family: str) -> None:
         # A round bar's chords take 4/3 of CHORD over its radius off its section.
         chords = 2.7 * CHORD / part.profile.height if part.profile.code == "RU" else 0.0
         solid = part_solid(part).volume() / 1000
-        assert solid == pytest.approx(volume, rel=2e-4 + chords, abs=0.1), seed
+        assert solid == pytest.approx(volume, rel=3e-4 + chords, abs=0.1), seed
         measured += 1
     assert measured
