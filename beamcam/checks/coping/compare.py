@@ -12,11 +12,16 @@ from collections.abc import Iterator, Mapping, Sequence
 from math import radians, tan
 from typing import Any
 
-from msgspec import Struct
-
 from beamcam.checks.coping import rules
 from beamcam.checks.coping.bevels import BevelPass, pass_faults
 from beamcam.checks.coping.chart import SAME_FEED, row_for
+from beamcam.checks.coping.left import (
+    WallPieces,
+    holding_faults,
+    kept_faults,
+    left_of,
+    outline_of,
+)
 from beamcam.checks.coping.lips import lip_faults
 from beamcam.checks.coping.section import CoperSection, jet_of, line_of, narrowed, pieces_of
 from beamcam.checks.coping.skew import EndOnWall, SkewEnd
@@ -30,16 +35,8 @@ from beamcam.machine.torch import TorchRow
 Shape = Any  #: of shapely
 Surface = tuple[str, float]  #: a face, and how far below it
 SLANTED = 2.0  #: mm along the bar by mm across it that a cut through a root goes, at most
-SPECK = 0.05  #: mm2 that is nothing
 TWICE = 0.1  #: share of a stroke that is new at least, or it is cut twice
 SURE = 0.01  #: mm that figures of a thickness may be off
-
-
-class WallPieces(Struct, frozen=True):
-    """What is left of a wall: the pieces of the part, and the others."""
-
-    part: Shape
-    scrap: Shape
 
 
 def compare(
@@ -65,8 +62,8 @@ def compare(
         own = [stroke for stroke in strokes if stroke.face == face]
         gone = taken_of(face, own, strokes, section, depth)
         yield from _hurt(face, gone, asked.cut, section, slack, name)
-        left[face, depth] = _left(face, gone, asked.drawn, stock, section, slack)
-        yield from _standing(face, left[face, depth], asked.most, slack, name)
+        left[face, depth] = left_of(face, gone, asked.drawn, stock, section, slack)
+        yield from kept_faults(face, left[face, depth], asked.most, slack, name)
         contours = {d: one.cut for (other, d), one in wanted.items() if other == face}
         for stroke in own if not depth else ():
             yield from _stroke_faults(
@@ -79,7 +76,7 @@ def compare(
             if one == "v":
                 pair = left[one, depth], left[face, inner]
                 z = min(section.front - depth, section.wide - 1e-3)
-                yield from _holding(face, *pair, section, z, slack, name)
+                yield from holding_faults(face, *pair, section, z, slack, name)
     far = {s.line: not stock.is_piece and _is_far(s, wanted, ends, section) for s in strokes}
     for bevel in passes:
         beside = [far[line] for line in bevel.beside(strokes, section)]
@@ -184,96 +181,12 @@ def _hurt(
         hurt = at_most.intersection(inner)
         if hurt.area > 0.0:
             x, y = hurt.representative_point().coords[0]
-            deep = slack + max(inner.boundary.distance(line_of([p])) for p in _outline(hurt))
+            deep = slack + max(inner.boundary.distance(line_of([p])) for p in outline_of(hurt))
             yield rules.HURT.at(
                 Source(name), found=f"{deep:.2f}", face=face, x=f"{x:.1f}", y=f"{y:.1f}",
                 expected=f"{slack:.2f}",
             )  # fmt: skip
             return
-
-
-def _outline(shape: Shape) -> list[tuple[float, float]]:
-    from shapely import get_coordinates
-
-    return [tuple(p) for p in get_coordinates(shape).tolist()]
-
-
-def _left(
-    face: str,
-    gone: Sequence[tuple[Shape, Shape]],
-    drawn: Shape,
-    stock: WallStock,
-    section: CoperSection,
-    slack: float,
-) -> WallPieces:
-    """The pieces of a wall of the bar, or of the piece, after all strokes."""
-    from shapely import MultiPolygon, box, union_all
-
-    low, high = section.extent(face)
-    bar = stock.wall(face).intersection(box(-1e6, low, 1e6, high))
-    rest = bar.difference(union_all([surely for surely, _ in gone])) if gone else bar
-    pieces = [p for p in pieces_of(rest) if p.area > SPECK]
-    core = drawn.intersection(bar).buffer(-2 * slack, join_style="mitre")
-    mine = [p for p in pieces if p.intersection(core).area > SPECK]
-    others = [p for p in pieces if not any(p is one for one in mine)]
-    return WallPieces(MultiPolygon(mine), MultiPolygon(others))
-
-
-def _standing(
-    face: str, left: WallPieces, wanted: Shape, slack: float, name: str
-) -> Iterator[Diagnostic]:
-    """Scrap that holds to the part."""
-    if left.part.is_empty:
-        yield rules.GONE.at(Source(name), face=face)
-        return
-    over = left.part.difference(wanted.buffer(slack, join_style="mitre"))
-    for piece in pieces_of(over):
-        if piece.area > SPECK:
-            far = max(wanted.distance(line_of([p])) for p in _outline(piece))
-            x, y = piece.representative_point().coords[0]
-            yield rules.LEFT.at(
-                Source(name), found=f"{far:.2f}", face=face, x=f"{x:.1f}", y=f"{y:.1f}"
-            )
-            return
-
-
-def _holding(
-    face: str,
-    web: WallPieces,
-    flange: WallPieces,
-    section: CoperSection,
-    z: float,
-    slack: float,
-    name: str,
-) -> Iterator[Diagnostic]:
-    """Scrap of the web that a flange of the part holds at a surface z of the web, or the other way
-    round."""
-    from shapely import LineString, force_2d, transform
-
-    y = section.web_ends[1] - 1e-3 if face == "o" else section.web_ends[0] + 1e-3
-    along = LineString([(-1e6, y), (1e6, y)])
-    beside = LineString([(-1e6, z), (1e6, z)])
-
-    def flat(shape: Shape) -> Shape:
-        """Stretches along x, whatever their y."""
-
-        def to_axis(points: Any) -> Any:
-            points = points.copy()
-            points[:, 1] = 0.0
-            return points
-
-        return transform(force_2d(shape), to_axis)
-
-    for scrap, other, names in (
-        (web.scrap, flange.part, ("v", face)), (flange.scrap, web.part, (face, "v"))
-    ):  # fmt: skip
-        lines = (along, beside) if names[0] == "v" else (beside, along)
-        held = flat(scrap.intersection(lines[0])).intersection(flat(other.intersection(lines[1])))
-        if held.length > 2 * slack:
-            yield rules.HOLDS.at(
-                Source(name), scrap=names[0], face=names[1], found=f"{held.length:.2f}",
-                x=f"{held.bounds[0]:.1f}",
-            )  # fmt: skip
 
 
 def _stroke_faults(

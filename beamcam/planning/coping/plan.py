@@ -1,18 +1,16 @@
 """The plan of a part on a machine whose torch goes round it."""
 
-import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from itertools import pairwise
-from math import cos, inf, pi, radians
+from math import cos, inf, radians
 
 from msgspec.structs import replace
 
-from beamcam.errors import Diagnostic, PlanError, Source, errors_in
-from beamcam.machine.coper import TUBES, Coper
+from beamcam.errors import Diagnostic, PlanError, errors_in
+from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
-from beamcam.model.part import Contour, Face, Feature, Part, Profile
+from beamcam.model.part import Contour, Face, Feature, Part
 from beamcam.model.plan import CopeCut, CopeKind, CopePlan, Piece
-from beamcam.model.section import section_fault
 from beamcam.planning import rules as bar_rules
 from beamcam.planning.coping import rules
 from beamcam.planning.coping.bevels import bevel_cuts, edges_of
@@ -29,6 +27,7 @@ from beamcam.planning.coping.ends import (
 )
 from beamcam.planning.coping.regions import WallRegion, features_on, open_on, region_of
 from beamcam.planning.coping.roots import lip_faults, root_faults, with_ledges, with_steps
+from beamcam.planning.coping.stock import as_pipe, stock_faults, with_corners, with_lip
 from beamcam.planning.coping.tube import LEAST_SLANT, is_slanted, outcomes_of, plan_tube
 from beamcam.planning.coping.views import chains_seen, kind_of, tilts_of
 from beamcam.planning.coping.walls import (
@@ -38,60 +37,8 @@ from beamcam.planning.coping.walls import (
     laid,
     sorted_features,
     walls_of,
-    web_back,
 )
 from beamcam.planning.left_out import BEVEL, ROOT
-from beamcam.planning.sheet import PIPE
-
-#: A size in a name: 168.3, 6, 1-1/2 or 3/4.
-_SIZE = re.compile(r"(?:([0-9]+)[- ])?([0-9]+)/([0-9]+)|([0-9]+(?:\.[0-9]+)?)")
-ONE_SHEET = 0.05  #: mm between walls of a C, which are one sheet
-SLACK = 0.5  #: mm between a diameter in a name and that of the width
-INCH = 25.4
-#: Outside diameter of pipes by their nominal size, both in inches (ASME B36.10M, table 1).
-NOMINAL = {
-    0.125: 0.405, 0.25: 0.54, 0.375: 0.675, 0.5: 0.84, 0.75: 1.05, 1.0: 1.315, 1.25: 1.66,
-    1.5: 1.9, 2.0: 2.375, 2.5: 2.875, 3.0: 3.5, 3.5: 4.0, 4.0: 4.5, 5.0: 5.563, 6.0: 6.625,
-    8.0: 8.625, 10.0: 10.75, 12.0: 12.75,
-}  # fmt: skip
-
-
-def as_pipe(part: Part) -> tuple[Part, Diagnostic | None]:
-    """A part as the pipe that its plate is the surface of, and what is said of it.
-
-    Any other part comes back as it is, and so does a plate whose name has another diameter.
-    """
-    profile = part.profile
-    if profile.code != "B" or not PIPE.match(profile.name):
-        return part, None
-    diameter = profile.height / pi
-    named = _diameters(profile.name)
-    values = {"found": profile.name, "height": f"{profile.height:g}"}
-    if named and min(abs(one - diameter) for one in named) > SLACK:
-        nearest = min(named, key=lambda one: abs(one - diameter))
-        expected = f"{pi * nearest:.2f}"
-        return part, rules.NO_PIPE.at(
-            part.source, diameter=f"{nearest:g}", expected=expected, **values
-        )
-    wall = profile.web_thickness or 0.0
-    pipe = Profile("RO", profile.name, diameter, diameter, wall, wall)
-    diagnostic = rules.PIPE.at(part.source, diameter=f"{diameter:.2f}", **values)
-    return replace(part, profile=pipe), diagnostic
-
-
-def _diameters(name: str) -> tuple[float, ...]:
-    """The diameters that a name may mean, in mm; none where it has no size.
-
-    The first size is a diameter in mm or in inches, or a nominal one: PIPE1-1/2SCH40 is 1.9 inches
-    wide.
-    """
-    size = _SIZE.search(name)
-    if size is None or (size[3] is not None and not float(size[3])):
-        return ()
-    value = float(size[4]) if size[4] else float(size[1] or 0) + float(size[2]) / float(size[3])
-    inches = (value, NOMINAL.get(value, value))
-    return (value, *(INCH * one for one in inches))
-
 
 #: The faces in which the cuts of a kind are made, so that the torch turns little. What parts the
 #: piece from the bar begins where the near end was left.
@@ -113,16 +60,16 @@ def plan_coping(
     diagnostics: tuple[Diagnostic, ...] = ()
     if coper.turns == "bar":
         pipes = [as_pipe(part) for part in parts]
-        turned = [_with_corners(part, coper) for part, _ in pipes]
+        turned = [with_corners(part, coper) for part, _ in pipes]
         parts = [part for part, _ in turned]
         diagnostics = tuple(diagnostic for _, diagnostic in (*pipes, *turned) if diagnostic)
         if errors_in(diagnostics):
             raise PlanError(diagnostics)
     else:
-        given = [_with_lip(part, coper) for part in parts]
+        given = [with_lip(part, coper) for part in parts]
         parts = [part for part, _ in given]
         diagnostics = tuple(diagnostic for _, diagnostic in given if diagnostic)
-    refusals = [*_stock_faults(parts, machine, coper, bar)]
+    refusals = [*stock_faults(parts, machine, coper, bar)]
     if refusals:
         raise PlanError(refusals)
     (part,) = parts
@@ -223,85 +170,6 @@ def _told_of(part: Part, given: Part, needed: float, coper: Coper) -> Iterator[D
         yield bar_rules.QUANTITY.at(part.source, found=part.quantity, made=1)
     if given.profile.code in ("T", "C"):
         yield (rules.TEE if given.profile.code == "T" else rules.LIPS).at(part.source)
-
-
-def _with_corners(part: Part, coper: Coper) -> tuple[Part, Diagnostic | None]:
-    """A rectangular tube whose corners are as round as the machine has them, if it does not say;
-    that is told."""
-    profile = part.profile
-    wall = max(profile.flange_thickness, profile.web_thickness or 0.0)
-    radius = coper.outer_radius(profile.radius, wall)
-    if profile.code != "M" or radius == profile.radius:
-        return part, None
-    by = "coper.corners" if radius != coper.corner else "--corner or coper.corner"
-    diagnostic = rules.GIVEN_RADIUS.at(part.source, name=profile.name, found=f"{radius:g}", by=by)
-    return replace(part, profile=replace(profile, radius=radius)), diagnostic
-
-
-def _with_lip(part: Part, coper: Coper) -> tuple[Part, Diagnostic | None]:
-    """A C with lips as long as the machine has them, if it does not say; that is told."""
-    profile = part.profile
-    if profile.code != "C" or profile.lip is not None or not coper.lip:
-        return part, None
-    diagnostic = rules.GIVEN_LIP.at(part.source, name=profile.name, found=f"{coper.lip:g}")
-    return replace(part, profile=replace(profile, lip=coper.lip)), diagnostic
-
-
-def _stock_faults(
-    parts: Sequence[Part], machine: Machine, coper: Coper, bar: float | None
-) -> Iterator[Diagnostic]:
-    """Errors for parts, sections and bars that the machine does not take."""
-    if not parts:
-        yield bar_rules.NO_PARTS.at(Source(machine.name))
-        return
-    if len(parts) > 1:
-        yield rules.ALONE.at(parts[0].source, found=len(parts), machine=machine.name)
-        return
-    (part,) = parts
-    source = part.source
-    profile = laid(part).profile
-    if profile.code not in coper.profiles:
-        yield bar_rules.STOCK.at(
-            source, found=profile.code, machine=machine.name, expected=", ".join(coper.profiles)
-        )
-        return
-    if profile.code == "C" and (profile.lip is None or section_fault(profile) is not None):
-        least = (profile.web_thickness or 0.0) + profile.radius
-        yield rules.NO_LIP.at(
-            source, found="no length" if profile.lip is None else f"{profile.lip:g} mm",
-            name=profile.name or "a C", least=f"{least:g}", most=f"{profile.height / 2:g}",
-        )  # fmt: skip
-        return
-    fault = section_fault(part.profile)
-    flange, web = profile.flange_thickness, profile.web_thickness or 0.0
-    if profile.code == "C" and abs(flange - web) > ONE_SHEET:
-        fault = f"flanges of {flange:g} mm and a web of {web:g} mm in one bent sheet"
-    if fault is not None:
-        yield bar_rules.SECTION_SHAPE.at(source, found=fault, code=profile.code)
-        return
-    if profile.code == "M":
-        least = max(profile.flange_thickness, profile.web_thickness or 0.0)
-        most = min(profile.height, profile.width) / 2
-        if not least <= profile.radius <= most:
-            yield rules.NO_RADIUS.at(
-                source, found=f"{profile.radius:g}", name=profile.name or "a tube",
-                least=f"{least:g}", most=f"{most:g}",
-            )  # fmt: skip
-            return
-    if profile.height > coper.max_height or profile.width > coper.max_width:
-        yield bar_rules.SECTION_SIZE.at(
-            source, found=f"{profile.height:g} x {profile.width:g}", station="torch",
-            expected=f"{coper.max_height:g} x {coper.max_width:g}",
-        )  # fmt: skip
-    deep = profile.width - (profile.web_thickness or 0.0) - web_back(profile)
-    if deep + coper.clearance > coper.torch_length and profile.code not in TUBES:
-        expected = f"{coper.torch_length - coper.clearance:g}"
-        yield rules.DEEP.at(source, found=f"{deep:g}", expected=expected)
-    needed = part.length + 2 * coper.trim + coper.chuck
-    if needed > coper.length:
-        yield bar_rules.BAR_LONG.at(source, found=f"{needed:g}", expected=f"{coper.length:g}")
-    if bar is not None and bar < needed:
-        yield bar_rules.BAR_FULL.at(source, found=f"{needed:g}", expected=f"{bar:g}")
 
 
 def _over_supports(plan: CopePlan, coper: Coper) -> Iterator[Diagnostic]:

@@ -17,7 +17,8 @@ from beamcam.machine import Machine, load
 from beamcam.model.part import Bevel, Feature, Hole, Part, Profile
 from beamcam.model.plan import CopePlan
 from beamcam.model.request import Request
-from beamcam.planning.coping.plan import as_pipe, plan_coping
+from beamcam.planning.coping.plan import plan_coping
+from beamcam.planning.coping.stock import as_pipe
 from beamcam.reports.manual_work import manual_rows
 from beamcam.solid.kernel import kernel
 from beamcam.solid.opinion import solid_faults

@@ -1,0 +1,105 @@
+"""What the strokes leave of each wall: pieces of the part, scrap, scrap that holds to the part."""
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from msgspec import Struct
+
+from beamcam.checks.coping import rules
+from beamcam.checks.coping.section import CoperSection, line_of, pieces_of
+from beamcam.checks.coping.stock import WallStock
+from beamcam.errors import Diagnostic, Source
+
+Shape = Any  #: of shapely
+SPECK = 0.05  #: mm2 that is nothing
+
+
+class WallPieces(Struct, frozen=True):
+    """What is left of a wall: the pieces of the part, and the others."""
+
+    part: Shape
+    scrap: Shape
+
+
+def left_of(
+    face: str,
+    gone: Sequence[tuple[Shape, Shape]],
+    drawn: Shape,
+    stock: WallStock,
+    section: CoperSection,
+    slack: float,
+) -> WallPieces:
+    """The pieces of a wall of the bar, or of the piece, after all strokes."""
+    from shapely import MultiPolygon, box, union_all
+
+    low, high = section.extent(face)
+    bar = stock.wall(face).intersection(box(-1e6, low, 1e6, high))
+    rest = bar.difference(union_all([surely for surely, _ in gone])) if gone else bar
+    pieces = [p for p in pieces_of(rest) if p.area > SPECK]
+    core = drawn.intersection(bar).buffer(-2 * slack, join_style="mitre")
+    mine = [p for p in pieces if p.intersection(core).area > SPECK]
+    others = [p for p in pieces if not any(p is one for one in mine)]
+    return WallPieces(MultiPolygon(mine), MultiPolygon(others))
+
+
+def kept_faults(
+    face: str, left: WallPieces, wanted: Shape, slack: float, name: str
+) -> Iterator[Diagnostic]:
+    """Scrap that holds to the part."""
+    if left.part.is_empty:
+        yield rules.GONE.at(Source(name), face=face)
+        return
+    over = left.part.difference(wanted.buffer(slack, join_style="mitre"))
+    for piece in pieces_of(over):
+        if piece.area > SPECK:
+            far = max(wanted.distance(line_of([p])) for p in outline_of(piece))
+            x, y = piece.representative_point().coords[0]
+            yield rules.LEFT.at(
+                Source(name), found=f"{far:.2f}", face=face, x=f"{x:.1f}", y=f"{y:.1f}"
+            )
+            return
+
+
+def holding_faults(
+    face: str,
+    web: WallPieces,
+    flange: WallPieces,
+    section: CoperSection,
+    z: float,
+    slack: float,
+    name: str,
+) -> Iterator[Diagnostic]:
+    """Scrap of the web that a flange of the part holds at a surface z of the web, or the other way
+    round."""
+    from shapely import LineString, force_2d, transform
+
+    y = section.web_ends[1] - 1e-3 if face == "o" else section.web_ends[0] + 1e-3
+    along = LineString([(-1e6, y), (1e6, y)])
+    beside = LineString([(-1e6, z), (1e6, z)])
+
+    def flat(shape: Shape) -> Shape:
+        """Stretches along x, whatever their y."""
+
+        def to_axis(points: Any) -> Any:
+            points = points.copy()
+            points[:, 1] = 0.0
+            return points
+
+        return transform(force_2d(shape), to_axis)
+
+    for scrap, other, names in (
+        (web.scrap, flange.part, ("v", face)), (flange.scrap, web.part, (face, "v"))
+    ):  # fmt: skip
+        lines = (along, beside) if names[0] == "v" else (beside, along)
+        held = flat(scrap.intersection(lines[0])).intersection(flat(other.intersection(lines[1])))
+        if held.length > 2 * slack:
+            yield rules.HOLDS.at(
+                Source(name), scrap=names[0], face=names[1], found=f"{held.length:.2f}",
+                x=f"{held.bounds[0]:.1f}",
+            )  # fmt: skip
+
+
+def outline_of(shape: Shape) -> list[tuple[float, float]]:
+    from shapely import get_coordinates
+
+    return [tuple(p) for p in get_coordinates(shape).tolist()]
