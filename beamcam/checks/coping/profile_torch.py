@@ -1,7 +1,7 @@
 """Strokes of a torch that goes round a profile: the wall of each, its angle to that, its row."""
 
 from collections.abc import Sequence
-from math import atan, degrees, dist, hypot, sin
+from math import atan, degrees, dist, hypot, inf, sin
 
 from msgspec import Struct
 
@@ -156,12 +156,11 @@ class _Pose(Struct, frozen=True):
         return any(f == face and abs(a - self.a_deg) <= ANGLE_SLACK_DEG for a, f in ANGLES.items())
 
     def lean(self, face: str) -> tuple[float, float]:
-        """How far the head is over along x and y of a face, by mm of height over it."""
+        """How far the head is over along x and y of a face, by mm of height over it; without an
+        end where it looks along the face or away from it."""
         x, y, z = below((0.0, 0.0, 0.0), -1.0, self.a_deg, self.b_deg)
-        if face == "v":
-            return x / z, y / z
-        out = y if face == "o" else -y
-        return x / out, z / out
+        along, out = (y, z) if face == "v" else (z, y if face == "o" else -y)
+        return (x / out, along / out) if out > 0.0 else (inf, inf)
 
     def foot(self, face: str, height: float) -> tuple[float, float]:
         """Where the torch points at on a face, from so high over it."""

@@ -6,7 +6,6 @@ from itertools import pairwise
 from math import cos, hypot, isfinite, pi, radians, sin, tan
 from typing import Any
 
-import numpy as np
 from msgspec import Struct
 
 from beamcam.checks.coping import rules
@@ -77,7 +76,8 @@ class TorchStroke(Struct, frozen=True):
 
     def jet(self, depth: float) -> Any:
         """What the jet takes so far below the face, as wide as its kerf square to itself."""
-        from shapely import MultiPoint, transform, union_all
+        from shapely import MultiPoint, union_all
+        from shapely.affinity import affine_transform
 
         points, half = self.at(depth), self.row.kerf / 2
         if not self.leans:
@@ -85,7 +85,7 @@ class TorchStroke(Struct, frozen=True):
         if len({*self.leans}) == 1:
             seen = [stretched(place, self.leans[0], False) for place in points]
             kerf = kerf_of(seen, half)
-            return transform(kerf, lambda p: stretched(p.T, self.leans[0], True))
+            return affine_transform(kerf, [*_stretch(self.leans[0], True), 0.0, 0.0])
         rounds = [
             [(x + dx, y + dy) for dx, dy in ellipse(half, lean)]
             for (x, y), lean in zip(points, self.leans, strict=True)
@@ -103,15 +103,20 @@ class TorchStroke(Struct, frozen=True):
         return narrowed(Point(x * share, y).buffer(radius, ARC), 1.0 / share)
 
 
-def stretched(places: Any, lean: tuple[float, float], longer: bool) -> Any:
-    """Places as long along a lean as a surface cuts a round jet that leans so; or back again."""
-    (x, y), (lx, ly) = places, lean
+def stretched(
+    place: tuple[float, float], lean: tuple[float, float], longer: bool
+) -> tuple[float, float]:
+    """A place as long along a lean as a surface cuts a round jet that leans so; or back again."""
+    (x, y), (xx, xy, yx, yy) = place, _stretch(lean, longer)
+    return x * xx + y * xy, x * yx + y * yy
+
+
+def _stretch(lean: tuple[float, float], longer: bool) -> tuple[float, float, float, float]:
+    """The matrix of `stretched`, row by row."""
+    lx, ly = lean
     long = hypot(1.0, lx, ly)
     by = ((long if longer else 1.0 / long) - 1.0) / (lx * lx + ly * ly or 1.0)
-    along = by * (x * lx + y * ly)
-    if isinstance(along, float):
-        return x + along * lx, y + along * ly
-    return np.column_stack((x + along * lx, y + along * ly))
+    return 1.0 + by * lx * lx, by * lx * ly, by * lx * ly, 1.0 + by * ly * ly
 
 
 def ellipse(radius: float, lean: tuple[float, float]) -> list[tuple[float, float]]:

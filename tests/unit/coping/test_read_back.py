@@ -13,7 +13,7 @@ from msgspec.structs import replace
 from shapely import MultiPolygon, box
 
 from beamcam.checks.coping import verify_coping
-from beamcam.checks.coping.compare import WallPieces, _holding
+from beamcam.checks.coping.left import WallPieces, holding_faults
 from beamcam.checks.coping.rules import RULES
 from beamcam.checks.coping.section import CoperSection
 from beamcam.errors import Diagnostic, PlanError, errors_in
@@ -204,10 +204,10 @@ def test_scrap_that_a_flange_holds() -> None:
         MultiPolygon([box(50.0, 10.7, 600.0, 289.3)]), MultiPolygon([box(0, 200, 40, 289.3)])
     )
     flange = WallPieces(whole, MultiPolygon())
-    said = list(_holding("o", web, flange, CoperSection(IPE300), 75.0, 0.2, "JOB"))
+    said = list(holding_faults("o", web, flange, CoperSection(IPE300), 75.0, 0.2, "JOB"))
     assert [d.code for d in said] == ["verify-coping-holds"]
     assert said[0]["found"] == "40.00"
-    assert not list(_holding("u", web, flange, CoperSection(IPE300), 75.0, 0.2, "JOB"))
+    assert not list(holding_faults("u", web, flange, CoperSection(IPE300), 75.0, 0.2, "JOB"))
 
 
 def test_every_rule_has_a_case() -> None:
