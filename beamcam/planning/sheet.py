@@ -33,7 +33,7 @@ from beamcam.planning.contours.assign_process import (
 from beamcam.planning.contours.copies import refuse_copies, refuse_many_passes
 from beamcam.planning.contours.join import Joined, join
 from beamcam.planning.contours.layer_settings import refuse_order, refuse_overcuts, refuse_settings
-from beamcam.planning.contours.layout import box_of, refuse_large, refuse_size, shift_of
+from beamcam.planning.contours.layout import box_of, refuse_large, refuse_size, shift_of, skew_ends
 from beamcam.planning.contours.material import SheetMaterial
 from beamcam.planning.contours.nest import nest
 from beamcam.planning.contours.operations import operations_of
@@ -107,7 +107,8 @@ def _refuse_work(
     machine: Machine, torch: Torch,
 ) -> None:  # fmt: skip
     """Raises PlanError for what the machine cannot make of the curves, and where there are none."""
-    refusals = [*assigned.refusals, *refuse_settings(assigned.wanted, torch, machine)]
+    refusals = [*assigned.refusals, *skew_ends(part, torch)]
+    refusals += refuse_settings(assigned.wanted, torch, machine)
     refusals += refuse_overcuts(assigned.wanted, torch) if torch.settings else ()
     spots: set[TorchProcess] = {"spot"} if assigned.spots else set()
     refusals += material.refusals(processes | spots)

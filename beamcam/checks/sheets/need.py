@@ -11,6 +11,7 @@ from msgspec import Struct, field
 from beamcam.checks.request import is_manual_work, left_out, manual_work
 from beamcam.checks.sheets import rules
 from beamcam.checks.sheets.chart_rows import rows_on, thickness_of
+from beamcam.checks.sheets.required_layout import header_outline
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Arc, Curve, Line, unit_vector
 from beamcam.geometry.plane import Point
@@ -169,7 +170,12 @@ def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) 
             hole = cast("Hole | Slot", feature)
             need.add("cut", _ring(hole), index, hole.source)
     if part.measures is None and not outlined:
-        need.add("cut", _rectangle(part.length, part.profile.height), OUTLINE, part.source)
+        need.add("cut", header_outline(part), OUTLINE, part.source)
+        need.diagnostics += [
+            rules.SKEW_END.at(part.source, end=at, found=f"{angle:g}")
+            for at, angle in (("start", part.cuts.flange_start), ("end", part.cuts.flange_end))
+            if abs(angle) > torch.min_bevel
+        ]
     _leave_small_openings(need, part, machine, torch, skips)
     return need
 
@@ -281,11 +287,6 @@ def _not_made(need: Need, part: Part, feature: Feature, lack: str) -> None:
     source = getattr(feature, "source", part.source)
     found = type(feature).__name__.lower()
     need.diagnostics.append(rules.NOT_MADE.at(source, found=found, kind=lack))
-
-
-def _rectangle(length: float, width: float) -> list[Curve]:
-    corners = [(0.0, 0.0), (length, 0.0), (length, width), (0.0, width)]
-    return [Line(a, b) for a, b in zip(corners, [*corners[1:], corners[0]], strict=True)]
 
 
 def _cross(x: float, y: float, size: float) -> list[Curve]:

@@ -11,7 +11,7 @@ lies so: M is a quarter turn, unless it was asked to lie in some way.
 
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
-from math import atan2, cos, degrees, hypot, radians, sin
+from math import atan2, cos, degrees, hypot, radians, sin, tan
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -179,12 +179,21 @@ def _outlined(part: Part) -> Part:
             return part
     if part.measures is not None:
         return part
-    a, b = part.length, part.profile.height
-    sides = (
-        Line((0.0, 0.0), (a, 0.0)), Line((a, 0.0), (a, b)), Line((a, b), (0.0, b)),
-        Line((0.0, b), (0.0, 0.0)),
-    )  # fmt: skip
+    sides = tuple(header_outline(part))
     return replace(part, features=(*part.features, Contour("v", "outer", sides, part.source)))
+
+
+def header_outline(part: Part) -> list[Line]:
+    """The outline of a plate by the header alone: at each end the angle between its edges in v."""
+    low, high = [0.0, part.length], [0.0, part.length]  # x of both ends at y 0 and at the width
+    for k, angle in enumerate((part.cuts.web_start, part.cuts.web_end)):
+        shorter = part.profile.height * tan(radians(abs(angle)))
+        shorter = -shorter if k else shorter
+        side = low if (angle > 0.0) != bool(k) else high  # the other edge is the longest
+        side[k] += shorter
+    wide = part.profile.height
+    corners = [(low[0], 0.0), (low[1], 0.0), (high[1], wide), (high[0], wide)]
+    return [Line(a, b) for a, b in zip(corners, [*corners[1:], corners[0]], strict=True)]
 
 
 def _copied(part: Part, torch: Torch) -> Part:

@@ -170,8 +170,13 @@ LAID = error("verify-sheet-laid",
     "found a {found} in a part that is mirrored, turned or copied; expected contours, holes, slots "
     "and, where nothing is mirrored, texts",
     "Where such a feature would come to lie is not known.")
+SKEW_END = error("verify-sheet-end-skew",
+    "found a program of a plate whose {end} is cut at {found} degrees through its thickness; "
+    "expected 0",
+    "A torch cuts square, so that it leaves what such an end takes off.")
 RULES = (
-    *SHEET_RULES, OTHER_SHEET, LAID, FEED, HOLE_FEED, HOLE_LEAD, SPOT, RAMP, HEIGHT, THC, OUTPUT,
+    *SHEET_RULES, SKEW_END,
+    OTHER_SHEET, LAID, FEED, HOLE_FEED, HOLE_LEAD, SPOT, RAMP, HEIGHT, THC, OUTPUT,
     DARK, MATERIAL, CORNER, TOOL, RAPID, IDLE, AREA, RADIUS, MISSING, EXTRA, TWICE, SIDE, BAND,
     COMPENSATION, DIRECTION, OPEN, RESTART, NO_CONTOUR, REST, EDGE, FRAME, OVERSCAN, TABS,
     TAB_WIDTH, TAB_PLACE, OVERCUT, LEAD, PIERCE, LINK, ORDER, SETTINGS, TURN, HATCH, HATCH_WAY,

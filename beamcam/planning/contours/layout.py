@@ -1,7 +1,7 @@
 """A sheet's part as it is laid on the table: mirrored, turned, and copied in rows and columns."""
 
 from collections.abc import Iterator, Sequence
-from math import dist
+from math import dist, radians, tan
 
 from msgspec.structs import replace
 
@@ -288,13 +288,33 @@ def _with_outline(part: Part) -> Part:
 
 
 def outline_of(part: Part) -> tuple[Line, ...]:
-    """The rectangle of a plate that has no contour of its own; nothing for others and drawings."""
+    """The outline of a plate that has no contour of its own: its length and width, and its ends as
+    the header has them; nothing for others and drawings.
+
+    x of an end falls by the tangent of its angle with y, from the corner that lies on x = 0 or on
+    the length (`EndCuts`).
+    """
     cut = [c for c in part.contours if c.kind == "outer" and c.process == "cut"]
     if part.measures is not None or any(contour.face in PLATE_FACES for contour in cut):
         return ()
     length, width = part.length, part.profile.height
-    corners = [(0.0, 0.0), (length, 0.0), (length, width), (0.0, width)]
+    start, end = (width * tan(radians(a)) for a in (part.cuts.web_start, part.cuts.web_end))
+    begins, ends = max(0.0, start), length + min(0.0, end)
+    corners = [(begins, 0.0), (ends, 0.0), (ends - end, width), (begins - start, width)]
     return tuple(map(Line, corners, [*corners[1:], corners[0]]))
+
+
+def skew_ends(part: Part, torch: Torch) -> Iterator[Diagnostic]:
+    """An error for each end of such a plate that the header has skew through the thickness."""
+    if not outline_of(part):
+        return
+    cuts = part.cuts
+    if abs(cuts.flange_start) > torch.min_bevel:
+        source = part.cut_source("flange", "start")
+        yield rules.SKEW_END.at(source, end="start", found=f"{cuts.flange_start:g}")
+    if abs(cuts.flange_end) > torch.min_bevel:
+        source = part.cut_source("flange", "end")
+        yield rules.SKEW_END.at(source, end="end", found=f"{cuts.flange_end:g}")
 
 
 def _box(part: Part) -> Box:

@@ -235,8 +235,13 @@ CHAIN = error("plan-chain",
     "found {found} operations; expected at most {expected} in a chain, or --style table",
     "A controller looks at every operation of a chain in every cycle, and would fall behind.")
 
+SKEW_END = error("plan-sheet-end",
+    "found the {end} of a plate cut at {found} degrees through its thickness; expected 0",
+    "A torch cuts square. Bevels stand in the rows of an outline, where the machine's file says "
+    "what becomes of them; a saw line makes such ends of flats.")
 RULES = (
-    CHAIN, SHEETS, MIXED, SHEET_FULL, UNROLLED, QUANTITY, NOTHING, UNMAPPED, MAP, OPTION,
+    CHAIN, SKEW_END,
+    SHEETS, MIXED, SHEET_FULL, UNROLLED, QUANTITY, NOTHING, UNMAPPED, MAP, OPTION,
     LOOK_SETTING, LOOK_OVERCUT, LOOK_ORDER, LAYOUT, HATCH, NO_PROCESS, NO_THICKNESS, THICKNESS,
     OTHER_THICKNESS, OTHER_MATERIAL, ASSUMED, SHEET_SIZE, SHEET_PLACE, JUNCTION, BRANCHED,
     NOT_CLOSED, TINY, SHARED, COMMON, RUNS_BACK_KERF, RUNS_BACK, RUNS_OVER, GAP, GAPS, OPEN_CUT,

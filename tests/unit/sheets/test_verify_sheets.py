@@ -364,7 +364,7 @@ def test_every_rule_has_a_case() -> None:
         "verify-sheet-crowded", "verify-sheet-settings", "verify-sheet-turn", "verify-sheet-hatch",
         "verify-sheet-other", "verify-sheet-overcut", "verify-sheet-tab-width",
         "verify-sheet-tab-place", "verify-sheet-hatch-way", "verify-sheet-radius",
-        "verify-sheet-corner", "verify-sheet-direction", "verify-sheet-restart",
+        "verify-sheet-corner", "verify-sheet-end-skew", "verify-sheet-direction", "verify-sheet-restart",
         "verify-sheet-laid", "verify-sheet-pierce", "verify-sheet-hole-feed",
         "verify-sheet-hole-lead", "verify-sheet-spot",
         "verify-sheet-contour", "verify-sheet-rest", "verify-sheet-edge",
