@@ -372,3 +372,15 @@ def test_a_profile_of_no_known_form(tmp_path: Path) -> None:
     assert done.exit_code == 2
     assert "ramp.gif'; expected a name in .csv, .svg, .png, .pdf, .html, or -" in done.stderr
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    "option", ["--thickness", "--tab-width", "--gap", "--corner", "--lip", "--amps"]
+)
+@pytest.mark.parametrize("value", ["0", "-1"])
+def test_a_size_that_is_none_is_wrong_usage(option: str, value: str, tmp_path: Path) -> None:
+    words = ["post", str(SAMPLES / "dxf" / "plate.dxf"), option, value, "-o", str(tmp_path / "x")]
+    done = CliRunner().invoke(main, words)
+    assert done.exit_code == 2, done.output
+    assert f"found {value!r}; expected a number above 0" in done.output
+    assert not [*tmp_path.iterdir()]

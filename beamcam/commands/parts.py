@@ -114,19 +114,21 @@ drawing_options = group(
 )  # fmt: skip
 
 #: The thickness of a drawing's sheet, which no drawing says.
-thickness = click.option("--thickness", type=Number(), help="Thickness of a drawing's sheet, mm.")
+thickness = click.option(
+    "--thickness", type=Number(above=0), help="Thickness of a drawing's sheet, mm."
+)
 
 #: Settings of a sheet and its cuts, which override the machine file, and what sections lack.
 torch_options = group(
-    click.option("--corner", type=Number(), metavar="RADIUS",
+    click.option("--corner", type=Number(above=0), metavar="RADIUS",
                  help="Outer corner radius of a rectangular tube, if file and machine have none."),
-    click.option("--lip", type=Number(), metavar="LENGTH",
+    click.option("--lip", type=Number(above=0), metavar="LENGTH",
                  help="Length of the lips of a C, if file and machine have none."),
     click.option("--map", "colours", multiple=True, callback=_map, metavar="KEY=PROCESS",
                  help="Process of a colour, a layer or all others (*): cut, mark, engrave, ignore"),
     thickness,
     click.option("--material", help="Material of the sheet, as named in the machine file."),
-    click.option("--amps", type=Number(), help="Rows of the cut chart for this current, A."),
+    click.option("--amps", type=Number(above=0), help="Rows of the cut chart for this current, A."),
     click.option("--nozzle", help="Rows of the cut chart for this nozzle or gas."),
     click.option("--kerf", type=Number(least=0), help="Width of the cut, mm."),
     click.option("--kerf-by", type=click.Choice(["none", "offset", "machine"]),
@@ -136,12 +138,12 @@ torch_options = group(
     click.option("--lead-in", type=Number(least=0), help="Length of a lead-in, mm."),
     click.option("--lead-out", type=Number(least=0), help="Length of a lead-out, mm."),
     click.option("--tabs", type=click.IntRange(min=0), help="Bridges in each outer contour."),
-    click.option("--tab-width", type=Number(), help="Width of a bridge, mm."),
+    click.option("--tab-width", type=Number(above=0), help="Width of a bridge, mm."),
     click.option("--inner-tabs/--no-inner-tabs", default=None,
                  help="As many bridges in inner contours."),
     click.option("--overcut", type=Number(least=0),
                  help="How far a closed cut goes on beyond its start, mm."),
-    click.option("--gap", type=Number(), 
+    click.option("--gap", type=Number(above=0),
                  help="Join ends of a drawing that are as near as this, mm."),
     click.option("--allow-open/--no-allow-open", default=None,
                  help="Cut open lines, though kerf is compensated."),
