@@ -1,6 +1,6 @@
 """Machine files: found by name or path, laid over their bases, checked, and explained."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from os.path import isfile
 from pathlib import Path, PurePath
@@ -15,7 +15,6 @@ from beamcam.conversion import Fault, converted, nearest
 from beamcam.errors import Diagnostic, MachineError, Source
 from beamcam.geometry.plane import MAX_COORDINATE
 from beamcam.machine.codes import code_faults
-from beamcam.machine.coper_faults import coper_faults
 from beamcam.machine.faults import (
     number_faults,
     pair_faults,
@@ -380,11 +379,15 @@ def _check(machine: Machine, place: TomlPlace, left_behind: frozenset[str]) -> N
 
 
 def _check_keys(machine: Machine, place: TomlPlace, left_behind: frozenset[str]) -> None:
-    checks = (
+    checks: list[Callable[[Machine], Iterator[tuple[str, object, str]]]] = [
         _size_faults, template_faults, code_faults, number_faults, name_faults,
         partial(reference_faults, left_behind=left_behind), spindle_faults, tool_faults,
-        pair_faults, torch_faults, coper_faults, view_faults, marking_faults, range_faults,
-    )  # fmt: skip
+        pair_faults, torch_faults, view_faults, marking_faults, range_faults,
+    ]  # fmt: skip
+    if machine.coper is not None:
+        from beamcam.machine.coper_faults import coper_faults
+
+        checks.append(coper_faults)
     for faults in checks:
         for key, found, expected in faults(machine):
             source = place.child(key).source
