@@ -1,12 +1,14 @@
-"""Features in words, for messages, and faces as views are called."""
+"""Features in words, for messages, and faces as views are called and bounded."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from math import radians, tan
 from pathlib import PurePath
 from typing import Literal
 
 from msgspec.structs import replace
 
 from beamcam.geometry.curves import circle_of, slot_of
+from beamcam.geometry.plane import Point
 from beamcam.machine.stations import Marks, Policy
 from beamcam.model.part import (
     MIRRORED_FACES,
@@ -18,9 +20,11 @@ from beamcam.model.part import (
     Feature,
     Hole,
     Part,
+    Profile,
     Slot,
     TextMark,
 )
+from beamcam.model.section import corners
 
 
 def description(feature: Feature) -> str:
@@ -195,3 +199,42 @@ def face_title(face: Face, code: str) -> str:
         name = "front" if face == "v" else "back"
         seen = "seen from the front" if face == "v" else "drawn through the plate"
     return f"{face}   {name}, {seen}; y = 0 is the {edge} edge"
+
+
+def end_lines(part: Part, face: Face) -> tuple[tuple[Point, Point], tuple[Point, Point]]:
+    """The lines in which the header's end cuts meet a face, each from y 0 upwards.
+
+    x = c - rise tan(web) - across tan(flange) at both ends; the start touches x 0, the end the
+    length (DSTV, header).
+    """
+    profile, cuts = part.profile, part.cuts
+    steel = corners(profile, part.section)
+    width = profile.face_width(face)
+
+    def line(web_deg: float, flange_deg: float, is_start: bool) -> tuple[Point, Point]:
+        web, flange = tan(radians(web_deg)), tan(radians(flange_deg))
+        leans = [rise * web + across * flange for rise, across in steel]
+        c = max(leans) if is_start else part.length + min(leans)
+        places = ((y, *_rise_and_depth(profile, face, y)) for y in (0.0, width))
+        a, b = ((c - rise * web - across * flange, y) for y, rise, across in places)
+        return a, b
+
+    return (
+        line(cuts.web_start, cuts.flange_start, True),
+        line(cuts.web_end, cuts.flange_end, False),
+    )
+
+
+def _rise_and_depth(profile: Profile, face: Face, y: float) -> Point:
+    """Place in the section of a point of a face: up from the lower edge, and across."""
+    if face in ("v", "h"):
+        wall = profile.web_thickness or 0.0
+        if profile.code in ("RO", "RU"):
+            return y, profile.width / 2
+        if profile.code == "M":
+            return y, profile.width if face == "v" else 0.0
+        back = (profile.width - wall) / 2 if profile.code == "I" else 0.0
+        return y, back + (wall if face == "v" and profile.code != "B" else 0.0)
+    if profile.code == "T":  # the stem, in the middle of the flange
+        return profile.height / 2, y
+    return (profile.height if face == "o" else 0.0), y

@@ -12,10 +12,10 @@ from beamcam.comparison.bars import made_pairs
 from beamcam.comparison.parts import part_pairs
 from beamcam.geometry.array_types import Counts
 from beamcam.geometry.curves import join_boxes
-from beamcam.model.description import FACE_NAMES, face_title, runs_down
+from beamcam.model.description import FACE_NAMES, end_lines, face_title, runs_down
 from beamcam.model.part import Face, Part
 from beamcam.pictures.bar_made import BarMade
-from beamcam.pictures.features import end_lines, feature_shapes, lettering
+from beamcam.pictures.features import feature_shapes, lettering
 from beamcam.pictures.overlay import (
     Overlay,
     bore_words,

@@ -16,7 +16,7 @@ from beamcam.geometry.curves import Arc, Curve, Line, unit_vector
 from beamcam.geometry.polylines import polylines
 from beamcam.machine.machine import Machine
 from beamcam.machine.stations import FLAT_DEG
-from beamcam.model.description import FACE_NAMES
+from beamcam.model.description import FACE_NAMES, end_lines
 from beamcam.model.part import (
     MIRRORED_FACES,
     Bend,
@@ -215,41 +215,6 @@ def section_outlines(profile: Profile) -> tuple[tuple[Point, ...], ...]:
             outer = ((0.0, 0.0), (w, 0.0), (w, h), (0.0, h))
             return (outer, ((t, f), (w - t, f), (w - t, h - f), (t, h - f)))
     return ()
-
-
-def _rise_and_depth(profile: Profile, face: Face, y: float) -> Point:
-    """Place in the section of a point of a face: up from the lower edge, and across."""
-    if face in ("v", "h"):
-        return y, profile.width / 2
-    if profile.code == "T":  # the stem, in the middle of the flange
-        return profile.height / 2, y
-    return (profile.height if face == "o" else 0.0), y
-
-
-def end_lines(part: Part, face: Face) -> tuple[tuple[Point, Point], tuple[Point, Point]]:
-    """The lines in which the end cuts meet a face, each from y 0 upwards.
-
-    x = c - rise tan(web) - across tan(flange) at both ends; the start touches x 0, the end the
-    length (DSTV, header).
-    """
-    p, cuts = part.profile, part.cuts
-    corners = [(r, z) for r in (0.0, p.height) for z in (0.0, p.width)]
-
-    def line(web_deg: float, flange_deg: float, start: bool) -> tuple[Point, Point]:
-        a, b = tan(radians(web_deg)), tan(radians(flange_deg))
-        ways = [-r * a - z * b for r, z in corners]
-        c = -min(ways) if start else part.length - max(ways)
-
-        def at(y: float) -> Point:
-            r, z = _rise_and_depth(p, face, y)
-            return c - r * a - z * b, y
-
-        return at(0.0), at(p.face_width(face))
-
-    return (
-        line(cuts.web_start, cuts.flange_start, True),
-        line(cuts.web_end, cuts.flange_end, False),
-    )
 
 
 def end_cuts(part: Part, frame: PaperFrame) -> Iterator[Polyline]:

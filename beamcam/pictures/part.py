@@ -14,7 +14,7 @@ from msgspec.structs import replace
 
 from beamcam.geometry.curves import circle_of, join_boxes
 from beamcam.model.colour import process_of
-from beamcam.model.description import FACE_NAMES, face_title, runs_down
+from beamcam.model.description import FACE_NAMES, end_lines, face_title, runs_down
 from beamcam.model.part import (
     Bend,
     Camber,
@@ -30,7 +30,7 @@ from beamcam.model.part import (
 )  # fmt: skip
 from beamcam.pictures import features as shapes
 from beamcam.pictures.callouts import Callouts, callouts, size_letters, sizes_on  # fmt: skip
-from beamcam.pictures.features import cutting_planes, end_cuts, end_lines, mitres
+from beamcam.pictures.features import cutting_planes, end_cuts, mitres
 from beamcam.pictures.scene import (
     LETTER,
     Circle,

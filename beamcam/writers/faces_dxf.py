@@ -5,8 +5,8 @@
     FRONT    v   |  lengths run to the right on all of them
     BOTTOM   u   |
 
-Views lie as the faces unfold (`model.faces`): o has its y = 0 at the top, h is drawn through the
-web; the name of a view says so. For looking at and for measuring; ezdxf is imported when it is
+Views lie as the faces unfold (`model.description`): o has its y = 0 at the top, h is drawn through
+the web; the name of a view says so. For looking at and for measuring; ezdxf is imported when it is
 needed.
 """
 
@@ -32,7 +32,7 @@ from beamcam.geometry.curves import (
     join_boxes,
     unit_vector,
 )
-from beamcam.model.description import THROUGH, face_title, runs_down
+from beamcam.model.description import THROUGH, end_lines, face_title, runs_down
 from beamcam.model.part import Bend, Camber, Contour, Face, Feature, Hole, Part, Slot, TextMark
 
 if TYPE_CHECKING:
@@ -50,9 +50,9 @@ _LABEL_HEIGHT = 20.0
 def write(part: Part) -> str:
     """The faces of `part` as DXF text (R2010, mm): layers FACE_v, FACE_v_HOLES and the like.
 
-    A face is drawn when a feature lies on it; v always is, by its outline or as the rectangle of
-    the raw stock. Bends and points of the camber lie on v. Cutting planes have no face, so they
-    are named in the label only.
+    A face is drawn when a feature lies on it; v always is, by its outline or between the ends that
+    the header cuts, at the surface of the face. Bends and points of the camber lie on v. Cutting
+    planes have no face, so they are named in the label only.
     """
     from ezdxf._options import options
 
@@ -176,12 +176,13 @@ class _View:
 
 
 def _draw_stock(part: Part, face: Face, features: list[Feature], sheet: _View) -> None:
-    """The raw rectangle of a face that has no outer contour."""
+    """A face that has no outer contour, between the ends that the header cuts."""
     if any(isinstance(f, Contour) and f.kind == "outer" for f in features):
         return
     low, high = _edges(part, face)
     if high > low:
-        corners = [(0.0, low), (part.length, low), (part.length, high), (0.0, high)]
+        (a, d), (b, c) = end_lines(part, face)
+        corners = [(x, -y if runs_down(face) else y) for x, y in (a, b, c, d)]
         for a, b in zip(corners, corners[1:] + corners[:1], strict=True):
             sheet.line(a, b)
 

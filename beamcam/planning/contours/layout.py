@@ -1,7 +1,7 @@
 """A sheet's part as it is laid on the table: mirrored, turned, and copied in rows and columns."""
 
 from collections.abc import Iterator, Sequence
-from math import dist, radians, tan
+from math import dist
 
 from msgspec.structs import replace
 
@@ -21,6 +21,7 @@ from beamcam.geometry.plane import (
 )
 from beamcam.machine.torch import ORIGINS, Torch
 from beamcam.model.colour import key_of
+from beamcam.model.description import end_lines
 from beamcam.model.hatch import hatched, not_filled
 from beamcam.model.part import (
     PLATE_FACES,
@@ -290,18 +291,12 @@ def _with_outline(part: Part) -> Part:
 def outline_of(part: Part) -> tuple[Line, ...]:
     """The outline of a plate that has no contour of its own: its length and width, and its ends as
     the header has them; nothing for others and drawings.
-
-    x of an end falls by the tangent of its angle with y, from the corner that lies on x = 0 or on
-    the length (`EndCuts`).
     """
     cut = [c for c in part.contours if c.kind == "outer" and c.process == "cut"]
     if part.measures is not None or any(contour.face in PLATE_FACES for contour in cut):
         return ()
-    length, width = part.length, part.profile.height
-    start, end = (width * tan(radians(a)) for a in (part.cuts.web_start, part.cuts.web_end))
-    begins, ends = max(0.0, start), length + min(0.0, end)
-    corners = [(begins, 0.0), (ends, 0.0), (ends - end, width), (begins - start, width)]
-    return tuple(map(Line, corners, [*corners[1:], corners[0]]))
+    (a, d), (b, c) = end_lines(part, "v")
+    return Line(a, b), Line(b, c), Line(c, d), Line(d, a)
 
 
 def skew_ends(part: Part, torch: Torch) -> Iterator[Diagnostic]:

@@ -8,7 +8,7 @@ import pytest
 
 from beamcam.errors import Source
 from beamcam.geometry.curves import Arc, Bezier, BSpline, EllipseArc, Line, NewtonCurve
-from beamcam.model.part import Contour, Hole, Part, Profile, Slot
+from beamcam.model.part import Contour, EndCuts, Hole, Part, Profile, Slot
 from beamcam.readers.dstv import read
 from beamcam.writers.faces_dxf import write
 
@@ -116,3 +116,18 @@ def test_curves_are_drawn_exactly(curve, kind):
     for t, point in zip((0.0, 0.25, 0.5, 1.0), points, strict=True):
         x, y = curve.point(t)
         assert (point.x, point.y - shift) == pytest.approx((x, y))
+
+
+def test_ends_that_only_the_header_cuts_are_drawn() -> None:
+    """A flat mitred at 30 degrees, and a web between flanges mitred at 45: by hand."""
+    source = Source("p.nc1", 1)
+
+    flat = Part("F", Profile("B", "", 50.0, 0.0, 0.0, 5.0), 300.0, source, cuts=EndCuts(45.0))
+    frame = Part("M", Profile("I", "", 180.0, 91.0, 8.0, 5.3, 9.0), 2200.0, source,
+                 cuts=EndCuts(0.0, 0.0, -45.0, 45.0))  # fmt: skip
+    for part, corners in (
+        (flat, {(50.0, 0.0), (300.0, 0.0), (300.0, 50.0), (0.0, 50.0)}),
+        (frame, {(48.15, 0.0), (2151.85, 0.0), (2151.85, 180.0), (48.15, 180.0)}),
+    ):
+        drawn = ezdxf.read(io.StringIO(write(part))).modelspace().query("LINE[layer=='FACE_v']")
+        assert {(round(e.dxf.start.x, 6), round(e.dxf.start.y, 6)) for e in drawn} == corners
