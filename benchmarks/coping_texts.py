@@ -58,7 +58,7 @@ def _elsewhere(lines: Lines, chance: random.Random) -> Lines | None:
     return [*lines[:k], " ".join(["G1", f"X{x:g}", *lines[k].split()[2:]]), *lines[k + 1 :]]
 
 
-def _askew(lines: Lines, chance: random.Random) -> Lines | None:
+def _a_off(lines: Lines, chance: random.Random) -> Lines | None:
     """A turn before a cut, a few degrees off."""
     turns = [k for k, line in enumerate(lines) if line.startswith("G0 A")]
     ends = [*turns[1:], len(lines)]
@@ -77,7 +77,7 @@ def _dropped(pattern: str) -> OfText:
 
 
 TEXTS: dict[str, OfText] = {
-    "A askew": lambda lines, c: _askew(lines, c),
+    "A off its face": lambda lines, c: _a_off(lines, c),
     "A to the other side": _line(r"G0 A(-?)90", lambda m, c: f"G0 A{'' if m[1] else '-'}90"),
     "A on the way": _line(r"(G1 .*)", lambda m, c: f"{m[1]} A45"),
     "A missing": _dropped(r"G0 A-?90"),
@@ -137,7 +137,7 @@ TILT_TEXTS: dict[str, OfText] = {
     )},
     "B of a line the other way": _tilted(lambda b, c: -b),
     "B of a line 0": _tilted(lambda b, c: 0.0),
-    "B of a line askew": _tilted(lambda b, c: b + c.choice((-3, 3))),
+    "B of a line off": _tilted(lambda b, c: b + c.choice((-3, 3))),
     "B beyond its reach": _tilted(lambda b, c: 58.0 if b > 0 else -58.0),
     "B missing": lambda lines, c: _without_tilt(lines, c),
     "B on the way": _line(r"(G1 .*)", lambda m, c: f"{m[1]} B{c.choice((-40, 40))}"),
@@ -330,7 +330,7 @@ TURNED_TEXTS: dict[str, OfText] = {
         "A of a place", "A missing", "F of a block", "F missing", "no inverse time",
     )},
     "A the other way round": lambda lines, c: _turned_back(lines),
-    "A askew": _stroke(_CUTS, "A", 2.0), "cut-out across": _stroke("cut-out", "Y", 1.0),
+    "A off its face": _stroke(_CUTS, "A", 2.0), "cut-out across": _stroke("cut-out", "Y", 1.0),
     "tip too high": _stroke(_CUTS, "Z", 1.0), "tip too low": _stroke(_CUTS, "Z", -1.0),
     "into a wall": lambda lines, c: _into_the_wall(lines, c),
     "turned too low": lambda lines, c: _lower(lines, c, _later_turns),

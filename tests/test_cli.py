@@ -374,9 +374,7 @@ def test_a_profile_of_no_known_form(tmp_path: Path) -> None:
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize(
-    "option", ["--thickness", "--tab-width", "--gap", "--corner", "--lip", "--amps"]
-)
+@pytest.mark.parametrize("option", ["--tab-width", "--gap", "--corner", "--lip", "--amps"])
 @pytest.mark.parametrize("value", ["0", "-1"])
 def test_a_size_that_is_none_is_wrong_usage(option: str, value: str, tmp_path: Path) -> None:
     words = ["post", str(SAMPLES / "dxf" / "plate.dxf"), option, value, "-o", str(tmp_path / "x")]

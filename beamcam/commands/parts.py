@@ -114,9 +114,7 @@ drawing_options = group(
 )  # fmt: skip
 
 #: The thickness of a drawing's sheet, which no drawing says.
-thickness = click.option(
-    "--thickness", type=Number(above=0), help="Thickness of a drawing's sheet, mm."
-)
+thickness = click.option("--thickness", type=Number(), help="Thickness of a drawing's sheet, mm.")
 
 #: Settings of a sheet and its cuts, which override the machine file, and what sections lack.
 torch_options = group(

@@ -107,8 +107,7 @@ def _refuse_work(
     machine: Machine, torch: Torch,
 ) -> None:  # fmt: skip
     """Raises PlanError for what the machine cannot make of the curves, and where there are none."""
-    refusals = [*assigned.refusals, *skew_ends(part, torch)]
-    refusals += refuse_settings(assigned.wanted, torch, machine)
+    refusals = [*assigned.refusals, *refuse_settings(assigned.wanted, torch, machine)]
     refusals += refuse_overcuts(assigned.wanted, torch) if torch.settings else ()
     spots: set[TorchProcess] = {"spot"} if assigned.spots else set()
     refusals += material.refusals(processes | spots)
@@ -169,6 +168,8 @@ def _refuse_stock(parts: Sequence[Part], machine: Machine, torch: Torch) -> None
             )  # fmt: skip
         if PIPE.match(part.profile.name) and not torch.unrolled:
             raise PlanError(rules.UNROLLED.at(part.source, found=part.profile.name))
+    if skew := [diagnostic for part in parts for diagnostic in skew_ends(part, torch)]:
+        raise PlanError(skew)
 
 
 def _plan_of_several(

@@ -49,7 +49,7 @@ class ProfileTorch(TorchFollower):
     def _take(self, line: int, moves: Sequence[Move[Place]]) -> None:
         """A stroke: its wall, its heights, its row."""
         source, coper = Source(self._name, line), self._coper
-        poses = self._poses(moves)
+        poses, ends = self._poses(moves)
         face = self._face_of(poses[0])
         if face is None:
             self._say(rules.ANGLE.at(source, found=f"{poses[0].a_deg:g}"))
@@ -62,7 +62,7 @@ class ProfileTorch(TorchFollower):
                 return
         over = [self._section.over(face, *pose.tip[1:]) for pose in poses]
         feet = [pose.foot(face, height) for pose, height in zip(poses, over, strict=True)]
-        row = self._row(source, moves, [feet[k] for k in self._ends(moves)])
+        row = self._row(source, moves, [feet[k] for k in ends])
         if row is None:
             return
         self._pierce_time(source, row)
@@ -71,7 +71,6 @@ class ProfileTorch(TorchFollower):
             height - coper.torch_width / 2 * sin(atan(hypot(*pose.lean(face))))
             for pose, height in zip(poses, over, strict=True)
         ]  # fmt: skip
-        ends = self._ends(moves)
         self._height(source, face, lowest[:1], row.pierce_height, "pierces")
         self._height(source, face, [lowest[k] for k in ends[1:]], row.cut_height, "cuts")
         off = max(lowest[ends[1] :], key=lambda one: abs(one - row.cut_height))
@@ -87,10 +86,11 @@ class ProfileTorch(TorchFollower):
         points = tuple(feet[ends[1] :])
         self.strokes.append(TorchStroke(line, face, points, places, row, cut[0].b_deg, leans))
 
-    def _poses(self, moves: Sequence[Move[Place]]) -> "list[_Pose]":
+    def _poses(self, moves: Sequence[Move[Place]]) -> "tuple[list[_Pose], list[int]]":
         """The torch at the start of some moves and at the end of each, and on the way of those on
-        which it turns."""
+        which it turns; and which of them are at ends of moves."""
         found: list[_Pose] = []
+        ends = [0]
         for k, move in enumerate(moves):
             tilts = move.b_deg if self._tilts else (0.0, 0.0)
             is_steady = move.a_deg[0] == move.a_deg[1] and tilts[0] == tilts[1]
@@ -99,16 +99,8 @@ class ProfileTorch(TorchFollower):
                 a_deg, b_deg = (a + share * (b - a) for a, b in (move.a_deg, tilts))
                 tip = self._tip_of((x, y, z), a_deg, b_deg)
                 found.append(_Pose((tip[0] - self._coper.trim, *tip[1:]), a_deg, b_deg))
-        return found
-
-    def _ends(self, moves: Sequence[Move[Place]]) -> list[int]:
-        """Which poses are those at the ends of moves."""
-        ends = [0]
-        for move in moves:
-            tilts = move.b_deg if self._tilts else (0.0, 0.0)
-            is_steady = move.a_deg[0] == move.a_deg[1] and tilts[0] == tilts[1]
-            ends.append(ends[-1] + (1 if is_steady else len(SHARES) + 1))
-        return ends
+            ends.append(len(found) - 1)
+        return found, ends
 
     def _face_of(self, pose: "_Pose") -> str | None:
         """The wall that the torch looks at: A is that of its face, or off it by what it may tilt,

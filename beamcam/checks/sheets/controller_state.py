@@ -16,7 +16,7 @@ from beamcam.checks.head import head_of, part_faults, stock_faults
 from beamcam.checks.sheets import rules
 from beamcam.checks.sheets.chart_rows import rows_on, thickness_of
 from beamcam.checks.sheets.need import OUTLINE, Need, need_of, shift_of
-from beamcam.checks.sheets.required_layout import between
+from beamcam.checks.sheets.required_layout import between, skew_ends
 from beamcam.controllers.events import Acceleration, Blending, Compensation, Side
 from beamcam.controllers.moves import Moves
 from beamcam.errors import Diagnostic, Rule, Source, errors_in
@@ -208,10 +208,11 @@ def as_one(parts: Sequence[Part], machine: Machine, skips: Collection[str]) -> S
     A part that is alone stays as it is.
     """
     torch = machine.torch
+    skew = list(skew_ends(parts, machine))
     if torch is None or len(parts) == 1:
-        return SharedSheet(parts[0], machine, [], [])
+        return SharedSheet(parts[0], machine, [], skew)
     features: list[Feature] = []
-    diagnostics = [
+    diagnostics = skew + [
         rules.OTHER_SHEET.at(
             part.source, found=_shown(part, torch), expected=_shown(parts[0], torch)
         )

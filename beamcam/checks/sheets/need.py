@@ -171,11 +171,6 @@ def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) 
             need.add("cut", _ring(hole), index, hole.source)
     if part.measures is None and not outlined:
         need.add("cut", header_outline(part), OUTLINE, part.source)
-        need.diagnostics += [
-            rules.SKEW_END.at(part.source, end=at, found=f"{angle:g}")
-            for at, angle in (("start", part.cuts.flange_start), ("end", part.cuts.flange_end))
-            if abs(angle) > torch.min_bevel
-        ]
     _leave_small_openings(need, part, machine, torch, skips)
     return need
 

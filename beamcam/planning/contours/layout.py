@@ -126,6 +126,7 @@ def _refuse_extent(box: Box, part: Part, torch: Torch, slack: float) -> None:
         )
 
 
+NOISE_DEG = 1.0  #: of an angle in a header; less is noise of its writer
 QUARTER = 90.0  #: degrees by which a part is turned that fits so only
 
 
@@ -300,14 +301,15 @@ def outline_of(part: Part) -> tuple[Line, ...]:
 
 
 def skew_ends(part: Part, torch: Torch) -> Iterator[Diagnostic]:
-    """An error for each end of such a plate that the header has skew through the thickness."""
-    if not outline_of(part):
+    """An error for each end of a plate that the header has skew through the thickness, unless the
+    rows of an outline say edge by edge what is."""
+    if any(contour.bevels for contour in part.contours):
         return
-    cuts = part.cuts
-    if abs(cuts.flange_start) > torch.min_bevel:
+    cuts, least = part.cuts, max(torch.min_bevel, NOISE_DEG)
+    if abs(cuts.flange_start) >= least:
         source = part.cut_source("flange", "start")
         yield rules.SKEW_END.at(source, end="start", found=f"{cuts.flange_start:g}")
-    if abs(cuts.flange_end) > torch.min_bevel:
+    if abs(cuts.flange_end) >= least:
         source = part.cut_source("flange", "end")
         yield rules.SKEW_END.at(source, end="end", found=f"{cuts.flange_end:g}")
 

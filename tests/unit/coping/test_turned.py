@@ -179,7 +179,8 @@ def test_wrong_programs_are_refused(make: Callable[[int], Part]) -> None:
         assert found(text, part), kind
         kinds.add(kind)
     assert kinds > {
-        "A askew", "A the other way round", "A of a place", "F of a block", "no inverse time",
+        "A off its face", "A the other way round", "A of a place", "F of a block",
+        "no inverse time",
         "face left out", "mirrored along", "over the chuck", "first turn too low", "into a wall",
         "tip too low", "cut left out", "twice", "order",
     }  # fmt: skip
@@ -195,7 +196,7 @@ def test_a_flange_that_is_cut_with_the_bar_the_other_way_round_is_refused() -> N
 
 
 def test_a_torch_in_the_way_of_the_first_turn_is_seen() -> None:
-    """Nobody knows how the bar stands before it; 106.8 mm and 0.5 of play are clear."""
+    """How the bar stands before it is not known; 106.8 mm and 0.5 of play are clear."""
     text = program_of(U, TUBE)
     high = re.search(r"Z(\S+)\nG0 A", text)
     assert high is not None

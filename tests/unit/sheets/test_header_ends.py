@@ -1,5 +1,6 @@
 """Plates whose ends only the header says: cut so, or refused where they are skew in depth."""
 
+from itertools import pairwise
 from math import radians, tan
 
 import pytest
@@ -9,10 +10,13 @@ from msgspec.structs import replace
 from beamcam.checks.sheets import verify_sheet
 from beamcam.checks.sheets.required_layout import header_outline
 from beamcam.errors import PlanError, Source
+from beamcam.geometry.curves import Line
 from beamcam.machine import load
-from beamcam.model.part import EndCuts, Hole, Part, Profile
+from beamcam.machine.overlay import with_torch
+from beamcam.model.part import Bevel, EndCuts, Hole, Part, Profile
 from beamcam.pipeline import post
 from beamcam.planning.contours.layout import outline_of
+from tests.unit.sheets.parts import contour
 
 SOURCE = Source("flat.nc1", 1)
 PROFILE = Profile("B", "FL50*5", 50.0, 0.0, 0.0, 5.0)
@@ -66,3 +70,29 @@ def test_what_is_skew_through_the_thickness_is_refused(end: str) -> None:
     assert [d.code for d in refused.value.diagnostics] == ["plan-sheet-end"]
     codes = [d.code for d in verify_sheet(post((FLAT,), TABLE).text, (part,), TABLE)]
     assert "verify-sheet-end-skew" in codes
+
+
+OUTLINED = replace(FLAT, features=(
+    *FLAT.features, contour([Line(a, b) for a, b in pairwise(
+        [(0.0, 0.0), (300.0, 0.0), (300.0, 50.0), (0.0, 50.0), (0.0, 0.0)])]),
+))  # fmt: skip
+
+
+@pytest.mark.parametrize("machine", ["plate-linuxcnc", "table-simotion", "laser-stepper"])
+def test_they_are_refused_wherever_they_stand(machine: str) -> None:
+    """Beside an outline, turned on the table."""
+    table = with_torch(load(machine), thickness=3.0, rotate=90.0)
+    thin = replace(OUTLINED, profile=replace(PROFILE, height=50.0, web_thickness=3.0))
+    skew = replace(thin, mark="F2", cuts=EndCuts(flange_end=30.0))
+    with pytest.raises(PlanError) as refused:
+        post((skew,), table)
+    assert [d.code for d in refused.value.diagnostics] == ["plan-sheet-end"]
+
+
+def test_noise_and_bevels_of_an_outline_are_not() -> None:
+    post((replace(OUTLINED, cuts=EndCuts(flange_end=0.4)),), TABLE)
+    bevelled = replace(OUTLINED.features[-1], bevels=(Bevel(1, 30.0, 0.0),))
+    skew = EndCuts(flange_end=30.0)
+    post((replace(OUTLINED, cuts=skew, features=(*FLAT.features, bevelled)),), TABLE)
+    with pytest.raises(PlanError, match="plan-sheet-end"):
+        post((OUTLINED, replace(OUTLINED, mark="F2", cuts=skew)), TABLE)
