@@ -31,7 +31,7 @@ from tests.unit.coping.samples import (
     program_of,
     sample,
 )
-from tests.unit.coping.test_rs274 import burns, grown, pieces, written
+from tests.unit.coping.test_rs274 import burns, pieces, thicker, written
 
 TILT = load("coper-tilt-linuxcnc")
 
@@ -133,12 +133,12 @@ def test_no_steel_is_missing_and_what_is_too_much_lies_at_the_roots(
 ) -> None:
     part = random_slant(seed)
     piece, wanted = pieces(part, burns(written(part, tmp_path)))[0], part_solid(part)
-    assert (wanted - grown(piece)).volume() < 1.0
+    assert thicker(wanted - piece).volume() < 1.0
     size = part.profile
     web = size.web_thickness or 0.0
     back = (size.width - web) / 2 if size.code == "I" else 0.0
     deep = max(row.up_to for row in COPER.coper.rows if COPER.coper) if COPER.coper else 0.0
-    for lump in (piece - grown(wanted)).decompose():
+    for lump in thicker(piece - wanted).decompose():
         _, y0, z0, _, y1, z1 = lump.bounding_box()
         if lump.volume() > 200.0 * web:  # no corner's
             assert min(y0, size.height - y1) < deep
