@@ -36,7 +36,7 @@ from beamcam.planning.left_out import (
 )
 from beamcam.planning.rules import named_skips
 from beamcam.posts import Written, beginning, post_of
-from beamcam.readers.content import Reading, content, shown_name
+from beamcam.readers import Reading, content, shown_name
 from beamcam.reconcile import head_differences, other_than_planned
 
 Made = TypeVar("Made")

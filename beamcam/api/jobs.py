@@ -44,8 +44,8 @@ from beamcam.pipeline import post as post_bar
 from beamcam.pipeline import read_back as read_program_back
 from beamcam.planning.rules import named_skips
 from beamcam.posts import post_of
+from beamcam.readers import Reading
 from beamcam.readers import read as read_bytes
-from beamcam.readers.content import Reading
 
 Process = Literal["cut", "mark", "engrave", "ignore"]
 

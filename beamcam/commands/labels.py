@@ -22,7 +22,7 @@ from beamcam.model.plan import Order
 from beamcam.model.request import Request
 from beamcam.planning import numbered
 from beamcam.planning.rules import named_skips
-from beamcam.readers.content import content
+from beamcam.readers import content
 from beamcam.reports.labels import (
     CODES,
     SCHEMA,

@@ -19,7 +19,7 @@ from beamcam.model.plan import Order
 from beamcam.model.request import Options, Quantity, Request, Selection
 from beamcam.pipeline import counted, parts_of
 from beamcam.planning.rules import named_skips
-from beamcam.readers.content import content
+from beamcam.readers import content
 from beamcam.system import cores
 
 _DRAWING_NAMES = ("units", "width", "layers", "fit", "encoding", "wrap")

@@ -13,7 +13,7 @@ from beamcam.machine.faults import TABLE_CONTROLLERS
 from beamcam.machine.machine import Machine
 from beamcam.model.request import Request
 from beamcam.pipeline import Posted, begin, finished, whole_job
-from beamcam.readers.content import shown_name
+from beamcam.readers import shown_name
 
 ONE_BAR = "--from-operation is for the program of one bar."
 ONE_SHEET = "--from-contour is for the program of one sheet, in G-code."

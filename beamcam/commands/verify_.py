@@ -28,7 +28,7 @@ from beamcam.model.plan import Order
 from beamcam.model.request import Request
 from beamcam.pipeline import read_back
 from beamcam.planning.rules import named_skips
-from beamcam.readers.content import shown_name
+from beamcam.readers import shown_name
 from beamcam.reports.run import as_message
 
 #: Rules for features that a program may be without.

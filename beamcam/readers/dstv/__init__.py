@@ -7,7 +7,7 @@ from msgspec.structs import replace
 
 from beamcam.errors import Rule, Source
 from beamcam.model.part import MIRRORED_FACES, Contour, Feature, Hole, Profile
-from beamcam.readers.content import Reading
+from beamcam.readers import Reading
 from beamcam.readers.dstv import rules
 from beamcam.readers.dstv.blocks import (
     BlockContent,

@@ -9,7 +9,7 @@ from msgspec import Struct, field
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.model.part import Contour, Feature, FileComment, Plane, SectionPoint
-from beamcam.readers.content import ENCODING
+from beamcam.readers import ENCODING
 from beamcam.readers.dstv import rules
 from beamcam.readers.dstv.contours import ContourRows
 from beamcam.readers.dstv.tokens import CODES, Block, Log
