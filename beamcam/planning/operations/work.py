@@ -18,11 +18,10 @@ from beamcam.planning.axis_limits import refuse_steps
 from beamcam.planning.left_out import listed_by, refuse_mark
 from beamcam.planning.operations.ends import SQUARE, Ends, ends_of
 from beamcam.planning.operations.hole import HOLE
+from beamcam.planning.operations.marks import LINE, TEXT
 from beamcam.planning.operations.part_planner import BarLine, PartPlanner, WorkKind
-from beamcam.planning.operations.paths import LINE
 from beamcam.planning.operations.saw_cut import CONTOUR, OTHER, SAW_CUT
 from beamcam.planning.operations.slot import SLOT
-from beamcam.planning.operations.text import TEXT
 from beamcam.planning.operations.tools import Settled, WorkingStep
 
 # --- kinds ----------------------------------------------------------------------------------------
@@ -90,7 +89,8 @@ def _work_on(part: Part, line: BarLine, skips: Collection[str]) -> PartWork:
     of_ends += SAW_CUT.refusals(ends, planner)
     _put_features(planner)
     for kind in KINDS:
-        planner.take(kind.steps(planner.accepted[kind.name], planner))
+        if accepted := planner.accepted[kind.name]:
+            planner.take(kind.steps(accepted, planner))
     planner.refuse(refuse_steps(planner.part.features, planner.steps, planner.travel))
     planner.refuse_repeats()
     refused = planner.refused
