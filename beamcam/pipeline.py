@@ -32,9 +32,9 @@ from beamcam.planning.left_out import (
     MANUAL_WORK,
     left_out_kinds,
     manual_work_sources,
+    named_skips,
     told,
 )
-from beamcam.planning.rules import named_skips
 from beamcam.posts import Written, beginning, post_of
 from beamcam.readers import Reading, content, shown_name
 from beamcam.reconcile import head_differences, other_than_planned

@@ -14,7 +14,7 @@ from beamcam.model.plan import AnyPlan
 from beamcam.model.request import Job, Request
 from beamcam.planning.beam import MOST_TRIED
 from beamcam.planning.contours.rules import SHARED, UNMAPPED
-from beamcam.planning.rules import SKIP_NAMES
+from beamcam.planning.left_out import SKIP_NAMES
 from beamcam.posts import post_of
 from beamcam.readers import Reading
 

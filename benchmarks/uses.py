@@ -89,7 +89,7 @@ def _post(name: str, data: bytes, machine: Any) -> None:
     from beamcam.machine.overlay import with_torch
     from beamcam.model.part import Contour
     from beamcam.pipeline import post
-    from beamcam.planning.rules import SKIP_NAMES
+    from beamcam.planning.left_out import SKIP_NAMES
     from beamcam.readers import read
 
     parts = read(data, name).parts[:MOST_PARTS]

@@ -25,7 +25,7 @@ from beamcam.model.plan import stock_used
 from beamcam.model.request import ChosenBy, Quantity, Remnant, Request, remnant_of
 from beamcam.pipeline import Planned, plan_share, plans_of, stock_of
 from beamcam.planning import LotKey, Share, number_of, remnants_of, shares_of
-from beamcam.planning.rules import named_skips
+from beamcam.planning.left_out import named_skips
 from beamcam.reports.manual_work import MARKS, manual_rows
 from beamcam.reports.part_list import (
     CutBar,

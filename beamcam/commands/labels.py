@@ -21,7 +21,7 @@ from beamcam.errors import BeamcamError, Diagnostic, PlanError, Source
 from beamcam.model.plan import Order
 from beamcam.model.request import Request
 from beamcam.planning import numbered
-from beamcam.planning.rules import named_skips
+from beamcam.planning.left_out import named_skips
 from beamcam.readers import content
 from beamcam.reports.labels import (
     CODES,

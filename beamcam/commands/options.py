@@ -25,7 +25,7 @@ from beamcam.errors import BeamcamError, PlanError, Source
 from beamcam.model.description import MARKS_FROM
 from beamcam.model.request import remnant_of
 from beamcam.planning import numbered
-from beamcam.planning.rules import ALL_SKIPS, SKIP_NAMES, named_skips
+from beamcam.planning.left_out import ALL_SKIPS, SKIP_NAMES, named_skips
 
 Function = Callable[..., Any]
 Decorator = Callable[[Function], Function]

@@ -27,7 +27,7 @@ from beamcam.errors import BeamcamError, Diagnostic, errors_in
 from beamcam.model.plan import Order
 from beamcam.model.request import Request
 from beamcam.pipeline import read_back
-from beamcam.planning.rules import named_skips
+from beamcam.planning.left_out import named_skips
 from beamcam.readers import shown_name
 from beamcam.reports.run import as_message
 

@@ -139,7 +139,7 @@ def plan_bar(
 ) -> Plan:  # fmt: skip
     """The work that makes `parts`, as they lie, from one bar of length `bar`, or as they need.
 
-    `skips` names what may be left out (`rules.SKIP_NAMES`), `order` whether the parts lie as they
+    `skips` names what may be left out (`SKIP_NAMES`), `order` whether the parts lie as they
     are given or as they nest best. Raises PlanError with everything that the machine cannot make,
     and LimitError; nothing is left out that is not in the plan's outcomes.
     """

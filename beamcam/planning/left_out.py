@@ -5,7 +5,7 @@ Nothing that a part has is missing from a program without a word: what was left 
 """
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from beamcam.errors import Diagnostic, Source, error, note, warning
 from beamcam.machine.stations import Marks
@@ -14,7 +14,22 @@ from beamcam.model.description import description, mark_kind, policy_on
 from beamcam.model.part import Bend, Contour, Feature, TextMark
 from beamcam.model.plan import AnyPlan, Outcome, SheetPlan, unfinished
 from beamcam.planning import rules
-from beamcam.planning.rules import SKIP_NAMES
+
+#: What may be left out of a program: codes of refusals by the kinds of work, without their "plan-".
+SKIP_NAMES = (
+    "tool", "countersink", "sink-depth", "thread-depth", "face", "reach", "stroke", "axis",
+    "off-face", "slot", "cope", "cutout", "mark", "bevel", "other",
+)  # fmt: skip
+ALL_SKIPS = "all"  #: in place of the names of all kinds of features
+
+
+def named_skips(words: Iterable[str]) -> tuple[str, ...]:
+    """The kinds of features that are named, each once and in order; `all` names every kind."""
+    names = set(words)
+    if ALL_SKIPS in names:
+        names = (names - {ALL_SKIPS}) | {*SKIP_NAMES}
+    return tuple(sorted(names))
+
 
 TEXT_MOVED = warning("plan-text-moved",
     "the text {text!r} is lettered at x {x}, y {y}, {height} mm high; found no room {distance} mm "
