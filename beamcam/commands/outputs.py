@@ -164,7 +164,7 @@ def write_list(posted: "Posted", output: str, console: Console, read: FilesRead)
     """
     if output == STANDARD:
         return
-    from beamcam.reports.manual_work import LIST_BEGIN, LIST_SUFFIX, as_csv, manual_rows
+    from beamcam.planning.left_out import LIST_BEGIN, LIST_SUFFIX, as_csv, manual_rows
 
     path = output + LIST_SUFFIX
     if rows := manual_rows(posted.plan):
