@@ -8,6 +8,7 @@ import click
 
 from beamcam.commands.common import STANDARD, Console, write
 from beamcam.files import FilesRead, remove_made
+from beamcam.machine.faults import TABLE_CONTROLLERS
 from beamcam.machine.tables import DIALECTS
 
 if TYPE_CHECKING:
@@ -125,6 +126,11 @@ def table_style(machine: "Machine", output: str, style: str | None) -> str | Non
     if suffix not in FORMS:
         raise click.UsageError(f"found {output!r}; expected a name in {', '.join(FORMS)}, or -")
     return suffix
+
+
+def is_coded_sheet(machine: "Machine") -> bool:
+    """Whether a machine cuts sheets by a program of contours."""
+    return machine.stock == "sheet" and machine.controller not in TABLE_CONTROLLERS
 
 
 def job_name(config: "Config", machine: "Machine", output: str) -> str:
