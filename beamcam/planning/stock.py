@@ -21,7 +21,7 @@ from beamcam.machine.stations import Saw
 from beamcam.model.part import Part
 from beamcam.model.plan import Bar
 from beamcam.planning.nesting import SAME_ANGLE_DEG, BarRow, bar_of, lay_on_bar, row_of, row_with
-from beamcam.planning.operations.ends import Ends, SawnEnd, ends_of
+from beamcam.planning.operations.finished_part import Ends, SawnEnd, ends_of
 
 SLACK = 1e-3  #: mm by which a bar may seem fuller than it is; the account of the bar decides
 

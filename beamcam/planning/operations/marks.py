@@ -17,8 +17,7 @@ from beamcam.model.plan import StampedLetters
 from beamcam.model.section import NO_PLATE, OTHER_SIDE
 from beamcam.planning.axis_limits import within_axes
 from beamcam.planning.left_out import FACE
-from beamcam.planning.operations.ends import wall_end
-from beamcam.planning.operations.finished_part import TOLERANCE
+from beamcam.planning.operations.finished_part import TOLERANCE, wall_end
 from beamcam.planning.operations.part_planner import IN_THE_WAY, PartPlanner, WorkKind
 from beamcam.planning.operations.slot import MIN_RADIUS, slot_ends, without_repeats
 from beamcam.planning.operations.tools import Found, Settled, Tooling, WorkingStep

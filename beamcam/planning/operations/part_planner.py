@@ -17,8 +17,7 @@ from beamcam.model.part import Face, Feature, Hole, Part, Profile, Slot
 from beamcam.model.plan import Plan, WorkOp
 from beamcam.model.section import NO_PLATE, OTHER_SIDE, lip_of
 from beamcam.planning.axis_limits import travel_on
-from beamcam.planning.operations.ends import Ends
-from beamcam.planning.operations.finished_part import FinishedPart
+from beamcam.planning.operations.finished_part import Ends, FinishedPart
 from beamcam.planning.operations.tools import (
     Found,
     Said,

@@ -17,7 +17,7 @@ from beamcam.model.section import section_fault
 from beamcam.planning import rules
 from beamcam.planning.axis_limits import refuse_steps
 from beamcam.planning.left_out import listed_by, refuse_mark
-from beamcam.planning.operations.ends import SQUARE, Ends, ends_of
+from beamcam.planning.operations.finished_part import SQUARE, Ends, ends_of
 from beamcam.planning.operations.hole import HOLE
 from beamcam.planning.operations.marks import LINE, TEXT
 from beamcam.planning.operations.part_planner import BarLine, PartPlanner, WorkKind
