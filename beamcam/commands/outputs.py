@@ -14,7 +14,7 @@ from beamcam.machine.tables import DIALECTS
 if TYPE_CHECKING:
     from beamcam.config.values import Config
     from beamcam.machine.machine import Machine
-    from beamcam.pictures.pdf import Paper
+    from beamcam.pictures.formats import Paper
     from beamcam.pictures.scene import Scene
     from beamcam.pipeline import Posted
 
@@ -97,14 +97,14 @@ def picture(scenes: "Sequence[Scene]", suffix: str, paper: "Paper" = "a4") -> st
     Raises PictureError where the library for the format is not installed.
     """
     if suffix == ".pdf":
-        from beamcam.pictures.pdf import to_pdf
+        from beamcam.pictures.formats import to_pdf
 
         return to_pdf(scenes, paper)
     if suffix == ".png":
-        from beamcam.pictures.png import to_png
+        from beamcam.pictures.formats import to_png
 
         return to_png(scenes[0])
-    from beamcam.pictures.svg import to_svg
+    from beamcam.pictures.formats import to_svg
 
     return to_svg(scenes[0])
 
