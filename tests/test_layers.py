@@ -41,7 +41,6 @@ STEPS = (
     ("suggestions",),
     ("remainder", "rest_part"),
     ("batch", "api"),
-    ("watch",),
     ("commands",),
     ("cli",),
     ("__main__",),
