@@ -11,13 +11,19 @@ import numpy as np
 import shapely
 
 from beamcam.checks.drawn_texts import EXACT, NEAR, DrawnPieces, RequiredText, wanted
-from beamcam.checks.lettering import Steel, box_of, is_clear, is_surely_clear, steel_within
 from beamcam.checks.request import is_manual_work, manual_work
 from beamcam.checks.sheets import rules
 from beamcam.checks.sheets.need import Need, shift_of
 from beamcam.checks.sheets.strokes import Strokes
 from beamcam.checks.sheets.work import SHOWN, Work
-from beamcam.checks.text_assignment import text_positions
+from beamcam.checks.text_assignment import (
+    Steel,
+    box_of,
+    is_clear,
+    is_surely_clear,
+    steel_within,
+    text_positions,
+)
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.array_types import Floats
 from beamcam.geometry.curves import Curve, Line
