@@ -97,7 +97,9 @@ def command(
         for path, name in _programs(folder, config.machine):
             if path.resolve() in known:
                 continue
-            if name is None and any(fnmatch(_below(path, folder), one) for one in strays):
+            if name is None and any(
+                fnmatch(path.relative_to(folder).as_posix(), one) for one in strays
+            ):
                 left_out += 1
                 continue
             if name is None:
@@ -116,10 +118,6 @@ def command(
     left = _accepted(results, console) if update else results
     if any(r.result != "same" for r in left):
         raise SystemExit(REFUSED)
-
-
-def _below(path: Path, folder: Path) -> str:
-    return path.relative_to(folder).as_posix()
 
 
 def _not_compared(results: list[Checked], unknown: list[str], folder: str) -> Iterator[Checked]:

@@ -215,13 +215,11 @@ def _too_much(program: ReadProgram, made: BarMade | TableMade) -> str:
         count = sum(last - first for first, last, process in made.strokes if process == "cut")
     if program.machine.stock == "sheet":
         torch = program.machine.torch
-        if torch is None or not (torch.thickness or any(_walls(p) for p in program.parts)):
+        if torch is None or not (
+            torch.thickness or any(p.profile.web_thickness for p in program.parts)
+        ):
             return "the thickness of the sheet is not known"
     return f"{count} cuts and moves are too many" if count > MAX_WORK else ""
-
-
-def _walls(part: Part) -> bool:
-    return bool(part.profile.web_thickness)
 
 
 def _bar(program: ReadProgram, made: BarMade, chord: float) -> Iterator[tuple[str, str, Mesh]]:
