@@ -22,8 +22,7 @@ import numpy as np
 from msgspec import Struct
 
 from beamcam.controllers import cell_events, table_events
-from beamcam.controllers.events import HeadMove, Switch
-from beamcam.controllers.rotary import in_degrees
+from beamcam.controllers.events import HeadMove, Switch, in_degrees
 from beamcam.errors import BeamcamError, Source
 from beamcam.geometry.array_types import Counts, Floats
 from beamcam.machine.faults import TABLE_CONTROLLERS
