@@ -61,8 +61,6 @@ def may_be_missing(
     part: Part, targets: Sequence[Target], tools: ToolCatalogue, names: Collection[str]
 ) -> frozenset[int]:
     """The features of a part, by their indices, that may be left out under some names."""
-    if not names:
-        return frozenset()
     left = {t.feature for t in targets if isinstance(t, Unmakeable) and t.name in names}
     spindles: dict[str, Spindle] = {s.face: s for s in tools.machine.spindles}
     choices = choices_of(tools.machine, part.profile, lip_length(part))
