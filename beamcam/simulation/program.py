@@ -84,7 +84,7 @@ def _bar(text: str, machine: Machine, name: str, parts: Sequence[Part]) -> Simul
 
 def _coper(text: str, machine: Machine, name: str) -> Simulated:
     from beamcam.controllers import cell_events
-    from beamcam.simulation.copers import coper_trace
+    from beamcam.simulation.course import coper_trace
 
     events, diagnostics = cell_events(text, machine, name)
     if errors_in(diagnostics):
