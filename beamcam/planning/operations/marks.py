@@ -261,9 +261,12 @@ def _around(slot: Slot) -> list[tuple[float, float]]:
 
 # What the machine cannot letter is left for manual work: it lacks nothing.
 TEXT = WorkKind(
-    "text", lambda feature: isinstance(feature, TextMark), lambda *_: None, steps=_text_steps,
+    "text",
+    lambda feature: isinstance(feature, TextMark),
+    lambda *_: None,
+    steps=_text_steps,
     reasons={
         "letter": "a text lettered by strokes",
         "tell": "a text that the machine's stamp or printer can letter",
     },
-)  # fmt: skip
+)
