@@ -209,7 +209,8 @@ class PartPlanner:
 
 # The interface of a kind of work on a bar.
 #
-# Each is a module of this package that ends with its `WorkKind`, and a row of `kinds.KINDS`.
+# Each is a `WorkKind` at the end of its section in a module of this package, and a row of
+# `work.KINDS`.
 # Messages that are errors refuse a feature, by the first of them; it may then be left out if its
 # code is allowed by name.
 
