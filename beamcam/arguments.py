@@ -13,7 +13,7 @@ from beamcam.errors import BeamcamError, Diagnostic, Source, error
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
 from beamcam.plain_text import MAX_COMMENT, terminal_text
-from beamcam.planning.rules import ALL_SKIPS, SKIP_NAMES
+from beamcam.planning.left_out import ALL_SKIPS, SKIP_NAMES
 from beamcam.self_test import load_tested
 
 ASK_TYPE = error("ask-type",

@@ -80,7 +80,10 @@ class Rule(Struct, frozen=True):
     def at(self, source: Source, **values: object) -> Diagnostic:
         """The diagnostic for this rule at `source`. Raises KeyError if a value is missing."""
         shown = {name: _shortened(value) for name, value in values.items()}
-        kept = tuple((name, _plain(value)) for name, value in shown.items())
+        kept = tuple(
+            (name, value if isinstance(value, str | int | float) else str(value))
+            for name, value in shown.items()
+        )
         return Diagnostic(source, self.severity, self.code, self.message.format_map(shown), kept)
 
 
@@ -89,11 +92,6 @@ def _shortened(value: object) -> object:
     if isinstance(value, str) and len(value) > MAX_SHOWN:
         return f"{value[:MAX_SHOWN]}... ({len(value) - MAX_SHOWN} more characters)"
     return value
-
-
-def _plain(value: object) -> Value:
-    """A value that is kept: numbers and texts are what they are, anything else is its text."""
-    return value if isinstance(value, str | int | float) else str(value)
 
 
 def first_of_each_kind(diagnostics: Iterable[Diagnostic]) -> Iterator[Diagnostic]:

@@ -17,7 +17,7 @@ from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
 from beamcam.model.plan import NOT_MADE, AnyPlan, clock
 from beamcam.model.request import Job, Request
-from beamcam.planning.rules import SKIP_NAMES
+from beamcam.planning.left_out import SKIP_NAMES
 from beamcam.posts import plan_seconds, post_of
 
 LONGEST = 3  #: machines of a chain

@@ -13,7 +13,6 @@ from typing import Any, Literal, TypeVar
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam import readers
 from beamcam.arguments import AnyMachine, check_arguments, machine_of
 from beamcam.budget import check_pieces
 from beamcam.checks.head import head_of, other_bar
@@ -32,11 +31,11 @@ from beamcam.planning.left_out import (
     MANUAL_WORK,
     left_out_kinds,
     manual_work_sources,
+    named_skips,
     told,
 )
-from beamcam.planning.rules import named_skips
 from beamcam.posts import Written, beginning, post_of
-from beamcam.readers.content import Reading, content, shown_name
+from beamcam.readers import Reading, content, read, shown_name
 from beamcam.reconcile import head_differences, other_than_planned
 
 Made = TypeVar("Made")
@@ -120,7 +119,7 @@ def read_file(path: str, strict: bool = False, **options: object) -> Reading:
     name, data = shown_name(path), content(path)
     if isinstance(data, Diagnostic):
         return Reading("unknown", (), (data,))
-    return judged(readers.read(data, name, **options), strict)
+    return judged(read(data, name, **options), strict)
 
 
 def judged(reading: Reading, strict: bool) -> Reading:

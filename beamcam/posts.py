@@ -124,7 +124,7 @@ def trigger_post() -> Post:
     """Of a table run by triggers in Structured Text."""
     from beamcam.checks.st import verify_triggers
     from beamcam.emitters import simotion
-    from beamcam.motion.triggers import trigger_table
+    from beamcam.motion.triggers import trigger_table, trigger_time
     from beamcam.planning.contours.rules import CHAIN
 
     def emit(program: Any, job: Job) -> str:
@@ -138,12 +138,7 @@ def trigger_post() -> Post:
         text = _text(program)
         return _of_asked(verify_triggers, job, text, text)
 
-    def time(plan: SheetPlan, table: Any, machine: Machine) -> WorkTime:
-        from beamcam.motion.table_times import trigger_time
-
-        return trigger_time(plan, table, machine)
-
-    return Post(_plan_sheet, trigger_table, emit, read_back, _with_remarks, time)
+    return Post(_plan_sheet, trigger_table, emit, read_back, _with_remarks, trigger_time)
 
 
 def step_post() -> Post:
@@ -151,7 +146,7 @@ def step_post() -> Post:
     from beamcam.checks.steps import FORMS as READ_BACK
     from beamcam.checks.steps import verify_table
     from beamcam.emitters.step_table import FORMS
-    from beamcam.motion.steps import step_table
+    from beamcam.motion.steps import step_table, step_time
 
     def emit(program: Any, job: Job) -> Written:
         form = FORMS[job.request.style or job.machine.suffix]
@@ -164,8 +159,6 @@ def step_post() -> Post:
         return _of_asked(partial(verify_table, form), job, pieces, beginning(program))
 
     def time(plan: SheetPlan, _: Any, machine: Machine) -> WorkTime:
-        from beamcam.motion.table_times import step_time
-
         return step_time(plan, machine)
 
     return Post(_plan_sheet, step_table, emit, read_back, _with_remarks, time)

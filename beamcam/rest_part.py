@@ -13,7 +13,6 @@ from typing import TypeVar
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam import readers
 from beamcam.checks.request import rest_faults
 from beamcam.errors import Diagnostic, PlanError, ReadError, VerifyError, errors_in, note
 from beamcam.machine.machine import Machine
@@ -24,6 +23,7 @@ from beamcam.model.request import Request
 from beamcam.pipeline import Posted, begin, finished
 from beamcam.planning.begun import begun_part
 from beamcam.planning.left_out import LEFT_OUT, MANUAL_WORK
+from beamcam.readers import read
 from beamcam.writers import Target
 
 Sourced = TypeVar("Sourced", Part, Feature, Plane)  #: what says where it comes from
@@ -154,7 +154,7 @@ def _refused(request: Request, machines: Sequence[Machine]) -> tuple[Diagnostic,
 
 def _read(text: str, target: Target) -> Part:
     """The part of a text that was written here. Raises ReadError."""
-    reading = readers.read(text.encode(), f"rest{target.suffixes[0]}")
+    reading = read(text.encode(), f"rest{target.suffixes[0]}")
     if errors_in(reading.diagnostics) or len(reading.parts) != 1:
         raise ReadError(reading.diagnostics)
     return reading.parts[0]

@@ -21,8 +21,7 @@ from beamcam.machine.machine import Machine
 from beamcam.machine.words import WORD
 from beamcam.model.part import Contour, EndCuts, Feature, Hole, Part, Process, Profile
 from beamcam.model.request import Job, Request
-from beamcam.planning.left_out import left_out_kinds, manual_work_sources
-from beamcam.planning.rules import SKIP_NAMES
+from beamcam.planning.left_out import SKIP_NAMES, left_out_kinds, manual_work_sources
 from beamcam.posts import Written, beginning, carries_head, post_of
 
 _AT = Source("the plate or bar on trial")

@@ -14,9 +14,9 @@ from beamcam.model.plan import AnyPlan
 from beamcam.model.request import Job, Request
 from beamcam.planning.beam import MOST_TRIED
 from beamcam.planning.contours.rules import SHARED, UNMAPPED
-from beamcam.planning.rules import SKIP_NAMES
+from beamcam.planning.left_out import SKIP_NAMES
 from beamcam.posts import post_of
-from beamcam.readers.content import Reading
+from beamcam.readers import Reading
 
 LONG_BARS = (6000.0, 12000.0, 15000.0, 18000.0)  #: mm that mills roll and stockists keep
 GAPS = (0.05, 0.1, 0.2, 0.5, 1.0, 2.0)  #: mm between ends that may be meant to meet

@@ -24,7 +24,7 @@ sys.path.insert(0, str(ROOT))
 
 from beamcam.errors import Severity  # noqa: E402
 from beamcam.model.part import Part  # noqa: E402
-from beamcam.readers.content import Reading  # noqa: E402
+from beamcam.readers import Reading  # noqa: E402
 from beamcam.readers.ifc import Options, read  # noqa: E402
 from benchmarks.ifc_anyhow import written_anyhow  # noqa: E402
 from benchmarks.ifc_families import (  # noqa: E402

@@ -34,7 +34,7 @@ from beamcam.errors import Diagnostic, Severity, Source
 from beamcam.machine import Machine, load
 from beamcam.model.part import Hole, Part, Profile
 from beamcam.pipeline import parts_of, post, read_file
-from beamcam.planning.rules import SKIP_NAMES
+from beamcam.planning.left_out import SKIP_NAMES
 from benchmarks.asked_liars import told as told_of_jobs
 from benchmarks.faults import FAULTS
 from benchmarks.feed_faults import told as told_of_feeds

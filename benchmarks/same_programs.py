@@ -117,7 +117,7 @@ def _post(parts: Any, machine: Any, options: dict[str, Any]) -> dict[str, str]:
     from beamcam.errors import BeamcamError
     from beamcam.pipeline import post
     from beamcam.planning.explain import explain
-    from beamcam.planning.rules import SKIP_NAMES
+    from beamcam.planning.left_out import SKIP_NAMES
 
     if options.get("skips"):
         options = options | {"skips": SKIP_NAMES}

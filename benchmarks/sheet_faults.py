@@ -20,7 +20,7 @@ from beamcam.machine import Machine, load
 from beamcam.machine.overlay import with_torch
 from beamcam.model.part import Measures, Part
 from beamcam.pipeline import post
-from beamcam.planning.rules import SKIP_NAMES
+from beamcam.planning.left_out import SKIP_NAMES
 from benchmarks.liars import Lies
 from benchmarks.sheet_liars import COLOURS, contour, lines, part_of
 

@@ -27,7 +27,7 @@ from beamcam.model.part import Contour, Hole, Measures, Part, Process, Profile, 
 from beamcam.model.plan import ContourOp, Outcome, Pass, SheetPlan
 from beamcam.model.request import Job, Request
 from beamcam.planning.contours.outline import stretch
-from beamcam.planning.rules import SKIP_NAMES
+from beamcam.planning.left_out import SKIP_NAMES
 from beamcam.posts import Written, post_of
 from benchmarks.liars import REASONS, Lies
 

@@ -59,10 +59,11 @@ def _use_machine(data: bytes) -> None:
 
 def _use_parts(name: str, data: bytes, chance: random.Random) -> None:
     from beamcam.machine import load
+    from beamcam.model import part_json
     from beamcam.model.part_json import part_to_json
     from beamcam.readers import read
     from beamcam.reports.tables import part_table
-    from beamcam.writers import dstv, faces_dxf, part_json
+    from beamcam.writers import dstv, faces_dxf
 
     reading = read(data, name)
     for said in reading.diagnostics:
@@ -89,7 +90,7 @@ def _post(name: str, data: bytes, machine: Any) -> None:
     from beamcam.machine.overlay import with_torch
     from beamcam.model.part import Contour
     from beamcam.pipeline import post
-    from beamcam.planning.rules import SKIP_NAMES
+    from beamcam.planning.left_out import SKIP_NAMES
     from beamcam.readers import read
 
     parts = read(data, name).parts[:MOST_PARTS]

@@ -3,7 +3,7 @@
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping
 
-from beamcam.checks.owners import Owner
+from beamcam.checks import Owner
 
 Vocabulary = Mapping[str, frozenset[str]]  #: words, each with what it may carry
 

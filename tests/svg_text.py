@@ -4,8 +4,7 @@ from beamcam.errors import errors_in
 from beamcam.geometry.curves import Curve
 from beamcam.model.lengths import total_length
 from beamcam.model.part import extent
-from beamcam.readers import svg
-from beamcam.readers.content import Reading
+from beamcam.readers import Reading, svg
 
 PAGE = 'width="100mm" height="100mm" viewBox="0 0 100 100"'
 

@@ -188,7 +188,7 @@ def test_nothing_to_do(tmp_path: Path) -> None:
 
 
 def test_a_drawing_without_a_part(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from beamcam.readers.content import Reading
+    from beamcam.readers import Reading
 
     monkeypatch.setattr(work, "read", lambda data, name: Reading("dxf", ()))
     made = made_of(Task(0, "a.dxf", b"x"), BatchSettings(load("beamline")))
@@ -198,8 +198,7 @@ def test_a_drawing_without_a_part(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
 
 def test_several_parts_in_a_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Each is posted by itself; one that is refused refuses the file and no other part."""
-    from beamcam.readers import read
-    from beamcam.readers.content import Reading
+    from beamcam.readers import Reading, read
 
     texts = (part("M 1"), BAD, part("M_1", 2500.0), part("M2"), part("M2", 2500.0))
     parts = tuple(read(text.encode(), f"{k}.nc1").parts[0] for k, text in enumerate(texts))
@@ -219,8 +218,7 @@ def test_several_parts_in_a_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 
 def test_members_that_cannot_be_read_stop_no_other(monkeypatch: pytest.MonkeyPatch) -> None:
     """The members of a model are parts of their own; of any other file an error refuses all."""
-    from beamcam.readers import read
-    from beamcam.readers.content import EMPTY, Reading
+    from beamcam.readers import EMPTY, Reading, read
 
     (good,) = read(part("M1").encode(), "1.nc1").parts
     said = EMPTY.at(Source("model.ifc", None, "GUID"))

@@ -25,9 +25,14 @@ from beamcam.model.part import Contour, Feature, Hole, Part, TextMark
 from beamcam.model.plan import Outcome
 from beamcam.model.request import Request
 from beamcam.pipeline import Posted, RefusedProgram, post, read_back
-from beamcam.planning.left_out import MANUAL_WORK
-from beamcam.planning.rules import SKIP_NAMES
-from beamcam.reports.manual_work import HEAD, LIST_SUFFIX, as_csv, manual_rows
+from beamcam.planning.left_out import (
+    HEAD,
+    LIST_SUFFIX,
+    MANUAL_WORK,
+    SKIP_NAMES,
+    as_csv,
+    manual_rows,
+)
 from tests.conftest import SAMPLES
 from tests.runs import batch, counts, part, report
 from tests.unit.planning.shop import part as beam

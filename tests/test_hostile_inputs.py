@@ -12,8 +12,8 @@ from click.testing import CliRunner
 from beamcam.cli import main
 from beamcam.conversion import MAX_NUMBER
 from beamcam.geometry.bezier import MAX_DEGREE
+from beamcam.model import part_json
 from beamcam.readers import read
-from beamcam.writers import part_json
 from tests.conftest import SAMPLES
 
 HOSTILE = Path(__file__).parent / "hostile"

@@ -29,10 +29,9 @@ STEPS = (
         "motion",
         "emitters",
         "checks",
-        "reports",
         "config",
     ),
-    ("posts", "comparison", "recovery", "simulation"),
+    ("posts", "comparison", "recovery", "simulation", "reports"),
     ("self_test",),
     ("arguments",),
     ("pictures",),
@@ -42,7 +41,6 @@ STEPS = (
     ("suggestions",),
     ("remainder", "rest_part"),
     ("batch", "api"),
-    ("watch",),
     ("commands",),
     ("cli",),
     ("__main__",),
@@ -196,7 +194,7 @@ def test_each_pass_of_the_plan_of_a_bar_is_one_call_of_another_room() -> None:
     rooms = set(passes) - {"operations.part_planner"}  # the machine's stations, not the parts
     assert len(passes) == len(set(passes))
     assert rooms == {
-        "stock", "operations.work", "nesting", "axis_limits", "order",
+        "operations.work", "nesting", "axis_limits", "order",
     }  # fmt: skip
     table = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
     assert all(f"`planning/{one.replace('.', '/')}.py`" in table for one in rooms)

@@ -22,10 +22,10 @@ from beamcam.errors import Source
 from beamcam.machine import load
 from beamcam.model.part import Part, Profile
 from beamcam.plain_text import harmless_cell
+from beamcam.planning.left_out import HEAD as HAND_HEAD
+from beamcam.planning.left_out import as_csv as hand_csv
 from beamcam.planning.stock import first_fit
 from beamcam.reports.labels import Label, LabelSize, as_pdf, as_zpl, code_rows
-from beamcam.reports.manual_work import HEAD as HAND_HEAD
-from beamcam.reports.manual_work import as_csv as hand_csv
 from beamcam.reports.tables import Table, as_csv, as_xlsx
 from tests.conftest import ROOT, examples
 

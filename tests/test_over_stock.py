@@ -23,7 +23,7 @@ from beamcam.checks.head import Head, head_of
 from beamcam.cli import main
 from beamcam.machine import load
 from beamcam.pipeline import read_file
-from beamcam.readers.content import Reading
+from beamcam.readers import Reading
 from tests.conftest import SAMPLES, examples
 from tests.runs import BAD, part
 

@@ -14,7 +14,7 @@ import pytest
 from click.testing import CliRunner
 from msgspec.structs import replace
 
-from beamcam.checks.owners import Language, Owner, Rows, Stock
+from beamcam.checks import Language, Owner, Rows, Stock
 from beamcam.cli import main
 from beamcam.commands import codes
 from beamcam.controllers import events, interpreter_of

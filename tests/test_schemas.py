@@ -14,8 +14,8 @@ from msgspec.structs import replace
 from beamcam import readers
 from beamcam.cli import main
 from beamcam.machine import shipped
+from beamcam.model.part_json import write
 from beamcam.readers.part_json import read
-from beamcam.writers.part_json import write
 from tests.conftest import ROOT, SAMPLES, sampled
 
 MACHINES = ROOT / "beamcam" / "machines"

@@ -13,8 +13,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from beamcam.batch.find import SUFFIXES, Input
+from beamcam.commands.watch import AGAIN_S, HotFolder, Stamp, file_away, look
 from beamcam.readers import has_end
-from beamcam.watch import AGAIN_S, HotFolder, Stamp, file_away, look
 from tests.conftest import ROOT, SAMPLES, examples
 from tests.runs import BAD, HANG_S, batch, counts, fill, part, programs, wait_until
 

@@ -10,7 +10,7 @@ from beamcam.arguments import AskError, ask_type
 from beamcam.conversion import PositiveCount
 from beamcam.errors import Diagnostic, ReadError
 from beamcam.model.description import MarkFrom
-from beamcam.readers.content import content
+from beamcam.readers import content
 
 #: The content of a file, or where it is.
 FileInput = str | os.PathLike[str] | bytes | bytearray | memoryview | IO[bytes] | IO[str]

@@ -42,10 +42,10 @@ from beamcam.model.request import Request
 from beamcam.pipeline import Posted, judged, read_file, remarks_on, whole_job
 from beamcam.pipeline import post as post_bar
 from beamcam.pipeline import read_back as read_program_back
-from beamcam.planning.rules import named_skips
+from beamcam.planning.left_out import named_skips
 from beamcam.posts import post_of
+from beamcam.readers import Reading
 from beamcam.readers import read as read_bytes
-from beamcam.readers.content import Reading
 
 Process = Literal["cut", "mark", "engrave", "ignore"]
 

@@ -270,13 +270,13 @@ def _read_program(
 
 def _picture(scene: "Scene", form: Picture, paper: Paper) -> str | bytes:
     if form == "pdf":
-        from beamcam.pictures.pdf import to_pdf
+        from beamcam.pictures.formats import to_pdf
 
         return to_pdf([scene], paper)
     if form == "png":
-        from beamcam.pictures.png import to_png
+        from beamcam.pictures.formats import to_png
 
         return to_png(scene)
-    from beamcam.pictures.svg import to_svg
+    from beamcam.pictures.formats import to_svg
 
     return to_svg(scene)

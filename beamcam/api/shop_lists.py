@@ -25,8 +25,7 @@ from beamcam.model.plan import stock_used
 from beamcam.model.request import ChosenBy, Quantity, Remnant, Request, remnant_of
 from beamcam.pipeline import Planned, plan_share, plans_of, stock_of
 from beamcam.planning import LotKey, Share, number_of, remnants_of, shares_of
-from beamcam.planning.rules import named_skips
-from beamcam.reports.manual_work import MARKS, manual_rows
+from beamcam.planning.left_out import MARK_ROWS, manual_rows, named_skips
 from beamcam.reports.part_list import (
     CutBar,
     CutPiece,
@@ -168,7 +167,7 @@ def _planned(one: PartCount, machines: Sequence[Machine], asked: Request) -> Par
     except PlanError as error:
         return replace(one, refused=tuple(error.diagnostics))
     kinds = [row["kind"] for row in manual_rows(planned.plan)]
-    manual_work = ManualWork(sum(kind in MARKS for kind in kinds), kinds.count("bevel"))
+    manual_work = ManualWork(sum(kind in MARK_ROWS for kind in kinds), kinds.count("bevel"))
     return replace(one, machine=planned.job.machine.name, manual_work=manual_work)
 
 

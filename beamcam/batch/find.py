@@ -16,8 +16,7 @@ from msgspec import Struct
 from beamcam.batch import FOLDER, LOOP, NOTHING
 from beamcam.config.places import CONFIG_NAME
 from beamcam.errors import Diagnostic, Source
-from beamcam.readers import FORMATS
-from beamcam.readers.content import STANDARD_INPUT, UNREADABLE, content
+from beamcam.readers import FORMATS, STANDARD_INPUT, UNREADABLE, content
 
 #: Suffixes of the inputs of a batch.
 SUFFIXES = tuple(suffix for known in FORMATS for suffix in known.suffixes)

@@ -19,7 +19,7 @@ from beamcam.model.plan import stock_used
 from beamcam.model.request import Request
 from beamcam.pipeline import Begun, begin_share, plans_of
 from beamcam.planning import Share, number_of
-from beamcam.reports.manual_work import MARKS, manual_rows
+from beamcam.planning.left_out import MARK_ROWS, manual_rows
 from beamcam.reports.part_list import ManualWork, PartCount
 from beamcam.reports.run import FileRow, PartRow, StockRow, as_message, dumped
 from beamcam.system import free_of_devices
@@ -50,7 +50,7 @@ class FileState(Task, frozen=True):
                 continue
             row["messages"] += map(as_message, choice)
             kinds = [one["kind"] for one in manual_rows(planned.plan)]
-            manual_work = ManualWork(sum(kind in MARKS for kind in kinds), kinds.count("bevel"))
+            manual_work = ManualWork(sum(kind in MARK_ROWS for kind in kinds), kinds.count("bevel"))
             machine = planned.job.machine.name
             work.looked.append(replace(count, machine=machine, manual_work=manual_work))
 

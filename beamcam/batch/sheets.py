@@ -19,10 +19,10 @@ from beamcam.files import write_whole
 from beamcam.machine_choice import on_best_machine
 from beamcam.model.description import marked
 from beamcam.model.part import Part
+from beamcam.pictures.formats import inline_svg
 from beamcam.pictures.part import small_scene
 from beamcam.pictures.program import ReadProgram
 from beamcam.pictures.scene import css
-from beamcam.pictures.svg import inline_svg
 from beamcam.pipeline import Posted, begin, counted, finished, sound
 from beamcam.processes import Died, Pool
 from beamcam.readers import is_interruptible, read

@@ -39,7 +39,7 @@ from beamcam.pipeline import (
     stock_of,
 )
 from beamcam.planning import numbered
-from beamcam.planning.rules import named_skips
+from beamcam.planning.left_out import named_skips
 from beamcam.readers import read
 from beamcam.reports.part_list import PartCount
 from beamcam.reports.run import FileRow, Message, PartRow, RestRow, as_message

@@ -22,7 +22,7 @@ from beamcam.errors import BeamcamError, Severity, Source
 from beamcam.files import REFUSED_SUFFIX
 from beamcam.machine import Machine, is_of_programs, shipped
 from beamcam.pipeline import begin, finished, parts_of, read_file
-from beamcam.reports.manual_work import is_manual_work_list, manual_rows
+from beamcam.planning.left_out import is_manual_work_list, manual_rows
 from beamcam.reports.run import as_message, message_line
 
 #: Where others than the header of a machine file say the job's name: behind `%`, as the unit of a
@@ -97,7 +97,9 @@ def command(
         for path, name in _programs(folder, config.machine):
             if path.resolve() in known:
                 continue
-            if name is None and any(fnmatch(_below(path, folder), one) for one in strays):
+            if name is None and any(
+                fnmatch(path.relative_to(folder).as_posix(), one) for one in strays
+            ):
                 left_out += 1
                 continue
             if name is None:
@@ -116,10 +118,6 @@ def command(
     left = _accepted(results, console) if update else results
     if any(r.result != "same" for r in left):
         raise SystemExit(REFUSED)
-
-
-def _below(path: Path, folder: Path) -> str:
-    return path.relative_to(folder).as_posix()
 
 
 def _not_compared(results: list[Checked], unknown: list[str], folder: str) -> Iterator[Checked]:

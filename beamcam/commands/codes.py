@@ -10,7 +10,7 @@ import msgspec
 from msgspec import Struct
 
 import beamcam
-from beamcam.checks.owners import Language, Owner, Rows, Stock
+from beamcam.checks import Language, Owner, Rows, Stock
 from beamcam.commands import UNKNOWN_CODE, options
 from beamcam.commands.common import Console, say_json
 from beamcam.conversion import nearest

@@ -17,7 +17,7 @@ from beamcam.plain_text import json_text, terminal_text
 from beamcam.system import is_reader_gone, is_unicode, taken_back
 
 if TYPE_CHECKING:
-    from beamcam.readers.content import Reading
+    from beamcam.readers import Reading
 
 REFUSED = 1  #: exit status if an input was refused
 STANDARD = "-"  #: input or output
@@ -176,7 +176,7 @@ def read_all(
 ) -> "Iterator[Reading]":
     """Content of each input; `options` as `read_file` takes them."""
     from beamcam.pipeline import read_file
-    from beamcam.readers.content import shown_name
+    from beamcam.readers import shown_name
 
     for path in inputs:
         with followed(path, console) as follow:

@@ -25,7 +25,7 @@ from beamcam.errors import BeamcamError, Diagnostic, ReadError, Severity, errors
 from beamcam.machine import Machine, is_of_programs
 from beamcam.model.part import Part
 from beamcam.pipeline import judged, parts_of
-from beamcam.readers.content import shown_name
+from beamcam.readers import shown_name
 from beamcam.reports.run import as_message, message_line
 
 

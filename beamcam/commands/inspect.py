@@ -18,7 +18,7 @@ from beamcam.commands.settings import settled, with_thickness
 from beamcam.errors import BeamcamError
 from beamcam.model.part_json import part_to_json
 from beamcam.pipeline import read_file
-from beamcam.readers.content import Reading, shown_name
+from beamcam.readers import Reading, shown_name
 from beamcam.reports.run import as_message
 from beamcam.reports.tables import member_table, part_table
 

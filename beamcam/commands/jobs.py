@@ -21,7 +21,7 @@ from beamcam.model.part import Part
 from beamcam.model.plan import AnyPlan, Order, Plan
 from beamcam.pictures.program import ReadProgram
 from beamcam.pipeline import Posted, begin, finished, read_back, untold, whole_job
-from beamcam.readers.content import shown_name
+from beamcam.readers import shown_name
 
 
 def one_program(inputs: Sequence[str]) -> bytes | None:

@@ -21,8 +21,8 @@ from beamcam.errors import BeamcamError, Diagnostic, PlanError, Source
 from beamcam.model.plan import Order
 from beamcam.model.request import Request
 from beamcam.planning import numbered
-from beamcam.planning.rules import named_skips
-from beamcam.readers.content import content
+from beamcam.planning.left_out import named_skips
+from beamcam.readers import content
 from beamcam.reports.labels import (
     CODES,
     SCHEMA,

@@ -44,7 +44,7 @@ from beamcam.model.request import Request, remnant_of
 from beamcam.pipeline import counted, sound, stock_of
 from beamcam.plain_text import terminal_text
 from beamcam.planning import number_of
-from beamcam.planning.rules import named_skips
+from beamcam.planning.left_out import named_skips
 from beamcam.reports.part_list import (
     CutBar,
     PartCount,

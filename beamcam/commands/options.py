@@ -25,7 +25,7 @@ from beamcam.errors import BeamcamError, PlanError, Source
 from beamcam.model.description import MARKS_FROM
 from beamcam.model.request import remnant_of
 from beamcam.planning import numbered
-from beamcam.planning.rules import ALL_SKIPS, SKIP_NAMES, named_skips
+from beamcam.planning.left_out import ALL_SKIPS, SKIP_NAMES, named_skips
 
 Function = Callable[..., Any]
 Decorator = Callable[[Function], Function]
@@ -369,3 +369,21 @@ def program_names(output: str, count: int) -> tuple[str, ...]:
     if output == STANDARD and count > 1:
         raise PlanError(MORE_BARS.at(Source("beamcam"), found=count))
     return numbered(output, count)
+
+
+ONE_BAR = "--from-operation is for the program of one bar."
+ONE_SHEET = "--from-contour is for the program of one sheet, in G-code."
+
+
+def from_operation(help_text: str) -> Decorator:
+    """The option --from-operation."""
+    return click.option(
+        "--from-operation", "first", type=click.IntRange(min=2), metavar="N", help=help_text
+    )
+
+
+def from_contour(help_text: str) -> Decorator:
+    """The option --from-contour."""
+    return click.option(
+        "--from-contour", "contour", type=click.IntRange(min=2), metavar="N", help=help_text
+    )

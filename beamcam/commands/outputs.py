@@ -8,12 +8,13 @@ import click
 
 from beamcam.commands.common import STANDARD, Console, write
 from beamcam.files import FilesRead, remove_made
+from beamcam.machine.faults import TABLE_CONTROLLERS
 from beamcam.machine.tables import DIALECTS
 
 if TYPE_CHECKING:
     from beamcam.config.values import Config
     from beamcam.machine.machine import Machine
-    from beamcam.pictures.pdf import Paper
+    from beamcam.pictures.formats import Paper
     from beamcam.pictures.scene import Scene
     from beamcam.pipeline import Posted
 
@@ -96,14 +97,14 @@ def picture(scenes: "Sequence[Scene]", suffix: str, paper: "Paper" = "a4") -> st
     Raises PictureError where the library for the format is not installed.
     """
     if suffix == ".pdf":
-        from beamcam.pictures.pdf import to_pdf
+        from beamcam.pictures.formats import to_pdf
 
         return to_pdf(scenes, paper)
     if suffix == ".png":
-        from beamcam.pictures.png import to_png
+        from beamcam.pictures.formats import to_png
 
         return to_png(scenes[0])
-    from beamcam.pictures.svg import to_svg
+    from beamcam.pictures.formats import to_svg
 
     return to_svg(scenes[0])
 
@@ -125,6 +126,11 @@ def table_style(machine: "Machine", output: str, style: str | None) -> str | Non
     if suffix not in FORMS:
         raise click.UsageError(f"found {output!r}; expected a name in {', '.join(FORMS)}, or -")
     return suffix
+
+
+def is_coded_sheet(machine: "Machine") -> bool:
+    """Whether a machine cuts sheets by a program of contours."""
+    return machine.stock == "sheet" and machine.controller not in TABLE_CONTROLLERS
 
 
 def job_name(config: "Config", machine: "Machine", output: str) -> str:
@@ -164,7 +170,7 @@ def write_list(posted: "Posted", output: str, console: Console, read: FilesRead)
     """
     if output == STANDARD:
         return
-    from beamcam.reports.manual_work import LIST_BEGIN, LIST_SUFFIX, as_csv, manual_rows
+    from beamcam.planning.left_out import LIST_BEGIN, LIST_SUFFIX, as_csv, manual_rows
 
     path = output + LIST_SUFFIX
     if rows := manual_rows(posted.plan):

@@ -18,8 +18,8 @@ from beamcam.model.part import Part
 from beamcam.model.plan import Order
 from beamcam.model.request import Options, Quantity, Request, Selection
 from beamcam.pipeline import counted, parts_of
-from beamcam.planning.rules import named_skips
-from beamcam.readers.content import content
+from beamcam.planning.left_out import named_skips
+from beamcam.readers import content
 from beamcam.system import cores
 
 _DRAWING_NAMES = ("units", "width", "layers", "fit", "encoding", "wrap")

@@ -10,22 +10,26 @@ from msgspec.structs import replace
 
 from beamcam.commands import options
 from beamcam.commands.common import STANDARD, Console, Grouped, keep_apart, keep_refused, write
-from beamcam.commands.options import program_names, quantity
-from beamcam.commands.outputs import job_name, outputs, program, table_style, write_list
-from beamcam.commands.parts import part_options, read_parts, request_of
-from beamcam.commands.remainders import (
+from beamcam.commands.options import (
     ONE_BAR,
     ONE_SHEET,
-    check_rest,
     from_contour,
     from_operation,
-    is_coded_sheet,
-    rest_file,
-    rest_option,
+    program_names,
+    quantity,
 )
+from beamcam.commands.outputs import (
+    is_coded_sheet,
+    job_name,
+    outputs,
+    program,
+    table_style,
+    write_list,
+)
+from beamcam.commands.parts import part_options, read_parts, request_of
 from beamcam.commands.settings import files_read, machine_asked, machines_for, map_remarks, settled
 from beamcam.config.values import Config
-from beamcam.errors import BeamcamError, Diagnostic, PlanError
+from beamcam.errors import BeamcamError, Diagnostic, PlanError, Source
 from beamcam.files import FilesRead
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Contour, Feature, Hole, Slot, TextMark
@@ -44,6 +48,15 @@ from beamcam.pipeline import (
 from beamcam.planning.left_out import left_out_sources, manual_work_sources
 
 FLAT = 150.0  #: mm that flats are wide at most, which a saw may cut to length (EN 10058)
+
+
+OF_ONE = "--rest is for the programs of one part of a bar, as it was read: without --turn."
+NOT_WHOLE = "faces-dxf"  #: the format that holds no more than the faces of a part
+
+rest_option = click.option(
+    "--rest", "rest_name", type=options.FILE, metavar="FILE",
+    help="Write what the program does not make of its part too, for the next machine.",
+)  # fmt: skip
 
 
 @click.command("post", cls=Grouped)
@@ -210,6 +223,34 @@ def _rest(made: Sequence[tuple[str, Posted]], first: int | None, contour: int | 
     if made[0][1].job.machine.stock != "beam" or len(made) != 1:
         raise click.UsageError(ONE_BAR)
     return rest_of(made[0][1], first)
+
+
+def check_rest(path: str, made: Sequence[Posted]) -> None:
+    """Raises click.UsageError where no rest can be written, or not in such a file."""
+    from beamcam.commands.convert import target_of
+    from beamcam.writers import TARGETS
+
+    if target_of(path, None).name == NOT_WHOLE:
+        expected = ", ".join(s for t in TARGETS if t.name != NOT_WHOLE for s in t.suffixes)
+        raise click.UsageError(f"--rest {path!r}: expected a name in {expected}")
+    request = made[0].job.request
+    if len(request.parts) != 1 or request.turn or request.machine.stock == "sheet":
+        raise click.UsageError(OF_ONE)
+
+
+def rest_file(path: str, posted: Posted) -> tuple[str | None, Diagnostic]:
+    """The text of the rest, None where nothing is left, and a note of it.
+
+    Raises BeamcamError as `rest_of_part` does.
+    """
+    from beamcam.commands.convert import target_of
+    from beamcam.rest_part import NO_REST, REST, rest_of_part
+
+    rest = rest_of_part(posted, target_of(path, None))
+    if rest is None:
+        return None, NO_REST.at(Source(path))
+    part, text = rest
+    return text, REST.at(Source(path), found=len(part.features))
 
 
 def _frames(made: Sequence[tuple[str, Posted]], name: str) -> list[tuple[str, str]]:

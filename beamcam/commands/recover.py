@@ -17,7 +17,7 @@ from beamcam.errors import BeamcamError, Diagnostic, ReadError, Source, errors_i
 from beamcam.model.part import Profile
 from beamcam.model.section import measures_of
 from beamcam.pipeline import as_error
-from beamcam.readers.content import shown_name
+from beamcam.readers import shown_name
 from beamcam.recovery import KnownStock, recover, with_marks
 from beamcam.writers import TARGETS
 

@@ -22,7 +22,7 @@ from beamcam.machine.words import UNKNOWN_MACHINE
 from beamcam.machine_choice import InTurn
 from beamcam.model.part import Part
 from beamcam.pipeline import stock_of
-from beamcam.readers.content import Reading
+from beamcam.readers import Reading
 from beamcam.self_test import load_tested
 
 #: Keys of a configuration that are options of their own, by the name of the option's value.

@@ -11,28 +11,29 @@ from beamcam.checks.request import LEFT_OUT, MANUAL_WORK
 from beamcam.commands import options
 from beamcam.commands.common import REFUSED, STANDARD, Console, Grouped, say_json
 from beamcam.commands.diff import refuse_part
+from beamcam.commands.options import ONE_BAR, ONE_SHEET, from_contour, from_operation
+from beamcam.commands.outputs import is_coded_sheet
 from beamcam.commands.parts import input_bytes, looking_options, read_parts, request_of
-from beamcam.commands.remainders import (
-    ONE_BAR,
-    ONE_SHEET,
-    after,
-    faults_of_rest,
-    from_contour,
-    from_operation,
-    is_coded_sheet,
-)
 from beamcam.commands.settings import machine_for_program, settled
 from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Diagnostic, errors_in
 from beamcam.model.plan import Order
 from beamcam.model.request import Request
-from beamcam.pipeline import read_back
-from beamcam.planning.rules import named_skips
-from beamcam.readers.content import shown_name
+from beamcam.pipeline import begin, finished, read_back, whole_job
+from beamcam.planning.left_out import named_skips
+from beamcam.readers import shown_name
 from beamcam.reports.run import as_message
 
 #: Rules for features that a program may be without.
 NOT_MADE = (LEFT_OUT.code, MANUAL_WORK.code)
+
+
+after = click.option(
+    "--after",
+    type=options.FILE,
+    metavar="WHOLE",
+    help="The program that was stopped; by default the one that `post` makes of the PARTs.",
+)
 
 
 @click.command("verify", cls=Grouped)
@@ -87,12 +88,12 @@ def command(
     if first is not None and contour is not None:
         raise click.UsageError("--from-operation and --from-contour exclude each other.")
     where = "--from-contour" if first is None else "--from-operation"
-    begin = contour if first is None else first
-    if begin is not None and not parts:
+    start = contour if first is None else first
+    if start is not None and not parts:
         raise click.UsageError(f"{where} needs the PARTs, behind --against.")
-    if after is not None and begin is None:
+    if after is not None and start is None:
         raise click.UsageError("--after needs --from-operation, where PROGRAM goes on.")
-    if solid and (not parts or begin is not None):
+    if solid and (not parts or start is not None):
         raise click.UsageError("--solid needs the PARTs of a whole program, behind --against.")
     if (program, after, *parts).count(STANDARD) > 1:
         raise click.UsageError("found - twice; expected it once, standard input is read once.")
@@ -118,8 +119,8 @@ def command(
             *head_remarks(head, machine, name),
             *(
                 read_back(data, request, bar)
-                if begin is None
-                else faults_of_rest(data, request, begin, bar, after)
+                if start is None
+                else faults_of_rest(data, request, start, bar, after)
             ),
             *(_solid_faults(data, request, bar) if solid else ()),
         )
@@ -148,3 +149,31 @@ def _allowed(config: Config, head: Head | None) -> tuple[str, ...]:
     if head is None or config.strict or "allow_skips" in config.sources:
         return config.allow_skips
     return head.allowed
+
+
+def faults_of_rest(
+    rest: bytes | str, request: Request, first: int, bar: float | None, whole: str | None
+) -> tuple[Diagnostic, ...]:
+    """Everything that is wrong with the remainder from operation `first` on of a program.
+
+    Of a sheet that is a contour. `whole` is the file of the program that was stopped; without it,
+    it is posted anew. `bar` is the bar's length where it is known.
+    """
+    from beamcam.remainder import faults_of, faults_of_sheet_rest
+
+    of_sheet = is_coded_sheet(request.machine)
+    rule = ONE_SHEET if of_sheet else ONE_BAR
+    job = whole_job(request, bar)
+    if whole is None:
+        name = f"program posted of {PurePath(shown_name(request.parts[0].source.file)).name}"
+        begun = begin(replace(request, verified=False, strict=False, name="JOB"))
+        if len(begun) != 1:
+            raise click.UsageError(rule)
+        text = finished(begun[0]).text
+    else:
+        name, text = shown_name(whole), _text(input_bytes(whole))
+    return (faults_of_sheet_rest if of_sheet else faults_of)(_text(rest), text, first, job, name)
+
+
+def _text(program: bytes | str) -> str:
+    return program if isinstance(program, str) else program.decode("utf-8", "replace")

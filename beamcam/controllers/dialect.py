@@ -23,8 +23,14 @@ from beamcam.caches import PerObject
 from beamcam.controllers.codesys import LETTERS, NUMBER
 from beamcam.controllers.events import FeedShare, Material, Other, Output, Switch
 from beamcam.errors import Rule, Severity, error
-from beamcam.machine.codes import CARRYING, plain_code, plain_key, shown_code
-from beamcam.machine.machine import CodeMeaning, Machine
+from beamcam.machine.machine import (
+    CARRYING,
+    CodeMeaning,
+    Machine,
+    plain_code,
+    plain_key,
+    shown_code,
+)
 from beamcam.machine.stations import tool_numbers
 from beamcam.machine.torch import Torch, TorchProcess
 

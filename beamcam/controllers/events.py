@@ -28,13 +28,16 @@ Where a table's torch stands over the sheet, as far as its program says it.
 A touch tells the height without a Z, G92 then calls it one; both together tell where Z counts from.
 """
 
-from math import inf, isnan, nan
+from collections.abc import Iterable
+from math import degrees, inf, isnan, nan
 from typing import Generic, Literal, TypeVar
 
 from msgspec import Struct
+from msgspec.structs import replace
 
 from beamcam.geometry.curves import Arc, Bezier, EllipseArc
 from beamcam.geometry.plane import Point
+from beamcam.machine.coper import Coper
 from beamcam.machine.torch import Torch
 
 Curve = Arc | Bezier | EllipseArc
@@ -238,3 +241,30 @@ class Heights:
     def is_clear(self) -> bool:
         """Whether the torch stands where it may be moved in X and Y."""
         return not isnan(self.height) and self.height >= self._clearance
+
+
+# --- tubes that turn ------------------------------------------------------------------------------
+
+# What turns a tube below its torch, where programs do not give it as A in degrees and with Y.
+
+
+def in_degrees(events: Iterable[BarEvent], coper: Coper, diameter: float) -> list[BarEvent]:
+    """Events whose A is in degrees, of a machine on which it may count mm of the surface.
+
+    There A is the arc u of the place on top, from the lowest line of the tube towards face v;
+    turned by A degrees the place at 90 - A from that line is on top. A torch without Y is over the
+    axis, Y 0.
+    """
+    if coper.a_unit == "deg" and coper.y == "follows":
+        return [*events]
+    found: list[BarEvent] = []
+    for event in events:
+        if isinstance(event, Move) and coper.a_unit == "mm":
+            first, last = (90.0 - degrees(2 * a / diameter) for a in event.a_deg)
+            event = replace(event, a_deg=(first, last))
+        if isinstance(event, Move) and coper.y == "fixed":
+            (x0, y0, z0), (x1, y1, z1) = event.start, event.end
+            y0, y1 = (0.0 if isnan(y) else y for y in (y0, y1))
+            event = replace(event, start=(x0, y0, z0), end=(x1, y1, z1))
+        found.append(event)
+    return found

@@ -27,7 +27,7 @@ from beamcam.controllers.events import (
 from beamcam.errors import Diagnostic, Rule, Source
 from beamcam.geometry.curves import Arc
 from beamcam.geometry.plane import Point
-from beamcam.machine.codes import shown_code
+from beamcam.machine.machine import shown_code
 from beamcam.model.cell_motion import (
     DRILL,
     DRILL_AND_DWELL,

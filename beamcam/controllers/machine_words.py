@@ -26,9 +26,8 @@ from beamcam.controllers.dialect import (
     tool_words,
 )
 from beamcam.controllers.events import BarEvent, Lettering, Move, Place, Switch
-from beamcam.machine.codes import key_for, plain_code
 from beamcam.machine.faults import TABLE_CONTROLLERS, words_of
-from beamcam.machine.machine import Machine
+from beamcam.machine.machine import Machine, key_for, plain_code
 from beamcam.machine.tables import DIALECTS
 from beamcam.model.description import PART_DATA
 

@@ -6,7 +6,7 @@ from math import sqrt
 from beamcam.machine.machine import Machine
 from beamcam.machine.range_faults import Fault, trigger_faults
 from beamcam.machine.stations import FLAT_DEG, Saw, Spindle, ToolSet, inch_size
-from beamcam.machine.tables import DIALECTS, STEP_FORMS, modbus_faults
+from beamcam.machine.tables import DIALECTS, STEP_FORMS
 from beamcam.machine.torch import Torch
 from beamcam.machine.words import body_faults
 
@@ -376,4 +376,8 @@ def view_faults(machine: Machine) -> Iterator[Fault]:
         letters = "XYZ" if lifts else "XY"
         names = frozenset(machine.triggers.all_axes if machine.triggers else letters)
     yield from body_faults(machine.bodies, names)
-    yield from modbus_faults(machine.modbus, len(names))
+    modbus, count = machine.modbus, len(names)
+    if modbus.scales and len(modbus.scales) != count:
+        yield "modbus.scales", len(modbus.scales), f"{count}, one for each axis"
+    if modbus.first + count * modbus.words + 6 > 65536:
+        yield "modbus.first", modbus.first, "an address whose registers end by 65535"

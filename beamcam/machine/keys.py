@@ -175,17 +175,13 @@ class Own(list[Any]):
 
 def _lines(table: Mapping[str, Any], prefix: str, meanings: Mapping[str, str]) -> Iterator[str]:
     """The lines of a table, its plain values before the tables in it."""
-    plain = {key: value for key, value in table.items() if not _is_table(value)}
+    plain = {k: v for k, v in table.items() if not (v and isinstance(v, dict))}
     for key, value in plain.items():
         yield from _value(key, value, meanings.get(prefix + key, ""))
     for key, value in table.items():
         if key not in plain:
             yield from ("", f"[{prefix}{_key(key)}]")
             yield from _lines(value, f"{prefix}{key}.", meanings)
-
-
-def _is_table(value: object) -> bool:
-    return isinstance(value, dict) and bool(value)
 
 
 def _value(key: str, value: object, meaning: str) -> Iterator[str]:

@@ -14,7 +14,6 @@ from beamcam.caches import cached
 from beamcam.conversion import Fault, converted, nearest
 from beamcam.errors import Diagnostic, MachineError, Source
 from beamcam.geometry.plane import MAX_COORDINATE
-from beamcam.machine.codes import code_faults
 from beamcam.machine.faults import (
     number_faults,
     pair_faults,
@@ -26,7 +25,7 @@ from beamcam.machine.faults import (
 from beamcam.machine.machine import Machine, MachineFile
 from beamcam.machine.overlay import KeyTwice, with_more_rows, with_present_keys
 from beamcam.machine.range_faults import range_faults, template_faults
-from beamcam.machine.references import marking_faults, name_faults, reference_faults
+from beamcam.machine.references import code_faults, marking_faults, name_faults, reference_faults
 from beamcam.machine.toml import (
     MAX_TOML_BYTES,
     TomlError,

@@ -4,6 +4,7 @@ Lengths are mm and angles degrees. A `Formula` is arithmetic over the names in `
 so that where a station measures from is a line of the machine file and not of the program.
 """
 
+import re
 from collections.abc import Mapping
 from math import inf, sqrt
 from typing import Annotated, Literal, TypeVar
@@ -236,3 +237,67 @@ def path_limits(machine: Machine) -> PathLimits | None:
 
 def _jerk(axis: ControlledAxis) -> float:
     return inf if axis.jerk is None else axis.jerk
+
+
+# --- G and M words --------------------------------------------------------------------------------
+
+# Those that a machine's file gives a meaning, and all that its controller takes.
+#
+#     G81, M77           a word, whatever it carries
+#     M64P2              a word with what tells it from its like
+#     o<probe>           a call of a subroutine, LinuxCNC's
+#     #<holes>           a value that is set by its name, LinuxCNC's
+#     Z                  a letter of a table that beamcam does not follow
+
+
+_CODE = re.compile(r"([GM])(\d{1,3})(\.\d)?")
+CARRYING_CODE = re.compile(r"(M\d{1,3})([A-Z$])(-?\d{1,6}(?:\.\d{1,3})?)")
+#: M words that switch outputs, and the letter that says which.
+_OUTPUTS = {
+    **dict.fromkeys(("M10", "M11", "M62", "M63", "M64", "M65"), "P"), "M67": "E", "M68": "E",
+}  # fmt: skip
+#: Meanings that need a number with the word.
+CARRYING = {"feed share": "E P Q", "height": "P Q", "material": "P Q"}
+#: Letters that a table of X and Y may carry for axes and offsets that beamcam does not follow.
+OTHER_LETTERS = frozenset("ABCUVWZHTKELD")
+
+
+def plain_code(text: str) -> str | None:
+    """A G or M word without leading zeros, `G01` as `G1`; None if it is none."""
+    match = _CODE.fullmatch(text)
+    if match is None or (match[1] == "M" and match[3]):
+        return None
+    return f"{match[1]}{int(match[2])}{match[3] or ''}"
+
+
+def plain_key(text: str) -> str:
+    """A key of `[codes]` as programs are looked at: `M064P02` as `M64P2`, any other as it is."""
+    match = CARRYING_CODE.fullmatch(text)
+    if match is not None:
+        return f"{plain_code(match[1])}{match[2]}{float(match[3]):g}"
+    return plain_code(text) or text
+
+
+def meaning_of(
+    codes: Mapping[str, CodeMeaning], code: str, values: Mapping[str, float]
+) -> tuple[str, CodeMeaning] | None:
+    """The key that explains a word with what it carries, and what it says; None if there is none.
+
+    A key with what the word carries goes before one of the word alone.
+    """
+    for letter, value in values.items():
+        key = f"{code}{letter}{value:g}"
+        if key in codes:
+            return key, codes[key]
+    return (code, codes[code]) if code in codes else None
+
+
+def key_for(code: str, values: Mapping[str, float]) -> str:
+    """The key that would explain a word: with the number of its output, where it is one's."""
+    letter = _OUTPUTS.get(code, "")
+    return f"{code}{letter}{values[letter]:g}" if values.get(letter, -1.0) >= 0.0 else code
+
+
+def shown_code(code: str) -> str:
+    """A plain word as programs have it, `G1` as `G01`."""
+    return f"{code[0]}0{code[1:]}" if len(code.partition(".")[0]) == 2 else code

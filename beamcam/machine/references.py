@@ -1,10 +1,20 @@
-"""Checks of what one table of a machine file names in another: spindles, faces, axes, processes."""
+"""Checks of what a machine file names: spindles, faces, axes and processes of its other tables, and
+G and M words of its controller.
+"""
 
 import re
 from collections.abc import Iterator, Set
-from typing import get_args
+from typing import Literal, get_args
 
-from beamcam.machine.machine import Machine
+from beamcam.machine.machine import (
+    CARRYING,
+    CARRYING_CODE,
+    OTHER_LETTERS,
+    CodeMeaning,
+    Machine,
+    TableMeaning,
+    plain_code,
+)
 from beamcam.machine.stations import Pair, Spindle
 from beamcam.machine.torch import TorchProcess
 from beamcam.machine.words import signed
@@ -213,3 +223,119 @@ def _word_faults(machine: Machine) -> Iterator[Fault]:
             yield key, telling[0], "{" + name + "} beside {string}"
     if not any("X{x}" in line for line in template if line not in telling):
         yield key, list(template), "a line before it with X{x}, which brings the bar there"
+
+
+# --- G and M words --------------------------------------------------------------------------------
+
+
+#: G words with a fixed meaning on every controller of a family, whatever a file says.
+_DOCUMENTED_G = frozenset(range(7)) | {8, 9, 17, 20, 21, 40, 41, 42, 64, 75, 90, 91, 98, 99}
+_DOCUMENTED_M = frozenset(range(10)) | {30}
+_NAMED = re.compile(r"o<[a-z0-9_-]+>|#<[a-z0-9_-]+>(?:=-?[0-9.]+)?")
+#: M words of a controller that start and stop a tool or coolant, which a table may wire otherwise.
+_WIRED_M = frozenset((3, 4, 5, 7, 8, 9))
+_OF_TABLES = frozenset(get_args(TableMeaning))
+#: "User Defined Commands M100-M199", and M words of its own that beamcam gives no meaning.
+_OWN_OF_LINUXCNC = frozenset({*range(100, 200), *range(61, 74)})
+
+
+def code_faults(machine: Machine) -> Iterator[Fault]:
+    """Words of `[codes]` and `allowed_codes` that are none, or cannot mean what they should."""
+    for code, meaning in machine.codes.items():
+        key = f"codes.{code}"
+        if machine.stock == "sheet":
+            yield from _table_code_faults(machine, code, meaning)
+            continue
+        plain = plain_code(code)
+        if plain is None:
+            yield key, code, "a G word such as G81, or an M word such as M77"
+        elif _number(plain) in (_DOCUMENTED_G if plain[0] == "G" else _DOCUMENTED_M):
+            yield key, code, "another word, as the controller gives that one a meaning"
+        elif meaning != "none" and plain[0] == "M":
+            yield key, meaning, "none, as an M word switches what only a template can tell"
+        elif meaning in _OF_TABLES:
+            yield key, meaning, "what a word of a line does; that is one of a table's"
+        elif meaning != "none" and machine.controller != "codesys":
+            yield key, meaning, f"none, as {machine.controller} has cycles of its own"
+        elif plain[0] == "M" and not _takes_own_m(machine, _number(plain)):
+            yield (
+                key,
+                code,
+                "M61 to M73, or M100 to M199, the words of the user"
+                if (machine.controller == "linuxcnc")
+                else f"no M word, {machine.controller} has no others",
+            )
+    if machine.startup_code and machine.controller not in ("linuxcnc", "grbl", "mach3"):
+        expected = f"none, programs of {machine.controller} say all that holds"
+        yield "startup_code", machine.startup_code, expected
+    yield from _allowed_code_faults(machine)
+
+
+def _table_code_faults(machine: Machine, code: str, meaning: CodeMeaning) -> Iterator[Fault]:
+    """What is wrong with a word of a table's own, and with what it is to mean."""
+    key, of = f"codes.{code}", machine.controller
+    torch = machine.torch
+    if code in OTHER_LETTERS:
+        if meaning != "none":
+            yield key, meaning, "none, a letter by itself does nothing"
+        elif code == "Z" and torch is not None and torch.z == "program":
+            yield key, meaning, "no such key, as the program moves Z (torch.z)"
+        return
+    if meaning not in _OF_TABLES and meaning != "none":
+        yield key, meaning, "what a word of a table does; a table does not drill"
+        return
+    if meaning in ("height", "touch off") and (torch is None or torch.z != "program"):
+        yield key, meaning, 'another meaning, or torch.z = "program", as the controller moves Z'
+        return
+    if _NAMED.fullmatch(code):
+        if of != "linuxcnc":
+            yield key, code, f"a G or M word; {of} has no names"
+        elif meaning in CARRYING:
+            yield key, meaning, "a meaning without a number"
+        return
+    carrying = CARRYING_CODE.fullmatch(code)
+    plain = plain_code(carrying[1] if carrying else code)
+    if plain is None:
+        yield key, code, "a G word such as G81, or an M word such as M77 or M64P2"
+        return
+    number = _number(plain)
+    if plain[0] == "G" and (number in _DOCUMENTED_G or meaning != "none"):
+        if number in _DOCUMENTED_G:
+            yield key, code, "another word, as the controller gives that one a meaning"
+        else:
+            yield key, meaning, "none, as a G word switches nothing"
+    elif plain[0] == "M" and number in _DOCUMENTED_M - _WIRED_M:
+        yield key, code, "another word, as the controller gives that one a meaning"
+    elif plain[0] == "M" and number in _WIRED_M and meaning == "none" and not carrying:
+        yield key, meaning, "what it switches, as it starts or stops something"
+    elif plain[0] == "M" and number not in _WIRED_M and not _takes_own_m(machine, number):
+        expected = "M61 to M73, or M100 to M199, the words of the user"
+        yield key, code, expected if of == "linuxcnc" else f"no M word, {of} has no others"
+
+
+def _allowed_code_faults(machine: Machine) -> Iterator[Fault]:
+    worded: tuple[Literal["codesys"], ...] | tuple[str, ...]
+    worded = ("codesys", "linuxcnc", "grbl", "mach3")
+    if machine.allowed_codes and machine.controller not in worded:
+        codes = list(machine.allowed_codes)
+        yield "allowed_codes", codes, f"none, a program of {machine.controller} has no such words"
+        return
+    seen: set[str] = set()
+    for index, code in enumerate(machine.allowed_codes):
+        plain = plain_code(code)
+        if plain is None:
+            yield f"allowed_codes.{index}", code, "a G or M word such as G01 or M30"
+        elif plain in seen:
+            yield f"allowed_codes.{index}", code, "each word once"
+        else:
+            seen.add(plain)
+
+
+def _number(plain: str) -> int:
+    return int(plain[1:].partition(".")[0])
+
+
+def _takes_own_m(machine: Machine, number: int) -> bool:
+    if machine.controller == "linuxcnc":
+        return number in _OWN_OF_LINUXCNC
+    return machine.controller in ("codesys", "mach3")

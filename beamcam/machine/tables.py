@@ -6,7 +6,7 @@ Their differences are data, here and in the shipped texts of `runtime`, for the 
 and the simulation alike.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from math import floor
 from typing import Annotated, Literal
 
@@ -242,11 +242,3 @@ class Modbus(Keys, frozen=True):
     def scale_of(self, axis: int) -> float:
         """mm or degrees of one count."""
         return self.scales[axis] if self.scales else self.scale
-
-
-def modbus_faults(modbus: Modbus, axes: int) -> Iterator[tuple[str, object, str]]:
-    """Scales that are not one for each axis, registers beyond the last address."""
-    if modbus.scales and len(modbus.scales) != axes:
-        yield "modbus.scales", len(modbus.scales), f"{axes}, one for each axis"
-    if modbus.first + axes * modbus.words + 6 > 65536:
-        yield "modbus.first", modbus.first, "an address whose registers end by 65535"

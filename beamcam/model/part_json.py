@@ -5,6 +5,7 @@ kind; the key `feature` says which place each has among all, since comments name
 `bbox` and `path_length` are written for those who read the file and ignored on reading.
 """
 
+import json
 from collections.abc import Iterable
 from typing import Any
 
@@ -29,6 +30,7 @@ from beamcam.model.part import (
     TextMark,
 )
 from beamcam.model.part_forms import PartForm
+from beamcam.plain_text import json_text
 
 PART_SCHEMA = "beamcam/part/1"
 
@@ -141,3 +143,9 @@ def part_schema() -> Schema:
     schema["$defs"]["PartForm"]["properties"]["schema"] = {"const": PART_SCHEMA}
     schema["$defs"]["CurveForm"] |= {"minProperties": 1, "maxProperties": 1}
     return schema
+
+
+def write(part: Part) -> str:
+    """The part as JSON text of the schema `beamcam/part/1`, with a line end; numbers to the bit."""
+    value = {"schema": PART_SCHEMA, **part_to_json(part)}
+    return json_text(json.dumps(value, indent=2, ensure_ascii=False, allow_nan=False)) + "\n"

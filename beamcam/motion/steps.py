@@ -6,7 +6,7 @@ plan -> ways -> planned motion -> steps of each axis (step_events) -> rows of wo
 from collections.abc import Iterator
 from functools import partial
 from itertools import pairwise
-from math import dist, floor, hypot
+from math import ceil, dist, floor, hypot
 from typing import Any
 
 import numpy as np
@@ -16,11 +16,12 @@ from numpy.typing import NDArray
 from beamcam.geometry.array_types import Counts, Floats
 from beamcam.machine.machine import Machine
 from beamcam.machine.tables import Stepper
-from beamcam.model.plan import SheetPlan
+from beamcam.model.plan import SheetPlan, WorkTime
 from beamcam.model.program import LASER_BIT, StepRows, StepTable, VelocityRow
 from beamcam.motion.densify import DensifyRules, densify
 from beamcam.motion.lookahead import LookAheadRules, PlannedPath, plan_speeds
 from beamcam.motion.profile import AxisLimits
+from beamcam.motion.sheet_times import by_operation
 from beamcam.motion.step_events import MICROSECONDS, MOVE_BITS, MOVES, TIME_BIT, events
 
 # --- velocity table -------------------------------------------------------------------------------
@@ -204,3 +205,26 @@ def _without(values: NDArray[Any], which: Counts) -> NDArray[Any]:
         return np.delete(values, which)
     first, *more = np.split(values, which)
     return np.concatenate([first, *(run[1:] for run in more)])
+
+
+def step_time(plan: SheetPlan, machine: Machine) -> WorkTime:
+    """Run time of a step table: until its last step, and the standstill after it.
+
+    Each way is planned by the look-ahead, from rest to rest, as for the rows themselves.
+    """
+    return by_operation(plan, _way_passes(plan, machine))
+
+
+def _way_passes(plan: SheetPlan, machine: Machine) -> Iterator[float]:
+    """Seconds of each pass with the way to it, and of the return home."""
+    stepper = machine.needed(machine.stepper, "stepping motors")
+    rest_us = int(2 * MICROSECONDS / stepper.max_hz) + 1
+    microseconds = 0
+    for way in ways(plan, machine):
+        waits = round(way.wait_s * MICROSECONDS) if way.laser else 0
+        moves = ceil(plan_way(way, stepper).duration_s * MICROSECONDS)
+        microseconds += waits + moves + 2 * rest_us
+        if way.laser:
+            yield microseconds / MICROSECONDS
+            microseconds = 0
+    yield microseconds / MICROSECONDS

@@ -36,9 +36,8 @@ from beamcam.planning.nesting import LaidParts, lay
 from beamcam.planning.operations.part_planner import BarLine, line_of
 from beamcam.planning.operations.saw_cut import cuts_of
 from beamcam.planning.operations.tools import ROUNDING, Tooling, Tools
-from beamcam.planning.operations.work import PartWork, works_on
+from beamcam.planning.operations.work import PartWork, refuse_stock, works_on
 from beamcam.planning.order import cutting_remarks, reloads, sort_along_x
-from beamcam.planning.stock import refuse_stock
 from beamcam.planning.times import work_time
 from beamcam.planning.turning import TURNS, Turn, alike, lies, turned
 
@@ -139,14 +138,12 @@ def plan_bar(
 ) -> Plan:  # fmt: skip
     """The work that makes `parts`, as they lie, from one bar of length `bar`, or as they need.
 
-    `skips` names what may be left out (`rules.SKIP_NAMES`), `order` whether the parts lie as they
+    `skips` names what may be left out (`SKIP_NAMES`), `order` whether the parts lie as they
     are given or as they nest best. Raises PlanError with everything that the machine cannot make,
     and LimitError; nothing is left out that is not in the plan's outcomes.
     """
     line = line_of(machine)
-    refusals = [*refuse_stock(parts, line)]
-    if refusals:
-        raise PlanError(refusals)
+    refuse_stock(parts, line)
     check_features((part.source, len(part.features)) for part in parts)
     works, remarks = works_on(parts, line, skips)
     laid = lay(works, line, order, bar)

@@ -11,7 +11,7 @@ from beamcam.errors import Diagnostic, error
 from beamcam.machine.machine import Machine
 from beamcam.model.part import EndCuts, FileComment, Part
 from beamcam.model.plan import NOT_MADE, AnyPlan
-from beamcam.planning.operations.ends import ends_of
+from beamcam.planning.operations.finished_part import ends_of
 
 BEGUN = error("plan-begun",
     "found a part that another machine has begun; expected a whole one, {machine} makes its ends",

@@ -37,7 +37,7 @@ from beamcam.machine.stations import Saw
 from beamcam.model.part import Part
 from beamcam.model.plan import Bar, Order, Piece
 from beamcam.planning import rules
-from beamcam.planning.operations.ends import Ends, SawnEnd
+from beamcam.planning.operations.finished_part import Ends, SawnEnd
 from beamcam.planning.operations.part_planner import BarLine
 from beamcam.planning.operations.work import PartWork
 

@@ -3,8 +3,6 @@
 What one kind of work alone refuses stands in its file under `operations/`.
 """
 
-from collections.abc import Iterable
-
 from beamcam.errors import error, note, warning
 
 # fmt: off
@@ -137,22 +135,6 @@ DRILL_SIZE = note("plan-drill-size",
 OTHER = error("plan-other",
     "found {found}; expected none, the machine does not bend, camber or cut in space",
     "`--allow-skips other` leaves it to another machine.")
-
-
-#: What may be left out of a program: codes of refusals by the kinds of work, without their "plan-".
-SKIP_NAMES = (
-    "tool", "countersink", "sink-depth", "thread-depth", "face", "reach", "stroke", "axis",
-    "off-face", "slot", "cope", "cutout", "mark", "bevel", "other",
-)  # fmt: skip
-ALL_SKIPS = "all"  #: in place of the names of all kinds of features
-
-
-def named_skips(words: Iterable[str]) -> tuple[str, ...]:
-    """The kinds of features that are named, each once and in order; `all` names every kind."""
-    names = set(words)
-    if ALL_SKIPS in names:
-        names = (names - {ALL_SKIPS}) | {*SKIP_NAMES}
-    return tuple(sorted(names))
 
 
 def no_unit(tool: str) -> str:

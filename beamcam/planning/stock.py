@@ -1,63 +1,27 @@
-"""The bar that parts are cut from: its section, and of those in store the shortest that will do."""
+"""The bars that parts are cut from: of those in store the shortest that will do.
 
-from collections.abc import Iterator, Mapping, Sequence
+Parts on as many bars of stock as they need, first fit.
+
+    D. S. Johnson, Near-optimal bin packing algorithms, 1973: each part in the order given goes
+    onto the first bar begun that has room for it. It never takes more than 17/10 of the minimum.
+
+Remnants come first, the shortest before the others, each once. Other bars begin as the longest in
+store; at the end each is the shortest that holds its parts. The first bar with room is looked for
+in a tournament tree, so that n parts take n log n steps: a job has tens of thousands.
+"""
+
+from collections.abc import Mapping, Sequence
 from math import floor, inf
 
 from msgspec import Struct
 
-from beamcam.errors import Diagnostic, PlanError, Source
+from beamcam.errors import Diagnostic, PlanError
 from beamcam.machine.machine import Layout, Machine
 from beamcam.machine.stations import Saw
 from beamcam.model.part import Part
 from beamcam.model.plan import Bar
-from beamcam.model.section import section_fault
-from beamcam.planning import rules
 from beamcam.planning.nesting import SAME_ANGLE_DEG, BarRow, bar_of, lay_on_bar, row_of, row_with
-from beamcam.planning.operations.ends import Ends, SawnEnd, ends_of
-from beamcam.planning.operations.part_planner import BarLine
-
-
-def refuse_stock(parts: Sequence[Part], line: BarLine) -> Iterator[Diagnostic]:
-    """Errors for sections that the machine does not take, or that differ on one bar."""
-    machine, layout = line.machine, line.layout
-    if not parts:
-        yield rules.NO_PARTS.at(Source(machine.name))
-        return
-    profile = parts[0].profile
-    for part in parts:
-        mine = part.profile
-        if mine.code not in layout.profiles or mine.code not in machine.sections:
-            yield rules.STOCK.at(
-                part.source, found=mine.code, machine=machine.name,
-                expected=", ".join(layout.profiles),
-            )  # fmt: skip
-        elif mine is not profile and mine != profile:
-            yield rules.MIXED_PROFILES.at(part.source, found=mine.name, expected=profile.name)
-        fault = section_fault(mine)
-        if fault is not None:
-            yield rules.SECTION_SHAPE.at(part.source, found=fault, code=mine.code)
-    stations = (("saw", line.saw), ("drill", line.drill))
-    for part in parts:
-        height, width = part.profile.height, part.profile.width
-        for station, size in stations:
-            if height > size.max_height or width > size.max_width:
-                yield rules.SECTION_SIZE.at(
-                    part.source, found=f"{height:g} x {width:g}", station=station,
-                    expected=f"{size.max_height:g} x {size.max_width:g}",
-                )  # fmt: skip
-
-
-# --- stock bars -----------------------------------------------------------------------------------
-
-# Parts on as many bars of stock as they need, first fit.
-#
-#     D. S. Johnson, Near-optimal bin packing algorithms, 1973: each part in the order given goes
-#     onto the first bar begun that has room for it. It never takes more than 17/10 of the minimum.
-#
-# Remnants come first, the shortest before the others, each once. Other bars begin as the longest in
-# store; at the end each is the shortest that holds its parts. The first bar with room is looked for
-# in a tournament tree, so that n parts take n log n steps: a job has tens of thousands.
-
+from beamcam.planning.operations.finished_part import Ends, SawnEnd, ends_of
 
 SLACK = 1e-3  #: mm by which a bar may seem fuller than it is; the account of the bar decides
 

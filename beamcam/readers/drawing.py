@@ -16,7 +16,7 @@ from beamcam.geometry.newton import find_oscillation, newton_through, node_error
 from beamcam.geometry.plane import MAX_COORDINATE, Matrix, join_boxes
 from beamcam.model.part import Contour, Measures, Part, Profile, extent
 from beamcam.plain_text import whole_text
-from beamcam.readers.content import NODES_LOST, OSCILLATION, Reading
+from beamcam.readers import Reading
 
 # fmt: off
 
@@ -47,6 +47,13 @@ FITTED = note("drawing-fitted",
     "other contours there stay as they are drawn",
     "This is what --fit newton=LAYER asked for; single lines and polylines with arcs are kept.")
 
+OSCILLATION = warning("polynomial-oscillates",
+    "found that {found}",
+    "Between many nodes a polynomial swings; take fewer nodes, or several curves of up to five.")
+NODES_LOST = error("polynomial-lost",
+    "found a polynomial through {nodes} nodes that misses them by {found:.3g} mm, expected at most "
+    "{expected:g} mm; take fewer nodes",
+    "Its values cancel each other until no digit of them is left.")
 WRAP_NAME = error("drawing-wrap-option",
     "found the tube {found!r}; expected its diameter and its wall in mm, as RO168.3x8",
     "The option --wrap names the round tube whose unrolled surface is drawn.")
@@ -298,8 +305,10 @@ def tube_of(name: str) -> Profile | None:
     return Profile("RO", f"CHS{across:g}*{wall:g}", across, across, wall, wall)
 
 
-def wrapped(reading: Reading, name: str) -> Reading:
-    """The parts of a drawing as tubes whose unrolled surface is drawn."""
+def wrapped(reading: Reading, name: str | None) -> Reading:
+    """The parts of a drawing as tubes whose unrolled surface is drawn, where one is named."""
+    if name is None or reading.refused:
+        return reading
     tube = tube_of(name)
     parts: list[Part] = []
     diagnostics: list[Diagnostic] = []

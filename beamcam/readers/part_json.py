@@ -46,7 +46,7 @@ from beamcam.model.part_forms import (
 )
 from beamcam.model.part_json import PART_SCHEMA
 from beamcam.plain_text import fault_text, whole_text
-from beamcam.readers.content import Reading
+from beamcam.readers import Reading
 from beamcam.readers.drawing import checked_polynomials
 
 # --- part from json -------------------------------------------------------------------------------

@@ -61,7 +61,10 @@ def holes_of(
     make = _Maker(tools, profile, name)
     holes = [make.drilled(b) for b in drills]
     holes += [make.thread(b) for b in taps]
-    holes += [make.sink(b, [p for p in (*drills, *taps) if _same(p, b, tools)]) for b in sinks]
+    holes += [
+        make.sink(b, [p for p in (*drills, *taps) if _is_at(p, b.face, b.x, b.y, tools)])
+        for b in sinks
+    ]
     holes += [make.mark(b) for b in bores if b.kind == "punch"]
     return sorted(holes, key=lambda h: h.source.line or 0)
 
@@ -122,10 +125,6 @@ class _Maker:
         y = plain(bore.y, 0.75 * self.slack, self.decimals)
         source = Source(self.name, bore.line)
         return Hole(bore.face, bore.x, y, diameter, source, depth, kind, angle)  # type: ignore[arg-type]
-
-
-def _same(a: Bore, b: Bore, tools: ToolCatalogue) -> bool:
-    return _is_at(a, b.face, b.x, b.y, tools)
 
 
 def _is_at(bore: Bore, face: str, x: float, y: float, tools: ToolCatalogue) -> bool:
@@ -274,7 +273,10 @@ class _Bar:
         paths = [self._path(t, from_x) for t in made.paths if self._in(piece, t.face, t.points[0])]
         led = [f for f in paths if f is not None]
         bores = [b for b in made.bores if self._in(piece, b.face, (b.x, b.y))]
-        here = [replace(b, x=self._x(b, from_x)) for b in bores]
+        form = self.machine.format
+        here = [
+            replace(b, x=plain(b.x - from_x, form.resolution, form.length_decimals)) for b in bores
+        ]
         texts = self._texts(piece, first, made)
         return (*holes_of(here, led, self.tools, self.profile, self.name), *led, *texts)
 
@@ -285,10 +287,6 @@ class _Bar:
             if self._in(piece, t.face, (t.x - at + self.tools.drill.x, t.y)):
                 x = plain(t.x - at - first, form.resolution, form.length_decimals)
                 yield TextMark(t.face, x, t.y, t.angle, t.height, t.text, Source(self.name, t.line))
-
-    def _x(self, bore: Bore, from_x: float) -> float:
-        form = self.machine.format
-        return plain(bore.x - from_x, form.resolution, form.length_decimals)
 
     def _path(self, trail: MachinedPath, from_x: float) -> Feature | None:
         moved = replace(trail, points=tuple([(x - from_x, y) for x, y in trail.points]))

@@ -33,7 +33,7 @@ def feature_of(
     trail: MachinedPath, tools: ToolCatalogue, profile: Profile, source: Source
 ) -> Hole | Slot | Contour | NotAFeature:
     """The feature that a path makes; its x counts from the part's start."""
-    points = _apart(trail.points)
+    points = [trail.points[0], *(b for a, b in pairwise(trail.points) if a != b)]
     if trail.kind == "scribe":
         lines = tuple([Line(a, b) for a, b in pairwise(points)])
         closed = dist(points[0], points[-1]) <= tools.machine.format.resolution
@@ -102,11 +102,6 @@ def _pockets(
                 0, trail.face, x, y, length, height, turned, diameter, depth, "",
                 Hole(trail.face, x, y, diameter, Source("")),
             )  # fmt: skip
-
-
-def _apart(points: Sequence[Point]) -> list[Point]:
-    """The points without those that repeat the one before."""
-    return [points[0], *(b for a, b in pairwise(points) if a != b)]
 
 
 def _hull(points: Sequence[Point]) -> list[Point]:

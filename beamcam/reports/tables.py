@@ -11,7 +11,7 @@ from msgspec import Struct
 from beamcam.errors import Diagnostic, Severity
 from beamcam.geometry.plane import join_boxes
 from beamcam.model.lengths import total_length
-from beamcam.model.part import Bend, Camber, Contour, EndPlane, Hole, Part, Slot, TextMark
+from beamcam.model.part import Bend, Camber, Contour, EndPlane, Hole, Part, Slot
 from beamcam.plain_text import harmless_cell, json_text, terminal_text
 
 if TYPE_CHECKING:
@@ -194,7 +194,11 @@ def _features(part: Part) -> Iterator[str]:
             ("face", "kind", "process", "curves", "length", "box"),
             _contours(part.contours),
         ),
-        ("texts", ("face", "x", "y", "height", "text"), _texts(part.texts)),
+        (
+            "texts",
+            ("face", "x", "y", "height", "text"),
+            [(t.face, f"{t.x:g}", f"{t.y:g}", f"{t.height:g}", t.text) for t in part.texts],
+        ),
         ("others", ("what", "where"), list(_others(part))),
     ]
     for title, head, rows in tables:
@@ -233,10 +237,6 @@ def _contours(contours: Iterable[Contour]) -> list[Row]:
          " ".join(f"{v:g}" for v in join_boxes([curve.bbox for curve in c.curves]) or ()))
         for c in contours
     ]  # fmt: skip
-
-
-def _texts(texts: Iterable[TextMark]) -> list[Row]:
-    return [(t.face, f"{t.x:g}", f"{t.y:g}", f"{t.height:g}", t.text) for t in texts]
 
 
 def _others(part: Part) -> Iterator[Row]:

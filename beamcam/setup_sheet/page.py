@@ -7,8 +7,8 @@ from typing import Any
 
 from beamcam.checks.request import MANUAL_WORK
 from beamcam.pictures.bar_made import BarMade
+from beamcam.pictures.formats import inline_svg
 from beamcam.pictures.scene import SPEED_COLOURS, css
-from beamcam.pictures.svg import inline_svg
 from beamcam.planning.coping.rules import ROUNDED
 from beamcam.reports.run import as_message, message_line
 from beamcam.reports.templates import as_it_stands, static_text, template

@@ -9,7 +9,7 @@ from html import escape
 from typing import Any
 
 from beamcam.pictures.bar_made import BarMade
-from beamcam.pictures.pdf import (
+from beamcam.pictures.formats import (
     MARGIN,
     SIZES,
     Paper,

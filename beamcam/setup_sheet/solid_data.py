@@ -1,5 +1,7 @@
 """What a program leaves of its bar or sheet, as a solid for the page: quantised triangles.
 
+Each is marked with the line of the program that made it.
+
 box      least corner and size of a piece: its points are shares of it, in 1/65535
 points   how many corners the piece has, `triangles` how many triangles
 wide     bytes of a number of a corner: 2, or 4 where there are more corners
@@ -12,28 +14,142 @@ lines    runs of triangles that one line of the program made: line, how many; 0 
 import base64
 import json
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from msgspec import Struct
 
-from beamcam.controllers import table_events
-from beamcam.controllers.events import HeadMove, Switch
+from beamcam.controllers import cell_events, table_events
+from beamcam.controllers.events import HeadMove, Switch, in_degrees
 from beamcam.errors import BeamcamError, Source
-from beamcam.geometry.array_types import Counts
+from beamcam.geometry.array_types import Counts, Floats
 from beamcam.machine.faults import TABLE_CONTROLLERS
+from beamcam.machine.machine import Machine
 from beamcam.machine.torch import material_said
 from beamcam.model.part import Part, Profile
 from beamcam.pictures.bar_made import BarMade
 from beamcam.pictures.coper import part_of
 from beamcam.pictures.program import ReadProgram, coper_program
 from beamcam.pictures.table import TableMade
-from beamcam.solid.kernel import facets
-from beamcam.solid.mesh import Mesh, bar_meshes, coper_meshes, sheet_meshes
+from beamcam.solid.bar_solid import bar_pieces, lying, points_of, said_of_section, work_of
+from beamcam.solid.coper_solid import burns_of, stock_of, taken_by
+from beamcam.solid.copers import as_tube
+from beamcam.solid.kernel import Frame, facets, minus, prism
 from beamcam.solid.plates import thickness_of
-from beamcam.solid.sheet_solid import SweptStroke, rows_for, strokes_of
+from beamcam.solid.sheet_solid import SweptStroke, left_of, rows_for, strokes_of
+from beamcam.solid.sheet_solid import taken_by as taken_of_sheet
+
+if TYPE_CHECKING:
+    from manifold3d import Manifold
+
+AS_DRAWN: Frame = ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0))
+ENDS = 1.0  #: mm off the ends of a bar; what comes nearer is a trim
+STEEP = 0.5  #: share of a wall's height that the normal of a flat has at least
+
+
+class Mesh(Struct, frozen=True):
+    """A piece: n corners, m triangles counter-clockwise seen from outside."""
+
+    points: Floats  #: (n, 3), mm
+    triangles: Counts  #: (m, 3)
+    lines: Counts  #: (m,) of the program; 0 is the stock's own surface
+
+
+def bar_meshes(
+    text: str, machine: Machine, parts: Sequence[Part], name: str, bar: float | None, chord: float
+) -> list[Mesh]:
+    """The pieces of a bar's program along x; the first part gives the section.
+
+    Polygons of tools lie at most `chord` within their circles. Raises BeamcamError where the
+    section has no solid.
+    """
+    events, _ = cell_events(text, machine, name)
+    stock = lying(parts[0], said_of_section(events, machine))
+    lines: dict[int, int] = {}
+    work = work_of(events, machine, stock)
+    pieces = bar_pieces(work, stock, machine, bar, points_of(machine, parts), chord, lines)
+    return [_mesh(piece, lines) for piece in pieces]
+
+
+def coper_meshes(text: str, machine: Machine, part: Part, name: str, chord: float) -> list[Mesh]:
+    """The piece that a coper's program cuts out of its bar or tube, and no scrap; none if none
+    comes free.
+
+    It keeps within `chord` of what the jet leaves. Raises BeamcamError where there is no solid.
+    """
+    coper = machine.needed(machine.coper, "coper")
+    part = as_tube(part, coper) if coper.turns == "bar" else part
+    events, _ = cell_events(text, machine, name)
+    turned = in_degrees(events, coper, part.profile.height)
+    stock = stock_of(part, coper, None)
+    taken = [
+        (burn.line, taken_by(burn, coper, part).simplify(chord / 4).as_original())
+        for burn in burns_of(turned, machine, coper, part, name)
+    ]
+    lines = {one.original_id(): line for line, one in taken}
+    first, last = stock.bounding_box()[0], stock.bounding_box()[3]
+    free = []
+    for one in minus(stock, [body for _, body in taken]).decompose():
+        low, high = one.bounding_box()[0], one.bounding_box()[3]
+        is_parted = part.made is not None or (first + ENDS < low and high < last - ENDS)
+        if is_parted and high - low > part.length / 2:  # else what falls out of it
+            free.append(one)
+    piece = max(free, key=lambda one: float(one.volume()), default=None)
+    return [] if piece is None else [_mesh(piece.simplify(chord / 4), lines)]
+
+
+def _mesh(body: "Manifold", lines: Mapping[int, int]) -> Mesh:
+    mesh = body.to_mesh()
+    runs = np.asarray(mesh.run_index, dtype=np.int64) // 3
+    triangles = np.asarray(mesh.tri_verts, dtype=np.int64)
+    made = np.zeros(len(triangles), dtype=np.int64)
+    for k, original in enumerate(mesh.run_original_id):
+        made[runs[k] : runs[k + 1]] = lines.get(int(original), 0)
+    points: Floats = np.asarray(mesh.vert_properties, dtype=np.float64)[:, :3]
+    return Mesh(points, triangles, made)
+
+
+def sheet_meshes(
+    strokes: Sequence[SweptStroke], kerf: float, thickness: float, chord: float
+) -> list[Mesh]:
+    """The pieces that come free of a sheet in X and Y of the table, without what falls out of them.
+
+    Outlines keep within `chord`.
+    """
+    from shapely import Polygon, STRtree, points
+
+    cuts = [(s.moves[0].line, one) for s in strokes if s.process == "cut" and s.moves
+            for one in taken_of_sheet(s, kerf)]  # fmt: skip
+    free = left_of([one for _, one in cuts])
+    whole = [Polygon(one.exterior) for one in free]
+    pieces = [
+        one
+        for k, one in enumerate(free)
+        if not any(j != k and _is_slug(one, free[j], whole[j]) for j in range(len(free)))
+    ]
+    tree = STRtree([one for _, one in cuts])
+    line_of = np.array([line for line, _ in cuts], dtype=np.int64)
+    meshes = []
+    for piece in pieces:
+        mesh = _mesh(prism(piece.simplify(chord), 0.0, thickness, AS_DRAWN), {})
+        corners = mesh.points[mesh.triangles]
+        normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        walls = np.abs(normals[:, 2]) < STEEP * np.linalg.norm(normals, axis=1)
+        middles = corners[walls].mean(axis=1)
+        lines = np.zeros(len(mesh.triangles), dtype=np.int64)
+        if len(middles):
+            lines[walls] = line_of[tree.nearest(points(middles[:, :2]))]
+        meshes.append(Mesh(mesh.points, mesh.triangles, lines))
+    return meshes
+
+
+def _is_slug(piece: Any, other: Any, whole: Any) -> bool:
+    """Whether a piece falls out of a hole of another."""
+    at = piece.representative_point()
+    return bool(whole.contains(at) and not other.contains(at))
+
 
 LIMIT = 280_000  #: characters of a page that a solid may take
 #: How far a polygon lies within its circle, mm: from the finest on, until the page is small enough.
@@ -98,13 +214,11 @@ def _too_much(program: ReadProgram, made: BarMade | TableMade) -> str:
         count = sum(last - first for first, last, process in made.strokes if process == "cut")
     if program.machine.stock == "sheet":
         torch = program.machine.torch
-        if torch is None or not (torch.thickness or any(_walls(p) for p in program.parts)):
+        if torch is None or not (
+            torch.thickness or any(p.profile.web_thickness for p in program.parts)
+        ):
             return "the thickness of the sheet is not known"
     return f"{count} cuts and moves are too many" if count > MAX_WORK else ""
-
-
-def _walls(part: Part) -> bool:
-    return bool(part.profile.web_thickness)
 
 
 def _bar(program: ReadProgram, made: BarMade, chord: float) -> Iterator[tuple[str, str, Mesh]]:

@@ -22,7 +22,7 @@ from beamcam.machine.tables import Stepper
 from beamcam.model.part import Part
 from beamcam.model.program import ArcTravel, LiftTorch, SwitchTool, Travel, TriggerOp
 from beamcam.motion.lookahead import SpeedSection
-from beamcam.motion.table_times import operation_seconds, place_behind
+from beamcam.motion.triggers import operation_seconds, place_behind
 from beamcam.simulation import ENDLESS
 from beamcam.simulation.course import ramp_intervals
 from beamcam.simulation.trace import (
@@ -84,7 +84,7 @@ def _bar(text: str, machine: Machine, name: str, parts: Sequence[Part]) -> Simul
 
 def _coper(text: str, machine: Machine, name: str) -> Simulated:
     from beamcam.controllers import cell_events
-    from beamcam.simulation.copers import coper_trace
+    from beamcam.simulation.course import coper_trace
 
     events, diagnostics = cell_events(text, machine, name)
     if errors_in(diagnostics):
@@ -158,7 +158,7 @@ def _steps(data: str | bytes, machine: Machine, name: str, style: str) -> Simula
 # The trace of a table run by triggers: each operation from rest to rest.
 #
 # The next operation begins in the cycle behind the one that sees the arrival, as in
-# `motion.table_times`, whose times these are.
+# `motion.triggers`, whose times these are.
 
 
 #: Kinds of operations: along an arc, up and down; 0 is a line, odd ones start a tool, even stop it.

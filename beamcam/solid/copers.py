@@ -23,7 +23,7 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.controllers import cell_events
-from beamcam.controllers.rotary import in_degrees
+from beamcam.controllers.events import in_degrees
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Line
 from beamcam.geometry.plane import Point

@@ -21,7 +21,7 @@ class Target(Struct, frozen=True):
 
 TARGETS = (
     Target("dstv", (".nc1", ".nc"), "beamcam.writers.dstv"),
-    Target("part-json", (".json",), "beamcam.writers.part_json"),
+    Target("part-json", (".json",), "beamcam.model.part_json"),
     Target("faces-dxf", (".dxf",), "beamcam.writers.faces_dxf"),
 )
 

@@ -11,7 +11,7 @@ from click.testing import CliRunner
 
 from beamcam.cli import main
 from beamcam.pictures.faces import faces_scene
-from beamcam.pictures.svg import to_svg
+from beamcam.pictures.formats import to_svg
 
 ROOT = Path(__file__).resolve().parents[2]
 CHANNEL, TIE = "samples/dstv/channel.nc1", "samples/dstv/tie.nc1"

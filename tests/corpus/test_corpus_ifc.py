@@ -11,8 +11,7 @@ from beamcam.errors import Severity
 from beamcam.machine import load
 from beamcam.model.part import Contour, Hole, Part, Slot
 from beamcam.pipeline import post
-from beamcam.readers import dstv
-from beamcam.readers.content import Reading
+from beamcam.readers import Reading, dstv
 from beamcam.readers.ifc import Options, Selection, read
 from beamcam.readers.ifc.reader import equal_parts
 from beamcam.writers.dstv import write

@@ -10,7 +10,7 @@ from beamcam.errors import PlanError, ReadError, errors_in
 from beamcam.machine import load
 from beamcam.model.request import Request
 from beamcam.pipeline import parts_of, post, read_file
-from beamcam.planning.rules import SKIP_NAMES
+from beamcam.planning.left_out import SKIP_NAMES
 from beamcam.solid.opinion import solid_faults
 from tests.conftest import CORPUS
 

@@ -9,8 +9,7 @@ from hypothesis import strategies as st
 from beamcam.errors import Severity
 from beamcam.model.part import Contour, EndPlane
 from beamcam.readers.dstv import looks_like, read_with_account
-from beamcam.readers.dstv.blocks import decode
-from beamcam.readers.dstv.tokens import CODES, split_lines
+from beamcam.readers.dstv.blocks import CODES, decode, split_lines
 from tests.conftest import examples
 
 SAMPLES = Path(__file__).parents[2] / "samples"

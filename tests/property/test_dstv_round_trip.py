@@ -7,11 +7,11 @@ from hypothesis import HealthCheck, given, settings
 from msgspec.structs import replace
 
 from beamcam.errors import Source
+from beamcam.model import part_json as json_writer
 from beamcam.model.part import Part
 from beamcam.readers import part_json
 from beamcam.readers.dstv import read, read_with_account
 from beamcam.writers import dstv as dstv_writer
-from beamcam.writers import part_json as json_writer
 from tests.conftest import examples
 from tests.property.part_strategies import parts
 

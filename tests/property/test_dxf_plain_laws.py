@@ -9,8 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from beamcam.errors import Source
-from beamcam.readers import dxf
-from beamcam.readers.content import Reading
+from beamcam.readers import Reading, dxf
 from beamcam.readers.dxf import bulk, load
 from tests.conftest import CORPUS, examples
 from tests.dxf_text import block, drawing, insert, layer_table, tags

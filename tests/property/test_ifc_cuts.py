@@ -11,7 +11,7 @@ from random import Random
 import pytest
 
 from beamcam.errors import Severity
-from beamcam.readers.content import Reading
+from beamcam.readers import Reading
 from beamcam.readers.ifc import Options, read
 from tests.conftest import sampled
 from tests.property.ifc_cut_families import FAMILIES

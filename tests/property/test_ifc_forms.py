@@ -7,7 +7,7 @@ import pytest
 
 from beamcam.errors import Severity
 from beamcam.model.part import Contour, Hole, Part
-from beamcam.readers.content import Reading
+from beamcam.readers import Reading
 from beamcam.readers.ifc import Options, read
 from tests.conftest import sampled
 from tests.property.ifc_cuts import SIZES, Bar, Box, Round, model_of

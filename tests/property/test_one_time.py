@@ -12,7 +12,7 @@ from beamcam.machine import load
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
 from beamcam.pipeline import Posted, parts_of, post, read_file
-from beamcam.planning.rules import SKIP_NAMES
+from beamcam.planning.left_out import SKIP_NAMES
 from tests.property.test_plan_parts import random_part
 from tests.unit.planning.shop import hole, part
 from tests.unit.simulation.programs import course_of

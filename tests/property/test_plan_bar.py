@@ -15,7 +15,7 @@ from beamcam.model.plan import Plan, SawOp
 from beamcam.model.section import corners
 from beamcam.planning.beam import plan_bar
 from beamcam.planning.nesting import best_order, lay_on_bar
-from beamcam.planning.operations.ends import ends_of
+from beamcam.planning.operations.finished_part import ends_of
 from beamcam.planning.operations.saw_cut import pivot_edge
 from tests.conftest import examples
 

@@ -30,8 +30,8 @@ from beamcam.model.part import (
 )
 from beamcam.model.plan import DrillOp, PathOp, SawOp
 from beamcam.planning.beam import plan_bar
-from beamcam.planning.operations.ends import ends_of
-from beamcam.planning.rules import SKIP_NAMES
+from beamcam.planning.left_out import SKIP_NAMES
+from beamcam.planning.operations.finished_part import ends_of
 from beamcam.planning.turning import TURNS, Turn, alike, lies, turned
 from tests.conftest import examples
 

@@ -13,7 +13,7 @@ from beamcam.machine import load
 from beamcam.machine.machine import Machine
 from beamcam.model.part import EndCuts, Part, Profile
 from beamcam.planning.nesting import lay_on_bar
-from beamcam.planning.operations.ends import Ends, ends_of
+from beamcam.planning.operations.finished_part import Ends, ends_of
 from beamcam.planning.stock import Nesting, Rooms, StockBar, first_fit
 from tests.conftest import examples
 

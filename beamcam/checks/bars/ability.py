@@ -61,11 +61,12 @@ def may_be_missing(
     part: Part, targets: Sequence[Target], tools: ToolCatalogue, names: Collection[str]
 ) -> frozenset[int]:
     """The features of a part, by their indices, that may be left out under some names."""
-    if not names:
-        return frozenset()
     left = {t.feature for t in targets if isinstance(t, Unmakeable) and t.name in names}
     spindles: dict[str, Spindle] = {s.face: s for s in tools.machine.spindles}
-    stations = _stations(part, tools.machine)
+    choices = choices_of(tools.machine, part.profile, lip_length(part))
+    stations: dict[str, Station] = {
+        s.face: choices[s.number].stations[0] for s in tools.machine.spindles
+    }
     if "off-face" in names or "reach" in names:
         left |= {f for f, own in _ill_placed(part, tools, stations) if own in names}
     if "axis" in names:
@@ -76,11 +77,6 @@ def may_be_missing(
     if "countersink" in names:
         left |= {*_sinks(left, part, tools)}
     return frozenset(left)
-
-
-def _stations(part: Part, machine: Machine) -> Mapping[str, Station]:
-    choices = choices_of(machine, part.profile, lip_length(part))
-    return {s.face: choices[s.number].stations[0] for s in machine.spindles}
 
 
 def repeats(left: Collection[int], part: Part, tools: ToolCatalogue) -> Iterator[int]:

@@ -4,6 +4,7 @@ cuts -> pieces of bar -> parts;  holes, pockets and lines of each part -> what m
 """
 
 from collections.abc import Collection, Iterator, Sequence
+from functools import cached_property
 from math import isnan
 from typing import TYPE_CHECKING
 
@@ -73,7 +74,6 @@ class Comparison:
         self.made, self.asked, self.tools, self.saw = made, job, tools, saw_of(tools.machine)
         self.machine: Machine = tools.machine
         self.profile, self.name = profile, name
-        self.paths = PathsAlong(made.paths)
         self.targets: dict[int, list[Target]] = {}
         self.holes = HoleCheck(made.bores, tools, profile, choices, name)
         self.cuts = planes(made.cuts, self.saw, profile)
@@ -83,6 +83,11 @@ class Comparison:
             *section_faults(profile, self.machine, name),
             *reach_faults(made.cuts, profile, self.machine, name),
         ]
+
+    @cached_property
+    def paths(self) -> PathsAlong:
+        """The paths along the bar, put in order where one is looked for."""
+        return PathsAlong(self.made.paths)
 
     def run(self) -> tuple[Diagnostic, ...]:
         """All faults."""
@@ -131,7 +136,9 @@ class Comparison:
     def _require(self, p: int, one: LaidPart, required: "_Required") -> None:
         """Add what a part on the bar requires; what the machine cannot make is reported."""
         targets = self._targets_of(one.part, one.ends)
-        may_lack = may_be_missing(one.part, targets, self.tools, self.asked.skips)
+        may_lack: Collection[int] = ()
+        if self.asked.skips:
+            may_lack = may_be_missing(one.part, targets, self.tools, self.asked.skips)
         required.optional |= {(p, f) for f in may_lack}
         holes, from_x = required.holes, self.tools.drill.x + one.start
         gone: set[int] = set()  #: slots that are left out, with the holes at their ends

@@ -4,7 +4,7 @@
 its row refuses has to leave everything as it was, for the reason that stands there.
 """
 
-from beamcam.checks.owners import Language, Owner, Stock
+from beamcam.checks import Language, Owner, Stock
 
 _MADE = (
     "verify-hole-*", "verify-path*", "verify-cut-*", "verify-depth", "verify-tool",

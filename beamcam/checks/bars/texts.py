@@ -18,18 +18,19 @@ from beamcam.checks.bars.stations import (
 from beamcam.checks.bars.targets import MarkingPath, slot_corners
 from beamcam.checks.bars.tools import ToolCatalogue
 from beamcam.checks.drawn_texts import DrawnPieces, DrawnText, RequiredText, Segment, told, wanted
-from beamcam.checks.lettering import (
+from beamcam.checks.request import is_manual_work, manual_work
+from beamcam.checks.text_assignment import (
     TEXT,
     TEXT_EXTRA,
     TEXT_MISSING,
     Places,
     Steel,
+    assigned,
     box_of,
     judge,
     steel_within,
+    text_positions,
 )
-from beamcam.checks.request import is_manual_work, manual_work
-from beamcam.checks.text_assignment import assigned, text_positions
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Line, Point
 from beamcam.machine.machine import text_x

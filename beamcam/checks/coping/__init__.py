@@ -12,8 +12,7 @@ from msgspec.structs import replace
 
 from beamcam.checks.request import left_out, left_to_manual_work, manual_work
 from beamcam.controllers import cell_events
-from beamcam.controllers.events import BarEvent
-from beamcam.controllers.rotary import in_degrees
+from beamcam.controllers.events import BarEvent, in_degrees
 from beamcam.errors import Diagnostic, Source, errors_in
 from beamcam.machine.coper import TUBES, Coper
 from beamcam.machine.machine import Machine

@@ -1,6 +1,6 @@
 """What answers for each word of a coper's program, and for each event that is made of it."""
 
-from beamcam.checks.owners import Language, Owner, Stock
+from beamcam.checks import Language, Owner, Stock
 
 _ON_THE_WAY = (
     "verify-coping-strikes", "verify-coping-limit", "verify-coping-torch", "verify-coping-angle",

@@ -9,7 +9,7 @@ from beamcam.checks.coping.tube import TubeTorch, tube_section, unrolled_pipe
 from beamcam.checks.coping.turned import TurnedTorch
 from beamcam.checks.head import Head
 from beamcam.controllers import cell_events
-from beamcam.controllers.rotary import in_degrees
+from beamcam.controllers.events import in_degrees
 from beamcam.errors import Diagnostic, Source, errors_in
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import is_row_for, material_said

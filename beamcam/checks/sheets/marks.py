@@ -11,13 +11,19 @@ import numpy as np
 import shapely
 
 from beamcam.checks.drawn_texts import EXACT, NEAR, DrawnPieces, RequiredText, wanted
-from beamcam.checks.lettering import Steel, box_of, is_clear, is_surely_clear, steel_within
 from beamcam.checks.request import is_manual_work, manual_work
 from beamcam.checks.sheets import rules
 from beamcam.checks.sheets.need import Need, shift_of
 from beamcam.checks.sheets.strokes import Strokes
 from beamcam.checks.sheets.work import SHOWN, Work
-from beamcam.checks.text_assignment import text_positions
+from beamcam.checks.text_assignment import (
+    Steel,
+    box_of,
+    is_clear,
+    is_surely_clear,
+    steel_within,
+    text_positions,
+)
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.array_types import Floats
 from beamcam.geometry.curves import Curve, Line
@@ -37,18 +43,17 @@ def add_texts(need: Need, part: Part, machine: Machine, torch: Torch, strokes: S
     One that it does not draw is needed where the part has it, unless it can stand nowhere: then
     it is left for manual work.
     """
-    texts = [
-        (index, feature) for index, feature in enumerate(part.features)
+    required = [
+        (index, wanted(feature, machine.marks)) for index, feature in enumerate(part.features)
         if isinstance(feature, TextMark) and policy_on(feature, machine.marks) == "make"
         and not is_manual_work(feature, machine)
     ]  # fmt: skip
-    if not texts:
+    if not required:
         return
-    marks, process = machine.marks, text_process(machine)
-    required = [(index, wanted(feature, marks)) for index, feature in texts]
+    process = text_process(machine)
     if not need.curves.get("cut"):  # a sheet that is only marked lies where its marks do
         for index, text in required:
-            _need(need, process, index, text, text.feature.x, text.feature.y, text.height)
+            _need(need, process, index, text, (text.feature.x, text.feature.y, text.height))
         return
     chords = [pair for curve in _once(need) for pair in pairwise(_points(curve, CHORD))]
     steel = steel_within(chords)
@@ -58,7 +63,7 @@ def add_texts(need: Need, part: Part, machine: Machine, torch: Torch, strokes: S
         return
     drawn = DrawnPieces(pieces, max(NEAR, torch.tolerance))
     ours = {index: text for index, text in required if text.feature.face in FACES}
-    standing = text_positions([*ours.values()], drawn, steel, steel, marks)
+    standing = text_positions([*ours.values()], drawn, steel, steel, machine.marks)
     stands = dict(zip(ours, standing, strict=True))
     for index, text in required:
         one = stands.get(index)
@@ -66,7 +71,7 @@ def add_texts(need: Need, part: Part, machine: Machine, torch: Torch, strokes: S
             need.diagnostics.append(manual_work(text.feature, part, machine))
         else:
             need.diagnostics += one.diagnostics
-            _need(need, process, index, text, one.x, one.y, one.height)
+            _need(need, process, index, text, (one.x, one.y, one.height))
 
 
 def _where_they_are(
@@ -77,21 +82,19 @@ def _where_they_are(
 
     Stairs of steps do not tell one stroke from the next, so that no text is looked for elsewhere.
     """
-    marks = machine.marks
     boxes: list[shapely.Polygon] = []
     middles = shapely.MultiPoint([((a + c) / 2, (b + d) / 2) for (a, b), (c, d) in pieces])
     for index, text in required:
         feature = text.feature
-        box = None
-        if feature.face in FACES and text.pieces and text.height >= marks.min_height:
-            box = box_of(text, feature.x, feature.y, text.height)
+        place = feature.x, feature.y, text.height
+        is_drawn = feature.face in FACES and text.pieces and text.height >= machine.marks.min_height
+        box = box_of(text, *place) if is_drawn else None
         if (
             box is not None
-            and is_clear(box, steel, boxes, marks.min_distance - EXACT)
-            and (is_surely_clear(text, steel, boxes, marks) or box.intersects(middles))
+            and is_clear(box, steel, boxes, machine.marks.min_distance - EXACT)
+            and (is_surely_clear(text, steel, boxes, machine.marks) or box.intersects(middles))
         ):
-            place = feature.x, feature.y, text.height
-            _need(need, text_process(machine), index, text, *place)
+            _need(need, text_process(machine), index, text, place)
             boxes.append(box)
         else:
             need.diagnostics.append(manual_work(feature, part, machine))
@@ -103,10 +106,9 @@ def text_process(machine: Machine) -> TorchProcess:
 
 
 def _need(
-    need: Need, process: TorchProcess, index: int, text: RequiredText, x: float, y: float,
-    height: float,
-) -> None:  # fmt: skip
-    need.add(process, [Line(a, b) for a, b in text.at(x, y, height)], index, text.feature.source)
+    need: Need, process: TorchProcess, index: int, text: RequiredText, place: tuple[float, ...]
+) -> None:
+    need.add(process, [Line(a, b) for a, b in text.at(*place)], index, text.feature.source)
 
 
 def _pieces(strokes: Strokes, process: TorchProcess, shift: Point) -> Sequence[tuple[Point, Point]]:
@@ -392,8 +394,7 @@ def one_way_faults(work: Work) -> list[Diagnostic]:
     if not len(back):
         return []
     k = int(back[0])
-    way = int(work.path.owner[pairs.element[k]])
+    line = int(work.moves.line[work.path.owner[pairs.element[k]]])
     x, y = points[pairs.point[k]].tolist()
-    line = int(work.moves.line[way])
     key = work.asked.looks[work.process][every[int(pairs.point[k])]]
     return [rules.HATCH_WAY.at(Source(work.name, line), key=key, x=f"{x:.3f}", y=f"{y:.3f}")]

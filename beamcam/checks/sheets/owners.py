@@ -4,7 +4,7 @@
 its row refuses leaves the head on its way, for the reason that stands there.
 """
 
-from beamcam.checks.owners import Language, Owner, Stock
+from beamcam.checks import Language, Owner, Stock
 
 #: The path with the tool on, compared with the contours.
 _PATH = (

@@ -34,8 +34,7 @@ from beamcam.errors import Diagnostic, Rule, Source
 from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.geometry.curves import Arc
 from beamcam.geometry.plane import Point
-from beamcam.machine.codes import key_for
-from beamcam.machine.machine import Machine
+from beamcam.machine.machine import Machine, key_for
 from beamcam.machine.torch import Torch, TorchProcess, TorchRow
 
 ENDS = (2, 30)

@@ -12,8 +12,7 @@ from msgspec import Struct
 from beamcam.controllers.dialect import HEAD_ACTIONS, Dialect, carried, event_of, with_number
 from beamcam.controllers.events import Blending, Compensation, Other, Pause, Side, Switch
 from beamcam.geometry.plane import Point
-from beamcam.machine.codes import OTHER_LETTERS, key_for, meaning_of, shown_code
-from beamcam.machine.machine import CodeMeaning
+from beamcam.machine.machine import OTHER_LETTERS, CodeMeaning, key_for, meaning_of, shown_code
 from beamcam.model.cell_motion import DRILLING, END
 
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)"

@@ -1,34 +1,238 @@
-"""A hole checked against the finished part: the wall that it goes through after all cuts.
+"""The finished part: the ends that the saw makes, and the walls that holes lie in after all cuts.
 
-Along the part a wall ends at the two end planes. A hole lies wholly in it if its circle does on
-both surfaces of the wall, so the plane that takes most counts:
+An end is a plane. Its angles are DSTV's (7th edition, header lines 17 to 20), the web's in the
+view of v and the flange's in the view of u, and both follow one formula:
+
+    x(y, z) = c - y * tan(web angle) - z * tan(flange angle)
+
+    y = height  o  +--------------------+         web angle > 0 at the start: top edge longest
+                  /                    /          web angle > 0 at the end: bottom edge longest
+    y = 0     u  +--------------------+
+                x = 0             x = length
+
+A hole lies wholly in a wall if its circle does on both surfaces of it, so that of each end the
+plane that takes most counts:
 
           start plane  /           end plane
     v, h, o, u        / (  o  )   |           distance to the start, of the circle's edge:
                      /            |           (x - x_start(y)) / sqrt(1 + tan^2) - radius
 
-Across it a wall ends at a free edge or at another wall, which may have a root fillet:
+Across the part a wall ends at a free edge or at another wall, which may have a root fillet:
 
     u  |<- edge -> ( hole ) <- fillet -> )| web |( ...
 
 """
 
 from collections.abc import Iterator, Sequence
-from math import hypot, inf
+from math import atan2, degrees, hypot, inf, radians, tan
 from operator import attrgetter
+from typing import Literal
 
 from msgspec import Struct
 
 from beamcam.caches import cached
-from beamcam.errors import Diagnostic, Rule, error, warning
+from beamcam.errors import Diagnostic, PlanError, Rule, error, warning
+from beamcam.geometry.curves import Line
 from beamcam.geometry.plane import Point
 from beamcam.machine.machine import Machine
-from beamcam.machine.stations import Drill
+from beamcam.machine.stations import Drill, Saw
 from beamcam.model.description import named
-from beamcam.model.part import Face, Hole, Part, Profile, Slot
-from beamcam.model.section import Wall, free_edges, walls_beside
+from beamcam.model.part import Contour, Face, Hole, Part, Profile, Slot
+from beamcam.model.section import Wall, corners, free_edges, walls_beside
+from beamcam.planning import rules
 from beamcam.planning.axis_limits import fixed_faces
-from beamcam.planning.operations.ends import Ends, wall_end
+
+CONTOUR_TOLERANCE = 1.0  #: mm between contour and header that exporters leave; no cope is smaller
+ANGLE_TOLERANCE_DEG = 0.2  #: between header and contour
+
+
+class SawnEnd(Struct, frozen=True):
+    """The plane of one end, x on the part as a function of y and z in the section, and its kerf."""
+
+    at: Literal["start", "end"]
+    web_deg: float = 0.0
+    x0: float = 0.0  #: x at y = 0, z = 0
+    flange_deg: float = 0.0
+    kerf: float = 0.0  #: length of bar that its cut takes, as the machine counts it
+
+    @property
+    def is_square(self) -> bool:
+        return not (self.web_deg or self.flange_deg)
+
+    def x(self, y: float, z: float = 0.0) -> float:
+        if self.is_square:
+            return self.x0
+        return self.x0 - y * tan(radians(self.web_deg)) - z * tan(radians(self.flange_deg))
+
+
+Ends = tuple[SawnEnd, SawnEnd]
+SQUARE: Ends = (SawnEnd("start"), SawnEnd("end"))
+
+
+def ends_of(part: Part, saw: Saw) -> tuple[Ends, tuple[Diagnostic, ...]]:
+    """The start and the end plane of a part as the saw makes them, and remarks about them.
+
+    Header and contour have to agree; where the header says nothing the contour decides. An angle
+    below the saw's `min_mitre` is square. Raises PlanError where the two contradict each other.
+    """
+    cuts = part.cuts
+    header = ((cuts.web_start, cuts.web_end), (cuts.flange_start, cuts.flange_end))
+    drawn: tuple[tuple[float, float] | None, ...] = (None, None)
+    if Contour in map(type, part.features):
+        drawn = (_drawn_angles(part, "v"), _drawn_flange_angles(part))
+    elif header == ((0.0, 0.0), (0.0, 0.0)):
+        return (SawnEnd("start", kerf=saw.kerf), SawnEnd("end", x0=part.length, kerf=saw.kerf)), ()
+    remarks: list[Diagnostic] = []
+    web = _agreed(part, "web", header[0], drawn[0], saw.min_mitre, remarks)
+    flange = _agreed(part, "flange", header[1], drawn[1], saw.min_mitre, remarks)
+    slopes = [(tan(radians(w)), tan(radians(f))) for w, f in zip(web, flange, strict=True)]
+    leans = [[y * t + z * s for y, z in corners(part.profile, part.section)] for t, s in slopes]
+    kerfs = [saw.kerf * (hypot(1.0, *s) if saw.kerf_along == "normal" else 1.0) for s in slopes]
+    start = SawnEnd("start", web[0], max(leans[0]), flange[0], kerfs[0])
+    end = SawnEnd("end", web[1], part.length + min(leans[1]), flange[1], kerfs[1])
+    return (start, end), tuple(remarks)
+
+
+def _agreed(
+    part: Part, name: Literal["web", "flange"], header: tuple[float, float],
+    drawn: tuple[float, float] | None, min_mitre: float, remarks: list[Diagnostic],
+) -> tuple[float, float]:  # fmt: skip
+    """The angles of both ends on which header and contour agree."""
+    angles = []
+    ends: tuple[Literal["start", "end"], ...] = ("start", "end")
+    for at, header_deg, seen in zip(ends, header, drawn or (None, None), strict=True):
+        angle, source = header_deg, part.cut_source(name, at)
+        if seen is not None and abs(seen - header_deg) > ANGLE_TOLERANCE_DEG:
+            if abs(header_deg) >= min_mitre:
+                raise PlanError(
+                    rules.CUT_DENIED.at(
+                        source, kind=name, found=f"{header_deg:g}", end=at, expected=f"{seen:.3f}"
+                    )
+                )
+            remarks.append(
+                rules.CUT_FROM_CONTOUR.at(source, kind=name, found=f"{seen:.3f}", end=at)
+            )
+            angle = seen
+        if 0.0 < abs(angle) < min_mitre:
+            remarks.append(
+                rules.CUT_NOISE.at(
+                    source, kind=name, found=f"{angle:.3g}", end=at, expected=f"{min_mitre:g}"
+                )
+            )
+        angles.append(angle if abs(angle) >= min_mitre else 0.0)
+    return angles[0], angles[1]
+
+
+def _drawn_flange_angles(part: Part) -> tuple[float, float] | None:
+    """Flange angles that the contours of all flanges agree on; None where they do not.
+
+    One flange alone that is drawn skew is a preparation of that flange and no saw cut.
+    """
+    faces = ("u",) if part.profile.code == "L" else ("o", "u")
+    seen = [_drawn_angles(part, face) for face in faces]
+    first, last = seen[0], seen[-1]
+    if first is None or last is None:
+        return None
+    apart = max(abs(a - b) for a, b in zip(first, last, strict=True))
+    return first if apart <= ANGLE_TOLERANCE_DEG else None
+
+
+def _drawn_angles(part: Part, face: str) -> tuple[float, float] | None:
+    """End angles of the outer contour on a face; None if it has none or is not a trapezoid."""
+    outer = [c for c in part.contours if c.face == face and c.kind == "outer"]
+    if len(outer) != 1 or not all(isinstance(c, Line) for c in outer[0].curves):
+        return None
+    points = [c.start for c in outer[0].curves]
+    low, high = min(p[1] for p in points), max(p[1] for p in points)
+    if high - low < CONTOUR_TOLERANCE:
+        return None
+    bottom = [p[0] for p in points if p[1] <= low + CONTOUR_TOLERANCE]
+    top = [p[0] for p in points if p[1] >= high - CONTOUR_TOLERANCE]
+    angles = tuple(degrees(atan2(pick(bottom) - pick(top), high - low)) for pick in (min, max))
+    for x, y in points:
+        share = (y - low) / (high - low)
+        on_edge = y <= low + CONTOUR_TOLERANCE or y >= high - CONTOUR_TOLERANCE
+        ends = (pick(bottom) + share * (pick(top) - pick(bottom)) for pick in (min, max))
+        if not on_edge and all(abs(x - e) > CONTOUR_TOLERANCE for e in ends):
+            return None
+    return angles[0], angles[1]
+
+
+def leaves_stock(contour: Contour, part: Part, ends: Ends) -> Point | None:
+    """Where an outer contour is not what the stock and the end cuts alone give; None if it is.
+
+    Each vertex has to lie on a long edge or on an end, and each corner has to be a vertex.
+    """
+    width = part.profile.face_width(contour.face)
+    first, last = (wall_end(end, contour.face, part.profile) for end in ends)
+    vertices = list(_vertices(contour))
+    for x, y in vertices:
+        (start, inside), (outside, end) = first.reach(y), last.reach(y)
+        on_edge = min(abs(y), abs(y - width)) <= CONTOUR_TOLERANCE
+        if not start <= x <= end or not (on_edge or x <= inside or x >= outside):
+            return x, y
+    for y in (0.0, width):
+        for least, greatest in (first.reach(y), last.reach(y)):
+            if not any(
+                abs(vy - y) <= CONTOUR_TOLERANCE and least <= vx <= greatest for vx, vy in vertices
+            ):
+                return (least + greatest) / 2, y
+    return None
+
+
+class WallEnd(Struct, frozen=True):
+    """End of the wall behind a face: x at q 0 on each of its surfaces, and its slope.
+
+    `q` is the second coordinate of the face: z on the flanges, y on the web. A wall ends skew
+    through its thickness, and is drawn as long as either of its surfaces.
+    """
+
+    least: float
+    greatest: float
+    slope: float  #: x falls by it with q
+
+    def reach(self, q: float) -> tuple[float, float]:
+        """Minimum and maximum x of a contour there, including the tolerance."""
+        lean = q * self.slope
+        return self.least - lean - CONTOUR_TOLERANCE, self.greatest - lean + CONTOUR_TOLERANCE
+
+
+def wall_end(end: SawnEnd, face: str, profile: Profile) -> WallEnd:
+    """The end of the wall behind a face."""
+    web, tilt = tan(radians(end.web_deg)), tan(radians(end.flange_deg))
+    flange = flange_borders(profile, face)
+    lean, borders = (web, flange) if flange else (tilt, web_borders(profile, face))
+    a, b = (end.x0 - border * lean for border in borders)
+    return WallEnd(min(a, b), max(a, b), tilt if flange else web)
+
+
+def flange_borders(profile: Profile, face: str) -> tuple[float, float] | None:
+    """y of the two surfaces of the plate behind face o or u; None of another face."""
+    thickness, height = profile.flange_thickness, profile.height
+    if profile.code == "T" and face in ("o", "u"):
+        return (height - thickness) / 2, (height + thickness) / 2
+    return {"o": (height - thickness, height), "u": (0.0, thickness)}.get(face)
+
+
+def web_borders(profile: Profile, face: str) -> tuple[float, float]:
+    """z of the two surfaces of the plate behind face v or h."""
+    thickness = profile.web_thickness or 0.0
+    if profile.code == "I":
+        return (profile.width - thickness) / 2, (profile.width + thickness) / 2
+    if profile.code in ("M", "B", "RO", "RU", "SO") and face == "v":
+        return profile.width - thickness, profile.width
+    return 0.0, thickness
+
+
+def _vertices(contour: Contour) -> Iterator[Point]:
+    """Starts of the curves, and a point within every curve that is not straight."""
+    for curve in contour.curves:
+        yield curve.start
+        if not isinstance(curve, Line):
+            yield curve.point(0.5)
+    if not contour.closed:
+        yield contour.curves[-1].end
+
 
 OFF_PART = error("plan-off-part",
     "found {what} at x {x}, y {y} on face {face} that reaches {out} mm beyond {where}; expected it "
@@ -83,24 +287,16 @@ class Border(Struct, frozen=True, gc=False):
     name: str  #: in messages
 
 
-_name = attrgetter("name")
-
-
 class FinishedPart:
     """The part after its end cuts, as far as it limits holes."""
 
     def __init__(self, part: Part, ends: Ends, machine: Machine, drill: Drill) -> None:
-        self.part, self._ends, self._drill = part, ends, drill
-        self._machine = machine
-        self._across: dict[Face, FaceEdges] = {}
+        self.part, self._ends, self._drill, self._machine = part, ends, drill, machine
         self._borders: dict[Face, tuple[Border, ...]] = {}
 
     def across(self, face: Face) -> FaceEdges:
         """Walls and edges across the part on a face."""
-        face_edges = self._across.get(face)
-        if face_edges is None:
-            face_edges = self._across[face] = _across(self.part.profile, face)
-        return face_edges
+        return _across(self.part.profile, face)
 
     def steel(self, face: Face, points: Sequence[Point]) -> tuple[float, str]:
         """Steel between points and the nearest border of their wall, and which border that is.
@@ -110,7 +306,7 @@ class FinishedPart:
         borders = self._borders.get(face)
         if borders is None:
             found = _borders(self.across(face), self._ends, face, self.part.profile)
-            borders = self._borders[face] = tuple(sorted(found, key=_name))
+            borders = self._borders[face] = tuple(sorted(found, key=attrgetter("name")))
         nearest, name = inf, ""
         for border in borders:
             for x, y in points:
@@ -142,21 +338,13 @@ class FinishedPart:
                 _said(NEAR_EDGE, shape, apart=apart_mm, where=place, expected=expected)
             )
         if shape.depth is not None:
-            diagnostics += self._judge_depth(shape, shape.depth)
+            deep, thickness = f"{shape.depth:g}", self.part.profile.thickness(shape.face)
+            step = self._machine.format.resolution
+            if shape.depth < step and shape.kind != "mark":
+                diagnostics.append(_said(SHALLOW, shape, found=deep, expected=f"{step:g}"))
+            if shape.depth > thickness + TOLERANCE > TOLERANCE:
+                diagnostics.append(_said(BLIND_DEPTH, shape, found=deep, expected=f"{thickness:g}"))
         return diagnostics
-
-    def _judge_depth(self, shape: Hole | Slot, depth: float) -> Iterator[Diagnostic]:
-        """Whether a blind hole is too shallow for the output, or deeper than its wall."""
-        thickness = self.part.profile.thickness(shape.face)
-        step = self._machine.format.resolution
-        if depth < step and shape.kind != "mark":
-            yield _said(SHALLOW, shape, found=f"{depth:g}", expected=f"{step:g}")
-        if depth > thickness + TOLERANCE > TOLERANCE:
-            yield _said(BLIND_DEPTH, shape, found=f"{depth:g}", expected=f"{thickness:g}")
-
-    def _deeper(self, face: Face) -> float:
-        """Overtravel of a through hole behind its wall; a fixed stroke passes everything."""
-        return inf if face in fixed_faces(self._machine) else self._drill.breakthrough
 
     def _beside(
         self, shape: Hole | Slot, low: float, high: float, wall: Wall, apart: float
@@ -169,8 +357,10 @@ class FinishedPart:
         limit, because = self._drill.clearance, "the clearance of the rapid approach"
         is_outside = not profile.face_depth(shape.face)
         is_stem = profile.code == "T" and shape.face in ("o", "u")  # with fillets on both sides
-        if is_outside or (is_stem and self._deeper(shape.face) < limit):
-            limit, because = self._deeper(shape.face), "the breakthrough behind the wall"
+        is_fixed = shape.face in fixed_faces(self._machine)  # such a stroke passes everything
+        deeper = inf if is_fixed else self._drill.breakthrough
+        if is_outside or (is_stem and deeper < limit):
+            limit, because = deeper, "the breakthrough behind the wall"
         if high_mm > limit and shape.kind != "mark":
             return _said(
                 FILLET, shape, found=f"{high_mm:.3g}", expected=f"{limit:g}", because=because

@@ -34,7 +34,7 @@ from beamcam.planning.operations.part_planner import (
     refuse_face,
     refuse_place,
 )
-from beamcam.planning.operations.paths import pocket_path
+from beamcam.planning.operations.slot import pocket_path
 from beamcam.planning.operations.tools import (
     Found,
     HoleWork,

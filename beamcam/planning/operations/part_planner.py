@@ -8,7 +8,6 @@ from typing import Any
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.caches import PerObjectAndKey
 from beamcam.errors import Diagnostic, Severity, error, note, warning
 from beamcam.machine.machine import Layout, Machine, drill_of, saw_of
 from beamcam.machine.stations import Drill, Saw
@@ -17,8 +16,7 @@ from beamcam.model.part import Face, Feature, Hole, Part, Profile, Slot
 from beamcam.model.plan import Plan, WorkOp
 from beamcam.model.section import NO_PLATE, OTHER_SIDE, lip_of
 from beamcam.planning.axis_limits import travel_on
-from beamcam.planning.operations.ends import Ends
-from beamcam.planning.operations.finished_part import FinishedPart
+from beamcam.planning.operations.finished_part import Ends, FinishedPart
 from beamcam.planning.operations.tools import (
     Found,
     Said,
@@ -64,28 +62,18 @@ def _clear_between(profile: Profile, face: Face) -> tuple[float, float]:
     return flange, (inf if profile.code == "L" else profile.height - flange)
 
 
-def _reached(machine: Machine, profile: Profile) -> Reached:
-    out = NO_PLATE.get(profile.code, ())
-    return {
+def reached_on(machine: Machine, part: Part) -> Reached:
+    """The faces of a part that the machine's spindles reach: between the lips of a C too."""
+    profile, out, lip = part.profile, NO_PLATE.get(part.profile.code, ()), lip_of(part)
+    reached: dict[str, SpindleReach] = {
         s.face: SpindleReach(s.number, profile.face_width(s.face), *_clear_between(profile, s.face))
         for s in machine.spindles
         if s.face not in out
     }
-
-
-#: The faces of a section that the machine's spindles reach.
-reached_by: PerObjectAndKey[Machine, Profile, Reached] = PerObjectAndKey(
-    "planning.machines", "planning.reaches", _reached
-)
-
-
-def reached_on(machine: Machine, part: Part) -> Reached:
-    """The faces of a part that the machine's spindles reach: between the lips of a C too."""
-    reached, lip = reached_by(machine, part.profile), lip_of(part)
-    if "v" not in reached or not lip or lip <= reached["v"].least:
-        return reached
-    inside = replace(reached["v"], least=lip, greatest=part.profile.height - lip, wall="lip")
-    return {**reached, "v": inside}
+    if "v" in reached and lip and lip > reached["v"].least:
+        greatest = profile.height - lip
+        reached["v"] = replace(reached["v"], least=lip, greatest=greatest, wall="lip")
+    return reached
 
 
 def refuse_face(shape: Hole | Slot, what: str, reached: Reached) -> Diagnostic:
@@ -221,7 +209,8 @@ class PartPlanner:
 
 # The interface of a kind of work on a bar.
 #
-# Each is a module of this package that ends with its `WorkKind`, and a row of `kinds.KINDS`.
+# Each is a `WorkKind` at the end of its section in a module of this package, and a row of
+# `work.KINDS`.
 # Messages that are errors refuse a feature, by the first of them; it may then be left out if its
 # code is allowed by name.
 

@@ -21,7 +21,7 @@ from beamcam.model.part import Bend, Camber, Contour, EndPlane, Face, Part, Prof
 from beamcam.model.plan import Bar, Piece, SawOp
 from beamcam.model.section import corners
 from beamcam.planning import rules
-from beamcam.planning.operations.ends import Ends, SawnEnd, leaves_stock
+from beamcam.planning.operations.finished_part import Ends, SawnEnd, leaves_stock
 from beamcam.planning.operations.part_planner import Numbered, PartPlanner, WorkKind, nothing
 from beamcam.planning.operations.tools import Found, Settled
 from beamcam.planning.rules import BEVEL, BEVEL_NOISE

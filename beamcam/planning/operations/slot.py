@@ -2,11 +2,22 @@
 
 A slot is its core, a line or a rectangle, widened by half its width; a hole is a core of one point.
 Keyholes are meant, so that what meets is a warning and not refused.
+
+Every pocket is a rectangle with round corners, of which a slot has no height and a
+circle neither length nor height. A mill follows it inside by its own radius:
+
+      ________________            corner radius of the path: (diameter - mill) / 2
+    /  ____________   \\           blind pockets: further paths inside, `STEP` of a mill's
+    | (____________)  |           diameter apart, until nothing is left to clear
+    \\_________________/
+
+The path begins at the end of the pocket that lies furthest along x, since that one is at the
+machine last (and drilled before, where a slot's ends are drilled), and comes back to it.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import islice
-from math import hypot
+from math import acos, ceil, cos, dist, hypot, pi, sin
 
 from beamcam.errors import Diagnostic, error
 from beamcam.geometry.plane import Point, unit_vector
@@ -20,7 +31,6 @@ from beamcam.planning.operations.part_planner import (
     refuse_face,
     refuse_place,
 )
-from beamcam.planning.operations.paths import pocket_path
 from beamcam.planning.operations.tools import Found, Said, Tooling, WorkingStep
 
 REASONS = {
@@ -34,6 +44,9 @@ MANY_PAIRS = error("plan-slot-crowd",
     "So many slots do not stand beside each other on a wall: they are a drawing that was written "
     "again and again. Nothing else is said of them.")  # fmt: skip
 MOST_PAIRS = 100_000  #: that are compared, 3 s
+
+STEP = 0.6  #: of a mill's diameter between the paths that clear a blind pocket
+MIN_RADIUS = 1e-6
 
 Shape = tuple[int, Hole | Slot]  #: index of the feature, on the face that it is made from
 
@@ -70,9 +83,8 @@ def _refusals(slot: Slot, planner: PartPlanner) -> Iterator[Diagnostic]:
 def _steps(slots: Sequence[tuple[int, Slot]], planner: PartPlanner) -> Iterator[Found]:
     for f, slot in slots:
         yield from _steps_of(f, slot, planner)
-    if slots:
-        drilled = (each for each in planner.holes if each[1].kind != "mark")
-        yield from _judge_neighbours([*slots, *drilled], planner.library.drill.min_edge_distance)
+    drilled = (each for each in planner.holes if each[1].kind != "mark")
+    yield from _judge_neighbours([*slots, *drilled], planner.library.drill.min_edge_distance)
 
 
 def _steps_of(f: int, slot: Slot, planner: PartPlanner) -> Iterator[WorkingStep]:
@@ -187,6 +199,74 @@ def _cross(one: tuple[Point, Point], other: tuple[Point, Point]) -> bool:
 
     (a, b), (c, d) = one, other
     return side(a, b, c) * side(a, b, d) < 0 and side(c, d, a) * side(c, d, b) < 0
+
+
+# --- path of the mill ----------------------------------------------------------------------------
+
+
+def pocket_path(
+    centre: Point, size: tuple[float, float], angle_deg: float, diameter: float, mill: float,
+    tolerance: float, is_blind: bool,
+) -> tuple[Point, ...]:  # fmt: skip
+    """Points of the path that mills a pocket, first and last the same one.
+
+    `size` is the distance of the corner circles' centres along and across `angle_deg`, `diameter`
+    that of the corner circles. The chords lie within `tolerance` of the path.
+    """
+    radius = max(0.0, (diameter - mill) / 2)
+    rings = [_ring(size, radius, 0.0, tolerance)]
+    inset = STEP * mill
+    while is_blind and inset < radius + max(size) / 2:
+        rings.append(_ring(size, radius, inset, tolerance))
+        inset += STEP * mill
+    c, s = unit_vector(angle_deg)
+    placed = [
+        [(centre[0] + c * x - s * y, centre[1] + s * x + c * y) for x, y in ring] for ring in rings
+    ]
+    # The ends of a slot that were drilled are the places where a mill may go in.
+    ends = [(k * size[0] / 2, m * size[1] / 2) for k in (-1, 1) for m in (-1, 1)]
+    entry = max((centre[0] + c * x - s * y, centre[1] + s * x + c * y) for x, y in ends)
+    points = [entry]
+    for ring in placed:
+        nearest = min(range(len(ring)), key=lambda i: (dist(ring[i], points[-1]), i))
+        points += [*ring[nearest:], *ring[:nearest], ring[nearest]]
+    points.append(entry)
+    return tuple(without_repeats(points))
+
+
+def _ring(size: tuple[float, float], radius: float, inset: float, tolerance: float) -> list[Point]:
+    """Points of the rounded rectangle, `inset` inside of the outermost path, about 0, 0."""
+    corner = radius - inset
+    half_x, half_y = size[0] / 2, size[1] / 2
+    if corner < 0:
+        half_x, half_y = max(0.0, half_x + corner), max(0.0, half_y + corner)
+        corner = 0.0
+    points: list[Point] = []
+    for quarter, (x, y) in enumerate(((1, 1), (-1, 1), (-1, -1), (1, -1))):
+        count = arc_steps(corner, pi / 2, tolerance)
+        for i in range(count + 1):
+            t = pi / 2 * (quarter + i / count)
+            points.append((x * half_x + corner * cos(t), y * half_y + corner * sin(t)))
+    return list(without_repeats(points))
+
+
+def arc_steps(radius: float, sweep_rad: float, tolerance: float) -> int:
+    """How many chords keep a circle's stretch within `tolerance` of it.
+
+    The chord of a step t lies radius * (1 - cos(t / 2)) from the arc (the sagitta).
+    """
+    if radius <= MIN_RADIUS:
+        return 1
+    step = 2 * acos(max(0.0, 1 - tolerance / radius)) if tolerance < radius else pi / 2
+    return max(1, ceil(abs(sweep_rad) / min(step, pi / 2) - 1e-9))
+
+
+def without_repeats(points: Iterable[Point]) -> Iterator[Point]:
+    last: Point | None = None
+    for point in points:
+        if last is None or dist(point, last) > MIN_RADIUS:
+            yield point
+            last = point
 
 
 SLOT = WorkKind(

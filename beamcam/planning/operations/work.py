@@ -10,19 +10,19 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
 from msgspec import Struct
 
-from beamcam.errors import Diagnostic, PlanError, errors_in
+from beamcam.errors import Diagnostic, PlanError, Source, errors_in
 from beamcam.model.description import policy_on
 from beamcam.model.part import Feature, Part
+from beamcam.model.section import section_fault
 from beamcam.planning import rules
 from beamcam.planning.axis_limits import refuse_steps
 from beamcam.planning.left_out import listed_by, refuse_mark
-from beamcam.planning.operations.ends import SQUARE, Ends, ends_of
+from beamcam.planning.operations.finished_part import SQUARE, Ends, ends_of
 from beamcam.planning.operations.hole import HOLE
+from beamcam.planning.operations.marks import LINE, TEXT
 from beamcam.planning.operations.part_planner import BarLine, PartPlanner, WorkKind
-from beamcam.planning.operations.paths import LINE
 from beamcam.planning.operations.saw_cut import CONTOUR, OTHER, SAW_CUT
 from beamcam.planning.operations.slot import SLOT
-from beamcam.planning.operations.text import TEXT
 from beamcam.planning.operations.tools import Settled, WorkingStep
 
 # --- kinds ----------------------------------------------------------------------------------------
@@ -52,6 +52,40 @@ class PartWork(Struct, frozen=True):
     steps: tuple[WorkingStep, ...] = ()
     settled: tuple[Settled, ...] = ()  #: features that need no step
     skipped: Mapping[int, Diagnostic] = {}  #: features left out by permission, and why
+
+
+def refuse_stock(parts: Sequence[Part], line: BarLine) -> None:
+    """Raises PlanError for sections that the machine does not take, or that differ on one bar."""
+    machine, layout = line.machine, line.layout
+    if not parts:
+        raise PlanError(rules.NO_PARTS.at(Source(machine.name)))
+    refusals: list[Diagnostic] = []
+    profile = parts[0].profile
+    for part in parts:
+        mine = part.profile
+        if mine.code not in layout.profiles or mine.code not in machine.sections:
+            refusals.append(rules.STOCK.at(
+                part.source, found=mine.code, machine=machine.name,
+                expected=", ".join(layout.profiles),
+            ))  # fmt: skip
+        elif mine is not profile and mine != profile:
+            refusals.append(
+                rules.MIXED_PROFILES.at(part.source, found=mine.name, expected=profile.name)
+            )
+        fault = section_fault(mine)
+        if fault is not None:
+            refusals.append(rules.SECTION_SHAPE.at(part.source, found=fault, code=mine.code))
+    stations = (("saw", line.saw), ("drill", line.drill))
+    for part in parts:
+        height, width = part.profile.height, part.profile.width
+        for station, size in stations:
+            if height > size.max_height or width > size.max_width:
+                refusals.append(rules.SECTION_SIZE.at(
+                    part.source, found=f"{height:g} x {width:g}", station=station,
+                    expected=f"{size.max_height:g} x {size.max_width:g}",
+                ))  # fmt: skip
+    if refusals:
+        raise PlanError(refusals)
 
 
 def works_on(
@@ -90,7 +124,8 @@ def _work_on(part: Part, line: BarLine, skips: Collection[str]) -> PartWork:
     of_ends += SAW_CUT.refusals(ends, planner)
     _put_features(planner)
     for kind in KINDS:
-        planner.take(kind.steps(planner.accepted[kind.name], planner))
+        if accepted := planner.accepted[kind.name]:
+            planner.take(kind.steps(accepted, planner))
     planner.refuse(refuse_steps(planner.part.features, planner.steps, planner.travel))
     planner.refuse_repeats()
     refused = planner.refused

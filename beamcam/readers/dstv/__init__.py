@@ -1,21 +1,33 @@
 """The DSTV reader (.nc, .nc1): 7th edition of the standard, and what real files make of it."""
 
-from collections.abc import Iterator
+from bisect import bisect_right
+from collections.abc import Iterator, Sequence
+from itertools import zip_longest
 
-from msgspec import Struct
+from msgspec import Struct, field
 from msgspec.structs import replace
 
 from beamcam.errors import Rule, Source
-from beamcam.model.part import MIRRORED_FACES, Contour, Feature, Hole, Profile
-from beamcam.readers.content import Reading
+from beamcam.model.part import (
+    MIRRORED_FACES,
+    Contour,
+    Feature,
+    FileComment,
+    Hole,
+    Plane,
+    Profile,
+    SectionPoint,
+)
+from beamcam.readers import Reading
 from beamcam.readers.dstv import rules
 from beamcam.readers.dstv.blocks import (
-    BlockContent,
-    Placed,
+    CODES,
+    Block,
+    Log,
     decode,
     decode_as,
-    place_comments,
     split_blocks,
+    split_lines,
 )
 from beamcam.readers.dstv.contours import ContourRows, build_contour, is_mirrored, read_contour_rows
 from beamcam.readers.dstv.header import header_lines, read_header
@@ -35,7 +47,6 @@ from beamcam.readers.dstv.rows import (
     read_text,
     read_tolerance,
 )
-from beamcam.readers.dstv.tokens import CODES, Block, Log, split_lines
 
 __all__ = ["Account", "looks_like", "read", "read_with_account"]
 
@@ -53,6 +64,21 @@ _FEATURES: dict[str, tuple[RowReader[Feature | None], Rule]] = {
 _CONTOURS = {"AK": "A", "IK": "I", "KO": "K", "PU": "P"}
 #: Blocks on planes by their letter: the block on faces that has the same rows.
 _ON_PLANES = {"B": "BO", "S": "SI", "A": "AK", "I": "IK", "K": "KO", "P": "PU", "E": "E"}
+
+
+Placed = tuple[int, str, str]  #: line, anchor and text of a comment
+
+
+class BlockContent(Struct):
+    """What the blocks of a file give the part."""
+
+    features: list[Feature | ContourRows] = field(default_factory=list)
+    planes: list[Plane] = field(default_factory=list)
+    section: list[SectionPoint] = field(default_factory=list)
+    info: list[tuple[str, str]] = field(default_factory=list)
+    tolerance: tuple[float, float] | None = None
+    contours: list[ContourRows] = field(default_factory=list)
+    plane_names: dict[str, str] = field(default_factory=dict)  #: by digit, the last plane's name
 
 
 class Account(Struct):
@@ -113,8 +139,11 @@ def read_with_account(data: bytes, name: str, asked: str | None = None) -> tuple
     comments += [(0, f"header:{n}", text) for n, text in head.comments]
     blocks, loose, end = split_blocks(lines, texts, head.end, log)
     loose = head.trailing + loose
-    indented = head.numbers + [n for block in blocks for n in block.numbers[:1]]
-    _note_indent(lines, texts, indented, log)
+    for number in head.numbers + [n for block in blocks for n in block.numbers[:1]]:
+        begin = lines[number - 1][:2]
+        if begin != "  " and texts[number - 1] and begin[0] != "\t":
+            log.add(rules.INDENT, number)
+            break
     content = BlockContent()
     for block in blocks:
         _read_block(block, content, header.profile, log)
@@ -184,15 +213,6 @@ def _find_start(texts: list[str], log: Log) -> tuple[int | None, list[Placed]]:
     number, found = data[0] if data else (1, "nothing")
     log.add(rules.NOT_DSTV if CODES.isdisjoint(texts) else rules.NO_ST, number, found=found)
     return None, comments
-
-
-def _note_indent(lines: list[str], texts: list[str], numbers: list[int], log: Log) -> None:
-    """Say so at the first data line that begins without two blanks."""
-    for number in numbers:
-        line = lines[number - 1]
-        if line[:2] != "  " and texts[number - 1] and line[0] != "\t":
-            log.add(rules.INDENT, number)
-            return
 
 
 def _read_block(block: Block, content: BlockContent, profile: Profile, log: Log) -> None:
@@ -293,3 +313,88 @@ def _contour_or_mark(
         return Hole(rows.face, x, y, 0.0, Source(log.file, line), None, "mark", None, rows.edge)
     thickness = profile.thickness(rows.face) if rows.face in "vouh" else 0.0
     return build_contour(rows, flip, thickness, log)
+
+
+# --- comments -------------------------------------------------------------------------------------
+
+# Positions of comments: the object that each precedes, by its line.
+
+
+Stop = tuple[int, str]  #: a line that a comment can stand before, and its anchor
+
+
+def place_comments(
+    placed: list[Placed], loose: list[tuple[int, str]], blocks: list[Block], end: int,
+    features: Sequence[Feature], content: BlockContent,
+) -> tuple[FileComment, ...]:  # fmt: skip
+    """All comments of a file with their anchors, in the order in which a writer meets them.
+
+    `placed` have their anchor already; `loose` are lines and texts between the blocks.
+    """
+    if not loose:
+        return tuple(FileComment(text, anchor) for _, anchor, text in placed)
+    from beamcam.model.anchors import anchor_key, plane_positions
+
+    stops = _stops(blocks, features, content)
+    lines = [line for line, _ in stops]
+    comments = list(placed)
+    for line, text in loose:
+        if end and line > end:
+            anchor = "after-end"
+        else:
+            at = bisect_right(lines, line)
+            anchor = stops[at][1] if at < len(stops) else "end"
+        comments.append((line, anchor, text))
+    positions = plane_positions(content.planes, features)
+    comments.sort(key=lambda item: anchor_key(item[1], positions))
+    return tuple(FileComment(text, anchor) for _, anchor, text in comments)
+
+
+def _stops(blocks: list[Block], features: Sequence[Feature], content: BlockContent) -> list[Stop]:
+    """Every line that a comment can stand before, in order, with its anchor."""
+    things: list[Stop] = []
+    rows_of = {rows.line: rows for rows in content.contours}
+    for i, feature in enumerate(features):
+        line = feature.source.line or 0
+        things.append((line, f"feature:{i}"))
+        rows = rows_of.get(line)
+        if rows is not None and isinstance(feature, Contour):
+            things += _row_stops(rows, i)
+    block_at = {block.line: block for block in blocks}
+    for k, plane in enumerate(content.planes):
+        block = block_at[plane.source.line or 0]
+        things += [
+            (line, f"plane:{k}:{row}" if row else f"plane:{k}")
+            for row, line in enumerate(block.numbers[:3])
+        ]
+    counts = {"PR": 0, "IN": 0}
+    for block in blocks:
+        if block.code in counts:
+            name = "section" if block.code == "PR" else "info"
+            for line in block.numbers:
+                things.append((line, f"{name}:{counts[block.code]}"))
+                counts[block.code] += 1
+        elif block.code == "TO" and block.numbers:
+            things.append((block.numbers[0], "tolerance"))
+    things.sort()
+    lines = [line for line, _ in things]
+    for block, limit in zip_longest(blocks, [block.line for block in blocks[1:]]):
+        at = bisect_right(lines, block.line)
+        if at < len(lines) and (limit is None or lines[at] < limit):
+            things.append((block.line, "block:" + things[at][1]))
+    things.sort()
+    return things
+
+
+def _row_stops(rows: ContourRows, feature: int) -> list[Stop]:
+    """The rows of a contour behind its first; of one that was turned round, counted from its end.
+
+    A comment stands between two rows, so that turning round puts it before the other one.
+    """
+    lines = sorted({*rows.lines, *rows.notch_lines})
+    count = len(lines)
+    return [
+        (line, f"feature:{feature}:{count - row if rows.turned else row}")
+        for row, line in enumerate(lines)
+        if row
+    ]

@@ -1,35 +1,114 @@
-"""The blocks of a DSTV file: which lines are codes, which are rows, which are comments."""
+"""The text of a DSTV file: its alphabet, lines and blocks, and the numbers of a row."""
 
 import re
-from bisect import bisect_right
 from collections.abc import Sequence
-from itertools import zip_longest
 
 from msgspec import Struct, field
 
-from beamcam.errors import Diagnostic, Source
-from beamcam.model.part import Contour, Feature, FileComment, Plane, SectionPoint
-from beamcam.readers.content import ENCODING
+from beamcam.errors import Diagnostic, Rule, Source
+from beamcam.geometry.plane import MAX_COORDINATE
+from beamcam.readers import ENCODING
 from beamcam.readers.dstv import rules
-from beamcam.readers.dstv.contours import ContourRows
-from beamcam.readers.dstv.tokens import CODES, Block, Log
+
+PLAIN_CODES = ("ST", "EN", "BO", "SI", "AK", "IK", "PU", "KO", "SC", "TO", "UE", "PR", "KA", "IN")
+PLANE_CODES = tuple(letter + digit for letter in "EBSAIPK" for digit in "0123456789")
+CODES = frozenset(PLAIN_CODES + PLANE_CODES)
+
+EDGES = ("u", "o", "s")  #: reference letters of x
+_SHOWN = 80  #: characters of a row that a message shows
+LARGEST = MAX_COORDINATE  #: keeps nan and inf out too
+
+# DSTV NC, page 5: a change from digit to letter or back separates as a blank does.
+# Blanks are taken with the token behind them: a search would try each of them for a token.
+_TOKEN = re.compile(r"\s*([A-Za-z]|[+-]?[0-9]+[.,]?[0-9]*|[+-]?[.,][0-9]+|\S)", re.ASCII)
+_COMMA = re.compile(r"[+-]?(?:[0-9]+,[0-9]*|,[0-9]+)", re.ASCII)
+
+
+class RowError(ValueError):
+    """A row that no rule of its block explains."""
+
+
+class Log(Struct):
+    """Diagnostics of one file, and the lines of it that were used."""
+
+    file: str
+    diagnostics: list[Diagnostic] = field(default_factory=list)
+    taken: list[int] = field(default_factory=list)  #: lines whose content is in the part
+    left_out: list[int] = field(default_factory=list)  #: lines that a diagnostic elsewhere counts
+
+    def add(self, rule: Rule, line: int, **values: object) -> None:
+        """Say `rule` of a line, with what was found cut to a length that can be read."""
+        found = values.get("found")
+        if isinstance(found, str) and len(found) > _SHOWN:
+            values["found"] = found[: _SHOWN - 3] + "..."
+        self.diagnostics.append(rule.at(Source(self.file, line), **values))
+
+
+class Block(Struct):
+    """A block code and its rows, stripped; `numbers` are the lines of the rows."""
+
+    code: str
+    line: int
+    rows: list[str]
+    numbers: list[int]
+
+
+def split_lines(text: str) -> list[str]:
+    """The lines of a text, whatever ends them; a DOS end mark (Ctrl-Z) ends the text.
+
+    `str.splitlines` would also split at characters that code pages use for letters.
+    """
+    if "\x1a" in text:
+        text = text.rstrip("\x1a\r\n")
+    if "\r" in text:
+        text = text.replace("\r\n", "\n").replace("\r", "\n")
+    return text.split("\n")
+
+
+def tokenise(row: str) -> list[str]:
+    """Numbers and single letters of a row; glued ones are separated.
+
+    >>> tokenise("v100.00u100.00s18.0")
+    ['v', '100.00', 'u', '100.00', 's', '18.0']
+    """
+    return _TOKEN.findall(row)
+
+
+def number(text: str, line: int, log: Log) -> float | None:
+    """As `required_number`; None if `text` is no number."""
+    try:
+        return required_number(text, line, log)
+    except RowError:
+        return None
+
+
+def required_number(text: str, line: int, log: Log) -> float:
+    """The number that `text` writes, a decimal comma with a warning.
+
+    Raises RowError if it is not a number.
+    """
+    try:
+        value = float(text)
+    except ValueError:
+        if not _COMMA.fullmatch(text):
+            raise RowError(text) from None
+        value = float(text.replace(",", "."))
+        log.add(rules.DECIMAL_COMMA, line, found=text, value=value)
+    # float also takes underscores between digits, nan and inf, which no file means as numbers
+    if "_" in text or not -LARGEST < value < LARGEST:
+        raise RowError(text)
+    return value
+
+
+def numbers(tokens: list[str], line: int, log: Log) -> list[float]:
+    """All of `tokens` as numbers. Raises RowError if one is not a number."""
+    return [required_number(token, line, log) for token in tokens]
+
 
 Loose = tuple[int, str]  #: line and text of a comment
 
 #: Blocks whose rows are texts, where two stars may stand for themselves.
 _TEXT_CODES = frozenset({"SI", "IN", *(f"S{digit}" for digit in range(10))})
-
-
-class BlockContent(Struct):
-    """What the blocks of a file give the part."""
-
-    features: list[Feature | ContourRows] = field(default_factory=list)
-    planes: list[Plane] = field(default_factory=list)
-    section: list[SectionPoint] = field(default_factory=list)
-    info: list[tuple[str, str]] = field(default_factory=list)
-    tolerance: tuple[float, float] | None = None
-    contours: list[ContourRows] = field(default_factory=list)
-    plane_names: dict[str, str] = field(default_factory=dict)  #: by digit, the last plane's name
 
 
 def split_blocks(
@@ -86,92 +165,6 @@ def _code(text: str, line: str, number: int, log: Log) -> str | None:
         log.add(rules.CODE_CASE, number, found=text, block=text.upper())
         return text.upper()
     return text if text.isupper() and line[0] not in " \t" else None
-
-
-# --- comments -------------------------------------------------------------------------------------
-
-# Positions of comments: the object that each precedes, by its line.
-
-
-Placed = tuple[int, str, str]  #: line, anchor, text
-Stop = tuple[int, str]  #: a line that a comment can stand before, and its anchor
-
-
-def place_comments(
-    placed: list[Placed], loose: list[tuple[int, str]], blocks: list[Block], end: int,
-    features: Sequence[Feature], content: BlockContent,
-) -> tuple[FileComment, ...]:  # fmt: skip
-    """All comments of a file with their anchors, in the order in which a writer meets them.
-
-    `placed` have their anchor already; `loose` are lines and texts between the blocks.
-    """
-    if not loose:
-        return tuple(FileComment(text, anchor) for _, anchor, text in placed)
-    from beamcam.model.anchors import anchor_key, plane_positions
-
-    stops = _stops(blocks, features, content)
-    lines = [line for line, _ in stops]
-    comments = list(placed)
-    for line, text in loose:
-        if end and line > end:
-            anchor = "after-end"
-        else:
-            at = bisect_right(lines, line)
-            anchor = stops[at][1] if at < len(stops) else "end"
-        comments.append((line, anchor, text))
-    positions = plane_positions(content.planes, features)
-    comments.sort(key=lambda item: anchor_key(item[1], positions))
-    return tuple(FileComment(text, anchor) for _, anchor, text in comments)
-
-
-def _stops(blocks: list[Block], features: Sequence[Feature], content: BlockContent) -> list[Stop]:
-    """Every line that a comment can stand before, in order, with its anchor."""
-    things: list[Stop] = []
-    rows_of = {rows.line: rows for rows in content.contours}
-    for i, feature in enumerate(features):
-        line = feature.source.line or 0
-        things.append((line, f"feature:{i}"))
-        rows = rows_of.get(line)
-        if rows is not None and isinstance(feature, Contour):
-            things += _row_stops(rows, i)
-    block_at = {block.line: block for block in blocks}
-    for k, plane in enumerate(content.planes):
-        block = block_at[plane.source.line or 0]
-        things += [
-            (line, f"plane:{k}:{row}" if row else f"plane:{k}")
-            for row, line in enumerate(block.numbers[:3])
-        ]
-    counts = {"PR": 0, "IN": 0}
-    for block in blocks:
-        if block.code in counts:
-            name = "section" if block.code == "PR" else "info"
-            for line in block.numbers:
-                things.append((line, f"{name}:{counts[block.code]}"))
-                counts[block.code] += 1
-        elif block.code == "TO" and block.numbers:
-            things.append((block.numbers[0], "tolerance"))
-    things.sort()
-    lines = [line for line, _ in things]
-    for block, limit in zip_longest(blocks, [block.line for block in blocks[1:]]):
-        at = bisect_right(lines, block.line)
-        if at < len(lines) and (limit is None or lines[at] < limit):
-            things.append((block.line, "block:" + things[at][1]))
-    things.sort()
-    return things
-
-
-def _row_stops(rows: ContourRows, feature: int) -> list[Stop]:
-    """The rows of a contour behind its first; of one that was turned round, counted from its end.
-
-    A comment stands between two rows, so that turning round puts it before the other one.
-    """
-    lines = sorted({*rows.lines, *rows.notch_lines})
-    count = len(lines)
-    return [
-        (line, f"feature:{feature}:{count - row if rows.turned else row}")
-        for row, line in enumerate(lines)
-        if row
-    ]
 
 
 # --- encoding -------------------------------------------------------------------------------------

@@ -17,8 +17,8 @@ from beamcam.geometry.curves import Curve, Line, Point, arc_through
 from beamcam.geometry.plane import distance
 from beamcam.model.part import MIRRORED_FACES, Bevel, Contour, ContourKind, Notch, Process
 from beamcam.readers.dstv import rules
+from beamcam.readers.dstv.blocks import EDGES, Block, Log, RowError, numbers
 from beamcam.readers.dstv.rows import RowPlace, rows_of
-from beamcam.readers.dstv.tokens import EDGES, Block, Log, RowError, numbers
 
 # --- contour rows ---------------------------------------------------------------------------------
 

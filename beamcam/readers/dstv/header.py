@@ -10,7 +10,7 @@ from beamcam.errors import Source
 from beamcam.model.part import ALONG_DEG, PROFILE_CODES, EndCuts, Part, Profile, ProfileCode
 from beamcam.model.section import LIP_SHARES, TOLERANCE, section_fault
 from beamcam.readers.dstv import rules
-from beamcam.readers.dstv.tokens import CODES, PLAIN_CODES, Log, number
+from beamcam.readers.dstv.blocks import CODES, PLAIN_CODES, Log, number
 
 MIN_LINES, MOST_LINES = 20, 24
 TEXT_LIMIT = 80  # DSTV NC, page 6

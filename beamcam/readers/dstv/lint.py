@@ -25,8 +25,8 @@ from beamcam.model.part import (
 )
 from beamcam.model.section import STEEL_KG_MM3, WALLED, section_area, section_fault
 from beamcam.readers.dstv import rules
+from beamcam.readers.dstv.blocks import Log
 from beamcam.readers.dstv.contours import ContourRows
-from beamcam.readers.dstv.tokens import Log
 
 WEIGHT_SHARE = 0.05  #: of the section's, by which the header's weight may differ
 LENGTH_TOLERANCE = 0.2  #: real files differ by up to 0.12

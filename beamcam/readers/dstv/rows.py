@@ -20,7 +20,7 @@ from beamcam.model.part import (
     TextMark,
 )
 from beamcam.readers.dstv import rules
-from beamcam.readers.dstv.tokens import (
+from beamcam.readers.dstv.blocks import (
     EDGES,
     Block,
     Log,

@@ -6,8 +6,15 @@ from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, ReadError, Source
 from beamcam.model.part import Measures, Part
-from beamcam.readers.content import Reading
-from beamcam.readers.drawing import counted, drawing_part, fit_newton, unknown_layers, verdict
+from beamcam.readers import Reading
+from beamcam.readers.drawing import (
+    counted,
+    drawing_part,
+    fit_newton,
+    unknown_layers,
+    verdict,
+    wrapped,
+)
 from beamcam.readers.dxf import rules
 from beamcam.readers.dxf.curves import scaled
 from beamcam.readers.dxf.layers import Layers, LayerStyle
@@ -30,13 +37,14 @@ def read(
     layers: Sequence[str] = (),
     fit: Sequence[str] = (),
     letters: Sequence[str] = (),
+    wrap: str | None = None,
 ) -> Reading:
     """The part that a DXF file draws in model space, and the remarks; never raises.
 
     `units` ("mm", "in", ...) overrides what the file says about its unit. `layers` names the
     layers to read, hidden ones too; by default those that are visible and plot. `fit` names layers
     whose polylines and splines by fit points become polynomials through their vertices, `letters`
-    those whose texts are to be lettered.
+    those whose texts are to be lettered. `wrap` names the tube whose unrolled surface is drawn.
     """
     source = Source(name)
     unit, diagnostics = find_unit(data, units, source)
@@ -67,7 +75,7 @@ def read(
         *_remarks(collected, source),
         *verdict(part, seen, None if unit.given else unit.name, source),
     )
-    return Reading("dxf", (part,), diagnostics)
+    return wrapped(Reading("dxf", (part,), diagnostics), wrap)
 
 
 def _folded(names: Sequence[str]) -> frozenset[str]:

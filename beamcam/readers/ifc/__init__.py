@@ -4,7 +4,7 @@ Importing this package costs nothing; ifcopenshell is loaded when a model is rea
 """
 
 from beamcam.model.request import ALL, Options, Progress, Selection
-from beamcam.readers.content import Reading
+from beamcam.readers import Reading
 
 __all__ = ["ALL", "Options", "Progress", "Selection", "looks_like", "read"]
 

@@ -12,7 +12,7 @@ from beamcam.errors import Diagnostic, Source
 from beamcam.model.part import Part, TextMark
 from beamcam.model.request import Options, Progress, Selection
 from beamcam.processes import Died, Pool
-from beamcam.readers.content import Reading
+from beamcam.readers import Reading
 from beamcam.readers.ifc import member, rules
 from beamcam.readers.ifc.entities import Model
 from beamcam.readers.ifc.member import KernelNeeded, Members, Taken

@@ -4,8 +4,15 @@ from collections.abc import Sequence
 
 from beamcam.errors import Diagnostic, ReadError, Rule, Source
 from beamcam.model.part import Measures
-from beamcam.readers.content import Reading
-from beamcam.readers.drawing import counted, drawing_part, fit_newton, unknown_layers, verdict
+from beamcam.readers import Reading
+from beamcam.readers.drawing import (
+    counted,
+    drawing_part,
+    fit_newton,
+    unknown_layers,
+    verdict,
+    wrapped,
+)
 from beamcam.readers.svg import rules
 from beamcam.readers.svg.page import find_page
 from beamcam.readers.svg.tree import INITIAL, StyleSheet, looks_like, parse, style_of
@@ -17,13 +24,14 @@ __all__ = ["looks_like", "read"]
 def read(
     data: bytes, name: str, units: str | None = None, width: str | float | None = None,
     layers: Sequence[str] = (), fit: Sequence[str] = (),
+    wrap: str | None = None,
 ) -> Reading:  # fmt: skip
     """The part that an SVG file draws, and remarks on it; never raises.
 
     `units` names the unit of plain numbers ("mm", "px90"), `width` is the width of the page
     ("600mm"; a number is mm): for files that do not say their size, or say it wrong. `layers`
     names the layers to read; by default those that show. `fit` names layers whose polylines become
-    polynomials through their vertices.
+    polynomials through their vertices. `wrap` names the tube whose unrolled surface is drawn.
     """
     try:
         document = parse(data, name)
@@ -51,7 +59,7 @@ def read(
         *unknown_layers(sorted(found.layers - {""}), layers, source), *found.diagnostics,
         *fitted, *_remarks(found, source), *verdict(part, seen, unit, source),
     )  # fmt: skip
-    return Reading("svg", (part,), diagnostics)
+    return wrapped(Reading("svg", (part,), diagnostics), wrap)
 
 
 #: Remarks on the counted shapes, in this order.

@@ -19,7 +19,7 @@ from beamcam.model.request import Request
 from beamcam.pipeline import RefusedProgram, post
 from beamcam.planning.coping import plan as planner
 from beamcam.planning.coping.plan import plan_coping
-from beamcam.reports.manual_work import manual_rows
+from beamcam.planning.left_out import manual_rows
 from beamcam.solid.opinion import solid_faults
 from benchmarks import coping_faults
 from benchmarks.coping_bevels import BEVEL_PLANS, BEVEL_TEXTS

@@ -24,9 +24,9 @@ from beamcam.model.part_json import part_to_json
 from beamcam.model.plan import CopeCut
 from beamcam.planning.coping.plan import plan_coping
 from beamcam.planning.coping.walls import laid
+from beamcam.planning.left_out import manual_rows
 from beamcam.recovery.copers import recover_coped
 from beamcam.recovery.found import KnownStock
-from beamcam.reports.manual_work import manual_rows
 from beamcam.solid.kernel import outline as outline_of
 from benchmarks import coping_faults
 from tests.conftest import SAMPLES, examples

@@ -16,7 +16,7 @@ from beamcam.machine_choice import chain_of
 from beamcam.model.part import Contour, EndCuts, Hole, Part
 from beamcam.model.request import Request
 from beamcam.planning.coping.plan import plan_coping
-from beamcam.reports.manual_work import manual_rows
+from beamcam.planning.left_out import manual_rows
 from beamcam.solid.opinion import solid_faults
 from beamcam.solid.part_solid import part_solid
 from tests.conftest import examples

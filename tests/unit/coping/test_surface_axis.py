@@ -12,8 +12,7 @@ from msgspec.structs import replace
 
 from beamcam.checks.coping import verify_coping
 from beamcam.controllers import cell_events
-from beamcam.controllers.events import Move
-from beamcam.controllers.rotary import in_degrees
+from beamcam.controllers.events import Move, in_degrees
 from beamcam.errors import PlanError, errors_in
 from beamcam.machine import load
 from beamcam.machine.overlay import with_section

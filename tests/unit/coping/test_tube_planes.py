@@ -15,8 +15,8 @@ from beamcam.model.part import EndCuts, EndPlane, Part, Profile
 from beamcam.model.request import Request
 from beamcam.model.surface import around
 from beamcam.pipeline import read_file
+from beamcam.planning.left_out import manual_rows
 from beamcam.recovery import recover
-from beamcam.reports.manual_work import manual_rows
 from beamcam.solid.kernel import kernel
 from beamcam.solid.opinion import solid_faults
 from beamcam.solid.part_solid import part_solid

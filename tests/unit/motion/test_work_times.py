@@ -27,8 +27,8 @@ from beamcam.motion.sheet_times import (
     segments_of,
     speeds_along,
 )
-from beamcam.motion.steps import step_table
-from beamcam.motion.table_times import length_through, step_time, trigger_time
+from beamcam.motion.steps import step_table, step_time
+from beamcam.motion.triggers import length_through, trigger_time
 from beamcam.pipeline import post
 from beamcam.planning.sheet import plan_sheet
 from tests.unit.sheets.parts import NESTED, box, circle, contour, drawing, lines, table

@@ -24,9 +24,9 @@ from beamcam.model.part import (
     TextMark,
 )  # fmt: skip
 from beamcam.pictures.callouts import size_letters, sizes_on
+from beamcam.pictures.formats import to_svg
 from beamcam.pictures.part import part_scene
 from beamcam.pictures.scene import Scene, Text, said
-from beamcam.pictures.svg import to_svg
 from beamcam.pipeline import read_file
 from tests.conftest import examples
 from tests.unit.pictures.drawings import NAMESPACE, Drawing, corners

@@ -10,9 +10,9 @@ from beamcam.cli import main
 from beamcam.machine import load
 from beamcam.model.part import Hole, Part, TextMark
 from beamcam.pictures.comparison import compared_parts, compared_programs
+from beamcam.pictures.formats import to_svg
 from beamcam.pictures.overlay import Overlay
 from beamcam.pictures.program import ReadProgram
-from beamcam.pictures.svg import to_svg
 from beamcam.pipeline import post, read_file
 from tests.unit.pictures.drawings import Drawing
 

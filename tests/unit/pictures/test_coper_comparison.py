@@ -11,9 +11,9 @@ from beamcam.errors import VerifyError
 from beamcam.machine import Machine, load
 from beamcam.model.part import Feature, Hole, Part, Profile, Slot
 from beamcam.pictures.comparison import compared_programs
+from beamcam.pictures.formats import to_svg
 from beamcam.pictures.overlay import Overlay
 from beamcam.pictures.program import ReadProgram
-from beamcam.pictures.svg import to_svg
 from tests.unit.coping.samples import AT, COPER, IPE300, UPN200, part_of, program_of
 from tests.unit.pictures.drawings import Drawing
 

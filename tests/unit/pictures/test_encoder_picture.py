@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from beamcam.cli import main
+from beamcam.pictures.formats import to_svg
 from beamcam.pictures.graphs import COUNTS, Study, encoder_scene
-from beamcam.pictures.svg import to_svg
 from beamcam.simulation.encoder import Encoder
 from beamcam.simulation.trace import State, Trace, TraceAxis, TraceBuilder
 from tests.conftest import examples

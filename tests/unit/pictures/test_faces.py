@@ -17,10 +17,10 @@ from beamcam.machine import load
 from beamcam.model.part import Hole, Part, Profile
 from beamcam.pictures.comparison import compared_parts
 from beamcam.pictures.faces import DIAMETER, EXAMPLE, HOLES, LENGTH
+from beamcam.pictures.formats import to_svg
 from beamcam.pictures.part import part_scene
 from beamcam.pictures.program import ReadProgram, program_scene
 from beamcam.pictures.scene import Scene
-from beamcam.pictures.svg import to_svg
 from beamcam.pipeline import post
 from beamcam.solid.kernel import kernel
 from beamcam.solid.part_solid import part_solid

@@ -15,11 +15,9 @@ from PIL import Image
 from beamcam.cli import main
 from beamcam.errors import PictureError
 from beamcam.motion.profile import profile_to_velocity
+from beamcam.pictures.formats import dashes, largest, to_pdf, to_png, to_svg
 from beamcam.pictures.graphs import profile_scene, ticks
-from beamcam.pictures.pdf import largest, to_pdf
-from beamcam.pictures.png import dashes, to_png
 from beamcam.pictures.scene import STYLES, Circle, Polyline, Scene, Text, css
-from beamcam.pictures.svg import to_svg
 from beamcam.reports.velocity_profile import MM_S, RPM, VelocityUnit
 from tests.unit.pictures.drawings import Drawing, corners
 

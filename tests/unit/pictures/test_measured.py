@@ -13,9 +13,9 @@ from hypothesis import strategies as st
 
 from beamcam.errors import Source
 from beamcam.model.part import Hole, Part, Profile
+from beamcam.pictures.formats import to_svg
 from beamcam.pictures.part import part_scene
 from beamcam.pictures.scene import Scene
-from beamcam.pictures.svg import to_svg
 from tests.conftest import examples
 from tests.unit.pictures.drawings import Drawing, corners
 

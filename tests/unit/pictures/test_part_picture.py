@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from beamcam.model.part import Contour, EndPlane, Hole, Part, Slot, TextMark
+from beamcam.pictures.formats import to_svg
 from beamcam.pictures.part import faces_of, part_scene
 from beamcam.pictures.scene import Polyline
-from beamcam.pictures.svg import to_svg
 from beamcam.pictures.views import spread
 from beamcam.pipeline import read_file
 from tests.conftest import examples

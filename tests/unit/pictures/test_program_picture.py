@@ -14,8 +14,8 @@ from beamcam.checks.bars import interpret
 from beamcam.errors import VerifyError
 from beamcam.machine import Machine, load
 from beamcam.model.part import Part
+from beamcam.pictures.formats import to_svg
 from beamcam.pictures.program import ReadProgram, bar_made, program_scene
-from beamcam.pictures.svg import to_svg
 from beamcam.pipeline import post, read_file
 from beamcam.simulation.program import simulate_program
 from tests.unit.pictures.drawings import Drawing, corners

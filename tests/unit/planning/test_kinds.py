@@ -22,8 +22,8 @@ from beamcam.model.part import (
     TextMark,
 )
 from beamcam.planning.beam import plan_bar
+from beamcam.planning.left_out import SKIP_NAMES
 from beamcam.planning.operations.work import KINDS, kind_of
-from beamcam.planning.rules import SKIP_NAMES
 from tests.unit.planning.shop import SOURCE, hole, part
 
 CURVES = (Line((100, 50), (200, 50)),)

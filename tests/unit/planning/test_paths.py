@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 from beamcam.geometry.curves import Arc, Bezier, Line
 from beamcam.model.part import Contour, Slot
 from beamcam.model.plan import DrillOp, PathOp
-from beamcam.planning.operations.paths import line_points, pocket_path
+from beamcam.planning.operations.marks import line_points
+from beamcam.planning.operations.slot import pocket_path
 from tests.conftest import examples
 from tests.unit.planning.shop import SOURCE, hole, part, plan
 

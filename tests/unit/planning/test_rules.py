@@ -15,8 +15,8 @@ from beamcam.machine.stations import Marks
 from beamcam.model.part import Bend, Bevel, Contour, EndCuts, Part, Profile, Slot, TextMark
 from beamcam.planning import lettering, lettering_room
 from beamcam.planning.beam import plan_bar, plan_oriented
+from beamcam.planning.left_out import SKIP_NAMES
 from beamcam.planning.operations import hole_pairs, slot
-from beamcam.planning.rules import SKIP_NAMES
 from tests.conftest import SAMPLES, rules_of
 from tests.unit.planning.shop import ANGLE, BEAM, CHANNEL, SOURCE, TUBE, hole, part
 

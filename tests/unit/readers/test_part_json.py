@@ -17,10 +17,9 @@ from beamcam.geometry.curves import (
 )
 from beamcam.model import curve_json
 from beamcam.model.part import Contour, Part, Profile
-from beamcam.model.part_json import part_to_json
+from beamcam.model.part_json import part_to_json, write
 from beamcam.readers import part_json
 from beamcam.readers.part_json import looks_like, read
-from beamcam.writers.part_json import write
 from tests.conftest import rules_of
 
 PROFILE = {"code": "B", "name": "PL10", "height": 200, "web_thickness": 10}

@@ -14,8 +14,7 @@ from beamcam.machine import load
 from beamcam.model.part import Contour, Part
 from beamcam.model.request import Request
 from beamcam.pipeline import post
-from beamcam.readers import read
-from beamcam.readers.content import Reading
+from beamcam.readers import Reading, read
 from beamcam.readers.drawing import WRAP_NAME, WRAP_WIDE, tube_of
 from beamcam.solid.opinion import solid_faults
 from tests.conftest import SAMPLES

@@ -13,8 +13,7 @@ from beamcam.pipeline import post, read_back, read_file
 from beamcam.setup_sheet.content import SheetContent, SheetSources, content_of
 from beamcam.setup_sheet.page import setup_page
 from beamcam.setup_sheet.paper import setup_pdf
-from beamcam.setup_sheet.solid_data import solids_of
-from beamcam.solid.mesh import coper_meshes
+from beamcam.setup_sheet.solid_data import coper_meshes, solids_of
 from beamcam.solid.part_solid import part_solid
 from tests.conftest import SAMPLES
 

@@ -10,7 +10,7 @@ from beamcam.errors import PlanError
 from beamcam.machine import load
 from beamcam.model.part import Bend
 from beamcam.pipeline import post
-from beamcam.reports.manual_work import manual_rows
+from beamcam.planning.left_out import manual_rows
 from tests.unit.sheets.parts import S, box, contour, drawing
 
 PLATE = load("plate-linuxcnc")

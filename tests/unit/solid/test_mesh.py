@@ -13,7 +13,7 @@ from beamcam.machine import load
 from beamcam.model.part import Part
 from beamcam.pictures.program import ReadProgram, bar_made
 from beamcam.pipeline import post, read_file
-from beamcam.solid.mesh import Mesh, bar_meshes, sheet_meshes
+from beamcam.setup_sheet.solid_data import Mesh, bar_meshes, sheet_meshes
 from beamcam.solid.sheet_solid import rows_for, strokes_of
 
 SAMPLES = Path(__file__).resolve().parents[3] / "samples" / "dstv"

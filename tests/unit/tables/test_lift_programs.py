@@ -19,8 +19,7 @@ from beamcam.machine.machine import Machine
 from beamcam.machine.runtime import shipped
 from beamcam.machine.torch import TorchRow
 from beamcam.model.program import LiftTorch, SwitchTool, TriggerTable
-from beamcam.motion.table_times import trigger_time
-from beamcam.motion.triggers import trigger_table
+from beamcam.motion.triggers import trigger_table, trigger_time
 from beamcam.planning.sheet import plan_sheet
 from beamcam.simulation.program import trigger_trace
 

@@ -7,7 +7,7 @@ SCRIPT = """
 import sys
 from beamcam.readers.dstv import read
 from beamcam.writers.dstv import write
-from beamcam.writers.part_json import write as write_json
+from beamcam.model.part_json import write as write_json
 (part,) = read(open(sys.argv[1], "rb").read(), "plate.nc1").parts
 assert write(part) and write_json(part)
 print([name for name in ("numpy", "ezdxf", "ifcopenshell", "shapely") if name in sys.modules])

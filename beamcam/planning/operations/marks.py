@@ -1,47 +1,138 @@
-"""A text on a face, where it is clear of holes, edges and ends.
+"""Marks that are lines and texts: a scribe is led along them; a stamp or printer is told a text.
 
-A scribe is led along its strokes; a stamp or printer is told it. One without room, or out of reach,
-is left for manual work.
+A text is lettered where it is clear of holes, edges and ends. One without room, or out of reach, is
+left for manual work.
 """
 
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
+from math import dist
 from typing import TYPE_CHECKING
 
-from beamcam.errors import Diagnostic
+from beamcam.errors import Diagnostic, warning
+from beamcam.geometry.curves import Curve, Line, Point
 from beamcam.machine.stations import FLAT_DEG, Tool
-from beamcam.model.part import Face, Hole, Slot, TextMark
+from beamcam.model.part import Contour, Face, Hole, Slot, TextMark
 from beamcam.model.plan import StampedLetters
 from beamcam.model.section import NO_PLATE, OTHER_SIDE
 from beamcam.planning.axis_limits import within_axes
 from beamcam.planning.left_out import FACE
-from beamcam.planning.operations.ends import wall_end
-from beamcam.planning.operations.part_planner import PartPlanner, WorkKind
-from beamcam.planning.operations.paths import can_scribe
-from beamcam.planning.operations.slot import slot_ends
+from beamcam.planning.operations.finished_part import TOLERANCE, wall_end
+from beamcam.planning.operations.part_planner import IN_THE_WAY, PartPlanner, WorkKind
+from beamcam.planning.operations.slot import MIN_RADIUS, slot_ends, without_repeats
 from beamcam.planning.operations.tools import Found, Settled, Tooling, WorkingStep
+from beamcam.planning.rules import MARK, no_unit
 
 if TYPE_CHECKING:
     from beamcam.planning.lettering import Lettered
     from beamcam.planning.lettering_room import Room
 
-REASONS = {
-    "letter": "a text lettered by strokes",
-    "tell": "a text that the machine's stamp or printer can letter",
-}
+
+def line_points(curves: Sequence[Curve], tolerance: float) -> tuple[Point, ...]:
+    """Points of a chain of curves, whose chords lie within `tolerance` of it."""
+    points = [curves[0].start]
+    for curve in curves:
+        if not isinstance(curve, Line):
+            points += _halved(curve, 0.0, 1.0, tolerance, 12)
+        points.append(curve.end)
+    return tuple(without_repeats(points))
 
 
-def _is_text(feature: object) -> bool:
-    return isinstance(feature, TextMark)
+def _halved(curve: Curve, low: float, high: float, tolerance: float, depth: int) -> list[Point]:
+    """Points strictly between two parameters, by halves until two tests of the sagitta hold.
+
+    Between places where x or y turns nothing is tested, so a first cut is always made.
+    """
+    middle = (low + high) / 2
+    a, b = curve.point(low), curve.point(high)
+    tests = (curve.point(low + (high - low) * share) for share in (0.25, 0.5, 0.75))
+    is_flat = all(_off_chord(point, a, b) <= tolerance / 2 for point in tests)
+    if depth == 0 or (is_flat and high - low <= 0.25):
+        return []
+    return [
+        *_halved(curve, low, middle, tolerance, depth - 1),
+        curve.point(middle),
+        *_halved(curve, middle, high, tolerance, depth - 1),
+    ]
 
 
-def _needs(text: TextMark, planner: PartPlanner) -> None:
-    """Nothing: what the machine cannot letter is left for manual work."""
+def _off_chord(point: Point, a: Point, b: Point) -> float:
+    length = dist(a, b)
+    if length <= MIN_RADIUS:
+        return dist(point, a)
+    return abs((b[0] - a[0]) * (point[1] - a[1]) - (b[1] - a[1]) * (point[0] - a[0])) / length
 
 
-def _steps(texts: Sequence[tuple[int, TextMark]], planner: PartPlanner) -> Iterator[Found]:
-    if not texts:
-        return
+LINE_BEYOND = warning("plan-line-beyond",
+    "found a line to mark on face {face} that goes {out} mm beyond {where}; expected it on the "
+    "finished part",
+    "What is scribed beyond the part is scribed on waste, or in the air.")  # fmt: skip
+
+
+def can_scribe(face: Face, planner: PartPlanner) -> bool:
+    """Whether a spindle comes to the face and takes a scribe."""
+    return face in planner.reached and bool(planner.library.of_kind("scribe", (face,)))
+
+
+def _length(line: Contour) -> str:
+    return f"{sum(curve.length for curve in line.curves):g} mm of line"
+
+
+def _line_needs(line: Contour, planner: PartPlanner) -> Diagnostic | None:
+    if can_scribe(line.face, planner):
+        return None
+    return MARK.at(line.source, found=_length(line), face=line.face, why=no_unit("scribe"))
+
+
+def _line_refusals(line: Contour, planner: PartPlanner) -> Iterator[Diagnostic]:
+    """That a flange, a lip or the stem of a T stands in the way of the scribe."""
+    reach = planner.reached[line.face]
+    ys = [y for curve in line.curves for y in curve.bbox[1::2]]
+    least, greatest, wall = reach.least, reach.greatest, reach.wall
+    if planner.part.profile.code == "T" and line.face == "v":
+        (stem,) = planner.finished.across("v").walls
+        least, greatest, wall = reach.least, stem.least, "stem"
+        if max(ys) > stem.greatest:
+            least, greatest = stem.greatest, reach.greatest
+    out = next((y for y in (min(ys), max(ys)) if not least <= y <= greatest), None)
+    if out is not None:
+        yield IN_THE_WAY.at(
+            line.source, what=f"{_length(line)} to mark", y=f"{out:g}", face=line.face,
+            least=f"{max(least, 0.0):g}", greatest=f"{min(greatest, reach.width):g}", wall=wall,
+        )  # fmt: skip
+
+
+def _line_steps(lines: Sequence[tuple[int, Contour]], planner: PartPlanner) -> Iterator[Found]:
+    """Each line scribed, from that end of it that comes first along the bar."""
+    drill = planner.library.drill
+    for f, line in lines:
+        path = line_points(line.curves, drill.path_tolerance)
+        if path[-1][0] < path[0][0]:
+            path = path[::-1]
+        faces = (line.face,)
+        scribes = planner.library.of_kind("scribe", faces)[:1]
+        number = planner.number(faces)
+        tooling = Tooling(number, scribes, faces, drill.mark_depth, ("scribe-line",))
+        yield WorkingStep(*path[0], tooling, (f,), line.source, path)
+        across = planner.finished.across(line.face)
+        left, place = min(
+            planner.finished.steel(line.face, path),
+            (min(min(y, across.width - y) for _, y in path), across.edge),
+        )
+        if left < -TOLERANCE:
+            yield f, LINE_BEYOND.at(line.source, face=line.face, out=f"{-left:.3g}", where=place)
+
+
+LINE = WorkKind(
+    "mark", lambda feature: isinstance(feature, Contour) and feature.process != "cut", _line_needs,
+    _line_refusals, _line_steps, {"scribe-line": "a line that is marked and not cut"},
+)  # fmt: skip
+
+
+# --- texts ----------------------------------------------------------------------------------------
+
+
+def _text_steps(texts: Sequence[tuple[int, TextMark]], planner: PartPlanner) -> Iterator[Found]:
     from beamcam.planning.lettering import place_text, remarks
 
     by_face: dict[Face, list[tuple[int, TextMark]]] = defaultdict(list)
@@ -168,4 +259,14 @@ def _around(slot: Slot) -> list[tuple[float, float]]:
     return [a, b, d, c]
 
 
-TEXT = WorkKind("text", _is_text, _needs, steps=_steps, reasons=REASONS)
+# What the machine cannot letter is left for manual work: it lacks nothing.
+TEXT = WorkKind(
+    "text",
+    lambda feature: isinstance(feature, TextMark),
+    lambda *_: None,
+    steps=_text_steps,
+    reasons={
+        "letter": "a text lettered by strokes",
+        "tell": "a text that the machine's stamp or printer can letter",
+    },
+)
