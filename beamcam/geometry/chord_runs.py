@@ -35,16 +35,16 @@ def refit_runs(curves: Sequence[Curve], tolerance: float) -> tuple[Curve, ...]:
     """
     found: list[Curve] = []
     run: list[Line] = []
-    for curve in (*curves, None):
-        if isinstance(curve, Line) and curve.length <= LONGEST and _goes_on(run, curve):
-            run.append(curve)
+    for curve in curves:
+        if not isinstance(curve, Line) or curve.length > LONGEST:
+            found += (*_refit(run, tolerance), curve)
+            run = []
             continue
-        found += _refit(run, tolerance)
-        run = []
-        if isinstance(curve, Line) and curve.length <= LONGEST:
-            run.append(curve)
-        elif curve is not None:
-            found.append(curve)
+        if run and not _goes_on(run[-1], curve):
+            found += _refit(run, tolerance)
+            run = []
+        run.append(curve)
+    found += _refit(run, tolerance)
     return tuple(curves) if len(found) == len(curves) else tuple(found)
 
 
@@ -68,10 +68,8 @@ def arcs_and_lines(points: Sequence[Point], tolerance: float) -> list[Line | Arc
     return curves
 
 
-def _goes_on(run: Sequence[Line], line: Line) -> bool:
-    if not run:
-        return True
-    (x0, y0), (x1, y1) = run[-1].end, line.start
+def _goes_on(before: Line, line: Line) -> bool:
+    (x0, y0), (x1, y1) = before.end, line.start
     return abs(x1 - x0) <= SAME_POINT and abs(y1 - y0) <= SAME_POINT
 
 

@@ -9,6 +9,7 @@ no order is asked of them, they bound no part, and the beam stays centred on the
 """
 
 from collections.abc import Iterable, Sequence
+from itertools import chain
 
 import numpy as np
 import shapely
@@ -317,7 +318,8 @@ class _Rings(Struct, frozen=True):
     @classmethod
     def of(cls, rings: Sequence[Chain]) -> "_Rings":
         begins = np.cumsum([0, *map(len, rings)])
-        columns = np.array([way for ring in rings for way in ring], dtype=np.int64).reshape(-1, 2)
+        flat = chain.from_iterable(chain.from_iterable(rings))
+        columns = np.fromiter(flat, dtype=np.int64).reshape(-1, 2)
         ring = np.repeat(np.arange(len(rings)), np.diff(begins))
         return cls(columns[:, 0], columns[:, 1] == 1, ring, begins)
 
