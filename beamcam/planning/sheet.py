@@ -74,7 +74,7 @@ def plan_sheet(parts: Sequence[Part], machine: Machine, skips: Collection[str] =
     kerf = material.kerf("cut")
     joined = join(assigned.wanted, curves, torch, kerf, assigned.rings)
     if machine.words.arc_cw:
-        joined.shapes = [_with_arcs(shape, torch) for shape in joined.shapes]
+        joined.shapes = _with_arcs(joined.shapes, torch)
     shapes, diagnostics = _nested(joined, assigned, torch, kerf)
     shapes, crosses = drill_small_openings(shapes, part, torch, skips, assigned)
     box = join_boxes([box, *(curve.bbox for s in crosses for curve in s.curves)]) or box
@@ -130,10 +130,13 @@ def _spots(part: Part, assigned: Assigned) -> list[Shape]:
     ]  # fmt: skip
 
 
-def _with_arcs(shape: Shape, torch: Torch) -> Shape:
-    """A contour with arcs and lines for its runs of short chords."""
-    curves = refit_runs(shape.curves, torch.tolerance * CHORDS_SHARE)
-    return shape if len(curves) == len(shape.curves) else replace(shape, curves=curves)
+def _with_arcs(shapes: Sequence[Shape], torch: Torch) -> list[Shape]:
+    """Contours with arcs and lines for their runs of short chords."""
+    fits = refit_runs([shape.curves for shape in shapes], torch.tolerance * CHORDS_SHARE)
+    return [
+        shape if len(curves) == len(shape.curves) else replace(shape, curves=curves)
+        for shape, curves in zip(shapes, fits, strict=True)
+    ]
 
 
 def _nested(
