@@ -36,13 +36,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from beamcam.geometry.array_types import Counts, Floats
 from beamcam.geometry.ramps import ramp_seconds
-from beamcam.motion.profile import (
-    AxisLimits,
-    peak_rises,
-    ramp_phases,
-    reachable_speed,
-    stretch_seconds,
-)
+from beamcam.motion.profile import AxisLimits, peak_rises, ramp_phases, reachable_speed
 
 #: A tower is worth climbing if the speed rises by this share of its foot in half its width.
 WORTH_RISE = 0.1
@@ -198,19 +192,6 @@ def cut_phases(
     )  # fmt: skip
 
 
-def section_seconds(moving: Sequence[SpeedSection], speeds: Sequence[float]) -> Floats:
-    """How long stretches take with the speeds at their n + 1 joints."""
-    ends = np.array(speeds)
-    way, limit, acceleration, jerk = _limits_of(moving)
-    return stretch_seconds(way, ends[:-1], ends[1:], limit, acceleration, jerk)
-
-
-def _limits_of(moving: Sequence[SpeedSection]) -> Floats:
-    """Length, limit, acceleration and jerk of stretches, (4, n)."""
-    rows = [(s.length, s.limit, s.acceleration, s.jerk) for s in moving]
-    return np.array(rows, dtype=np.float64).reshape(-1, 4).T
-
-
 class _Ramps(Struct, frozen=True):
     """The seven phases (n, 7) of each stretch: up, cruise and down."""
 
@@ -225,7 +206,9 @@ class _Ramps(Struct, frozen=True):
 
 
 def _ramps_of(moving: list[SpeedSection], speeds: Floats) -> _Ramps:
-    way, limit, acceleration, jerk = _limits_of(moving)
+    way, limit, acceleration, jerk = np.array(
+        [(s.length, s.limit, s.acceleration, s.jerk) for s in moving]
+    ).T
     v0, v1 = speeds[:-1], speeds[1:]
     low, high = np.minimum(v0, v1), np.maximum(v0, v1)
     rise = peak_rises(way, low, high, limit, acceleration, jerk)

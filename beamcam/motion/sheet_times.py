@@ -37,7 +37,8 @@ from beamcam.model.program import (
     Traverse,
 )
 from beamcam.motion.feed_limits import min_radius, straight_mm_s, turning_mm_s
-from beamcam.motion.lookahead import SpeedSection, join_segments, joint_speeds, section_seconds
+from beamcam.motion.lookahead import SpeedSection, join_segments, joint_speeds
+from beamcam.motion.profile import stretch_seconds
 
 SECONDS_PER_MINUTE = 60.0
 HOME: Point = (0.0, 0.0)
@@ -210,6 +211,13 @@ def speeds_along(
         segments.accelerations_mm_s2, jerks,
     )  # fmt: skip
     return joint_speeds(stretches)
+
+
+def section_seconds(moving: Sequence[SpeedSection], speeds: Sequence[float]) -> Floats:
+    """How long stretches take with the speeds at their joints, which are one more."""
+    ways = rows([(s.length, s.limit, s.acceleration, s.jerk) for s in moving], 4).T
+    ends = np.array(speeds)
+    return stretch_seconds(ways[0], ends[:-1], ends[1:], *ways[1:])
 
 
 def _junctions_mm_s(segments: Segments, limits: PathLimits) -> Floats:

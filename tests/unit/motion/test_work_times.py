@@ -16,13 +16,14 @@ from beamcam.model.part import Part
 from beamcam.model.plan import WorkTime
 from beamcam.model.program import ArcFeed, EllipseFeed, Feed, Movement, ParabolaFeed
 from beamcam.motion.densify import DensifyRules, densify
-from beamcam.motion.lookahead import LookAheadRules, plan_speeds, section_seconds
+from beamcam.motion.lookahead import LookAheadRules, plan_speeds
 from beamcam.motion.profile import AxisLimits
 from beamcam.motion.sheet import sheet_program
 from beamcam.motion.sheet_times import (
     SECONDS_PER_MINUTE,
     curve_of,
     program_time,
+    section_seconds,
     segments_of,
     speeds_along,
 )
