@@ -11,6 +11,7 @@ full speed.
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from math import atan2, cos, degrees, hypot, inf, isfinite, radians, sin
+from typing import cast
 
 import numpy as np
 from msgspec import Struct
@@ -84,12 +85,18 @@ def _passes(
     """Seconds of each pass with the traverse before it, and of the return home."""
     here, feed = HOME, 0.0
     waits = [0.0]  # the last pass is the one that goes on
-    moves: list[tuple[Point, Movement, float, int]] = []  # start, move, feed and pass
+    starts: list[Point] = []
+    moves: list[Movement] = []
+    feeds: list[float] = []
+    passes: list[int] = []
     traverses: list[tuple[Point, Point, int]] = []
     for command in program.commands:
         match command:
             case Feed() | ArcFeed() | ParabolaFeed() | EllipseFeed():
-                moves.append((here, command, feed, len(waits) - 1))
+                starts.append(here)
+                moves.append(command)
+                feeds.append(feed)
+                passes.append(len(waits) - 1)
                 here = command.x, command.y
             case Traverse():
                 end = command.x, command.y
@@ -106,8 +113,7 @@ def _passes(
     traverses.append((here, HOME, len(waits) - 1))
     times = [_traverse_seconds(traverses, machine)]
     if moves:
-        starts, fed, feeds, passes = zip(*moves, strict=True)
-        times.append(_feed_seconds(starts, fed, feeds, passes, path_limits(machine)))
+        times.append(_feed_seconds(starts, moves, feeds, passes, path_limits(machine)))
     seconds = np.array(waits)
     for owners, spent in times:
         seconds += np.bincount(owners, spent, len(waits))
@@ -162,15 +168,16 @@ def segments_of(
     enters = steps / np.where(lengths > 0.0, lengths, 1.0)[:, None]
     leaves = enters.copy()
     radii = np.full(len(moves), inf)
-    arcs = [k for k, move in enumerate(moves) if type(move) is ArcFeed]
+    kinds = list(map(type, moves))
+    arcs = [k for k, kind in enumerate(kinds) if kind is ArcFeed]
     lengths[arcs], radii[arcs], enters[arcs], leaves[arcs] = _along_arcs(
         [moves[k] for k in arcs], steps[arcs]
     )
-    for k, move in enumerate(moves):
-        if isinstance(move, ParabolaFeed | EllipseFeed):
-            curve = curve_of(starts[k], move)
-            lengths[k], radii[k] = curve.length, min_radius(starts[k], move)
-            enters[k], leaves[k] = curve.tangent(0.0), curve.tangent(1.0)
+    for k in [k for k, kind in enumerate(kinds) if kind is not Feed and kind is not ArcFeed]:
+        move = cast("ParabolaFeed | EllipseFeed", moves[k])
+        curve = curve_of(starts[k], move)
+        lengths[k], radii[k] = curve.length, min_radius(starts[k], move)
+        enters[k], leaves[k] = curve.tangent(0.0), curve.tangent(1.0)
     speeds = np.array(feeds_mm_s, dtype=np.float64)
     accelerations = np.full(len(moves), inf)
     if limits is not None:
