@@ -13,7 +13,7 @@ from beamcam.geometry.plane import Point
 from beamcam.model.part import Part
 from beamcam.pipeline import post
 from tests.conftest import examples
-from tests.unit.sheets.parts import box, contour, drawing, lines, table
+from tests.unit.sheets.parts import box, circle, contour, drawing, lines, table
 
 MACHINE = table("plate-linuxcnc")
 Cell = tuple[int, int]
@@ -130,3 +130,22 @@ def test_no_bridge_is_where_the_rest_of_another_contour_is_begun(
     for tabs in (1, 2, 3, 4):
         text = post((part,), table("plate-codesys", tabs=tabs, **asked)).text
         assert text.count("M03") > len(boxes)
+
+
+def test_what_is_left_of_a_contour_holds_a_hole_until_its_last_piece() -> None:
+    """Above and below of the box in the middle are cut one by one, its hole between or before."""
+    boxes = [box(0, 0, 30, 20), box(80, 0, 40, 140), box(30, 0, 50, 20)]
+    hole = contour(circle(61, 10, 12), line=9)
+    part = drawing(*(contour(curves, line=k) for k, curves in enumerate(boxes, 1)), hole)
+    machine = table("plate-codesys", kerf_by="none", lead="none", start="drawn")
+    text = post((part,), machine).text
+    blocks = [f"{block}M05\n" for block in text.split("M05\n")]
+    (cut,) = [k for k, block in enumerate(blocks) if "G03" in block]
+    rests = [k for k, block in enumerate(blocks) if block.count("G01") == 1]
+    assert len(rests) == 2
+    others = [block for k, block in enumerate(blocks) if k != cut]
+    for place in range(1, len(others)):
+        moved = "".join([*others[:place], blocks[cut], *others[place:]]).removesuffix("M05\n")
+        codes = {said.code for said in verify_sheet(moved, (part,), machine)}
+        behind = place > max(k - (k > cut) for k in rests)
+        assert ("verify-sheet-order" in codes) == behind, (place, moved)
