@@ -4,32 +4,37 @@ A drawing has tens of thousands of curves. Questions about all of them at once (
 which lie outermost) are asked of these arrays; the curves stay what they are.
 """
 
-from collections import defaultdict
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from functools import cached_property
-from itertools import chain
+from itertools import chain, compress
+from typing import Any
 
 import numpy as np
 from msgspec.structs import astuple
 from numpy.typing import NDArray
 
 from beamcam.geometry.array_types import Counts, Floats
-from beamcam.geometry.curves import Arc, Bezier, BSpline, Curve, Line, signed_area
-from beamcam.geometry.plane import Box, Point, box_around, join_boxes
-
-
-def by_kind(curves: Iterable[Curve]) -> dict[type, list[int]]:
-    """The indices of the curves of each kind, ascending."""
-    indices: defaultdict[type, list[int]] = defaultdict(list)
-    for k, kind in enumerate(map(type, curves)):
-        indices[kind].append(k)
-    return indices
+from beamcam.geometry.curves import (
+    Arc,
+    Bezier,
+    BSpline,
+    Curve,
+    EllipseArc,
+    Line,
+    NewtonCurve,
+    signed_area,
+)
+from beamcam.geometry.plane import Box, box_around, join_boxes
 
 
 def rows(values: Iterable[Sequence[float]], width: int) -> Floats:
     """Rows of `width` numbers as an array (n, width)."""
     found: Floats = np.fromiter(chain.from_iterable(values), dtype=np.float64)
     return found.reshape(-1, width)
+
+
+#: Lines and arcs first, behind them the free curves.
+_KINDS: tuple[type[Curve], ...] = (Line, Arc, EllipseArc, Bezier, BSpline, NewtonCurve)
 
 
 class CurveTable:
@@ -40,44 +45,39 @@ class CurveTable:
 
     def __init__(self, curves: Sequence[Curve]) -> None:
         self.curves = curves
-        self._kinds = by_kind(curves)
+        kinds = map(_KINDS.index, map(type, curves))
+        self._kinds = np.fromiter(kinds, dtype=np.int8, count=len(curves))
 
     def where(self, kind: type[Curve]) -> Counts:
         """The indices of the curves of a kind, ascending."""
-        return np.array(self._kinds.get(kind, []), dtype=np.int64)
+        return np.flatnonzero(self._kinds == _KINDS.index(kind))
 
     def free(self) -> list[int]:
         """The indices of the curves that are neither lines nor arcs, ascending."""
-        kinds = self._kinds.items()
-        return sorted(k for kind, which in kinds if kind not in (Line, Arc) for k in which)
+        which: list[int] = np.flatnonzero(self._kinds > _KINDS.index(Arc)).tolist()
+        return which
+
+    def _of(self, kind: type[Curve]) -> Iterator[Any]:
+        """The curves of a kind."""
+        return compress(self.curves, (self._kinds == _KINDS.index(kind)).tolist())
 
     @cached_property
     def lines(self) -> Floats:
         """Start and end of the lines, (n, 4)."""
-        lines = [self.curves[k] for k in self._kinds.get(Line, [])]
-        return rows(chain.from_iterable(map(astuple, lines)), 4)
+        return rows(chain.from_iterable(map(astuple, self._of(Line))), 4)
 
     @cached_property
     def arcs(self) -> Floats:
         """Centre, radius, start and sweep in degrees of the arcs, (n, 5)."""
-        arcs: list[Arc] = [self.curves[k] for k in self._kinds.get(Arc, [])]  # type: ignore[misc]
-        return rows([(*a.centre, a.radius, a.start_deg, a.sweep_deg) for a in arcs], 5)
+        return rows(((*a.centre, a.radius, a.start_deg, a.sweep_deg) for a in self._of(Arc)), 5)
 
     @cached_property
     def ends(self) -> Floats:
         """Start and end of every curve, (n, 4); those of arcs to the last digits but one or two."""
         ends = np.empty((len(self.curves), 4))
-        for kind, which in self._kinds.items():
-            some = [self.curves[k] for k in which]
-            if kind is Line:
-                ends[which] = self.lines
-            elif kind is Arc:
-                ends[which] = arc_ends(self.arcs)
-            elif kind is Bezier:
-                points = [_control(curve) for curve in some]
-                ends[which] = rows([(*p[0], *p[-1]) for p in points], 4)
-            else:
-                ends[which] = [(*curve.start, *curve.end) for curve in some]
+        ends[self.where(Line)], ends[self.where(Arc)] = self.lines, arc_ends(self.arcs)
+        if free := self.free():
+            ends[free] = [(*self.curves[k].start, *self.curves[k].end) for k in free]
         return ends
 
     @cached_property
@@ -87,17 +87,12 @@ class CurveTable:
         Arcs have the box of their circle, free curves that of their control points.
         """
         hulls = np.empty((len(self.curves), 4))
-        for kind, which in self._kinds.items():
-            if kind is Line:
-                start, end = self.lines[:, :2], self.lines[:, 2:]
-                hulls[which] = np.hstack((np.minimum(start, end), np.maximum(start, end)))
-            elif kind is Arc:
-                centre, radius = self.arcs[:, :2], self.arcs[:, 2:3]
-                hulls[which] = np.hstack((centre - radius, centre + radius))
-            elif kind is Bezier or kind is BSpline:
-                hulls[which] = [box_around(_control(self.curves[k])) for k in which]
-            else:
-                hulls[which] = [self.curves[k].bbox for k in which]
+        start, end = self.lines[:, :2], self.lines[:, 2:]
+        hulls[self.where(Line)] = np.hstack((np.minimum(start, end), np.maximum(start, end)))
+        centre, radius = self.arcs[:, :2], self.arcs[:, 2:3]
+        hulls[self.where(Arc)] = np.hstack((centre - radius, centre + radius))
+        if free := self.free():
+            hulls[free] = [_hull(self.curves[k]) for k in free]
         return hulls
 
     @cached_property
@@ -161,8 +156,13 @@ def unit_vectors(angles_deg: Floats) -> Floats:
     return np.column_stack((x, y))
 
 
-def _control(curve: Curve) -> Sequence[Point]:
-    return curve.control if isinstance(curve, BSpline) else curve.points  # type: ignore[union-attr]
+def _hull(curve: Curve) -> Box:
+    match curve:
+        case Bezier():
+            return box_around(curve.points)
+        case BSpline():
+            return box_around(curve.control)
+    return curve.bbox
 
 
 # --- what is near or equal ------------------------------------------------------------------------

@@ -7,7 +7,9 @@
 so that neither strays from the other by more. What a run cannot be given stays as it is drawn.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from itertools import repeat
+from typing import Any
 
 import numpy as np
 
@@ -27,25 +29,41 @@ MOST_SWEEP_DEG = 350.0
 MOST_TURN = 0.8  #: the least cosine between neighbouring chords of an arc
 
 
-def refit_runs(curves: Sequence[Curve], tolerance: float) -> tuple[Curve, ...]:
-    """A chain whose runs of short chords are arcs and lines within `tolerance` of them.
+def refit_runs(chains: Sequence[Sequence[Curve]], tolerance: float) -> list[tuple[Curve, ...]]:
+    """Chains whose runs of short chords are arcs and lines within `tolerance` of them.
 
-    It goes through the ends of each run. A run comes back as it is where it would not be half as
+    They go through the ends of each run. A run comes back as it is where it would not be half as
     long; without one the chain itself does.
     """
-    found: list[Curve] = []
+    pieces = [list(_pieces(chain)) for chain in chains]
+    runs = [piece for chain in pieces for piece in chain if _is_run(piece)]
+    drawn = [np.array([run[0].start, *(line.end for line in run)]) for run in runs]
+    fits = iter(map(_refit, runs, drawn, kept_chords(drawn, tolerance), repeat(tolerance)))
+    refitted: list[tuple[Curve, ...]] = []
+    for chain, own in zip(chains, pieces, strict=True):
+        found = [curve for piece in own for curve in (next(fits) if _is_run(piece) else piece)]
+        refitted.append(tuple(chain) if len(found) == len(chain) else tuple(found))
+    return refitted
+
+
+def _pieces(curves: Sequence[Curve]) -> Iterator[list[Any]]:
+    """A chain in its runs of short chords, and in all other curves one by one."""
     run: list[Line] = []
-    for curve in (*curves, None):
-        if isinstance(curve, Line) and curve.length <= LONGEST and _goes_on(run, curve):
-            run.append(curve)
-            continue
-        found += _refit(run, tolerance)
-        run = []
-        if isinstance(curve, Line) and curve.length <= LONGEST:
-            run.append(curve)
-        elif curve is not None:
-            found.append(curve)
-    return tuple(curves) if len(found) == len(curves) else tuple(found)
+    for curve in curves:
+        short = curve if isinstance(curve, Line) and curve.length <= LONGEST else None
+        if run and (short is None or not _goes_on(run[-1], short)):
+            yield run
+            run = []
+        if short is None:
+            yield [curve]
+        else:
+            run.append(short)
+    if run:
+        yield run
+
+
+def _is_run(piece: Sequence[Curve]) -> bool:
+    return len(piece) >= LEAST_RUN
 
 
 def arcs_and_lines(points: Sequence[Point], tolerance: float) -> list[Line | Arc]:
@@ -68,18 +86,14 @@ def arcs_and_lines(points: Sequence[Point], tolerance: float) -> list[Line | Arc
     return curves
 
 
-def _goes_on(run: Sequence[Line], line: Line) -> bool:
-    if not run:
-        return True
-    (x0, y0), (x1, y1) = run[-1].end, line.start
+def _goes_on(before: Line, line: Line) -> bool:
+    (x0, y0), (x1, y1) = before.end, line.start
     return abs(x1 - x0) <= SAME_POINT and abs(y1 - y0) <= SAME_POINT
 
 
-def _refit(run: Sequence[Line], tolerance: float) -> Sequence[Curve]:
-    if len(run) < LEAST_RUN:
-        return run
-    points = np.array([run[0].start, *(line.end for line in run)])
-    kept = _kept_chords(points, tolerance)
+def _refit(
+    run: Sequence[Line], points: Floats, kept: Sequence[bool], tolerance: float
+) -> Sequence[Curve]:
     fitted: list[Curve] = []
     at = 0
     while at < len(run):
@@ -100,26 +114,30 @@ def _refit(run: Sequence[Line], tolerance: float) -> Sequence[Curve]:
     return fitted
 
 
-def _kept_chords(points: Floats, tolerance: float) -> list[bool]:
-    """Which chords stay as they are: no arc and no line over more of them begins at their start.
+def kept_chords(runs: Sequence[Floats], tolerance: float) -> list[list[bool]]:
+    """Of runs by their points, which chords stay: no arc and no line begins at their start.
 
     An arc over LEAST_ARC chords turns gently at each of the corners between them, a line over two
     has the corner between them within the tolerance.
     """
+    if not runs:
+        return []
+    points = np.concatenate(runs)
+    begins = np.cumsum([len(run) for run in runs])[:-1]
     way = np.diff(points, axis=0)
     size = np.hypot(way[:, 0], way[:, 1])
     with np.errstate(invalid="ignore", divide="ignore"):
         sharp = (way[1:] * way[:-1]).sum(axis=1) / (size[1:] * size[:-1]) < MOST_TURN
-    no_arc = np.ones(len(way), dtype=bool)
-    no_arc[: 1 - LEAST_ARC] = np.lib.stride_tricks.sliding_window_view(sharp, LEAST_ARC - 1).any(1)
     over = way[1:] + way[:-1]
     across = np.abs(way[:-1, 0] * over[:, 1] - way[:-1, 1] * over[:, 0])
     # What rounding leaves of a distance is left to `_is_straight`.
-    no_line = np.append(
-        across > (1 + ROUNDING) * tolerance * np.hypot(over[:, 0], over[:, 1]), True
-    )
-    kept: list[bool] = (no_arc & no_line).tolist()
-    return kept
+    bent = across > (1 + ROUNDING) * tolerance * np.hypot(over[:, 0], over[:, 1])
+    # From one run to the next nothing goes on.
+    sharp[begins - 2] = bent[begins - 2] = True
+    no_arc, no_line = np.ones((2, len(way)), dtype=bool)
+    no_arc[: 1 - LEAST_ARC] = np.lib.stride_tricks.sliding_window_view(sharp, LEAST_ARC - 1).any(1)
+    no_line[:-1] = bent
+    return [kept[:-1].tolist() for kept in np.split(np.append(no_arc & no_line, True), begins)]
 
 
 def _arc_over(points: Floats, tolerance: float) -> Arc | None:

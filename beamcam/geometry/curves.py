@@ -5,7 +5,7 @@ Every curve is an immutable record with `start`, `end`, `length`, `bbox`, `point
 needs numpy; many points at once are `sampling`'s.
 """
 
-from bisect import bisect_right
+from bisect import bisect_left, bisect_right
 from collections.abc import Sequence
 from itertools import pairwise
 from math import atan2, degrees, dist
@@ -146,18 +146,31 @@ class BSpline(Struct, frozen=True, gc=False):
     def split(self, t: float) -> "tuple[BSpline, BSpline]":
         """The stretches before and after parameter `t`; they share the point there.
 
-        Raises ValueError at the ends: a spline cannot be a point.
+        de Boor's algorithm makes that point; the sides of its triangle are the control points next
+        to it. Raises ValueError at the ends: a spline cannot be a point.
         """
         if not 0.0 < t < 1.0:
             raise ValueError(f"a spline is split inside (0, 1), not at {t:g}")
-        pieces, breaks = _decomposed(self)
-        k = bisect_right(breaks, t) - 1
-        if t == breaks[k]:
-            return _joined(pieces[:k], breaks[: k + 1]), _joined(pieces[k:], breaks[k:])
-        left, right = pieces[k].split((t - breaks[k]) / (breaks[k + 1] - breaks[k]))
+        degree, knots = self.degree, self.knots
+        points = homogeneous(self.control, self.weights)
+        low, high = knots[degree], knots[len(points)]
+        u = next((k for k in knots if (k - low) / (high - low) == t), low + t * (high - low))
+        span = bisect_right(knots, u) - 1
+        row = list(points[span - degree : span + 1])
+        before, behind = [*points[: span - degree], row[0]], [row[-1], *points[span + 1 :]]
+        for r in range(1, degree + 1):
+            row = [
+                _between(row[i], row[i + 1], u, knots[span - degree + i + r], knots[span + 1 + i])
+                for i in range(degree + 1 - r)
+            ]
+            before.append(row[0])
+            behind.insert(0, row[-1])
+        ends = [u] * (degree + 1)
+        first = [*knots[: bisect_left(knots, u)], *ends]
+        # Where `u` is a knot, the last of the points before it are one.
         return (
-            _joined((*pieces[:k], left), (*breaks[: k + 1], t)),
-            _joined((right, *pieces[k + 1 :]), (t, *breaks[k + 1 :])),
+            _spline(degree, before[: len(first) - degree - 1], first),
+            _spline(degree, behind, [*ends, *knots[span + 1 :]]),
         )
 
     def reversed(self) -> "BSpline":
@@ -217,25 +230,23 @@ def _blossom(
     for r, u in enumerate(arguments, start=1):
         for i in range(degree, r - 1, -1):
             low, high = knots[k - degree + i], knots[k + 1 + i - r]
-            share = (u - low) / (high - low)
-            (x0, y0, w0), (x1, y1, w1) = row[i - 1], row[i]
-            row[i] = (x0 + share * (x1 - x0), y0 + share * (y1 - y0), w0 + share * (w1 - w0))
+            row[i] = _between(row[i - 1], row[i], u, low, high)
     return row[degree]
 
 
-def _joined(pieces: tuple[Bezier, ...], breaks: tuple[float, ...]) -> BSpline:
-    """The spline of Bezier curves that follow one another, `degree` knots at each joint."""
-    degree = pieces[0].degree
-    control = [*pieces[0].points]
-    weights = [1.0] if pieces[0].weights is None else [pieces[0].weights[0]]
-    for piece in pieces:
-        weights.extend((piece.weights or (1.0,) * (degree + 1))[1:])
-    for piece in pieces[1:]:
-        control.extend(piece.points[1:])
+def _between(a: Homogeneous, b: Homogeneous, u: float, low: float, high: float) -> Homogeneous:
+    """The place of `u` between two points, of which one is at `low` and the other at `high`."""
+    share = (u - low) / (high - low)
+    (x0, y0, w0), (x1, y1, w1) = a, b
+    return x0 + share * (x1 - x0), y0 + share * (y1 - y0), w0 + share * (w1 - w0)
+
+
+def _spline(degree: int, points: Sequence[Homogeneous], knots: Sequence[float]) -> BSpline:
+    """The spline of points (w x, w y, w)."""
+    weights = tuple([w for _, _, w in points])
     plain = all(w == 1.0 for w in weights)
-    inner = [k for k in breaks[1:-1] for _ in range(degree)]
-    knots = [breaks[0]] * (degree + 1) + inner + [breaks[-1]] * (degree + 1)
-    return BSpline(degree, tuple(control), tuple(knots), None if plain else tuple(weights))
+    control = tuple([(x / w, y / w) for x, y, w in points])
+    return BSpline(degree, control, tuple(knots), None if plain else weights)
 
 
 Curve = Line | Arc | EllipseArc | Bezier | BSpline | NewtonCurve

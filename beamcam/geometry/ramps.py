@@ -98,10 +98,6 @@ def ramp(speed: float, acceleration: float, jerk: float = inf) -> Ramp:
 # caller's: mm, mm/s, mm/s2, mm/s3, or degrees.
 
 
-#: Halvings of the root of a rise; below that no second shows it.
-HALVINGS = 40
-
-
 def ramp_seconds(change: float, acceleration: float, jerk: float = inf) -> float:
     """Least time in which the velocity changes by `change`, from and to acceleration 0."""
     if change <= 0.0:
@@ -117,37 +113,3 @@ def move_seconds(distance: float, velocity: float, acceleration: float, jerk: fl
     """Minimum time from rest to rest over `distance`, which may be negative."""
     way = abs(distance)
     return ramp(velocity / way, acceleration / way, jerk / way).duration_s if way else 0.0
-
-
-def stretch_seconds(
-    way: float, first: float, last: float, cap: float, acceleration: float, jerk: float = inf
-) -> float:
-    """Time over `way` that is entered at velocity `first` and left at `last`, at most at `cap`.
-
-    It rises to a peak and falls. The ramps have to fit: `last` can be reached from `first`.
-    """
-    low, high = min(first, last), max(first, last)
-    cap = max(cap, high)
-
-    def ways(peak: float) -> tuple[float, float]:
-        """Distance and time of both ramps."""
-        up = ramp_seconds(peak - first, acceleration, jerk)
-        down = ramp_seconds(peak - last, acceleration, jerk)
-        return (peak + first) / 2 * up + (peak + last) / 2 * down, up + down
-
-    used, seconds = ways(cap)
-    if used <= way:
-        return seconds + (way - used) / cap if cap > 0.0 else seconds
-    if jerk == inf:
-        peak = sqrt(acceleration * way + (first * first + last * last) / 2)
-        return (2.0 * max(peak, high) - low - high) / acceleration
-    a, b = 0.0, sqrt(cap - high)
-    for _ in range(HALVINGS):
-        root = (a + b) / 2
-        if ways(high + root * root)[0] <= way:
-            a = root
-        else:
-            b = root
-    peak = high + a * a
-    used, seconds = ways(peak)
-    return seconds + max(0.0, way - used) / peak if peak > 0.0 else seconds

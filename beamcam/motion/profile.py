@@ -225,23 +225,43 @@ def peak_rises(
 
     Halves the root of the rise, of which the way is a smooth function, to neighbouring floats.
     """
-    a, b = np.zeros_like(way), np.sqrt(np.maximum(cap - high, 0.0))
+    rises = np.maximum(cap - high, 0.0)
+    roots = np.sqrt(rises)
+    some = np.flatnonzero(~_fits(roots * roots, way, low, high, acceleration, jerk))
+    if len(some):
+        limits = [values[some] for values in (way, low, high, acceleration, jerk)]
+        a, b = np.zeros(len(some)), roots[some]
+        for _ in range(54):
+            middle = (a + b) / 2
+            fits = _fits(middle * middle, *limits)
+            a, b = np.where(fits, middle, a), np.where(fits, b, middle)
+        rises[some] = a * a
+    return rises
 
-    def room(root: Floats) -> NDArray[np.bool_]:
-        rise = root * root
-        change = high - low + rise
-        first = (high + rise / 2) * ramp_seconds(rise, acceleration, jerk)
-        return np.asarray(
-            first + (low + change / 2) * ramp_seconds(change, acceleration, jerk) <= way
-        )
 
-    full = room(b)
-    a = np.where(full, b, a)
-    for _ in range(54):
-        middle = (a + b) / 2
-        fits = room(middle)
-        a, b = np.where(fits, middle, a), np.where(fits, b, middle)
-    return np.where(full, np.maximum(cap - high, 0.0), a * a)
+def _fits(
+    rise: Floats, way: Floats, low: Floats, high: Floats, acceleration: Floats, jerk: Floats
+) -> NDArray[np.bool_]:
+    """Whether the ramps to peaks so far above the higher end speeds fit into the way."""
+    change = high - low + rise
+    up = (high + rise / 2) * ramp_seconds(rise, acceleration, jerk)
+    down = (low + change / 2) * ramp_seconds(change, acceleration, jerk)
+    return np.asarray(up + down <= way)
+
+
+def stretch_seconds(
+    way: Floats, first: Floats, last: Floats, cap: Floats, acceleration: Floats, jerk: Floats
+) -> Floats:
+    """Times over ways that are entered at speeds `first` and left at `last`, at most at `cap`.
+
+    The speed rises to a peak and falls. The ramps have to fit: `last` can be reached from `first`.
+    """
+    low, high = np.minimum(first, last), np.maximum(first, last)
+    peak = high + peak_rises(way, low, high, cap, acceleration, jerk)
+    up, down = (ramp_seconds(peak - end, acceleration, jerk) for end in (first, last))
+    cruise = np.maximum(0.0, way - (peak + first) / 2 * up - (peak + last) / 2 * down)
+    seconds: Floats = up + down + cruise / np.where(peak > 0.0, peak, 1.0)
+    return seconds
 
 
 def ramp_phases(

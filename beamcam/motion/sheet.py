@@ -63,8 +63,8 @@ SHORTEST = 0.02
 
 def near_corners(curves: Sequence[Curve], row: TorchRow) -> tuple[list[Curve], list[bool]]:
     """A chain divided where it begins and ends to be near a corner, and which of it is near one."""
-    chain = [curve for curve in curves if curve.length > 0.0]
-    if not row.slows_corners or not chain:
+    chain = [curve for curve in curves if curve.length > 0.0] if row.slows_corners else []
+    if not chain:
         return list(curves), [False] * len(curves)
     lengths = [curve.length for curve in chain]
     begins = [0.0, *accumulate(lengths)]

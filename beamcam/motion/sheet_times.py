@@ -11,6 +11,7 @@ full speed.
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from math import atan2, cos, degrees, hypot, inf, isfinite, radians, sin
+from typing import cast
 
 import numpy as np
 from msgspec import Struct
@@ -20,7 +21,7 @@ from beamcam.geometry.array_types import Counts, Floats
 from beamcam.geometry.arrays import rows, unit_vectors
 from beamcam.geometry.curves import Bezier, EllipseArc
 from beamcam.geometry.plane import Point
-from beamcam.geometry.ramps import move_seconds, stretch_seconds
+from beamcam.geometry.ramps import move_seconds
 from beamcam.machine.machine import Machine, PathLimits, path_limits
 from beamcam.model.plan import SheetPlan, WorkTime
 from beamcam.model.program import (
@@ -38,6 +39,7 @@ from beamcam.model.program import (
 )
 from beamcam.motion.feed_limits import min_radius, straight_mm_s, turning_mm_s
 from beamcam.motion.lookahead import SpeedSection, join_segments, joint_speeds
+from beamcam.motion.profile import stretch_seconds
 
 SECONDS_PER_MINUTE = 60.0
 HOME: Point = (0.0, 0.0)
@@ -82,53 +84,60 @@ def _passes(
 ) -> list[float]:
     """Seconds of each pass with the traverse before it, and of the return home."""
     here, feed = HOME, 0.0
-    seconds = [0.0]  # of waits; the last pass is the one that goes on
-    moves: list[tuple[Point, Movement, float, int]] = []  # start, move, feed and pass
+    waits = [0.0]  # the last pass is the one that goes on
+    starts: list[Point] = []
+    moves: list[Movement] = []
+    feeds: list[float] = []
+    passes: list[int] = []
     traverses: list[tuple[Point, Point, int]] = []
     for command in program.commands:
         match command:
             case Feed() | ArcFeed() | ParabolaFeed() | EllipseFeed():
-                moves.append((here, command, feed, len(seconds) - 1))
+                starts.append(here)
+                moves.append(command)
+                feeds.append(feed)
+                passes.append(len(waits) - 1)
                 here = command.x, command.y
             case Traverse():
                 end = command.x, command.y
-                traverses.append((here, end, len(seconds) - 1))
+                traverses.append((here, end, len(waits) - 1))
                 here = end
             case ToolOn():
                 feed = command.feed_mm_min / SECONDS_PER_MINUTE
-                waits = command.preheat_s + command.pierce_s
-                seconds[-1] += waits if standing is None else standing(command)
+                own = command.preheat_s + command.pierce_s
+                waits[-1] += own if standing is None else standing(command)
             case SetFeed():
                 feed = command.feed_mm_min / SECONDS_PER_MINUTE
             case ToolOff() | PassEnd():
-                seconds.append(0.0)
-    traverses.append((here, HOME, len(seconds) - 1))
-    for number, spent in _traverse_seconds(traverses, machine):
-        seconds[number] += spent
+                waits.append(0.0)
+    traverses.append((here, HOME, len(waits) - 1))
+    times = [_traverse_seconds(traverses, machine)]
     if moves:
-        starts, fed, feeds, passes = zip(*moves, strict=True)
-        for number, spent in _feed_seconds(starts, fed, feeds, passes, path_limits(machine)):
-            seconds[number] += spent
-    return seconds
+        times.append(_feed_seconds(starts, moves, feeds, passes, path_limits(machine)))
+    seconds = np.array(waits)
+    for owners, spent in times:
+        seconds += np.bincount(owners, spent, len(waits))
+    together: list[float] = seconds.tolist()
+    return together
 
 
 def _traverse_seconds(
     traverses: Sequence[tuple[Point, Point, int]], machine: Machine
-) -> Iterator[tuple[int, float]]:
+) -> tuple[Counts, Floats]:
     """The pass of each traverse, and its seconds from rest to rest."""
     limits = path_limits(machine)
     rapid = machine.needed(machine.torch, "torch").traverse_mm_min / SECONDS_PER_MINUTE
     steps = rows([(b[0] - a[0], b[1] - a[1]) for a, b, _ in traverses], 2)
     ways = np.hypot(steps[:, 0], steps[:, 1])
+    owners = np.array([owner for _, _, owner in traverses])
     if limits is None:
-        times = (ways / rapid).tolist()
-    else:
-        speeds = np.minimum(rapid, straight_mm_s(steps, limits)).tolist()
-        times = [
-            move_seconds(way, speed, limits.straight_mm_s2, limits.jerk_mm_s3)
-            for way, speed in zip(ways.tolist(), speeds, strict=True)
-        ]
-    yield from zip((number for _, _, number in traverses), times, strict=True)
+        return owners, ways / rapid
+    speeds = np.minimum(rapid, straight_mm_s(steps, limits))
+    times = [
+        move_seconds(way, speed, limits.straight_mm_s2, limits.jerk_mm_s3)
+        for way, speed in zip(ways.tolist(), speeds.tolist(), strict=True)
+    ]
+    return owners, np.array(times)
 
 
 def _feed_seconds(
@@ -137,18 +146,14 @@ def _feed_seconds(
     feeds_mm_s: Sequence[float],
     passes: Sequence[int],
     limits: PathLimits | None,
-) -> Iterator[tuple[int, float]]:
+) -> tuple[Counts, Floats]:
     """Passes and seconds of all stretches; a pass runs from rest to rest."""
     segments = segments_of(starts, moves, feeds_mm_s, limits)
     owners = np.array(passes)[segments.places]
     if limits is None:
-        times = (segments.lengths / segments.speeds_mm_s).tolist()
-        yield from zip(owners.tolist(), times, strict=True)
-        return
+        return owners, segments.lengths / segments.speeds_mm_s
     moving, speeds = speeds_along(segments, owners, limits)
-    for s, first, last in zip(moving, speeds, speeds[1:], strict=False):
-        spent = stretch_seconds(s.length, first, last, s.limit, s.acceleration, s.jerk)
-        yield int(owners[s.first]), spent
+    return owners[[s.first for s in moving]], section_seconds(moving, speeds)
 
 
 def segments_of(
@@ -163,15 +168,16 @@ def segments_of(
     enters = steps / np.where(lengths > 0.0, lengths, 1.0)[:, None]
     leaves = enters.copy()
     radii = np.full(len(moves), inf)
-    arcs = [k for k, move in enumerate(moves) if type(move) is ArcFeed]
+    kinds = list(map(type, moves))
+    arcs = [k for k, kind in enumerate(kinds) if kind is ArcFeed]
     lengths[arcs], radii[arcs], enters[arcs], leaves[arcs] = _along_arcs(
         [moves[k] for k in arcs], steps[arcs]
     )
-    for k, move in enumerate(moves):
-        if isinstance(move, ParabolaFeed | EllipseFeed):
-            curve = curve_of(starts[k], move)
-            lengths[k], radii[k] = curve.length, min_radius(starts[k], move)
-            enters[k], leaves[k] = curve.tangent(0.0), curve.tangent(1.0)
+    for k in [k for k, kind in enumerate(kinds) if kind is not Feed and kind is not ArcFeed]:
+        move = cast("ParabolaFeed | EllipseFeed", moves[k])
+        curve = curve_of(starts[k], move)
+        lengths[k], radii[k] = curve.length, min_radius(starts[k], move)
+        enters[k], leaves[k] = curve.tangent(0.0), curve.tangent(1.0)
     speeds = np.array(feeds_mm_s, dtype=np.float64)
     accelerations = np.full(len(moves), inf)
     if limits is not None:
@@ -212,6 +218,13 @@ def speeds_along(
         segments.accelerations_mm_s2, jerks,
     )  # fmt: skip
     return joint_speeds(stretches)
+
+
+def section_seconds(moving: Sequence[SpeedSection], speeds: Sequence[float]) -> Floats:
+    """How long stretches take with the speeds at their joints, which are one more."""
+    ways = rows([(s.length, s.limit, s.acceleration, s.jerk) for s in moving], 4).T
+    ends = np.array(speeds)
+    return stretch_seconds(ways[0], ends[:-1], ends[1:], *ways[1:])
 
 
 def _junctions_mm_s(segments: Segments, limits: PathLimits) -> Floats:

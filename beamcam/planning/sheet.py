@@ -8,7 +8,7 @@ Until the work is put in order all coordinates are those of the drawing, so that
 
 import re
 from collections import Counter
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from math import prod
 from typing import cast
 
@@ -19,6 +19,7 @@ from beamcam.geometry.arrays import CurveTable
 from beamcam.geometry.chord_runs import refit_runs
 from beamcam.geometry.curves import Line
 from beamcam.geometry.plane import join_boxes
+from beamcam.machine.faults import TABLE_CONTROLLERS
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch, TorchProcess
 from beamcam.model.part import Hole, Part, Slot
@@ -28,15 +29,16 @@ from beamcam.planning.contours import rules
 from beamcam.planning.contours.assign_process import (
     OUTLINE,
     Assigned,
+    AssignedCurve,
     assign_processes,
 )
 from beamcam.planning.contours.copies import refuse_copies, refuse_many_passes
 from beamcam.planning.contours.join import Joined, join
-from beamcam.planning.contours.layer_settings import refuse_order, refuse_overcuts, refuse_settings
 from beamcam.planning.contours.layout import box_of, refuse_large, refuse_size, shift_of, skew_ends
 from beamcam.planning.contours.material import SheetMaterial
 from beamcam.planning.contours.nest import nest
 from beamcam.planning.contours.operations import operations_of
+from beamcam.planning.contours.order import PLAIN, refuse_order
 from beamcam.planning.contours.outline import Shape, points_of
 from beamcam.planning.contours.small_openings import drill_small_openings
 from beamcam.planning.left_out import BEVEL
@@ -74,7 +76,7 @@ def plan_sheet(parts: Sequence[Part], machine: Machine, skips: Collection[str] =
     kerf = material.kerf("cut")
     joined = join(assigned.wanted, curves, torch, kerf, assigned.rings)
     if machine.words.arc_cw:
-        joined.shapes = [_with_arcs(shape, torch) for shape in joined.shapes]
+        joined.shapes = _with_arcs(joined.shapes, torch)
     shapes, diagnostics = _nested(joined, assigned, torch, kerf)
     shapes, crosses = drill_small_openings(shapes, part, torch, skips, assigned)
     box = join_boxes([box, *(curve.bbox for s in crosses for curve in s.curves)]) or box
@@ -107,8 +109,8 @@ def _refuse_work(
     machine: Machine, torch: Torch,
 ) -> None:  # fmt: skip
     """Raises PlanError for what the machine cannot make of the curves, and where there are none."""
-    refusals = [*assigned.refusals, *refuse_settings(assigned.wanted, torch, machine)]
-    refusals += refuse_overcuts(assigned.wanted, torch) if torch.settings else ()
+    refusals = [*assigned.refusals, *_refuse_settings(assigned.wanted, torch, machine)]
+    refusals += _refuse_overcuts(assigned.wanted, torch) if torch.settings else ()
     spots: set[TorchProcess] = {"spot"} if assigned.spots else set()
     refusals += material.refusals(processes | spots)
     if machine.triggers is not None and machine.triggers.z is not None:
@@ -117,6 +119,40 @@ def _refuse_work(
         raise PlanError(refusals)
     if not assigned.wanted:
         raise PlanError(_nothing(part, assigned, 0, torch.gap))
+
+
+def _refuse_settings(
+    curves: Iterable[AssignedCurve], torch: Torch, machine: Machine
+) -> list[Diagnostic]:
+    """An error for each colour or layer in use with a power that the machine cannot follow."""
+    if not torch.settings:
+        return []
+    first = {(w.look, w.process): w for w in reversed(list(curves)) if w.look}
+    return [
+        rules.LOOK_SETTING.at(
+            w.source, key=f"map.{look}.power", found=f"{power:g}", why=why
+        )
+        for (look, process), w in sorted(first.items())
+        if (power := torch.settings[look].power) is not None
+        and (why := _why_no_power(machine, process))
+    ]  # fmt: skip
+
+
+def _why_no_power(machine: Machine, process: str) -> str | None:
+    """Why a machine cannot run a process at a power; None if it can."""
+    if machine.controller in TABLE_CONTROLLERS:
+        return f"the tool of {machine.name} is on or off"
+    words = getattr(machine.words, f"{process}_on")
+    if any("{power}" in line for line in words):
+        return None
+    return f"words.{process}_on of {machine.name} has no {{power}}"
+
+
+def _refuse_overcuts(curves: Iterable[AssignedCurve], torch: Torch) -> Iterator[Diagnostic]:
+    """An error for each colour or layer with an overcut that is not cut."""
+    for look, process, w in {(w.look, w.process): (w.look, w.process, w) for w in curves}.values():
+        if process != "cut" and torch.settings.get(look, PLAIN).overcut is not None:
+            yield rules.LOOK_OVERCUT.at(w.source, key=look, found=process)
 
 
 def _spots(part: Part, assigned: Assigned) -> list[Shape]:
@@ -130,10 +166,13 @@ def _spots(part: Part, assigned: Assigned) -> list[Shape]:
     ]  # fmt: skip
 
 
-def _with_arcs(shape: Shape, torch: Torch) -> Shape:
-    """A contour with arcs and lines for its runs of short chords."""
-    curves = refit_runs(shape.curves, torch.tolerance * CHORDS_SHARE)
-    return shape if len(curves) == len(shape.curves) else replace(shape, curves=curves)
+def _with_arcs(shapes: Sequence[Shape], torch: Torch) -> list[Shape]:
+    """Contours with arcs and lines for their runs of short chords."""
+    fits = refit_runs([shape.curves for shape in shapes], torch.tolerance * CHORDS_SHARE)
+    return [
+        shape if len(curves) == len(shape.curves) else replace(shape, curves=curves)
+        for shape, curves in zip(shapes, fits, strict=True)
+    ]
 
 
 def _nested(

@@ -10,7 +10,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from beamcam.geometry import chord_runs
-from beamcam.geometry.chord_runs import LEAST_ARC, LEAST_RUN, LONGEST, refit_runs
+from beamcam.geometry.chord_runs import LEAST_ARC, LEAST_RUN, LONGEST, kept_chords, refit_runs
 from beamcam.geometry.curves import Arc, Curve
 from beamcam.geometry.offset import longest_arc, longest_line
 from beamcam.machine import load
@@ -71,7 +71,7 @@ def test_arcs_lie_within_the_tolerance_of_the_chords(
     points: list[Place], closed: bool, tolerance: float
 ) -> None:
     drawn = chain(points, closed)
-    found = refit_runs(drawn, tolerance)
+    (found,) = refit_runs([drawn], tolerance)
     assert len(found) <= len(drawn)
     assert dist(found[0].start, drawn[0].start) < 1e-6
     assert dist(found[-1].end, drawn[-1].end) < 1e-6
@@ -90,8 +90,16 @@ def test_long_lines_and_corners_stay(points: list[Place], tolerance: float) -> N
     far = [(x * 10, y * 10) for x, y in points]
     if any(dist(a, b) <= LONGEST for a, b in pairwise([*far, far[0]])):
         return
-    assert refit_runs(chain(far, True), tolerance) == chain(far, True)
-    assert refit_runs(box(0, 0, 2, 2), tolerance) == box(0, 0, 2, 2)
+    unchanged = [chain(far, True), box(0, 0, 2, 2)]
+    assert refit_runs(unchanged, tolerance) == unchanged
+
+
+@settings(max_examples=examples(30), deadline=None)
+@given(drawn=st.lists(st.one_of(shapes, jagged), min_size=2, max_size=5))
+def test_chains_together_become_what_each_becomes_alone(drawn: list[list[Place]]) -> None:
+    chains = [chain(points, False) for points in drawn]
+    alone = [refit_runs([one], 0.02)[0] for one in chains]
+    assert refit_runs(chains, 0.02) == alone
 
 
 @settings(max_examples=examples(100), deadline=None)
@@ -101,7 +109,7 @@ def test_where_a_chord_is_known_to_stay_nothing_longer_begins(
 ) -> None:
     assume(len(points) > LEAST_RUN)
     places = np.array(points)
-    for at, stays in enumerate(chord_runs._kept_chords(places, tolerance)):
+    for at, stays in enumerate(*kept_chords([places], tolerance)):
         arc, _ = longest_arc(
             places, at, LEAST_ARC, lambda run: chord_runs._arc_over(run, tolerance)
         )
@@ -111,8 +119,9 @@ def test_where_a_chord_is_known_to_stay_nothing_longer_begins(
 
 def test_sharp_corners_are_known_to_stay_and_a_cam_is_not() -> None:
     zigzag = np.array([(float(k), 2.0 * (k % 2)) for k in range(20)])
-    assert all(chord_runs._kept_chords(zigzag, 0.02))
-    assert not any(chord_runs._kept_chords(np.array(cam(200, 60, 2, 0.1)), 0.02)[:-4])
+    assert all(*kept_chords([zigzag], 0.02))
+    (kept,) = kept_chords([np.array(cam(200, 60, 2, 0.1))], 0.02)
+    assert not any(kept[:-4])
 
 
 def test_three_thousand_chords_of_a_cam_are_a_few_arcs() -> None:

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from beamcam.geometry.ramps import move_seconds, ramp_seconds, stretch_seconds
-from beamcam.motion.profile import AxisLimits
+from beamcam.geometry.ramps import move_seconds, ramp_seconds
+from beamcam.motion.profile import AxisLimits, stretch_seconds
 from tests.conftest import examples
 from tests.property.test_profile import duration_by_ruckig
 
@@ -61,7 +61,7 @@ def test_thousands_of_stretches_take_as_long_as_ruckigs():
         v, a, j, way = (10.0 ** dice.uniform(-2, 4, 4)).tolist()
         first, last = (v * dice.choice([0.0, 1.0], 2) * dice.uniform(0, 1, 2)).tolist()
         least = ramp_distance(first, last, a, j)
-        seconds = stretch_seconds(least + way, first, last, v, a, j)
+        (seconds,) = stretch_seconds(*np.array([[least + way], [first], [last], [v], [a], [j]]))
         assert seconds >= ramp_seconds(abs(first - last), a, j) * (1 - 1e-9)
         # Next to the least distance ruckig gives up.
         if least + way >= 1.05 * least:
@@ -71,6 +71,6 @@ def test_thousands_of_stretches_take_as_long_as_ruckigs():
 
 @given(amounts, amounts, amounts, jerks)
 def test_a_stretch_from_rest_to_rest_is_a_move(way, velocity, acceleration, jerk):
-    assert stretch_seconds(way, 0.0, 0.0, velocity, acceleration, jerk) == pytest.approx(
-        move_seconds(way, velocity, acceleration, jerk), rel=1e-6
-    )
+    values = np.array([[way], [0.0], [0.0], [velocity], [acceleration], [jerk]])
+    expected = move_seconds(way, velocity, acceleration, jerk)
+    assert stretch_seconds(*values) == pytest.approx(expected, rel=1e-6)

@@ -137,7 +137,7 @@ SPARE = 1.001  #: of a reach, for the last digits of elements that were moved
 NARROW = 0.1  #: reach by the size of cells, below which a narrower one is no quicker
 MOST_IN_A_CELL = 8  #: else cells are made smaller once
 MOST_CELLS = 1 << 20  #: along one side, so that the number of a cell and an element fits
-MOST_PAIRS = 1 << 21  #: of points and elements that are measured at once
+MOST_PAIRS = 1 << 16  #: of points and elements that are measured at once, in a cache
 
 
 #: Of points and elements that may be near one another, so that they fit into 500 MB; the planner

@@ -42,6 +42,9 @@ def order_faults(
     diagnostics += _before_skeleton(traced, works, name)
     # An open cut has no inside, and lies in none.
     cuts = [t for t in traced if t.stroke.process == "cut" and t.contour >= 0]
+    # What is left of a contour may be cut piece by piece: it holds what lies in it until the last.
+    last = {t.contour: t for t in cuts if not (t.closed or t.joined)}
+    cuts = [t for t in cuts if t.closed or t.joined or t is last[t.contour]]
     pairs = inside_of_earlier([t.contour for t in cuts], works["cut"].region) if cuts else []
     for a, b in pairs:
         diagnostics.append(

@@ -9,6 +9,7 @@ no order is asked of them, they bound no part, and the beam stays centred on the
 """
 
 from collections.abc import Iterable, Sequence
+from itertools import chain
 
 import numpy as np
 import shapely
@@ -156,22 +157,43 @@ def sides_at(
     region: Region, toolpaths: Toolpaths, element: Counts, share: Floats, fine: float
 ) -> Floats:
     """Of places of elements 1 where the waste lies left of them, -1 where the part does."""
+    return np.where(_part_beside(region, toolpaths, element, share, fine)[0], -1.0, 1.0)
+
+
+def _part_beside(
+    region: Region, toolpaths: Toolpaths, element: Counts, share: Floats, fine: float
+) -> Flags:
+    """Of places of elements whether the part lies left of them, and right of them, (2, n)."""
     off = off_surely(toolpaths, toolpaths.owner[element], fine)[:, None]
-    places = toolpaths.elements.places(element, share)
-    is_part = region.in_part(places + off * left_of(toolpaths, element, share))
-    return np.where(is_part, -1.0, 1.0)
+    places, aside = toolpaths.elements.places(element, share), left_of(toolpaths, element, share)
+    return region.in_part(np.concatenate((places + off * aside, places - off * aside))).reshape(
+        2, -1
+    )
 
 
 def waste_sides(region: Region, toolpaths: Toolpaths, fine: float) -> Floats:
-    """Of each way 1 if the waste lies left of it, -1 right of it, 0 if it bounds no part."""
+    """Of each way 1 if the waste lies left of it, -1 right of it, 0 if it bounds no part.
+
+    Where the longest way of a ring has the part on both sides, it is another's too, and it is
+    counted which rings are round it.
+    """
     sides = np.zeros(toolpaths.count)
     if not region.rings:
         return sides
     rings = _Rings.of(region.rings)
     longest = np.lexsort((toolpaths.lengths[rings.ways], rings.ring))[rings.begins[1:] - 1]
     middle = np.full(len(longest), 0.5)
-    left = sides_at(region, toolpaths, toolpaths.first(rings.ways[longest]), middle, fine)
-    along = np.where(rings.turned[longest], -left, left)
+    on_left, on_right = _part_beside(
+        region, toolpaths, toolpaths.first(rings.ways[longest]), middle, fine
+    )
+    along = np.where(on_left != rings.turned[longest], -1.0, 1.0)
+    if len(shared := np.flatnonzero(on_left == on_right)):
+        points = shapely.point_on_surface(region.polygons[shared])
+        own, around = shapely.STRtree(region.polygons).query(points, "within")
+        areas = shapely.area(region.polygons)
+        is_round = areas[around] > areas[shared[own]]
+        is_hole = np.bincount(own[is_round], minlength=len(shared)) % 2 == 1
+        along[shared] = np.where(is_hole == region.anticlockwise[shared], 1.0, -1.0)
     sides[rings.ways] = np.where(rings.turned, -along[rings.ring], along[rings.ring])
     return sides
 
@@ -317,7 +339,8 @@ class _Rings(Struct, frozen=True):
     @classmethod
     def of(cls, rings: Sequence[Chain]) -> "_Rings":
         begins = np.cumsum([0, *map(len, rings)])
-        columns = np.array([way for ring in rings for way in ring], dtype=np.int64).reshape(-1, 2)
+        flat = chain.from_iterable(chain.from_iterable(rings))
+        columns = np.fromiter(flat, dtype=np.int64).reshape(-1, 2)
         ring = np.repeat(np.arange(len(rings)), np.diff(begins))
         return cls(columns[:, 0], columns[:, 1] == 1, ring, begins)
 

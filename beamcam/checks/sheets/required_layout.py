@@ -127,9 +127,22 @@ def _by_axes(outer: "dict[int, Polygon]", width: float) -> dict[int, list[float]
             if a != b and one.distance(other) <= HAIR / 10
             and shapely.intersection(one, translate(other, -hair[0], -hair[1])).area > HAIR * HAIR
         ]  # fmt: skip
-        for _ in outer:
-            for a, b in behind:
-                moves[b][axis] = max(moves[b][axis], moves[a][axis] + width)
+        beside: dict[int, list[tuple[int, float]]] = {k: [] for k in outer}
+        for a, b in behind:
+            beside[a].append((b, width))
+            beside[b].append((a, -width))
+        left = list(outer)
+        while left:
+            # What touches by way of others moves together; none of it to the left, or down.
+            places, waiting = {left[0]: 0.0}, [left[0]]
+            for k in waiting:
+                more = {other: places[k] + by for other, by in beside[k] if other not in places}
+                places |= more
+                waiting += more
+            least = min(places.values())
+            for k, at in places.items():
+                moves[k][axis] = at - least
+            left = [k for k in left if k not in places]
         if any(abs(moves[b][axis] - moves[a][axis] - width) > 1e-9 for a, b in behind):
             return None
     return moves

@@ -11,6 +11,7 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.checks.sheets import rules
+from beamcam.checks.sheets.chart_rows import RowWords, words_of
 from beamcam.checks.sheets.controller_state import (
     ControllerState,
     NearCorners,
@@ -18,7 +19,6 @@ from beamcam.checks.sheets.controller_state import (
     expected_feeds,
     near_corners,
 )
-from beamcam.checks.sheets.row_words import RowWords, words_of
 from beamcam.controllers.dialect import IDLE_SWITCHES, SHEET_END, STOPS
 from beamcam.controllers.events import (
     Other,

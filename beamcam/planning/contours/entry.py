@@ -21,7 +21,7 @@ from beamcam.geometry.curves import Arc, Curve, Line
 from beamcam.geometry.plane import Point, dot
 from beamcam.machine.torch import Torch
 from beamcam.planning.contours import rules
-from beamcam.planning.contours.layer_settings import PLAIN
+from beamcam.planning.contours.order import PLAIN
 from beamcam.planning.contours.outline import Curves, Shape, stretch, stretches_of
 from beamcam.planning.contours.outline import ways as polylines_of
 

@@ -18,6 +18,7 @@ from msgspec.structs import replace
 from beamcam.errors import Diagnostic
 from beamcam.geometry.arrays import CurveTable, overlapping
 from beamcam.geometry.curves import Curve, join_boxes
+from beamcam.geometry.plane import Point
 from beamcam.machine.torch import Torch
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.entry import from_middle, leads, uncompensated, waste_side
@@ -84,6 +85,19 @@ def in_levels(shapes: Sequence[Shape], torch: Torch) -> list[Shape]:
             break
         levels = higher
     return [replace(s, level=max(level, s.level)) for s, level in zip(shapes, levels, strict=True)]
+
+
+def with_joints(shapes: Sequence[Shape], torch: Torch) -> list[Shape]:
+    """The shapes with the places where the rests of others begin and end on them."""
+    rests = [s.curves for s in shapes if s.process == "cut" and not s.closed]
+    ends = [end for curves in rests for end in (curves[0].start, curves[-1].end)]
+    joints: list[list[Point]] = [[] for _ in shapes]
+    if ends:
+        tree = shapely.STRtree(polylines_of([s.curves for s in shapes], torch.tolerance / 4))
+        near = tree.query(shapely.points(ends), "dwithin", distance=torch.gap)
+        for end, k in near.T.tolist():
+            joints[k].append(ends[end])
+    return [replace(s, joints=tuple(own)) for s, own in zip(shapes, joints, strict=True)]
 
 
 #: Mitre limit of corners, in half kerfs.
@@ -210,6 +224,8 @@ def common_cuts(
     ]
     if any(kerfs):
         shapes = in_levels(begun_off_common(shapes, paths, first, torch), torch)
+    if torch.tabs:
+        shapes = with_joints(shapes, torch)
     return shapes, [kerfs[k] for k, _ in cuts], list(repeats.remarks())
 
 

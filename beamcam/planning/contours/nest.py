@@ -321,19 +321,17 @@ def _nested(
     tree = shapely.STRtree(rings)
     with np.errstate(over="ignore"):  # it divides by sides of next to nothing too
         points = list(shapely.point_on_surface(valid(rings, bad)))
-    which = list(closed)
-    own_area = list(areas)
-    for i, shape in enumerate(shapes):
-        if shape.process == "cut" and not shape.closed:
-            points.append(shapely.Point(shape.curves[0].point(0.5)))
-            which.append(i)
-            own_area.append(0.0)
+    opened = [i for i, shape in enumerate(shapes) if shape.process == "cut" and not shape.closed]
+    middles = [shapes[i].curves[0].point(0.5) for i in opened]
+    points += shapely.points(np.reshape(middles, (-1, 2))).tolist()
+    which = [*closed, *opened]
+    own_area = [*areas, *[0.0] * len(opened)]
     inner, outer = tree.query(points, predicate="within")
     around: dict[int, list[int]] = defaultdict(list)
     for a, b in zip(inner.tolist(), outer.tolist(), strict=True):
         if which[a] != closed[b] and own_area[a] < areas[b]:
             around[which[a]].append(b)
-    for i, area in zip(which, [*signed.tolist(), *[0.0] * (len(which) - len(closed))], strict=True):
+    for i, area in zip(which, [*signed.tolist(), *[0.0] * len(opened)], strict=True):
         rings_around = around[i]
         parent = closed[min(rings_around, key=lambda b: (areas[b], b))] if rings_around else -1
         found[i] = replace(shapes[i], area=area, depth=len(rings_around), parent=parent)

@@ -26,10 +26,9 @@ from beamcam.planning.contours.entry import (
     waste_side,
 )
 from beamcam.planning.contours.kerf import NO_LEADS, Lead, common_cuts, compensated, leads_of
-from beamcam.planning.contours.layer_settings import is_one_way, rank
 from beamcam.planning.contours.layout import moved
 from beamcam.planning.contours.material import SheetMaterial
-from beamcam.planning.contours.order import order
+from beamcam.planning.contours.order import is_one_way, order, rank
 from beamcam.planning.contours.outline import (
     Curves,
     Shape,

@@ -5,13 +5,17 @@ shortens the way (`two_opt`).
 """
 
 from collections import Counter, defaultdict
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from math import floor, inf
 
 import numpy as np
 
+from beamcam.errors import Diagnostic
 from beamcam.geometry.array_types import Counts, Floats
 from beamcam.geometry.plane import Point
+from beamcam.machine.torch import LayerSettings, Torch
+from beamcam.model.plan import HATCH
+from beamcam.planning.contours import rules
 from beamcam.planning.contours.outline import Shape
 
 # --- two opt --------------------------------------------------------------------------------------
@@ -349,3 +353,39 @@ def order(
             last, turned = tour[-1]
             here = starts[last] if turned else ends[last]
     return done
+
+
+# --- settings ------------------------------------------------------------------------------------
+
+# What the settings of a colour or a layer say of the order of its contours.
+
+PLAIN = LayerSettings()
+
+
+def rank(shape: Shape, torch: Torch) -> int:
+    """The place in the order of work that the settings of a contour give it; 0 without any."""
+    return torch.settings.get(shape.look, PLAIN).order
+
+
+def is_one_way(shape: Shape, torch: Torch) -> bool:
+    """Whether a shape is a line of a hatch that is followed as it is drawn."""
+    own = torch.settings.get(shape.look, PLAIN)
+    return own.hatch_one_way and shape.source.where == HATCH
+
+
+def refuse_order(shapes: Sequence[Shape], torch: Torch) -> Iterator[Diagnostic]:
+    """An error for the first contour whose turn is after one around it, or a mark's after a cut."""
+    if not any(own.order for own in torch.settings.values()):
+        return
+    cuts = [shape for shape in shapes if shape.process == "cut"]
+    earliest = min(cuts, key=lambda s: rank(s, torch), default=None)
+    for shape in shapes:
+        before = shapes[shape.parent] if shape.parent >= 0 else None
+        if shape.process != "cut":
+            before = earliest
+        if before is not None and rank(before, torch) < rank(shape, torch):
+            yield rules.LOOK_ORDER.at(
+                shape.source, key=shape.look, found=rank(shape, torch), process=shape.process,
+                other=before.source, expected=rank(before, torch),
+            )  # fmt: skip
+            return

@@ -1,6 +1,5 @@
 """Contours as polygons and polylines, for questions that need no exact curve."""
 
-from bisect import bisect_left, bisect_right
 from collections.abc import Sequence
 from math import acos, degrees, dist
 from typing import TYPE_CHECKING, Any
@@ -211,6 +210,7 @@ class Shape(Struct, frozen=True, gc=False):
     is_begun: bool = False  #: whether it has to begin where it does
     is_small: bool = False  #: a small hole, by the row that it is cut with
     area: float = 0.0  #: inside of a closed cut, mm2, above 0 if it runs counter-clockwise
+    joints: tuple[Point, ...] = ()  #: where what is left of other contours begins and ends on it
 
     @property
     def is_ring(self) -> bool:
@@ -239,6 +239,8 @@ def entity(source: Source) -> str:
 # start                                        e: the even place of a bridge
 #   |----x---------------x---------------x---- x: its middle, moved off a corner by a quarter of
 #        e             corner e                   the distance of two bridges at most
+#
+# Nor is one where the cut along what is left of another contour begins or ends: it would be cut.
 
 
 ROUNDING = 1e-9
@@ -248,6 +250,7 @@ NEARLY = 1e-6  #: mm, that a bridge may be narrower
 STEP = 0.125  #: by a bridge's width, from one place to the next that is tried for it
 #: The corner of a mitre lies so far beyond that of the contour at most, by the kerf.
 MITRE = 1.25
+JOINT = 0.01  #: mm that chords may be off where places are looked for along a contour
 
 
 def needs_tabs(shape: Shape, torch: Torch) -> bool:
@@ -261,17 +264,19 @@ def stretches_of(shape: Shape, kerf: float, torch: Torch) -> tuple[Curves, ...]:
     if not needs_tabs(shape, torch):
         return (shape.curves,)
     clear = torch.min_tab_to_corner and torch.min_tab_to_corner + MITRE * kerf
-    return bridged(shape.curves, torch.tabs, torch.tab_width + kerf, clear, kerf)
+    return bridged(shape.curves, torch.tabs, torch.tab_width + kerf, clear, kerf, shape.joints)
 
 
 def bridged(
-    curves: Curves, tabs: int, width: float, clear: float = 0.0, kerf: float = 0.0
-) -> tuple[Curves, ...]:
+    curves: Curves, tabs: int, width: float, clear: float = 0.0, kerf: float = 0.0,
+    joints: Sequence[Point] = (),
+) -> tuple[Curves, ...]:  # fmt: skip
     """The stretches of a closed contour between `tabs` bridges, whose ends are `width` mm apart.
 
     The bridges lie at equal distances, the first half of that from the start; one that is nearer
-    to a corner than `clear`, or that would take more of the contour than `MOST_ALONG` allows, is
-    moved to the nearest place that does not, if there is one within a quarter of these distances.
+    to a corner than `clear`, would take more of the contour than `MOST_ALONG` allows, or may take
+    one of the `joints`, is moved to the nearest place that does not, if there is one within a
+    quarter of these distances.
     A contour that has not four times as much length as its bridges gets fewer of them, or none.
     """
     lengths = [c.length for c in curves]
@@ -280,12 +285,13 @@ def bridged(
         tabs -= 1
     if not tabs:
         return (curves,)
-    corners = _corners(curves, lengths, kerf) if clear else []
+    taken = [(place, width / 2 + clear) for place in _corners(curves, lengths, kerf) if clear]
+    taken += [(place, MOST_ALONG * width / 2 + kerf / 2) for place in _along(curves, joints)]
     cuts: list[tuple[float, float]] = []
     begin = 0.0
     for k in range(tabs):
         even, most = total * (k + 0.5) / tabs, total / (4 * tabs)
-        middle = _clear_place(even, corners, width / 2 + clear, most) if clear else even
+        middle = _clear_place(even, taken, most)
         low, high = _bridge(curves, lengths, middle, width, even - most, even + most)
         cuts.append((begin, low))
         begin = high
@@ -340,18 +346,27 @@ def _corners(curves: Curves, lengths: Sequence[float], kerf: float) -> list[floa
     return sorted(corners)
 
 
-def _clear_place(even: float, corners: Sequence[float], reach: float, most: float) -> float:
-    """The place nearest to `even`, at most so far from it, with no corner within `reach`.
+def _along(curves: Curves, joints: Sequence[Point]) -> list[float]:
+    """How far along a closed contour some places on it lie."""
+    if not joints:
+        return []
+    import shapely
 
-    `even` itself where there is none.
+    (line,) = ways([curves], JOINT)
+    share = sum(curve.length for curve in curves) / line.length
+    return [share * at for at in shapely.line_locate_point(line, shapely.points(joints)).tolist()]
+
+
+def _clear_place(even: float, taken: Sequence[tuple[float, float]], most: float) -> float:
+    """The place nearest to `even`, at most so far from it, that is clear of all that is taken.
+
+    Those are places and how far they reach. `even` itself where there is none.
     """
-    near = corners[
-        bisect_left(corners, even - most - reach) : bisect_right(corners, even + most + reach)
-    ]
-    places = [even, *(corner + side * reach for corner in near for side in (-1.0, 1.0))]
+    near = [(place, reach) for place, reach in taken if abs(place - even) <= most + reach]
+    places = [even, *(place + side * reach for place, reach in near for side in (-1.0, 1.0))]
     for place in sorted(places, key=lambda p: abs(p - even)):
         if abs(place - even) > most:
             break
-        if all(abs(place - corner) >= reach - ROUNDING for corner in near):
+        if all(abs(place - other) >= reach - ROUNDING for other, reach in near):
             return place
     return even

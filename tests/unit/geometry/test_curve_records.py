@@ -109,6 +109,24 @@ def test_tangent_where_a_curve_stands_still():
     assert abs(cusp.tangent(0.5)[1]) == pytest.approx(1.0)
 
 
+@pytest.mark.parametrize("knot", [1, 2, 3])
+def test_a_spline_is_split_at_a_knot_into_the_points_that_it_has(knot):
+    first, second = NURBS_CIRCLE.split(knot / 4)
+    assert sum(first.control, ()) == pytest.approx(sum(NURBS_CIRCLE.control[: 2 * knot + 1], ()))
+    assert sum(second.control, ()) == pytest.approx(sum(NURBS_CIRCLE.control[2 * knot :], ()))
+    assert first.knots == (*NURBS_CIRCLE.knots[: 2 * knot + 1], knot, knot, knot)
+    assert second.weights == pytest.approx(NURBS_CIRCLE.weights[2 * knot :])
+
+
+def test_a_spline_without_ends_on_its_points_keeps_its_knots_where_it_is_not_split():
+    spline = BSpline(2, ((0, 0), (4, 0), (4, 4), (0, 4), (0, 0)), tuple(range(8)))
+    first, second = spline.split(0.5)
+    assert first.knots == (0, 1, 2, 3, 3.5, 3.5, 3.5)
+    assert second.knots == (3.5, 3.5, 3.5, 4, 5, 6, 7)
+    assert (first.start, first.end, second.end) == ((2, 0), (3.5, 3.5), spline.end)
+    assert first.end == second.start == spline.point(0.5)
+
+
 def test_bernstein_roots():
     thirds = bezier.product([-1 / 3, 2 / 3], [-2 / 3, 1 / 3])
     assert bezier.roots(thirds) == pytest.approx([1 / 3, 2 / 3])

@@ -1,7 +1,6 @@
 """Times of cutting tables: from the look-ahead over the program, whatever the controller."""
 
 from collections.abc import Sequence
-from itertools import pairwise
 from math import cbrt, ceil, dist, hypot, pi
 
 import numpy as np
@@ -10,7 +9,7 @@ from msgspec.structs import replace
 
 from beamcam.emitters import simotion
 from beamcam.geometry.curves import Arc, Line
-from beamcam.geometry.ramps import move_seconds, stretch_seconds
+from beamcam.geometry.ramps import move_seconds
 from beamcam.machine import Machine, load
 from beamcam.machine.machine import PathLimits, path_limits
 from beamcam.model.part import Part
@@ -24,6 +23,7 @@ from beamcam.motion.sheet_times import (
     SECONDS_PER_MINUTE,
     curve_of,
     program_time,
+    section_seconds,
     segments_of,
     speeds_along,
 )
@@ -90,10 +90,7 @@ def seconds_along(
     starts = [start, *((move.x, move.y) for move in moves)]
     table = segments_of(starts[:-1], moves, [feed_mm_s] * len(moves), limits)
     moving, speeds = speeds_along(table, np.zeros(len(table.places), int), limits)
-    return sum(
-        stretch_seconds(s.length, first, last, s.limit, s.acceleration, s.jerk)
-        for s, (first, last) in zip(moving, pairwise(speeds), strict=True)
-    )
+    return float(section_seconds(moving, speeds).sum())
 
 
 def test_a_contour_takes_as_long_as_the_look_ahead_over_its_points() -> None:

@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from beamcam.checks.sheets import verify_sheet
+from beamcam.checks.sheets.required_layout import pulled_apart
 from beamcam.errors import PlanError, Source
 from beamcam.geometry.curves import Arc, Curve
 from beamcam.machine import Machine, load
@@ -19,6 +20,7 @@ from beamcam.model.plan import SheetPlan
 from beamcam.model.request import Request
 from beamcam.pipeline import Posted, post, read_back
 from beamcam.planning.contours.kerf import in_levels
+from beamcam.planning.contours.layout import apart
 from beamcam.planning.contours.outline import Shape
 from tests.conftest import examples, sampled
 from tests.unit.sheets.parts import box, circle, contour, drawing, lines
@@ -320,6 +322,26 @@ def test_two_parts_go_apart_by_one_kerf_across_their_slant() -> None:
     y = 10 + 40 + KERF / 5**0.5 + KERF / 2
     found = {(float(a), float(b)) for a, b in re.findall(r"X([\d.]+) Y([\d.]+)", text)}
     assert any(abs(a - x) + abs(b - y) < 2e-3 for a, b in found)
+
+
+def test_boxes_move_with_those_that_they_touch_by_way_of_others() -> None:
+    """Two boxes one above the other lift the one above them by two kerfs, so those beside by one.
+
+    By hand; the read-back moved the boxes beside to the right only, and found them elsewhere.
+    """
+    boxes = [
+        box(0, 0, 50, 35), box(0, 35, 50, 35), box(50, 0, 30, 70), box(80, 0, 40, 70),
+        box(0, 70, 120, 70),
+    ]  # fmt: skip
+    part = drawing(*(contour(b, line=k) for k, b in enumerate(boxes, 1)), thickness=3.0)
+    torch = nested().torch
+    assert torch is not None
+    k = KERF
+    expected = [(0, 0), (0, 35 + k), (50 + k, k), (80 + 2 * k, k), (0, 70 + 2 * k)]
+    for moved in (pulled_apart(part, torch), apart(part, torch)[0]):
+        starts = [one.curves[0].start for one in moved.contours]
+        assert sum(starts, ()) == pytest.approx(sum(expected, ()))
+    assert not read_back(post((part,), nested()).text, Request((part,), nested()))
 
 
 def test_a_shared_arc_stays_shared() -> None:

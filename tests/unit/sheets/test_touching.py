@@ -8,11 +8,12 @@ from hypothesis import strategies as st
 
 from beamcam.checks.sheets import verify_sheet
 from beamcam.errors import PlanError
+from beamcam.geometry.curves import Curve
 from beamcam.geometry.plane import Point
 from beamcam.model.part import Part
 from beamcam.pipeline import post
 from tests.conftest import examples
-from tests.unit.sheets.parts import contour, drawing, lines, table
+from tests.unit.sheets.parts import box, circle, contour, drawing, lines, table
 
 MACHINE = table("plate-linuxcnc")
 Cell = tuple[int, int]
@@ -90,3 +91,61 @@ def test_a_square_code_is_cut_or_refused_by_the_planner(
         event(f"refused, {code_said}")
     else:
         event("made")
+
+
+# --- edges of two contours ------------------------------------------------------------------------
+
+#: Two boxes that share a longest edge, and five of which one has none for itself; clockwise where
+#: the part at the far side of that edge lies left of it.
+SIDE_BY_SIDE = [lines((0, 0), (0, 140), (40, 140), (40, 0)), box(40, 0, 80, 140)]
+BETWEEN = [lines((50, 0), (50, 140), (90, 140), (90, 0)), box(0, 0, 50, 140), box(90, 0, 50, 140),
+           box(0, 140, 140, 40), box(0, -40, 140, 40)]  # fmt: skip
+
+
+@pytest.mark.parametrize("direction", ["climb", "conventional"])
+@pytest.mark.parametrize("boxes", [SIDE_BY_SIDE, BETWEEN], ids=["two", "between"])
+def test_boxes_with_a_shared_edge_are_outlines_and_go_round_as_such(
+    boxes: list[tuple[Curve, ...]], direction: str
+) -> None:
+    """Beside a shared edge the part is on both sides, so that it says nothing of the waste."""
+    part = drawing(*(contour(curves, line=k) for k, curves in enumerate(boxes, 1)))
+    machine, other = (
+        table("plate-codesys", kerf_by="none", direction=way)
+        for way in (direction, "conventional" if direction == "climb" else "climb")
+    )
+    text = post((part,), machine).text
+    assert "verify-sheet-direction" in {said.code for said in verify_sheet(text, (part,), other)}
+
+
+@pytest.mark.parametrize(("boxes", "asked"), [
+    ([box(0, 0, 100, 20), box(0, 20, 50, 60)], {"common_cuts": True}),
+    ([box(0, 50, 50, 30), box(0, 120, 50, 30), box(0, 150, 50, 40), box(50, 50, 50, 140)],
+     {"kerf_by": "none", "start": "drawn"}),
+], ids=["in an edge", "at a corner"])  # fmt: skip
+def test_no_bridge_is_where_the_rest_of_another_contour_is_begun(
+    boxes: list[tuple[Curve, ...]], asked: dict[str, object]
+) -> None:
+    """It would be cut there, and the torch would pierce on the edge of a part."""
+    part = drawing(*(contour(curves, line=k) for k, curves in enumerate(boxes, 1)))
+    for tabs in (1, 2, 3, 4):
+        text = post((part,), table("plate-codesys", tabs=tabs, **asked)).text
+        assert text.count("M03") > len(boxes)
+
+
+def test_what_is_left_of_a_contour_holds_a_hole_until_its_last_piece() -> None:
+    """Above and below of the box in the middle are cut one by one, its hole between or before."""
+    boxes = [box(0, 0, 30, 20), box(80, 0, 40, 140), box(30, 0, 50, 20)]
+    hole = contour(circle(61, 10, 12), line=9)
+    part = drawing(*(contour(curves, line=k) for k, curves in enumerate(boxes, 1)), hole)
+    machine = table("plate-codesys", kerf_by="none", lead="none", start="drawn")
+    text = post((part,), machine).text
+    blocks = [f"{block}M05\n" for block in text.split("M05\n")]
+    (cut,) = [k for k, block in enumerate(blocks) if "G03" in block]
+    rests = [k for k, block in enumerate(blocks) if block.count("G01") == 1]
+    assert len(rests) == 2
+    others = [block for k, block in enumerate(blocks) if k != cut]
+    for place in range(1, len(others)):
+        moved = "".join([*others[:place], blocks[cut], *others[place:]]).removesuffix("M05\n")
+        codes = {said.code for said in verify_sheet(moved, (part,), machine)}
+        behind = place > max(k - (k > cut) for k in rests)
+        assert ("verify-sheet-order" in codes) == behind, (place, moved)
