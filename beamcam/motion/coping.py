@@ -68,8 +68,11 @@ def _how_it_lies(plan: CopePlan, coper: Coper) -> Iterator[str]:
         yield "IT TURNS ABOUT THE MIDDLE OF HEIGHT AND WIDTH"
     for piece in plan.pieces:
         if piece.part.made is not None:
-            lies = "" if turned is not None else ", FACE V UP, FACE U AT Y 0"
+            lies = "" if turned is not None or turns else ", FACE V UP, FACE U AT Y 0"
             yield f"COMES CUT: ITS X 0 END AT X {piece.start:g}{lies}"
+            if turns:
+                held = piece.start + piece.part.length - coper.chuck
+                yield f"THE CHUCK HOLDS IT BEHIND X {held:g}"
             yield "WHAT ITS FILE CALLS MADE IS THERE"
 
 

@@ -98,7 +98,8 @@ def coper_faults(
     coper = machine.needed(machine.coper, "coper")
     if len({*parts}) > 1:
         return [PIECES.at(source, found="1 piece", expected=f"{len(parts)}, one for each part")]
-    part = as_tube(parts[0], coper) if coper.turns == "bar" else with_lip(parts[0], coper)
+    part = with_lip(parts[0], coper)
+    part = as_tube(part, coper) if coper.turns == "bar" else part
     events, _ = cell_events(text, machine, name)
     events = in_degrees(events, coper, part.profile.height)
     burns = list(burns_of(events, machine, coper, part, name))

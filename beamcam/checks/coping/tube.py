@@ -198,7 +198,7 @@ def tube_faults(
         *_compared(torch.strokes, drawn, wanted, part, section, coper, rows, slack, name),
         *seam_faults(torch.strokes, section, coper, slack, name),
         *support_faults(torch.strokes, coper, name),
-        *chuck_faults(torch.ways, part.length, coper, name),
+        *chuck_faults(torch.ways, part, coper, name),
     ]
     for k, feature in enumerate(part.features):
         outline = isinstance(feature, Contour) and feature.kind == "outer" and feature.face in off

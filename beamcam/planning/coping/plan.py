@@ -27,7 +27,13 @@ from beamcam.planning.coping.ends import (
 )
 from beamcam.planning.coping.regions import WallRegion, features_on, open_on, region_of
 from beamcam.planning.coping.roots import lip_faults, root_faults, with_ledges, with_steps
-from beamcam.planning.coping.stock import as_pipe, stock_faults, with_corners, with_lip
+from beamcam.planning.coping.stock import (
+    as_pipe,
+    length_needed,
+    stock_faults,
+    with_corners,
+    with_lip,
+)
 from beamcam.planning.coping.tube import LEAST_SLANT, is_slanted, outcomes_of, plan_tube
 from beamcam.planning.coping.views import chains_seen, kind_of, tilts_of
 from beamcam.planning.coping.walls import (
@@ -57,18 +63,13 @@ def plan_coping(
     that the machine cannot make; nothing is left out that is not in the plan's outcomes.
     """
     coper = machine.needed(machine.coper, "coper")
-    diagnostics: tuple[Diagnostic, ...] = ()
-    if coper.turns == "bar":
-        pipes = [as_pipe(part) for part in parts]
-        turned = [with_corners(part, coper) for part, _ in pipes]
-        parts = [part for part, _ in turned]
-        diagnostics = tuple(diagnostic for _, diagnostic in (*pipes, *turned) if diagnostic)
-        if errors_in(diagnostics):
-            raise PlanError(diagnostics)
-    else:
-        given = [with_lip(part, coper) for part in parts]
-        parts = [part for part, _ in given]
-        diagnostics = tuple(diagnostic for _, diagnostic in given if diagnostic)
+    pipes = [as_pipe(part) if coper.turns == "bar" else (part, None) for part in parts]
+    turned = [with_corners(part, coper) for part, _ in pipes]
+    given = [with_lip(part, coper) for part, _ in turned]
+    parts = [part for part, _ in given]
+    diagnostics = tuple(said for _, said in (*pipes, *turned, *given) if said)
+    if errors_in(diagnostics):
+        raise PlanError(diagnostics)
     refusals = [*stock_faults(parts, machine, coper, bar)]
     if refusals:
         raise PlanError(refusals)
@@ -77,7 +78,7 @@ def plan_coping(
         plan = plan_tube(part, machine, coper, skips)
     else:
         plan = _plan_profile(part, machine, coper, skips)
-    if refusals := [*_over_supports(plan, coper)]:
+    if refusals := [*_over_supports(plan, coper), *_over_chuck(plan, coper)]:
         raise PlanError(refusals)
     return replace(plan, remarks=(*diagnostics, *plan.remarks)) if diagnostics else plan
 
@@ -123,7 +124,7 @@ def _plan_profile(given: Part, machine: Machine, coper: Coper, skips: Collection
         raise PlanError(errors_in(diagnostics))
     if not cuts:
         raise PlanError(bar_rules.NO_WORK.at(part.source, machine=machine.name))
-    needed = part.length + (0.0 if part.made is not None else 2 * coper.trim + coper.chuck)
+    needed = length_needed(part, coper)
     diagnostics += _told_of(part, given, needed, coper)
     outcomes = tuple(
         replace(o, left=o.left or _left(part.features[o.feature[1]], slant, at_root))
@@ -164,12 +165,21 @@ def _at_roots(
 
 def _told_of(part: Part, given: Part, needed: float, coper: Coper) -> Iterator[Diagnostic]:
     """What is to be known of the bar that a profile is cut from, `needed` mm long, or its piece."""
-    rule = rules.BAR if part.made is None else rules.PIECE
-    yield rule.at(part.source, found=f"{needed:g}", trim=f"{coper.trim:g}")
+    code, turns = given.profile.code, coper.turns == "bar"
+    at = "to Y-" if turns else "at Y 0"
+    figures = {"found": f"{needed:g}", "trim": f"{coper.trim:g}"}
+    if part.made is None:
+        yield rules.BAR.at(part.source, **figures)
+    else:
+        lies = "" if code in ("T", "C") else f", face v up, face u {at}"
+        lies += f", its last {coper.chuck:g} mm in the chuck" if turns else ""
+        yield rules.PIECE.at(part.source, lies=lies, **figures)
     if part.quantity > 1:
         yield bar_rules.QUANTITY.at(part.source, found=part.quantity, made=1)
-    if given.profile.code in ("T", "C"):
-        yield (rules.TEE if given.profile.code == "T" else rules.LIPS).at(part.source)
+    if code == "T":
+        yield rules.TEE.at(part.source)
+    if code == "C":
+        yield rules.LIPS.at(part.source, at=at)
 
 
 def _over_supports(plan: CopePlan, coper: Coper) -> Iterator[Diagnostic]:
@@ -185,6 +195,23 @@ def _over_supports(plan: CopePlan, coper: Coper) -> Iterator[Diagnostic]:
                     cut.source, x=f"{there[0]:.1f}", face=cut.face, least=f"{zone.min:g}",
                     most=f"{zone.max:g}",
                 )  # fmt: skip
+
+
+def _over_chuck(plan: CopePlan, coper: Coper) -> Iterator[Diagnostic]:
+    """Errors for cuts along which the torch would come to the chuck that holds a piece by its end.
+
+    It holds a bar behind the part and the scrap.
+    """
+    (piece,) = plan.pieces
+    if coper.turns == "torch" or piece.part.made is None:
+        return
+    most = piece.part.length - coper.chuck - coper.torch_width / 2
+    for cut in plan.operations:
+        if (x := max(x for x, _ in cut.path)) > most:
+            yield rules.CHUCK.at(
+                cut.source, x=f"{x:.1f}", face=cut.face, expected=f"{most:g}",
+                chuck=f"{coper.chuck:g}",
+            )  # fmt: skip
 
 
 def _skew(

@@ -91,6 +91,11 @@ def with_lip(part: Part, coper: Coper) -> tuple[Part, Diagnostic | None]:
     return replace(part, profile=replace(profile, lip=coper.lip)), diagnostic
 
 
+def length_needed(part: Part, coper: Coper) -> float:
+    """How long a bar has to be for a part; a piece that comes cut is as long as it is."""
+    return part.length + (0.0 if part.made is not None else 2 * coper.trim + coper.chuck)
+
+
 def stock_faults(
     parts: Sequence[Part], machine: Machine, coper: Coper, bar: float | None
 ) -> Iterator[Diagnostic]:
@@ -141,7 +146,7 @@ def stock_faults(
     if deep + coper.clearance > coper.torch_length and profile.code not in TUBES:
         expected = f"{coper.torch_length - coper.clearance:g}"
         yield rules.DEEP.at(source, found=f"{deep:g}", expected=expected)
-    needed = part.length + 2 * coper.trim + coper.chuck
+    needed = length_needed(part, coper)
     if needed > coper.length:
         yield bar_rules.BAR_LONG.at(source, found=f"{needed:g}", expected=f"{coper.length:g}")
     if bar is not None and bar < needed:

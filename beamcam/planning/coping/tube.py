@@ -39,6 +39,7 @@ from beamcam.planning.coping.regions import (
     shape_of,
     sharp_corners,
 )
+from beamcam.planning.coping.stock import length_needed
 from beamcam.planning.coping.tube_ends import (
     Plane,
     header_slopes,
@@ -138,7 +139,7 @@ def plan_tube(part: Part, machine: Machine, coper: Coper, skips: Collection[str]
     if deepest >= LEAST_SLANT:
         diagnostics.append(rules.WEDGE.at(source, found=f"{deepest:.2f}", wall=f"{wall:g}"))
     diagnostics += _slow_axes(part, machine, row, way)
-    needed = part.length + 2 * coper.trim + coper.chuck
+    needed = length_needed(part, coper)
     diagnostics.append(rules.BAR.at(part.source, found=f"{needed:g}", trim=f"{coper.trim:g}"))
     if part.quantity > 1:
         diagnostics.append(bar_rules.QUANTITY.at(part.source, found=part.quantity, made=1))

@@ -153,7 +153,7 @@ def test_lips_that_are_not_known_are_refused_or_those_of_the_job() -> None:
     longer = with_section(COPER, None, 42.0)
     assert plan_coping((cee(HOLE),), longer).operations == plan.operations
     assert refused(bare, with_section(COPER, None, 120.0)) == {"plan-coping-lip"}
-    tube = load("tube-linuxcnc")
+    tube = load("tube-surface")
     assert with_section(tube, None, 20.0) is tube
 
 

@@ -89,6 +89,7 @@ SOLIDS = [
     ("header-rest", "coper-linuxcnc", "vouh"), ("leg", "tube-linuxcnc", "vouh"),
     ("hip", "tube-linuxcnc", "vouh"), ("trimmer", "tube-linuxcnc", "vouh"),
     ("hanger", "tube-linuxcnc", "vouh"), ("joist", "coper-linuxcnc", "vouh"),
+    ("joist", "tube-linuxcnc", "vouh"), ("lintel-rest", "tube-linuxcnc", "vou"),
     ("stub", "tube-linuxcnc", "v"), ("stub", "tube-surface", "v"),
 ]  # fmt: skip
 
