@@ -221,7 +221,7 @@ def _skew(
     which ends the torch is tilted."""
     planes = planes_of(part)
     tilts = [plane.is_skew and coper.tilt > 0.0 for plane in planes]
-    for k in (0, 1, None):
+    for k in (*(k for k in (0, 1) if tilts[k]), None):
         skewed = {f: with_skew(wall, part, (tilts[0], tilts[1])) for f, wall in walls.items()}
         diagnostics = [
             rules.CROSSED.at(part.source, face=face) for face, wall in skewed.items()
@@ -232,7 +232,7 @@ def _skew(
         regions, diagnostics = _regions(part, skewed, found, coper)
         if errors_in(diagnostics) or k is None:
             break
-        tilts[k] = tilts[k] and tilts_at(regions, part, k, coper)
+        tilts[k] = tilts_at(regions, part, k, coper)
     slant: dict[Face, float] = {}
     for k, plane in enumerate(planes):
         if plane.is_skew and not tilts[k] and not errors_in(diagnostics):
