@@ -56,8 +56,10 @@ class BoxFace(Struct, frozen=True):
         level, side = np.nonzero((y0 <= ys[:, None]) != (y1 <= ys[:, None]))
         share = (ys[level] - y0[side]) / (y1 - y0)[side]
         xs = x0[side] + share * (x1 - x0)[side]
-        pieces = (np.sort(xs[level == k]).reshape(-1, 2) for k in range(len(ys)))
-        return [one[one[:, 0] < one[:, 1]].ravel() for one in pieces]
+        order = np.lexsort((xs, level))
+        pieces, of = xs[order].reshape(-1, 2), level[order][::2]
+        met = pieces[:, 0] < pieces[:, 1]
+        return np.split(pieces[met].ravel(), 2 * np.searchsorted(of[met], np.arange(1, len(ys))))
 
 
 #: The faces beside a corner, and whether it lies at the greatest y of each.
