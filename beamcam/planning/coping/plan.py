@@ -265,7 +265,7 @@ def _regions(
         elif regions[face].rounded:
             diagnostics.append(
                 rules.ROUNDED.at(
-                    part.source, count=regions[face].rounded, face=face,
+                    part.source, count=len(regions[face].rounded), face=face,
                     radius=f"{coper.corner_radius:g}",
                 )
             )  # fmt: skip

@@ -6,7 +6,7 @@ u  |   ( )     |  end    the middle of its lowest line towards v. What crosses u
 0  |___________|         taken once. The ends go all round, from the seam to the seam.
 """
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from math import asin, cos, degrees, hypot, inf, pi, radians, sin, tan
 from typing import Literal
 
@@ -23,10 +23,11 @@ from beamcam.model.surface import Around, around
 from beamcam.planning import rules as bar_rules
 from beamcam.planning.coping import rules
 from beamcam.planning.coping.box_corners import MEET
-from beamcam.planning.coping.box_tube import Unrolled, unrolled
+from beamcam.planning.coping.box_tube import unrolled
 from beamcam.planning.coping.chart import Chart
 from beamcam.planning.coping.cuts import ROUND, CutChain, borders_of, chains_of, led
 from beamcam.planning.coping.regions import (
+    AROUND,
     CHORD,
     OUTLINE_NOISE,
     Cut,
@@ -95,6 +96,7 @@ def denied_ends(part: Part, outline: Shape, way: Around) -> Iterator[Diagnostic]
 
 
 STEPS = 96  #: places round a hole
+LEAST = 1e-6  #: mm that a place may lie off a straight line and say nothing
 LEAST_SLANT = 0.5  #: mm that a square cut is off inside of a wall, and that are manual work
 
 
@@ -113,12 +115,13 @@ def plan_tube(part: Part, machine: Machine, coper: Coper, skips: Collection[str]
     if profile.code == "M":
         box_tube, diagnostics = unrolled(part, found.cut, way)
         slant = {face: off for face, off in box_tube.slant.items() if off >= LEAST_SLANT}
-        region, diagnostics = _laid_out(surface, part, box_tube, coper, diagnostics)
+        once, corners = box_tube.shape, box_tube.corners
     else:
-        region, diagnostics = _region(surface, part, found, coper, way)
+        once, corners, diagnostics = _once_round(surface, part, found, way)
         planes = (*header_planes(part), *planes_of(part, found.cut))
         skew = max((wall * hypot(plane.by_y, plane.by_z) for plane in planes), default=0.0)
         slant = {"v": skew} if skew >= LEAST_SLANT else {}
+    region, diagnostics = _laid_out(surface, once, corners, part, coper, diagnostics)
     cuts: list[CopeCut] = []
     if not errors_in(diagnostics):
         cuts, more = _cuts(part, region, found, row, coper, way)
@@ -128,7 +131,7 @@ def plan_tube(part: Part, machine: Machine, coper: Coper, skips: Collection[str]
     if region.rounded:
         diagnostics.append(
             rules.ROUNDED.at(
-                part.source, count=region.rounded // 3, face="v", radius=f"{coper.corner_radius:g}"
+                part.source, count=len(region.rounded), face="v", radius=f"{coper.corner_radius:g}"
             )
         )
     if slant:
@@ -200,26 +203,40 @@ def _slow_axes(part: Part, machine: Machine, row: TorchRow, way: Around) -> Iter
 
 
 def _laid_out(
-    surface: PlannedWall, part: Part, tube: Unrolled, coper: Coper, diagnostics: list[Diagnostic]
-) -> tuple[WallRegion, list[Diagnostic]]:
-    """What stays of a rectangular tube, three times above itself."""
+    surface: PlannedWall, once: Shape, corners: Sequence[Point], part: Part, coper: Coper,
+    diagnostics: list[Diagnostic],
+) -> tuple[WallRegion, list[Diagnostic]]:  # fmt: skip
+    """What stays of the surface, given on one turn, its corners rounded, three times above itself.
+
+    They are rounded on the turn from u 0 on, with as much beside it as their radius looks at.
+    """
     from shapely import box, make_valid, union_all
     from shapely.affinity import translate
 
-    turns = [k * surface.width for k in range(4)]
-    low, _, high, _ = tube.shape.bounds
-    shape = union_all([translate(tube.shape, 0.0, turn) for turn in turns])
-    shape = shape.intersection(box(low, 0.0, high, 3 * surface.width))
-    corners = [(x, u + turn) for x, u in tube.corners for turn in turns]
-    corners = [(x, u) for x, u in corners if 0.0 <= u <= 3 * surface.width]
-    return rounded(surface, make_valid(shape), corners, part, coper, diagnostics)
+    turn = surface.width
+    beside = min(AROUND * coper.corner_radius, turn)
+    low, _, high, _ = once.bounds
+    several = union_all([translate(once, 0.0, k * turn) for k in (-1, 0, 1, 2)])
+    near = make_valid(several.intersection(box(low, -beside, high, turn + beside)))
+    on_turn = [(x, u % turn) for x, u in corners]
+    there = [
+        (x, u + k * turn) for x, u in on_turn for k in (-1, 0, 1)
+        if -beside < u + k * turn < turn + beside
+    ]  # fmt: skip
+    region, diagnostics = rounded(surface, near, there, part, coper, diagnostics)
+    whole = region.shape.intersection(box(low, 0.0, high, turn))
+    laid = union_all([translate(whole, 0.0, k * turn) for k in range(3)])
+    shape = make_valid(laid.simplify(LEAST))  # without places of a straight line at u 0
+    once_rounded = tuple((x, u) for x, u in region.rounded if 0.0 <= u < turn)
+    return WallRegion(surface, shape, once_rounded), diagnostics
 
 
-def _region(
-    surface: PlannedWall, part: Part, found: Sorted, coper: Coper, way: Around
-) -> tuple[WallRegion, list[Diagnostic]]:
-    """What stays of the surface, three times above itself, and what is wrong with it."""
-    from shapely import box, make_valid, union_all
+def _once_round(
+    surface: PlannedWall, part: Part, found: Sorted, way: Around
+) -> tuple[Shape, list[Point], list[Diagnostic]]:
+    """What stays of the surface of a round tube on one turn, its sharp corners, and what is wrong
+    with it."""
+    from shapely import box, union_all
     from shapely.affinity import translate
 
     round_it = surface.width
@@ -244,21 +261,19 @@ def _region(
         diagnostics += denied_ends(part, whole, way)
     else:
         planes += header_planes(part)
-    whole = within(whole, planes, way)
-    turns = [k * round_it for k in range(3)]
-    shape = union_all([translate(whole, 0.0, turn) for turn in turns])
+    shape = whole = within(whole, planes, way)
     corners: list[Point] = []
     for feature in own:
         if isinstance(feature, Contour):
-            corners += [(x, y + turn) for x, y in sharp_corners(feature) for turn in turns]
+            corners += sharp_corners(feature)
             if feature.kind == "outer":
                 continue
         gone = _taken(feature, part)
-        if not gone.intersects(union_all([translate(whole, 0.0, t - round_it) for t in turns])):
+        gone = union_all([translate(gone, 0.0, k * round_it) for k in (-1, 0, 1)])
+        if not gone.intersects(whole):
             diagnostics.append(rules.OFF.at(feature.source, what="a hole or cut-out"))
-        around = [translate(gone, 0.0, k * round_it) for k in range(-1, 4)]
-        shape = shape.difference(union_all(around))
-    return rounded(surface, make_valid(shape), corners, part, coper, diagnostics)
+        shape = shape.difference(gone)
+    return shape, corners, diagnostics
 
 
 def _taken(feature: Cut, part: Part) -> Shape:
