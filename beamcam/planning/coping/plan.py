@@ -34,7 +34,7 @@ from beamcam.planning.coping.stock import (
     with_corners,
     with_lip,
 )
-from beamcam.planning.coping.tube import LEAST_SLANT, is_slanted, outcomes_of, plan_tube
+from beamcam.planning.coping.tube import LEAST_SLANT, outcomes_of, plan_tube
 from beamcam.planning.coping.views import chains_seen, kind_of, tilts_of
 from beamcam.planning.coping.walls import (
     EDGE,
@@ -328,8 +328,9 @@ def _in_order(cuts: Sequence[CopeCut]) -> list[CopeCut]:
 
 def _left(feature: Feature, slant: Mapping[Face, float], at_root: Collection[str]) -> str:
     """Why an outline is manual work though it is cut; "" if it is not."""
-    if is_slanted(feature, slant):
-        return BEVEL
     if not isinstance(feature, Contour) or feature.kind != "outer":
         return ""
-    return ROOT if {"h": "v"}.get(feature.face, feature.face) in at_root else ""
+    face: Face = "v" if feature.face == "h" else feature.face
+    if face in slant:
+        return BEVEL
+    return ROOT if face in at_root else ""
