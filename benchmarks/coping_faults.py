@@ -26,7 +26,7 @@ from beamcam.emitters import head_lines
 from beamcam.errors import PlanError, errors_in
 from beamcam.geometry.curves import Line
 from beamcam.machine import Machine, load
-from beamcam.model.part import Contour, Part
+from beamcam.model.part import Contour, Feature, Part
 from beamcam.model.plan import CopePlan
 from beamcam.model.request import Job, Request
 from beamcam.pipeline import RefusedProgram, post
@@ -168,6 +168,23 @@ def _uncoped(contour: Contour, part: Part) -> Contour | None:
     return replace(contour, curves=ring)
 
 
+def random_tube_piece(seed: int) -> Part:
+    """A random tube, round or rectangular, whose ends and every second cut-out are there."""
+    part = (random_tube if seed % 2 else random_box)(seed // 2)
+    ends = [f for f in part.features if isinstance(f, Contour) and f.kind == "outer"]
+    asked: list[Feature] = []
+    made: list[Feature] = [*ends]
+    for feature in part.features:
+        if feature not in ends:
+            x = (
+                min(c.bbox[0] for c in feature.curves)
+                if isinstance(feature, Contour)
+                else feature.x
+            )  # type: ignore[union-attr]  # of a hole or a slot
+            (made if round((x - 150.0) / 70.0) % 2 else asked).append(feature)
+    return replace(part, features=tuple(asked), made=tuple(made))
+
+
 def piece_faults(part: Part, machine: Machine) -> Iterator[tuple[str, str]]:
     """Programs for other steel than the piece that comes."""
     job = Job(Request((part,), machine, name="JOB"), (0,))
@@ -204,6 +221,7 @@ def survivors(count: int, seed: int = 0) -> tuple[Counter[str], list[tuple[int, 
         ("coper", partial(random_slant, sections=CEES)),
         ("tube", random_lipped), ("tube", partial(random_mitre, sections=CEES)),
         ("tube", partial(random_slant, sections=CEES)), ("tube", random_held),
+        ("tube", random_tube_piece),
     )  # fmt: skip
     for number in range(len(kinds) * count):
         kind, make = kinds[number % len(kinds)]

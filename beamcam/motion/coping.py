@@ -62,9 +62,12 @@ def _how_it_lies(plan: CopePlan, coper: Coper) -> Iterator[str]:
     turned, turns = LIES.get(plan.profile.code), coper.turns == "bar"
     if turned is not None:
         yield turned.replace("AT Y 0", "TO Y-") if turns else turned
-    if turns and plan.profile.code not in TUBES:
-        if turned is None:
-            yield "AT A 0 FACE V IS UP, FACE U TO Y-"
+    is_tube = plan.profile.code in TUBES
+    comes_cut = any(piece.part.made is not None for piece in plan.pieces)
+    if turns and turned is None and (comes_cut or not is_tube):  # else it may lie as it likes
+        up = "FACE U IS UP, FACE V TO Y+" if coper.a_unit == "mm" else "FACE V IS UP, FACE U TO Y-"
+        yield f"AT A 0 {up}"
+    if turns and not is_tube:
         yield "IT TURNS ABOUT THE MIDDLE OF HEIGHT AND WIDTH"
     for piece in plan.pieces:
         if piece.part.made is not None:

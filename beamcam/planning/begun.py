@@ -15,18 +15,16 @@ from beamcam.planning.operations.ends import ends_of
 
 BEGUN = error("plan-begun",
     "found a part that another machine has begun; expected a whole one, {machine} makes its ends",
-    "What a machine leaves goes to one that takes pieces whose ends are there: a coper, but for "
-    "tubes, or a line without a saw.")  # fmt: skip
+    "What a machine leaves goes to one that takes pieces whose ends are there: a coper, or a "
+    "line without a saw.")  # fmt: skip
 
 
 def refuse_begun(parts: Sequence[Part], machine: Machine) -> Iterator[Diagnostic]:
     """An error for each part that another machine has begun, of a machine that makes the ends."""
-    if machine.stock == "beam" and machine.saw is None:
+    if machine.coper is not None or (machine.stock == "beam" and machine.saw is None):
         return
-    coper = machine.coper
     for part in parts:
-        is_taken = coper is not None and not coper.unrolls(part.profile.code)
-        if part.made is not None and not is_taken:
+        if part.made is not None:
             yield BEGUN.at(part.source, machine=machine.name)
 
 

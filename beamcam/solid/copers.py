@@ -135,6 +135,9 @@ def as_tube(part: Part, coper: Coper) -> Part:
     A plate that is called a pipe is the tube that it is the unrolled surface of. DSTV, 7th edition,
     page 13: M has one contour of the web.
     """
+    if part.made is not None:
+        there = as_tube(replace(part, features=part.made, made=None), coper)
+        return replace(as_tube(replace(part, made=None), coper), made=there.features)
     size = part.profile
     wall = max(size.flange_thickness, size.web_thickness or 0.0)
     if size.code == "B" and _CALLED_PIPE.match(size.name):

@@ -67,13 +67,13 @@ def compare(
         if depth:
             continue
         views = {(stroke.row.kerf, stroke.share) for stroke in own if not is_pass(stroke, passes)}
-        beside = {
+        near = {
             (d, *view): _beside(one.cut, *view, slack)
             for (other, d), one in wanted.items() if other == face for view in views
         }  # fmt: skip
         for stroke in own:
             yield from _stroke_faults(
-                stroke, strokes, beside, passes, stock, section, coper, rows, slack, name
+                stroke, strokes, near, passes, stock, section, coper, rows, slack, name
             )
         yield from _twice(face, own, name)
     for face in section.faces[1:]:

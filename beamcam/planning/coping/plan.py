@@ -31,6 +31,7 @@ from beamcam.planning.coping.stock import (
     as_pipe,
     length_needed,
     stock_faults,
+    told_of_stock,
     with_corners,
     with_lip,
 )
@@ -124,8 +125,7 @@ def _plan_profile(given: Part, machine: Machine, coper: Coper, skips: Collection
         raise PlanError(errors_in(diagnostics))
     if not cuts:
         raise PlanError(bar_rules.NO_WORK.at(part.source, machine=machine.name))
-    needed = length_needed(part, coper)
-    diagnostics += _told_of(part, given, needed, coper)
+    diagnostics += told_of_stock(part, given, coper)
     outcomes = tuple(
         replace(o, left=o.left or _left(part.features[o.feature[1]], slant, at_root))
         if o.how == "made" else o
@@ -134,9 +134,8 @@ def _plan_profile(given: Part, machine: Machine, coper: Coper, skips: Collection
         )
     )  # fmt: skip
     plan = CopePlan(
-        part.profile, (Piece(given, coper.trim),), needed, tuple(cuts), outcomes,
-        tuple(diagnostics),
-        min_bevel=coper.min_bevel,
+        part.profile, (Piece(given, coper.trim),), length_needed(part, coper), tuple(cuts),
+        outcomes, tuple(diagnostics), min_bevel=coper.min_bevel,
     )  # fmt: skip
     if [o.feature for o in plan.outcomes] != [(0, f) for f in range(len(part.features))]:
         raise AssertionError("the ledger of the plan does not balance")
@@ -161,25 +160,6 @@ def _at_roots(
     more |= {face for face, mm in off.items() if mm >= LEAST_SLANT}
     faults = root_faults(regions, depths, coper, part.source)
     return regions, [*diagnostics, *steps, *faults, *lip_faults(regions, part.source)], more
-
-
-def _told_of(part: Part, given: Part, needed: float, coper: Coper) -> Iterator[Diagnostic]:
-    """What is to be known of the bar that a profile is cut from, `needed` mm long, or its piece."""
-    code, turns = given.profile.code, coper.turns == "bar"
-    at = "to Y-" if turns else "at Y 0"
-    figures = {"found": f"{needed:g}", "trim": f"{coper.trim:g}"}
-    if part.made is None:
-        yield rules.BAR.at(part.source, **figures)
-    else:
-        lies = "" if code in ("T", "C") else f", face v up, face u {at}"
-        lies += f", its last {coper.chuck:g} mm in the chuck" if turns else ""
-        yield rules.PIECE.at(part.source, lies=lies, **figures)
-    if part.quantity > 1:
-        yield bar_rules.QUANTITY.at(part.source, found=part.quantity, made=1)
-    if code == "T":
-        yield rules.TEE.at(part.source)
-    if code == "C":
-        yield rules.LIPS.at(part.source, at=at)
 
 
 def _over_supports(plan: CopePlan, coper: Coper) -> Iterator[Diagnostic]:

@@ -45,6 +45,11 @@ SHORT = error("plan-coping-short",
     "it within the piece, which comes cut",
     "What the machine before has cut off cannot be made again. The ends of a piece stand in the "
     "header of its file.")
+TUBE_END = error("plan-coping-tube-end",
+    "found {what} of a tube that comes cut; expected holes, slots and cut-outs between its ends, "
+    "which are there",
+    "An end of a tube is cut all round, from a bar. What another machine has cut to length gets "
+    "what lies within it.")
 OPEN = warning("plan-coping-open",
     "found a hole that is there across a cut at x {x}, y {y} on face {face}; the torch goes over "
     "it with its arc on",
@@ -158,5 +163,5 @@ SLOW = warning("plan-coping-slow",
     "Round a corner the tube turns fast, and the torch follows it. The controller waits for the "
     "slowest axis, so that the cut gets wider there.")
 RULES = (PIPE, NO_PIPE, ALONE, CROSSED, BEYOND, ROOT, LEDGE, STEP, K_AREA, NARROW, OFF, SHORT,
-    OPEN, SUPPORT, CHUCK, DEEP, THICK, ROUNDED, BAR, TEE, LIPS, NO_LIP, GIVEN_LIP, INTO_LIP, PIECE,
-    NO_RADIUS, GIVEN_RADIUS, SEAM, CORNER, TANGENTS, REACHES, SLANT, WEDGE, SLOW)
+    TUBE_END, OPEN, SUPPORT, CHUCK, DEEP, THICK, ROUNDED, BAR, TEE, LIPS, NO_LIP, GIVEN_LIP,
+    INTO_LIP, PIECE, NO_RADIUS, GIVEN_RADIUS, SEAM, CORNER, TANGENTS, REACHES, SLANT, WEDGE, SLOW)

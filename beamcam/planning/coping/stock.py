@@ -96,6 +96,26 @@ def length_needed(part: Part, coper: Coper) -> float:
     return part.length + (0.0 if part.made is not None else 2 * coper.trim + coper.chuck)
 
 
+def told_of_stock(part: Part, given: Part, coper: Coper) -> Iterator[Diagnostic]:
+    """What is to be known of the bar that a part is cut from, or of the piece that comes cut."""
+    code, turns = given.profile.code, coper.turns == "bar"
+    at = "to Y-" if turns else "at Y 0"
+    figures = {"found": f"{length_needed(part, coper):g}", "trim": f"{coper.trim:g}"}
+    if part.made is None:
+        yield rules.BAR.at(part.source, **figures)
+    else:
+        lies = "" if code in ("T", "C") else f", face v up, face u {at}"
+        lies = ", face u up, face v to Y+" if coper.a_unit == "mm" else lies
+        lies += f", its last {coper.chuck:g} mm in the chuck" if turns else ""
+        yield rules.PIECE.at(part.source, lies=lies, **figures)
+    if part.quantity > 1:
+        yield bar_rules.QUANTITY.at(part.source, found=part.quantity, made=1)
+    if code == "T":
+        yield rules.TEE.at(part.source)
+    if code == "C":
+        yield rules.LIPS.at(part.source, at=at)
+
+
 def stock_faults(
     parts: Sequence[Part], machine: Machine, coper: Coper, bar: float | None
 ) -> Iterator[Diagnostic]:

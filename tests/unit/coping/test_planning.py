@@ -293,6 +293,7 @@ def test_every_rule_has_a_case() -> None:
     tested |= {"plan-coping-ledge"}  # in test_ledges.py
     tested |= {"plan-coping-step"}  # in test_slants.py
     tested |= {"plan-coping-chuck"}  # in test_turned.py
+    tested |= {"plan-coping-tube-end"}  # in test_tube_pieces.py
     tested |= {
         f"plan-coping-{name}" for name in ("lips", "given-lip", "into-lip")
     }  # in test_lips.py

@@ -20,7 +20,6 @@ from beamcam.machine.overlay import with_section
 from beamcam.model.part import Hole, Part
 from beamcam.model.request import Request
 from beamcam.pictures.program import ReadProgram
-from beamcam.pipeline import post
 from beamcam.planning.coping.plan import plan_coping
 from beamcam.recovery import recover
 from beamcam.setup_sheet.content import SheetSources, content_of
@@ -202,13 +201,6 @@ def test_what_the_chuck_holds_is_not_cut(x: float, codes: list[str]) -> None:
         plan_coping((part,), TUBE)
     assert [d.code for d in error.value.diagnostics] == codes
     assert "expected none beyond x 1344," in str(error.value)
-
-
-def test_only_tubes_that_come_cut_are_refused() -> None:
-    tube = replace(sample("brace"), made=())
-    with pytest.raises(PlanError) as error:
-        post((tube,), TUBE)
-    assert [d.code for d in error.value.diagnostics] == ["plan-begun"]
 
 
 # --- read back ------------------------------------------------------------------------------------
