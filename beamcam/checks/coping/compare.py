@@ -341,7 +341,8 @@ def _thickness(
     lip = section.lip + coper.root_over if min(ys) < section.bend - SURE else 0.0
     if max(ys) <= back or min(ys) >= front:
         deep = max(section.flange, lip) / stroke.share
-        return (deep - SURE, deep + SURE) if lip else (deep, deep)
+        # Of a tilted torch B is read as it is written, to some decimals.
+        return (deep - SURE, deep + SURE) if lip and stroke.is_tilted else (deep, deep)
     over = [y for one in strokes if one.face == "v" for _, y in one.points]
     end = (section.high - max(over) if stroke.face == "o" else min(over)) if over else 0.0
     deep = max(max(section.flange, end) + coper.root_over, lip) / stroke.share

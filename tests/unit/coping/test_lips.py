@@ -250,6 +250,20 @@ def codes(said: tuple[Diagnostic, ...]) -> set[str]:
     return {d.code for d in errors_in(said)}
 
 
+def test_a_lip_as_deep_as_a_row_is_cut_by_that_row() -> None:
+    """15 and 1 mm are cut by the row up to 16, and not by the next one, up to 20."""
+    part = cee(profile=CEES[2])
+    plan = plan_coping((part,), COPER)
+    k = next(k for k, cut in enumerate(plan.operations) if cut.lip)
+    cut = plan.operations[k]
+    assert (cut.thickness, cut.row.up_to) == (16.0, 16.0)
+    assert COPER.coper is not None
+    deeper = next(row for row in COPER.coper.rows if row.up_to == 20.0)
+    operations = (*plan.operations[:k], replace(cut, row=deeper), *plan.operations[k + 1 :])
+    text = coping_faults.program_of(replace(plan, operations=operations), job_of(part))
+    assert {d.code for d in found(text, part)} == {"verify-coping-feed"}
+
+
 def test_a_lip_that_holds_is_told() -> None:
     programs = wrong(JOIST, COPER)
     for kind in ("lip left out", "lip too shallow", "shorter lips"):
