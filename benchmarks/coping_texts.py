@@ -167,8 +167,13 @@ def _other_way(lines: Lines) -> Lines | None:
     """Every turn the other way round, of a tube with cut-outs."""
     if "(cut-out)" not in lines:
         return None
-    return [re.sub(r" A(-?)([\d.]+)", lambda m: f" A{'' if m[1] else '-'}{m[2]}", line)
-            for line in lines]  # fmt: skip
+
+    def other(word: re.Match[str]) -> str:
+        if float(word[2]) % 180.0 == 0.0:  # where a tube is alike
+            return word[0]
+        return f" A{'' if word[1] else '-'}{word[2]}"
+
+    return [re.sub(r" A(-?)([\d.]+)", other, line) for line in lines]
 
 
 def _corner_blocks(lines: Lines) -> list[int]:

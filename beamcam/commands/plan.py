@@ -338,8 +338,8 @@ def coping_lines(plan: CopePlan, time: WorkTime, machine: Machine) -> Iterator[s
     for number, (cut, seconds) in enumerate(zip(plan.operations, time.operations, strict=True), 1):
         x, y = cut.path[0]
         root = ", root" if cut.root else ", lip" if cut.lip else ""
-        a_deg = A_OF_FACE[cut.face] + cut.a_off_deg
-        root += f", A {a_deg:.3f}" if cut.a_off_deg else ""
+        if cut.a_off_deg:
+            root += f", A {A_OF_FACE[cut.face] + cut.a_off_deg:.3f}"
         root += f", B {cut.b_deg:.3f}" if cut.b_deg else ""
         root += ", turning" if cut.turns else ""
         yield (

@@ -58,7 +58,7 @@ class Coper(Keys, frozen=True):
     #: over a bar that turns: whether Y follows the place that is cut, or the torch stays over the
     #: axis, where only round tubes are square to it
     y: Literal["follows", "fixed"] = "follows"
-    #: DSTV codes that it takes; RO and M only where the bar turns, C only where the torch does
+    #: DSTV codes that it takes; RO and M only where the bar turns
     profiles: tuple[Literal["I", "U", "L", "T", "C", "RO", "M"], ...] = ("I", "U", "L")
     #: of rectangular tubes whose file does not say how round their corners are
     corners: tuple[TubeCorner, ...] = ()

@@ -34,7 +34,7 @@ def coper_faults(machine: Machine) -> Iterator[Fault]:
             expected = f"{{{name}}} where coper.turns is bar, and nowhere else"
             yield "words.feed", list(words.feed), expected
     if not {*coper.profiles} <= (
-        allowed := {"I", "U", "L", "T", *(TUBES if round_bar else ("C",))}
+        allowed := {"I", "U", "L", "T", "C", *(TUBES if round_bar else ())}
     ):
         expected = f"some of {', '.join(sorted(allowed))} where coper.turns is {coper.turns}"
         yield "coper.profiles", list(coper.profiles), expected
@@ -122,7 +122,7 @@ def _reach_faults(machine: Machine, coper: Coper) -> Iterator[Fault]:
     if not {*coper.profiles} <= {*TUBES}:
         beyond = coper.over + max((row.kerf for row in coper.rows), default=0.0)
         wide, low = wide + beyond, -half
-        what = "walls that turn; else coper.profiles without I, U, L and T"
+        what = "walls that turn; else coper.profiles of RO and M alone"
     for name, least, most in (("Y", -wide, wide), ("Z", low, long + coper.clearance)):
         for k, axis in enumerate(machine.axes):
             if axis.moves == name and (axis.limits[0] > least or axis.limits[1] < most):

@@ -62,14 +62,20 @@ def _how_it_lies(plan: CopePlan, coper: Coper) -> Iterator[str]:
     turned, turns = LIES.get(plan.profile.code), coper.turns == "bar"
     if turned is not None:
         yield turned.replace("AT Y 0", "TO Y-") if turns else turned
-    if turns and plan.profile.code not in TUBES:
-        if turned is None:
-            yield "AT A 0 FACE V IS UP, FACE U TO Y-"
+    is_tube = plan.profile.code in TUBES
+    comes_cut = any(piece.part.made is not None for piece in plan.pieces)
+    if turns and turned is None and (comes_cut or not is_tube):  # else it may lie as it likes
+        up = "FACE U IS UP, FACE V TO Y+" if coper.a_unit == "mm" else "FACE V IS UP, FACE U TO Y-"
+        yield f"AT A 0 {up}"
+    if turns and not is_tube:
         yield "IT TURNS ABOUT THE MIDDLE OF HEIGHT AND WIDTH"
     for piece in plan.pieces:
         if piece.part.made is not None:
-            lies = "" if turned is not None else ", FACE V UP, FACE U AT Y 0"
+            lies = "" if turned is not None or turns else ", FACE V UP, FACE U AT Y 0"
             yield f"COMES CUT: ITS X 0 END AT X {piece.start:g}{lies}"
+            if turns:
+                held = piece.start + piece.part.length - coper.chuck
+                yield f"THE CHUCK HOLDS IT BEHIND X {held:g}"
             yield "WHAT ITS FILE CALLS MADE IS THERE"
 
 

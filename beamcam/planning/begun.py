@@ -15,14 +15,13 @@ from beamcam.planning.operations.finished_part import ends_of
 
 BEGUN = error("plan-begun",
     "found a part that another machine has begun; expected a whole one, {machine} makes its ends",
-    "What a machine leaves goes to one that takes pieces whose ends are there: a coper whose torch "
-    "turns, or a line without a saw.")  # fmt: skip
+    "What a machine leaves goes to one that takes pieces whose ends are there: a coper, or a "
+    "line without a saw.")  # fmt: skip
 
 
 def refuse_begun(parts: Sequence[Part], machine: Machine) -> Iterator[Diagnostic]:
     """An error for each part that another machine has begun, of a machine that makes the ends."""
-    is_coper = machine.coper is not None and machine.coper.turns == "torch"
-    if is_coper or (machine.stock == "beam" and machine.saw is None):
+    if machine.coper is not None or (machine.stock == "beam" and machine.saw is None):
         return
     for part in parts:
         if part.made is not None:

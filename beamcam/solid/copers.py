@@ -98,7 +98,8 @@ def coper_faults(
     coper = machine.needed(machine.coper, "coper")
     if len({*parts}) > 1:
         return [PIECES.at(source, found="1 piece", expected=f"{len(parts)}, one for each part")]
-    part = as_tube(parts[0], coper) if coper.turns == "bar" else with_lip(parts[0], coper)
+    part = with_lip(parts[0], coper)
+    part = as_tube(part, coper) if coper.turns == "bar" else part
     events, _ = cell_events(text, machine, name)
     events = in_degrees(events, coper, part.profile.height)
     burns = list(burns_of(events, machine, coper, part, name))
@@ -134,6 +135,9 @@ def as_tube(part: Part, coper: Coper) -> Part:
     A plate that is called a pipe is the tube that it is the unrolled surface of. DSTV, 7th edition,
     page 13: M has one contour of the web.
     """
+    if part.made is not None:
+        there = as_tube(replace(part, features=part.made, made=None), coper)
+        return replace(as_tube(replace(part, made=None), coper), made=there.features)
     size = part.profile
     wall = max(size.flange_thickness, size.web_thickness or 0.0)
     if size.code == "B" and _CALLED_PIPE.match(size.name):

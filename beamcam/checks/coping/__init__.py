@@ -83,7 +83,7 @@ def codes_read(coper: Coper) -> tuple[str, ...]:
     """DSTV codes of the sections whose programs are read back."""
     if coper.a_unit == "mm":
         return ("RO",)
-    return ("I", "U", "L", "T", *(TUBES if coper.turns == "bar" else ("C",)))
+    return ("I", "U", "L", "T", "C", *(TUBES if coper.turns == "bar" else ()))
 
 
 def _profile_faults(
@@ -108,7 +108,7 @@ def _profile_faults(
     diagnostics = [*torch.diagnostics, *collision_faults(torch.ways, section, coper, name)]
     if does_turn:
         diagnostics += turned_unseen(events, section, coper, name)
-        diagnostics += chuck_faults(torch.ways, part.length, coper, name)
+        diagnostics += chuck_faults(torch.ways, part, coper, name)
     if errors_in(diagnostics):
         return diagnostics
     stock = stock_of(part, section, coper)

@@ -33,7 +33,7 @@ CORNERS = (("u", True, "v", False), ("v", True, "o", True), ("o", False, "h", Tr
            ("h", False, "u", False))  # fmt: skip
 
 
-class BoxWanted(Struct, frozen=True):
+class TubeWanted(Struct, frozen=True):
     """What has to stay of three turns of the surface, and how skew a square cut leaves walls."""
 
     drawn: Shape
@@ -49,7 +49,7 @@ class _Wall(Struct, frozen=True):
     is_drawn: bool
 
 
-def box_wanted(part: Part, coper: Coper, left: set[int], section: TubeSection) -> BoxWanted:
+def box_wanted(part: Part, coper: Coper, left: set[int], section: TubeSection) -> TubeWanted:
     """What has to stay of a part; `left` are features that are not made."""
     from shapely import union_all
     from shapely.affinity import translate
@@ -85,7 +85,7 @@ def box_wanted(part: Part, coper: Coper, left: set[int], section: TubeSection) -
     for k, corner in enumerate(CORNERS):
         shape = _rounded(k, walls, ends, section, off)
         if shape is None:
-            return BoxWanted(shapes[0], shapes[0], off, f"{corner[0]} and {corner[2]}")
+            return TubeWanted(shapes[0], shapes[0], off, f"{corner[0]} and {corner[2]}")
         seen = [
             _in_corner(void, walls[face].wide, at_high, is_first, k, section)
             for face, at_high, is_first in ((*corner[:2], True), (*corner[2:], False))
@@ -99,7 +99,7 @@ def box_wanted(part: Part, coper: Coper, left: set[int], section: TubeSection) -
     everywhere = [(x, s + k * turn) for x, s in corners for k in (-1, 0, 1)]
     drawn = areas_of(drawn)
     cut = areas_of(with_round_corners(drawn, everywhere, coper.corner_radius))
-    return BoxWanted(drawn, cut, {f: mm for f, mm in off.items() if mm >= LEAST_OFF})
+    return TubeWanted(drawn, cut, {f: mm for f, mm in off.items() if mm >= LEAST_OFF})
 
 
 def box_outlines(part: Part, coper: Coper, section: TubeSection) -> Iterator[list[Point]]:

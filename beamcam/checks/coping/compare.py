@@ -64,12 +64,18 @@ def compare(
         yield from _hurt(face, gone, asked.cut, section, slack, name)
         left[face, depth] = left_of(face, gone, asked.drawn, stock, section, slack)
         yield from kept_faults(face, left[face, depth], asked.most, slack, name)
-        contours = {d: one.cut for (other, d), one in wanted.items() if other == face}
-        for stroke in own if not depth else ():
+        if depth:
+            continue
+        views = {(stroke.row.kerf, stroke.share) for stroke in own if not is_pass(stroke, passes)}
+        near = {
+            (d, *view): _beside(one.cut, *view, slack)
+            for (other, d), one in wanted.items() if other == face for view in views
+        }  # fmt: skip
+        for stroke in own:
             yield from _stroke_faults(
-                stroke, strokes, contours, passes, stock, section, coper, rows, slack, name
+                stroke, strokes, near, passes, stock, section, coper, rows, slack, name
             )
-        yield from _twice(face, own, name) if not depth else ()
+        yield from _twice(face, own, name)
     for face in section.faces[1:]:
         inner = max(depth for one, depth in left if one == face)
         for one, depth in left:
@@ -192,7 +198,7 @@ def _hurt(
 def _stroke_faults(
     stroke: TorchStroke,
     strokes: Sequence[TorchStroke],
-    wanted: Mapping[float, Shape],
+    beside: Mapping[tuple[float, float, float], Shape],
     passes: Sequence[BevelPass],
     stock: WallStock,
     section: CoperSection,
@@ -202,7 +208,10 @@ def _stroke_faults(
     name: str,
 ) -> Iterator[Diagnostic]:
     """A stroke beside its wall, along no contour of any surface, or at the speed of another
-    thickness."""
+    thickness.
+
+    `beside` is where a stroke may run, by mm below the face, its kerf and its `share`.
+    """
     from shapely import box
 
     source = Source(name, stroke.line)
@@ -212,19 +221,22 @@ def _stroke_faults(
     if stroke.face == "v":
         free = (-stroke.row.kerf / 2, -stroke.row.kerf / 2 if section.has_upper else over)
     ys = [y for _, y in stroke.points]
-    is_pass = any(one.stroke is stroke for one in passes)  # which has its edge to stay along
-    if not is_pass and (min(ys) < low - free[0] or max(ys) > high + free[1]):
+    has_edge = is_pass(stroke, passes)  # to stay along
+    if not has_edge and (min(ys) < low - free[0] or max(ys) > high + free[1]):
         y = min(ys) if min(ys) < low - free[0] else max(ys)
         yield rules.PLACE.at(
             source, y=f"{y:g}", face=stroke.face, least=f"{low:g}", most=f"{high:g}"
         )
         return
     steel = stock.wall(stroke.face).intersection(box(-1e6, low, 1e6, high))
-    if stroke.leans and not is_pass:
+    if stroke.leans and not has_edge:
         yield rules.ANGLE.at(source, found="off that of its face, along no bevel")
         return
-    offs = [_off_contour(stroke, one, depth, steel, slack) for depth, one in wanted.items()]
-    if not is_pass and (off := offs[0]) is not None and None not in offs:
+    offs = [
+        _off_contour(stroke, near, depth, steel, slack) for (depth, *view), near in beside.items()
+        if view == [stroke.row.kerf, stroke.share] and not has_edge
+    ]  # fmt: skip
+    if offs and (off := offs[0]) is not None and None not in offs:
         x, y = off
         yield rules.EXTRA.at(source, x=f"{x:.1f}", y=f"{y:.1f}", face=stroke.face)
     x, y = stroke.points[0]
@@ -235,7 +247,7 @@ def _stroke_faults(
         x, y = lost or (x, y)
         yield rules.AIR.at(source, x=f"{x:.1f}", y=f"{y:.1f}", face=stroke.face)
     least, most = _thickness(stroke, strokes, section, coper)
-    if is_pass:
+    if has_edge:
         deep = section.thickness(stroke.face) / stroke.share
         least, most = deep - SURE, deep + SURE
     found = (row_for(rows, coper, thickness) for thickness in (least, most))
@@ -281,8 +293,21 @@ def _twice(face: str, own: Sequence[TorchStroke], name: str) -> Iterator[Diagnos
                 )
 
 
+def is_pass(stroke: TorchStroke, passes: Sequence[BevelPass]) -> bool:
+    """Whether a stroke makes a bevel."""
+    return any(one.stroke is stroke for one in passes)
+
+
+def _beside(wanted: Shape, kerf: float, share: float, slack: float) -> Shape:
+    """Where a stroke runs that keeps half a kerf off a contour, as the torch sees it."""
+    # A path goes straight on beyond the end of a slanting contour, where an edge of its wall is.
+    seen, off_it = narrowed(wanted, share).simplify(FINE / 2), kerf / 2 + slack
+    around = seen.buffer(off_it, join_style="mitre").difference(seen)
+    return seen.boundary.buffer(off_it).union(around)
+
+
 def _off_contour(
-    stroke: TorchStroke, wanted: Shape, depth: float, steel: Shape, slack: float
+    stroke: TorchStroke, near: Shape, depth: float, steel: Shape, slack: float
 ) -> tuple[float, float] | None:
     """A place of a stroke that keeps no half a kerf off a contour so far below; None if there is
     none.
@@ -290,10 +315,6 @@ def _off_contour(
     Its first stretch is the lead, and beyond the edges of the wall there is air.
     """
     share = stroke.share
-    # A path goes straight on beyond the end of a slanting contour, where an edge of its wall is.
-    seen, off_it = narrowed(wanted, share).simplify(FINE / 2), stroke.row.kerf / 2 + slack
-    around = seen.buffer(off_it, join_style="mitre").difference(seen)
-    near = seen.boundary.buffer(off_it).union(around)
     run = narrowed(line_of(stroke.at(depth)[1:]).intersection(steel), share)
     off = run.difference(near)
     if off.length <= slack:
@@ -320,7 +341,8 @@ def _thickness(
     lip = section.lip + coper.root_over if min(ys) < section.bend - SURE else 0.0
     if max(ys) <= back or min(ys) >= front:
         deep = max(section.flange, lip) / stroke.share
-        return (deep - SURE, deep + SURE) if lip else (deep, deep)
+        # Of a tilted torch B is read as it is written, to some decimals.
+        return (deep - SURE, deep + SURE) if lip and stroke.is_tilted else (deep, deep)
     over = [y for one in strokes if one.face == "v" for _, y in one.points]
     end = (section.high - max(over) if stroke.face == "o" else min(over)) if over else 0.0
     deep = max(max(section.flange, end) + coper.root_over, lip) / stroke.share

@@ -6,7 +6,7 @@ surface is straight; of a round tube a place on top at A lies at u = R (90 - A) 
 """
 
 import re
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from math import asin, cos, dist, hypot, pi, radians, sin, tan
 from typing import Any
 
@@ -14,11 +14,20 @@ import numpy as np
 from msgspec.structs import replace
 
 from beamcam.checks.coping import rules
-from beamcam.checks.coping.box_tube import LEAST_OFF, box_wanted
+from beamcam.checks.coping.box_tube import LEAST_OFF, TubeWanted, box_wanted
 from beamcam.checks.coping.chart import row_for
 from beamcam.checks.coping.collisions import collision_faults, turned_unseen
 from beamcam.checks.coping.section import TubeSection, areas_of, kerf_of, line_of, pieces_of
-from beamcam.checks.coping.stock import FINE, outline_ring, ring_of, slot_ring
+from beamcam.checks.coping.stock import (
+    FINE,
+    TubeStock,
+    bar_of,
+    goes_through,
+    is_end,
+    outline_ring,
+    ring_of,
+    slot_ring,
+)
 from beamcam.checks.coping.strokes import HEIGHT_SLACK, TipMove, TorchFollower, TorchStroke
 from beamcam.checks.coping.tube_planes import kept, planes_of
 from beamcam.checks.coping.wanted import corners_of, with_round_corners
@@ -178,27 +187,23 @@ def tube_faults(
     if errors_in(said):
         return said
     slack = coper.tolerance + 2 * written_step(machine, section) + FINE
-    off: dict[str, float] = {}
-    if part.profile.code == "M":
-        box = box_wanted(part, coper, left, section)
-        if box.lost:
-            return [*said, rules.LOST.at(part.source, found=box.lost)]
-        drawn, wanted, off = box.drawn, box.cut, box.off
-    else:
-        drawn, wanted = _wanted(part, coper, left, section)
-        cuts = part.cuts
-        leans = [
-            hypot(*(tan(radians(a)) if abs(a) > SQUARE_DEG else 0.0 for a in pair))
-            for pair in ((cuts.web_start, cuts.flange_start), (cuts.web_end, cuts.flange_end))
-        ]
-        leans += [hypot(*end[1:]) for _, end in planes_of(part, left, section)]
-        off = {"v": deep} if (deep := section.wall * max(leans)) >= LEAST_OFF else {}
+    # Of a piece that comes cut the ends are there, as its header and what is made of it say.
+    ends = tuple(f for f in part.made or () if is_end(f))
+    whole = _wanted(replace(part, features=(*part.features, *ends)), coper, left, section)
+    if whole.lost:
+        return [*said, rules.LOST.at(part.source, found=whole.lost)]
+    stock, off = bar_of(part, coper, section.turn), whole.off
+    if part.made is not None:
+        bare = _wanted(replace(part, features=ends), coper, set(), section).drawn
+        there = replace(part, features=tuple(filter(goes_through, part.made)))
+        stock, off = TubeStock(bare, _wanted(there, coper, set(), section).drawn, True), {}
+        whole = replace(whole, cut=whole.cut.intersection(bare))
     diagnostics = [
         *said,
-        *_compared(torch.strokes, drawn, wanted, part, section, coper, rows, slack, name),
+        *_compared(torch.strokes, whole, stock, part, section, coper, rows, slack, name),
         *seam_faults(torch.strokes, section, coper, slack, name),
         *support_faults(torch.strokes, coper, name),
-        *chuck_faults(torch.ways, part.length, coper, name),
+        *chuck_faults(torch.ways, part, coper, name),
     ]
     for k, feature in enumerate(part.features):
         outline = isinstance(feature, Contour) and feature.kind == "outer" and feature.face in off
@@ -210,8 +215,8 @@ def tube_faults(
 
 def _compared(
     strokes: Sequence[TorchStroke],
-    drawn: Shape,
-    expected: Shape,
+    asked: TubeWanted,
+    stock: TubeStock,
     part: Part,
     section: TubeSection,
     coper: Coper,
@@ -223,6 +228,7 @@ def _compared(
     from shapely import MultiPolygon, Point, box, prepare, union_all
     from shapely.affinity import translate
 
+    drawn, expected = asked.drawn, asked.cut
     turn, wall = section.turn, section.wall
     fits = row_for(rows, coper, wall)
     kept = expected.buffer(-slack, join_style="mitre")
@@ -230,7 +236,7 @@ def _compared(
     edges = {row.kerf: expected.boundary.buffer(row.kerf / 2 + slack)
              for row in {stroke.row for stroke in strokes}}  # fmt: skip
     gone: list[Shape] = []
-    bar = box(-coper.trim, -turn / 2, part.length + coper.trim, 1.5 * turn)
+    bar = stock.steel.intersection(box(-1e6, -turn / 2, 1e6, 1.5 * turn))
     parting = False
     for stroke in strokes:
         source, half = Source(name, stroke.line), stroke.row.kerf / 2
@@ -257,7 +263,11 @@ def _compared(
         if before and run.difference(union_all(before)).length < TWICE * run.length:
             x, u = points[0]
             yield rules.EXTRA.at(source, x=f"{x:.1f}", y=f"{u:.1f}", face=stroke.face)
-        if not -coper.trim - slack <= points[0][0] <= part.length + coper.trim + slack:
+        # No arc starts over a hole that is there; none goes over an end of a piece that comes cut.
+        in_air = stock.solid.distance(Point(points[0])) > slack
+        if stock.is_piece and run.difference(stock.steel.buffer(slack)).length > slack:
+            in_air = True
+        if in_air:
             yield rules.AIR.at(source, x=f"{points[0][0]:.1f}", y=f"{us[0]:.1f}", face=stroke.face)
         if fits is None or stroke.row.feed_mm_min != fits.feed_mm_min:
             yield rules.FEED.at(
@@ -309,13 +319,20 @@ def _places(shape: Shape) -> list[Point]:
     return [tuple(p) for p in get_coordinates(shape).tolist()]
 
 
-def _wanted(
-    part: Part, coper: Coper, left: Collection[int], section: TubeSection
-) -> tuple[Shape, Shape]:
+def _wanted(part: Part, coper: Coper, left: set[int], section: TubeSection) -> TubeWanted:
     """What has to stay of the surface on three turns, without and with its corners rounded."""
     from shapely import Polygon, box, make_valid, union_all
     from shapely.affinity import translate
 
+    if part.profile.code == "M":
+        return box_wanted(part, coper, left, section)
+    cuts = part.cuts
+    leans = [
+        hypot(*(tan(radians(a)) if abs(a) > SQUARE_DEG else 0.0 for a in pair))
+        for pair in ((cuts.web_start, cuts.flange_start), (cuts.web_end, cuts.flange_end))
+    ]
+    leans += [hypot(*end[1:]) for _, end in planes_of(part, left, section)]
+    off = {"v": deep} if (deep := section.wall * max(leans)) >= LEAST_OFF else {}
     turn = section.turn
     # An outline says more of an end than the header.
     features = [f for k, f in enumerate(part.features) if k not in left]
@@ -350,7 +367,7 @@ def _wanted(
         )
     drawn = areas_of(drawn)
     everywhere = [(x, u + k * turn) for x, u in corners for k in (-1, 0, 1)]
-    return drawn, with_round_corners(drawn, everywhere, coper.corner_radius)
+    return TubeWanted(drawn, with_round_corners(drawn, everywhere, coper.corner_radius), off)
 
 
 def _between_planes(part: Part) -> Shape:

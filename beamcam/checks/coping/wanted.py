@@ -117,12 +117,13 @@ def with_round_corners(drawn: Shape, corners: list[Point], radius: float) -> Sha
 
     if drawn.is_empty or not corners:
         return drawn
-    air = drawn.envelope.buffer(4 * radius, join_style="mitre").difference(drawn)
-    rolled = air.buffer(-radius, 24).buffer(radius, 24)
     places = MultiPoint(corners)
+    # A disc that comes nearest to a corner lies within its diameter of it, and all that it leaves.
+    air = places.buffer(4 * radius, cap_style="square").difference(drawn)
+    left = air.difference(air.buffer(-radius, 24).buffer(radius, 24))
     kept = [
         piece
-        for piece in pieces_of(air.difference(rolled))
+        for piece in pieces_of(left.intersection(places.buffer(2 * radius)))
         if piece.area > FINE * FINE and piece.distance(places) <= FINE
     ]
     return union_all([drawn, *kept])

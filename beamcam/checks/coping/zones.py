@@ -8,6 +8,7 @@ from beamcam.checks.coping.section import CoperSection, TubeSection
 from beamcam.checks.coping.strokes import TipMove, TorchStroke
 from beamcam.errors import Diagnostic, Source
 from beamcam.machine.coper import Coper
+from beamcam.model.part import Part
 
 ALL_ROUND = 1e-3  #: mm that a stroke once round may lack
 
@@ -56,11 +57,14 @@ def support_faults(strokes: Sequence[TorchStroke], coper: Coper, name: str) -> I
 
 
 def chuck_faults(
-    ways: Sequence[TipMove], length: float, coper: Coper, name: str
+    ways: Sequence[TipMove], part: Part, coper: Coper, name: str
 ) -> Iterator[Diagnostic]:
-    """The first place of the torch over the stretch of the bar, `length` and the trims behind its
-    start, that the chuck holds."""
-    free = length + 2 * coper.trim - coper.torch_width / 2
+    """The first place of the torch over the stretch that the chuck holds: of a bar what is behind
+    the part and the trims, of a piece that comes cut its own far end."""
+    held = part.length + 2 * coper.trim
+    if part.made is not None:
+        held = coper.trim + part.length - coper.chuck
+    free = held - coper.torch_width / 2
     for way in ways:
         if (x := max(way.start[0], way.end[0])) > free:
             yield rules.ZONE.at(

@@ -22,6 +22,7 @@ _COMMENT = re.compile(r"\([^()]*\)|;.*")
 MOTIONS = {"G0": 0, "G1": 1, "G2": 2, "G3": 3}
 #: Canned cycles, and their end, of a controller that knows them.
 CYCLES = {f"G{number}": number for number in (END, *DRILLING)}
+MOTIONS_AND_CYCLES = MOTIONS | CYCLES
 ENDS = (2, 30)
 #: G words that shift or leave the places that a program names.
 SHIFTS = ("G10", "G28", "G28.1", "G30", "G30.1", "G52", "G68", "G92", "G92.3", "G43", "G43.1")
@@ -104,9 +105,9 @@ def read_block(
     if "(" in bare or ")" in bare:
         return Block("a comment that begins and ends on its line")
     squeezed = "".join(bare.split())
-    words = _WORD.findall(squeezed)
-    if "".join(letter + digits for letter, digits in words) != squeezed:
+    if _WORD.sub("", squeezed):
         return Block("letters with a number each")
+    words = _WORD.findall(squeezed)
     return _Words(words, variant, switches, dialect).block() if words else Block(blank=True)
 
 
@@ -175,7 +176,7 @@ class _Words:
         for code in (*self._codes, *(f"M{number}" for number in self._m_words)):
             if not self._dialect.is_allowed(code):
                 self._wrong(shown_code(code), self._dialect.shown_allowed())
-        known = {**MOTIONS, **CYCLES} if self._variant.cycles else MOTIONS
+        known = MOTIONS_AND_CYCLES if self._variant.cycles else MOTIONS
         probes = [c for c in self._codes if self._lifts and c in self._variant.probes]
         settings = tuple(c for c in self._codes if c not in known and c not in probes)
         events = (*self._m_events(), *self._settings(settings))

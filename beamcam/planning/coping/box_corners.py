@@ -45,19 +45,21 @@ class BoxFace(Struct, frozen=True):
 
     def crossings(self, offs: Any, from_high: bool) -> list[Floats]:
         """x where lines of the face are, at each distance from one of its edges; along the part."""
-        from shapely import bounds, get_parts, intersection, length, linestrings
+        from shapely import get_coordinates, get_parts, get_rings
 
-        if self.shape.is_empty:
-            return [np.array([])] * len(offs)
         offs = np.clip(offs, EDGE, self.size - EDGE)
         ys = self.size - offs if from_high else offs
-        x0, _, x1, _ = self.shape.bounds
-        xs = np.tile((x0 - 1.0, x1 + 1.0), (len(ys), 1))
-        across = linestrings(np.stack((xs, np.repeat(ys[:, None], 2, axis=1)), axis=2))
-        pieces, of = get_parts(intersection(across, self.shape), return_index=True)
-        met = length(pieces) > 0.0
-        ends, of = bounds(pieces[met])[:, (0, 2)], of[met]
-        return [np.sort(ends[of == k].ravel()) for k in range(len(ys))]
+        rings = get_rings(get_parts(self.shape))
+        places, ring = get_coordinates(rings, return_index=True)
+        sides = np.flatnonzero(ring[1:] == ring[:-1])
+        (x0, y0), (x1, y1) = places[sides].T, places[sides + 1].T
+        level, side = np.nonzero((y0 <= ys[:, None]) != (y1 <= ys[:, None]))
+        share = (ys[level] - y0[side]) / (y1 - y0)[side]
+        xs = x0[side] + share * (x1 - x0)[side]
+        order = np.lexsort((xs, level))
+        pieces, of = xs[order].reshape(-1, 2), level[order][::2]
+        met = pieces[:, 0] < pieces[:, 1]
+        return np.split(pieces[met].ravel(), 2 * np.searchsorted(of[met], np.arange(1, len(ys))))
 
 
 #: The faces beside a corner, and whether it lies at the greatest y of each.

@@ -121,8 +121,12 @@ def rings_of(shape: Shape) -> Iterator[list[Point]]:
 
 def chains_of(shape: Shape, borders: Sequence[CutBorder]) -> Iterator[CutChain]:
     """The stretches of a region's rings within borders; whole rings where they lie so."""
+    import numpy as np
+
+    normals = np.array([(border.nx, border.ny) for border in borders]).T
+    limits = np.array([border.limit for border in borders])
     for ring in rings_of(shape):
-        outside = [any(border.beyond(place) > 0.0 for border in borders) for place in ring]
+        outside = (np.array(ring) @ normals > limits).any(axis=1).tolist()
         if not any(outside):
             yield CutChain((*ring, ring[0]))
             continue

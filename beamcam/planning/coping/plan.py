@@ -27,8 +27,15 @@ from beamcam.planning.coping.ends import (
 )
 from beamcam.planning.coping.regions import WallRegion, features_on, open_on, region_of
 from beamcam.planning.coping.roots import lip_faults, root_faults, with_ledges, with_steps
-from beamcam.planning.coping.stock import as_pipe, stock_faults, with_corners, with_lip
-from beamcam.planning.coping.tube import LEAST_SLANT, is_slanted, outcomes_of, plan_tube
+from beamcam.planning.coping.stock import (
+    as_pipe,
+    length_needed,
+    stock_faults,
+    told_of_stock,
+    with_corners,
+    with_lip,
+)
+from beamcam.planning.coping.tube import LEAST_SLANT, outcomes_of, plan_tube
 from beamcam.planning.coping.views import chains_seen, kind_of, tilts_of
 from beamcam.planning.coping.walls import (
     EDGE,
@@ -57,18 +64,13 @@ def plan_coping(
     that the machine cannot make; nothing is left out that is not in the plan's outcomes.
     """
     coper = machine.needed(machine.coper, "coper")
-    diagnostics: tuple[Diagnostic, ...] = ()
-    if coper.turns == "bar":
-        pipes = [as_pipe(part) for part in parts]
-        turned = [with_corners(part, coper) for part, _ in pipes]
-        parts = [part for part, _ in turned]
-        diagnostics = tuple(diagnostic for _, diagnostic in (*pipes, *turned) if diagnostic)
-        if errors_in(diagnostics):
-            raise PlanError(diagnostics)
-    else:
-        given = [with_lip(part, coper) for part in parts]
-        parts = [part for part, _ in given]
-        diagnostics = tuple(diagnostic for _, diagnostic in given if diagnostic)
+    pipes = [as_pipe(part) if coper.turns == "bar" else (part, None) for part in parts]
+    turned = [with_corners(part, coper) for part, _ in pipes]
+    given = [with_lip(part, coper) for part, _ in turned]
+    parts = [part for part, _ in given]
+    diagnostics = tuple(said for _, said in (*pipes, *turned, *given) if said)
+    if errors_in(diagnostics):
+        raise PlanError(diagnostics)
     refusals = [*stock_faults(parts, machine, coper, bar)]
     if refusals:
         raise PlanError(refusals)
@@ -77,7 +79,7 @@ def plan_coping(
         plan = plan_tube(part, machine, coper, skips)
     else:
         plan = _plan_profile(part, machine, coper, skips)
-    if refusals := [*_over_supports(plan, coper)]:
+    if refusals := [*_over_supports(plan, coper), *_over_chuck(plan, coper)]:
         raise PlanError(refusals)
     return replace(plan, remarks=(*diagnostics, *plan.remarks)) if diagnostics else plan
 
@@ -123,8 +125,7 @@ def _plan_profile(given: Part, machine: Machine, coper: Coper, skips: Collection
         raise PlanError(errors_in(diagnostics))
     if not cuts:
         raise PlanError(bar_rules.NO_WORK.at(part.source, machine=machine.name))
-    needed = part.length + (0.0 if part.made is not None else 2 * coper.trim + coper.chuck)
-    diagnostics += _told_of(part, given, needed, coper)
+    diagnostics += told_of_stock(part, given, coper)
     outcomes = tuple(
         replace(o, left=o.left or _left(part.features[o.feature[1]], slant, at_root))
         if o.how == "made" else o
@@ -133,9 +134,8 @@ def _plan_profile(given: Part, machine: Machine, coper: Coper, skips: Collection
         )
     )  # fmt: skip
     plan = CopePlan(
-        part.profile, (Piece(given, coper.trim),), needed, tuple(cuts), outcomes,
-        tuple(diagnostics),
-        min_bevel=coper.min_bevel,
+        part.profile, (Piece(given, coper.trim),), length_needed(part, coper), tuple(cuts),
+        outcomes, tuple(diagnostics), min_bevel=coper.min_bevel,
     )  # fmt: skip
     if [o.feature for o in plan.outcomes] != [(0, f) for f in range(len(part.features))]:
         raise AssertionError("the ledger of the plan does not balance")
@@ -162,16 +162,6 @@ def _at_roots(
     return regions, [*diagnostics, *steps, *faults, *lip_faults(regions, part.source)], more
 
 
-def _told_of(part: Part, given: Part, needed: float, coper: Coper) -> Iterator[Diagnostic]:
-    """What is to be known of the bar that a profile is cut from, `needed` mm long, or its piece."""
-    rule = rules.BAR if part.made is None else rules.PIECE
-    yield rule.at(part.source, found=f"{needed:g}", trim=f"{coper.trim:g}")
-    if part.quantity > 1:
-        yield bar_rules.QUANTITY.at(part.source, found=part.quantity, made=1)
-    if given.profile.code in ("T", "C"):
-        yield (rules.TEE if given.profile.code == "T" else rules.LIPS).at(part.source)
-
-
 def _over_supports(plan: CopePlan, coper: Coper) -> Iterator[Diagnostic]:
     """Errors for cuts along which the torch would come to a support of the bar."""
     half = coper.torch_width / 2
@@ -187,6 +177,23 @@ def _over_supports(plan: CopePlan, coper: Coper) -> Iterator[Diagnostic]:
                 )  # fmt: skip
 
 
+def _over_chuck(plan: CopePlan, coper: Coper) -> Iterator[Diagnostic]:
+    """Errors for cuts along which the torch would come to the chuck that holds a piece by its end.
+
+    It holds a bar behind the part and the scrap.
+    """
+    (piece,) = plan.pieces
+    if coper.turns == "torch" or piece.part.made is None:
+        return
+    most = piece.part.length - coper.chuck - coper.torch_width / 2
+    for cut in plan.operations:
+        if (x := max(x for x, _ in cut.path)) > most:
+            yield rules.CHUCK.at(
+                cut.source, x=f"{x:.1f}", face=cut.face, expected=f"{most:g}",
+                chuck=f"{coper.chuck:g}",
+            )  # fmt: skip
+
+
 def _skew(
     part: Part, walls: Mapping[Face, PlannedWall], found: Sorted, chart: Chart, coper: Coper
 ) -> tuple[dict[Face, WallRegion], list[Diagnostic], dict[Face, float], list[bool]]:
@@ -194,7 +201,7 @@ def _skew(
     which ends the torch is tilted."""
     planes = planes_of(part)
     tilts = [plane.is_skew and coper.tilt > 0.0 for plane in planes]
-    for k in (0, 1, None):
+    for k in (*(k for k in (0, 1) if tilts[k]), None):
         skewed = {f: with_skew(wall, part, (tilts[0], tilts[1])) for f, wall in walls.items()}
         diagnostics = [
             rules.CROSSED.at(part.source, face=face) for face, wall in skewed.items()
@@ -205,7 +212,7 @@ def _skew(
         regions, diagnostics = _regions(part, skewed, found, coper)
         if errors_in(diagnostics) or k is None:
             break
-        tilts[k] = tilts[k] and tilts_at(regions, part, k, coper)
+        tilts[k] = tilts_at(regions, part, k, coper)
     slant: dict[Face, float] = {}
     for k, plane in enumerate(planes):
         if plane.is_skew and not tilts[k] and not errors_in(diagnostics):
@@ -238,7 +245,7 @@ def _regions(
         elif regions[face].rounded:
             diagnostics.append(
                 rules.ROUNDED.at(
-                    part.source, count=regions[face].rounded, face=face,
+                    part.source, count=len(regions[face].rounded), face=face,
                     radius=f"{coper.corner_radius:g}",
                 )
             )  # fmt: skip
@@ -301,8 +308,9 @@ def _in_order(cuts: Sequence[CopeCut]) -> list[CopeCut]:
 
 def _left(feature: Feature, slant: Mapping[Face, float], at_root: Collection[str]) -> str:
     """Why an outline is manual work though it is cut; "" if it is not."""
-    if is_slanted(feature, slant):
-        return BEVEL
     if not isinstance(feature, Contour) or feature.kind != "outer":
         return ""
-    return ROOT if {"h": "v"}.get(feature.face, feature.face) in at_root else ""
+    face: Face = "v" if feature.face == "h" else feature.face
+    if face in slant:
+        return BEVEL
+    return ROOT if face in at_root else ""

@@ -29,6 +29,7 @@ OUTLINE_NOISE = 1.0  #: mm between a header's width and an outline; real files d
 SEAM_NOISE = 2.5  #: mm that the seam of a tube may be drawn off; about a kerf
 ALONG = 0.02  #: slope of a side that is an edge of its wall, at most
 MOST_ROUNDED = 1.75  #: radii that the rounding of a corner reaches along its sides
+AROUND = 4.0  #: radii that the rounding of a corner looks at, more than twice what it reaches
 CORNER_DEG = 20.0  #: a smaller turn belongs to a curve that is drawn by lines
 BEYOND = 1e4  #: mm, farther than any bar is wide
 
@@ -38,7 +39,7 @@ class WallRegion(Struct, frozen=True):
 
     wall: PlannedWall
     shape: Shape
-    rounded: int  #: sharp corners that were rounded
+    rounded: tuple[Point, ...]  #: sharp corners that were rounded
 
 
 def region_of(
@@ -66,7 +67,7 @@ def region_of(
         shape = shape.difference(gone)
     shape = make_valid(shape)
     if shape.is_empty:
-        return WallRegion(wall, shape, 0), diagnostics
+        return WallRegion(wall, shape, ()), diagnostics
     corners = [  # what is at a root is cut with it, or stays there
         (x, y)
         for c in (*outer, *taken) if isinstance(c, Contour)
@@ -135,11 +136,11 @@ def rounded(
     from shapely import MultiPoint, distance, get_coordinates, points, segmentize, union_all
 
     if not corners:
-        return WallRegion(wall, shape, 0), diagnostics
+        return WallRegion(wall, shape, ()), diagnostics
     radius, places = coper.corner_radius, MultiPoint(corners)
     closed = shape.buffer(radius, ROUND).buffer(-radius, ROUND)
     each = np.array(places.geoms)
-    added, count = [], 0
+    added, found = [], list[Point]()
     for piece in _polygons(closed.difference(shape)):
         if piece.distance(places) > CHORD:
             continue
@@ -161,9 +162,9 @@ def rounded(
             )  # fmt: skip
             continue
         added.append(piece)
-        count += len(mine)
+        found += [(one.x, one.y) for one in mine]
     whole = union_all([shape, *added]) if added else shape
-    return WallRegion(wall, whole, count), diagnostics
+    return WallRegion(wall, whole, tuple(found)), diagnostics
 
 
 def _polygons(shape: Shape) -> Iterator[Shape]:

@@ -45,6 +45,11 @@ SHORT = error("plan-coping-short",
     "it within the piece, which comes cut",
     "What the machine before has cut off cannot be made again. The ends of a piece stand in the "
     "header of its file.")
+TUBE_END = error("plan-coping-tube-end",
+    "found {what} of a tube that comes cut; expected holes, slots and cut-outs between its ends, "
+    "which are there",
+    "An end of a tube is cut all round, from a bar. What another machine has cut to length gets "
+    "what lies within it.")
 OPEN = warning("plan-coping-open",
     "found a hole that is there across a cut at x {x}, y {y} on face {face}; the torch goes over "
     "it with its arc on",
@@ -55,6 +60,11 @@ SUPPORT = error("plan-coping-support",
     "found a cut at X {x} on face {face}, over the support from X {least} to {most}; expected none "
     "there",
     "What holds the bar would be cut. coper.trim shifts the part along the bar.")
+CHUCK = error("plan-coping-chuck",
+    "found a cut at x {x} on face {face} of a piece that comes cut; expected none beyond x "
+    "{expected}, as the chuck holds the last {chuck} mm",
+    "A piece is held by its own far end, half the torch's width included. What is there goes to a "
+    "coper whose torch turns, or all of the part is cut from a bar, which is longer by the chuck.")
 DEEP = error("plan-coping-deep",
     "found the web {found} mm below the edges of the flanges; expected at most {expected} mm",
     "The torch is slim only from its tip to its holder (`coper.torch_length`).")
@@ -75,7 +85,7 @@ TEE = note("plan-coping-tee",
     "So the torch comes to the outside of the flange, from where the root is cut. The program's "
     "first comment says it to the operator.")
 LIPS = note("plan-coping-lips",
-    "the C lies on its lips, face h up, face o at Y 0; here and in the program face v is its web "
+    "the C lies on its lips, face h up, face o {at}; here and in the program face v is its web "
     "from outside, u what the file has on o, and o what it has on u",
     "So the torch comes to all of the web, and to the edges of the lips from outside of the "
     "flanges. The program's first comment says it to the operator.")
@@ -95,8 +105,7 @@ INTO_LIP = error("plan-coping-into-lip",
     "At its lip a flange is cut by a pass that is as deep as the lip is long. What runs along the "
     "lip, or ends in it or its bend, cannot be made so.")
 PIECE = note("plan-coping-piece",
-    "the part comes cut to {found} mm with finished ends; its x 0 end lies at X {trim}, face v up, "
-    "face u at Y 0",
+    "the part comes cut to {found} mm with finished ends; its x 0 end lies at X {trim}{lies}",
     "Another machine has made its ends, and what its file has as made. The program begins with the "
     "same words for the operator.")
 PIPE = note("plan-coping-pipe",
@@ -154,5 +163,5 @@ SLOW = warning("plan-coping-slow",
     "Round a corner the tube turns fast, and the torch follows it. The controller waits for the "
     "slowest axis, so that the cut gets wider there.")
 RULES = (PIPE, NO_PIPE, ALONE, CROSSED, BEYOND, ROOT, LEDGE, STEP, K_AREA, NARROW, OFF, SHORT,
-    OPEN, SUPPORT, DEEP, THICK, ROUNDED, BAR, TEE, LIPS, NO_LIP, GIVEN_LIP, INTO_LIP, PIECE,
-    NO_RADIUS, GIVEN_RADIUS, SEAM, CORNER, TANGENTS, REACHES, SLANT, WEDGE, SLOW)
+    TUBE_END, OPEN, SUPPORT, CHUCK, DEEP, THICK, ROUNDED, BAR, TEE, LIPS, NO_LIP, GIVEN_LIP,
+    INTO_LIP, PIECE, NO_RADIUS, GIVEN_RADIUS, SEAM, CORNER, TANGENTS, REACHES, SLANT, WEDGE, SLOW)

@@ -91,6 +91,31 @@ def with_lip(part: Part, coper: Coper) -> tuple[Part, Diagnostic | None]:
     return replace(part, profile=replace(profile, lip=coper.lip)), diagnostic
 
 
+def length_needed(part: Part, coper: Coper) -> float:
+    """How long a bar has to be for a part; a piece that comes cut is as long as it is."""
+    return part.length + (0.0 if part.made is not None else 2 * coper.trim + coper.chuck)
+
+
+def told_of_stock(part: Part, given: Part, coper: Coper) -> Iterator[Diagnostic]:
+    """What is to be known of the bar that a part is cut from, or of the piece that comes cut."""
+    code, turns = given.profile.code, coper.turns == "bar"
+    at = "to Y-" if turns else "at Y 0"
+    figures = {"found": f"{length_needed(part, coper):g}", "trim": f"{coper.trim:g}"}
+    if part.made is None:
+        yield rules.BAR.at(part.source, **figures)
+    else:
+        lies = "" if code in ("T", "C") else f", face v up, face u {at}"
+        lies = ", face u up, face v to Y+" if coper.a_unit == "mm" else lies
+        lies += f", its last {coper.chuck:g} mm in the chuck" if turns else ""
+        yield rules.PIECE.at(part.source, lies=lies, **figures)
+    if part.quantity > 1:
+        yield bar_rules.QUANTITY.at(part.source, found=part.quantity, made=1)
+    if code == "T":
+        yield rules.TEE.at(part.source)
+    if code == "C":
+        yield rules.LIPS.at(part.source, at=at)
+
+
 def stock_faults(
     parts: Sequence[Part], machine: Machine, coper: Coper, bar: float | None
 ) -> Iterator[Diagnostic]:
@@ -141,7 +166,7 @@ def stock_faults(
     if deep + coper.clearance > coper.torch_length and profile.code not in TUBES:
         expected = f"{coper.torch_length - coper.clearance:g}"
         yield rules.DEEP.at(source, found=f"{deep:g}", expected=expected)
-    needed = part.length + 2 * coper.trim + coper.chuck
+    needed = length_needed(part, coper)
     if needed > coper.length:
         yield bar_rules.BAR_LONG.at(source, found=f"{needed:g}", expected=f"{coper.length:g}")
     if bar is not None and bar < needed:

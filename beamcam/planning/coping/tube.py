@@ -6,7 +6,7 @@ u  |   ( )     |  end    the middle of its lowest line towards v. What crosses u
 0  |___________|         taken once. The ends go all round, from the seam to the seam.
 """
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from math import asin, cos, degrees, hypot, inf, pi, radians, sin, tan
 from typing import Literal
 
@@ -27,6 +27,7 @@ from beamcam.planning.coping.box_tube import Unrolled, unrolled
 from beamcam.planning.coping.chart import Chart
 from beamcam.planning.coping.cuts import ROUND, CutChain, borders_of, chains_of, led
 from beamcam.planning.coping.regions import (
+    AROUND,
     CHORD,
     OUTLINE_NOISE,
     Cut,
@@ -39,10 +40,14 @@ from beamcam.planning.coping.regions import (
     shape_of,
     sharp_corners,
 )
+from beamcam.planning.coping.stock import length_needed, told_of_stock
 from beamcam.planning.coping.tube_ends import (
     Plane,
+    ends_there,
     header_slopes,
+    holes_there,
     line_of,
+    over_ends,
     planes_of,
     within,
 )
@@ -94,6 +99,7 @@ def denied_ends(part: Part, outline: Shape, way: Around) -> Iterator[Diagnostic]
 
 
 STEPS = 96  #: places round a hole
+LEAST = 1e-6  #: mm that a place may lie off a straight line and say nothing
 LEAST_SLANT = 0.5  #: mm that a square cut is off inside of a wall, and that are manual work
 
 
@@ -107,27 +113,34 @@ def plan_tube(part: Part, machine: Machine, coper: Coper, skips: Collection[str]
     row = chart.row(wall)
     if row is None:
         raise PlanError(chart.too_thick(wall, "v", part.source))
-    way, slant = around(profile), dict[Face, float]()
+    way = around(profile)
     surface = PlannedWall("v", way.turn, wall, -inf, inf, ())
-    if profile.code == "M":
-        box_tube, diagnostics = unrolled(part, found.cut, way)
-        slant = {face: off for face, off in box_tube.slant.items() if off >= LEAST_SLANT}
-        region, diagnostics = _laid_out(surface, part, box_tube, coper, diagnostics)
-    else:
-        region, diagnostics = _region(surface, part, found, coper, way)
-        planes = (*header_planes(part), *planes_of(part, found.cut))
-        skew = max((wall * hypot(plane.by_y, plane.by_z) for plane in planes), default=0.0)
-        slant = {"v": skew} if skew >= LEAST_SLANT else {}
+    # Of a piece that comes cut the ends are there, by what its file has of them as made.
+    ended = replace(part, features=(*part.features, *ends_there(part)))
+    ends = range(len(part.features), len(ended.features))
+    once, diagnostics = _once_round(ended, (*found.cut, *ends), way)
+    slant = {face: off for face, off in once.slant.items() if off >= LEAST_SLANT}
+    if part.made is not None:
+        bare, _ = _once_round(ended, ends, way)
+        worn, _ = _once_round(*holes_there(part), way)
+        diagnostics += over_ends(part, once.shape, bare.shape, max(bare.slant.values()))
+        there = bare.shape.difference(worn.shape)
+        of_voids = tuple(place for place in once.corners if place not in bare.corners)
+        once = replace(once, corners=of_voids)
+        surface, slant = replace(surface, open=_several(there, way.turn, range(-1, 4))), {}
+    region, diagnostics = _laid_out(surface, once, part, coper, diagnostics)
     cuts: list[CopeCut] = []
     if not errors_in(diagnostics):
         cuts, more = _cuts(part, region, found, row, coper, way)
         diagnostics += more
     if errors_in(diagnostics):
         raise PlanError(errors_in(diagnostics))
+    if not cuts:
+        raise PlanError(bar_rules.NO_WORK.at(part.source, machine=machine.name))
     if region.rounded:
         diagnostics.append(
             rules.ROUNDED.at(
-                part.source, count=region.rounded // 3, face="v", radius=f"{coper.corner_radius:g}"
+                part.source, count=len(region.rounded), face="v", radius=f"{coper.corner_radius:g}"
             )
         )
     if slant:
@@ -138,10 +151,7 @@ def plan_tube(part: Part, machine: Machine, coper: Coper, skips: Collection[str]
     if deepest >= LEAST_SLANT:
         diagnostics.append(rules.WEDGE.at(source, found=f"{deepest:.2f}", wall=f"{wall:g}"))
     diagnostics += _slow_axes(part, machine, row, way)
-    needed = part.length + 2 * coper.trim + coper.chuck
-    diagnostics.append(rules.BAR.at(part.source, found=f"{needed:g}", trim=f"{coper.trim:g}"))
-    if part.quantity > 1:
-        diagnostics.append(bar_rules.QUANTITY.at(part.source, found=part.quantity, made=1))
+    diagnostics += told_of_stock(part, part, coper)
     outcomes = tuple(
         replace(o, left=BEVEL) if o.how == "made" and is_slanted(part.features[o.feature[1]], slant)
         else o
@@ -149,8 +159,8 @@ def plan_tube(part: Part, machine: Machine, coper: Coper, skips: Collection[str]
     )  # fmt: skip
     piece = Piece(part, coper.trim)
     return CopePlan(
-        part.profile, (piece,), needed, tuple(cuts), outcomes, tuple(diagnostics),
-        min_bevel=coper.min_bevel,
+        part.profile, (piece,), length_needed(part, coper), tuple(cuts), outcomes,
+        tuple(diagnostics), min_bevel=coper.min_bevel,
     )  # fmt: skip
 
 
@@ -198,34 +208,57 @@ def _slow_axes(part: Part, machine: Machine, row: TorchRow, way: Around) -> Iter
         )  # fmt: skip
 
 
+def _several(once: Shape, turn: float, which: Iterable[int]) -> Shape:
+    """What lies on one turn of the surface, on several."""
+    from shapely import union_all
+    from shapely.affinity import translate
+
+    return union_all([translate(once, 0.0, k * turn) for k in which])
+
+
 def _laid_out(
-    surface: PlannedWall, part: Part, tube: Unrolled, coper: Coper, diagnostics: list[Diagnostic]
+    surface: PlannedWall, once: Unrolled, part: Part, coper: Coper, diagnostics: list[Diagnostic]
 ) -> tuple[WallRegion, list[Diagnostic]]:
-    """What stays of a rectangular tube, three times above itself."""
-    from shapely import box, make_valid, union_all
-    from shapely.affinity import translate
+    """What stays of the surface, its corners rounded, three times above itself.
 
-    turns = [k * surface.width for k in range(4)]
-    low, _, high, _ = tube.shape.bounds
-    shape = union_all([translate(tube.shape, 0.0, turn) for turn in turns])
-    shape = shape.intersection(box(low, 0.0, high, 3 * surface.width))
-    corners = [(x, u + turn) for x, u in tube.corners for turn in turns]
-    corners = [(x, u) for x, u in corners if 0.0 <= u <= 3 * surface.width]
-    return rounded(surface, make_valid(shape), corners, part, coper, diagnostics)
+    They are rounded on the turn from u 0 on, with as much beside it as their radius looks at.
+    """
+    from shapely import box, make_valid
+
+    turn = surface.width
+    beside = min(AROUND * coper.corner_radius, turn)
+    low, _, high, _ = once.shape.bounds
+    several = _several(once.shape, turn, range(-1, 3))
+    near = make_valid(several.intersection(box(low, -beside, high, turn + beside)))
+    on_turn = [(x, u % turn) for x, u in once.corners]
+    there = [
+        (x, u + k * turn) for x, u in on_turn for k in (-1, 0, 1)
+        if -beside < u + k * turn < turn + beside
+    ]  # fmt: skip
+    region, diagnostics = rounded(surface, near, there, part, coper, diagnostics)
+    whole = region.shape.intersection(box(low, 0.0, high, turn))
+    # Without places of a straight line at u 0.
+    shape = make_valid(_several(whole, turn, range(3)).simplify(LEAST))
+    once_rounded = tuple((x, u) for x, u in region.rounded if 0.0 <= u < turn)
+    return WallRegion(surface, shape, once_rounded), diagnostics
 
 
-def _region(
-    surface: PlannedWall, part: Part, found: Sorted, coper: Coper, way: Around
-) -> tuple[WallRegion, list[Diagnostic]]:
-    """What stays of the surface, three times above itself, and what is wrong with it."""
-    from shapely import box, make_valid, union_all
-    from shapely.affinity import translate
+def _once_round(
+    part: Part, features: Sequence[int], way: Around
+) -> tuple[Unrolled, list[Diagnostic]]:
+    """What stays of the surface on one turn by some of a part's features, and what is wrong."""
+    from shapely import box, union_all
 
-    round_it = surface.width
-    own = [f for f in map(part.features.__getitem__, found.cut) if isinstance(f, Cut)]
+    if part.profile.code == "M":
+        return unrolled(part, features, way)
+    round_it = way.turn
+    wall = max(part.profile.thickness("v"), part.profile.flange_thickness)
+    surface = PlannedWall("v", round_it, wall, -inf, inf, ())
+    own = [f for f in map(part.features.__getitem__, features) if isinstance(f, Cut)]
     outer = [c for c in own if isinstance(c, Contour) and c.kind == "outer"]
     whole: Shape = box(0.0, 0.0, part.length, round_it)
-    planes = planes_of(part, found.cut)
+    planes = planes_of(part, features)
+    skew = [wall * hypot(plane.by_y, plane.by_z) for plane in (*header_planes(part), *planes)]
     diagnostics: list[Diagnostic] = []
     if outer:
         strip = box(-part.length, 0.0, 2 * part.length, round_it)
@@ -243,21 +276,18 @@ def _region(
         diagnostics += denied_ends(part, whole, way)
     else:
         planes += header_planes(part)
-    whole = within(whole, planes, way)
-    turns = [k * round_it for k in range(3)]
-    shape = union_all([translate(whole, 0.0, turn) for turn in turns])
+    shape = whole = within(whole, planes, way)
     corners: list[Point] = []
     for feature in own:
         if isinstance(feature, Contour):
-            corners += [(x, y + turn) for x, y in sharp_corners(feature) for turn in turns]
+            corners += sharp_corners(feature)
             if feature.kind == "outer":
                 continue
-        gone = _taken(feature, part)
-        if not gone.intersects(union_all([translate(whole, 0.0, t - round_it) for t in turns])):
+        gone = _several(_taken(feature, part), round_it, (-1, 0, 1))
+        if not gone.intersects(whole):
             diagnostics.append(rules.OFF.at(feature.source, what="a hole or cut-out"))
-        around = [translate(gone, 0.0, k * round_it) for k in range(-1, 4)]
-        shape = shape.difference(union_all(around))
-    return rounded(surface, make_valid(shape), corners, part, coper, diagnostics)
+        shape = shape.difference(gone)
+    return Unrolled(shape, tuple(corners), {"v": max(skew, default=0.0)}), diagnostics
 
 
 def _taken(feature: Cut, part: Part) -> Shape:
@@ -293,8 +323,9 @@ def _cuts(
     features = tuple((0, f) for f in found.cut)
     source = part.features[found.cut[0]].source if found.cut else part.source
     end = region.shape.bounds[2]
-    inside = PlannedWall("v", wall.width, wall.thickness, 0.0, 3 * wall.width, ())
-    for chain in (*_whole(paths, wall), *_ends(paths, seam, wall)):
+    inside = replace(wall, low=0.0, high=3 * wall.width)
+    ends = _ends(paths, seam, wall) if part.made is None else ()
+    for chain in (*_whole(paths, wall), *ends):
         xs = [x for x, _ in chain.points]
         kind: CopeKind = "inner"
         if chain.start:
@@ -312,10 +343,16 @@ def _cuts(
             continue
         path = tuple((x, u - wall.width) for x, u in way.path)
         face = tube.face_at(path[way.lead][1])
+        if (hole := wall.crossed(way.path[way.lead :], row.kerf)) is not None:
+            x, u = hole
+            diagnostics.append(
+                rules.OPEN.at(source, x=f"{x:.1f}", y=f"{u % wall.width:.1f}", face=face)
+            )
         cuts.append(CopeCut(kind, face, path, way.lead, wall.thickness, row, features, source))
     order = ("inner", "near", "far")
     cuts.sort(key=lambda cut: (order.index(cut.kind), cut.path[0]))
-    if [cut.kind for cut in cuts].count("near") != 1 or cuts[-1].kind != "far":
+    kinds = [cut.kind for cut in cuts]
+    if part.made is None and (kinds.count("near") != 1 or kinds[-1] != "far"):
         diagnostics.append(rules.OFF.at(source, what="no end that goes all round the tube"))
     return cuts, diagnostics
 

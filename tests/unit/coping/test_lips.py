@@ -153,7 +153,7 @@ def test_lips_that_are_not_known_are_refused_or_those_of_the_job() -> None:
     longer = with_section(COPER, None, 42.0)
     assert plan_coping((cee(HOLE),), longer).operations == plan.operations
     assert refused(bare, with_section(COPER, None, 120.0)) == {"plan-coping-lip"}
-    tube = load("tube-linuxcnc")
+    tube = load("tube-surface")
     assert with_section(tube, None, 20.0) is tube
 
 
@@ -248,6 +248,20 @@ def test_wrong_programs_are_refused(every: int) -> None:
 
 def codes(said: tuple[Diagnostic, ...]) -> set[str]:
     return {d.code for d in errors_in(said)}
+
+
+def test_a_lip_as_deep_as_a_row_is_cut_by_that_row() -> None:
+    """15 and 1 mm are cut by the row up to 16, and not by the next one, up to 20."""
+    part = cee(profile=CEES[2])
+    plan = plan_coping((part,), COPER)
+    k = next(k for k, cut in enumerate(plan.operations) if cut.lip)
+    cut = plan.operations[k]
+    assert (cut.thickness, cut.row.up_to) == (16.0, 16.0)
+    assert COPER.coper is not None
+    deeper = next(row for row in COPER.coper.rows if row.up_to == 20.0)
+    operations = (*plan.operations[:k], replace(cut, row=deeper), *plan.operations[k + 1 :])
+    text = coping_faults.program_of(replace(plan, operations=operations), job_of(part))
+    assert {d.code for d in found(text, part)} == {"verify-coping-feed"}
 
 
 def test_a_lip_that_holds_is_told() -> None:

@@ -159,7 +159,7 @@ def test_a_rest_that_is_not_what_is_left_is_refused() -> None:
 
 def test_machines_that_make_the_ends_refuse_it() -> None:
     rest = rest_after(sawn(HEADER))
-    for name in ("beamline", "beamline-annex", "tube-linuxcnc", "plate-linuxcnc"):
+    for name in ("beamline", "beamline-annex", "plate-linuxcnc"):
         with pytest.raises(PlanError) as refused:
             post((rest,), load(name))
         assert [d.code for d in errors_in(refused.value.diagnostics)] == ["plan-begun"]

@@ -90,7 +90,7 @@ def test_a_sharp_corner_gets_the_radius_of_the_machine() -> None:
     wall = walls_of(IPE300, COPER.coper, 3.0)["v"]
     region, said = region_of(wall, part, [0], COPER.coper)
     assert not said
-    assert region.rounded == 1
+    assert region.rounded == ((80.0, 250.0),)
     more = region.shape.area - (600.0 * 300.0 - 80.0 * 50.0)
     assert more == pytest.approx(100.0 * (1 - pi / 4), abs=0.3)
     told = [d.message for d in planned(part).remarks if d.code == "plan-coping-rounded"]
@@ -102,7 +102,7 @@ def test_a_drawn_radius_stays_as_it_is() -> None:
     hole = Contour("v", "inner", (Arc((300.0, 150.0), 8.0, 0.0, 360.0),), AT)
     wall = walls_of(IPE300, COPER.coper, 3.0)["v"]
     region, _ = region_of(wall, part_of(hole), [0], COPER.coper)
-    assert region.rounded == 0
+    assert not region.rounded
     assert region.shape.area == pytest.approx(600.0 * 300.0 - 64.0 * pi, abs=0.5)
 
 
@@ -292,6 +292,8 @@ def test_every_rule_has_a_case() -> None:
     tested |= {"plan-coping-crossed", "plan-coping-beyond"}  # in test_skew.py
     tested |= {"plan-coping-ledge"}  # in test_ledges.py
     tested |= {"plan-coping-step"}  # in test_slants.py
+    tested |= {"plan-coping-chuck"}  # in test_turned.py
+    tested |= {"plan-coping-tube-end"}  # in test_tube_pieces.py
     tested |= {
         f"plan-coping-{name}" for name in ("lips", "given-lip", "into-lip")
     }  # in test_lips.py

@@ -19,14 +19,14 @@ from beamcam.machine.coper import torch_way
 from beamcam.model.part import Bevel, EndCuts, Part, Profile
 from beamcam.model.plan import CopeCut, CopePlan
 from beamcam.model.request import Request
-from beamcam.pipeline import read_file
+from beamcam.pipeline import post, read_file
 from beamcam.planning.coping.ends import planes_of
 from beamcam.planning.coping.plan import plan_coping
 from beamcam.planning.left_out import manual_rows
 from beamcam.solid.opinion import solid_faults
 from benchmarks import coping_faults, coping_plans
 from tests.conftest import SAMPLES, examples, sampled
-from tests.random_copes import random_mitre
+from tests.random_copes import CEES, random_mitre
 from tests.unit.coping.samples import COPER, IPE300, job_of, outline, part_of, program_of
 
 BEVEL = load("coper-tilt-linuxcnc")
@@ -134,6 +134,16 @@ def test_the_outlines_of_such_an_end_are_manual_work() -> None:
     assert [(row["kind"], row["face"]) for row in rows] == [
         ("outline", "v"), ("outline", "o"), ("outline", "u")
     ]  # fmt: skip
+
+
+@pytest.mark.parametrize(("code", "face"), [("I", "h"), ("C", "v")])
+def test_an_outline_on_the_far_side_of_such_a_web_is_manual_work_too(code: str, face: str) -> None:
+    """That of a C lies there as the C lies on its lips."""
+    ends = [(0.0, 0.0), (1500.0, 0.0), (1500.0 - 300.0 * tan(radians(20.0)), 300.0), (0.0, 300.0)]
+    profile = IPE300 if code == "I" else CEES[1]  # both 300 mm high
+    part = replace(skew(profile, web_end=20.0), features=(outline(face, ends),))
+    assert [row["face"] for row in manual_rows(planned(part, COPER))] == [face]
+    post((part,), COPER)
 
 
 def test_bevels_that_an_end_shows_are_made_with_it() -> None:

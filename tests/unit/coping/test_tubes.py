@@ -104,7 +104,7 @@ def test_the_seam_is_where_the_machine_has_it() -> None:
 
 
 REFUSED = [
-    ("plan-stock", tube(profile=Profile("C", "C200", 200.0, 70.0, 2.0, 2.0, 3.0))),
+    ("plan-stock", tube(profile=Profile("RU", "RD60", 60.0, 60.0, 0.0, 60.0))),
     ("plan-section", tube(profile=Profile("RO", "CHS406", 406.4, 406.4, 0.0, 8.0))),
     ("plan-bar-long", tube(length=6300.0)),
     ("plan-coping-thick", tube(profile=Profile("RO", "CHS", 200.0, 200.0, 0.0, 60.0))),

@@ -16,6 +16,7 @@ from beamcam.checks.coping.program import strokes_of
 from beamcam.checks.coping.section import lying
 from beamcam.errors import BeamcamError, MachineError, PlanError, errors_in
 from beamcam.machine import load
+from beamcam.machine.overlay import with_section
 from beamcam.model.part import Hole, Part
 from beamcam.model.request import Request
 from beamcam.pictures.program import ReadProgram
@@ -23,9 +24,10 @@ from beamcam.planning.coping.plan import plan_coping
 from beamcam.recovery import recover
 from beamcam.setup_sheet.content import SheetSources, content_of
 from beamcam.solid.opinion import solid_faults
+from beamcam.solid.part_solid import part_solid
 from benchmarks import coping_faults
 from tests.conftest import examples, sampled
-from tests.random_copes import random_cope, random_mitre, random_slant, random_tee
+from tests.random_copes import random_cope, random_lipped, random_mitre, random_slant, random_tee
 from tests.rs274 import needs_rs274
 from tests.unit.coping.samples import (
     AT,
@@ -40,10 +42,13 @@ from tests.unit.coping.samples import (
 from tests.unit.coping.test_rs274 import CHART, Burn, burns, compare, pieces
 from tests.unit.coping.test_tubes import TUBE, found
 
-NAMES = ("coped", "trimmer", "cleat", "hanger")
-MAKERS = (random_cope, random_tee, random_slant, random_mitre)
+NAMES = ("coped", "trimmer", "cleat", "hanger", "joist", "lintel-rest")
+MAKERS = (
+    random_cope, random_tee, random_slant, random_mitre, random_lipped, coping_faults.random_held
+)  # fmt: skip
 HOLES = (Hole("v", 200.0, 120.0, 26.0, AT), Hole("o", 300.0, 45.0, 26.0, AT))
 U = part_of(*HOLES, profile=UPN200)
+JOIST, LINTEL = sample("joist"), sample("lintel-rest")
 
 MOVE = re.compile(r"G[01] X(\S+) Y(\S+) Z(\S+)(?: A(\S+) F(\S+))?")
 
@@ -110,7 +115,7 @@ def test_it_turns_with_the_torch_clear_of_its_corners() -> None:
 
 @pytest.mark.parametrize(("profile", "code"), [
     (replace(IPE300, height=310.0), "plan-section"),
-    (replace(UPN200, code="C"), "plan-stock"),
+    (replace(UPN200, code="C"), "plan-coping-lip"),
     (replace(UPN200, width=290.0), "plan-coping-deep"),
 ])  # fmt: skip
 def test_sections_that_it_does_not_take(profile: object, code: str) -> None:
@@ -142,6 +147,62 @@ def test_its_axes_come_to_webs_and_flanges(axis: str, least: str, tmp_path: Path
             load(str(path))
 
 
+def test_a_c_turns_with_its_lips_down_at_a_0() -> None:
+    """200 x 75 of a sheet of 2.5: the web lies 37.5 mm above the axis, flanges 100 mm off it."""
+    assert "(THE C LIES ON ITS LIPS: FACE O TO Y-, FACE H UP)" in program_of(JOIST, TUBE)
+    made = cuts(program_of(JOIST, TUBE))
+    assert {(z, a) for _, _, z, a, _ in made["cut-out on face v"]} == {(40.5, 0.0)}
+    lips = made["far end on face o, through the lip"]
+    assert {(z, a) for _, _, z, a, _ in lips} == {(103.0, -90.0)}
+    # The row up to 22 mm, 20 and root_over: half of its kerf of 3 behind the end at 30 + 1400.
+    assert {x for x, *_ in lips[1:]} == {1431.5}
+    # It begins over the flange, a wall of 2.5, a bend of 3.5 and 1 mm of lap off the edge at 37.5.
+    assert lips[1][1] == 30.5
+    assert 37.5 < lips[-1][1] < 42.5
+    with pytest.raises(PlanError) as error:
+        plan_coping((replace(JOIST, profile=replace(JOIST.profile, lip=None)),), TUBE)
+    assert [d.code for d in error.value.diagnostics] == ["plan-coping-lip"]
+    given = plan_coping(
+        (replace(JOIST, profile=replace(JOIST.profile, lip=None)),), with_section(TUBE, None, 20.0)
+    )
+    assert given.operations == plan_coping((JOIST,), TUBE).operations
+    assert "plan-coping-given-lip" in {d.code for d in given.remarks}
+
+
+def test_a_piece_that_comes_cut_is_held_by_its_own_end() -> None:
+    """1600 mm from X 30 on, the last 250 in the chuck: behind X 1380."""
+    plan = plan_coping((LINTEL,), TUBE)
+    assert plan.bar == 1600.0
+    assert [(cut.kind, cut.face) for cut in plan.operations] == [
+        ("inner", "v"), ("near", "o"), ("near", "v")
+    ]  # fmt: skip
+    (told,) = (d for d in plan.remarks if d.code == "plan-coping-piece")
+    assert told.message.endswith("face v up, face u to Y-, its last 250 mm in the chuck")
+    lines = program_of(LINTEL, TUBE).splitlines()
+    first = lines.index("(AT A 0 FACE V IS UP, FACE U TO Y-)")
+    assert lines[first + 1 : first + 5] == [
+        "(IT TURNS ABOUT THE MIDDLE OF HEIGHT AND WIDTH)", "(COMES CUT: ITS X 0 END AT X 30)",
+        "(THE CHUCK HOLDS IT BEHIND X 1380)", "(WHAT ITS FILE CALLS MADE IS THERE)",
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(("x", "codes"), [(1329.0, []), (1331.5, ["plan-coping-chuck"])])
+def test_what_the_chuck_holds_is_not_cut(x: float, codes: list[str]) -> None:
+    """A hole of 26 ends 13 - 1.1 mm behind its middle; the torch is 12 wide: x 1344 at most."""
+    part = replace(LINTEL, features=(Hole("v", x + 3.1, 110.0, 26.0, AT),))
+    if not codes:
+        text = program_of(part, TUBE)
+        turned = text.index("M30")
+        for at, wrong in ((1373.9, []), (1374.1, ["verify-coping-zone"])):
+            moved = f"{text[:turned]}G0 X{at}\n{text[turned:]}"
+            assert [d.code for d in found(moved, part)] == wrong
+        return
+    with pytest.raises(PlanError) as error:
+        plan_coping((part,), TUBE)
+    assert [d.code for d in error.value.diagnostics] == codes
+    assert "expected none beyond x 1344," in str(error.value)
+
+
 # --- read back ------------------------------------------------------------------------------------
 
 
@@ -171,7 +232,7 @@ def test_seen_from_the_bar_a_torch_goes_round_it(seed: int, make: Callable[[int]
         assert max(map(dist, one.points, other.points)) < 2e-3
 
 
-@pytest.mark.parametrize("make", [random_cope, random_tee, random_slant])
+@pytest.mark.parametrize("make", [random_cope, random_tee, random_slant, random_lipped])
 def test_wrong_programs_are_refused(make: Callable[[int], Part]) -> None:
     part = make(4)
     kinds = set()
@@ -185,7 +246,15 @@ def test_wrong_programs_are_refused(make: Callable[[int], Part]) -> None:
         "tip too low", "cut left out", "twice", "order",
     }  # fmt: skip
     # A T has no steel at two corners of its box.
-    assert ("turned too low" in kinds) == (part.profile.code in ("I", "U"))
+    assert ("turned too low" in kinds) == (part.profile.code in ("I", "U", "C"))
+
+
+def test_wrong_programs_for_pieces_that_come_cut_are_refused() -> None:
+    kinds = set()
+    for kind, text in coping_faults.faults(LINTEL, TUBE, random.Random(3)):
+        assert found(text, LINTEL), kind
+        kinds.add(kind)
+    assert kinds > {"taken for a bar", "over the chuck", "cut left out", "moved along", "twice"}
 
 
 def test_a_flange_that_is_cut_with_the_bar_the_other_way_round_is_refused() -> None:
@@ -269,7 +338,11 @@ def check(part: Part, folder: Path) -> None:
     """The heaviest piece of the bar that rs274 turns and cuts is the part."""
     path = folder / "part.ngc"
     path.write_text(program_of(part, TUBE))
-    compare(part, pieces(part, [turned_back(burn, part) for burn in burns(path)])[0])
+    stock = None
+    if part.made is not None:
+        stock = part_solid(replace(part, features=part.made, made=None))
+    whole = replace(part, features=(*part.features, *(part.made or ())), made=None)
+    compare(whole, pieces(part, [turned_back(burn, part) for burn in burns(path)], stock)[0])
 
 
 @needs_rs274
@@ -279,7 +352,9 @@ def test_samples_fall_out_of_the_bar_that_rs274_turns(name: str, tmp_path: Path)
 
 
 @needs_rs274
-@pytest.mark.parametrize("make", [random_cope, random_tee])
+@pytest.mark.parametrize(
+    "make", [random_cope, random_tee, random_lipped, coping_faults.random_held]
+)
 @pytest.mark.parametrize("seed", sampled([0, 1, 3, 5, 8, 11], 2))
 def test_random_parts_fall_out_of_the_bar(
     make: Callable[[int], Part], seed: int, tmp_path: Path

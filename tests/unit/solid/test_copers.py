@@ -34,6 +34,7 @@ SAMPLES = (
     ("coped", COPER, ()), ("brace", TUBE, ()), ("trimmer", COPER, ()), ("stub", TUBE, ()),
     ("header-rest", COPER, ()), ("cleat", COPER, ()), ("header", COPER, ("tool",)),
     ("hanger", COPER, ()), ("leg", TUBE, ()), ("hip", TUBE, ()), ("joist", COPER, ()),
+    ("joist", TUBE, ()), ("lintel-rest", TUBE, ()), ("mast-rest", TUBE, ()),
 )  # fmt: skip
 
 
