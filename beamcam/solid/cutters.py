@@ -9,7 +9,7 @@ from itertools import pairwise
 from math import atan2, cos, hypot, radians, sin, tan
 from typing import TYPE_CHECKING
 
-from beamcam.geometry.curves import signed_area
+from beamcam.geometry.curves import Line, signed_area
 from beamcam.geometry.polylines import polylines
 from beamcam.model.part import Bevel, Contour, Hole, Part, Profile, Slot
 from beamcam.solid.kernel import (
@@ -39,6 +39,8 @@ if TYPE_CHECKING:
     from manifold3d import Manifold
 
 FAR = 1e5  #: mm
+SMOOTH = 0.015  #: sine between curves that go on in one another
+FACET_DEG = 20.0  #: that straight edges turn by at most where they stand for a curve
 OUTLINE_NOISE = 1.0  #: mm between a header's figures and an outline; real files differ by 0.7
 #: Pitch of ISO metric coarse threads by their diameter (ISO 261).
 COARSE_PITCH = {
@@ -312,8 +314,10 @@ def _bevel(contour: Contour, inside: Shape, bevel: Bevel, wall: Wall, margin: fl
         return body
     near = bevel.angle > 0
     chain = polylines((contour.curves[bevel.curve],), CHORD).points.tolist()
-    first, last = (wide * by for by in _blunt(contour, bevel.curve))
-    joint = wide * _hollow(chain, inside)
+    is_outer = contour.kind == "outer"
+    hollow = _hollow(chain, inside, is_outer)
+    first, last = (wide * by for by in _beyond(contour, bevel, hollow))
+    joint = wide * hollow
     for k, ((ax, aq), (bx, bq)) in enumerate(pairwise(chain)):
         long = hypot(bx - ax, bq - aq)
         if long <= 0.0:
@@ -321,7 +325,8 @@ def _bevel(contour: Contour, inside: Shape, bevel: Bevel, wall: Wall, margin: fl
         ex, eq = (bx - ax) / long, (bq - aq) / long
         low, high = -(first if k == 0 else joint), long + (last if k == len(chain) - 2 else joint)
         nx, nq = -eq, ex
-        if not inside.contains(Point((ax + bx) / 2 + nx * 0.01, (aq + bq) / 2 + nq * 0.01)):
+        beside = Point((ax + bx) / 2 + nx * 0.01, (aq + bq) / 2 + nq * 0.01)
+        if inside.contains(beside) != is_outer:  # the steel is outside of a cut-out
             nx, nq = -nx, -nq
         # (across the edge, depth, along) to (x, q, depth)
         to_face = wall.frame
@@ -336,7 +341,7 @@ def _bevel(contour: Contour, inside: Shape, bevel: Bevel, wall: Wall, margin: fl
     return body
 
 
-def _hollow(chain: Sequence[tuple[float, float]], inside: Shape) -> float:
+def _hollow(chain: Sequence[tuple[float, float]], inside: Shape, is_outer: bool) -> float:
     """How far wedges beside one another at a place of a hollow curve go on, to meet, by mm that
     they reach inside; 0 of a bulging one."""
     from shapely import Point
@@ -347,16 +352,30 @@ def _hollow(chain: Sequence[tuple[float, float]], inside: Shape) -> float:
     turn = atan2((bx - ax) * (cq - bq) - (bq - aq) * (cx - bx),
                  (bx - ax) * (cx - bx) + (bq - aq) * (cq - bq))  # fmt: skip
     middle = Point((ax + cx) / 2, (aq + cq) / 2)  # of a chord, in the air of a hollow curve
-    return 0.0 if inside.contains(middle) else tan(abs(turn) / 2)
+    return 0.0 if inside.contains(middle) == is_outer else tan(abs(turn) / 2)
 
 
-def _blunt(contour: Contour, k: int) -> Iterator[float]:
-    """At the start and the end of a curve how far a bevel goes straight on to the next edge, by mm
-    that it reaches inside: beyond a blunt corner of up to 135 degrees."""
+def _beyond(contour: Contour, bevel: Bevel, hollow: float) -> Iterator[float]:
+    """At the start and the end of a curve how far its bevel goes straight on, by mm that it reaches
+    inside: beyond a blunt corner of up to 135 degrees to the next edge, and to the bevel of an edge
+    that goes on from it by `hollow`, or straight and turned by little, as a hollow curve by lines
+    is."""
     curves = tuple(c for c in contour.curves if c.length > 0.0)
-    k = sum(c.length > 0.0 for c in contour.curves[:k])
+    which = [k for k, c in enumerate(contour.curves) if c.length > 0.0]
+    k = sum(j < bevel.curve for j in which)
     outwards = (signed_area(curves) > 0.0) == (contour.kind == "outer")
-    for before, after in ((curves[k - 1], curves[k]), (curves[k], curves[(k + 1) % len(curves)])):
+    alike = {b.curve for b in contour.bevels if (b.angle, b.land) == (bevel.angle, bevel.land)}
+    for a, b in ((k - 1, k), (k, (k + 1) % len(curves))):
+        before, after = curves[a], curves[b]
         (ax, ay), (bx, by) = before.tangent(1.0), after.tangent(0.0)
         turn, same_way = (ax * by - ay * bx) * (1 if outwards else -1), ax * bx + ay * by
-        yield same_way / turn if 0.0 < same_way <= turn else 0.0
+        if 0.0 < same_way <= turn:
+            yield same_way / turn
+        elif same_way < 0.0 or not {which[a], which[b]} <= alike:
+            yield 0.0
+        elif abs(turn) < SMOOTH:
+            yield hollow
+        else:
+            are_facets = isinstance(before, Line) and isinstance(after, Line)
+            is_hollow = are_facets and -sin(radians(FACET_DEG)) <= turn < 0.0
+            yield tan(atan2(-turn, same_way) / 2) if is_hollow else 0.0

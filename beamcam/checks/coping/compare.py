@@ -13,7 +13,7 @@ from math import radians, tan
 from typing import Any
 
 from beamcam.checks.coping import rules
-from beamcam.checks.coping.bevels import BevelPass, pass_faults
+from beamcam.checks.coping.bevels import BevelPass, ends_of_passes, pass_faults
 from beamcam.checks.coping.chart import SAME_FEED, row_for
 from beamcam.checks.coping.left import (
     WallPieces,
@@ -78,9 +78,7 @@ def compare(
                 z = min(section.front - depth, section.wide - 1e-3)
                 yield from holding_faults(face, *pair, section, z, slack, name)
     far = {s.line: not stock.is_piece and _is_far(s, wanted, ends, section) for s in strokes}
-    for bevel in passes:
-        beside = [far[line] for line in bevel.beside(strokes, section)]
-        far[bevel.stroke.line] = bool(beside) and beside[0]
+    far |= ends_of_passes(passes, strokes, far, section)
     for stroke in strokes if section.lip else ():
         if stroke.face != "v":
             yield from lip_faults(stroke, made, section, slack, Source(name, stroke.line))
