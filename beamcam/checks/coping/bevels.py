@@ -283,15 +283,16 @@ def ends_of_passes(
 ) -> dict[int, bool]:  # fmt: skip
     """Whether passes are of the far end, by their lines, as the square cuts along them are; those
     through all of the wall and the cuts that end in their kerfs are of one end."""
+    from shapely import LineString
     from shapely import Point as Place
 
     found = dict(far)
     whole = [one.stroke for one in passes if one.is_whole]
     square = [s for s in strokes if all(s is not one.stroke for one in passes)]
     for stroke in whole * len(whole):
-        kerf = stroke.jet(0.0)
+        way, reach = LineString(stroke.points), stroke.row.kerf / 2 / stroke.share
         own = [s.line for s in square
-               if s.face == stroke.face and kerf.intersects(Place(s.points[-1]))]  # fmt: skip
+               if s.face == stroke.face and way.distance(Place(s.points[-1])) <= reach]  # fmt: skip
         is_far = any(found[line] for line in (stroke.line, *own))
         found |= dict.fromkeys((stroke.line, *own), is_far)
     for one in passes:
