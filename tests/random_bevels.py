@@ -53,7 +53,8 @@ def _window(kind: str, at: Point, tall: float, wide: float, random: Random) -> l
         major, minor = max(tall, wide), min(tall, wide)
         axis = (wide, 0.0) if wide >= tall else (0.0, tall)
         return [EllipseArc(at, axis, minor / major, 0.0, 360.0)]
-    count = random.randint(20, 48)
+    count, wide = random.randint(32, 48), min(wide, 1.5 * tall)  # no corner of 20 degrees
+    tall = min(tall, 1.5 * wide)
     turns = [2 * pi * k / count for k in range(count)]
     return [*polygon([(x + wide * cos(t), y + tall * sin(t)) for t in turns])]
 
@@ -129,5 +130,5 @@ def _end(kind: str, x: float, low: float, high: float, random: Random) -> list[C
         inner = [(x - more + off, low + half / 2), (x - more - off, high - half / 2)]
         ends = [(x - more, low), *inner, (x - more, high)]
         return [BSpline(3, tuple(ends), (0.0,) * 4 + (1.0,) * 4)]
-    deep = round(half * random.uniform(0.2, 0.5), 2)
-    return [EllipseArc((x - deep, (low + high) / 2), (0.0, half), deep / half, 180.0, 180.0)]
+    major, ratio = half / cos(radians(30.0)), round(random.uniform(0.2, 0.6), 3)
+    return [EllipseArc((x - ratio * major, (low + high) / 2), (0.0, major), ratio, 210.0, 120.0)]

@@ -283,16 +283,11 @@ def ends_of_passes(
 ) -> dict[int, bool]:  # fmt: skip
     """Whether passes are of the far end, by their lines, as the square cuts along them are; those
     through all of the wall and the cuts that end in their kerfs are of one end."""
-    from shapely import LineString
-    from shapely import Point as Place
-
     found = dict(far)
     whole = [one.stroke for one in passes if one.is_whole]
     square = [s for s in strokes if all(s is not one.stroke for one in passes)]
     for stroke in whole * len(whole):
-        way, reach = LineString(stroke.points), stroke.row.kerf / 2 / stroke.share
-        own = [s.line for s in square
-               if s.face == stroke.face and way.distance(Place(s.points[-1])) <= reach]  # fmt: skip
+        own = _ending_in(stroke, square)
         is_far = any(found[line] for line in (stroke.line, *own))
         found |= dict.fromkeys((stroke.line, *own), is_far)
     for one in passes:
@@ -300,6 +295,16 @@ def ends_of_passes(
         if not one.is_whole:
             found[one.stroke.line] = bool(beside) and beside[0]
     return found
+
+
+def _ending_in(stroke: TorchStroke, others: Sequence[TorchStroke]) -> list[int]:
+    """The lines of the strokes on its wall that end in the kerf of a stroke."""
+    from shapely import LineString
+    from shapely import Point as Place
+
+    way, reach = LineString(stroke.points), stroke.row.kerf / 2 / stroke.share
+    return [s.line for s in others
+            if s.face == stroke.face and way.distance(Place(s.points[-1])) <= reach]  # fmt: skip
 
 
 def pass_faults(
@@ -324,6 +329,11 @@ def pass_faults(
                 yield rules.PASSES.at(
                     Source(name, along[0]), face=one.stroke.face,
                     expected="no square cut along its edge, which goes through all of the wall",
+                )  # fmt: skip
+            if any(line < one.stroke.line for line in _ending_in(one.stroke, square)):
+                yield rules.PASSES.at(
+                    Source(name, one.stroke.line), face=one.stroke.face,
+                    expected="before the square cuts beside it, whose kerfs its arc would cross",
                 )  # fmt: skip
         elif one.is_lower:
             if not along or min(along) < one.stroke.line:

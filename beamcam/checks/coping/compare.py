@@ -221,8 +221,7 @@ def _stroke_faults(
     if stroke.leans and not is_pass:
         yield rules.ANGLE.at(source, found="off that of its face, along no bevel")
         return
-    offs = [_off_contour(stroke, one, depth, steel, slack) for depth, one in wanted.items()]
-    if not is_pass and (off := offs[0]) is not None and None not in offs:
+    if not is_pass and (off := _extra_at(stroke, wanted, steel, slack)) is not None:
         x, y = off
         yield rules.EXTRA.at(source, x=f"{x:.1f}", y=f"{y:.1f}", face=stroke.face)
     x, y = stroke.points[0]
@@ -277,6 +276,19 @@ def _twice(face: str, own: Sequence[TorchStroke], name: str) -> Iterator[Diagnos
                 yield rules.EXTRA.at(
                     Source(name, stroke.line), x=f"{x:.1f}", y=f"{y:.1f}", face=face
                 )
+
+
+def _extra_at(
+    stroke: TorchStroke, wanted: Mapping[float, Shape], steel: Shape, slack: float
+) -> tuple[float, float] | None:
+    """A place of a stroke that runs along the contour of no surface; None where it does of one."""
+    first: tuple[float, float] | None = None
+    for depth, one in wanted.items():
+        off = _off_contour(stroke, one, depth, steel, slack)
+        if off is None:
+            return None
+        first = first or off
+    return first
 
 
 def _off_contour(

@@ -77,7 +77,7 @@ class TorchStroke(Struct, frozen=True):
     def jet(self, depth: float) -> Any:
         """What the jet takes so far below the face, as wide as its kerf square to itself."""
         import numpy as np
-        from shapely import convex_hull, multipoints, union_all
+        from shapely import convex_hull, linestrings, union_all
         from shapely.affinity import affine_transform
 
         points, half = self.at(depth), self.row.kerf / 2
@@ -94,8 +94,7 @@ class TorchStroke(Struct, frozen=True):
         more = longer[:, None, None] * (leans @ ring.T)[:, :, None] * leans[:, None, :]
         rounds = np.array(points)[:, None, :] + ring + more
         both = np.concatenate((rounds[:-1], rounds[1:]), axis=1)
-        number = np.repeat(np.arange(len(both)), both.shape[1])
-        return union_all(convex_hull(multipoints(both.reshape(-1, 2), indices=number)))
+        return union_all(convex_hull(linestrings(both)))
 
     def pierced(self, depth: float) -> Any:
         """What piercing takes there."""
