@@ -254,7 +254,7 @@ def test_random_parts_are_planned_and_none_is_refused(random_part, seed: int) ->
 
 @pytest.mark.parametrize(
     ("random_part", "seed"),
-    [(random_cut_out, 10), (random_end, 27), *(
+    [(random_cut_out, 50), (random_end, 37), *(
         pytest.param(one, seed, marks=pytest.mark.exhaustive)
         for one in (random_cut_out, random_end) for seed in range(30))],
 )  # fmt: skip
