@@ -341,4 +341,4 @@ def test_wrong_programs_are_refused() -> None:
         assert lines is not None
         tried += 1
         assert found("\n".join(lines), part), name
-    assert tried >= len(BEVEL_PLANS) + len(BEVEL_TEXTS) - 2  # two are of cuts through all of a wall
+    assert tried >= len(BEVEL_PLANS) + len(BEVEL_TEXTS) - 2  # two are of cuts through a wall
