@@ -110,7 +110,54 @@ def _short(cut: CopeCut, chance: random.Random) -> CopeCut:
     return replace(cut, path=(*cut.path[:-1], last))
 
 
+def whole_of(plan: CopePlan) -> list[tuple[CopeCut, list[CopeCut]]]:
+    """The passes that alone make their edges, each with the square cuts that end in their kerfs."""
+    from shapely import LineString
+    from shapely import Point as Place
+
+    found = []
+    for cut in plan.operations:
+        way, reach = LineString(cut.path[1:]), cut.row.kerf / 2
+        along = [one for one in plan.operations if (one.face, one.kind) == (cut.face, cut.kind)
+                 and not one.bevel]  # fmt: skip
+        own = [one for one in along if way.distance(Place(one.path[-1])) <= reach]
+        if cut.lower and (own or cut.kind == "inner"):
+            found.append((cut, own))
+    return found
+
+
+def _whole_left_out(plan: CopePlan, chance: random.Random) -> CopePlan | None:
+    """A pass that alone makes its edge, left out."""
+    which = [cut for cut, _ in whole_of(plan)]
+    if not which:
+        return None
+    gone = chance.choice(which)
+    return replace(plan, operations=tuple(cut for cut in plan.operations if cut is not gone))
+
+
+def _short_beside(plan: CopePlan, chance: random.Random) -> CopePlan | None:
+    """A square cut that ends 4 mm before the kerf of the pass that makes the next edge."""
+    which = [one for _, own in whole_of(plan) for one in own]
+    if not which:
+        return None
+    cut = chance.choice(which)
+    (xa, ya), (xb, yb) = cut.path[-2:]
+    gone = min(1.0, (4.0 + cut.row.kerf) / hypot(xb - xa, yb - ya))
+    last = xb - gone * (xb - xa), yb - gone * (yb - ya)
+    shorter = replace(cut, path=(*cut.path[:-1], last))
+    before = hypot(cut.path[-3][0] - xa, cut.path[-3][1] - ya) if len(cut.path) > 3 else 0.0
+    if hypot(xb - xa, yb - ya) < cut.row.kerf < before:  # the last stretch is all in that kerf
+        (xc, yc) = cut.path[-3]
+        share = 1.0 - 4.0 / before
+        shorter = replace(
+            cut, path=(*cut.path[:-2], (xc + share * (xa - xc), yc + share * (ya - yc)))
+        )
+    return replace(plan, operations=tuple(shorter if c is cut else c for c in plan.operations))
+
+
 BEVEL_PLANS: dict[str, OfPlan] = {
+    "bevel through the wall left out": _whole_left_out,
+    "square cut short of a bevel": _short_beside,
     "A the other way": _one(
         lambda cut, c: turned(cut, lambda t: (-t[0], t[1])), turns_about_the_bar
     ),

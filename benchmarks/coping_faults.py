@@ -34,10 +34,11 @@ from beamcam.planning.coping import plan as planner
 from beamcam.planning.left_out import left_out_kinds, manual_work_sources
 from beamcam.planning.turning import TURNS, alike, turned
 from beamcam.posts import post_of
-from benchmarks.coping_bevels import BEVEL_TEXTS
+from benchmarks.coping_bevels import BEVEL_TEXTS, whole_of
 from benchmarks.coping_plans import is_tilted, plan_faults, reordered
 from benchmarks.coping_texts import TEXTS, TILT_TEXTS, TUBE_TEXTS, TURNED_TEXTS
 from benchmarks.script import arguments, at_least, start
+from tests.random_bevels import random_cut_out, random_end
 from tests.random_boxes import random_box
 from tests.random_copes import (
     CEES,
@@ -89,12 +90,27 @@ def faults(part: Part, machine: Machine, chance: random.Random) -> Iterator[tupl
         yield from piece_faults(part, machine)
     if part.profile.code == "C":
         yield from lip_faults(part, machine, right)
+    if any(cut.lower for cut in plan.operations):
+        yield from square_faults(part, plan, job)
     if any(is_tilted(cut) and not cut.bevel for cut in plan.operations):
         upright = replace(machine, coper=replace(coper, tilt=0.0))
         yield "cut square", program_of(planner.plan_coping((part,), upright), job)
     if any(said.code == "plan-coping-rounded" for said in plan.remarks):
         sharp = replace(machine, coper=replace(coper, corner_radius=2.5))
         yield "sharp corners", program_of(planner.plan_coping((part,), sharp), job)
+
+
+def square_faults(part: Part, plan: CopePlan, job: Job) -> Iterator[tuple[str, str]]:
+    """An edge that one pass makes through all of the wall, cut square behind it and before it."""
+    bare = tuple(replace(f, bevels=()) if isinstance(f, Contour) else f for f in part.features)
+    square = planner.plan_coping((replace(part, features=bare),), job.machine)
+    for name, first in (("bevel cut square behind", 1), ("bevel cut square before", 0)):
+        for cut, _ in whole_of(plan):
+            k = plan.operations.index(cut) + first
+            more = tuple(c for c in square.operations if c not in plan.operations
+                         and (c.face, c.kind) == (cut.face, cut.kind))  # fmt: skip
+            ops = (*plan.operations[:k], *more, *plan.operations[k:])
+            yield name, program_of(replace(plan, operations=ops), job)
 
 
 def lip_faults(part: Part, machine: Machine, right: str) -> Iterator[tuple[str, str]]:
@@ -222,6 +238,7 @@ def survivors(count: int, seed: int = 0) -> tuple[Counter[str], list[tuple[int, 
         ("tube", random_lipped), ("tube", partial(random_mitre, sections=CEES)),
         ("tube", partial(random_slant, sections=CEES)), ("tube", random_held),
         ("tube", random_tube_piece),
+        ("coper-tilt", random_cut_out), ("coper-tilt", random_end),
     )  # fmt: skip
     for number in range(len(kinds) * count):
         kind, make = kinds[number % len(kinds)]

@@ -344,8 +344,8 @@ def bevel_last(plan: CopePlan, chance: random.Random) -> CopePlan | None:
 
 
 def lower_behind(plan: CopePlan, chance: random.Random) -> CopePlan | None:
-    """A bevel of the far side behind the square cut along its edge."""
-    which = [cut for cut in plan.operations if cut.lower]
+    """A bevel of the far side behind the square cut along its edge, or those beside it."""
+    which = [cut for cut in plan.operations if cut.lower and cut.kind != "inner"]
     if not which:
         return None
     cut = chance.choice(which)

@@ -9,7 +9,7 @@ from itertools import pairwise
 from math import atan2, cos, hypot, radians, sin, tan
 from typing import TYPE_CHECKING
 
-from beamcam.geometry.curves import signed_area
+from beamcam.geometry.curves import Line, signed_area
 from beamcam.geometry.polylines import polylines
 from beamcam.model.part import Bevel, Contour, Hole, Part, Profile, Slot
 from beamcam.solid.kernel import (
@@ -39,6 +39,8 @@ if TYPE_CHECKING:
     from manifold3d import Manifold
 
 FAR = 1e5  #: mm
+SMOOTH = 0.015  #: sine between curves that go on in one another
+FACET_DEG = 20.0  #: that straight edges turn by at most where they stand for a curve
 OUTLINE_NOISE = 1.0  #: mm between a header's figures and an outline; real files differ by 0.7
 #: Pitch of ISO metric coarse threads by their diameter (ISO 261).
 COARSE_PITCH = {
@@ -312,17 +314,22 @@ def _bevel(contour: Contour, inside: Shape, bevel: Bevel, wall: Wall, margin: fl
         return body
     near = bevel.angle > 0
     chain = polylines((contour.curves[bevel.curve],), CHORD).points.tolist()
-    first, last = (wide * by for by in _blunt(contour, bevel.curve))
-    joint = wide * _hollow(chain, inside)
+    chain = [a for a, b in pairwise(chain) if a != b] + chain[-1:]
+    if len(chain) < 2:
+        return body
+    (ax, aq), (bx, bq) = chain[:2]
+    off = 0.01 / hypot(bx - ax, bq - aq)
+    beside = Point((ax + bx) / 2 + (aq - bq) * off, (aq + bq) / 2 + (bx - ax) * off)
+    # The steel is outside of a cut-out.
+    side = 1.0 if inside.contains(beside) == (contour.kind == "outer") else -1.0
+    hollow = _hollow(chain, side)
+    first, last = _beyond(contour, bevel, (hollow[0], hollow[-1]))
+    by = [first, *hollow, last] if len(chain) > 2 else [first, last]
     for k, ((ax, aq), (bx, bq)) in enumerate(pairwise(chain)):
         long = hypot(bx - ax, bq - aq)
-        if long <= 0.0:
-            continue
         ex, eq = (bx - ax) / long, (bq - aq) / long
-        low, high = -(first if k == 0 else joint), long + (last if k == len(chain) - 2 else joint)
-        nx, nq = -eq, ex
-        if not inside.contains(Point((ax + bx) / 2 + nx * 0.01, (aq + bq) / 2 + nq * 0.01)):
-            nx, nq = -nx, -nq
+        low, high = -wide * by[k], long + wide * by[k + 1]
+        nx, nq = -eq * side, ex * side
         # (across the edge, depth, along) to (x, q, depth)
         to_face = wall.frame
         rows = []
@@ -336,27 +343,38 @@ def _bevel(contour: Contour, inside: Shape, bevel: Bevel, wall: Wall, margin: fl
     return body
 
 
-def _hollow(chain: Sequence[tuple[float, float]], inside: Shape) -> float:
-    """How far wedges beside one another at a place of a hollow curve go on, to meet, by mm that
-    they reach inside; 0 of a bulging one."""
-    from shapely import Point
-
-    if len(chain) < 3:
-        return 0.0
-    (ax, aq), (bx, bq), (cx, cq) = chain[:3]
-    turn = atan2((bx - ax) * (cq - bq) - (bq - aq) * (cx - bx),
-                 (bx - ax) * (cx - bx) + (bq - aq) * (cq - bq))  # fmt: skip
-    middle = Point((ax + cx) / 2, (aq + cq) / 2)  # of a chord, in the air of a hollow curve
-    return 0.0 if inside.contains(middle) else tan(abs(turn) / 2)
+def _hollow(chain: Sequence[tuple[float, float]], side: float) -> list[float]:
+    """How far wedges beside one another at each place between the ends of a curve go on, to meet,
+    by mm that they reach inside: 0 where it bulges. The steel is on its left where `side` is 1."""
+    found = []
+    for (ax, aq), (bx, bq), (cx, cq) in zip(chain, chain[1:], chain[2:], strict=False):
+        turn = atan2((bx - ax) * (cq - bq) - (bq - aq) * (cx - bx),
+                     (bx - ax) * (cx - bx) + (bq - aq) * (cq - bq))  # fmt: skip
+        found.append(tan(max(0.0, -turn * side) / 2))
+    return found or [0.0]
 
 
-def _blunt(contour: Contour, k: int) -> Iterator[float]:
-    """At the start and the end of a curve how far a bevel goes straight on to the next edge, by mm
-    that it reaches inside: beyond a blunt corner of up to 135 degrees."""
+def _beyond(contour: Contour, bevel: Bevel, hollow: tuple[float, float]) -> Iterator[float]:
+    """At the start and the end of a curve how far its bevel goes straight on, by mm that it reaches
+    inside: beyond a blunt corner of up to 135 degrees to the next edge, and to the bevel of an edge
+    that goes on from it, as far as `hollow` says, or turned by little, as a hollow curve by lines
+    is."""
     curves = tuple(c for c in contour.curves if c.length > 0.0)
-    k = sum(c.length > 0.0 for c in contour.curves[:k])
+    which = [k for k, c in enumerate(contour.curves) if c.length > 0.0]
+    k = sum(j < bevel.curve for j in which)
     outwards = (signed_area(curves) > 0.0) == (contour.kind == "outer")
-    for before, after in ((curves[k - 1], curves[k]), (curves[k], curves[(k + 1) % len(curves)])):
+    alike = {b.curve for b in contour.bevels if (b.angle, b.land) == (bevel.angle, bevel.land)}
+    for a, b, joint in ((k - 1, k, hollow[0]), (k, (k + 1) % len(curves), hollow[1])):
+        before, after = curves[a], curves[b]
         (ax, ay), (bx, by) = before.tangent(1.0), after.tangent(0.0)
         turn, same_way = (ax * by - ay * bx) * (1 if outwards else -1), ax * bx + ay * by
-        yield same_way / turn if 0.0 < same_way <= turn else 0.0
+        if 0.0 < same_way <= turn:
+            yield same_way / turn
+        elif same_way < 0.0 or not {which[a], which[b]} <= alike:
+            yield 0.0
+        elif abs(turn) < SMOOTH:
+            yield joint
+        else:
+            are_facets = isinstance(before, Line) and isinstance(after, Line)
+            is_hollow = are_facets and -sin(radians(FACET_DEG)) <= turn < 0.0
+            yield tan(atan2(-turn, same_way) / 2) if is_hollow else 0.0

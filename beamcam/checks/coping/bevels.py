@@ -4,13 +4,16 @@ A bevel with the angle b takes of a wall t thick (t - land) tan(b) at the surfac
 looks at, and nothing from the land on; one of the far side land tan(b) there, and nothing above. A
 stroke makes it that runs, at both surfaces of the wall, along its edge, half a kerf off what stays
 there; any other stroke whose torch is tilted otherwise than a skew end asks for is none. Curves
-that go on in one another and have one bevel are one edge. A pass comes after the square cut along
-its edge, of the far side before it, and before the piece is parted from its bar; an edge that the
-bar has by itself has no square cut.
+that go on in one another and have one bevel are one edge, of a cut-out it may go on in itself.
+
+A pass comes after the square cut along its edge, of the far side before it, and before the piece is
+parted from its bar; an edge that the bar has by itself has no square cut, nor has one of the far
+side that reaches the surface, which its pass makes alone.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from math import atan2, ceil, cos, hypot, pi, radians, tan
+from itertools import pairwise
+from math import atan2, ceil, cos, hypot, pi, radians, sin, tan
 from typing import Any
 
 from msgspec import Struct
@@ -21,7 +24,7 @@ from beamcam.checks.coping.section import CoperSection, other_side
 from beamcam.checks.coping.skew import SkewEnd, own_bevels
 from beamcam.checks.coping.strokes import TorchStroke
 from beamcam.errors import Diagnostic, Source
-from beamcam.geometry.curves import Arc, Curve, Line
+from beamcam.geometry.curves import Curve, Line
 from beamcam.geometry.plane import Point
 from beamcam.machine.coper import Coper
 from beamcam.model.part import Bevel, Contour, Part
@@ -34,6 +37,8 @@ HAIR = 1e-3  #: mm that what is taken is larger, so that no hair of it stays
 BESIDE = 0.1  #: mm that a square cut may lie beside the edge that it makes
 STEP = 0.5  #: mm from place to place of a round edge
 NO_CORNER = 0.015  #: sine between curves that go on in one another
+CURVED_DEG = 20.0  #: that straight edges turn by at most where they stand for a curve
+NO_LAND = 0.01  #: mm above a bevel of the far side that are none
 SAME = 1e-6  #: degrees and mm that bevels of one edge may differ
 
 
@@ -47,19 +52,38 @@ class BevelledEdge(Struct, frozen=True):
     drawn: tuple[Bevel, ...]  #: as the contour has them, from whichever side
     #: sharp turns of the contour at its start and its end, in radians; 0 for none that is blunt
     turns: tuple[float, float]
+    is_ring: bool  #: whether it goes on in itself
 
-    def places(self) -> Iterator[tuple[Point, Point]]:
-        """Places along it, each with the way into the steel."""
+    @property
+    def is_whole(self) -> bool:
+        """Whether it is of the far side and goes through all of the wall."""
+        over = (self.thickness - self.bevel.land) * tan(radians(-self.bevel.angle))
+        return self.bevel.angle < 0.0 and over <= NO_LAND
+
+    def _lines(self, mm: float) -> list[list[Point]]:
+        """The line so far inside of each of its curves."""
+        found: list[list[Point]] = []
         for curve in self.curves:
             count = 1 if isinstance(curve, Line) else ceil(curve.length / STEP)
+            line = []
             for k in range(count + 1):
-                dx, dy = curve.tangent(k / count)
-                yield curve.point(k / count), (-dy, dx)
+                (x, y), (dx, dy) = curve.point(k / count), curve.tangent(k / count)
+                line.append((x - mm * dy, y + mm * dx))
+            found.append(line)
+        return found
 
     def inside(self, mm: float, longer: float = 0.0, wide: float = 0.0) -> list[Point]:
         """The line so far inside of it, longer at both ends, and at a blunt corner as far as a
-        bevel so wide goes to the next edge."""
-        line = [(x + mm * nx, y + mm * ny) for (x, y), (nx, ny) in self.places()]
+        bevel so wide goes to the next edge; that of a ring ends where it begins.
+
+        Lines beside straight edges go on to where they cross.
+        """
+        lines = self._lines(mm)
+        for before, after in pairwise((*lines, *lines[: self.is_ring])):
+            before[-1] = after[0] = _crossing(before[-2:], after[:2])
+        line = [place for own in lines for place in own]
+        if self.is_ring:
+            return [*line, line[0]]
         (ax, ay), (bx, by) = self.curves[0].tangent(0.0), self.curves[-1].tangent(1.0)
         (xa, ya), (xb, yb) = line[0], line[-1]
         by_a, by_b = (longer + (wide / tan(turn) if turn else 0.0) for turn in self.turns)
@@ -73,6 +97,10 @@ class BevelledEdge(Struct, frozen=True):
         wide = max(0.0, over_land * tan(radians(self.bevel.angle)))
         if not wide:
             return Polygon()
+        if self.is_ring:
+            both = (make_valid(Polygon(self.inside(mm))) for mm in (0.0, wide))
+            ring = next(both).symmetric_difference(next(both))
+            return ring.buffer(HAIR, join_style="mitre")
         whole = make_valid(Polygon([*self.inside(0.0), *reversed(self.inside(wide, 0.0, wide))]))
         return whole.buffer(HAIR, join_style="mitre")
 
@@ -126,7 +154,7 @@ def passes_of(
     if section.lip:  # a pass would go on into a lip
         return passes
     for f, contour in enumerate(part.features):
-        if not isinstance(contour, Contour) or contour.kind != "outer":
+        if not isinstance(contour, Contour) or contour.kind == "open":
             continue
         face = "v" if contour.face == "h" else contour.face
         contour = replace(contour, bevels=tuple(own_bevels(contour, ends, coper.min_bevel)))
@@ -139,12 +167,12 @@ def passes_of(
             )  # fmt: skip
             if one is not None:
                 passes.append(BevelPass(f, edge.bevel, edge.curves, edge.thickness, edge.drawn,
-                                        edge.turns, one))  # fmt: skip
+                                        edge.turns, edge.is_ring, one))  # fmt: skip
     return passes
 
 
 def _edges(f: int, contour: Contour, section: CoperSection, coper: Coper) -> Iterator[BevelledEdge]:
-    """The bevelled edges of a contour that are straight or round."""
+    """The bevelled edges of a contour."""
     from shapely import Polygon
 
     face = "v" if contour.face == "h" else contour.face
@@ -153,13 +181,14 @@ def _edges(f: int, contour: Contour, section: CoperSection, coper: Coper) -> Ite
     curves = [_at_edge(contour.curves[k], wide) for k in which]
     there = [[b for b in contour.bevels if b.curve == k and abs(b.angle) >= coper.min_bevel]
              for k in which]  # fmt: skip
-    if not Polygon([p for c in contour.curves for p in (c.start, c.point(0.5))]).exterior.is_ccw:
+    ring = Polygon([c.point(share) for c in curves for share in (0.0, 0.25, 0.5, 0.75)])
+    if ring.exterior.is_ccw != (contour.kind == "outer"):
         curves, there = [c.reversed() for c in reversed(curves)], there[::-1]
     for side in (1.0, -1.0):
         own = [next((b for b in some if b.angle * side > 0.0), None) for some in there]
         found: list[list[int]] = []
         for k, bevel in enumerate(own):
-            if bevel is None or not isinstance(curves[k], Line | Arc):
+            if bevel is None:
                 continue
             goes_on = found and found[-1][-1] == k - 1
             if goes_on and _is_one(own[k - 1], bevel, curves[k - 1 : k + 1]):
@@ -171,6 +200,9 @@ def _edges(f: int, contour: Contour, section: CoperSection, coper: Coper) -> Ite
             last, first, (curves[-1], curves[0])
         ):  # fmt: skip
             found[0] = [*found.pop(), *found[0]]
+        is_ring = len(found) == 1 and len(found[0]) == len(own) and _is_one(
+            last, first, (curves[-1], curves[0])
+        )  # fmt: skip
         for chain in found:
             bevel = own[chain[0]]
             assert bevel is not None
@@ -182,7 +214,7 @@ def _edges(f: int, contour: Contour, section: CoperSection, coper: Coper) -> Ite
             some = tuple(curves[k] for k in chain)
             after = curves[(chain[-1] + 1) % len(curves)]
             turns = _blunt(curves[chain[0] - 1], some[0]), _blunt(some[-1], after)
-            yield BevelledEdge(f, asked, some, thick, drawn, turns)
+            yield BevelledEdge(f, asked, some, thick, drawn, turns, is_ring)
 
 
 def _blunt(before: Curve, after: Curve) -> float:
@@ -197,7 +229,20 @@ def _is_one(a: Bevel | None, b: Bevel | None, curves: Sequence[Curve]) -> bool:
     if a is None or b is None or max(abs(a.angle - b.angle), abs(a.land - b.land)) > SAME:
         return False
     (ax, ay), (bx, by) = curves[0].tangent(1.0), curves[1].tangent(0.0)
-    return abs(ax * by - ay * bx) <= NO_CORNER and ax * bx + ay * by > 0.0
+    by_lines = all(isinstance(curve, Line) for curve in curves)
+    most = sin(radians(CURVED_DEG)) if by_lines else NO_CORNER
+    return abs(ax * by - ay * bx) <= most and ax * bx + ay * by > 0.0
+
+
+def _crossing(before: Sequence[Point], after: Sequence[Point]) -> Point:
+    """Where two stretches, gone on straight, cross; the end of the first where they are one."""
+    ((ax, ay), (bx, by)), ((cx, cy), (dx, dy)) = before, after
+    (ux, uy), (vx, vy) = (bx - ax, by - ay), (dx - cx, dy - cy)
+    across = ux * vy - uy * vx
+    if abs(across) <= NO_CORNER * hypot(ux, uy) * hypot(vx, vy):
+        return bx, by
+    share = ((cx - ax) * vy - (cy - ay) * vx) / across
+    return ax + share * ux, ay + share * uy
 
 
 def _at_edge(curve: Curve, wide: float) -> Curve:
@@ -232,6 +277,36 @@ def _makes(stroke: TorchStroke, edge: BevelledEdge, over: float) -> bool:
     return True
 
 
+def ends_of_passes(
+    passes: Sequence[BevelPass], strokes: Sequence[TorchStroke], far: Mapping[int, bool],
+    section: CoperSection,
+) -> dict[int, bool]:  # fmt: skip
+    """Whether passes are of the far end, by their lines, as the square cuts along them are; those
+    through all of the wall and the cuts that end in their kerfs are of one end."""
+    found = dict(far)
+    whole = [one.stroke for one in passes if one.is_whole]
+    square = [s for s in strokes if all(s is not one.stroke for one in passes)]
+    for stroke in whole * len(whole):
+        own = _ending_in(stroke, square)
+        is_far = any(found[line] for line in (stroke.line, *own))
+        found |= dict.fromkeys((stroke.line, *own), is_far)
+    for one in passes:
+        beside = [found[line] for line in one.beside(strokes, section)]
+        if not one.is_whole:
+            found[one.stroke.line] = bool(beside) and beside[0]
+    return found
+
+
+def _ending_in(stroke: TorchStroke, others: Sequence[TorchStroke]) -> list[int]:
+    """The lines of the strokes on its wall that end in the kerf of a stroke."""
+    from shapely import LineString
+    from shapely import Point as Place
+
+    way, reach = LineString(stroke.points), stroke.row.kerf / 2 / stroke.share
+    return [s.line for s in others
+            if s.face == stroke.face and way.distance(Place(s.points[-1])) <= reach]  # fmt: skip
+
+
 def pass_faults(
     passes: Sequence[BevelPass], strokes: Sequence[TorchStroke], far: Mapping[int, bool],
     section: CoperSection, name: str,
@@ -244,11 +319,23 @@ def pass_faults(
 
     of_pass = {one.stroke.line for one in passes}
     square = [s for s in strokes if s.line not in of_pass]
-    parted = max((s.line for s in square if far.get(s.line)), default=0)
+    whole = [one.stroke for one in passes if one.is_whole]
+    parted = max((s.line for s in (*square, *whole) if far.get(s.line)), default=0)
     for one in passes:
         along = one.beside(square, section)
         is_rolled = one.is_rolled(section)
-        if one.is_lower:
+        if one.is_whole:
+            if along:
+                yield rules.PASSES.at(
+                    Source(name, along[0]), face=one.stroke.face,
+                    expected="no square cut along its edge, which goes through all of the wall",
+                )  # fmt: skip
+            if any(line < one.stroke.line for line in _ending_in(one.stroke, square)):
+                yield rules.PASSES.at(
+                    Source(name, one.stroke.line), face=one.stroke.face,
+                    expected="before the square cuts beside it, whose kerfs its arc would cross",
+                )  # fmt: skip
+        elif one.is_lower:
             if not along or min(along) < one.stroke.line:
                 yield rules.PASSES.at(
                     Source(name, one.stroke.line), face=one.stroke.face,

@@ -13,7 +13,7 @@ from math import radians, tan
 from typing import Any
 
 from beamcam.checks.coping import rules
-from beamcam.checks.coping.bevels import BevelPass, pass_faults
+from beamcam.checks.coping.bevels import BevelPass, ends_of_passes, pass_faults
 from beamcam.checks.coping.chart import SAME_FEED, row_for
 from beamcam.checks.coping.left import (
     WallPieces,
@@ -84,9 +84,7 @@ def compare(
                 z = min(section.front - depth, section.wide - 1e-3)
                 yield from holding_faults(face, *pair, section, z, slack, name)
     far = {s.line: not stock.is_piece and _is_far(s, wanted, ends, section) for s in strokes}
-    for bevel in passes:
-        beside = [far[line] for line in bevel.beside(strokes, section)]
-        far[bevel.stroke.line] = bool(beside) and beside[0]
+    far |= ends_of_passes(passes, strokes, far, section)
     for stroke in strokes if section.lip else ():
         if stroke.face != "v":
             yield from lip_faults(stroke, made, section, slack, Source(name, stroke.line))
@@ -232,11 +230,7 @@ def _stroke_faults(
     if stroke.leans and not has_edge:
         yield rules.ANGLE.at(source, found="off that of its face, along no bevel")
         return
-    offs = [
-        _off_contour(stroke, near, depth, steel, slack) for (depth, *view), near in beside.items()
-        if view == [stroke.row.kerf, stroke.share] and not has_edge
-    ]  # fmt: skip
-    if offs and (off := offs[0]) is not None and None not in offs:
+    if not has_edge and (off := _extra_at(stroke, beside, steel, slack)) is not None:
         x, y = off
         yield rules.EXTRA.at(source, x=f"{x:.1f}", y=f"{y:.1f}", face=stroke.face)
     x, y = stroke.points[0]
@@ -304,6 +298,23 @@ def _beside(wanted: Shape, kerf: float, share: float, slack: float) -> Shape:
     seen, off_it = narrowed(wanted, share).simplify(FINE / 2), kerf / 2 + slack
     around = seen.buffer(off_it, join_style="mitre").difference(seen)
     return seen.boundary.buffer(off_it).union(around)
+
+
+def _extra_at(
+    stroke: TorchStroke,
+    beside: Mapping[tuple[float, float, float], Shape],
+    steel: Shape,
+    slack: float,
+) -> tuple[float, float] | None:
+    """A place of a stroke that runs along the contour of no surface; None where it does of one."""
+    first: tuple[float, float] | None = None
+    for (depth, *view), near in beside.items():
+        if view == [stroke.row.kerf, stroke.share]:
+            off = _off_contour(stroke, near, depth, steel, slack)
+            if off is None:
+                return None
+            first = first or off
+    return first
 
 
 def _off_contour(

@@ -2,7 +2,6 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Sequence
-from itertools import pairwise
 from math import cos, hypot, isfinite, pi, radians, sin, tan
 from typing import Any
 
@@ -28,6 +27,7 @@ from beamcam.machine.torch import TorchRow
 
 ANGLES = {-90.0: "o", 0.0: "v", 90.0: "u"}  #: what the torch looks at, by A
 ANGLE_SLACK_DEG = 0.01
+TINY = 1e-12  #: of the square of a lean
 HEIGHT_SLACK = 0.02  #: mm
 TIME_SLACK_S = 0.0006
 LONGEST_PAUSE_S = 60.0  #: with the torch off
@@ -76,7 +76,8 @@ class TorchStroke(Struct, frozen=True):
 
     def jet(self, depth: float) -> Any:
         """What the jet takes so far below the face, as wide as its kerf square to itself."""
-        from shapely import MultiPoint, union_all
+        import numpy as np
+        from shapely import convex_hull, linestrings, union_all
         from shapely.affinity import affine_transform
 
         points, half = self.at(depth), self.row.kerf / 2
@@ -86,11 +87,14 @@ class TorchStroke(Struct, frozen=True):
             seen = [stretched(place, self.leans[0], False) for place in points]
             kerf = kerf_of(seen, half)
             return affine_transform(kerf, [*_stretch(self.leans[0], True), 0.0, 0.0])
-        rounds = [
-            [(x + dx, y + dy) for dx, dy in ellipse(half, lean)]
-            for (x, y), lean in zip(points, self.leans, strict=True)
-        ]
-        return union_all([MultiPoint([*a, *b]).convex_hull for a, b in pairwise(rounds)])
+        leans, turns = np.array(self.leans), 2 * pi * np.arange(4 * ARC) / (4 * ARC)
+        far = np.square(leans).sum(axis=1)
+        longer = (np.sqrt(1.0 + far) - 1.0) / np.maximum(far, TINY)  # 0 where it stands square
+        ring = half * np.column_stack((np.cos(turns), np.sin(turns)))
+        more = longer[:, None, None] * (leans @ ring.T)[:, :, None] * leans[:, None, :]
+        rounds = np.array(points)[:, None, :] + ring + more
+        both = np.concatenate((rounds[:-1], rounds[1:]), axis=1)
+        return union_all(convex_hull(linestrings(both)))
 
     def pierced(self, depth: float) -> Any:
         """What piercing takes there."""

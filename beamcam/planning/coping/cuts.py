@@ -28,8 +28,9 @@ STARTS = 12  #: stretches of a closed path on which a start is looked for
 SLACK = 0.005  #: mm that paths round corners may be nearer than half a kerf
 SAME_PLACE = 0.0005  #: mm; places of a path that are nearer are one
 
-#: The border at which a path ends: of the torch's reach, or an end of a piece; "": it is closed.
-End = Literal["low", "high", "near", "far", ""]
+#: The border at which a path ends: of the torch's reach, an end of a piece, or the kerf of a bevel;
+#: "": it is closed.
+End = Literal["low", "high", "near", "far", "bevel", ""]
 OF_PIECE: tuple[End, End] = ("near", "far")
 
 
@@ -185,7 +186,10 @@ def led(
     """
     if not chain.start:
         return _closed(chain, wall, shape, row, coper)
-    free = {"low": wall.low == -inf, "high": wall.high == inf, "near": True, "far": True}
+    free = {
+        "low": wall.low == -inf, "high": wall.high == inf, "near": True, "far": True,
+        "bevel": False,
+    }  # fmt: skip
     nearer = chain.start == "low" and len(wall.roots) == 1
     turns = free[chain.end] and (not free[chain.start] or nearer)
     if wall.lip and free[chain.start] != free[chain.end]:

@@ -15,7 +15,7 @@ from beamcam.planning import rules as bar_rules
 from beamcam.planning.coping import rules
 from beamcam.planning.coping.bevels import bevel_cuts, edges_of
 from beamcam.planning.coping.chart import Chart
-from beamcam.planning.coping.cuts import led
+from beamcam.planning.coping.cuts import CutChain, led
 from beamcam.planning.coping.ends import (
     agreed_ends,
     crossed,
@@ -112,11 +112,12 @@ def _plan_profile(given: Part, machine: Machine, coper: Coper, skips: Collection
         diagnostics += more
     if errors_in(diagnostics):
         raise PlanError(errors_in(diagnostics))
-    cuts, more = _cuts(part, regions, found, chart, coper)
+    square, more = _cuts(part, regions, found, chart, coper)
     diagnostics += more
     on = features_on(part, found.cut)
-    passes, bevelled = bevel_cuts(part, regions, on, cuts, tilts, chart, machine)
-    cuts = _in_order([*cuts, *passes])
+    bevels = bevel_cuts(part, regions, on, square, tilts, chart, machine)
+    diagnostics += bevels.notes
+    cuts = _in_order(bevels.cuts)
     slant = {face: off for face, off in slant.items() if off >= LEAST_SLANT}
     if slant:
         diagnostics.append(rules.SLANT.at(part.source, found=f"{max(slant.values()):.2f}",
@@ -129,9 +130,7 @@ def _plan_profile(given: Part, machine: Machine, coper: Coper, skips: Collection
     outcomes = tuple(
         replace(o, left=o.left or _left(part.features[o.feature[1]], slant, at_root))
         if o.how == "made" else o
-        for o in outcomes_of(
-            part, found, coper.min_bevel, bevelled,
-        )
+        for o in outcomes_of(part, found, coper.min_bevel, bevels.features)
     )  # fmt: skip
     plan = CopePlan(
         part.profile, (Piece(given, coper.trim),), length_needed(part, coper), tuple(cuts),
@@ -254,9 +253,10 @@ def _regions(
 
 def _cuts(
     part: Part, regions: Mapping[Face, WallRegion], found: Sorted, chart: Chart, coper: Coper
-) -> tuple[list[CopeCut], list[Diagnostic]]:
-    """The cuts of all walls in order of work, and those that cannot be made."""
-    cuts: list[CopeCut] = []
+) -> tuple[dict[CopeCut, CutChain], list[Diagnostic]]:
+    """The cuts of all walls, each with its path as the torch sees it, and those that cannot be
+    made."""
+    cuts: dict[CopeCut, CutChain] = {}
     diagnostics: list[Diagnostic] = []
     on = features_on(part, found.cut)
     for face, region in regions.items():
@@ -284,13 +284,12 @@ def _cuts(
                 x, y = hole
                 diagnostics.append(rules.OPEN.at(source, x=f"{x:.1f}", y=f"{y:.1f}", face=face))
             path = tuple((x / seen.share, y) for x, y in way.path) if seen.b_deg else way.path
-            cuts.append(
-                CopeCut(
-                    kind_of(chain, seen.region, row.kerf), face, path, way.lead, thickness, row,
-                    features, source, root, seen.b_deg,
-                    lip=bool(region.wall.lip) and seen.region.wall.high < inf,
-                )
+            cut = CopeCut(
+                kind_of(chain, seen.region, row.kerf), face, path, way.lead, thickness, row,
+                features, source, root, seen.b_deg,
+                lip=bool(region.wall.lip) and seen.region.wall.high < inf,
             )  # fmt: skip
+            cuts[cut] = chain
     return cuts, [*dict.fromkeys(diagnostics)]
 
 

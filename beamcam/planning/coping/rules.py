@@ -157,6 +157,12 @@ WEDGE = warning("plan-coping-wedge",
     "found bevelled edges cut square through {wall} mm; up to {found} mm left outside or inside",
     "An edge with an angle leans through the wall as the surface does that it is to fit, which a "
     "torch square to the wall does not. The wedges stand on the list of manual work, by edge.")
+BEVEL = note("plan-coping-bevel",
+    "found a bevel of {found} degrees with a land of {land} mm from x {x}, y {y} on face {face}, "
+    "which is left for manual work: {why}",
+    "The torch leans over an edge as far as `coper.tilt` and its axes reach, where it is clear of "
+    "web and flanges, its arc has steel, and its kerf hurts nothing of the part. Other edges are "
+    "cut square, so that no steel is missing.")
 SLOW = warning("plan-coping-slow",
     "found axis {axis} too slow for the corners, which are cut at {found} mm/min; expected "
     "{expected} mm/min as on the faces",
@@ -164,4 +170,5 @@ SLOW = warning("plan-coping-slow",
     "slowest axis, so that the cut gets wider there.")
 RULES = (PIPE, NO_PIPE, ALONE, CROSSED, BEYOND, ROOT, LEDGE, STEP, K_AREA, NARROW, OFF, SHORT,
     TUBE_END, OPEN, SUPPORT, CHUCK, DEEP, THICK, ROUNDED, BAR, TEE, LIPS, NO_LIP, GIVEN_LIP,
-    INTO_LIP, PIECE, NO_RADIUS, GIVEN_RADIUS, SEAM, CORNER, TANGENTS, REACHES, SLANT, WEDGE, SLOW)
+    INTO_LIP, PIECE, NO_RADIUS, GIVEN_RADIUS, SEAM, CORNER, TANGENTS, REACHES, SLANT, WEDGE, BEVEL,
+    SLOW)

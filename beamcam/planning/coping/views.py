@@ -77,12 +77,12 @@ def _chains_on(
         for chain in chains_of(paths_of(region.shape, half, wall), borders):
             tilted = next((line.b_deg for line in wall.skew if line and line.b_deg
                            and is_on(line, chain.points, half)), 0.0)  # fmt: skip
-            rooted = _is_rooted(chain, wall)
+            rooted = is_rooted(chain, wall)
             if tilted == b_deg and (rooted == (thickness == deep) or shallow == deep):
                 yield chain, row, seen, thickness, rooted and bool(wall.root_depth)
 
 
-def _is_rooted(chain: CutChain, wall: PlannedWall) -> bool:
+def is_rooted(chain: CutChain, wall: PlannedWall) -> bool:
     """Whether a path crosses the root of a flange, or of a web goes as near as it can."""
     if wall.root_depth:
         (root,) = wall.roots

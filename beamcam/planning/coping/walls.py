@@ -97,6 +97,12 @@ class PlannedWall(Struct, frozen=True):
             return True
         return self.ends[0].x(y) - ON_END <= x <= self.ends[1].x(y) + ON_END
 
+    def is_free(self, place: Point) -> bool:
+        """Whether a place lies on an edge of it that a torch comes over."""
+        return (self.low == -inf and place[1] <= 0.0) or (
+            self.high == inf and place[1] >= self.width
+        )
+
     def crossed(self, path: Sequence[Point], most: float) -> Point | None:
         """A place where a path goes through a hole that is there, for more than `most` mm."""
         from shapely import LineString

@@ -161,8 +161,8 @@ def test_what_is_drawn_behind_the_web_is_seen_through_it() -> None:
 
 @pytest.mark.parametrize(
     "bevel",
-    [Bevel(3, -40.0, 9.4),  # the square cut's arc would have no steel
-     Bevel(3, -40.0, 8.4), Bevel(3, -46.0, 4.0), Bevel(2, -30.0, 4.0), Bevel(3, -30.0, 0.0)],
+    [Bevel(3, -40.0, 8.4),  # the square cut's arc would have no steel
+     Bevel(3, -46.0, 4.0), Bevel(2, -30.0, 4.0)],
 )  # fmt: skip
 def test_what_no_lower_pass_makes_is_manual_work(bevel: Bevel) -> None:
     part = webbed(bevel)

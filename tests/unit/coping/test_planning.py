@@ -291,6 +291,7 @@ def test_every_rule_has_a_case() -> None:
     tested |= {"plan-coping-wedge"}  # in test_tube_ends.py
     tested |= {"plan-coping-crossed", "plan-coping-beyond"}  # in test_skew.py
     tested |= {"plan-coping-ledge"}  # in test_ledges.py
+    tested |= {"plan-coping-bevel"}  # in test_undercuts.py
     tested |= {"plan-coping-step"}  # in test_slants.py
     tested |= {"plan-coping-chuck"}  # in test_turned.py
     tested |= {"plan-coping-tube-end"}  # in test_tube_pieces.py

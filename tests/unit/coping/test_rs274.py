@@ -23,6 +23,7 @@ from beamcam.planning.left_out import manual_rows
 from beamcam.solid.kernel import kernel, outline
 from beamcam.solid.part_solid import part_solid
 from tests.conftest import sampled
+from tests.random_bevels import random_cut_out, random_end
 from tests.random_copes import (
     CEES,
     random_bevel,
@@ -121,7 +122,8 @@ def turning(tips: list[tuple[float, ...]], kerf: float, deep: float) -> Any:
     """What a torch takes that turns: hulls of round jets, at four places of each stretch."""
     m = kernel()
     rounds = []
-    for one, other in pairwise(tips):
+    # Each stretch from its start, and the last place.
+    for one, other in pairwise([*tips, tips[-1]]):
         for k in range(4 if one[3:] != other[3:] else 1):
             x, y, z, *turn = (p + k / 4 * (q - p) for p, q in zip(one, other, strict=True))
             a, b = map(radians, turn)
@@ -306,6 +308,23 @@ def test_random_bevels_in_any_direction_fall_out_of_the_bar(seed: int, tmp_path:
     part = random_shaped_bevel(seed)
     assert any(cut.bevel for cut in plan_coping((part,), BEVEL).operations)
     check(part, tmp_path, BEVEL)
+
+
+@needs_rs274
+@pytest.mark.parametrize(("random_part", "seed"), [(random_cut_out, 56), (random_end, 56)])
+def test_random_undercuts_fall_out_of_the_bar(
+    random_part: Callable[[int], Part], seed: int, tmp_path: Path
+) -> None:
+    """Without its pass, which alone makes the edge, the piece keeps what that cuts off."""
+    part = random_part(seed)
+    plan = plan_coping((part,), BEVEL)
+    (k,) = (k for k, cut in enumerate(plan.operations) if cut.bevel)
+    assert plan.operations[k].lower
+    assert len(plan.operations[k].turns) > 15
+    strokes = burns(written(part, tmp_path, BEVEL))
+    compare(part, pieces(part, strokes)[0])
+    rest = pieces(part, strokes[:k] + strokes[k + 1 :])[0]
+    assert (rest - lying(part_solid(part), part)).volume() > 10000.0
 
 
 @needs_rs274
