@@ -9,27 +9,55 @@ import re
 from collections import Counter
 from collections.abc import Callable, Container, Iterator, Set
 from functools import cached_property
-from typing import Any
+from typing import Any, SupportsIndex
 
 from msgspec import Struct
 
 from beamcam.caches import cached
 from beamcam.readers.ifc.text import (
     Malformed,
-    Typed,
-    Values,
-    escaped,
+    StepRecord,
     look_over,
-    plain,
+    parsable,
+    places,
+    prepared,
     records,
-    values_of,
 )
 from beamcam.system import interrupts_waiting
 
-_SCHEMA = re.compile(r"(FILE_SCHEMA\s*\(\s*\(\s*')[^']*", re.IGNORECASE)
 _POINTS = frozenset(("IfcCartesianPoint", "IfcDirection"))
 _PLACEMENTS = frozenset(("IfcAxis2Placement2D", "IfcAxis2Placement3D"))
 _PLAIN = (str, float, int, type(None))  #: what ifcopenshell's values and ours have in common
+_REFERENCES = re.compile(r"#\d+|\(#\d+(,#\d+)*\)")
+
+Values = tuple[Any, ...]
+
+
+class Typed(Struct, frozen=True, gc=False):
+    """A value with its type written before it: IFCLENGTHMEASURE(25.4)."""
+
+    kind: str  #: in capitals
+    value: Any
+
+    def is_a(self, name: str) -> bool:
+        """As of an entity."""
+        return name.upper() == self.kind
+
+
+class Doubtful(Values):
+    """Values of which ifcopenshell has some otherwise than they are written.
+
+    Those are the errors that are raised when they are looked at.
+    """
+
+    def __getitem__(self, place: SupportsIndex | slice) -> Any:
+        found = tuple(self)[place] if isinstance(place, slice) else super().__getitem__(place)
+        if isinstance(found, Malformed):
+            raise Malformed(str(found))
+        return found
+
+    def __iter__(self) -> Iterator[Any]:
+        return map(self.__getitem__, range(len(self)))
 
 
 class EntityType(Struct, frozen=True):
@@ -53,7 +81,7 @@ class Entity(Struct, eq=False, gc=False):
     file: "File"
     number: int
     type: EntityType  #: what the schema says of it; of an entity that it does not know, its name
-    held: Any  #: ifcopenshell's instance, or the record where the file is doubtful
+    held: Any  #: ifcopenshell's instance; None of a record that it does not have
     values: Values = ()  #: none until they are asked for: deleted, so that `__getattr__` reads them
 
     @property
@@ -72,7 +100,7 @@ class Entity(Struct, eq=False, gc=False):
     def __getattr__(self, name: str) -> Any:
         # Called for what has no value yet: the slot that is filled late, and attributes.
         if name == "values":
-            self.values = self.file.values(self.type, self.held)
+            self.values = self.file.values(self.type, self.number, self.held)
             return self.values
         place = self.type.places.get(name)
         if place is not None:
@@ -81,8 +109,11 @@ class Entity(Struct, eq=False, gc=False):
 
     @property
     def guid(self) -> str:
-        """The GlobalId of a rooted entity, its first value; its name where that is not text."""
-        found = self.values[0] if self.values else None
+        """The GlobalId of a rooted entity, its first value; its name where that is no text."""
+        try:
+            found = self.values[0]
+        except (LookupError, Malformed):
+            found = None
         return found if isinstance(found, str) else self.name
 
     def __repr__(self) -> str:
@@ -140,8 +171,8 @@ class File:
     def __init__(self, text: str, schema: str) -> None:
         """Raises Malformed if the text is not a STEP file."""
         self.schema = schema  #: IFC2X3, IFC4 or IFC4X3
-        text = _SCHEMA.sub(rf"\g<1>{identifier_of(schema)}", plain(text), count=1)
-        self._names, doubtful = look_over(text)
+        text = prepared(text, identifier_of(schema))
+        self._names, sound = look_over(text)
         self._types: dict[str, EntityType] = {}
         self._things: dict[int, Any] = {}  #: what stands for each record that was met
         self.tied: dict[str, dict[int, list[Any]]] = {}  #: see entities.py
@@ -151,13 +182,17 @@ class File:
         self._instance: Any = instances
         parser().get_log()  # what others left there
         try:
-            self.opened: Any = parser().file.from_string(escaped(text))
+            self.opened: Any = parser().file.from_string(parsable(text, sound))
         except Exception as fault:  # the parser's own errors have no class of their own
             raise Malformed(str(fault)) from fault
-        remarks, count = str(parser().get_log()).strip(), len(self.opened.entity_names())
-        doubtful |= bool(remarks) or count != len(self._names)
-        #: The records as they are written, where ifcopenshell does not read all of them so.
-        self._written = {one.number: one for one in records(text)} if doubtful else None
+        remarks, own = str(parser().get_log()).strip(), self.opened.entity_names()
+        #: The records as they are written, where ifcopenshell may have some otherwise.
+        self._written: dict[int, StepRecord] = {}
+        #: Those that it does not have, as of classes that the schema does not know.
+        self._lost: list[StepRecord] = []
+        if not sound or remarks or len(own) < len(self._names):
+            self._written = {one.number: one for one in records(text)}
+            self._lost = [self._written[number] for number in self._written.keys() - set(own)]
 
     def close(self) -> None:
         """Let go of all entities, they of the file and of one another: the collector knows none."""
@@ -172,28 +207,29 @@ class File:
         """What stands for a number among values; a missing entity fails when it is looked at."""
         if number in self._things:
             return self._things[number]
-        if self._written is None:
-            return self._met(number, self.opened.by_id(number))
-        record = self._written.get(number)
-        if record is None:
+        try:
+            held = self.opened.by_id(number)
+        except (RuntimeError, OverflowError):
+            held = None
+        if held is None and number not in self._written:
             made = Missing(self, number, EntityType("", frozenset(), {}), None)
             del made.type, made.held, made.values
             return made
-        return self._met(number, record)
+        return self._met(number, held)
 
     def _met(self, number: int, held: Any) -> Any:
         """What stands for a record that was not met before: an entity, or its numbers."""
-        kind = held.kind if self._written is not None else held.is_a()
+        kind = held.is_a() if held is not None else self._written[number].kind
         known = self._types.get(kind) or self._type(kind)
         thing: Any
         if known.name in _POINTS:
-            values = self.values(known, held)
+            values = self.values(known, number, held)
             try:
                 thing = tuple(map(float, values[0]))
             except (IndexError, TypeError, ValueError):
                 raise Malformed(f"#{number} without numbers") from None
         elif known.name in _PLACEMENTS:
-            thing = self.values(known, held)
+            thing = self.values(known, number, held)
         else:
             thing = Entity(self, number, known, held)
             del thing.values
@@ -206,10 +242,10 @@ class File:
         known = self._types[kind] = known or EntityType(kind, frozenset((kind,)), {})
         return known
 
-    def values(self, known: EntityType, held: Any) -> Values:
-        """The values of an instance or a record. Raises Malformed."""
-        if self._written is not None:
-            return values_of(held.inner, self.entity)
+    def values(self, known: EntityType, number: int, held: Any) -> Values:
+        """The values of a record."""
+        if self._written:
+            return Doubtful(self._as_written(self._written[number], held))
         read, instances, things = self._read, self._instance, self._things
         values = []
         for place in range(len(known.places)):
@@ -221,6 +257,25 @@ class File:
                 value = self._value(value)
             values.append(value)
         return tuple(values)
+
+    def _as_written(self, record: StepRecord, held: Any) -> Iterator[Any]:
+        """The values that ifcopenshell has as they are written, references, and errors for others.
+
+        It leaves out what refers to no record, words that the schema does not list, and members of
+        another kind than a list's first. Raises Malformed for a record that it does not have.
+        """
+        name = f"#{record.number}={record.kind}"
+        if held is None:
+            raise Malformed(f"{name}({record.inner[:40]}), not as the schema has it")
+        own = places(held.to_string(True).partition("(")[2][:-1])
+        for place, (written, has) in enumerate(zip(places(record.inner), own, strict=False), 1):
+            if _REFERENCES.fullmatch(written):
+                found = tuple(self.entity(int(one)) for one in re.findall(r"\d+", written))
+                yield found if written.startswith("(") else found[0]
+            elif written == has:
+                yield self._value(self._read(held, place - 1))
+            else:
+                yield Malformed(f"value {place} of {name}, not as the schema has it")
 
     def _value(self, value: Any) -> Any:
         """A list of ifcopenshell's, or an instance, as one of ours."""
@@ -236,7 +291,7 @@ class File:
 
     def peek(self, entity: Entity, place: int) -> Any:
         """One of an entity's values, without a look at the others."""
-        if self._written is not None:
+        if self._written:
             return entity.values[place]
         return self._value(self._read(entity.held, place))
 
@@ -245,10 +300,10 @@ class File:
 
         The others, of which there are many, are not made.
         """
-        if self._written is not None:
+        if self._written:
             quoted = tuple(f"'{name}'" for name in names)
             for one in entity.values[place]:
-                if type(one) is Entity and one.held.inner.lstrip().startswith(quoted):
+                if type(one) is Entity and self._written[one.number].inner.startswith(quoted):
                     yield one
             return
         for one in self._read(entity.held, place) or ():
@@ -257,23 +312,21 @@ class File:
 
     def counts(self, name: str) -> Counter[str]:
         """Number of records of each class below another."""
-        written = self._written is not None
-        return Counter(self._type(r.kind).name if written else r.is_a() for r in self._of(name))
+        return Counter(type_.name for _, type_ in self._of(name))
 
     def by_type(self, name: str) -> list[Any]:
         """The entities of a class and of its subtypes, in the order of the file."""
-        if self._written is not None:
-            return [self.entity(record.number) for record in self._of(name)]
-        return list(map(self._value, self._of(name)))
+        return [self.entity(number) for number, _ in self._of(name)]
 
-    def _of(self, name: str) -> list[Any]:
-        """The instances, or else the records, of a class and of its subtypes."""
-        if self._written is not None:
-            kinds = {r.kind: self._type(r.kind).kinds for r in self._written.values()}
-            return [record for record in self._written.values() if name in kinds[record.kind]]
-        if entity_type(self.schema, name) is None:
-            return []
-        return sorted(self.opened.by_type(name), key=lambda instance: self._order(instance.id()))
+    def _of(self, name: str) -> list[tuple[int, EntityType]]:
+        """The numbers and types of the records of a class and of its subtypes."""
+        known = entity_type(self.schema, name) is not None
+        found = [(one.id(), one.is_a()) for one in self.opened.by_type(name)] if known else []
+        found += [
+            (one.number, one.kind) for one in self._lost if name in self._type(one.kind).kinds
+        ]
+        found.sort(key=lambda row: self._order(row[0]))
+        return [(number, self._type(kind)) for number, kind in found]
 
     @cached_property
     def _order(self) -> Callable[[int], int]:
