@@ -7,7 +7,7 @@ what the kernel is given in place of what it cannot build never shows here.
 
 import re
 from collections import Counter
-from collections.abc import Callable, Container, Iterator, Set
+from collections.abc import Callable, Container, Iterator
 from functools import cached_property
 from typing import Any, SupportsIndex
 
@@ -28,6 +28,7 @@ from beamcam.system import interrupts_waiting
 _POINTS = frozenset(("IfcCartesianPoint", "IfcDirection"))
 _PLACEMENTS = frozenset(("IfcAxis2Placement2D", "IfcAxis2Placement3D"))
 _PLAIN = (str, float, int, type(None))  #: what ifcopenshell's values and ours have in common
+_FIRST = re.compile(r"'([^'\\]*+)'\s*+(?:,|\Z)")
 _REFERENCES = re.compile(r"#\d+|\(#\d+(,#\d+)*\)")
 
 Values = tuple[Any, ...]
@@ -51,10 +52,10 @@ class Doubtful(Values):
     """
 
     def __getitem__(self, place: SupportsIndex | slice) -> Any:
-        found = tuple(self)[place] if isinstance(place, slice) else super().__getitem__(place)
+        found = super().__getitem__(place)
         if isinstance(found, Malformed):
             raise Malformed(str(found))
-        return found
+        return tuple(Doubtful(found)) if isinstance(place, slice) else found
 
     def __iter__(self) -> Iterator[Any]:
         return map(self.__getitem__, range(len(self)))
@@ -110,10 +111,7 @@ class Entity(Struct, eq=False, gc=False):
     @property
     def guid(self) -> str:
         """The GlobalId of a rooted entity, its first value; its name where that is no text."""
-        try:
-            found = self.values[0]
-        except (LookupError, Malformed):
-            found = None
+        found = next(tuple.__iter__(self.values), None)  # which may be an error
         return found if isinstance(found, str) else self.name
 
     def __repr__(self) -> str:
@@ -262,20 +260,25 @@ class File:
         """The values that ifcopenshell has as they are written, references, and errors for others.
 
         It leaves out what refers to no record, words that the schema does not list, and members of
-        another kind than a list's first. Raises Malformed for a record that it does not have.
+        another kind than a list's first. Of a record that it does not have only a text that comes
+        first is told, which may be its name.
         """
         name = f"#{record.number}={record.kind}"
-        if held is None:
-            raise Malformed(f"{name}({record.inner[:40]}), not as the schema has it")
-        own = places(held.to_string(True).partition("(")[2][:-1])
-        for place, (written, has) in enumerate(zip(places(record.inner), own, strict=False), 1):
-            if _REFERENCES.fullmatch(written):
+        own = [] if held is None else places(held.to_string(True).partition("(")[2][:-1])
+        for place, written in enumerate(places(record.inner)):
+            if held is None:
+                text = _FIRST.match(record.inner) if not place else None
+                fault = f"{name}({record.inner[:40]}), not as the schema has it"
+                yield text[1] if text is not None else Malformed(fault)
+            elif place == len(own):
+                return
+            elif _REFERENCES.fullmatch(written):
                 found = tuple(self.entity(int(one)) for one in re.findall(r"\d+", written))
                 yield found if written.startswith("(") else found[0]
-            elif written == has:
-                yield self._value(self._read(held, place - 1))
+            elif written == own[place]:
+                yield self._value(self._read(held, place))
             else:
-                yield Malformed(f"value {place} of {name}, not as the schema has it")
+                yield Malformed(f"value {place + 1} of {name}, not as the schema has it")
 
     def _value(self, value: Any) -> Any:
         """A list of ifcopenshell's, or an instance, as one of ours."""
@@ -288,27 +291,6 @@ class File:
             return Typed(value.is_a().upper(), self._value(self._read(value, 0)))
         thing = self._things.get(number)
         return self._met(number, value) if thing is None else thing
-
-    def peek(self, entity: Entity, place: int) -> Any:
-        """One of an entity's values, without a look at the others."""
-        if self._written:
-            return entity.values[place]
-        return self._value(self._read(entity.held, place))
-
-    def listed(self, entity: Entity, place: int, names: Set[str]) -> Iterator[Entity]:
-        """Those of the entities in a list among an entity's values whose first value is a name.
-
-        The others, of which there are many, are not made.
-        """
-        if self._written:
-            quoted = tuple(f"'{name}'" for name in names)
-            for one in entity.values[place]:
-                if type(one) is Entity and self._written[one.number].inner.startswith(quoted):
-                    yield one
-            return
-        for one in self._read(entity.held, place) or ():
-            if self._read(one, 0) in names:
-                yield self._value(one)
 
     def counts(self, name: str) -> Counter[str]:
         """Number of records of each class below another."""
@@ -331,7 +313,7 @@ class File:
     @cached_property
     def _order(self) -> Callable[[int], int]:
         """The place of a record in the file, by its number."""
-        return {int(number): place for place, number in enumerate(self._names)}.__getitem__
+        return {number: place for place, number in enumerate(self._names)}.__getitem__
 
 
 @cached("ifc.parser")

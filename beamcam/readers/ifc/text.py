@@ -12,20 +12,16 @@ from collections.abc import Iterator
 
 from msgspec import Struct
 
-_SECTION = re.compile(r"\bDATA\s*(?:\([^;]*\)\s*)?;")
-_END = r"\s*+(?P<end>ENDSEC\s*;)?"
-_RECORDS = re.compile(
-    rf"(?:\s*+#\d{{1,18}}+\s*+=\s*+\w++\s*+\((?:[^;)]++|\)(?!\s*+;))*+\)\s*+;)*+{_END}", re.ASCII
+_HEAD = re.compile(r"\A.*?(?=^\s*DATA\b)", re.DOTALL | re.MULTILINE)
+_COMMENT = re.compile(r"('[^']*+')|/\*.*?\*/", re.DOTALL)
+_DATA = r"\bDATA\s*+(?:\([^;]*\)\s*+)?;"
+_END = r"\s*+ENDSEC\s*+;"
+_SECTION, _SECTION_END, _OUTSIDE = map(re.compile, (_DATA, _END, r"[^#;]*+(?=#)"))
+_RECORD = re.compile(
+    r"\s*+#(\d{1,18}+)\s*+=\s*+(\w++)\s*+\(((?:[^;')]++|'[^']*+'|\)(?!\s*+;))*+)\)\s*+;", re.ASCII
 )
-_AFTER = re.compile(r"[^#;]*+#")  # a record that is in no section
 _NAME = re.compile(r"(?<![(,])#(\d++)\s*+=")
 _REFERENCE = re.compile(r"#(\d++)")
-_STRING = re.compile(r"'[^']*+(?:'|\Z)")
-_COMMENT = re.compile(r"('[^']*+')|/\*.*?\*/", re.DOTALL)
-_HEAD = re.compile(r"\A.*?(?=^\s*DATA\b)", re.DOTALL | re.MULTILINE)
-_RECORD = re.compile(
-    r"#(\d++)\s*+=\s*+(\w++)\s*+\(((?:[^;')]++|'[^']*+'|\)(?!\s*+;))*+)\)\s*+;", re.ASCII
-)
 _ESCAPE = re.compile(
     r"\\X2\\(?P<two>(?:[0-9A-F]{4})*+)\\X0\\|(?P<letters>[^\x00-\x7f]++)"
     r"|\\(?:X4\\(?:[0-9A-F]{8})++\\X0\\|X\\[0-9A-F]{2}|S\\[^']|P[A-I]\\|\\|(?P<stray>))"
@@ -51,8 +47,8 @@ def _value(deep: int) -> str:
 
 _EACH = rf"(?:[$*]|{_value(3)}|\(\s*+\))\s*+"
 _SOUND = rf"#\d{{1,9}}+\s*+=\s*+\w++\s*+\(\s*+(?:{_EACH}(?:,\s*+{_EACH})*+)?+\)\s*+;"
-_ALL_SOUND = re.compile(rf"(?:\s*+{_SOUND})*+{_END}", re.ASCII)
-_ONE_SOUND = re.compile(_SOUND, re.ASCII)
+_ALL_SOUND = re.compile(rf"(?:\s*+{_DATA}(?:\s*+{_SOUND})*+{_END})+\s*+END-ISO", re.ASCII)
+_ONE_SOUND = re.compile(rf"\s*+{_SOUND}", re.ASCII)
 
 
 class Malformed(ValueError):
@@ -86,63 +82,48 @@ def prepared(text: str, schema: str) -> str:
     return _COMMENT.sub(lambda m: m[1] or " " + "\n" * m[0].count("\n"), text)
 
 
-def look_over(text: str) -> tuple[list[str], bool]:
+def look_over(text: str) -> tuple[list[int], bool]:
     """The numbers of the records of a prepared text, and whether all are sound.
 
     They are not where some refer to no record or have values of another form. Raises Malformed for
     what is no record, and for a number again.
     """
-    try:
-        return _looked("''".join(text.split("'")[::2]), text)
-    except Malformed:
-        # Once more with all in its place, for the line and the words that stand there.
-        _looked(_STRING.sub(lambda m: "'" * len(m[0]), text), text)
-        raise
-
-
-def _looked(bare: str, text: str) -> tuple[list[str], bool]:
-    """As `look_over`, of a text without what is in its strings."""
+    bare = "''".join(text.split("'")[::2])  # without what is in its strings
     section = _SECTION.search(bare)
-    first = at = section.end() if section is not None else len(bare)
-    sound = True
+    if section is not None and _ALL_SOUND.match(bare, section.start()):
+        names = [*map(int, _NAME.findall(bare, section.end()))]
+        there = set(names)
+        if len(there) == len(names):
+            return names, there.issuperset(map(int, _REFERENCE.findall(bare, section.end())))
+    return [record.number for record in records(text)], False
+
+
+def records(text: str) -> Iterator[StepRecord]:
+    """The records of a prepared text, one by one. Raises Malformed as `look_over`."""
+    met: set[int] = set()
+    section = _SECTION.search(text)
     while section is not None:
-        match = _ALL_SOUND.match(bare, section.end())
-        if match is None or match["end"] is None:
-            sound, match = False, _RECORDS.match(bare, section.end())
-        at = section.end() if match is None else match.end()
-        if match is None or match["end"] is None:
-            if at == len(bare):
-                raise Malformed("a DATA section without an end", _line(text, first))
-            raise _no_record(text, at)
-        section = _SECTION.search(bare, at)
-        if outside := _AFTER.match(bare, at, section.start() if section else len(bare)):
-            raise _no_record(text, outside.end() - 1)
-    names, asked = _NAME.findall(bare, first), set(_REFERENCE.findall(bare, first))
-    if "#0" in bare:
-        names = [name.lstrip("0") for name in names]
-        asked = {one.lstrip("0") for one in asked}
-    there = set(names)
-    if len(there) < len(names):
-        met: set[int] = set()
-        for name in _NAME.finditer(bare, first):
-            if int(name[1]) in met:
-                raise Malformed(f"record #{int(name[1])} twice", _line(text, name.start()))
-            met.add(int(name[1]))
-    return names, sound and len(asked) <= len(there)
-
-
-def _no_record(text: str, at: int) -> Malformed:
-    return Malformed(f"{text[at : at + 40].strip()!r} where a record begins", _line(text, at))
+        at = section.end()
+        while (match := _RECORD.match(text, at)) is not None:
+            number, at = int(match[1]), match.end()
+            if number in met:
+                raise Malformed(f"record #{number} twice", _line(text, match.start(1)))
+            met.add(number)
+            yield StepRecord(number, match[2], match[3].strip())
+        end, following = _SECTION_END.match(text, at), _SECTION.search(text, at)
+        until = len(text) if following is None else following.start()
+        outside = _OUTSIDE.match(text, end.end(), until) if end is not None else None
+        if end is None or outside is not None:
+            rest = text[at if outside is None else outside.end() :].lstrip()
+            if not rest:
+                raise Malformed("a DATA section without an end", _line(text, section.end()))
+            line = _line(text, len(text) - len(rest))
+            raise Malformed(f"{rest[:40].strip()!r} where a record begins", line)
+        section = following
 
 
 def _line(text: str, at: int) -> int:
     return text.count("\n", 0, at) + 1
-
-
-def records(text: str) -> Iterator[StepRecord]:
-    """The records of a text that was looked over."""
-    for match in _RECORD.finditer(text):
-        yield StepRecord(int(match[1]), match[2], match[3].strip())
 
 
 # --- for the parser -------------------------------------------------------------------------------
