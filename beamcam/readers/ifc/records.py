@@ -177,7 +177,6 @@ class File:
         #: Value of an instance by its place, without its wrapper's checks; so since 0.9.
         instances = parser().entity_instance
         self._read = getattr(instances, "get_argument", instances.__getitem__)
-        self._instance: Any = instances
         parser().get_log()  # what others left there
         try:
             self.opened: Any = parser().file.from_string(parsable(text, sound))
@@ -244,17 +243,8 @@ class File:
         """The values of a record."""
         if self._written:
             return Doubtful(self._as_written(self._written[number], held))
-        read, instances, things = self._read, self._instance, self._things
-        values = []
-        for place in range(len(known.places)):
-            value = read(held, place)
-            if type(value) is instances and (number := value.id()):
-                thing = things.get(number)
-                value = self._met(number, value) if thing is None else thing
-            elif not isinstance(value, _PLAIN):
-                value = self._value(value)
-            values.append(value)
-        return tuple(values)
+        read, value = self._read, self._value
+        return tuple([value(read(held, place)) for place in range(len(known.places))])
 
     def _as_written(self, record: StepRecord, held: Any) -> Iterator[Any]:
         """The values that ifcopenshell has as they are written, references, and errors for others.
@@ -281,12 +271,12 @@ class File:
                 yield Malformed(f"value {place + 1} of {name}, not as the schema has it")
 
     def _value(self, value: Any) -> Any:
-        """A list of ifcopenshell's, or an instance, as one of ours."""
+        """A value of ifcopenshell's as one of ours."""
+        if isinstance(value, _PLAIN):
+            return value
         if isinstance(value, tuple):
             plain = not value or isinstance(value[0], _PLAIN)
             return value if plain else tuple(map(self._value, value))
-        if not isinstance(value, self._instance):
-            return value
         if not (number := value.id()):
             return Typed(value.is_a().upper(), self._value(self._read(value, 0)))
         thing = self._things.get(number)
