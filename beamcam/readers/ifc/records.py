@@ -111,7 +111,10 @@ class Entity(Struct, eq=False, gc=False):
     @property
     def guid(self) -> str:
         """The GlobalId of a rooted entity, its first value; its name where that is no text."""
-        found = next(tuple.__iter__(self.values), None)  # which may be an error
+        try:
+            found = next(tuple.__iter__(self.values), None)  # which may be an error
+        except (Malformed, RecursionError):
+            found = None
         return found if isinstance(found, str) else self.name
 
     def __repr__(self) -> str:
