@@ -34,9 +34,9 @@ def scale_of(file: File, kind: str) -> float:
     units = assignment.Units if assignment is not None else ()
     named = (one for one in units if one.is_a("IfcNamedUnit") and one.UnitType == kind)
     unit, by = next(named, None), 1.0
+    if unit is None:
+        return by
     for _ in range(_DEEPEST):
-        if unit is None:
-            return by
         if unit.is_a("IfcSIUnit"):
             from ifcopenshell.util.unit import prefixes
 
@@ -79,7 +79,6 @@ class Model(Struct):
     mm: float  #: mm in the file's length unit
     radians: float  #: radians in the file's plane angle unit
     kilograms: float  #: kg in the file's mass unit
-    placements: dict[Entity, Frame] = field(default_factory=dict)
     known: dict[Any, Any] = field(default_factory=dict)  #: by what it is and its key; see `once`
 
     def once(self, what: str, key: Any, made: Callable[..., Known], *of: Any) -> Known:
@@ -114,20 +113,19 @@ class Model(Struct):
 
     def placement(self, entity: Entity | None) -> Frame:
         """An IfcObjectPlacement in the world, chained placements included."""
-        chain: list[Entity] = []
-        while entity is not None and entity not in self.placements:
-            # A damaged file refers to numbers in its place.
-            if not isinstance(entity, Entity) or not entity.is_a("IfcLocalPlacement"):
-                raise Unreadable("a placement by something else")
-            if entity in chain:
-                raise Unreadable("a placement that is relative to itself")
-            chain.append(entity)
-            entity = entity.PlacementRelTo
-        frame = self.placements[entity] if entity is not None else IDENTITY
-        for step in reversed(chain):
-            frame = frame.times(self.axes(step.RelativePlacement))
-            self.placements[step] = frame
-        return frame
+        if entity is None:
+            return IDENTITY
+        # A damaged file refers to numbers in its place.
+        if not isinstance(entity, Entity) or not entity.is_a("IfcLocalPlacement"):
+            raise Unreadable("a placement by something else")
+        try:
+            return self.once("placement", entity, self._placed, entity)
+        except RecursionError:
+            raise Unreadable("a placement that is relative to itself") from None
+
+    def _placed(self, entity: Entity) -> Frame:
+        above = self.placement(entity.PlacementRelTo)
+        return above.times(self.axes(entity.RelativePlacement))
 
     def operator(self, entity: Entity) -> Frame:
         """An IfcCartesianTransformationOperator, its scales and mirrors included."""

@@ -10,7 +10,6 @@ from beamcam.caches import cached
 from beamcam.model import section
 from beamcam.model.part import Profile
 from beamcam.readers.ifc.entities import Entity, Model, tied
-from beamcam.readers.ifc.records import referred
 
 Value = str | float
 
@@ -84,16 +83,15 @@ def data_of(model: Model, element: Entity) -> Data:
 
 def _set_of(model: Model, definition: Entity) -> tuple[str, dict[str, Value]]:
     """The name of a property set and those of its values that matter here."""
+    file = definition.file
     named = definition.is_a("IfcPropertySetDefinition")
-    of = definition.values[2] or "" if named else ""
+    of = file.peek(definition, 2) or "" if named else ""
     rows: list[tuple[str, str, Any]] = []
     if _SETS.search(of) is None:
         pass
     elif definition.is_a("IfcPropertySet"):
-        for one in referred(definition.HasProperties or ()):
-            if one.guid not in _WANTED or not one.is_a("IfcPropertySingleValue"):
-                continue
-            if (value := one.NominalValue) is not None:
+        for one in file.listed(definition, definition.type.places["HasProperties"], _WANTED):
+            if one.is_a("IfcPropertySingleValue") and (value := one.NominalValue) is not None:
                 rows.append((one.Name, value.kind, value.value))
     elif definition.is_a("IfcElementQuantity"):
         rows += [(one.Name, one.type.name.upper(), one.values[3]) for one in definition.Quantities]

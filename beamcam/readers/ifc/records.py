@@ -6,9 +6,8 @@ what the kernel is given in place of what it cannot build never shows here.
 """
 
 import re
-from collections import Counter
-from collections.abc import Callable, Container, Iterator
-from functools import cached_property
+from collections.abc import Container, Iterator
+from contextlib import suppress
 from typing import Any, SupportsIndex
 
 from msgspec import Struct
@@ -173,8 +172,8 @@ class File:
         """Raises Malformed if the text is not a STEP file."""
         self.schema = schema  #: IFC2X3, IFC4 or IFC4X3
         text = prepared(text, identifier_of(schema))
-        self._names, sound = look_over(text)
-        self._types: dict[str, EntityType] = {}
+        numbers, sound = look_over(text)
+        self._places = {number: place for place, number in enumerate(numbers)}  #: in the file
         self._things: dict[int, Any] = {}  #: what stands for each record that was met
         self.tied: dict[str, dict[int, list[Any]]] = {}  #: see entities.py
         #: Value of an instance by its place, without its wrapper's checks; so since 0.9.
@@ -190,7 +189,7 @@ class File:
         self._written: dict[int, StepRecord] = {}
         #: Those that it does not have, as of classes that the schema does not know.
         self._lost: list[StepRecord] = []
-        if not sound or remarks or len(own) < len(self._names):
+        if not sound or remarks or len(own) < len(numbers):
             self._written = {one.number: one for one in records(text)}
             self._lost = [self._written[number] for number in self._written.keys() - set(own)]
 
@@ -220,7 +219,7 @@ class File:
     def _met(self, number: int, held: Any) -> Any:
         """What stands for a record that was not met before: an entity, or its numbers."""
         kind = held.is_a() if held is not None else self._written[number].kind
-        known = self._types.get(kind) or self._type(kind)
+        known = entity_type(self.schema, kind)
         thing: Any
         if known.name in _POINTS:
             values = self.values(known, number, held)
@@ -235,12 +234,6 @@ class File:
             del thing.values
         self._things[number] = thing
         return thing
-
-    def _type(self, kind: str) -> EntityType:
-        """What the schema says of a class, or else what IFC4 does."""
-        known = entity_type(self.schema, kind) or entity_type("IFC4", kind)
-        known = self._types[kind] = known or EntityType(kind, frozenset((kind,)), {})
-        return known
 
     def values(self, known: EntityType, number: int, held: Any) -> Values:
         """The values of a record."""
@@ -285,28 +278,26 @@ class File:
         thing = self._things.get(number)
         return self._met(number, value) if thing is None else thing
 
-    def counts(self, name: str) -> Counter[str]:
-        """Number of records of each class below another."""
-        return Counter(type_.name for _, type_ in self._of(name))
+    def peek(self, entity: Entity, place: int) -> Any:
+        """One of an entity's values, without a look at the others."""
+        return entity.values[place] if self._written else self._read(entity.held, place)
+
+    def listed(self, entity: Entity, place: int, names: Container[str]) -> Iterator[Entity]:
+        """Those of the entities in a list among an entity's values whose first value is a name.
+
+        The others, of which there are many, are not made.
+        """
+        if self._written:
+            return (one for one in referred(entity.values[place] or ()) if one.guid in names)
+        found = self._read(entity.held, place) or ()
+        return (self._value(one) for one in found if self._read(one, 0) in names)
 
     def by_type(self, name: str) -> list[Any]:
         """The entities of a class and of its subtypes, in the order of the file."""
-        return [self.entity(number) for number, _ in self._of(name)]
-
-    def _of(self, name: str) -> list[tuple[int, EntityType]]:
-        """The numbers and types of the records of a class and of its subtypes."""
-        known = entity_type(self.schema, name) is not None
-        found = [(one.id(), one.is_a()) for one in self.opened.by_type(name)] if known else []
-        found += [
-            (one.number, one.kind) for one in self._lost if name in self._type(one.kind).kinds
-        ]
-        found.sort(key=lambda row: self._order(row[0]))
-        return [(number, self._type(kind)) for number, kind in found]
-
-    @cached_property
-    def _order(self) -> Callable[[int], int]:
-        """The place of a record in the file, by its number."""
-        return {number: place for place, number in enumerate(self._names)}.__getitem__
+        found = [*map(self._value, self.opened.by_type(name))]
+        lost = [one for one in self._lost if name in entity_type(self.schema, one.kind).kinds]
+        found += [self.entity(one.number) for one in lost]
+        return sorted(found, key=lambda one: self._places[one.number])
 
 
 @cached("ifc.parser")
@@ -318,17 +309,19 @@ def parser() -> Any:
 
 
 @cached("ifc.class")
-def entity_type(schema: str, name: str) -> EntityType | None:
-    """What a schema (IFC2X3, IFC4 or IFC4X3) says of a class, by its name in any letters."""
+def entity_type(schema: str, kind: str) -> EntityType:
+    """What a schema (IFC2X3, IFC4 or IFC4X3) says of a class, in any letters, or else what IFC4
+    does; of a class that neither knows its name.
+    """
     wrapper = parser().ifcopenshell_wrapper
-    try:
-        declared = wrapper.schema_by_name(identifier_of(schema)).declaration_by_name(name)
-    except RuntimeError:
-        return None
-    entity = above = declared.as_entity()
+    entity = None
+    for known in (schema, "IFC4"):
+        with suppress(RuntimeError):
+            declared = wrapper.schema_by_name(identifier_of(known)).declaration_by_name(kind)
+            entity = entity or declared.as_entity()
     if entity is None:
-        return None
-    kinds = []
+        return EntityType(kind, frozenset((kind,)), {})
+    kinds, above = [entity.name()], entity.supertype()
     while above is not None:
         kinds.append(above.name())
         above = above.supertype()
