@@ -31,7 +31,7 @@ _ESCAPE = re.compile(
 # Records as ifcopenshell's parser takes them: numbers of records have nine digits, real numbers a
 # point and an exponent that is not too large, and members of lists are never `$`.
 
-_NUMBER = r"[-+]?\d{1,60}+(?![\dEe])(?:\.\d*+(?:[Ee][-+]?[012]?\d\d?(?!\d))?+)?+"
+_NUMBER = r"[-+]?\d{1,300}+(?![\dEe])(?:\.\d*+(?:[Ee][-+]?[012]?\d\d?(?!\d))?+)?+"
 _TEXT = r"'[^']*+'(?:'[^']*+')*+"
 _VALUE = rf"#\d{{1,9}}+(?!\d)|{_NUMBER}|{_TEXT}|\.[A-Za-z]\w*+\.|\"[0-9A-Fa-f]*+\""
 _TYPE = r"[A-Za-z]\w*+\s*+"
