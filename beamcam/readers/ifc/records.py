@@ -222,7 +222,7 @@ class File:
         known = entity_type(self.schema, kind)
         thing: Any
         if known.name in _POINTS:
-            values = self.values(known, number, held)
+            values = self.values(known, number, held)[:1]
             try:
                 thing = tuple(map(float, values[0]))
             except (IndexError, TypeError, ValueError):
@@ -239,8 +239,11 @@ class File:
         """The values of a record."""
         if self._written:
             return Doubtful(self._as_written(self._written[number], held))
-        read, value = self._read, self._value
-        return tuple([value(read(held, place)) for place in range(len(known.places))])
+        read, values = self._read, []
+        for place in range(len(known.places)):
+            value = read(held, place)
+            values.append(value if isinstance(value, _PLAIN) else self._value(value))
+        return tuple(values)
 
     def _as_written(self, record: StepRecord, held: Any) -> Iterator[Any]:
         """The values that ifcopenshell has as they are written, references, and errors for others.

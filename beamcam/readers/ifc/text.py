@@ -92,9 +92,8 @@ def look_over(text: str) -> tuple[list[int], bool]:
     section = _SECTION.search(bare)
     if section is not None and _ALL_SOUND.match(bare, section.start()):
         names = [*map(int, _NAME.findall(bare, section.end()))]
-        there = set(names)
-        if len(there) == len(names):
-            return names, there.issuperset(map(int, _REFERENCE.findall(bare, section.end())))
+        if len(set(names)) == len(names):
+            return names, len(set(_REFERENCE.findall(bare, section.end()))) == len(names)
     return [record.number for record in records(text)], False
 
 
