@@ -9,7 +9,7 @@ from beamcam.geometry.conics import arc_by_points
 from beamcam.geometry.curves import Arc, BSpline, Curve, Line, Point
 from beamcam.geometry.plane import Box
 from beamcam.readers.ifc.entities import Entity, Model, Unreadable
-from beamcam.readers.ifc.text import Typed
+from beamcam.readers.ifc.records import Typed
 
 Chain = tuple[Curve, ...]
 SPLINE_FIT = 0.005  #: mm that the arcs which stand for a spline may lie off it

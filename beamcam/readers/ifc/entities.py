@@ -6,7 +6,6 @@ All lengths that leave this module are millimetres.
 from collections import defaultdict
 from collections.abc import Callable
 from itertools import chain
-from math import pi
 from typing import Any, TypeVar
 
 from msgspec import UNSET, Struct, UnsetType, field
@@ -27,20 +26,16 @@ _DEEPEST = 8  #: of units that are defined by others
 def scale_of(file: File, kind: str) -> float:
     """The model's unit of a kind in SI: LENGTHUNIT in m, PLANEANGLEUNIT in rad, MASSUNIT in kg.
 
-    1 where the file has none of the kind. Raises ValueError, LookupError, TypeError or
-    AttributeError for a unit that is not well formed.
+    1 where the file has none of the kind; inches and degrees are so many of another unit. Raises
+    ValueError, LookupError, TypeError or AttributeError for a unit that is not well formed.
     """
     projects = file.by_type("IfcProject")
     assignment = projects[0].UnitsInContext if projects else None
-    for one in assignment.Units if assignment is not None else ():
-        if one.is_a("IfcNamedUnit") and one.UnitType == kind:
-            return _scale(one)
-    return 1.0
-
-
-def _scale(unit: Entity) -> float:
-    """A named unit in SI units; inches and degrees are so many of another unit."""
-    by = 1.0
+    units = assignment.Units if assignment is not None else ()
+    named = (one for one in units if one.is_a("IfcNamedUnit") and one.UnitType == kind)
+    unit, by = next(named, None), 1.0
+    if unit is None:
+        return by
     for _ in range(_DEEPEST):
         if unit.is_a("IfcSIUnit"):
             from ifcopenshell.util.unit import prefixes
@@ -48,9 +43,8 @@ def _scale(unit: Entity) -> float:
             # The base of mass is the gram, so that a kilogram has a prefix.
             base = 1e-3 if unit.Name == "GRAM" else 1.0
             return by * base * (1.0 if unit.Prefix is None else prefixes[unit.Prefix])
-        factor = unit.ConversionFactor
-        by *= float(factor.ValueComponent.value)
-        unit = factor.UnitComponent
+        by *= float(unit.ConversionFactor.ValueComponent.value)
+        unit = unit.ConversionFactor.UnitComponent
     raise ValueError("a unit that is defined by itself")
 
 
@@ -85,7 +79,6 @@ class Model(Struct):
     mm: float  #: mm in the file's length unit
     radians: float  #: radians in the file's plane angle unit
     kilograms: float  #: kg in the file's mass unit
-    placements: dict[Entity, Frame] = field(default_factory=dict)
     known: dict[Any, Any] = field(default_factory=dict)  #: by what it is and its key; see `once`
 
     def once(self, what: str, key: Any, made: Callable[..., Known], *of: Any) -> Known:
@@ -120,20 +113,19 @@ class Model(Struct):
 
     def placement(self, entity: Entity | None) -> Frame:
         """An IfcObjectPlacement in the world, chained placements included."""
-        chain: list[Entity] = []
-        while entity is not None and entity not in self.placements:
-            # A damaged file refers to numbers in its place.
-            if not isinstance(entity, Entity) or not entity.is_a("IfcLocalPlacement"):
-                raise Unreadable("a placement by something else")
-            if entity in chain:
-                raise Unreadable("a placement that is relative to itself")
-            chain.append(entity)
-            entity = entity.PlacementRelTo
-        frame = self.placements[entity] if entity is not None else IDENTITY
-        for step in reversed(chain):
-            frame = frame.times(self.axes(step.RelativePlacement))
-            self.placements[step] = frame
-        return frame
+        if entity is None:
+            return IDENTITY
+        # A damaged file refers to numbers in its place.
+        if not isinstance(entity, Entity) or not entity.is_a("IfcLocalPlacement"):
+            raise Unreadable("a placement by something else")
+        try:
+            return self.once("placement", entity, self._placed, entity)
+        except RecursionError:
+            raise Unreadable("a placement that is relative to itself") from None
+
+    def _placed(self, entity: Entity) -> Frame:
+        above = self.placement(entity.PlacementRelTo)
+        return above.times(self.axes(entity.RelativePlacement))
 
     def operator(self, entity: Entity) -> Frame:
         """An IfcCartesianTransformationOperator, its scales and mirrors included."""
@@ -173,14 +165,6 @@ def right_handed(axis: Vec | None, reference: Vec | None) -> tuple[Vec, Vec, Vec
     z = (0.0, 0.0, 1.0) if axis is None else unit(axis)
     x = square_to((1.0, 0.0, 0.0) if reference is None else reference, z)
     return x, cross(z, x), z
-
-
-def open_model(file: File, data: bytes) -> Model:
-    """The file and its bytes, with its units: inches, metres, conversion-based ones, degrees."""
-    mm = scale_of(file, "LENGTHUNIT") * 1000
-    angle = scale_of(file, "PLANEANGLEUNIT")
-    kilograms = scale_of(file, "MASSUNIT")
-    return Model(file, data, mm, angle if 0 < angle < pi else 1.0, kilograms)
 
 
 # --- relations ------------------------------------------------------------------------------------

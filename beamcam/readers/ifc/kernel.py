@@ -164,7 +164,8 @@ def _solid(model: Model, element: Entity, asked: Mapping[str, Any] | None = None
     """The kernel's solid of an element, with settings of its own. Raises Unreadable."""
     openings = features_of(element, "openings")
     try:
-        used = [one for each in (element, *openings) for one in each.below()]
+        roots = [root for each in (element, *openings) for root in each.values[5:7] if root]
+        used = [one for root in roots for one in root.below()]
     except RecursionError:
         raise Unreadable("geometry that contains itself") from None
     geom, wrapper = _kernel().geom, _kernel().ifcopenshell_wrapper

@@ -1,7 +1,7 @@
 """Data of a member besides its geometry: marks, grade, weights."""
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 from msgspec import Struct, field
@@ -52,21 +52,19 @@ class Data(Struct, frozen=True, gc=False):
     rows: dict[str, list[tuple[str, Value]]] = field(default_factory=dict)  #: set, value; by name
     cutouts: str | None = None  #: the property set that lists copes and mitres
 
+    def _said(self, what: str) -> Iterator[tuple[str, Value]]:
+        """The sources and the values of a row of `_NAMES`."""
+        for name in _NAMES[what]:
+            yield from ((f"{of}.{name}", value) for of, value in self.rows.get(name, ()))
+
     def text(self, what: str) -> str:
         """What the sets say of a row of `_NAMES`; empty if they say nothing."""
-        for name in _NAMES[what]:
-            for _, value in self.rows.get(name, ()):
-                if text := str(value).strip():
-                    return text
-        return ""
+        return next(filter(None, (str(value).strip() for _, value in self._said(what))), "")
 
     def number(self, what: str) -> tuple[str, float]:
         """The source and the value, above 0, of a row of `_NAMES`; 0 if there is none."""
-        for name in _NAMES[what]:
-            for of, value in self.rows.get(name, ()):
-                if isinstance(value, float) and value > 0:
-                    return f"{of}.{name}", value
-        return "", 0.0
+        found = ((of, v) for of, v in self._said(what) if isinstance(v, float) and v > 0)
+        return next(found, ("", 0.0))
 
 
 def data_of(model: Model, element: Entity) -> Data:
@@ -92,8 +90,7 @@ def _set_of(model: Model, definition: Entity) -> tuple[str, dict[str, Value]]:
     if _SETS.search(of) is None:
         pass
     elif definition.is_a("IfcPropertySet"):
-        properties = definition.type.places["HasProperties"]
-        for one in file.listed(definition, properties, _WANTED):
+        for one in file.listed(definition, definition.type.places["HasProperties"], _WANTED):
             if one.is_a("IfcPropertySingleValue") and (value := one.NominalValue) is not None:
                 rows.append((one.Name, value.kind, value.value))
     elif definition.is_a("IfcElementQuantity"):

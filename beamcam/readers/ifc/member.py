@@ -28,13 +28,16 @@ from beamcam.readers.ifc.entities import NOT_WELL_FORMED, Entity, Model, Unreada
 from beamcam.readers.ifc.finish import Shaped
 from beamcam.readers.ifc.geometric import read_kernel, read_shell
 from beamcam.readers.ifc.kernel import load
-from beamcam.readers.ifc.opening import elements_of, open_file
+from beamcam.readers.ifc.opening import open_file
 from beamcam.readers.ifc.semantic import read_swept
 from beamcam.readers.ifc.shell import Shell
 
 SOLID_STEEL = 160.0  #: mm; a solid rectangle thicker than this without a material is not steel
 
 
+#: The classes whose elements may be steel members, and the one that is read on request.
+CLASSES = ("IfcBeam", "IfcColumn", "IfcMember", "IfcPlate", "IfcDiscreteAccessory")
+PROXY = "IfcBuildingElementProxy"
 VERDICTS = ("read", "refused", "left_out", "unselected")  #: of which each element has one
 #: The values of a selection by what they are compared with.
 KINDS = {"class": "classes", "mark": "marks", "guid": "guids", "assembly": "assemblies"}
@@ -90,8 +93,11 @@ class Members(Struct):
 
     @classmethod
     def of(cls, model: Model, name: str, selection: Selection, options: Options) -> "Members":
-        """The members of a model that is open."""
-        return cls(model, [*elements_of(model, selection)], name, selection, options)
+        """The members of a model that is open, in the order of their classes and of the file."""
+        proxies = names_of("class", PROXY).intersection(map(plain_class, selection.classes))
+        names = (*CLASSES, PROXY) if proxies else CLASSES  # of which none is above another
+        elements = [one for each in names for one in model.file.by_type(each)]
+        return cls(model, elements, name, selection, options)
 
     @classmethod
     def opened(cls, data: bytes, name: str, selection: Selection, options: Options) -> "Members":

@@ -5,17 +5,16 @@ import re
 import struct
 import zipfile
 import zlib
-from collections.abc import Iterator
+from math import pi
 from pathlib import PurePosixPath
 
 from msgspec.structs import replace
 
 from beamcam.budget import limits
 from beamcam.errors import Diagnostic, Source
-from beamcam.model.request import Selection
 from beamcam.plain_text import fault_text
 from beamcam.readers.ifc import rules
-from beamcam.readers.ifc.entities import Entity, Model, open_model
+from beamcam.readers.ifc.entities import Model, scale_of
 from beamcam.readers.ifc.records import File
 from beamcam.readers.ifc.text import Malformed
 
@@ -53,14 +52,17 @@ def open_file(data: bytes, source: Source) -> Model | Diagnostic:
     except UnicodeDecodeError:
         text = data.decode("latin-1")
     try:
+        file = File(text, name.upper().split("_")[0])
         # A length unit that is not well formed makes all measures void.
-        return open_model(File(text, name.upper().split("_")[0]), data)
+        units = [scale_of(file, kind) for kind in ("LENGTHUNIT", "PLANEANGLEUNIT", "MASSUNIT")]
     except Malformed as fault:
         return rules.SYNTAX.at(replace(source, line=fault.line), found=str(fault))
     except RecursionError:
         return rules.SYNTAX.at(source, found="values too deep inside one another")
     except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as fault:
         return rules.SYNTAX.at(source, found=fault_text(fault))
+    metres, radians, kilograms = units
+    return Model(file, data, metres * 1000, radians if 0 < radians < pi else 1.0, kilograms)
 
 
 def _unzip(data: bytes) -> bytes | str:
@@ -99,20 +101,3 @@ def _unpacked(archive: zipfile.ZipFile, one: zipfile.ZipInfo, most: int) -> byte
             if total > most:
                 return f"an archive that unpacks to more than {most} bytes"
     return b"".join(pieces)
-
-
-# --- candidates -----------------------------------------------------------------------------------
-# The elements of a model that may be steel members.
-
-CLASSES = ("IfcBeam", "IfcColumn", "IfcMember", "IfcPlate", "IfcDiscreteAccessory")
-PROXY = "IfcBuildingElementProxy"
-
-
-def elements_of(model: Model, selection: Selection) -> Iterator[Entity]:
-    """The elements that may be steel members, in the order of their classes and of the file."""
-    wanted = {c.lower().removeprefix("ifc") for c in selection.classes}
-    names: tuple[str, ...] = CLASSES
-    if "buildingelementproxy" in wanted or "proxy" in wanted:
-        names = (*CLASSES, PROXY)
-    for name in names:  # of which none is above another
-        yield from model.file.by_type(name)

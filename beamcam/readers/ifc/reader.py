@@ -167,8 +167,9 @@ def _account(members: Members, taken: Taken) -> Iterator[Diagnostic]:
     for what in sorted({what for what, _ in taken.left_out}):
         left = Counter({kind: n for (of, kind), n in taken.left_out.items() if of == what})
         yield rules.LEFT_OUT.at(source, found=left.total(), what=what, classes=_told(left))
-    others, *parts = map(
-        members.model.file.counts, ("IfcElement", "IfcFeatureElement", "IfcElementAssembly")
+    others, *parts = (
+        Counter(one.is_a() for one in members.model.file.by_type(name))
+        for name in ("IfcElement", "IfcFeatureElement", "IfcElementAssembly")
     )
     for counts in parts:
         others -= counts

@@ -6,30 +6,58 @@ what the kernel is given in place of what it cannot build never shows here.
 """
 
 import re
-from collections import Counter
-from collections.abc import Callable, Container, Iterator, Set
-from functools import cached_property
-from typing import Any
+from collections.abc import Container, Iterator
+from contextlib import suppress
+from typing import Any, SupportsIndex
 
 from msgspec import Struct
 
 from beamcam.caches import cached
 from beamcam.readers.ifc.text import (
     Malformed,
-    Typed,
-    Values,
-    escaped,
+    StepRecord,
     look_over,
-    plain,
+    parsable,
+    places,
+    prepared,
     records,
-    values_of,
 )
 from beamcam.system import interrupts_waiting
 
-_SCHEMA = re.compile(r"(FILE_SCHEMA\s*\(\s*\(\s*')[^']*", re.IGNORECASE)
 _POINTS = frozenset(("IfcCartesianPoint", "IfcDirection"))
 _PLACEMENTS = frozenset(("IfcAxis2Placement2D", "IfcAxis2Placement3D"))
 _PLAIN = (str, float, int, type(None))  #: what ifcopenshell's values and ours have in common
+_FIRST = re.compile(r"'([^'\\]*+)'\s*+(?:,|\Z)")
+_REFERENCES = re.compile(r"#\d+|\(#\d+(,#\d+)*\)")
+
+Values = tuple[Any, ...]
+
+
+class Typed(Struct, frozen=True, gc=False):
+    """A value with its type written before it: IFCLENGTHMEASURE(25.4)."""
+
+    kind: str  #: in capitals
+    value: Any
+
+    def is_a(self, name: str) -> bool:
+        """As of an entity."""
+        return name.upper() == self.kind
+
+
+class Doubtful(Values):
+    """Values of which ifcopenshell has some otherwise than they are written.
+
+    Those are the errors that are raised when they are looked at.
+    """
+
+    def __getitem__(self, place: SupportsIndex | slice) -> Any:
+        found = super().__getitem__(place)
+        if isinstance(found, Malformed):
+            raise Malformed(str(found))
+        return tuple(Doubtful(found)) if isinstance(place, slice) else found
+
+    def __iter__(self) -> Iterator[Any]:
+        return map(self.__getitem__, range(len(self)))
 
 
 class EntityType(Struct, frozen=True):
@@ -53,7 +81,7 @@ class Entity(Struct, eq=False, gc=False):
     file: "File"
     number: int
     type: EntityType  #: what the schema says of it; of an entity that it does not know, its name
-    held: Any  #: ifcopenshell's instance, or the record where the file is doubtful
+    held: Any  #: ifcopenshell's instance; None of a record that it does not have
     values: Values = ()  #: none until they are asked for: deleted, so that `__getattr__` reads them
 
     @property
@@ -72,7 +100,7 @@ class Entity(Struct, eq=False, gc=False):
     def __getattr__(self, name: str) -> Any:
         # Called for what has no value yet: the slot that is filled late, and attributes.
         if name == "values":
-            self.values = self.file.values(self.type, self.held)
+            self.values = self.file.values(self.type, self.number, self.held)
             return self.values
         place = self.type.places.get(name)
         if place is not None:
@@ -81,8 +109,11 @@ class Entity(Struct, eq=False, gc=False):
 
     @property
     def guid(self) -> str:
-        """The GlobalId of a rooted entity, its first value; its name where that is not text."""
-        found = self.values[0] if self.values else None
+        """The GlobalId of a rooted entity, its first value; its name where that is no text."""
+        try:
+            found = next(tuple.__iter__(self.values), None)  # which may be an error
+        except (Malformed, RecursionError):
+            found = None
         return found if isinstance(found, str) else self.name
 
     def __repr__(self) -> str:
@@ -140,24 +171,27 @@ class File:
     def __init__(self, text: str, schema: str) -> None:
         """Raises Malformed if the text is not a STEP file."""
         self.schema = schema  #: IFC2X3, IFC4 or IFC4X3
-        text = _SCHEMA.sub(rf"\g<1>{identifier_of(schema)}", plain(text), count=1)
-        self._names, doubtful = look_over(text)
-        self._types: dict[str, EntityType] = {}
+        text = prepared(text, identifier_of(schema))
+        numbers, sound = look_over(text)
+        self._places = {number: place for place, number in enumerate(numbers)}  #: in the file
         self._things: dict[int, Any] = {}  #: what stands for each record that was met
         self.tied: dict[str, dict[int, list[Any]]] = {}  #: see entities.py
         #: Value of an instance by its place, without its wrapper's checks; so since 0.9.
         instances = parser().entity_instance
         self._read = getattr(instances, "get_argument", instances.__getitem__)
-        self._instance: Any = instances
         parser().get_log()  # what others left there
         try:
-            self.opened: Any = parser().file.from_string(escaped(text))
+            self.opened: Any = parser().file.from_string(parsable(text, sound))
         except Exception as fault:  # the parser's own errors have no class of their own
             raise Malformed(str(fault)) from fault
-        remarks, count = str(parser().get_log()).strip(), len(self.opened.entity_names())
-        doubtful |= bool(remarks) or count != len(self._names)
-        #: The records as they are written, where ifcopenshell does not read all of them so.
-        self._written = {one.number: one for one in records(text)} if doubtful else None
+        remarks, own = str(parser().get_log()).strip(), self.opened.entity_names()
+        #: The records as they are written, where ifcopenshell may have some otherwise.
+        self._written: dict[int, StepRecord] = {}
+        #: Those that it does not have, as of classes that the schema does not know.
+        self._lost: list[StepRecord] = []
+        if not sound or remarks or len(own) < len(numbers):
+            self._written = {one.number: one for one in records(text)}
+            self._lost = [self._written[number] for number in self._written.keys() - set(own)]
 
     def close(self) -> None:
         """Let go of all entities, they of the file and of one another: the collector knows none."""
@@ -172,63 +206,76 @@ class File:
         """What stands for a number among values; a missing entity fails when it is looked at."""
         if number in self._things:
             return self._things[number]
-        if self._written is None:
-            return self._met(number, self.opened.by_id(number))
-        record = self._written.get(number)
-        if record is None:
+        try:
+            held = self.opened.by_id(number)
+        except (RuntimeError, OverflowError):
+            held = None
+        if held is None and number not in self._written:
             made = Missing(self, number, EntityType("", frozenset(), {}), None)
             del made.type, made.held, made.values
             return made
-        return self._met(number, record)
+        return self._met(number, held)
 
     def _met(self, number: int, held: Any) -> Any:
         """What stands for a record that was not met before: an entity, or its numbers."""
-        kind = held.kind if self._written is not None else held.is_a()
-        known = self._types.get(kind) or self._type(kind)
+        kind = held.is_a() if held is not None else self._written[number].kind
+        known = entity_type(self.schema, kind)
         thing: Any
         if known.name in _POINTS:
-            values = self.values(known, held)
+            values = self.values(known, number, held)[:1]
             try:
                 thing = tuple(map(float, values[0]))
             except (IndexError, TypeError, ValueError):
                 raise Malformed(f"#{number} without numbers") from None
         elif known.name in _PLACEMENTS:
-            thing = self.values(known, held)
+            thing = self.values(known, number, held)
         else:
             thing = Entity(self, number, known, held)
             del thing.values
         self._things[number] = thing
         return thing
 
-    def _type(self, kind: str) -> EntityType:
-        """What the schema says of a class, or else what IFC4 does."""
-        known = entity_type(self.schema, kind) or entity_type("IFC4", kind)
-        known = self._types[kind] = known or EntityType(kind, frozenset((kind,)), {})
-        return known
-
-    def values(self, known: EntityType, held: Any) -> Values:
-        """The values of an instance or a record. Raises Malformed."""
-        if self._written is not None:
-            return values_of(held.inner, self.entity)
-        read, instances, things = self._read, self._instance, self._things
-        values = []
+    def values(self, known: EntityType, number: int, held: Any) -> Values:
+        """The values of a record."""
+        if self._written:
+            return Doubtful(self._as_written(self._written[number], held))
+        read, values = self._read, []
         for place in range(len(known.places)):
             value = read(held, place)
-            if type(value) is instances and (number := value.id()):
-                thing = things.get(number)
-                value = self._met(number, value) if thing is None else thing
-            elif not isinstance(value, _PLAIN):
-                value = self._value(value)
-            values.append(value)
+            values.append(value if isinstance(value, _PLAIN) else self._value(value))
         return tuple(values)
 
+    def _as_written(self, record: StepRecord, held: Any) -> Iterator[Any]:
+        """The values that ifcopenshell has as they are written, references, and errors for others.
+
+        It leaves out what refers to no record, words that the schema does not list, and members of
+        another kind than a list's first. Of a record that it does not have only a text that comes
+        first is told, which may be its name.
+        """
+        name = f"#{record.number}={record.kind}"
+        own = [] if held is None else places(held.to_string(True).partition("(")[2][:-1])
+        for place, written in enumerate(places(record.inner)):
+            if held is None:
+                text = _FIRST.match(record.inner) if not place else None
+                fault = f"{name}({record.inner[:40]}), not as the schema has it"
+                yield text[1] if text is not None else Malformed(fault)
+            elif place == len(own):
+                return
+            elif _REFERENCES.fullmatch(written):
+                found = tuple(self.entity(int(one)) for one in re.findall(r"\d+", written))
+                yield found if written.startswith("(") else found[0]
+            elif written == own[place]:
+                yield self._value(self._read(held, place))
+            else:
+                yield Malformed(f"value {place + 1} of {name}, not as the schema has it")
+
     def _value(self, value: Any) -> Any:
-        """A list of ifcopenshell's, or an instance, as one of ours."""
+        """A value of ifcopenshell's as one of ours."""
+        if isinstance(value, _PLAIN):
+            return value
         if isinstance(value, tuple):
             plain = not value or isinstance(value[0], _PLAIN)
             return value if plain else tuple(map(self._value, value))
-        if not isinstance(value, self._instance):
-            return value
         if not (number := value.id()):
             return Typed(value.is_a().upper(), self._value(self._read(value, 0)))
         thing = self._things.get(number)
@@ -236,49 +283,24 @@ class File:
 
     def peek(self, entity: Entity, place: int) -> Any:
         """One of an entity's values, without a look at the others."""
-        if self._written is not None:
-            return entity.values[place]
-        return self._value(self._read(entity.held, place))
+        return entity.values[place] if self._written else self._read(entity.held, place)
 
-    def listed(self, entity: Entity, place: int, names: Set[str]) -> Iterator[Entity]:
+    def listed(self, entity: Entity, place: int, names: Container[str]) -> Iterator[Entity]:
         """Those of the entities in a list among an entity's values whose first value is a name.
 
         The others, of which there are many, are not made.
         """
-        if self._written is not None:
-            quoted = tuple(f"'{name}'" for name in names)
-            for one in entity.values[place]:
-                if type(one) is Entity and one.held.inner.lstrip().startswith(quoted):
-                    yield one
-            return
-        for one in self._read(entity.held, place) or ():
-            if self._read(one, 0) in names:
-                yield self._value(one)
-
-    def counts(self, name: str) -> Counter[str]:
-        """Number of records of each class below another."""
-        written = self._written is not None
-        return Counter(self._type(r.kind).name if written else r.is_a() for r in self._of(name))
+        if self._written:
+            return (one for one in referred(entity.values[place] or ()) if one.guid in names)
+        found = self._read(entity.held, place) or ()
+        return (self._value(one) for one in found if self._read(one, 0) in names)
 
     def by_type(self, name: str) -> list[Any]:
         """The entities of a class and of its subtypes, in the order of the file."""
-        if self._written is not None:
-            return [self.entity(record.number) for record in self._of(name)]
-        return list(map(self._value, self._of(name)))
-
-    def _of(self, name: str) -> list[Any]:
-        """The instances, or else the records, of a class and of its subtypes."""
-        if self._written is not None:
-            kinds = {r.kind: self._type(r.kind).kinds for r in self._written.values()}
-            return [record for record in self._written.values() if name in kinds[record.kind]]
-        if entity_type(self.schema, name) is None:
-            return []
-        return sorted(self.opened.by_type(name), key=lambda instance: self._order(instance.id()))
-
-    @cached_property
-    def _order(self) -> Callable[[int], int]:
-        """The place of a record in the file, by its number."""
-        return {int(number): place for place, number in enumerate(self._names)}.__getitem__
+        found = [*map(self._value, self.opened.by_type(name))]
+        lost = [one for one in self._lost if name in entity_type(self.schema, one.kind).kinds]
+        found += [self.entity(one.number) for one in lost]
+        return sorted(found, key=lambda one: self._places[one.number])
 
 
 @cached("ifc.parser")
@@ -290,17 +312,19 @@ def parser() -> Any:
 
 
 @cached("ifc.class")
-def entity_type(schema: str, name: str) -> EntityType | None:
-    """What a schema (IFC2X3, IFC4 or IFC4X3) says of a class, by its name in any letters."""
+def entity_type(schema: str, kind: str) -> EntityType:
+    """What a schema (IFC2X3, IFC4 or IFC4X3) says of a class, in any letters, or else what IFC4
+    does; of a class that neither knows its name.
+    """
     wrapper = parser().ifcopenshell_wrapper
-    try:
-        declared = wrapper.schema_by_name(identifier_of(schema)).declaration_by_name(name)
-    except RuntimeError:
-        return None
-    entity = above = declared.as_entity()
+    entity = None
+    for known in (schema, "IFC4"):
+        with suppress(RuntimeError):
+            declared = wrapper.schema_by_name(identifier_of(known)).declaration_by_name(kind)
+            entity = entity or declared.as_entity()
     if entity is None:
-        return None
-    kinds = []
+        return EntityType(kind, frozenset((kind,)), {})
+    kinds, above = [entity.name()], entity.supertype()
     while above is not None:
         kinds.append(above.name())
         above = above.supertype()

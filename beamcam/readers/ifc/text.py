@@ -2,53 +2,53 @@
 
     #12=IFCCIRCLEPROFILEDEF(.AREA.,'bolt hole',#5,9.);
 
-Its parser passes over rubbish between records, over references that lead nowhere and over values
-of another kind, and after a string with a stray backslash over all that follows, without an error
-to its caller. So a few regular expressions look at the text as a whole. Its records are told apart
-only where there is a doubt.
+Its parser stops at some values that are none, drops others, passes over rubbish between records and
+over references that lead nowhere, all without an error to its caller. So a few regular expressions
+look at the text as a whole. Its records are told apart only where there is a doubt.
 """
 
-import json
 import re
-from collections.abc import Callable, Iterator
-from typing import Any
+from collections.abc import Iterator
 
 from msgspec import Struct
 
-_SECTION = re.compile(r"\bDATA\s*(?:\([^;]*\)\s*)?;")
-_END = r"\s*+(?P<end>ENDSEC\s*;)?"
-_RECORDS = re.compile(
-    rf"(?:\s*+#\d{{1,18}}+\s*+=\s*+\w++\s*+\((?:[^;)]++|\)(?!\s*+;))*+\)\s*+;)*+{_END}", re.ASCII
+_HEAD = re.compile(r"\A.*?(?=^\s*DATA\b)", re.DOTALL | re.MULTILINE)
+_COMMENT = re.compile(r"('[^']*+')|/\*.*?\*/", re.DOTALL)
+_DATA = r"\bDATA\s*+(?:\([^;]*\)\s*+)?;"
+_END = r"\s*+ENDSEC\s*+;"
+_SECTION, _SECTION_END, _OUTSIDE = map(re.compile, (_DATA, _END, r"[^#;]*+(?=#)"))
+_RECORD = re.compile(
+    r"\s*+#(\d{1,18}+)\s*+=\s*+(\w++)\s*+\(((?:[^;')]++|'[^']*+'|\)(?!\s*+;))*+)\)\s*+;", re.ASCII
 )
-_AFTER = re.compile(r"[^#;]*+#")  # a record that is in no section
 _NAME = re.compile(r"(?<![(,])#(\d++)\s*+=")
 _REFERENCE = re.compile(r"#(\d++)")
-_STRING = re.compile(r"'[^']*+(?:'|\Z)")
-_COMMENT = re.compile(r"('[^']*+')|/\*.*?\*/", re.DOTALL)
-_RECORD = re.compile(
-    r"#(\d++)\s*+=\s*+(\w++)\s*+\(((?:[^;')]++|'[^']*+'|\)(?!\s*+;))*+)\)\s*+;", re.ASCII
+_ESCAPE = re.compile(
+    r"\\X2\\(?P<two>(?:[0-9A-F]{4})*+)\\X0\\|(?P<letters>[^\x00-\x7f]++)"
+    r"|\\(?:X4\\(?:[0-9A-F]{8})++\\X0\\|X\\[0-9A-F]{2}|S\\[^']|P[A-I]\\|\\|(?P<stray>))"
 )
-ESCAPE = re.compile(
-    r"\\X2\\((?:[0-9A-F]{4})*+)\\X0\\|\\X4\\((?:[0-9A-F]{8})*+)\\X0\\|\\X\\([0-9A-F]{2})"
-    r"|\\S\\([^'])|\\P[A-I]\\|\\(\\?)"
-)
-_LETTERS = re.compile(r"[^\x00-\x7f]++")
 
-_VALUE = r"(?![-+]?+\d++[Ee])[^\s,();=$*]++"  # a real number has a point
+# --- grammar --------------------------------------------------------------------------------------
+# Records as ifcopenshell's parser takes them: numbers of records have nine digits, real numbers a
+# point and an exponent that is not too large, and members of lists are never `$`.
 
-
-def _listed(deep: int) -> str:
-    """Pattern of a list, without `$`, in which lists and typed values are so deep at most."""
-    value = rf"(?:{_VALUE}\s*+(?:{_listed(deep - 1)})?+|{_listed(deep - 1)})" if deep else _VALUE
-    return rf"\(\s*+{value}\s*+(?:,\s*+{value}\s*+)*+\)"
+_NUMBER = r"[-+]?\d{1,300}+(?![\dEe])(?:\.\d*+(?:[Ee][-+]?[012]?\d\d?(?!\d))?+)?+"
+_TEXT = r"'[^']*+'(?:'[^']*+')*+"
+_VALUE = rf"#\d{{1,9}}+(?!\d)|{_NUMBER}|{_TEXT}|\.[A-Za-z]\w*+\.|\"[0-9A-Fa-f]*+\""
+_TYPE = r"[A-Za-z]\w*+\s*+"
 
 
-_EACH = rf"(?:[$*]|{_VALUE}\s*+(?:{_listed(2)})?+|{_listed(2)})\s*+"
-#: Records whose values ifcopenshell does not pass over: it does not ask for commas between them.
-_SOUND = re.compile(
-    rf"(?:\s*+#\d{{1,9}}+\s*+=\s*+\w++\s*+\(\s*+(?:{_EACH}(?:,\s*+{_EACH})*+)?+\)\s*+;)*+{_END}",
-    re.ASCII,
-)
+def _value(deep: int) -> str:
+    """Pattern of a value, in which lists and values with their types are so deep at most."""
+    if not deep:
+        return _VALUE
+    each = rf"(?:{_value(deep - 1)})\s*+"
+    return rf"{_VALUE}|(?:{_TYPE})?+\(\s*+{each}(?:,\s*+{each})*+\)|{_TYPE}\(\s*+\$\s*+\)"
+
+
+_EACH = rf"(?:[$*]|{_value(3)}|\(\s*+\))\s*+"
+_SOUND = rf"#\d{{1,9}}+\s*+=\s*+\w++\s*+\(\s*+(?:{_EACH}(?:,\s*+{_EACH})*+)?+\)\s*+;"
+_ALL_SOUND = re.compile(rf"(?:\s*+{_DATA}(?:\s*+{_SOUND})*+{_END})+\s*+END-ISO", re.ASCII)
+_ONE_SOUND = re.compile(rf"\s*+{_SOUND}", re.ASCII)
 
 
 class Malformed(ValueError):
@@ -67,180 +67,112 @@ class StepRecord(Struct, frozen=True, gc=False):
     inner: str  #: what is between its brackets
 
 
-def plain(text: str) -> str:
-    """The text without comments, and with the letters that its escapes stand for.
+def prepared(text: str, schema: str) -> str:
+    """The text with a head that names its schema and no more, and blanks for comments.
 
-    A backslash is written twice, also where it is no escape. Lines stay lines.
+    Lines stay lines.
     """
-    if "/*" in text:
-        text = _COMMENT.sub(lambda m: m[1] or " " + "\n" * m[0].count("\n"), text)
-    return ESCAPE.sub(_unescaped, text) if "\\" in text else text
-
-
-def _unescaped(match: re.Match[str]) -> str:
-    letters = letters_of(match)
-    if re.search(r"[\x00-\x1f]", letters):
-        return match[0]
-    return letters.replace("'", "''").replace("\\", r"\\")
-
-
-def letters_of(match: re.Match[str]) -> str:
-    """What an escape stands for."""
-    two, four, one, upper, slash = match.groups()
-    if two is not None:
-        return bytes.fromhex(two).decode("utf-16-be", "replace")
-    if four is not None:
-        return bytes.fromhex(four).decode("utf-32-be", "replace")
-    if one is not None:
-        return chr(int(one, 16))
-    return chr(ord(upper) % 128 + 128) if upper is not None else "\\" * (slash is not None)
-
-
-def escaped(text: str) -> str:
-    """A plain text with escapes for the letters that are not ASCII; ifcopenshell drops them."""
-    if text.isascii():
-        return text
-    return _LETTERS.sub(
-        lambda found: f"\\X4\\{found[0].encode('utf-32-be').hex().upper()}\\X0\\", text
+    head = (
+        "ISO-10303-21;HEADER;FILE_DESCRIPTION((''),'2;1');FILE_NAME('','',(''),(''),'','','');"
+        f"FILE_SCHEMA(('{schema}'));ENDSEC;"
     )
+    text = _HEAD.sub(lambda m: head + "\n" * m[0].count("\n"), text, count=1)
+    if "/*" not in text:
+        return text
+    return _COMMENT.sub(lambda m: m[1] or " " + "\n" * m[0].count("\n"), text)
 
 
-def look_over(text: str) -> tuple[list[str], bool]:
-    """The numbers of a plain text's records, and whether they are to be doubted.
+def look_over(text: str) -> tuple[list[int], bool]:
+    """The numbers of the records of a prepared text, and whether all are sound.
 
-    They are where some refer to no record or have values of another form. Raises Malformed for what
-    is no record, and for a number again.
+    They are not where some refer to no record or have values of another form. Raises Malformed for
+    what is no record, and for a number again.
     """
-    try:
-        return _looked("''".join(text.split("'")[::2]), text)
-    except Malformed:
-        # Once more with all in its place, for the line and the words that stand there.
-        _looked(_STRING.sub(lambda m: "'" * len(m[0]), text), text)
-        raise
-
-
-def _looked(bare: str, text: str) -> tuple[list[str], bool]:
-    """As `look_over`, of a text without what is in its strings."""
+    bare = "''".join(text.split("'")[::2])  # without what is in its strings
     section = _SECTION.search(bare)
-    first = at = section.end() if section is not None else len(bare)
-    sound = True
-    while section is not None:
-        match = _SOUND.match(bare, section.end())
-        if match is None or match["end"] is None:
-            sound, match = False, _RECORDS.match(bare, section.end())
-        at = section.end() if match is None else match.end()
-        if match is None or match["end"] is None:
-            if at == len(bare):
-                raise Malformed("a DATA section without an end", _line(text, first))
-            raise _no_record(text, at)
-        section = _SECTION.search(bare, at)
-        if outside := _AFTER.match(bare, at, section.start() if section else len(bare)):
-            raise _no_record(text, outside.end() - 1)
-    names, asked = _NAME.findall(bare, first), set(_REFERENCE.findall(bare, first))
-    if "#0" in bare:
-        names = [name.lstrip("0") for name in names]
-        asked = {one.lstrip("0") for one in asked}
-    there = set(names)
-    if len(there) < len(names):
-        met: set[int] = set()
-        for name in _NAME.finditer(bare, first):
-            if int(name[1]) in met:
-                raise Malformed(f"record #{int(name[1])} twice", _line(text, name.start()))
-            met.add(int(name[1]))
-    return names, not sound or len(asked) > len(there)
-
-
-def _no_record(text: str, at: int) -> Malformed:
-    return Malformed(f"{text[at : at + 40].strip()!r} where a record begins", _line(text, at))
+    if section is not None and _ALL_SOUND.match(bare, section.start()):
+        names = [*map(int, _NAME.findall(bare, section.end()))]
+        if len(set(names)) == len(names):
+            return names, len(set(_REFERENCE.findall(bare, section.end()))) == len(names)
+    return [record.number for record in records(text)], False
 
 
 def records(text: str) -> Iterator[StepRecord]:
-    """The records of a plain text that was looked over."""
-    for match in _RECORD.finditer(text):
-        yield StepRecord(int(match[1]), match[2], match[3])
+    """The records of a prepared text, one by one. Raises Malformed as `look_over`."""
+    met: set[int] = set()
+    section = _SECTION.search(text)
+    while section is not None:
+        at = section.end()
+        while (match := _RECORD.match(text, at)) is not None:
+            number, at = int(match[1]), match.end()
+            if number in met:
+                raise Malformed(f"record #{number} twice", _line(text, match.start(1)))
+            met.add(number)
+            yield StepRecord(number, match[2], match[3].strip())
+        end, following = _SECTION_END.match(text, at), _SECTION.search(text, at)
+        until = len(text) if following is None else following.start()
+        outside = _OUTSIDE.match(text, end.end(), until) if end is not None else None
+        if end is None or outside is not None:
+            rest = text[at if outside is None else outside.end() :].lstrip()
+            if not rest:
+                raise Malformed("a DATA section without an end", _line(text, section.end()))
+            line = _line(text, len(text) - len(rest))
+            raise Malformed(f"{rest[:40].strip()!r} where a record begins", line)
+        section = following
 
 
 def _line(text: str, at: int) -> int:
     return text.count("\n", 0, at) + 1
 
 
-# --- doubts ---------------------------------------------------------------------------------------
-# The values in the text of a record, of a file that ifcopenshell does not read as it is written.
-#
-#     .AREA.,'bolt hole',#5,9.            ('AREA', 'bolt hole', <#5>, 9.0)
-#
-# It leaves out records of classes that the schema has not, members of a list that are of another
-# kind than the first or refer to no record, and words that the schema does not list. Of such a file
-# each record says itself what it holds, so that a fault refuses the members that have it and no
-# other.
-
-Values = tuple[Any, ...]
-
-_TOKEN = re.compile(r"([A-Za-z]\w*+)\s*+\(|'[^']*+(?:''[^']*+)*+'|[^\s,()']++|[(),']", re.ASCII)
-_BRACKETS = {"(": "[", ")": "]", ",": ","}
-#: A real number has a point, and 1.E-05 is one.
-_NUMBER = re.compile(r"[-+]?(?:\d++|(?:\d++\.\d*+|\.\d++)(?:[Ee][-+]?\d++)?)", re.ASCII)
-_WORD = re.compile(r"\.(\w++)\.|\"(\w*+)\"", re.ASCII)
-_CONSTANTS = {"$": None, "*": None, ".T.": True, ".F.": False, ".U.": "UNKNOWN"}
-_MOST_DIGITS = 400  #: of a number; Python itself refuses 4,300
+# --- for the parser -------------------------------------------------------------------------------
 
 
-class Typed(Struct, frozen=True, gc=False):
-    """A value with its type written before it: IFCLENGTHMEASURE(25.4)."""
+def parsable(text: str, sound: bool) -> str:
+    """A text that was looked over, as ifcopenshell's parser does not stop at it.
 
-    kind: str  #: in capitals
-    value: Any
-
-    def is_a(self, name: str) -> bool:
-        """As of an entity."""
-        return name.upper() == self.kind
-
-
-def values_of(inner: str, referred: Callable[[int], Any]) -> Values:
-    """The values between a record's brackets; `referred` gives what a number stands for.
-
-    An enumeration is its text, a list a tuple. Raises Malformed for what is not a value.
+    Without the records that are not sound; with a backslash written twice where it is no escape,
+    and escapes for letters that are not ASCII.
     """
-
-    def tied(found: dict[str, Any]) -> Any:
-        return referred(found["#"]) if "#" in found else _Kind(found["kind"])
-
-    try:
-        found = json.loads(f"[{_TOKEN.sub(_as_json, inner)}]", object_hook=tied)
-    except RecursionError:
-        raise Malformed("values too deep inside one another") from None
-    except json.JSONDecodeError:
-        raise Malformed(f"{inner[:40]!r} as values") from None
-    return tuple(map(_held, found))
+    if not sound:
+        text = _RECORD.sub(lambda m: m[0] if _ONE_SOUND.match(m[0]) else "", text)
+    return text if text.isascii() and "\\" not in text else _ESCAPE.sub(_escape, text)
 
 
-class _Kind(str):
-    """The type that is written before a value."""
+def _escape(match: re.Match[str]) -> str:
+    """An escape or letters in a form that ifcopenshell reads: of UTF-16 it drops half."""
+    letters = match["letters"]
+    if match["two"] is not None:
+        letters = bytes.fromhex(match["two"]).decode("utf-16-be", "replace")
+    if letters is None:
+        return "\\\\" if match["stray"] is not None else match[0]
+    return f"\\X4\\{letters.encode('utf-32-be').hex().upper()}\\X0\\" if letters else ""
 
 
-def _held(value: Any) -> Any:
-    if not isinstance(value, list):
-        return value
-    if value and isinstance(value[0], _Kind):
-        return Typed(value[0].upper(), _held(value[1]))
-    return tuple(map(_held, value))
+# --- doubts ---------------------------------------------------------------------------------------
+
+_TOKEN = re.compile(
+    r"(?P<string>'[^']*+(?:''[^']*+)*+')|(?P<number>[-+]?\d++(?:\.\d*+(?:[Ee][-+]?\d++)?+)?+(?!\w))"
+    r"|#0*+(?P<reference>\d++)|\*|\w++|\S",
+    re.ASCII,
+)
 
 
-def _as_json(match: re.Match[str]) -> str:
-    """A token in JSON; of a value with its type a list that begins with it."""
-    token = match[0]
-    if token in _BRACKETS:
-        return _BRACKETS[token]
-    if token[-1] == "(":
-        return f'[{{"kind": "{match[1]}"}},'
-    if token in _CONSTANTS:
-        return json.dumps(_CONSTANTS[token])
-    if token[0] == "#" and token[1:].isdecimal() and len(token) < 20:
-        return f'{{"#": {int(token[1:])}}}'
-    if token[0] == "'" and len(token) > 1:
-        return json.dumps(ESCAPE.sub(letters_of, token[1:-1].replace("''", "'")))
-    if (word := _WORD.fullmatch(token)) is not None:
-        return json.dumps(word[1] if word[1] is not None else word[2])
-    if _NUMBER.fullmatch(token) is None or len(token) > _MOST_DIGITS:
-        raise Malformed(f"{token[:40]!r} as a value")
-    return json.dumps(float(token) if "." in token else int(token))
+def places(inner: str) -> list[str]:
+    """What stands at each place among a record's values, in a form that equal ones share.
+
+    It does not say which number or which string.
+
+        .AREA.,'bolt hole',(#05,$),9.            .AREA.  '  (#5,$)  n
+    """
+    found, deep = [""], 0
+    for match in _TOKEN.finditer(inner):
+        token = match[0].upper()
+        deep += (token == "(") - (token == ")")
+        if token == "," and not deep:
+            found.append("")
+        elif match.lastgroup is not None:
+            found[-1] += {"string": "'", "number": "n"}.get(match.lastgroup, f"#{match[3]}")
+        else:
+            found[-1] += "$" if token == "*" else token
+    return found if inner.strip() else []
