@@ -21,7 +21,7 @@ from beamcam.readers.ifc.cutters import planes_of
 from beamcam.readers.ifc.ends import MemberEnd, of_plane
 from beamcam.readers.ifc.entities import Entity, Model, Unreadable
 from beamcam.readers.ifc.finish import Regions, Shaped, from_regions, opening, reach, sawn
-from beamcam.readers.ifc.kernel import ANGLE, CHORD, build_both
+from beamcam.readers.ifc.kernel import ANGLE, CHORD, built
 from beamcam.readers.ifc.outline import with_arcs
 from beamcam.readers.ifc.profiles import Outline
 from beamcam.readers.ifc.region import (
@@ -80,11 +80,11 @@ def read_kernel(model: Model, element: Entity, source: Source) -> Shaped:
     The facets give the sections, the kernel's own surfaces the circles in them; where the kernel
     has others, they are fitted to the facets, and `fitted` of what comes back names them.
     """
-    built = build_both(model, element)
-    errors = [line for line in built.log if "[error]" in line.lower()]
+    solid = built(model, element, {})
+    errors = [line for line in solid.log if "[error]" in line.lower()]
     if errors:
         raise Unreadable(f"an error of the geometry kernel ({errors[0][:160]})")
-    return replace(read_shell(built.shell, source, built.volume), fitted=built.others)
+    return replace(read_shell(solid.shell, source, solid.volume), fitted=solid.others)
 
 
 def read_shell(shell: Shell, source: Source, volume: float | None = None) -> Shaped:

@@ -12,7 +12,6 @@ from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from beamcam.budget import check_member
-from beamcam.readers.ifc.brep import Cylinder
 from beamcam.readers.ifc.region import (
     Circles,
     Segments,
@@ -22,7 +21,7 @@ from beamcam.readers.ifc.region import (
     with_circles,
 )
 from beamcam.readers.ifc.section import Wall
-from beamcam.readers.ifc.space import Frame, Vec, scale
+from beamcam.readers.ifc.space import Cylinder, Frame, Vec, scale
 
 ALONG = (1.0, 0.0, 0.0)  #: a member
 MOST_WAYS = 400  #: distinct directions of edges

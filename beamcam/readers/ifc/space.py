@@ -2,7 +2,9 @@
 
 from math import sqrt
 
+import numpy as np
 from msgspec import Struct
+from numpy.typing import NDArray
 
 Vec = tuple[float, float, float]
 
@@ -121,3 +123,21 @@ class Frame(Struct, frozen=True, gc=False):
 
 
 IDENTITY = Frame()
+
+
+class Cylinder(Struct, frozen=True):
+    """A cylinder by a point of its axis, the unit vector along it, and its radius."""
+
+    point: Vec
+    axis: Vec
+    radius: float
+
+    def off(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """How many mm points (n, 3) lie off it."""
+        across = np.cross(points - np.array(self.point), np.array(self.axis))
+        off: NDArray[np.float64] = np.abs(np.linalg.norm(across, axis=1) - self.radius)
+        return off
+
+    def moved(self, by: Frame) -> "Cylinder":
+        """The cylinder elsewhere, as large as it is."""
+        return Cylinder(by.point(self.point), unit(by.vector(self.axis)), self.radius)
