@@ -293,5 +293,5 @@ def _flat_end(local: Shell, side: int) -> MemberEnd:
     a, b = -n[1] / n[0], -n[2] / n[0]
     if abs(a) < LEVEL_NOISE and abs(b) < LEVEL_NOISE:
         a = b = 0.0
-    x, y, z = local.points[np.isin(local.rings.face_of_corner, same)].T
+    x, y, z = local.points[np.isin(local.face, same)].T
     return MemberEnd(side, a, b, float(side * (side * (x - a * y - b * z)).max()))
