@@ -61,7 +61,6 @@ from beamcam.readers.ifc.stock import Stock, box_of, plate_stock
 
 PRISMATIC = 0.01  #: share by which a plate's volume may differ from outline times thickness
 SAME_HOLE = 2  #: decimals of a mm in which a hole lies alike at both levels
-SAME_HOLE = 2  #: decimals of a mm in which a hole lies alike at both levels
 LEVEL_IN = 0.1  #: share of a wall's thickness: nearer to its surface edges may be round
 STEEPEST = 4.0  #: mm along a level of a wall for each mm that facets lie off its round edge
 STRAIGHT = 1e-3  #: mm that a corner of a region may lie off the line between its neighbours

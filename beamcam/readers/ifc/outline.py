@@ -333,22 +333,14 @@ def _oriented(points: list[Point], radii: list[float]) -> list[Corner]:
 def _unchamfered(corners: list[Corner]) -> tuple[Corner, ...]:
     """The corners with each pair of inner ones that a chamfer joins as the corner it cuts off."""
     n = len(corners)
-    if n < 8:
-        return tuple(corners)
-    for i in range(n):
-        a, b = corners[i], corners[(i + 1) % n]
+    for i in range(n if n >= 8 else 0):
+        before, a, b, after = (corners[(i + k) % n] for k in (-1, 0, 1, 2))
         if not (a.reflex and b.reflex):
             continue
-        before, after = corners[i - 1], corners[(i + 2) % n]
         legs = Line(before.at, a.at), Line(a.at, b.at), Line(b.at, after.at)
         first, second = turn(legs[0], legs[1]), turn(legs[1], legs[2])
-        if abs(first - second) < 0.02 and abs(first + pi / 4) < 0.25:
-            at = _meet(_side(legs[0]), _side(legs[2]))
-            if at is None:
-                continue
-            leg = hypot(at[0] - a.at[0], at[1] - a.at[1])
-            merged = Corner(at, leg, True)
-            rest = [c for j, c in enumerate(corners) if j not in (i, (i + 1) % n)]
-            rest.insert(i if i + 1 < n else 0, merged)
-            return _unchamfered(rest)
+        at = _meet(_side(legs[0]), _side(legs[2]))
+        if at is not None and abs(first - second) < 0.02 and abs(first + pi / 4) < 0.25:
+            rest = [*corners, *corners][i + 2 : i + n]
+            return _unchamfered([Corner(at, dist(at, a.at), True), *rest])
     return tuple(corners)

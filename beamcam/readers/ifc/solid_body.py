@@ -53,7 +53,8 @@ def _triangles(body: Shell) -> Any:
         normal = body.area_normals[face]
         drop = int(np.abs(normal).argmax())
         u, v = ((1, 2), (2, 0), (0, 1))[drop]
-        places, drawn = [], []
+        places: list[Any] = []
+        drawn: list[Any] = []
         for ring in of_face:
             x, y = body.points[ring, u], body.points[ring, v] * np.sign(normal[drop])
             way = -1 if places and x @ np.roll(y, -1) > y @ np.roll(x, -1) else 1
