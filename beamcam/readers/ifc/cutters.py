@@ -207,7 +207,4 @@ def _spread(x: Vec, y: Vec, outline: Outline) -> Box3:
 
 def hole_of(outline: Outline) -> Round | Slotted | None:
     """The hole or slot that an outline is; None if it is neither."""
-    shape = None if outline.inner else shape_of(outline.outer)
-    if isinstance(shape, Slotted) and shape.height > 0:
-        return None  # a cut-out with round corners, not a slot for a bolt
-    return shape
+    return None if outline.inner else shape_of(outline.outer)

@@ -101,14 +101,8 @@ class Frame(Struct, frozen=True, gc=False):
     def even(self) -> bool:
         """Whether it keeps the form of what lies in it, be it larger, smaller or mirrored."""
         x, y, z, xx = self.x, self.y, self.z, dot(self.x, self.x)
-        slack = EVEN * xx
-        return (
-            abs(dot(y, y) - xx) < slack
-            and abs(dot(z, z) - xx) < slack
-            and abs(dot(x, y)) < slack
-            and abs(dot(y, z)) < slack
-            and abs(dot(z, x)) < slack
-        )
+        off = dot(y, y) - xx, dot(z, z) - xx, dot(x, y), dot(y, z), dot(z, x)
+        return max(map(abs, off)) < EVEN * xx
 
     def inverse(self) -> "Frame":
         """The map back. Raises ValueError if the axes lie in one plane."""
