@@ -126,9 +126,10 @@ class Prism(Struct, frozen=True, gc=False):
         outer = tuple(c.transformed(matrix) for c in self.outline.outer)
         inner = tuple(tuple(c.transformed(matrix) for c in hole) for hole in self.outline.inner)
         shape = polygon_of(outer, inner, circles)
-        for cap in () if flat else self.sides[:2]:
-            shape = shape.intersection(cap.slice(wall, c, circles))
-        return shape
+        if flat:
+            return shape
+        first, last = (cap.slice(wall, c, circles) for cap in self.sides[:2])
+        return shape.intersection(first.intersection(last))
 
     def _along(self, wall: Wall, c: float) -> Shape:
         """Where the plane runs along the rulings: a strip for each stretch of the outline."""
