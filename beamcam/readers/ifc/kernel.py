@@ -155,7 +155,7 @@ def _cylinders(facets: Points, normals: Points) -> tuple[tuple[Cylinder, ...], t
     axes *= np.sign(axes[np.arange(len(axes)), np.abs(axes).argmax(axis=1)])[:, None]
     off = np.linalg.norm(np.cross(facets[bent] - middles[:, None], axes[:, None]), axis=2)
     round_ = (np.abs(off - np.abs(radii)[:, None]) < ON_IT).all(axis=1)
-    rows = np.column_stack((middles, axes, np.abs(radii)))[round_]
+    rows = np.column_stack((middles, axes, np.abs(radii).round(9)))[round_]
     _, first = np.unique(rows.round(5) + 0.0, axis=0, return_index=True)
     every = [Cylinder(vec(row[:3]), vec(row[3:6]), float(row[6])) for row in rows[np.sort(first)]]
     points = np.unique(facets.reshape(-1, 3), axis=0)

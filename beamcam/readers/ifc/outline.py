@@ -4,6 +4,7 @@ Exporters write arcs as polygons whose vertices lie on the circle; `with_arcs` t
 back to arcs before anything is measured.
 """
 
+from collections.abc import Sequence
 from math import atan2, degrees, dist, hypot, pi, radians, sin, tan
 
 from msgspec import Struct
@@ -111,12 +112,8 @@ def _join(a: Curve, b: Curve) -> Curve | None:
 
 def turn(a: Curve, b: Curve) -> float:
     """Angle from the end of `a` to the start of `b` in radians, from -pi to pi."""
-    return angle_between(a.tangent(1.0), b.tangent(0.0))
-
-
-def angle_between(a: Point, b: Point) -> float:
-    """Angle from one direction to another in radians, from -pi to pi."""
-    return atan2(cross(a, b), dot(a, b))
+    ahead, way = a.tangent(1.0), b.tangent(0.0)
+    return atan2(cross(ahead, way), dot(ahead, way))
 
 
 def _alike(a: Curve, b: Curve, least: float, most: float) -> bool:
@@ -249,26 +246,30 @@ def corners_of(curves: Chain) -> tuple[Corner, ...] | None:
         return None
     start = kinds.index(Line)
     curves = curves[start:] + curves[:start]
-    first = [c.tangent(0.0) for c in curves]
-    last = [c.tangent(1.0) if isinstance(c, Arc) else first[i] for i, c in enumerate(curves)]
     sides: list[_Side] = []
     for i, curve in enumerate(curves):
         if not isinstance(curve, Arc):
-            sides.append(_Side(curve.start, first[i]))
+            sides.append(_Side(curve.start, curve.tangent(0.0)))
             continue
         # A toe as round as the leg is thick starts at a sharp edge: its tip is a side of length 0.
-        if abs(angle_between(last[i - 1], first[i])) > SHARP_RAD:
-            sides.append(_Side(curve.start, first[i]))
+        if abs(turn(curves[i - 1], curve)) > SHARP_RAD:
+            sides.append(_Side(curve.start, curve.tangent(0.0)))
         sides[-1].radius = max(sides[-1].radius, curve.radius)
-        if abs(angle_between(last[i], first[(i + 1) % len(first)])) > SHARP_RAD:
-            sides.append(_Side(curve.end, last[i]))
-    points: list[Point] = []
-    for i, side in enumerate(sides):
-        at = _meet(side, sides[(i + 1) % len(sides)])
-        if at is None:
-            return None
-        points.append(at)
-    return _unchamfered(_oriented(points, [s.radius for s in sides]))
+        if abs(turn(curve, curves[(i + 1) % len(curves)])) > SHARP_RAD:
+            sides.append(_Side(curve.end, curve.tangent(1.0)))
+    met = map(_meet, sides, [*sides[1:], *sides[:1]])
+    points, radii = [at for at in met if at is not None], [side.radius for side in sides]
+    if len(points) < len(sides):
+        return None
+    if sum(map(cross, points, [*points[1:], points[0]])) < 0:
+        points, radii = points[::-1], radii[::-1]
+    return _unchamfered(list(map(Corner, points, radii, reflex(points))))
+
+
+def reflex(points: Sequence[Point]) -> tuple[bool, ...]:
+    """Whether each corner of a polygon, counter-clockwise, is an inner one."""
+    ways = [(b[0] - a[0], b[1] - a[1]) for a, b in zip([points[-1], *points], points, strict=False)]
+    return tuple(cross(a, b) < 0 for a, b in zip(ways, [*ways[1:], ways[0]], strict=True))
 
 
 class _Side(Struct, gc=False):
@@ -292,14 +293,6 @@ def _meet(a: _Side, b: _Side) -> Point | None:
         return None
     t = ((qx - px) * ey - (qy - py) * ex) / det
     return px + t * dx, py + t * dy
-
-
-def _oriented(points: list[Point], radii: list[float]) -> list[Corner]:
-    if sum(map(cross, points, [*points[1:], points[0]])) < 0:
-        points, radii = points[::-1], radii[::-1]
-    ways = [(b[0] - a[0], b[1] - a[1]) for a, b in zip([points[-1], *points], points, strict=False)]
-    bends = map(cross, ways, [*ways[1:], ways[0]])
-    return [Corner(p, r, b < 0) for p, r, b in zip(points, radii, bends, strict=True)]
 
 
 def _unchamfered(corners: list[Corner]) -> tuple[Corner, ...]:
