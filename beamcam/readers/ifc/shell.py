@@ -255,25 +255,16 @@ def _edges(shell: Shell) -> tuple[Points, Numbers, NDArray[np.bool_]]:
 
     Those between two faces of one plane, as in a mesh of triangles, are not.
     """
-    before = shell.before
-    edges = shell.points - shell.points[before]
-    length = lengths(edges)
-    real = length >= MIN_EDGE
-    ways, length = edges[real] * (1 / length[real])[:, None], length[real]
-    return ways, length, _creased(shell, before)[real]
-
-
-def _creased(shell: Shell, before: Places) -> NDArray[np.bool_]:
-    """Whether at each edge, before its corner, two faces meet that are not in one plane."""
     _, corner = np.unique(shell.points.round(3), axis=0, return_inverse=True)
-    ends = np.sort(np.column_stack((corner.ravel()[before], corner.ravel())), axis=1)
+    ends = np.sort(np.column_stack((corner.ravel()[shell.before], corner.ravel())), axis=1)
     _, edge, count = np.unique(ends, axis=0, return_inverse=True, return_counts=True)
     total = np.zeros((len(count), 3))
-    normals = shell.area_normals / shell.areas[:, None]
-    np.add.at(total, edge.ravel(), normals[shell.face])
+    np.add.at(total, edge.ravel(), (shell.area_normals / shell.areas[:, None])[shell.face])
     flat = (count == 2) & (lengths(total) > 2 - 1e-6)
-    creased: NDArray[np.bool_] = ~flat[edge.ravel()]
-    return creased
+    edges = shell.points - shell.points[shell.before]
+    length = lengths(edges)
+    real = length >= MIN_EDGE
+    return edges[real] * (1 / length[real])[:, None], length[real], ~flat[edge.ravel()][real]
 
 
 def broadest_normal(shell: Shell) -> Vec:
