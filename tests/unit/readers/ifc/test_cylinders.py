@@ -49,7 +49,7 @@ def test_the_kernels_surfaces_are_those_of_the_model() -> None:
 
 
 def test_the_corners_of_all_facets_lie_on_the_surfaces() -> None:
-    """Mesh and text are of one solid, in one place, mirrored as well."""
+    """In one place, of a solid that is mirrored and twice as large as well."""
     m = Small()
     solid = m.minus(
         m.extruded(m.ipe300(), 900.0), m.hole((200, -40, 50), (0, 1, 0), 22, 80),
