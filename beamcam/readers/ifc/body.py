@@ -18,7 +18,7 @@ from msgspec import Struct
 from beamcam.geometry.curves import Arc
 from beamcam.readers.ifc import rules
 from beamcam.readers.ifc.curves2d import chain_of
-from beamcam.readers.ifc.cutters import Bounded, Cutter, HalfSpace, Less, Prism, hole_of
+from beamcam.readers.ifc.cutters import Combined, Cutter, HalfSpace, Prism, hole_of
 from beamcam.readers.ifc.entities import (
     Coordinates,
     Entity,
@@ -160,25 +160,20 @@ TAPERED = ("IfcExtrudedAreaSolidTapered", "IfcRevolvedAreaSolidTapered", "IfcSec
 def refuse_bent(element: Entity) -> None:
     """Raise Unreadable if an element has a curved or tapered solid, below maps and booleans."""
     shape = element.Representation
-    todo = [
+    todo: list[Entity] = [
         item for one in (shape.Representations if shape is not None else ())
         if one.RepresentationIdentifier not in ("Axis", "Box", "FootPrint") for item in one.Items
     ]  # fmt: skip
-    seen = set[Entity]()
-    kinds = set[str]()
-    while todo:
-        item = todo.pop()
-        if item in seen:  # shared, or geometry that contains itself
-            continue
-        seen.add(item)
-        if not _is_straight(item):
-            kinds.add(item.is_a())
+    for item in todo:  # which grows
+        below: tuple[Entity, ...] = ()
         if item.is_a("IfcMappedItem"):
-            todo += item.MappingSource.MappedRepresentation.Items
+            below = item.MappingSource.MappedRepresentation.Items
         elif item.is_a("IfcBooleanResult"):
-            todo.append(item.FirstOperand)
+            below = (item.FirstOperand,)
         elif item.is_a("IfcCsgSolid"):
-            todo.append(item.TreeRootExpression)
+            below = (item.TreeRootExpression,)
+        todo += [one for one in below if one not in todo]  # shared, or it contains itself
+    kinds = {item.is_a() for item in todo if not _is_straight(item)}
     for rule, names in ((rules.CURVED, CURVED), (rules.TAPERED, TAPERED)):
         for kind in names:
             if kind in kinds:
@@ -234,7 +229,7 @@ def solid_cutters(model: Model, item: Entity, frame: Frame, where: str | None) -
         bound = Outline(chain_of(model, item.PolygonalBoundary))
         start = position.point((0.0, 0.0, -FAR))
         column = Frame(start, position.x, position.y, scale(position.z, 2 * FAR))
-        return (Bounded(half, Prism(column, bound, where, hole_of(bound)), where),)
+        return (Combined(half, (Prism(column, bound, where, hole_of(bound)),), False, where),)
     if kind == "IfcMappedItem":
         inner, source = mapping(model, item, frame)
         return [c for one in source for c in solid_cutters(model, one, inner, where)]
@@ -248,8 +243,8 @@ def solid_cutters(model: Model, item: Entity, frame: Frame, where: str | None) -
         if item.Operator == "UNION":
             return first + second
         if item.Operator == "DIFFERENCE":
-            return [Less(one, second, where) for one in first]
-        return [Bounded(one, other, where) for one in first for other in second]
+            return [Combined(one, second, True, where) for one in first]
+        return [Combined(one, (other,), False, where) for one in first for other in second]
     if kind in ("IfcRightCircularCylinder", "IfcBlock"):
         return (_primitive(model, item, frame, where),)
     if not FACETED.isdisjoint(item.type.kinds):

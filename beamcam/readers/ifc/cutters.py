@@ -11,6 +11,7 @@ from msgspec import Struct
 
 from beamcam.caches import cached
 from beamcam.geometry.curves import Line, Point
+from beamcam.geometry.plane import determinant
 from beamcam.readers.ifc.curves2d import box_around
 from beamcam.readers.ifc.outline import Round, Slotted, shape_of, with_arcs
 from beamcam.readers.ifc.profiles import Outline
@@ -103,16 +104,15 @@ class Prism(Struct, frozen=True, gc=False):
     def slice(self, wall: Wall, c: float, circles: Circles) -> Shape:
         """The prism's section by the wall's plane at `c`."""
         f, n = self.frame, wall.direction
+        if abs(dot(f.z, n)) > LEVEL * size(f.z):
+            return self._across(wall, c, circles)
+        return self._along(wall, c)
+
+    def _across(self, wall: Wall, c: float, circles: Circles) -> Shape:
+        """Where every ruling of the prism meets the plane once: an affine image of the outline."""
+        f, n = self.frame, wall.direction
         u, v, e = dot(f.x, n), dot(f.y, n), dot(f.z, n)
         at = c - dot(f.o, n)
-        if abs(e) > LEVEL * size(f.z):
-            return self._across(wall, at, (u, v, e), circles)
-        return self._along(wall, at, (u, v), circles)
-
-    def _across(self, wall: Wall, at: float, by: Vec, circles: Circles) -> Shape:
-        """Where every ruling of the prism meets the plane once: an affine image of the outline."""
-        u, v, e = by
-        f = self.frame
 
         def image(s: float, t: float) -> Point:
             p = f.point((s, t, (at - s * u - t * v) / e))
@@ -121,29 +121,20 @@ class Prism(Struct, frozen=True, gc=False):
         o, s1, t1 = image(0.0, 0.0), image(1.0, 0.0), image(0.0, 1.0)
         matrix = ((s1[0] - o[0], t1[0] - o[0], o[0]), (s1[1] - o[1], t1[1] - o[1], o[1]))
         flat = abs(u) < LEVEL and abs(v) < LEVEL
-        if flat and not -1e-9 <= at / e <= 1 + 1e-9:
-            return shapely.Polygon()
-        if abs(matrix[0][0] * matrix[1][1] - matrix[0][1] * matrix[1][0]) < 1e-9:
+        if (flat and not -1e-9 <= at / e <= 1 + 1e-9) or abs(determinant(matrix)) < 1e-9:
             return shapely.Polygon()
         outer = tuple(c.transformed(matrix) for c in self.outline.outer)
         inner = tuple(tuple(c.transformed(matrix) for c in hole) for hole in self.outline.inner)
         shape = polygon_of(outer, inner, circles)
-        return shape if flat else shape.intersection(self._between_caps(wall, at, by))
+        if flat:
+            return shape
+        first, last = (cap.slice(wall, c, circles) for cap in self.sides[:2])
+        return shape.intersection(first.intersection(last))
 
-    def _between_caps(self, wall: Wall, at: float, by: Vec) -> Shape:
-        """The strip of the wall's plane between the two end planes of the prism."""
-        f = self.frame
-        normal = cross(f.x, f.y)
-        normal = scale(normal, 1 / dot(normal, f.z))  # k = normal . (p - o)
-        nq, nc = wall.split(normal)
-        c = at + dot(f.o, wall.direction)
-        base = dot(normal, f.o) - nc * c
-        low = half_plane(normal[0], nq, base)
-        return low.intersection(half_plane(-normal[0], -nq, -(base + 1.0)))
-
-    def _along(self, wall: Wall, at: float, by: Point, circles: Circles) -> Shape:
+    def _along(self, wall: Wall, c: float) -> Shape:
         """Where the plane runs along the rulings: a strip for each stretch of the outline."""
-        u, v = by
+        f, n = self.frame, wall.direction
+        u, v, at = dot(f.x, n), dot(f.y, n), c - dot(f.o, n)
         grade = u * u + v * v
         if grade < LEVEL * LEVEL:
             return shapely.Polygon()
@@ -161,43 +152,31 @@ class Prism(Struct, frozen=True, gc=False):
         return shapely.union_all(strips) if strips else shapely.Polygon()
 
 
-class Bounded(Struct, frozen=True):
-    """Intersection of two cutters: a half-space within a prism."""
+class Combined(Struct, frozen=True):
+    """A cutter within others, or less others: what is taken from it stays on the member."""
 
     first: "Cutter"
-    second: "Cutter"
+    others: tuple["Cutter", ...]
+    less: bool
     where: str | None = None
 
     @property
     def box(self) -> Box3:
-        (a, b), (c, d) = self.first.box, self.second.box
-        low = (max(a[0], c[0]), max(a[1], c[1]), max(a[2], c[2]))
-        high = (min(b[0], d[0]), min(b[1], d[1]), min(b[2], d[2]))
-        return low, high
-
-    def slice(self, wall: Wall, c: float, circles: Circles) -> Shape:
-        return self.first.slice(wall, c, circles).intersection(self.second.slice(wall, c, circles))
-
-
-class Less(Struct, frozen=True):
-    """A cutter that is itself cut: what is taken from it stays on the member."""
-
-    first: "Cutter"
-    taken: tuple["Cutter", ...]
-    where: str | None = None
-
-    @property
-    def box(self) -> Box3:
-        return self.first.box
+        if self.less:
+            return self.first.box
+        lows, highs = zip(*(one.box for one in (self.first, *self.others)), strict=True)
+        (x0, y0, z0), (x1, y1, z1) = map(max, *lows), map(min, *highs)
+        return (x0, y0, z0), (x1, y1, z1)
 
     def slice(self, wall: Wall, c: float, circles: Circles) -> Shape:
         shape = self.first.slice(wall, c, circles)
-        for one in self.taken:
-            shape = shape.difference(one.slice(wall, c, circles))
+        for one in self.others:
+            other = one.slice(wall, c, circles)
+            shape = shape.difference(other) if self.less else shape.intersection(other)
         return shape
 
 
-Cutter = HalfSpace | Prism | Bounded | Less | Shell  #: a solid that is subtracted
+Cutter = HalfSpace | Prism | Combined | Shell  #: a solid that is subtracted
 
 
 def planes_of(cutter: Cutter) -> list[HalfSpace]:
@@ -207,10 +186,8 @@ def planes_of(cutter: Cutter) -> list[HalfSpace]:
             planes = [cutter]
         case Prism():
             planes = cutter.sides
-        case Bounded():
-            planes = [*planes_of(cutter.first), *planes_of(cutter.second)]
-        case Less():
-            planes = [plane for one in (cutter.first, *cutter.taken) for plane in planes_of(one)]
+        case Combined():
+            planes = [plane for one in (cutter.first, *cutter.others) for plane in planes_of(one)]
         case Shell():
             planes = [HalfSpace(p, n) for p, n in cutter.planes_across(ALONG, MIN_LEAN)]
     return [plane for plane in planes if abs(plane.normal[0]) > MIN_LEAN]
@@ -231,7 +208,4 @@ def _spread(x: Vec, y: Vec, outline: Outline) -> Box3:
 
 def hole_of(outline: Outline) -> Round | Slotted | None:
     """The hole or slot that an outline is; None if it is neither."""
-    shape = None if outline.inner else shape_of(outline.outer)
-    if isinstance(shape, Slotted) and shape.height > 0:
-        return None  # a cut-out with round corners, not a slot for a bolt
-    return shape
+    return None if outline.inner else shape_of(outline.outer)

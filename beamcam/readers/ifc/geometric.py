@@ -21,7 +21,7 @@ from beamcam.readers.ifc.cutters import planes_of
 from beamcam.readers.ifc.ends import MemberEnd, of_plane
 from beamcam.readers.ifc.entities import Entity, Model, Unreadable
 from beamcam.readers.ifc.finish import Regions, Shaped, from_regions, opening, reach, sawn
-from beamcam.readers.ifc.kernel import ANGLE, CHORD, build_both
+from beamcam.readers.ifc.kernel import ANGLE, CHORD, built
 from beamcam.readers.ifc.outline import with_arcs
 from beamcam.readers.ifc.profiles import Outline
 from beamcam.readers.ifc.region import (
@@ -61,7 +61,6 @@ from beamcam.readers.ifc.stock import Stock, box_of, plate_stock
 
 PRISMATIC = 0.01  #: share by which a plate's volume may differ from outline times thickness
 SAME_HOLE = 2  #: decimals of a mm in which a hole lies alike at both levels
-SAME_HOLE = 2  #: decimals of a mm in which a hole lies alike at both levels
 LEVEL_IN = 0.1  #: share of a wall's thickness: nearer to its surface edges may be round
 STEEPEST = 4.0  #: mm along a level of a wall for each mm that facets lie off its round edge
 STRAIGHT = 1e-3  #: mm that a corner of a region may lie off the line between its neighbours
@@ -80,11 +79,11 @@ def read_kernel(model: Model, element: Entity, source: Source) -> Shaped:
     The facets give the sections, the kernel's own surfaces the circles in them; where the kernel
     has others, they are fitted to the facets, and `fitted` of what comes back names them.
     """
-    built = build_both(model, element)
-    errors = [line for line in built.log if "[error]" in line.lower()]
+    solid = built(model, element, {})
+    errors = [line for line in solid.log if "[error]" in line.lower()]
     if errors:
         raise Unreadable(f"an error of the geometry kernel ({errors[0][:160]})")
-    return replace(read_shell(built.shell, source, built.volume), fitted=built.others)
+    return replace(read_shell(solid.shell, source, solid.volume), fitted=solid.others)
 
 
 def read_shell(shell: Shell, source: Source, volume: float | None = None) -> Shaped:
@@ -293,5 +292,5 @@ def _flat_end(local: Shell, side: int) -> MemberEnd:
     a, b = -n[1] / n[0], -n[2] / n[0]
     if abs(a) < LEVEL_NOISE and abs(b) < LEVEL_NOISE:
         a = b = 0.0
-    x, y, z = local.points[np.isin(local.rings.face_of_corner, same)].T
+    x, y, z = local.points[np.isin(local.face, same)].T
     return MemberEnd(side, a, b, float(side * (side * (x - a * y - b * z)).max()))

@@ -138,7 +138,7 @@ def _drilled(
     angle = degrees(atan2(wall.split(way)[0], way[0])) % 180.0
     if angle < 1e-7 or angle > 180 - 1e-7:
         angle = 0.0
-    sizes = (shape.diameter * factor, shape.length * factor, shape.height * factor, angle)
+    sizes = (shape.diameter * factor, shape.length * factor, 0.0, angle)
     return Slot(face, p[0], q, *sizes, source, depth, kind)
 
 

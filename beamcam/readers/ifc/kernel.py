@@ -10,11 +10,10 @@ from msgspec.structs import replace
 
 from beamcam.caches import cached
 from beamcam.geometry.polylines import polylines
-from beamcam.readers.ifc.brep import BrepError, Cylinder, surfaces_of
 from beamcam.readers.ifc.curves2d import spline_of
 from beamcam.readers.ifc.entities import Entity, Model, Unreadable, features_of
-from beamcam.readers.ifc.shell import Shell, shell
-from beamcam.readers.ifc.space import cross, size, sub
+from beamcam.readers.ifc.shell import Points, Shell, shell, vec
+from beamcam.readers.ifc.space import Cylinder, cross, size, sub
 from beamcam.system import interrupts_waiting
 
 # --- references -----------------------------------------------------------------------------------
@@ -76,10 +75,14 @@ def _fault(value: Any, kinds: Kinds) -> str | None:
 CHORD = 0.0002  #: m between a curve and its facets
 ANGLE = 0.25  #: rad between two facets, 26 on a circle; every vertex lies on the curve
 FINE_CHORD = 0.0001  #: m, of solids that parts are held against
-FACETED = ("triangulation_element", "TriangulationElement")  #: since ifcopenshell 0.9, and before
-WRITTEN = ("serialized_element", "SerializedElement")
+FINE = {"mesher-linear-deflection": FINE_CHORD}  #: closer facets than a reading needs
+#: Likewise, before anything was cut off.
+STOCK = {**FINE, "disable-boolean-result": True, "disable-opening-subtractions": True}
+#: Names of a solid's mesh, since ifcopenshell 0.9 and before.
+FACETED = ("triangulation_element", "TriangulationElement")
 SPLINE_CHORD = 0.01  #: mm between a spline and the polyline that the kernel has for it
 ON_IT = 1e-6  #: mm between a cylinder and the corners that are on it
+BENT = 1e-6  #: between two unit normals of a facet that stands for a curved surface
 MIN_CORNERS = 4
 ROUNDER = 0.9999  #: of a slot's corner radius that the kernel can build; half the side it cannot
 
@@ -90,53 +93,79 @@ class Built(Struct, frozen=True):
     shell: Shell
     log: tuple[str, ...]
     volume: float = 0.0  #: mm3 of the solid itself, not of its facets
-    others: tuple[str, ...] = ()  #: names of curved faces that are no cylinders, if they were asked
+    others: tuple[str, ...] = ()  #: what is said of curved faces that only facets stand for
 
 
 def build(model: Model, element: Entity) -> Built:
-    """The kernel's solid of an element, openings taken off, in closer facets than a reading needs.
-
-    Raises Unreadable if it has none.
-    """
-    return _built(_solid(model, element, {"mesher-linear-deflection": FINE_CHORD}))
+    """The kernel's solid of an element, closer than a reading needs it. Raises Unreadable."""
+    return built(model, element, FINE)
 
 
 def build_stock(model: Model, element: Entity) -> Built:
     """As `build`, before anything was cut off. Raises Unreadable."""
-    asked = {
-        "mesher-linear-deflection": FINE_CHORD,
-        "disable-boolean-result": True,
-        "disable-opening-subtractions": True,
-    }
-    return _built(_solid(model, element, asked))
+    return built(model, element, STOCK)
 
 
-def build_both(model: Model, element: Entity) -> Built:
-    """The kernel's solid of an element with the cylinders that it has. Raises Unreadable."""
-    solid = _solid(model, element)
-    built = _built(solid)
-    written = _made(WRITTEN, solid)
+def built(model: Model, element: Entity, asked: Mapping[str, Any]) -> Built:
+    """The kernel's solid of an element, openings taken off, with the cylinders that it has.
+
+    The corners of the shell's facets lie on the solid's surfaces. `asked` are settings of the
+    kernel beside its usual ones. Raises Unreadable if it has none.
+    """
+    solid = _solid(model, element, asked)
+    wrapper = _kernel().ifcopenshell_wrapper
+    made = next(getattr(wrapper, name) for name in FACETED if hasattr(wrapper, name))
     try:
-        every, others = surfaces_of(written.geometry.brep_data)
-    except BrepError as fault:
-        raise Unreadable(f"a solid by the kernel that is not understood ({fault})") from fault
-    points = np.unique(built.shell.points, axis=0)
-    cylinders = [one for one in every if np.count_nonzero(one.off(points) < ON_IT) >= MIN_CORNERS]
-    kept = tuple(c for c in cylinders if not any(_blunted(c, other) for other in cylinders))
-    shell = replace(built.shell, cylinders=kept)
-    return replace(built, shell=shell, log=(*built.log, *_log()), others=others)
-
-
-def _built(solid: Any) -> Built:
-    """A solid by its mesh, whose corners lie on its surfaces. Raises Unreadable."""
-    mesh = _made(FACETED, solid)  # its geometry lives as long as it does
-    points = np.frombuffer(mesh.geometry.verts_buffer).reshape(-1, 3) * 1e3
+        mesh = made(solid)  # its geometry lives as long as it does
+    except RuntimeError as fault:
+        raise Unreadable(f"no solid by the kernel ({fault})") from fault
     corners = np.frombuffer(mesh.geometry.faces_buffer, np.int32)
+    points = np.frombuffer(mesh.geometry.verts_buffer).reshape(-1, 3)[corners] * 1e3
+    normals = np.frombuffer(mesh.geometry.normals_buffer).reshape(-1, 3)[corners]
     count = len(corners) // 3
-    found = shell(points[corners], [3] * count, range(count))
+    found = shell(points, [3] * count, range(count))
     if found.count < 4:
         raise Unreadable("an empty solid by the kernel")
-    return Built(found, _log(), float(solid.volume) * 1e9)
+    cylinders, others = _cylinders(points.reshape(-1, 3, 3), normals.reshape(-1, 3, 3))
+    log = _log()
+    return Built(replace(found, cylinders=cylinders), log, float(solid.volume) * 1e9, others)
+
+
+def _cylinders(facets: Points, normals: Points) -> tuple[tuple[Cylinder, ...], tuple[str, ...]]:
+    """The cylinders that facets (n, 3, 3) lie on, and what is said of other curved surfaces.
+
+    The kernel's normals are those of its surfaces. Two points of a cylinder and their normals tell
+    it: the points are as far apart as the normals, times the radius. A facet of a cone has a side
+    along it, where the normal is one and the same; such a side of another surface that is swept
+    runs square to all normals.
+    """
+    size = np.linalg.norm(normals, axis=2, keepdims=True)
+    normals = normals / np.maximum(size, 1e-300)
+    ways, sides = (one - np.roll(one, 1, axis=1) for one in (normals, facets))
+    apart = (ways * ways).sum(axis=2)
+    # The tip of a cone has no normal.
+    bent = np.flatnonzero((apart.max(axis=1) > BENT * BENT) & (size.min(axis=(1, 2)) > 0.0))
+    bent = bent[np.argsort(-apart[bent].max(axis=1), kind="stable")]
+    at = bent, apart[bent].argmax(axis=1)  # where the normals are furthest apart
+    axes = np.cross(normals[at[0], at[1] - 1], normals[at])
+    axes /= np.linalg.norm(axes, axis=1)[:, None]
+    radii = (sides[at] * ways[at]).sum(axis=1) / apart[at]
+    middles = facets[at] - radii[:, None] * normals[at]
+    middles -= (middles * axes).sum(axis=1)[:, None] * axes  # nearest to the zero point
+    axes *= np.sign(axes[np.arange(len(axes)), np.abs(axes).argmax(axis=1)])[:, None]
+    off = np.linalg.norm(np.cross(facets[bent] - middles[:, None], axes[:, None]), axis=2)
+    round_ = (np.abs(off - np.abs(radii)[:, None]) < ON_IT).all(axis=1)
+    rows = np.column_stack((middles, axes, np.abs(radii).round(9)))[round_]
+    _, first = np.unique(rows.round(5) + 0.0, axis=0, return_index=True)
+    every = [Cylinder(vec(row[:3]), vec(row[3:6]), float(row[6])) for row in rows[np.sort(first)]]
+    points = np.unique(facets.reshape(-1, 3), axis=0)
+    found = [one for one in every if np.count_nonzero(one.off(points) < ON_IT) >= MIN_CORNERS]
+    kept = tuple(one for one in found if not any(_blunted(one, other) for other in found))
+    along = np.abs((sides[bent] * axes[:, None]).sum(axis=2))
+    lengths = np.linalg.norm(sides[bent], axis=2)
+    cone = ((apart[bent] < BENT * BENT) & (along < (1.0 - BENT) * lengths)).any(axis=1)
+    others = ("a curved surface of another form",) if (~round_ & ~cone).any() else ()
+    return kept, others
 
 
 @cached("ifc.kernel")
@@ -150,18 +179,8 @@ def _kernel() -> Any:
     return ifcopenshell
 
 
-def _made(form: tuple[str, str], solid: Any) -> Any:
-    """A solid in another form, by either name of its class. Raises Unreadable."""
-    wrapper = _kernel().ifcopenshell_wrapper
-    name = form[0] if hasattr(wrapper, form[0]) else form[1]
-    try:
-        return getattr(wrapper, name)(solid)
-    except RuntimeError as fault:
-        raise Unreadable(f"no solid by the kernel ({fault})") from fault
-
-
-def _solid(model: Model, element: Entity, asked: Mapping[str, Any] | None = None) -> Any:
-    """The kernel's solid of an element, with settings of its own. Raises Unreadable."""
+def _solid(model: Model, element: Entity, asked: Mapping[str, Any]) -> Any:
+    """The kernel's solid of an element. Raises Unreadable."""
     openings = features_of(element, "openings")
     try:
         roots = [root for each in (element, *openings) for root in each.values[5:7] if root]
@@ -173,8 +192,8 @@ def _solid(model: Model, element: Entity, asked: Mapping[str, Any] | None = None
     settings.set("iterator-output", wrapper.NATIVE)
     settings.set("mesher-linear-deflection", CHORD)
     settings.set("mesher-angular-deflection", ANGLE)
-    settings.set("weld-vertices", True)
-    for name, value in (asked or {}).items():
+    settings.set("weld-vertices", False)  # which would leave out the normals
+    for name, value in asked.items():
         settings.set(name, value)
     file = load(model)
     instances = [_instance(file, each) for each in (element, *openings)]
@@ -228,7 +247,7 @@ def _blunted(a: Cylinder, b: Cylinder) -> bool:
     Their radius is not the slot's, so that a circle fitted to both is nearer to it than they are.
     """
     apart = 2 * a.radius * (1 / ROUNDER - 1)
-    off = size(cross(sub(a.frame.o, b.frame.o), a.axis))
+    off = size(cross(sub(a.point, b.point), a.axis))
     return abs(off - apart) < 0.01 * apart and abs(a.radius - b.radius) < 0.01 * apart
 
 

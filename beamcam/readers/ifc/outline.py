@@ -4,6 +4,7 @@ Exporters write arcs as polygons whose vertices lie on the circle; `with_arcs` t
 back to arcs before anything is measured.
 """
 
+from collections.abc import Sequence
 from math import atan2, degrees, dist, hypot, pi, radians, sin, tan
 
 from msgspec import Struct
@@ -21,6 +22,7 @@ FINEST_RAD = radians(0.2)
 MANY_CHORDS = 45  #: of a quarter circle, where they turn less than that
 ON_CIRCLE = 0.02  #: mm that a vertex may lie off its circle
 PARALLEL_RAD = 1e-4
+NO_SIDE = 1e-6  #: mm of a line that is none
 STRAIGHT = 0.002  #: mm that a point may lie off the line between its neighbours
 LONGER = 4.0  #: times the chords beside it, a line is a side and no chord of a rounding
 GENTLE_RAD = 0.55  #: between the chords of a rounding
@@ -37,12 +39,11 @@ class Round(Struct, frozen=True, gc=False, cache_hash=True):
 
 
 class Slotted(Struct, frozen=True, gc=False, cache_hash=True):
-    """A rectangle with round corners, a slot where one side has no straight piece."""
+    """A slot: two half circles and the lines between them."""
 
     centre: Point
-    diameter: float  #: of the corners
-    length: float  #: centre to centre along `angle`, the longer
-    height: float  #: centre to centre across `angle`
+    diameter: float
+    length: float  #: centre to centre, along `angle`
     angle: float  #: degrees, from 0 to below 180
 
 
@@ -84,12 +85,8 @@ def joined(chain: Chain) -> Chain:
             out[-1] = both
         else:
             out.append(curve)
-    if len(out) > 1:
-        both = _join(out[-1], out[0])
-        if both is not None:
-            out[0] = both
-            out.pop()
-    return tuple(out)
+    both = _join(out[-1], out[0]) if len(out) > 1 else None
+    return tuple(out if both is None else [both, *out[1:-1]])
 
 
 def _join(a: Curve, b: Curve) -> Curve | None:
@@ -115,12 +112,8 @@ def _join(a: Curve, b: Curve) -> Curve | None:
 
 def turn(a: Curve, b: Curve) -> float:
     """Angle from the end of `a` to the start of `b` in radians, from -pi to pi."""
-    return angle_between(a.tangent(1.0), b.tangent(0.0))
-
-
-def angle_between(a: Point, b: Point) -> float:
-    """Angle from one direction to another in radians, from -pi to pi."""
-    return atan2(cross(a, b), dot(a, b))
+    ahead, way = a.tangent(1.0), b.tangent(0.0)
+    return atan2(cross(ahead, way), dot(ahead, way))
 
 
 def _alike(a: Curve, b: Curve, least: float, most: float) -> bool:
@@ -161,46 +154,27 @@ def _arc_of(run: list[Curve]) -> Arc | None:
 
 def shape_of(chain: Chain) -> Round | Slotted | None:
     """A circle or a slot where the chain is one; None for everything else."""
-    curves = with_arcs(chain)
+    # A radius that rounding makes a hair less than half a slot's width leaves no side.
+    curves = with_arcs(tuple(c for c in chain if c.length > NO_SIDE))
     arcs = [c for c in curves if isinstance(c, Arc)]
     lines = [c for c in curves if isinstance(c, Line)]
     if len(arcs) + len(lines) != len(curves) or not arcs:
         return None
-    first = arcs[0]
-    if any(abs(a.radius - first.radius) > ON_CIRCLE for a in arcs):
-        return None
-    if not lines:
-        same = all(dist(a.centre, first.centre) < ON_CIRCLE for a in arcs)
-        full = abs(abs(sum(a.sweep_deg for a in arcs)) - 360.0) < 0.5
-        return Round(first.centre, 2 * first.radius) if same and full else None
-    sweep = {2: 180.0, 4: 90.0}.get(len(arcs))
-    if len(lines) != len(arcs) or sweep is None:
+    (x0, y0), (x1, y1), radius = arcs[0].centre, arcs[-1].centre, arcs[0].radius
+    if any(abs(a.radius - radius) > ON_CIRCLE for a in arcs):
         return None
     turns = [a.sweep_deg for a in arcs]
-    if any(abs(abs(t) - sweep) > 0.5 for t in turns) or min(turns) * max(turns) < 0:
+    if not lines:
+        same = all(dist(a.centre, (x0, y0)) < ON_CIRCLE for a in arcs)
+        full = abs(abs(sum(turns)) - 360.0) < 0.5
+        return Round((x0, y0), 2 * radius) if same and full else None
+    half = all(abs(abs(t) - 180.0) <= 0.5 for t in turns) and min(turns) * max(turns) > 0
+    if not half or len(lines) != 2 or len(arcs) != 2:
         return None
-    return _slotted([a.centre for a in arcs], 2 * first.radius)
-
-
-def _slotted(centres: list[Point], diameter: float) -> Slotted | None:
-    middle = (sum(c[0] for c in centres) / len(centres), sum(c[1] for c in centres) / len(centres))
-    sides = [
-        (b[0] - a[0], b[1] - a[1]) for a, b in zip(centres, centres[1:] + centres[:1], strict=True)
-    ]
-    longest = max(sides[:2], key=lambda s: hypot(*s))
-    length = hypot(*longest)
-    height = 0.0
-    if len(centres) == 4:
-        if any(abs(hypot(*sides[i]) - hypot(*sides[i + 2])) > ON_CIRCLE for i in (0, 1)):
-            return None
-        skew = sides[0][0] * sides[1][0] + sides[0][1] * sides[1][1]
-        if abs(skew) > ON_CIRCLE * length:
-            return None
-        height = min(hypot(*sides[0]), hypot(*sides[1]))
-    angle = degrees(atan2(longest[1], longest[0])) % 180.0
+    angle = degrees(atan2(y1 - y0, x1 - x0)) % 180.0
     if angle > 180.0 - 1e-9 or angle < 1e-9:
         angle = 0.0
-    return Slotted(middle, diameter, length, height if height > 1e-6 else 0.0, angle)
+    return Slotted(((x0 + x1) / 2, (y0 + y1) / 2), 2 * radius, hypot(x1 - x0, y1 - y0), angle)
 
 
 class Corner(Struct, frozen=True, gc=False):
@@ -226,27 +200,21 @@ def sharpened(chain: Chain) -> Chain:
         sharp = not (gentle[i] and gentle[(i + 1) % n])
         if sharp or line.length > LONGER * beside:
             sides.append(line)
-    if len(sides) < 4:
+    corners = list(map(_rounded, sides, [*sides[1:], *sides[:1]]))
+    met = [corner for corner in corners if corner is not None]
+    if len(sides) < 4 or len(met) < len(sides):
         return chain
-    corners: list[Point | Arc] = []
-    for j, side in enumerate(sides):
-        corner = _rounded(side, sides[(j + 1) % len(sides)])
-        if corner is None:
-            return chain
-        corners.append(corner)
     out: list[Curve] = []
-    for j, corner in enumerate(corners):
-        before = corners[j - 1]
-        leave = before.end if isinstance(before, Arc) else before
-        if isinstance(corner, Arc):
-            out += [Line(leave, corner.start), corner]
-        else:
-            out.append(Line(leave, corner))
+    for (*_, leave), (enter, rounding, _) in zip([met[-1], *met], met, strict=False):
+        out += [Line(leave, enter), *rounding]
     return tuple(out)
 
 
-def _rounded(before: Line, after: Line) -> Point | Arc | None:
-    """The corner of two sides, or the arc that rounds it off; None where they never meet."""
+def _rounded(before: Line, after: Line) -> tuple[Point, tuple[Arc, ...], Point] | None:
+    """Where the corner of two sides begins, the arc that rounds it off, if any, and where it ends.
+
+    None where the sides never meet.
+    """
     at = _meet(_side(before), _side(after))
     if at is None:
         return None
@@ -254,7 +222,7 @@ def _rounded(before: Line, after: Line) -> Point | Arc | None:
     first, second = hypot(ax - x, ay - y), hypot(bx - x, by - y)
     half = abs(turn(before, after)) / 2
     if min(first, second) < MIN_ROUND or abs(first - second) > UNEVEN * max(first, second):
-        return at
+        return at, (), at
     reach = (first + second) / 2
     ux, uy = before.tangent(0.5)
     vx, vy = after.tangent(0.5)
@@ -263,7 +231,8 @@ def _rounded(before: Line, after: Line) -> Point | Arc | None:
     long = hypot(wx, wy)
     middle = (x + wx / long * deep, y + wy / long * deep)
     start, end = (x - ux * reach, y - uy * reach), (x + vx * reach, y + vy * reach)
-    return arc_by_points(start, middle, end) or at
+    arc = arc_by_points(start, middle, end)
+    return (at, (), at) if arc is None else (arc.start, (arc,), arc.end)
 
 
 def corners_of(curves: Chain) -> tuple[Corner, ...] | None:
@@ -277,26 +246,30 @@ def corners_of(curves: Chain) -> tuple[Corner, ...] | None:
         return None
     start = kinds.index(Line)
     curves = curves[start:] + curves[:start]
-    first = [c.tangent(0.0) for c in curves]
-    last = [c.tangent(1.0) if isinstance(c, Arc) else first[i] for i, c in enumerate(curves)]
     sides: list[_Side] = []
     for i, curve in enumerate(curves):
         if not isinstance(curve, Arc):
-            sides.append(_Side(curve.start, first[i]))
+            sides.append(_Side(curve.start, curve.tangent(0.0)))
             continue
         # A toe as round as the leg is thick starts at a sharp edge: its tip is a side of length 0.
-        if abs(angle_between(last[i - 1], first[i])) > SHARP_RAD:
-            sides.append(_Side(curve.start, first[i]))
+        if abs(turn(curves[i - 1], curve)) > SHARP_RAD:
+            sides.append(_Side(curve.start, curve.tangent(0.0)))
         sides[-1].radius = max(sides[-1].radius, curve.radius)
-        if abs(angle_between(last[i], first[(i + 1) % len(first)])) > SHARP_RAD:
-            sides.append(_Side(curve.end, last[i]))
-    points: list[Point] = []
-    for i, side in enumerate(sides):
-        at = _meet(side, sides[(i + 1) % len(sides)])
-        if at is None:
-            return None
-        points.append(at)
-    return _unchamfered(_oriented(points, [s.radius for s in sides]))
+        if abs(turn(curve, curves[(i + 1) % len(curves)])) > SHARP_RAD:
+            sides.append(_Side(curve.end, curve.tangent(1.0)))
+    met = map(_meet, sides, [*sides[1:], *sides[:1]])
+    points, radii = [at for at in met if at is not None], [side.radius for side in sides]
+    if len(points) < len(sides):
+        return None
+    if sum(map(cross, points, [*points[1:], points[0]])) < 0:
+        points, radii = points[::-1], radii[::-1]
+    return _unchamfered(list(map(Corner, points, radii, reflex(points))))
+
+
+def reflex(points: Sequence[Point]) -> tuple[bool, ...]:
+    """Whether each corner of a polygon, counter-clockwise, is an inner one."""
+    ways = [(b[0] - a[0], b[1] - a[1]) for a, b in zip([points[-1], *points], points, strict=False)]
+    return tuple(cross(a, b) < 0 for a, b in zip(ways, [*ways[1:], ways[0]], strict=True))
 
 
 class _Side(Struct, gc=False):
@@ -322,33 +295,17 @@ def _meet(a: _Side, b: _Side) -> Point | None:
     return px + t * dx, py + t * dy
 
 
-def _oriented(points: list[Point], radii: list[float]) -> list[Corner]:
-    if sum(map(cross, points, [*points[1:], points[0]])) < 0:
-        points, radii = points[::-1], radii[::-1]
-    ways = [(b[0] - a[0], b[1] - a[1]) for a, b in zip([points[-1], *points], points, strict=False)]
-    bends = map(cross, ways, [*ways[1:], ways[0]])
-    return [Corner(p, r, b < 0) for p, r, b in zip(points, radii, bends, strict=True)]
-
-
 def _unchamfered(corners: list[Corner]) -> tuple[Corner, ...]:
     """The corners with each pair of inner ones that a chamfer joins as the corner it cuts off."""
     n = len(corners)
-    if n < 8:
-        return tuple(corners)
-    for i in range(n):
-        a, b = corners[i], corners[(i + 1) % n]
+    for i in range(n if n >= 8 else 0):
+        before, a, b, after = (corners[(i + k) % n] for k in (-1, 0, 1, 2))
         if not (a.reflex and b.reflex):
             continue
-        before, after = corners[i - 1], corners[(i + 2) % n]
         legs = Line(before.at, a.at), Line(a.at, b.at), Line(b.at, after.at)
         first, second = turn(legs[0], legs[1]), turn(legs[1], legs[2])
-        if abs(first - second) < 0.02 and abs(first + pi / 4) < 0.25:
-            at = _meet(_side(legs[0]), _side(legs[2]))
-            if at is None:
-                continue
-            leg = hypot(at[0] - a.at[0], at[1] - a.at[1])
-            merged = Corner(at, leg, True)
-            rest = [c for j, c in enumerate(corners) if j not in (i, (i + 1) % n)]
-            rest.insert(i if i + 1 < n else 0, merged)
-            return _unchamfered(rest)
+        at = _meet(_side(legs[0]), _side(legs[2]))
+        if at is not None and abs(first - second) < 0.02 and abs(first + pi / 4) < 0.25:
+            rest = [*corners, *corners][i + 2 : i + n]
+            return _unchamfered([Corner(at, dist(at, a.at), True), *rest])
     return tuple(corners)

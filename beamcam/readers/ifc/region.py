@@ -18,11 +18,10 @@ from numpy.typing import NDArray
 from beamcam.budget import check_member
 from beamcam.geometry.curves import Arc, Curve, Line, Point
 from beamcam.geometry.plane import cross
-from beamcam.readers.ifc.brep import Cylinder
 from beamcam.readers.ifc.curves2d import Chain
 from beamcam.readers.ifc.entities import Unreadable
 from beamcam.readers.ifc.outline import joined, with_arcs
-from beamcam.readers.ifc.space import Vec, dot
+from beamcam.readers.ifc.space import Cylinder, Vec, dot
 
 SAGITTA = 5e-4  #: mm between an arc and its polygon
 MOST_POINTS = 20_000  #: of an arc's polygon; a whole circle of 40 m
@@ -177,7 +176,7 @@ def circles_in(cylinders: Sequence[Cylinder], normal: Vec, u: Vec, v: Vec) -> Ci
     found = Circles(facets=True)
     for one in cylinders:
         if 1.0 - dot(one.axis, normal) ** 2 <= UPRIGHT:
-            found.add((dot(one.frame.o, u), dot(one.frame.o, v)), one.radius, SAME)
+            found.add((dot(one.point, u), dot(one.point, v)), one.radius, SAME)
     return found
 
 

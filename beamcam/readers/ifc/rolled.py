@@ -149,9 +149,9 @@ def _end_section(shell: Shell, axis: Vec, side: int, u: Vec, v: Vec, widest: flo
     No two of its stations are alike, and no corner of theirs lies on a rounding. Those of an end
     do, if it is one plane; along the axis the end is the section.
     """
-    end = np.isin(shell.rings.face_of_corner, end_faces(shell, axis, side))
+    end = np.isin(shell.face, end_faces(shell, axis, side))
     flat = np.column_stack((coordinates(shell.points, u), coordinates(shell.points, v)))
-    before = flat[shell.rings.before]
+    before = flat[shell.before]
     pieces = pieces_of(region_within(np.stack((before[end], flat[end]), axis=1)))
     if len(pieces) != 1 or pieces[0].area < WHOLE_END * widest:
         return None
@@ -213,7 +213,7 @@ def round_axis(shell: Shell, along: Vec) -> Vec | None:
 def end_faces(shell: Shell, axis: Vec, side: int) -> Places:
     """The faces that lie in the plane which most of an end's area lies in."""
     low, high = extent(shell, axis)
-    areas, faces = shell.areas, shell.rings.face_of_corner
+    areas, faces = shell.areas, shell.face
     middles = np.bincount(faces, coordinates(shell.points, axis)) / np.bincount(faces)
     there = (middles - (low + high) / 2) * side > 0
     there &= np.abs(coordinates(shell.area_normals, axis)) >= MIN_LEAN * areas

@@ -24,6 +24,7 @@ from beamcam.geometry.plane import cross
 from beamcam.model.part import Face, Profile, ProfileCode, SectionPoint
 from beamcam.model.section import corners, section_area
 from beamcam.readers.ifc.curves2d import Chain, box_around
+from beamcam.readers.ifc.outline import reflex
 from beamcam.readers.ifc.space import Vec
 
 SQUARE = 0.02  #: sine of the angle by which a side of a section may be off square; more is a slope
@@ -164,10 +165,7 @@ def _form(
         return tuple((pair[0], pair[1]) for pair in text.split())
 
     form = Form(names(corners), upright, names(webs), names(flanges), share)
-    p = form.drawn(9.0, 7.0, 1.0, 1.0, 2.0)
-    sides = [(b[0] - a[0], b[1] - a[1]) for a, b in zip([p[-1], *p], p, strict=False)]
-    bends = map(cross, sides, [*sides[1:], sides[0]])
-    return replace(form, reflex=tuple(bend < 0 for bend in bends))
+    return replace(form, reflex=reflex(form.drawn(9.0, 7.0, 1.0, 1.0, 2.0)))
 
 
 FORMS: dict[ProfileCode, Form] = {

@@ -18,7 +18,15 @@ from beamcam.model.part import Hole, Slot
 from beamcam.readers.ifc import rules
 from beamcam.readers.ifc.body import Body, Swept
 from beamcam.readers.ifc.curves2d import Chain
-from beamcam.readers.ifc.cutters import MIN_LEAN, Bounded, Box3, Cutter, HalfSpace, Prism, planes_of
+from beamcam.readers.ifc.cutters import (
+    MIN_LEAN,
+    Box3,
+    Combined,
+    Cutter,
+    HalfSpace,
+    Prism,
+    planes_of,
+)
 from beamcam.readers.ifc.ends import MemberEnd, of_plane, trim
 from beamcam.readers.ifc.entities import Entity, Model, Unreadable
 from beamcam.readers.ifc.finish import Levels, Regions, Shaped, from_regions, sawn
@@ -39,7 +47,7 @@ def end_plane(cutter: Cutter, stock: Stock, corners: Sequence[Point]) -> HalfSpa
     match cutter:
         case HalfSpace():
             planes = (cutter,)
-        case Bounded(first=HalfSpace() as half, second=Prism() as prism):
+        case Combined(first=HalfSpace() as half, others=(Prism() as prism,), less=False):
             planes = (half,)
         case Prism(shape=None):
             planes, prism = cutter.sides, cutter

@@ -12,7 +12,6 @@ from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from beamcam.budget import check_member
-from beamcam.readers.ifc.brep import Cylinder
 from beamcam.readers.ifc.region import (
     Circles,
     Segments,
@@ -22,7 +21,7 @@ from beamcam.readers.ifc.region import (
     with_circles,
 )
 from beamcam.readers.ifc.section import Wall
-from beamcam.readers.ifc.space import Frame, Vec, scale
+from beamcam.readers.ifc.space import ORIGIN, Cylinder, Frame, Vec, cross, scale
 
 ALONG = (1.0, 0.0, 0.0)  #: a member
 MOST_WAYS = 400  #: distinct directions of edges
@@ -40,32 +39,16 @@ Numbers = NDArray[np.float64]  #: (n,)
 Places = NDArray[np.intp]  #: (n,), of what stands in other arrays
 
 
-class Rings(Struct, frozen=True, eq=False):
-    """How the corners of a shell make rings, and the rings faces. All of them stand in order.
+class Shell(Struct, frozen=True, eq=False):
+    """A solid by its faces, each of them by rings of corners; also a cutter.
 
-    A face's first ring is its border, and its other rings are hollows.
+    Rings and faces stand one after another. A face's first ring is its border, and its other rings
+    are hollows.
     """
 
-    face: Places  #: of each ring
-    start: Places  #: the first corner of each ring
-    ring: Places  #: of each corner
-    before: Places  #: of each corner the one before it in its ring
-
-    @property
-    def borders(self) -> Places:
-        """The first ring of each face."""
-        return np.flatnonzero(np.diff(self.face, prepend=-1))
-
-    @property
-    def face_of_corner(self) -> Places:
-        return self.face[self.ring]
-
-
-class Shell(Struct, frozen=True, eq=False):
-    """A solid by its faces; also a cutter."""
-
     points: Points  #: the corners of all rings
-    rings: Rings
+    before: Places  #: of each corner the one before it in its ring
+    face: Places  #: of each corner
     area_normals: Points  #: of each face its normal times its area
     where: str | None = None
     cylinders: tuple[Cylinder, ...] = ()  #: that its facets stand for, where they are known
@@ -78,7 +61,7 @@ class Shell(Struct, frozen=True, eq=False):
     @property
     def firsts(self) -> Points:
         """The first corner of each face's border."""
-        return self.points[self.rings.start[self.rings.borders]]
+        return self.points[np.flatnonzero(np.diff(self.face, prepend=-1))]
 
     @property
     def areas(self) -> Numbers:
@@ -97,10 +80,13 @@ class Shell(Struct, frozen=True, eq=False):
         return abs(thrice) / 3
 
     def moved(self, by: Frame) -> "Shell":
-        points = moved(self.points, by)
-        cylinders = tuple(c.moved(by) for c in self.cylinders)
-        normals = area_normals(points, self.rings)
-        return replace(self, points=points, area_normals=normals, cylinders=cylinders)
+        areas = Frame(ORIGIN, cross(by.y, by.z), cross(by.z, by.x), cross(by.x, by.y))
+        return replace(
+            self,
+            points=moved(self.points, by),
+            area_normals=moved(self.area_normals, areas),
+            cylinders=tuple(c.moved(by) for c in self.cylinders),
+        )
 
     def planes_across(self, axis: Vec, least: float) -> list[tuple[Vec, Vec]]:
         """Point and normal of the planes that hold most of the shell's area, the first the most.
@@ -138,51 +124,31 @@ def shell(
     Corners on the one before them, rings of less than three corners and faces without an area
     are left out, so that it may have no faces at all.
     """
-    rings = _rings(np.array(sizes, np.intp), np.array(faces, np.intp))
-    apart = (points != points[rings.before]).any(axis=1)
-    corners = np.bincount(rings.ring, apart, len(rings.face)).astype(np.intp)
-    points, rings = _kept(points[apart], corners, rings.face, corners >= 3)
-    normals = area_normals(points, rings)
+    ring = np.repeat(np.arange(len(sizes)), sizes)
+    apart = (points != points[_before(ring)]).any(axis=1)
+    apart &= np.bincount(ring, apart, len(sizes))[ring] >= 3
+    kept, ring = np.unique(ring[apart], return_inverse=True)
+    _, borders, of_ring = np.unique(np.array(faces)[kept], return_index=True, return_inverse=True)
+    points, before = points[apart], _before(ring)
+    off = points - points[np.flatnonzero(np.diff(ring, prepend=-1))][ring]
+    twice = np.cross(off[before], off)
+    by_ring = np.column_stack([np.bincount(ring, column, len(kept)) for column in twice.T]) / 2
+    normals = by_ring[borders]
+    for k in np.setdiff1d(np.arange(len(kept)), borders).tolist():
+        hollow, border = by_ring[k], by_ring[borders[of_ring[k]]]
+        normals[of_ring[k]] -= hollow if hollow @ border > 0 else -hollow  # whichever way it runs
     solid = lengths(normals) > MIN_AREA
-    if not solid.all():
-        corners = np.bincount(rings.ring, minlength=len(rings.face))
-        points, rings = _kept(points, corners, rings.face, solid[rings.face])
-        normals = normals[solid]
-    return Shell(points, rings, normals, where)
+    face, there = of_ring[ring], solid[of_ring[ring]]
+    numbers = np.cumsum(solid) - 1
+    return Shell(points[there], _before(ring[there]), numbers[face[there]], normals[solid], where)
 
 
-def _rings(sizes: Places, faces: Places) -> Rings:
-    """Rings of so many corners; their faces are numbered again, without gaps."""
-    count = len(sizes)
-    start = np.cumsum(sizes) - sizes
-    before = np.arange(-1, int(sizes.sum()) - 1)
-    before[start] = start + sizes - 1
-    numbered = np.cumsum(np.diff(faces, prepend=faces[:1]) != 0)
-    return Rings(numbered, start, np.repeat(np.arange(count), sizes), before)
-
-
-def _kept(
-    points: Points, sizes: Places, faces: Places, keep: NDArray[np.bool_]
-) -> tuple[Points, Rings]:
-    """The rings that are to be kept, and their corners."""
-    return points[np.repeat(keep, sizes)], _rings(sizes[keep], faces[keep])
-
-
-def area_normals(points: Points, rings: Rings) -> Points:
-    """The normal of each face times its area, hollows taken off whichever way they run."""
-    off = points - points[rings.start][rings.ring]
-    twice = np.cross(off[rings.before], off)
-    count = len(rings.face)
-    by_ring = np.column_stack([np.bincount(rings.ring, column, count) for column in twice.T]) / 2
-    borders = rings.borders
-    found: Points = by_ring[borders]
-    if len(borders) == count:
-        return found
-    for k in np.setdiff1d(np.arange(count), borders).tolist():
-        face, hollow = rings.face[k], by_ring[k]
-        if found[face].any():
-            found[face] -= hollow if hollow @ found[face] > 0 else -hollow
-    return found
+def _before(ring: Places) -> Places:
+    """Of each corner the one before it, by the ring of each."""
+    before = np.arange(-1, len(ring) - 1)
+    starts = np.flatnonzero(np.diff(ring, prepend=-1))
+    before[starts] = np.append(starts[1:], len(ring))[: len(starts)] - 1
+    return before
 
 
 def moved(points: Points, by: Frame) -> Points:
@@ -226,17 +192,17 @@ def section(shell: Shell, at: Vec, normal: Vec, u: Vec, v: Vec) -> Shape:
 
 def segments(shell: Shell, at: Vec, normal: Vec, u: Vec, v: Vec) -> Segments:
     """Where a plane cuts the faces; a vertex on the plane counts as just above it."""
-    points, rings = shell.points, shell.rings
+    points = shell.points
     heights = coordinates(points - np.array(at), normal)
     above = heights >= 0
-    after = np.flatnonzero(above != above[rings.before])
-    before = rings.before[after]
+    after = np.flatnonzero(above != above[shell.before])
+    before = shell.before[after]
     # Both faces of an edge have to give the very same point.
     up, down = np.where(above[after], (after, before), (before, after))
     share = heights[down] / (heights[down] - heights[up])
     hits = points[down] + (points[up] - points[down]) * share[:, None]
     # The plane goes into a face and out of it by turns, along the line in which they meet.
-    face = rings.face[rings.ring[after]]
+    face = shell.face[after]
     ways = np.cross(shell.area_normals[face], np.broadcast_to(np.array(normal), hits.shape))
     order = np.lexsort((dots(hits, ways), face))
     flat = np.column_stack((coordinates(hits, u), coordinates(hits, v)))[order] + 0.0
@@ -289,25 +255,16 @@ def _edges(shell: Shell) -> tuple[Points, Numbers, NDArray[np.bool_]]:
 
     Those between two faces of one plane, as in a mesh of triangles, are not.
     """
-    before = shell.rings.before
-    edges = shell.points - shell.points[before]
-    length = lengths(edges)
-    real = length >= MIN_EDGE
-    ways, length = edges[real] * (1 / length[real])[:, None], length[real]
-    return ways, length, _creased(shell, before)[real]
-
-
-def _creased(shell: Shell, before: Places) -> NDArray[np.bool_]:
-    """Whether at each edge, before its corner, two faces meet that are not in one plane."""
     _, corner = np.unique(shell.points.round(3), axis=0, return_inverse=True)
-    ends = np.sort(np.column_stack((corner.ravel()[before], corner.ravel())), axis=1)
+    ends = np.sort(np.column_stack((corner.ravel()[shell.before], corner.ravel())), axis=1)
     _, edge, count = np.unique(ends, axis=0, return_inverse=True, return_counts=True)
     total = np.zeros((len(count), 3))
-    normals = shell.area_normals / shell.areas[:, None]
-    np.add.at(total, edge.ravel(), normals[shell.rings.face_of_corner])
+    np.add.at(total, edge.ravel(), (shell.area_normals / shell.areas[:, None])[shell.face])
     flat = (count == 2) & (lengths(total) > 2 - 1e-6)
-    creased: NDArray[np.bool_] = ~flat[edge.ravel()]
-    return creased
+    edges = shell.points - shell.points[shell.before]
+    length = lengths(edges)
+    real = length >= MIN_EDGE
+    return edges[real] * (1 / length[real])[:, None], length[real], ~flat[edge.ravel()][real]
 
 
 def broadest_normal(shell: Shell) -> Vec:

@@ -1,6 +1,7 @@
 """A body as a solid of manifold3d; by its sections across where its faces close none."""
 
 from collections.abc import Iterator
+from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -43,23 +44,22 @@ def _manifold(points: Points, corners: Any) -> "Manifold | None":
 
 def _triangles(body: Shell) -> Any:
     """The corners of triangles that the faces of a shell are made of, counter-clockwise."""
-    rings = body.rings
-    sizes = np.bincount(rings.ring, minlength=len(rings.face))
-    plain = (np.bincount(rings.face)[rings.face] == 1) & (sizes == 3)
-    found = [rings.start[plain][:, None] + np.arange(3)]
-    for face in np.unique(rings.face[~plain]).tolist():
+    corners = np.arange(len(body.points))
+    if len(corners) == 3 * body.count:
+        return corners.reshape(-1, 3)
+    found = []
+    rings = np.split(corners, np.flatnonzero(body.before > corners)[1:])
+    for face, of_face in groupby(rings, key=lambda ring: int(body.face[ring[0]])):
         normal = body.area_normals[face]
         drop = int(np.abs(normal).argmax())
         u, v = ((1, 2), (2, 0), (0, 1))[drop]
-        flat = body.points[:, (u, v)] * (1.0, np.sign(normal[drop]))
-        places = []
-        for k, ring in enumerate(np.flatnonzero(rings.face == face).tolist()):
-            here = np.arange(rings.start[ring], rings.start[ring] + sizes[ring])
-            x, y = flat[here].T
-            if k and x @ np.roll(y, -1) > y @ np.roll(x, -1):
-                here = here[::-1]  # hollows run the other way
-            places.append(here)
-        drawn = [np.ascontiguousarray(flat[here]) for here in places]
+        places: list[Any] = []
+        drawn: list[Any] = []
+        for ring in of_face:
+            x, y = body.points[ring, u], body.points[ring, v] * np.sign(normal[drop])
+            way = -1 if places and x @ np.roll(y, -1) > y @ np.roll(x, -1) else 1
+            places.append(ring[::way])  # hollows run the other way
+            drawn.append(np.column_stack((x, y))[::way])
         found.append(np.concatenate(places)[kernel().triangulate(drawn)])
     return np.concatenate(found)
 

@@ -2,7 +2,9 @@
 
 from math import sqrt
 
+import numpy as np
 from msgspec import Struct
+from numpy.typing import NDArray
 
 Vec = tuple[float, float, float]
 
@@ -99,14 +101,8 @@ class Frame(Struct, frozen=True, gc=False):
     def even(self) -> bool:
         """Whether it keeps the form of what lies in it, be it larger, smaller or mirrored."""
         x, y, z, xx = self.x, self.y, self.z, dot(self.x, self.x)
-        slack = EVEN * xx
-        return (
-            abs(dot(y, y) - xx) < slack
-            and abs(dot(z, z) - xx) < slack
-            and abs(dot(x, y)) < slack
-            and abs(dot(y, z)) < slack
-            and abs(dot(z, x)) < slack
-        )
+        off = dot(y, y) - xx, dot(z, z) - xx, dot(x, y), dot(y, z), dot(z, x)
+        return max(map(abs, off)) < EVEN * xx
 
     def inverse(self) -> "Frame":
         """The map back. Raises ValueError if the axes lie in one plane."""
@@ -121,3 +117,21 @@ class Frame(Struct, frozen=True, gc=False):
 
 
 IDENTITY = Frame()
+
+
+class Cylinder(Struct, frozen=True):
+    """A cylinder by a point of its axis, the unit vector along it, and its radius."""
+
+    point: Vec
+    axis: Vec
+    radius: float
+
+    def off(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """How many mm points (n, 3) lie off it."""
+        across = np.cross(points - np.array(self.point), np.array(self.axis))
+        off: NDArray[np.float64] = np.abs(np.linalg.norm(across, axis=1) - self.radius)
+        return off
+
+    def moved(self, by: Frame) -> "Cylinder":
+        """The cylinder elsewhere, as large as it is."""
+        return Cylinder(by.point(self.point), unit(by.vector(self.axis)), self.radius)

@@ -8,7 +8,7 @@ from msgspec.structs import replace
 
 from beamcam.errors import Source
 from beamcam.readers.ifc import Options, checks, kernel, read
-from beamcam.readers.ifc.kernel import FACETED, ROUNDER, Built, build, build_both, load
+from beamcam.readers.ifc.kernel import FACETED, ROUNDER, Built, build, built, load
 from beamcam.readers.ifc.marks import Data
 from beamcam.readers.ifc.same_solid import Differences
 from tests.unit.readers.ifc.models import Small, opened
@@ -114,11 +114,11 @@ def test_only_the_slots_of_the_member_are_made_less_round() -> None:
 def test_facets_and_surfaces_of_one_solid_are_those_of_two() -> None:
     model = opened(drilled().data)
     (element,) = model.file.by_type("IfcBeam")
-    built = build_both(model, element)
+    found = built(model, element, {})
     finer = build(model, element)
-    assert 26 < built.shell.count <= finer.shell.count
-    assert built.volume == finer.volume
-    assert built.shell.cylinders == build_both(model, element).shell.cylinders != ()
+    assert 26 < found.shell.count <= finer.shell.count
+    assert found.volume == finer.volume
+    assert found.shell.cylinders == built(model, element, {}).shell.cylinders != ()
 
 
 def test_a_form_that_the_kernel_cannot_give_is_no_solid(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -7,9 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from beamcam.geometry.curves import Arc, Line, Point
-from beamcam.readers.ifc.brep import Cylinder
 from beamcam.readers.ifc.region import Circles, circles_in, on_circles
-from beamcam.readers.ifc.space import Frame
+from beamcam.readers.ifc.space import Cylinder
 
 X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 
@@ -55,10 +54,10 @@ def test_what_is_no_facet_of_the_circle_stays() -> None:
 
 
 def test_circles_are_those_square_to_the_normal_each_once() -> None:
-    upright = Cylinder(Frame((3.0, 4.0, 9.0), X, Y, Z), 5.0)
-    turned = Cylinder(Frame((3.0, 4.0, -9.0), Y, X, (0.0, 0.0, -1.0)), 5.0)
-    lying = Cylinder(Frame((3.0, 4.0, 9.0), Y, Z, X), 5.0)
-    wider = Cylinder(Frame((3.0, 4.0, 9.0), X, Y, Z), 6.0)
+    upright = Cylinder((3.0, 4.0, 9.0), Z, 5.0)
+    turned = Cylinder((3.0, 4.0, -9.0), (0.0, 0.0, -1.0), 5.0)
+    lying = Cylinder((3.0, 4.0, 9.0), X, 5.0)
+    wider = Cylinder((3.0, 4.0, 9.0), Z, 6.0)
     every = (upright, turned, lying, wider)
     assert circles_in(every, Z, X, Y).known == [((3.0, 4.0), 5.0), ((3.0, 4.0), 6.0)]
     assert circles_in(every, X, Y, Z).known == [((4.0, 9.0), 5.0)]
