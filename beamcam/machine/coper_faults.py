@@ -45,12 +45,11 @@ def coper_faults(machine: Machine) -> Iterator[Fault]:
             yield f"coper.supports.{k}.max", zone.max, f"more than min, {zone.min:g}"
     if coper.a_unit == "mm" and {*coper.profiles} != {"RO"}:
         yield "coper.a_unit", "mm", "deg, as only round tubes (RO) turn evenly with their surface"
-    if coper.corners and "M" not in coper.profiles:
-        yield "coper.corners", len(coper.corners), "none where coper.profiles has no M"
-    if coper.corner and "M" not in coper.profiles:
-        yield "coper.corner", coper.corner, "none where coper.profiles has no M"
-    if coper.lip and "C" not in coper.profiles:
-        yield "coper.lip", coper.lip, "none where coper.profiles has no C"
+    for name, found, code in (
+        ("corners", len(coper.corners), "M"), ("corner", coper.corner, "M"), ("lip", coper.lip, "C")
+    ):  # fmt: skip
+        if found and code not in coper.profiles:
+            yield f"coper.{name}", found, f"none where coper.profiles has no {code}"
     yield from _reach_faults(machine, coper)
     if coper.tcp == bool(coper.pivot):
         expected = "0 where tcp is true, and above 0 where it is false"

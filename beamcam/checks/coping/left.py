@@ -6,7 +6,7 @@ from typing import Any
 from msgspec import Struct
 
 from beamcam.checks.coping import rules
-from beamcam.checks.coping.section import CoperSection, line_of, pieces_of
+from beamcam.checks.coping.section import CoperSection, TubeSection, line_of, pieces_of
 from beamcam.checks.coping.stock import WallStock
 from beamcam.errors import Diagnostic, Source
 
@@ -30,12 +30,18 @@ def left_of(
     slack: float,
 ) -> WallPieces:
     """The pieces of a wall of the bar, or of the piece, after all strokes."""
-    from shapely import MultiPolygon, box, union_all
+    from shapely import box
 
     low, high = section.extent(face)
     bar = stock.wall(face).intersection(box(-1e6, low, 1e6, high))
-    rest = bar.difference(union_all([surely for surely, _ in gone])) if gone else bar
-    pieces = [p for p in pieces_of(rest) if p.area > SPECK]
+    return parted(bar, [surely for surely, _ in gone], drawn, slack)
+
+
+def parted(bar: Shape, gone: Sequence[Shape], drawn: Shape, slack: float) -> WallPieces:
+    """The pieces of a surface that is cut; those of the part have steel well within it."""
+    from shapely import MultiPolygon, union_all
+
+    pieces = [p for p in pieces_of(bar.difference(union_all(gone))) if p.area > SPECK]
     core = drawn.intersection(bar).buffer(-2 * slack, join_style="mitre")
     mine = [p for p in pieces if p.intersection(core).area > SPECK]
     others = [p for p in pieces if not any(p is one for one in mine)]
@@ -43,9 +49,10 @@ def left_of(
 
 
 def kept_faults(
-    face: str, left: WallPieces, wanted: Shape, slack: float, name: str
-) -> Iterator[Diagnostic]:
-    """Scrap that holds to the part."""
+    face: str, left: WallPieces, wanted: Shape, slack: float, name: str,
+    tube: TubeSection | None = None,
+) -> Iterator[Diagnostic]:  # fmt: skip
+    """Scrap that holds to the part, on a face or on the whole surface of a tube."""
     if left.part.is_empty:
         yield rules.GONE.at(Source(name), face=face)
         return
@@ -55,8 +62,9 @@ def kept_faults(
             far = max(wanted.distance(line_of([p])) for p in outline_of(piece))
             x, y = piece.representative_point().coords[0]
             yield rules.LEFT.at(
-                Source(name), found=f"{far:.2f}", face=face, x=f"{x:.1f}", y=f"{y:.1f}"
-            )
+                Source(name), found=f"{far:.2f}", face=tube.face_at(y) if tube else face,
+                x=f"{x:.1f}", y=f"{y:.1f}",
+            )  # fmt: skip
             return
 
 

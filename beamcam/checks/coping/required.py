@@ -122,8 +122,6 @@ def walls_asked(
     strokes: Sequence[TorchStroke],
 ) -> WallsAsked:
     """What has to stay of a part; `left` are features that are not made."""
-    from shapely import union_all
-
     ends = (None, None) if stock.is_piece else skew_ends(part, section)
 
     def surface(face: str, depth: float, tilted: Sequence[bool]) -> RequiredWall:
@@ -162,6 +160,18 @@ def walls_asked(
         off[face] = max(mm, off.get(face, 0.0))
     made = [end for end, yes in zip(ends, tilted, strict=True) if end is not None and yes]
     passes = passes_of(part, section, coper, strokes, made)
+    _with_passes(wanted, passes, section)
+    told = {face: mm for face, mm in off.items() if mm >= LEAST_OFF}
+    return WallsAsked(wanted, on_walls, made, told, passes)
+
+
+def _with_passes(
+    wanted: dict[tuple[str, float], RequiredWall], passes: Sequence[BevelPass],
+    section: CoperSection,
+) -> None:  # fmt: skip
+    """Walls at both surfaces and at the lands of their bevels, without what the bevels take."""
+    from shapely import union_all
+
     for face in {one.stroke.face for one in passes}:
         own = [one for one in passes if one.stroke.face == face]
         outer, thick = wanted[face, 0.0], section.thickness(face)
@@ -179,12 +189,6 @@ def walls_asked(
                 )
             )
             wanted[face, down] = RequiredWall(drawn, cut, outer.short, most)
-    return WallsAsked(
-        wanted, on_walls,
-        made,
-        {face: mm for face, mm in off.items() if mm >= LEAST_OFF},
-        passes,
-    )  # fmt: skip
 
 
 def _with_square_end(

@@ -17,7 +17,8 @@ from beamcam.checks.coping import rules
 from beamcam.checks.coping.box_tube import LEAST_OFF, TubeWanted, box_wanted
 from beamcam.checks.coping.chart import row_for
 from beamcam.checks.coping.collisions import collision_faults, turned_unseen
-from beamcam.checks.coping.section import TubeSection, areas_of, kerf_of, line_of, pieces_of
+from beamcam.checks.coping.left import kept_faults, outline_of, parted
+from beamcam.checks.coping.section import TubeSection, areas_of, kerf_of, line_of
 from beamcam.checks.coping.stock import (
     FINE,
     TubeStock,
@@ -46,7 +47,6 @@ Shape = Any  #: of shapely
 
 SHARES = (0.25, 0.5, 0.75)  #: of a block, where the torch is looked at besides its ends
 MIDDLE_SLACK = 0.05  #: mm there, as on a corner the tip goes straight between two places
-SPECK = 0.05  #: mm2 that is nothing
 SPEED_SHARE = 0.01  #: of a block's way that its time may be off by, besides how it is written
 HOLE_STEPS = 120
 END_STEPS = 1440  #: of a skew end
@@ -200,7 +200,7 @@ def tube_faults(
         whole = replace(whole, cut=whole.cut.intersection(bare))
     diagnostics = [
         *said,
-        *_compared(torch.strokes, whole, stock, part, section, coper, rows, slack, name),
+        *_compared(torch.strokes, whole, stock, section, coper, rows, slack, name),
         *seam_faults(torch.strokes, section, coper, slack, name),
         *support_faults(torch.strokes, coper, name),
         *chuck_faults(torch.ways, part, coper, name),
@@ -217,7 +217,6 @@ def _compared(
     strokes: Sequence[TorchStroke],
     asked: TubeWanted,
     stock: TubeStock,
-    part: Part,
     section: TubeSection,
     coper: Coper,
     rows: Sequence[TorchRow],
@@ -225,7 +224,7 @@ def _compared(
     name: str,
 ) -> Iterator[Diagnostic]:
     """What is left of the unrolled surface, on three turns one above the other."""
-    from shapely import MultiPolygon, Point, box, prepare, union_all
+    from shapely import Point, box, prepare, union_all
     from shapely.affinity import translate
 
     drawn, expected = asked.drawn, asked.cut
@@ -246,12 +245,7 @@ def _compared(
         run, kerf = line_of(points), kerf_of(points, half)
         burnt = union_all([kerf, Point(points[0]).buffer(stroke.row.pierce_radius)])
         if kept.intersects(burnt) and (hurt := burnt.intersection(kept)).area > 0.0:
-            x, u = hurt.representative_point().coords[0]
-            deep = slack + max(kept.boundary.distance(Point(p)) for p in _places(hurt))
-            yield rules.HURT.at(
-                source, found=f"{deep:.2f}", face=section.face_at(u), x=f"{x:.1f}", y=f"{u:.1f}",
-                expected=f"{slack:.2f}",
-            )  # fmt: skip
+            yield _hurt(hurt, kept, section, slack, source)
             return
         lead = _lead_of(points, coper.lead + half, slack)
         off = line_of(points[lead:]).difference(edges[stroke.row.kerf])
@@ -264,10 +258,9 @@ def _compared(
             x, u = points[0]
             yield rules.EXTRA.at(source, x=f"{x:.1f}", y=f"{u:.1f}", face=stroke.face)
         # No arc starts over a hole that is there; none goes over an end of a piece that comes cut.
-        in_air = stock.solid.distance(Point(points[0])) > slack
-        if stock.is_piece and run.difference(stock.steel.buffer(slack)).length > slack:
-            in_air = True
-        if in_air:
+        if stock.solid.distance(Point(points[0])) > slack or (
+            stock.is_piece and run.difference(stock.steel.buffer(slack)).length > slack
+        ):
             yield rules.AIR.at(source, x=f"{points[0][0]:.1f}", y=f"{us[0]:.1f}", face=stroke.face)
         if fits is None or stroke.row.feed_mm_min != fits.feed_mm_min:
             yield rules.FEED.at(
@@ -280,23 +273,19 @@ def _compared(
         parting = parting or is_far
         gone += [translate(kerf, 0.0, k * turn) for k in range(-3, 3)]
     gone = [one for one in gone if one.intersects(bar)]
-    pieces = [p for p in pieces_of(bar.difference(union_all(gone))) if p.area > SPECK]
-    core = drawn.buffer(-2 * slack, join_style="mitre")
-    mine = MultiPolygon([p for p in pieces if p.intersection(core).area > SPECK])
-    if mine.is_empty:
-        yield rules.GONE.at(Source(name), face="v")
-    for piece in pieces_of(mine.difference(expected.buffer(slack, join_style="mitre"))):
-        if piece.area > SPECK:
-            far = max(expected.distance(Point(p)) for p in _places(piece))
-            x, u = piece.representative_point().coords[0]
-            yield rules.LEFT.at(
-                Source(name),
-                found=f"{far:.2f}",
-                face=section.face_at(u),
-                x=f"{x:.1f}",
-                y=f"{u:.1f}",
-            )
-            return
+    yield from kept_faults("v", parted(bar, gone, drawn, slack), expected, slack, name, section)
+
+
+def _hurt(hurt: Shape, kept: Shape, section: TubeSection, slack: float, at: Source) -> Diagnostic:
+    """That a stroke takes of the part, at one place and as deep as anywhere."""
+    from shapely import Point
+
+    x, u = hurt.representative_point().coords[0]
+    deep = slack + max(kept.boundary.distance(Point(p)) for p in outline_of(hurt))
+    return rules.HURT.at(
+        at, found=f"{deep:.2f}", face=section.face_at(u), x=f"{x:.1f}", y=f"{u:.1f}",
+        expected=f"{slack:.2f}",
+    )  # fmt: skip
 
 
 def _lead_of(points: Sequence[Point], most: float, slack: float) -> int:
@@ -311,12 +300,6 @@ def _lead_of(points: Sequence[Point], most: float, slack: float) -> int:
     ):  # fmt: skip
         lead += 1
     return lead
-
-
-def _places(shape: Shape) -> list[Point]:
-    from shapely import get_coordinates
-
-    return [tuple(p) for p in get_coordinates(shape).tolist()]
 
 
 def _wanted(part: Part, coper: Coper, left: set[int], section: TubeSection) -> TubeWanted:
