@@ -100,7 +100,7 @@ ALIKE = tuple(
         "test_qtplasmac", "test_schemas", "test_settings", "test_systems",
     )
 )  # fmt: skip
-MANY = 6  #: cases of a test, from which on every other one is tried
+MANY = 6  #: cases of a test, from which on every third one is tried
 
 
 @pytest.hookimpl(tryfirst=True)  # before those that are marked are taken out
@@ -112,7 +112,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             cases.setdefault(item.nodeid.partition("[")[0], []).append(item)
     for some in cases.values():
         if len(some) >= MANY:
-            for item in some[1::2]:
+            for item in (item for k, item in enumerate(some) if k % 3):
                 item.add_marker(pytest.mark.alike)
 
 

@@ -474,7 +474,7 @@ def test_the_tube_machine_has_the_torch_of_the_coper() -> None:
     assert tube is not None
     assert coper is not None
     assert tube.rows == coper.rows
-    assert tube.profiles == ("RO", "M", "I", "U", "L", "T")
+    assert tube.profiles == ("RO", "M", "I", "U", "L", "T", "C")
     assert (tube.turns, tube.y, tube.chuck, tube.seam) == ("bar", "follows", 250, 0)
     surface = load("tube-surface").coper
     assert surface == replace(tube, profiles=("RO",), a_unit="mm")
