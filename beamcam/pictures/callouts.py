@@ -144,9 +144,12 @@ def _contour_sizes(contour: Contour) -> Iterator[tuple[Pieces, SizePlace, bool]]
             if isinstance(curve, Arc):
                 yield ("R", round(curve.radius, 3)), SizePlace(_middle(curve)), False
     for bevel in contour.bevels:
-        land: Pieces = (", land ", bevel.land) if bevel.land else ()
-        far = " of the far side" if bevel.angle < 0 else ""
-        words_of: Pieces = (f"bevel {_degrees(abs(bevel.angle))}{far}", *land)
+        words_of: Pieces = (f"bevel {_degrees(abs(bevel.angle))}",)
+        if bevel.angle < 0:  # whose land is what lies above it
+            deep: Pieces = (", ", bevel.land, " deep") if bevel.land else ()
+            words_of = (*words_of, " of the far side", *deep)
+        elif bevel.land:
+            words_of = (*words_of, ", land ", bevel.land)
         yield words_of, SizePlace(_middle(curves[bevel.curve])), False
 
 

@@ -78,12 +78,13 @@ def test_bevels_and_round_corners_are_said() -> None:
         Arc((180.0, 80.0), 20.0, 0.0, 90.0), Line((180.0, 100.0), (0.0, 100.0)),
         Line((0.0, 100.0), (0.0, 0.0)),
     )  # fmt: skip
-    bevels = (Bevel(1, 45.0, 2.0), Bevel(0, -30.0, 0.0))
+    bevels = (Bevel(1, 45.0, 2.0), Bevel(0, -30.0, 0.0), Bevel(3, -40.0, 6.0))
     outline = Contour("v", "outer", curves, HERE, bevels=bevels)
     plate = Part("P1", Profile("B", "PL10*100", 100.0, 0.0, 0.0, 10.0), 200.0, HERE,
                  features=(outline,))  # fmt: skip
     said_ = callouts_of(part_scene(plate))
     assert {"R20", "bevel 45°, land 2", "bevel 30° of the far side"} <= {*said_}
+    assert "bevel 40° of the far side, 6 deep" in said_
 
 
 def test_skew_ends_have_their_angles() -> None:
