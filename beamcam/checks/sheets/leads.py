@@ -97,8 +97,10 @@ def _whole_lead(work: Work, t: Traced, contours: shapely.STRtree) -> Floats:
     at = work.path.starts[t.first]
     ((tx, ty),) = work.path.elements.directions(work.path.first(np.array([t.first])), np.zeros(1))
     place = shapely.Point(at)
-    nearest = contours.geometries[contours.nearest(place)]
-    foot = shapely.get_coordinates(shapely.shortest_line(place, nearest))[1]
+    own = contours.geometries[contours.nearest(place)]
+    if t.contour >= 0:  # that of another part may lie nearer
+        own = shapely.get_exterior_ring(work.region.polygons[t.contour])
+    foot = shapely.get_coordinates(shapely.shortest_line(place, own))[1]
     normal = np.array((-ty, tx))
     if np.dot(normal, at - foot) < 0.0:  # the waste is where the path keeps off to
         normal = -normal
