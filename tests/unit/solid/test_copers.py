@@ -23,7 +23,7 @@ from benchmarks.coping_faults import random_piece
 from benchmarks.solid import KINDS, mutants
 from tests.conftest import sampled
 from tests.random_boxes import over_corner, random_box
-from tests.random_copes import random_cope, random_lipped, random_tee
+from tests.random_copes import CEES, random_cope, random_lipped, random_mitre, random_tee
 from tests.random_tubes import SECTIONS, random_tube, window
 from tests.unit.coping.samples import AT, COPER, outline, part_of, sample, with_keys
 
@@ -264,6 +264,16 @@ def test_a_cope_at_a_piece_whose_other_end_is_skew(
     part = replace(part, made=(Hole("v", 400.0, 100.0, 22.0, AT),), cuts=cuts)
     assert not wrong(posted(part), part)
     assert "solid-extra" in wrong(posted(part), replace(part, cuts=EndCuts(web_end=10.0)))
+
+
+def test_a_flange_is_as_long_as_its_lip_beside_a_sharp_bend() -> None:
+    """1 mm and half of the widest kerf, 4.8 mm, beside the bend of 1.5 mm: 4.9 mm."""
+    part = random_mitre(7, CEES)
+    text = posted(part)
+    assert not wrong(text, part)
+    assert "G1 X1799.7 Y-3 Z4.9\n" in text
+    longer = text.replace("G1 X1796.7282 Y-3 Z5.9\n", "G1 X1796.7282 Y-3 Z16\n")
+    assert "solid-extra" in wrong(longer, part)
 
 
 def test_a_bar_that_ends_before_the_part_is_too_short() -> None:
