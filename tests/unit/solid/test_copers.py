@@ -404,6 +404,21 @@ def test_a_window_that_leans_over_a_corner_agrees(lean: float) -> None:
     assert wrong(text, other, TUBE)
 
 
+def test_what_is_there_of_a_tube_is_as_drawn_and_told_of_no_torch() -> None:
+    """A skew end, and a window that leans over a corner: a torch would have cut both otherwise."""
+    whole = random_box(17)
+    asked = tuple(f for f in whole.features if isinstance(f, Slot))
+    made = tuple(f for f in whole.features if not isinstance(f, Slot))
+    part = replace(whole, features=asked, made=made)
+    text = posted(part, TUBE)
+    assert said(text, part, TUBE) == ()
+    assert {d.code for d in said(posted(whole, TUBE), whole, TUBE)} == {
+        "solid-rounded", "solid-square"
+    }  # fmt: skip
+    assert "solid-extra" in wrong(text, replace(part, features=(replace(asked[0], x=206.0),)), TUBE)
+    assert "solid-missing" in wrong(text, replace(part, features=()), TUBE)
+
+
 def test_a_skew_end_is_told_by_what_a_square_cut_leaves() -> None:
     """45 degrees in the view of v: 6 mm of the walls u and o, whose inside stays, as wedges."""
     part = square(cuts=EndCuts(web_end=45.0))
