@@ -8,7 +8,7 @@ import shapely
 
 from beamcam.checks.sheets import rules
 from beamcam.checks.sheets.overcut import required_overcut
-from beamcam.checks.sheets.tracing import Traced
+from beamcam.checks.sheets.tracing import Traced, is_in_kerf
 from beamcam.checks.sheets.work import SHOWN, Work
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.array_types import Floats
@@ -74,12 +74,11 @@ def edge_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
         if not t.half_kerf or t.members or t.joined or t.closed:
             continue
         number = int(work.of_way[t.first])
-        begin = work.path.starts[t.begin].reshape(1, 2)
-        near = work.path.near(begin, 2 * work.tolerance)
-        if (work.of_way[work.path.owner[near.element]] < number).any():
+        begin = work.path.starts[t.begin]
+        if is_in_kerf(work, begin, number):
             continue
-        x, y = begin[0].tolist()
-        contour = work.contour_at(begin[0])
+        x, y = begin.tolist()
+        contour = work.contour_at(begin)
         source = Source(work.name, t.stroke.line)
         diagnostics.append(rules.EDGE.at(source, contour=contour, x=f"{x:.3f}", y=f"{y:.3f}"))
     return diagnostics[:SHOWN]

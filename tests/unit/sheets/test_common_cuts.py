@@ -362,3 +362,14 @@ def test_closed_contours_alone_have_their_levels() -> None:
     torch = nested().torch
     assert torch is not None
     assert [shape.level for shape in in_levels([inner, outer], torch)] == [0, 0]
+
+
+# --- bridges --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("tab", [2.0, 4.0])
+def test_a_rest_is_no_ring_with_a_bridge(tab: float) -> None:
+    """The rest of the lower part begins and ends 7.2 mm apart, in kerfs of the upper one, whose own
+    bridge lies between: that is none of the lower part, which gets two of its own."""
+    upper, lower = contour(box(20, 40, 6, 20)), contour(box(0, 0, 60, 40), line=2)
+    assert post((drawing(upper, lower, thickness=3.0),), nested(tabs=2, tab_width=tab)).text
