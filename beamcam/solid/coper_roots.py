@@ -20,6 +20,7 @@ from beamcam.solid.stock_solid import end_planes, is_cut
 if TYPE_CHECKING:
     from manifold3d import Manifold
 
+LIP_LAP = 1.0  #: mm beside a kerf's half and a bend that a flange is cut as its lip is
 APART = 1.0  #: mm along the bar that web and flange are drawn apart at one cut
 SQUARE = 0.05  #: mm along the bar that a square cut may slant
 
@@ -30,7 +31,8 @@ def square_ends(
     """What may stay beyond each skew end of a bar to which no torch was tilted.
 
     Square to a wall t thick it is t times the tangent of the angle at most; through a root a pass
-    goes square as deep as its row, and as wide as web and fillets are.
+    goes square as deep as its row, and as wide as web and fillets are. A flange with a lip is as
+    long as that beside its bend, where the cuts of both lap, by whatever rows.
     """
     profile = part.profile
     if part.made is not None or coper.unrolls(profile.code):
@@ -38,7 +40,11 @@ def square_ends(
     deepest = max((burn.row.up_to for burn in burns), default=0.0) + slack
     # The round jet leaves a little more in the corner of a step.
     half_kerf = max((burn.row.kerf for burn in burns), default=0.0) / 2
-    wide = (profile.web_thickness or 0.0) + 2 * profile.radius + half_kerf + slack
+    wide = (profile.web_thickness or 0.0) + 2 * profile.radius
+    if profile.lip:
+        bend = (profile.web_thickness or 0.0) + profile.radius
+        wide = max(wide, bend + LIP_LAP + max(row.kerf for row in coper.rows) / 2)
+    wide += half_kerf + slack
     over = profile.height + profile.width + FREE
     bar = prism(section_of(part), -over, part.length + over, ALONG_BAR)
     for (x, y, z), (side, by_y, by_z) in end_planes(part, drawn=True):

@@ -29,7 +29,7 @@ from beamcam.geometry.curves import Line
 from beamcam.geometry.plane import Point
 from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
-from beamcam.model.part import Contour, Face, Feature, Hole, Part, Profile, Slot
+from beamcam.model.part import Contour, EndCuts, Face, Feature, Hole, Part, Profile, Slot
 from beamcam.model.request import Request
 from beamcam.solid import PIECES, ROUNDED, SQUARE
 from beamcam.solid.compare import (
@@ -189,13 +189,19 @@ def _asked(part: Part, machine: Machine, coper: Coper, burns: Sequence[Burn]) ->
     wide = Margins(lambda _: slack, 0.0, slack, slack, skin=SKIN)
     narrow = Margins(lambda _: -slack, 0.0, -slack, -slack, skin=-SKIN)
     bodies = bodies_of(whole, wide, narrow, 2 * slack, slack)
-    as_cut, square = _cut_square(whole)
-    corners, count = _corners(whole, narrow, coper.corner_radius)
-    plain = bodies.most
-    most = (part_solid(as_cut, narrow) if square else plain) + corners
-    least = bodies.least
-    if part.profile.code == "M" or (part.profile.code == "RO" and skew_ends(whole)):
-        least, most = square_to_surface(least, most, whole, narrow)
+    cut = part
+    if part.made is not None:  # of a tube its ends are all there; outlines of others go with them
+        ends_there = coper.unrolls(part.profile.code)
+        cut = replace(part, made=None, cuts=EndCuts() if ends_there else part.cuts)
+    as_cut, square = _cut_square(cut)
+    corners, count = _corners(cut, narrow, coper.corner_radius)
+    least = bodies.least if cut is part else part_solid(cut, wide)
+    most = (bodies.most if as_cut == whole else part_solid(as_cut, narrow)) + corners
+    if part.profile.code == "M" or (part.profile.code == "RO" and skew_ends(cut)):
+        least, most = square_to_surface(least, most, cut, narrow)
+    if cut is not part:  # what is there was drawn so, whatever cut it
+        there = replace(part, features=part.made or (), made=None)
+        least, most = least ^ part_solid(there, wide), most ^ part_solid(there, narrow)
     drawn = part_solid(as_cut) if square else bodies.drawn
     ends: list[Manifold] = list(square_ends(part, coper, burns, slack))
     ledges: list[Manifold] = []
@@ -214,8 +220,8 @@ def _asked(part: Part, machine: Machine, coper: Coper, burns: Sequence[Burn]) ->
         on_tube = [one ^ stock_solid(part, replace(narrow, end=-FREE)) for one in on_rounds]
         more = [*ends, *ledges, *steps, *on_tube]
         most = m.Manifold.batch_boolean([most, *more], m.OpType.Add)
-    bodies = replace(bodies, least=least, most=most)
-    return PartWithAllowance(bodies, plain, corners, count, coper.corner_radius, square)
+    allowed = replace(bodies, least=least, most=most)
+    return PartWithAllowance(allowed, bodies.most, corners, count, coper.corner_radius, square)
 
 
 def _known(

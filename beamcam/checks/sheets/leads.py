@@ -8,7 +8,7 @@ import shapely
 
 from beamcam.checks.sheets import rules
 from beamcam.checks.sheets.overcut import required_overcut
-from beamcam.checks.sheets.tracing import Traced
+from beamcam.checks.sheets.tracing import Traced, is_in_kerf
 from beamcam.checks.sheets.work import SHOWN, Work
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.array_types import Floats
@@ -74,12 +74,11 @@ def edge_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
         if not t.half_kerf or t.members or t.joined or t.closed:
             continue
         number = int(work.of_way[t.first])
-        begin = work.path.starts[t.begin].reshape(1, 2)
-        near = work.path.near(begin, 2 * work.tolerance)
-        if (work.of_way[work.path.owner[near.element]] < number).any():
+        begin = work.path.starts[t.begin]
+        if is_in_kerf(work, begin, number):
             continue
-        x, y = begin[0].tolist()
-        contour = work.contour_at(begin[0])
+        x, y = begin.tolist()
+        contour = work.contour_at(begin)
         source = Source(work.name, t.stroke.line)
         diagnostics.append(rules.EDGE.at(source, contour=contour, x=f"{x:.3f}", y=f"{y:.3f}"))
     return diagnostics[:SHOWN]
@@ -97,8 +96,10 @@ def _whole_lead(work: Work, t: Traced, contours: shapely.STRtree) -> Floats:
     at = work.path.starts[t.first]
     ((tx, ty),) = work.path.elements.directions(work.path.first(np.array([t.first])), np.zeros(1))
     place = shapely.Point(at)
-    nearest = contours.geometries[contours.nearest(place)]
-    foot = shapely.get_coordinates(shapely.shortest_line(place, nearest))[1]
+    own = contours.geometries[contours.nearest(place)]
+    if t.contour >= 0:  # that of another part may lie nearer
+        own = shapely.get_exterior_ring(work.region.polygons[t.contour])
+    foot = shapely.get_coordinates(shapely.shortest_line(place, own))[1]
     normal = np.array((-ty, tx))
     if np.dot(normal, at - foot) < 0.0:  # the waste is where the path keeps off to
         normal = -normal

@@ -284,7 +284,8 @@ def _is_bridge(work: Work, t: Traced, following: Traced) -> bool:
     """Whether a stroke begins about a bridge's width behind another one, on the same contour.
 
     Of an edge that two contours share either may be the one that a stroke follows; and what is cut
-    between both holds nothing.
+    between both holds nothing. What begins in a kerf that was cut before is the rest of a contour,
+    and a bridge that is beside it one of another contour.
     """
     end, start = work.path.ends[t.last - 1], work.path.starts[following.first]
     width = float(np.hypot(*(start - end)))
@@ -303,8 +304,14 @@ def _is_bridge(work: Work, t: Traced, following: Traced) -> bool:
         between = shapely.line_interpolate_point(ring, (at + way * BETWEEN) % ring.length)
         cut = work.path.near(shapely.get_coordinates(between), t.half_kerf + work.tolerance)
         if len(np.unique(cut.point)) < len(BETWEEN):
-            return True
+            return not is_in_kerf(work, start, int(work.of_way[following.first]))
     return False
+
+
+def is_in_kerf(work: Work, place: Floats, number: int) -> bool:
+    """Whether a place lies on what was cut before a stroke, by its number."""
+    near = work.path.near(place.reshape(1, 2), 2 * work.tolerance)
+    return bool((work.of_way[work.path.owner[near.element]] < number).any())
 
 
 def _join(work: Work, mine: Sequence[Traced]) -> None:

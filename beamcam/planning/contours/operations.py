@@ -34,6 +34,7 @@ from beamcam.planning.contours.outline import (
     Shape,
     begun,
     is_turned,
+    joint_in_bridge,
     needs_tabs,
     reversed_chain,
     stretch,
@@ -85,6 +86,12 @@ def operations_of(
         )
         if short:
             diagnostics.append(rules.NO_TABS.at(ways[0][0].source, count=short, found=torch.tabs))
+        for shape, kerf, _ in led:
+            if (joint := joint_in_bridge(shape, kerf, torch)) is not None:
+                x, y = (f"{at - off:.3f}" for at, off in zip(joint, shift, strict=True))
+                diagnostics.append(
+                    rules.TAB_JOINT.at(shape.source, x=x, y=y, found=f"{torch.tab_width:g}")
+                )
     ends = [way for k, way in enumerate(led) if k + 1 not in links]
     if short_over := [shape for shape, kerf, _ in ends if is_shortened(shape, kerf, torch)]:
         length = overcut_length(short_over[0], torch)

@@ -276,7 +276,8 @@ def bridged(
     The bridges lie at equal distances, the first half of that from the start; one that is nearer
     to a corner than `clear`, would take more of the contour than `MOST_ALONG` allows, or may take
     one of the `joints`, is moved to the nearest place that does not, if there is one within a
-    quarter of these distances.
+    quarter of these distances. It takes a joint where all places that are clear of corners do, or
+    where none is and the even one does.
     A contour that has not four times as much length as its bridges gets fewer of them, or none.
     """
     lengths = [c.length for c in curves]
@@ -285,18 +286,38 @@ def bridged(
         tabs -= 1
     if not tabs:
         return (curves,)
-    taken = [(place, width / 2 + clear) for place in _corners(curves, lengths, kerf) if clear]
-    taken += [(place, MOST_ALONG * width / 2 + kerf / 2) for place in _along(curves, joints)]
+    corners = [(place, width / 2 + clear) for place in _corners(curves, lengths, kerf) if clear]
+    along = _along(curves, joints)
+    # Round a bend a bridge takes more of the contour than on a straight side.
+    near, far = (
+        [(at, off) for at in along] for off in (width / 2, MOST_ALONG * width / 2 + kerf / 2)
+    )
     cuts: list[tuple[float, float]] = []
     begin = 0.0
     for k in range(tabs):
         even, most = total * (k + 0.5) / tabs, total / (4 * tabs)
-        middle = _clear_place(even, taken, most)
+        middle = even
+        for off in ([], near, far):
+            place = _clear_place(even, [*corners, *off], most)
+            middle = middle if place is None else place
         low, high = _bridge(curves, lengths, middle, width, even - most, even + most)
         cuts.append((begin, low))
         begin = high
     cuts.append((begin, total))
     return tuple(stretch(curves, lengths, a, b) for a, b in cuts)
+
+
+def joint_in_bridge(shape: Shape, kerf: float, torch: Torch) -> Point | None:
+    """A place in a bridge of a contour where what is left of another begins or ends."""
+    if not (shape.joints and needs_tabs(shape, torch)):
+        return None
+    import shapely
+
+    whole, *cut = ways([shape.curves, *stretches_of(shape, kerf, torch)], JOINT)
+    places = shapely.points(shape.joints)
+    off = shapely.distance(shapely.union_all(cut), places) - shapely.distance(whole, places)
+    worst = int(off.argmax())
+    return shape.joints[worst] if off[worst] > torch.tolerance else None
 
 
 def _bridge(
@@ -357,10 +378,10 @@ def _along(curves: Curves, joints: Sequence[Point]) -> list[float]:
     return [share * at for at in shapely.line_locate_point(line, shapely.points(joints)).tolist()]
 
 
-def _clear_place(even: float, taken: Sequence[tuple[float, float]], most: float) -> float:
+def _clear_place(even: float, taken: Sequence[tuple[float, float]], most: float) -> float | None:
     """The place nearest to `even`, at most so far from it, that is clear of all that is taken.
 
-    Those are places and how far they reach. `even` itself where there is none.
+    Those are places and how far they reach. None without one.
     """
     near = [(place, reach) for place, reach in taken if abs(place - even) <= most + reach]
     places = [even, *(place + side * reach for place, reach in near for side in (-1.0, 1.0))]
@@ -369,4 +390,4 @@ def _clear_place(even: float, taken: Sequence[tuple[float, float]], most: float)
             break
         if all(abs(place - other) >= reach - ROUNDING for other, reach in near):
             return place
-    return even
+    return None

@@ -223,6 +223,11 @@ MACHINE_TABS = error("plan-kerf-tabs",
     "found {found} bridges with kerf compensation by the controller; expected none, or --kerf-by "
     "offset",
     "Behind each bridge the torch would pierce on the contour, before the compensation is active.")
+TAB_JOINT = error("plan-tabs-joint",
+    "found a bridge of {found} mm at x {x}, y {y} without a place beside it where no cut of a part "
+    "that touches begins or ends; expected fewer or narrower bridges, or parts that do not touch",
+    "With common cuts what is left of a part's contour is cut after that of the part it touches, "
+    "and begins on it: there it would cut the bridge that holds that part.")
 NO_TABS = note("plan-tabs",
     "found {count} contours too short for {found} bridges; they get fewer or none",
     "Bridges need more contour between them than they take away.")
@@ -247,5 +252,5 @@ RULES = (
     NOT_CLOSED, TINY, SHARED, COMMON, RUNS_BACK_KERF, RUNS_BACK, RUNS_OVER, GAP, GAPS, OPEN_CUT,
     OPEN_KERF, MORE_OPEN, OVERLAP, VANISHED, NARROW, NEAR, LEFT, CROWDED, COPIES, CROSSING,
     MORE_CROSSINGS, CROSSED, MORE_CROSSED, NO_LEAD, SQUARE, NEEDS_LEAD, UNCOMPENSATED,
-    MACHINE_TABS, TURNED, APART, NO_TABS, OVERCUT, TORCH_HEIGHT, HEADROOM,
+    MACHINE_TABS, TURNED, APART, TAB_JOINT, NO_TABS, OVERCUT, TORCH_HEIGHT, HEADROOM,
 )  # fmt: skip

@@ -122,7 +122,9 @@ def plan_tube(part: Part, machine: Machine, coper: Coper, skips: Collection[str]
     slant = {face: off for face, off in once.slant.items() if off >= LEAST_SLANT}
     if part.made is not None:
         bare, _ = _once_round(ended, ends, way)
-        worn, _ = _once_round(*holes_there(part), way)
+        worn, wrong = _once_round(*holes_there(part), way)
+        if errors_in(wrong):  # what the piece has is not known
+            raise PlanError(errors_in(wrong))
         diagnostics += over_ends(part, once.shape, bare.shape, max(bare.slant.values()))
         there = bare.shape.difference(worn.shape)
         of_voids = tuple(place for place in once.corners if place not in bare.corners)

@@ -21,6 +21,7 @@ from beamcam.solid.opinion import solid_faults
 from benchmarks import coping_faults
 from tests.conftest import SAMPLES, examples
 from tests.random_boxes import SECTIONS as BOXES
+from tests.random_boxes import over_corner
 from tests.random_tubes import SECTIONS as ROUND
 from tests.random_tubes import window
 from tests.unit.coping.samples import AT, outline, program_of
@@ -95,6 +96,14 @@ def test_the_ends_stay_as_they_are() -> None:
     near = replace(HOLE, x=12.0)
     assert refused(piece(near)) == [("plan-coping-tube-end", "a cut-out from x 0.0 to 25.0")]
     assert not found(program_of(piece(HOLE, made=(end,)), TUBE), piece(HOLE, made=(end,)))
+
+
+def test_half_of_a_window_over_a_corner_is_not_known() -> None:
+    """Of what is there as of what is asked for."""
+    half, other = over_corner(SHS, 2, 250.0, 34.0, 3.0)
+    assert refused(piece(HOLE, made=(half,))) == [("plan-coping-corner", "")]
+    assert not found(program_of(piece(HOLE, made=(half, other)), TUBE),
+                     piece(HOLE, made=(half, other)))  # fmt: skip
 
 
 @pytest.mark.parametrize(("x", "clear"), [(75.0, True), (65.0, False)])

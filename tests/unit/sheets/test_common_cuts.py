@@ -362,3 +362,34 @@ def test_closed_contours_alone_have_their_levels() -> None:
     torch = nested().torch
     assert torch is not None
     assert [shape.level for shape in in_levels([inner, outer], torch)] == [0, 0]
+
+
+# --- bridges --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("tab", [2.0, 4.0])
+def test_a_rest_is_no_ring_with_a_bridge(tab: float) -> None:
+    """The rest of the lower part begins and ends 7.2 mm apart, in kerfs of the upper one, whose own
+    bridge lies between: that is none of the lower part, which gets two of its own."""
+    upper, lower = contour(box(20, 40, 6, 20)), contour(box(0, 0, 60, 40), line=2)
+    assert post((drawing(upper, lower, thickness=3.0),), nested(tabs=2, tab_width=tab)).text
+
+
+def teeth(width: float) -> Part:
+    """A row of parts on a long one."""
+    row = (contour(box(k * width, 40, width, 20), line=2 + k) for k in range(20))
+    return drawing(contour(box(0, 0, 20 * width, 40)), *row, thickness=3.0)
+
+
+@pytest.mark.parametrize(("width", "tab", "fits"), [(4, 3, True), (5, 5, True), (4, 5, False)])
+def test_bridges_lie_between_the_cuts_of_parts_that_touch(width: int, tab: int, fits: bool) -> None:
+    """Those are cut a kerf of 1.2 mm and a part apart; the path leaves a bridge and a kerf."""
+    machine = nested(tabs=3, tab_width=float(tab))
+    if not fits:
+        with pytest.raises(PlanError) as refused:
+            post((teeth(width),), machine)
+        assert [d.code for d in refused.value.diagnostics] == ["plan-tabs-joint"]
+        assert "at x 41.000, y 40.600" in str(refused.value.diagnostics[0])
+        return
+    for tabs in (1, 2, 3, 4):
+        assert post((teeth(width),), nested(tabs=tabs, tab_width=float(tab))).text

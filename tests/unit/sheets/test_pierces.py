@@ -15,7 +15,7 @@ from beamcam.model.part import Part
 from beamcam.pipeline import post
 from beamcam.planning.contours import kerf
 from tests.conftest import examples
-from tests.unit.sheets.parts import box, circle, contour, drawing, table
+from tests.unit.sheets.parts import box, circle, contour, drawing, lines, table
 
 WINDOW = drawing(contour(box(0, 0, 200, 100)), contour(box(60, 30, 40, 30), line=2))
 #: A row of 6 mm has a kerf of 1.5 mm and a lead of 3 mm.
@@ -101,3 +101,14 @@ def test_a_lead_round_the_middle_of_a_hole_is_no_lead(
     away = dist(pierced(text)[0], (30.0, 30.0))
     path = diameter / 2 - HALF_KERF
     assert away <= path - 0.03 or away == pytest.approx(path, abs=2e-3)
+
+
+def test_room_is_where_the_waste_of_its_own_contour_is() -> None:
+    """The drawn start lies in the corner between a part and the side of one it touches, which is
+    nearer to the path than the part's own corner: 0.75 mm, where that is 0.75 sqrt(2) mm away."""
+    corner = lines((50, 20), (50, 100), (100, 100), (100, 20))
+    part = drawing(contour(corner), contour(box(0, 0, 50, 120), line=2))
+    posted = post((part,), table(common_cuts=True, start="drawn"))
+    assert "plan-lead" in {said.code for said in posted.remarks}
+    (x, y), *_ = pierced(posted.text)
+    assert (x, y) == pytest.approx((50.0 + HALF_KERF, 20.0 - HALF_KERF))

@@ -23,7 +23,7 @@ from benchmarks.coping_faults import random_piece
 from benchmarks.solid import KINDS, mutants
 from tests.conftest import sampled
 from tests.random_boxes import over_corner, random_box
-from tests.random_copes import random_cope, random_lipped, random_tee
+from tests.random_copes import CEES, random_cope, random_lipped, random_mitre, random_tee
 from tests.random_tubes import SECTIONS, random_tube, window
 from tests.unit.coping.samples import AT, COPER, outline, part_of, sample, with_keys
 
@@ -266,6 +266,16 @@ def test_a_cope_at_a_piece_whose_other_end_is_skew(
     assert "solid-extra" in wrong(posted(part), replace(part, cuts=EndCuts(web_end=10.0)))
 
 
+def test_a_flange_is_as_long_as_its_lip_beside_a_sharp_bend() -> None:
+    """1 mm and half of the widest kerf, 4.8 mm, beside the bend of 1.5 mm: 4.9 mm."""
+    part = random_mitre(7, CEES)
+    text = posted(part)
+    assert not wrong(text, part)
+    assert "G1 X1799.7 Y-3 Z4.9\n" in text
+    longer = text.replace("G1 X1796.7282 Y-3 Z5.9\n", "G1 X1796.7282 Y-3 Z16\n")
+    assert "solid-extra" in wrong(longer, part)
+
+
 def test_a_bar_that_ends_before_the_part_is_too_short() -> None:
     text = posted(part_of())
     assert [d.code for d in said(text, part_of(), bar=660.0)] == []
@@ -392,6 +402,21 @@ def test_a_window_that_leans_over_a_corner_agrees(lean: float) -> None:
     assert not wrong(text, part, TUBE)
     other = square(*over_corner(SHS, 2, 150.0, 60.0, lean + 1.5))
     assert wrong(text, other, TUBE)
+
+
+def test_what_is_there_of_a_tube_is_as_drawn_and_told_of_no_torch() -> None:
+    """A skew end, and a window that leans over a corner: a torch would have cut both otherwise."""
+    whole = random_box(17)
+    asked = tuple(f for f in whole.features if isinstance(f, Slot))
+    made = tuple(f for f in whole.features if not isinstance(f, Slot))
+    part = replace(whole, features=asked, made=made)
+    text = posted(part, TUBE)
+    assert said(text, part, TUBE) == ()
+    assert {d.code for d in said(posted(whole, TUBE), whole, TUBE)} == {
+        "solid-rounded", "solid-square"
+    }  # fmt: skip
+    assert "solid-extra" in wrong(text, replace(part, features=(replace(asked[0], x=206.0),)), TUBE)
+    assert "solid-missing" in wrong(text, replace(part, features=()), TUBE)
 
 
 def test_a_skew_end_is_told_by_what_a_square_cut_leaves() -> None:
