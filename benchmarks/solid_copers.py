@@ -20,7 +20,7 @@ from beamcam.planning.coping.plan import plan_coping
 from benchmarks import coping_faults, coping_plans
 from benchmarks.solid_cases import Case, posted, stock_of
 
-_TURN = re.compile(r"(?m)^G0 A(-?\d+)$")
+_TURN = re.compile(r"(?m)^G0 A(-?\d+)(?: B0)?$")
 _PLACE = re.compile(r"(?m)^(G1 .* A)(-?[\d.]+)( .*)$")
 
 
@@ -77,7 +77,7 @@ def angle(case: Case, rng: Random) -> str | None:
         return f"{case.text[: place.start()]}{place[1]}{off:g}{place[3]}{case.text[place.end() :]}"
     turns = [*_TURN.finditer(case.text)]
     ends = [*(turn.start() for turn in turns[1:]), len(case.text)]
-    stretches = [(t, end) for t, end in zip(turns, ends, strict=True)
+    stretches = [(t, end) for t, end in zip(turns, ends[: len(turns)], strict=True)
                  if "M3 " in case.text[t.end() : end]]  # fmt: skip
     if not stretches:
         return None
