@@ -13,6 +13,7 @@ import numpy as np
 from msgspec.structs import astuple
 from numpy.typing import NDArray
 
+from beamcam.caches import PerMembers
 from beamcam.geometry.array_types import Counts, Floats
 from beamcam.geometry.curves import (
     Arc,
@@ -117,6 +118,10 @@ class CurveTable:
                     break
                 box = join_boxes([box, self.curves[k].bbox]) or box
         return box
+
+
+#: The table of a tuple of curves, made once for the same curves.
+table_of = PerMembers("curves.table", CurveTable)
 
 
 def arc_ends(arcs: Floats) -> Floats:
@@ -272,11 +277,9 @@ def _collinear(ends: NDArray[np.float64]) -> tuple[Counts, Counts]:
         return none, none
     low = np.minimum(ends[:, :2], ends[:, 2:])
     high = np.maximum(ends[:, :2], ends[:, 2:])
-    boxes = shapely.box(
-        low[:, 0] - SAME_PLACE, low[:, 1] - SAME_PLACE,
-        high[:, 0] + SAME_PLACE, high[:, 1] + SAME_PLACE,
-    )  # fmt: skip
-    a, b = shapely.STRtree(boxes).query(boxes)
+    # The box around a line is that around the diagonal of the box.
+    diagonals = shapely.linestrings(np.stack((low - SAME_PLACE, high + SAME_PLACE), axis=1))
+    a, b = shapely.STRtree(diagonals).query(diagonals)
     a, b = a[a < b], b[a < b]
     lengths = np.hypot(*(ends[:, 2:] - ends[:, :2]).T)
     # The longer of both gives the direction.

@@ -280,7 +280,7 @@ def _same_rings(polygons: NDArray[np.object_], gap: float) -> tuple[set[int], se
     first: dict[bytes, int] = {}
     copy_of = {k: first.setdefault(text, k) for k, text in zip(alike.tolist(), texts, strict=True)}
     copies = {k for k, own in copy_of.items() if own != k}
-    kept = np.setdiff1d(np.arange(len(polygons)), list(copies))
+    kept = np.delete(np.arange(len(polygons)), list(copies))
     boxes = boxes[kept]
     corners = shapely.points(boxes[:, :2])
     a, b = shapely.STRtree(corners).query(corners, "dwithin", distance=2 * gap)
