@@ -340,7 +340,7 @@ class _Rings(Struct, frozen=True):
     def of(cls, rings: Sequence[Chain]) -> "_Rings":
         begins = np.cumsum([0, *map(len, rings)])
         flat = chain.from_iterable(chain.from_iterable(rings))
-        columns = np.fromiter(flat, dtype=np.int64).reshape(-1, 2)
+        columns = np.fromiter(flat, dtype=np.int64, count=2 * begins[-1]).reshape(-1, 2)
         ring = np.repeat(np.arange(len(rings)), np.diff(begins))
         return cls(columns[:, 0], columns[:, 1] == 1, ring, begins)
 
