@@ -6,6 +6,7 @@ that it makes no difference to any result; all of them may be used by several th
 
 from collections.abc import Callable, Hashable
 from functools import lru_cache
+from operator import is_
 from threading import Lock
 from typing import Generic, ParamSpec, TypeVar, cast
 
@@ -52,6 +53,7 @@ CACHES = {
     "ifc.corners": Bound(4096, "each end of a member asks for the corners of its section"),
     "drawings.looks": Bound(1024, "the lines of a drawing have few layers and colours"),
     "svg.decimals": Bound(64, "a pattern for each number of decimals, of which few are met"),
+    "curves.table": Bound(3, "reader, planner, motion and read-back ask for the same curves"),
     "curves.newton": Bound(256, "divided differences take n^2 steps, each point asks for them"),
     "curves.newton_bezier": Bound(256, "the same curve in the form that lengths and boxes take"),
     "curves.extremes": Bound(1024, "planning asks for the box of a curve several times"),
@@ -136,15 +138,25 @@ class PerObject(Generic[Key, Value]):
 
     def __call__(self, key: Key) -> Value:
         for known, value in self._known:
-            if known is key:
+            if self._is_same(known, key):
                 return value
         made = self._make(key)
         with self._lock:
             for known, value in self._known:
-                if known is key:
+                if self._is_same(known, key):
                     return value
             self._known = ((key, made), *self._known[: self._max_entries - 1])
         return made
+
+    def _is_same(self, known: Key, key: Key) -> bool:
+        return known is key
+
+
+class PerMembers(PerObject[tuple[Other, ...], Value]):
+    """Calls `make` once for tuples of the same objects, and gives the result from then on."""
+
+    def _is_same(self, known: tuple[Other, ...], key: tuple[Other, ...]) -> bool:
+        return len(known) == len(key) and all(map(is_, known, key))
 
 
 class PerObjectAndKey(Generic[Key, Other, Value]):

@@ -109,7 +109,8 @@ class _Writer:
 
     def _formatted(self, template: tuple[str, ...], names: str, rows: list[Row]) -> Iterator[str]:
         numbers = chain.from_iterable(map(astuple, rows))
-        table = np.fromiter(numbers, dtype=np.float64).reshape(-1, len(names))
+        table = np.fromiter(numbers, dtype=np.float64, count=len(rows) * len(names))
+        table = table.reshape(-1, len(names))
         text = BETWEEN.join(template).replace("{feed}", FEED)
         columns = dict(zip(names, table.T, strict=True))
         formatted = lines(text, columns, self._form.length_decimals).split("\n")

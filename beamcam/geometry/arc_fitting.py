@@ -7,7 +7,6 @@ by cubics first.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
-from itertools import chain as concatenated
 from itertools import groupby, repeat
 from math import atan2, ceil, cos, degrees, radians, sin, tan
 from typing import cast
@@ -74,7 +73,8 @@ def _fits(free: Sequence[Curve], tolerance: float) -> list[_Fit]:
         pieces = _as_cubics(free[k], CUBIC_SHARE * tolerance)
         more += pieces
         more_owner += [k] * len(pieces)
-    control = np.concatenate((control, rows(concatenated.from_iterable(more), 8).reshape(-1, 4, 2)))
+    more_points = [point for cubic in more for point in cubic]
+    control = np.concatenate((control, rows(more_points, 2).reshape(-1, 4, 2)))
     owner = np.concatenate((owner, np.array(more_owner, dtype=np.int64)))
     order = np.argsort(owner, kind="stable")
     control, owner = control[order], owner[order]

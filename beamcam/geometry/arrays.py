@@ -4,15 +4,15 @@ A drawing has tens of thousands of curves. Questions about all of them at once (
 which lie outermost) are asked of these arrays; the curves stay what they are.
 """
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from functools import cached_property
 from itertools import chain, compress
 from typing import Any
 
 import numpy as np
-from msgspec.structs import astuple
 from numpy.typing import NDArray
 
+from beamcam.caches import PerMembers
 from beamcam.geometry.array_types import Counts, Floats
 from beamcam.geometry.curves import (
     Arc,
@@ -27,9 +27,10 @@ from beamcam.geometry.curves import (
 from beamcam.geometry.plane import Box, box_around, join_boxes
 
 
-def rows(values: Iterable[Sequence[float]], width: int) -> Floats:
+def rows(values: Sequence[Sequence[float]], width: int) -> Floats:
     """Rows of `width` numbers as an array (n, width)."""
-    found: Floats = np.fromiter(chain.from_iterable(values), dtype=np.float64)
+    numbers = chain.from_iterable(values)
+    found: Floats = np.fromiter(numbers, dtype=np.float64, count=len(values) * width)
     return found.reshape(-1, width)
 
 
@@ -64,12 +65,12 @@ class CurveTable:
     @cached_property
     def lines(self) -> Floats:
         """Start and end of the lines, (n, 4)."""
-        return rows(chain.from_iterable(map(astuple, self._of(Line))), 4)
+        return rows([(*a.start, *a.end) for a in self._of(Line)], 4)
 
     @cached_property
     def arcs(self) -> Floats:
         """Centre, radius, start and sweep in degrees of the arcs, (n, 5)."""
-        return rows(((*a.centre, a.radius, a.start_deg, a.sweep_deg) for a in self._of(Arc)), 5)
+        return rows([(*a.centre, a.radius, a.start_deg, a.sweep_deg) for a in self._of(Arc)], 5)
 
     @cached_property
     def ends(self) -> Floats:
@@ -117,6 +118,10 @@ class CurveTable:
                     break
                 box = join_boxes([box, self.curves[k].bbox]) or box
         return box
+
+
+#: The table of a tuple of curves, made once for the same curves.
+table_of = PerMembers("curves.table", CurveTable)
 
 
 def arc_ends(arcs: Floats) -> Floats:
@@ -272,11 +277,9 @@ def _collinear(ends: NDArray[np.float64]) -> tuple[Counts, Counts]:
         return none, none
     low = np.minimum(ends[:, :2], ends[:, 2:])
     high = np.maximum(ends[:, :2], ends[:, 2:])
-    boxes = shapely.box(
-        low[:, 0] - SAME_PLACE, low[:, 1] - SAME_PLACE,
-        high[:, 0] + SAME_PLACE, high[:, 1] + SAME_PLACE,
-    )  # fmt: skip
-    a, b = shapely.STRtree(boxes).query(boxes)
+    # The box around a line is that around the diagonal of the box.
+    diagonals = shapely.linestrings(np.stack((low - SAME_PLACE, high + SAME_PLACE), axis=1))
+    a, b = shapely.STRtree(diagonals).query(diagonals)
     a, b = a[a < b], b[a < b]
     lengths = np.hypot(*(ends[:, 2:] - ends[:, :2]).T)
     # The longer of both gives the direction.

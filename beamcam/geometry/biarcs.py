@@ -7,7 +7,6 @@ their joint, in pieces that are halved until no sample lies farther off than the
 from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import chain
 from math import radians
 
 import numpy as np
@@ -90,7 +89,7 @@ def cubics_of(curves: Sequence[Curve]) -> tuple[Floats, Counts, list[int]]:
     plain: list[int] = []
     splines: list[int] = []
     others: list[int] = []
-    points: list[Sequence[Point]] = []
+    points: list[Point] = []
     for k, curve in enumerate(curves):
         piece = curve.as_bezier() if isinstance(curve, NewtonCurve) else curve
         if not isinstance(piece, Bezier | BSpline) or piece.weights or piece.degree != 3:
@@ -99,9 +98,9 @@ def cubics_of(curves: Sequence[Curve]) -> tuple[Floats, Counts, list[int]]:
             splines.append(k)
         else:
             plain.append(k)
-            points.append(piece.points)
+            points += piece.points
     control, owner = spline_cubics([curves[k] for k in splines])  # type: ignore[misc]
-    control = np.concatenate((rows(chain.from_iterable(points), 8).reshape(-1, 4, 2), control))
+    control = np.concatenate((rows(points, 2).reshape(-1, 4, 2), control))
     owners = np.concatenate((plain, np.array(splines, dtype=np.int64)[owner])).astype(np.int64)
     order = np.argsort(owners, kind="stable")
     return control[order], owners[order], others

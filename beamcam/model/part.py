@@ -353,6 +353,6 @@ def moved_curve(curve: Curve, by: Point) -> Curve:
 
 def extent(curves: Iterable[Curve]) -> Box | None:
     """The bounding box of all curves; None if there are none."""
-    from beamcam.geometry.arrays import CurveTable
+    from beamcam.geometry.arrays import table_of
 
-    return CurveTable(tuple(curves)).box
+    return table_of(tuple(curves)).box

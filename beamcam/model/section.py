@@ -12,7 +12,6 @@ import json
 import re
 from bisect import bisect_left, bisect_right
 from collections.abc import Sequence
-from importlib.resources import files
 from math import acos, ceil, cos, hypot, pi, radians, sin, sqrt
 
 from msgspec import Struct
@@ -318,6 +317,8 @@ Sizes = tuple[float, float, float, float, float]  #: height, width, flange, web,
 @cached("sections.table")
 def sections() -> dict[str, tuple[ProfileCode, Sizes]]:
     """Code and measures of every section, by its name in capitals without blanks."""
+    from importlib.resources import files  # which no sheet has to wait for
+
     text = files("beamcam.model").joinpath("sections.json").read_text("utf-8")
     return {
         plain_name(name): (group["code"], (h, b, tf, tw, r))

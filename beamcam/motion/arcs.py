@@ -13,7 +13,7 @@ import numpy as np
 from msgspec import Struct
 
 from beamcam.geometry.array_types import Counts, Flags, Floats
-from beamcam.geometry.arrays import CurveTable, unit_vectors
+from beamcam.geometry.arrays import CurveTable, table_of, unit_vectors
 from beamcam.geometry.curves import Arc, Bezier, Curve, EllipseArc, Line
 from beamcam.geometry.plane import Point, cross
 from beamcam.model.program import ArcFeed, EllipseFeed, Feed, Movement, ParabolaFeed
@@ -89,7 +89,7 @@ def paths_along(
     left out. Arcs are at most half a circle, and lines where they are too flat to differ from one,
     or too small or too large for the controller.
     """
-    table = CurveTable([curve for chain in chains for curve in chain])
+    table = table_of(tuple([curve for chain in chains for curve in chain]))
     if not table.curves:
         return
     lasts = np.cumsum([len(chain) for chain in chains])

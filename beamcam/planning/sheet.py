@@ -15,7 +15,7 @@ from typing import cast
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, PlanError, Source, errors_in
-from beamcam.geometry.arrays import CurveTable
+from beamcam.geometry.arrays import table_of
 from beamcam.geometry.chord_runs import refit_runs
 from beamcam.geometry.curves import Line
 from beamcam.geometry.plane import join_boxes
@@ -69,7 +69,7 @@ def plan_sheet(parts: Sequence[Part], machine: Machine, skips: Collection[str] =
     material = SheetMaterial(part, torch)
     _refuse_work(part, assigned, {w.process for w in assigned.wanted}, material, machine, torch)
     remarks = [*material.remarks, *assigned.remarks]
-    curves = CurveTable([w.curve for w in assigned.wanted])
+    curves = table_of(tuple([w.curve for w in assigned.wanted]))
     refuse_copies(assigned.wanted, curves)
     box = box_of(curves)
     refuse_large(box, part, torch)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from beamcam.caches import CACHES, BoundedCache, PerObject, cached
+from beamcam.caches import CACHES, BoundedCache, PerMembers, PerObject, cached
 
 PACKAGE = Path(__file__).resolve().parents[2] / "beamcam"
 
@@ -23,7 +23,7 @@ def hasty() -> Iterator[None]:
 
 
 #: How many of its first arguments are names of the table.
-NAMES_OF = {"cached": 1, "BoundedCache": 1, "PerObject": 1, "PerObjectAndKey": 2}
+NAMES_OF = {"cached": 1, "BoundedCache": 1, "PerObject": 1, "PerMembers": 1, "PerObjectAndKey": 2}
 
 
 def test_every_cache_has_a_bound_and_a_reason() -> None:
@@ -100,3 +100,12 @@ def test_a_function_keeps_what_it_gave() -> None:
 
     assert [double(2), double(2), double(3)] == [4, 4, 6]
     assert calls == [2, 3]
+
+
+def test_tuples_are_told_apart_by_their_members() -> None:
+    made = PerMembers("curves.table", lambda _: object())
+    one, other = 0.0, -0.0  # which are equal
+    first = made((one, other))
+    assert made((one, other)) is first
+    assert made((other, one)) is not first
+    assert made((one,)) is not first

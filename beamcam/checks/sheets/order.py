@@ -104,7 +104,7 @@ def inside_of_earlier(contours: Sequence[int], region: Region) -> list[tuple[int
         outer, inner = tree.query(shapely.box(x0[some], y0[some], x1[some], y1[some]))
         outer += low
         later = inner > outer
-        for b in np.unique(outer[later]).tolist():
+        for b in sorted(set(outer[later].tolist())):
             own = inner[later & (outer == b)]
             own = own[shapely.covers(shapely.buffer(polygons[b], TOUCHING), polygons[own])]
             same = shapely.covers(shapely.buffer(polygons[own], TOUCHING), polygons[b])

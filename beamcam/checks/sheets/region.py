@@ -280,7 +280,7 @@ def _same_rings(polygons: NDArray[np.object_], gap: float) -> tuple[set[int], se
     first: dict[bytes, int] = {}
     copy_of = {k: first.setdefault(text, k) for k, text in zip(alike.tolist(), texts, strict=True)}
     copies = {k for k, own in copy_of.items() if own != k}
-    kept = np.setdiff1d(np.arange(len(polygons)), list(copies))
+    kept = np.delete(np.arange(len(polygons)), list(copies))
     boxes = boxes[kept]
     corners = shapely.points(boxes[:, :2])
     a, b = shapely.STRtree(corners).query(corners, "dwithin", distance=2 * gap)
@@ -340,7 +340,7 @@ class _Rings(Struct, frozen=True):
     def of(cls, rings: Sequence[Chain]) -> "_Rings":
         begins = np.cumsum([0, *map(len, rings)])
         flat = chain.from_iterable(chain.from_iterable(rings))
-        columns = np.fromiter(flat, dtype=np.int64).reshape(-1, 2)
+        columns = np.fromiter(flat, dtype=np.int64, count=2 * begins[-1]).reshape(-1, 2)
         ring = np.repeat(np.arange(len(rings)), np.diff(begins))
         return cls(columns[:, 0], columns[:, 1] == 1, ring, begins)
 

@@ -59,7 +59,7 @@ def _openings(
     middles = shapely.points((x0 + x1) / 2, (y0 + y1) / 2)
     own, around_it = shapely.STRtree(region.polygons).query(middles, "within")
     own = own[areas[around_it] > areas[narrow[own]]]
-    for k in np.unique(own).tolist():
+    for k in sorted(set(own.tolist())):
         number = int(narrow[k])
         curves = [ways[way] for way, _ in region.rings[number]]
         corners = np.asarray(region.polygons[number].exterior.coords)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from beamcam.checks.sheets.grid import NARROW, SPARE, Elements, Grid, Pairs
 from beamcam.controllers.moves import Moves
 from beamcam.geometry.array_types import Counts, Flags, Floats
-from beamcam.geometry.arrays import CurveTable, arc_ends
+from beamcam.geometry.arrays import arc_ends, table_of
 from beamcam.geometry.curves import Arc, Curve, Line
 from beamcam.geometry.polylines import polylines
 
@@ -35,7 +35,7 @@ class Toolpaths:
     def __init__(
         self, curves: Sequence[Curve], tolerance: float, shift: tuple[float, float] = (0.0, 0.0)
     ) -> None:
-        table = CurveTable(curves)
+        table = table_of(tuple(curves))
         rest = {k: curves[k] for k in table.free()}
         lines, arcs = table.where(Line), table.where(Arc)
         self._build(len(curves), lines, table.lines, arcs, table.arcs, rest, tolerance)

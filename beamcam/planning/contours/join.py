@@ -211,9 +211,9 @@ def _tell_closed(joined: Joined, once: Sequence[AssignedCurve], ends: Floats, to
     first, second = near_pairs(points, torch.gap * SLACK)
     width = np.hypot(*(points[first] - points[second]).T)
     # An end that meets another has no gap beside it, and the ends of one curve are not joined.
-    met = np.unique(np.concatenate((first, second))[np.tile(width <= torch.tolerance, 2)])
-    apart = (width > torch.tolerance) & (first // 2 != second // 2)
-    apart &= ~np.isin(first, met) & ~np.isin(second, met)
+    met, wide = np.zeros(len(points), dtype=bool), width > torch.tolerance
+    met[first[~wide]] = met[second[~wide]] = True
+    apart = wide & (first // 2 != second // 2) & ~met[first] & ~met[second]
     if apart.any():
         k = int(np.argmax(np.where(apart, width, 0.0)))
         x, y = points[first[k]].tolist()

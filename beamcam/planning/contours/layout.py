@@ -6,7 +6,7 @@ from math import dist
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, PlanError, Source
-from beamcam.geometry.arrays import CurveTable
+from beamcam.geometry.arrays import CurveTable, table_of
 from beamcam.geometry.conics import direction_deg
 from beamcam.geometry.curves import Arc, Curve, Line
 from beamcam.geometry.plane import (
@@ -80,7 +80,7 @@ def worked_box(operations: Sequence[ContourOp], overscan: float = 0.0) -> Box:
     """The box around all that the tool does, leads included, and round hatches their overscan."""
     passes = [one for op in operations for one in op.passes]
     ways = [way for p in passes for way in (p.lead_in, p.curves, p.lead_out)]
-    box = box_of(CurveTable([curve for way in ways for curve in way]))
+    box = box_of(table_of(tuple([curve for way in ways for curve in way])))
     beyond = [
         point
         for op in operations

@@ -62,7 +62,8 @@ def from_longest(curves: Curves, which: Sequence[int]) -> Curves:
 
     Of the longest curve where none of them is a line.
     """
-    longest = max(which, key=lambda k: (isinstance(curves[k], Line), _size(curves[k])))
+    lines = [k for k in which if isinstance(curves[k], Line)]
+    longest = max(lines or which, key=lambda k: _size(curves[k]))
     first, last = curves[longest].split(0.5)
     return (last, *curves[longest + 1 :], *curves[:longest], first)
 
