@@ -57,9 +57,9 @@ Record = TypeVar("Record")
 JSON_TYPE = error("json-type",
     "found {found}, expected {expected}",
     "A value is of another type than its key has.")  # fmt: skip
-JSON_VALUE = error("json-value",
-    "found {found}, expected {expected}",
-    "A value lies outside what its key allows.")  # fmt: skip
+JSON_VALUE = error(
+    "json-value", "found {found}, expected {expected}", "A value lies outside what its key allows."
+)
 JSON_KEY_MISSING = error("json-key-missing",
     "found no key {key!r}, expected {expected}",
     "Without the key the part is not known.")  # fmt: skip

@@ -33,9 +33,7 @@ Place = tuple[float, float, float]
 
 CHORD = 0.01  #: mm that the tip leaves the surface between two places of a corner
 LEAST = 1e-6  #: mm; a shorter stretch is none
-NAMES: dict[str, str] = {
-    "inner": "cut-out", "notch": "notch", "near": "near end", "far": "far end"
-}  # fmt: skip
+NAMES: dict[str, str] = {"inner": "cut-out", "notch": "notch", "near": "near end", "far": "far end"}
 
 
 #: How sections lie that are turned about their length.

@@ -30,7 +30,7 @@ from beamcam.pictures.scene import (
     Unit,
     said,
     shown,
-)  # fmt: skip
+)
 from beamcam.pictures.views import (
     FIGURE_SIZE,
     LEGEND_ROW,

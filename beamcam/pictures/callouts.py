@@ -24,7 +24,7 @@ from beamcam.model.part import (
     Hole,
     Slot,
     TextMark,
-)  # fmt: skip
+)
 from beamcam.pictures.scene import (
     CAPITAL,
     LETTER,
@@ -277,7 +277,7 @@ def _lettered(
 
 def _beside(
     words: Pieces, at: Point, radius: float, is_open: bool, labels: Labels, unit: Unit, face: Box
-) -> list[Shape] | None:  # fmt: skip
+) -> list[Shape] | None:
     """A callout on the face itself beside its hole; None where there is no room."""
     text = said(words, unit)
     gap = 1.0 if is_open else 0.75 * radius + 6.0

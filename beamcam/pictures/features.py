@@ -30,7 +30,7 @@ from beamcam.model.part import (
     Profile,
     Slot,
     TextMark,
-)  # fmt: skip
+)
 from beamcam.pictures.callouts import FaceSize, SizePlace
 from beamcam.pictures.scene import CAPITAL, Circle, PaperFrame, Point, Polyline, Shape, Text
 

@@ -27,9 +27,9 @@ from beamcam.model.part import (
     Profile,
     Slot,
     TextMark,
-)  # fmt: skip
+)
 from beamcam.pictures import features as shapes
-from beamcam.pictures.callouts import Callouts, callouts, size_letters, sizes_on  # fmt: skip
+from beamcam.pictures.callouts import Callouts, callouts, size_letters, sizes_on
 from beamcam.pictures.features import cutting_planes, end_cuts, mitres
 from beamcam.pictures.scene import (
     LETTER,
@@ -43,7 +43,7 @@ from beamcam.pictures.scene import (
     Text,
     Unit,
     shown,
-)  # fmt: skip
+)
 from beamcam.pictures.views import (
     SIDE,
     WIDTH,

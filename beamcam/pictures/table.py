@@ -27,7 +27,7 @@ from beamcam.pictures.scene import (
     Text,
     Unit,
     shown,
-)  # fmt: skip
+)
 from beamcam.pictures.views import (
     SIDE,
     TITLE,

@@ -129,13 +129,11 @@ def _refuse_settings(
         return []
     first = {(w.look, w.process): w for w in reversed(list(curves)) if w.look}
     return [
-        rules.LOOK_SETTING.at(
-            w.source, key=f"map.{look}.power", found=f"{power:g}", why=why
-        )
+        rules.LOOK_SETTING.at(w.source, key=f"map.{look}.power", found=f"{power:g}", why=why)
         for (look, process), w in sorted(first.items())
         if (power := torch.settings[look].power) is not None
         and (why := _why_no_power(machine, process))
-    ]  # fmt: skip
+    ]
 
 
 def _why_no_power(machine: Machine, process: str) -> str | None:

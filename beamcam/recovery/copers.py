@@ -166,11 +166,10 @@ def _tilted(
             tilted = {stroke.face for stroke in strokes if stroke.is_tilted}
             walls = [replace(wall, is_drawn=wall.face in tilted) for wall in walls]
         features = [
-            feature for wall in walls
-            for feature in find.on(
-                wall, whole_wall(wall.face, planes, length, section, wall.wide)
-            )
-        ]  # fmt: skip
+            feature
+            for wall in walls
+            for feature in find.on(wall, whole_wall(wall.face, planes, length, section, wall.wide))
+        ]
         if planes == NO_ENDS:
             features = [*with_bevels(features, strokes, section)]
         part = as_drawn(replace(part, features=tuple(features)))

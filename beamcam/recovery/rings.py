@@ -98,8 +98,7 @@ def pocket_of(ring: Sequence[Point], within: float) -> CutPocket | None:
     us, vs = [u for u, _ in own], [v for _, v in own]
     wide, high = (plain(max(w) - min(w), 2 * PLACE, DECIMALS) for w in (us, vs))
     u, v = (min(us) + max(us)) / 2, (min(vs) + max(vs)) / 2
-    off = min(dist(p, corner) for p in own
-              for corner in ((max(us), max(vs)), (min(us), min(vs))))  # fmt: skip
+    off = min(dist(p, corner) for p in own for corner in ((max(us), max(vs)), (min(us), min(vs))))
     diameter = 2 * off / (sqrt(2) - 1)
     # Of a plain slot the width is its diameter, which is known better.
     diameter = high if abs(diameter - high) <= 8 * within else _plain_size(diameter)

@@ -298,9 +298,8 @@ def _bar_tools(source: SheetSources, operations: Sequence[SheetOperation]) -> tu
         )  # fmt: skip
     names: dict[str, str] = {s.face: s.name for s in machine.spindles}
     tools = {
-        (names.get(face, face), op.tool): None
-        for op in operations if op.tool for face in op.faces
-    }  # fmt: skip
+        (names.get(face, face), op.tool): None for op in operations if op.tool for face in op.faces
+    }
     order = list(dict.fromkeys([*names.values(), *(where for where, _ in tools)]))
     rows = sorted(tools, key=lambda row: order.index(row[0]))
     return tuple(ToolRow(where, "", tool) for where, tool in rows)

@@ -251,9 +251,7 @@ def _places(move: Move[Place]) -> dict[str, float]:
     return dict(zip("XYZAB", (*move.end, move.a_deg[1], move.b_deg[1]), strict=True))
 
 
-def _seconds(
-    move: Move[Place], here: AxisPlaces, to: AxisPlaces, speeds: Sequence[float]
-) -> float:  # fmt: skip
+def _seconds(move: Move[Place], here: AxisPlaces, to: AxisPlaces, speeds: Sequence[float]) -> float:
     if move.minutes > 0.0:
         return 60.0 * move.minutes
     if not move.rapid and move.feed_mm_min > 0.0:

@@ -81,9 +81,8 @@ def contour_cutters(
     shape = shape_of(contour.curves)
     if contour.kind == "outer":
         outlines = [
-            c for c in part.contours
-            if c.kind == "outer" and is_cut(c) and c.face == contour.face
-        ]  # fmt: skip
+            c for c in part.contours if c.kind == "outer" and is_cut(c) and c.face == contour.face
+        ]
         if contour is not outlines[0]:
             return  # all of a face take the same
         shape = box(-FREE, -FREE, part.length + FREE, wall.width + FREE)

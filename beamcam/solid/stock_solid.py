@@ -156,7 +156,7 @@ def _drawn(part: Part, faces: str, side: int) -> tuple[float, Contour | None]:
     edge, and one of them; of two flanges where both agree. A plate's ends are in its outline."""
     outer = [
         c for c in part.contours if c.face in faces and c.kind == "outer" and c.process == "cut"
-    ]  # fmt: skip
+    ]
     lines = [_line_across(c, part, side) for c in outer]
     two_flanges = part.profile.code in ("I", "U", "C", "M")
     there = not two_flanges or {c.face for c in outer} == set(faces)

@@ -186,9 +186,7 @@ def compared(
     """
     known = _known_of(machine)
     job = RequiredParts(parts, skips, order != "given", turn, bar)
-    comparison = Comparison(
-        done.made, job, known.tools, profile, known.choices(profile), name
-    )  # fmt: skip
+    comparison = Comparison(done.made, job, known.tools, profile, known.choices(profile), name)
     diagnostics = (
         *comparison.run(),
         *bar_faults(comparison.laid, machine, comparison.saw, bar, name),

@@ -116,9 +116,8 @@ def _instead(
 def _drawn(part: Part, face: Face) -> tuple[float, float]:
     """Angles of start and end as an outline has them; 0 where either is not a straight line."""
     outlines = [
-        f for f in part.features
-        if isinstance(f, Contour) and f.face == face and f.kind == "outer"
-    ]  # fmt: skip
+        f for f in part.features if isinstance(f, Contour) and f.face == face and f.kind == "outer"
+    ]
     if len(outlines) != 1 or not all(isinstance(c, Line) for c in outlines[0].curves):
         return 0.0, 0.0
     points = [c.start for c in outlines[0].curves]
@@ -128,9 +127,7 @@ def _drawn(part: Part, face: Face) -> tuple[float, float]:
         return 0.0, 0.0
     bottom = [x for x, y in points if y <= low + OUTLINE_TOLERANCE]
     top = [x for x, y in points if y >= high - OUTLINE_TOLERANCE]
-    within = [
-        p for p in points if low + OUTLINE_TOLERANCE < p[1] < high - OUTLINE_TOLERANCE
-    ]  # fmt: skip
+    within = [p for p in points if low + OUTLINE_TOLERANCE < p[1] < high - OUTLINE_TOLERANCE]
     ends = (
         (min(bottom), min(top), [p for p in within if p[0] < part.length / 2]),
         (max(bottom), max(top), [p for p in within if p[0] > part.length / 2]),

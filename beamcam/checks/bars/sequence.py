@@ -246,9 +246,7 @@ def _of_spindle(
         if comment is None or not is_of:
             continue
         new, old = comment.new, comment.old
-        later = [
-            t.tool for t in tools[index:] if isinstance(t, Chosen) and t.spindle in numbers
-        ]  # fmt: skip
+        later = [t.tool for t in tools[index:] if isinstance(t, Chosen) and t.spindle in numbers]
         if comment.spindle != spindle.name.lower():
             yield _wrong(comment, f"a stop for spindle {spindle.number}", spindle.name, name)
         if one.diameter is not None and abs(one.diameter - new[1]) > 0.0006:

@@ -320,9 +320,7 @@ def _sink_tools(sink: Hole, pilot: float, tools: ToolCatalogue) -> tuple[str, tu
     """What a countersink lacks, "" if nothing, and the diameters of the tools that make it."""
     cone = sink.angle or FLAT_DEG
     limits = tools.fit(sink.diameter) or (sink.diameter, sink.diameter)
-    sizes = [
-        d for t in tools.of("countersink", sink.face) if t.point_deg == cone for d in t.sizes
-    ]  # fmt: skip
+    sizes = [d for t in tools.of("countersink", sink.face) if t.point_deg == cone for d in t.sizes]
     exact = any(limits[0] <= d <= limits[1] for d in sizes)
     if cone >= FLAT_DEG:
         return ("" if exact and sink.depth else "tool"), limits
@@ -344,11 +342,10 @@ def _pilot(sink: Hole, part: Part, tools: ToolCatalogue) -> float | None:
         if abs(h.x - sink.x) <= tolerance and abs(h.y - sink.y) <= tolerance
     )  # fmt: skip
     below = [
-        h.diameter for h in near
-        if h.kind in (*PLAIN_KINDS, *THREADS)
-        and h.face == sink.face
-        and h.diameter < sink.diameter
-    ]  # fmt: skip
+        h.diameter
+        for h in near
+        if h.kind in (*PLAIN_KINDS, *THREADS) and h.face == sink.face and h.diameter < sink.diameter
+    ]
     return max(below, default=None)
 
 

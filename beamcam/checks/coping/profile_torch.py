@@ -70,7 +70,7 @@ class ProfileTorch(TorchFollower):
         lowest = [
             height - coper.torch_width / 2 * sin(atan(hypot(*pose.lean(face))))
             for pose, height in zip(poses, over, strict=True)
-        ]  # fmt: skip
+        ]
         self._height(source, face, lowest[:1], row.pierce_height, "pierces")
         self._height(source, face, [lowest[k] for k in ends[1:]], row.cut_height, "cuts")
         off = max(lowest[ends[1] :], key=lambda one: abs(one - row.cut_height))

@@ -133,9 +133,7 @@ def walls_asked(
     drawn = {face: one.drawn for face, one in upper.items()}
     height = min((row.cut_height for row in rows), default=0.0)
     near = section.near(coper, height)
-    tilted = [
-        end is not None and is_tilted(end, drawn, section, coper, near) for end in ends
-    ]  # fmt: skip
+    tilted = [end is not None and is_tilted(end, drawn, section, coper, near) for end in ends]
     wanted = {(face, 0.0): one for face, one in upper.items()}
     if any(tilted):
         wanted = {
@@ -231,9 +229,7 @@ def _with_ledges(
     for face in section.faces[1:]:
         flange = wanted[face, 0.0].drawn
         deep = _depths_of_roots(face, flange, section, section.flange + near, strokes)
-        heights = [
-            deep[k] if end is None or tilted[k] else None for k, end in enumerate(ends)
-        ]  # fmt: skip
+        heights = [deep[k] if end is None or tilted[k] else None for k, end in enumerate(ends)]
         for (one, depth), asked in [*wanted.items()]:
             if one != "v":
                 continue

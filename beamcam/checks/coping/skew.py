@@ -58,9 +58,9 @@ def skew_ends(part: Part, section: CoperSection) -> tuple[SkewEnd | None, SkewEn
     """The ends of a part as it lies that are not square."""
     skew_ends: list[SkewEnd | None] = []
     flanges = ("o", "u") if section.has_upper else ("u",)
-    for k, (web, flange) in enumerate((
-        (part.cuts.web_start, part.cuts.flange_start), (part.cuts.web_end, part.cuts.flange_end)
-    )):  # fmt: skip
+    for k, (web, flange) in enumerate(
+        ((part.cuts.web_start, part.cuts.flange_start), (part.cuts.web_end, part.cuts.flange_end))
+    ):
         if abs(web) <= SQUARE_DEG:
             web = next((d for d in (_drawn(part, f, section.high, k) for f in "vh")
                         if d is not None), 0.0)  # fmt: skip

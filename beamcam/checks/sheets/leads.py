@@ -35,9 +35,8 @@ def pierce_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
     """Strokes round a contour that pierce too near to one although there is room for a lead."""
     row = work.asked.rows.get(work.process)
     rings = [
-        t for t in traced
-        if t.half_kerf and t.closed and not t.joined and not t.stroke.is_linked
-    ]  # fmt: skip
+        t for t in traced if t.half_kerf and t.closed and not t.joined and not t.stroke.is_linked
+    ]
     if row is None or not rings or not row.pierce_radius:
         return []
     contours = shapely.STRtree(work.contours)

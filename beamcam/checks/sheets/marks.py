@@ -185,9 +185,7 @@ def spot_faults(
             found, expected = "a spot behind a cut", "all of them before"
         if found:
             yield rules.SPOT.at(source, found=found, expected=expected, **values)
-    for (x, y), feature, count in zip(
-        places.tolist(), need.spots.values(), done, strict=True
-    ):  # fmt: skip
+    for (x, y), feature, count in zip(places.tolist(), need.spots.values(), done, strict=True):
         if not count:
             expected = f"the centre of {need.sources[feature]}"
             yield rules.SPOT.at(

@@ -289,7 +289,7 @@ def _cross(x: float, y: float, size: float) -> list[Curve]:
     return [
         Line((x - ux * size / 2, y - uy * size / 2), (x + ux * size / 2, y + uy * size / 2))
         for ux, uy in ((1.0, 0.0), (0.0, 1.0))
-    ]  # fmt: skip
+    ]
 
 
 def _ring(feature: Hole | Slot) -> list[Curve]:

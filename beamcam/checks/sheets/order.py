@@ -37,7 +37,7 @@ def order_faults(
                     found=f"work to {t.stroke.process} {_contour(works, t)}",
                     before=f"the cut on line {first_cut.stroke.line}",
                 )
-            )  # fmt: skip
+            )
             break
     diagnostics += _before_skeleton(traced, works, name)
     # An open cut has no inside, and lies in none.
@@ -67,10 +67,7 @@ def _before_skeleton(
     for t in skeleton:
         path = (work.path.starts[t.first] + work.path.ends[t.last - 1]) / 2
         _, way = work.need.nearest_to(path)
-        behind = [
-            o for o in traced
-            if o.stroke.line > t.stroke.line and (o.half_kerf or o.closed)
-        ]  # fmt: skip
+        behind = [o for o in traced if o.stroke.line > t.stroke.line and (o.half_kerf or o.closed)]
         if work.asked.source("cut", way).where == SKELETON and behind:
             return [
                 rules.ORDER.at(

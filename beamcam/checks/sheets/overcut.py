@@ -112,9 +112,9 @@ def _led_along(work: Work, t: Traced) -> float:
     places = _places(work, begin + along)
     back = places - _places(work, begin + along - CORNER_SPAN)
     forth = _places(work, begin + along + CORNER_SPAN) - places
-    turn = np.abs(np.arctan2(
-        back[:, 0] * forth[:, 1] - back[:, 1] * forth[:, 0], (back * forth).sum(axis=1)
-    ))  # fmt: skip
+    turn = np.abs(
+        np.arctan2(back[:, 0] * forth[:, 1] - back[:, 1] * forth[:, 0], (back * forth).sum(axis=1))
+    )
     if not len(turn) or turn.max() < CORNER_RAD:
         return 0.0
     return t.before - max(0.0, led - float(along[int(np.argmax(turn))]))

@@ -39,7 +39,7 @@ _OF_ALL = (
     Owner(("G40",), (), (*_PATH, "verify-sheet-tool", "verify-sheet-end"), "no compensation is on"),
     Owner(("G90",), (), ("verify-sheet-end",), _AGAIN),
     Owner(("G91",), (), _MOVED, "no move follows"),
-)  # fmt: skip
+)
 
 _RS274 = (
     *_OF_ALL,
@@ -147,7 +147,7 @@ _GRBL = (
     Owner(("G61",), (), ("verify-sheet-end",), "grbl knows no other mode"),
     Owner(("M3", "M4"), ("S",), _TOOL),
     Owner(("M4",), ("{power}", "{feed}"), (*_TOOL, "verify-sheet-feed", "verify-sheet-settings")),
-)  # fmt: skip
+)
 
 _CODESYS = (
     *_OF_ALL,

@@ -160,9 +160,9 @@ def _is_at_corner(work: Work, gap: _Gap, half_kerf: float, corners: Floats) -> b
     if ((at > work.tolerance) & (at < gap.width - work.tolerance)).any():
         return True
     reach = work.torch.min_tab_to_corner - 3 * work.tolerance
-    beside = shapely.multilinestrings([
-        substring(gap.line, 0.0, gap.width + reach), substring(gap.line, total - reach, total)
-    ])  # fmt: skip
+    beside = shapely.multilinestrings(
+        [substring(gap.line, 0.0, gap.width + reach), substring(gap.line, total - reach, total)]
+    )
     return bool((shapely.distance(beside, places) <= half_kerf + work.tolerance).any())
 
 

@@ -91,9 +91,7 @@ def worked_box(operations: Sequence[ContourOp], overscan: float = 0.0) -> Box:
                       (x1 + k * (x1 - x0), y1 + k * (y1 - y0)))
     ]  # fmt: skip
     xs, ys = [x for x, _ in beyond], [y for _, y in beyond]
-    return (
-        min([box[0], *xs]), min([box[1], *ys]), max([box[2], *xs]), max([box[3], *ys])
-    )  # fmt: skip
+    return (min([box[0], *xs]), min([box[1], *ys]), max([box[2], *xs]), max([box[3], *ys]))
 
 
 def refuse_size(operations: Sequence[ContourOp], part: Part, torch: Torch) -> None:

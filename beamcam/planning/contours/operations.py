@@ -213,9 +213,8 @@ def _is_small(shape: Shape, material: SheetMaterial) -> bool:
 def _open_cuts(shapes: Sequence[Shape], kerf: float) -> Iterator[Diagnostic]:
     """Open contours to cut: errors where a kerf is compensated and they are not asked for."""
     opened = [
-        s for s in shapes
-        if s.process == "cut" and not s.closed and s.source.where != SKELETON
-    ]  # fmt: skip
+        s for s in shapes if s.process == "cut" and not s.closed and s.source.where != SKELETON
+    ]
     for shape in opened[:SHOWN_OPEN]:
         (x0, y0), (x1, y1) = shape.curves[0].start, shape.curves[-1].end
         apart = hypot(x1 - x0, y1 - y0)

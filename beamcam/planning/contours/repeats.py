@@ -232,9 +232,7 @@ def _rest(
     lost = total_length(shape.curves) - total_length(curve for rest in rests for curve in rest)
     if lost <= SAME_PLACE:
         return [shape]
-    at = next(
-        k for k, curve in enumerate(shape.curves) if on[k] and rests[k] != (curve,)
-    )  # fmt: skip
+    at = next(k for k, curve in enumerate(shape.curves) if on[k] and rests[k] != (curve,))
     stands_for = on[at][0][1]
     runs = [run for run in _runs(rests, shape.closed) if total_length(run) > gap]
     is_common = shape.closed and (bool(runs) or stands_for is shape or not _is_same(shape, on))

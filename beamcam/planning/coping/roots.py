@@ -150,11 +150,10 @@ def _unpaired(
             one.right == other.right
             and (
                 (one.end is not None and one.end == other.end)
-                or (one.square and other.square
-                    and abs(one.x - other.x) <= SHARE * coper.tolerance)
+                or (one.square and other.square and abs(one.x - other.x) <= SHARE * coper.tolerance)
             )
             for other in others
-        )  # fmt: skip
+        )
 
     for mine, others, wall, other in (
         (on_web, on_flange, web, flange), (on_flange, on_web, flange, web)

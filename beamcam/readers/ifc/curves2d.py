@@ -127,12 +127,11 @@ def _trimmed(model: Model, entity: Entity) -> Curve:
     frame = model.axes(basis.values[0])
     (ox, oy, _), (ax, ay, _), (bx, by, _) = frame.o, frame.x, frame.y
     start_rad, end_rad = (
-        one * model.radians if isinstance(one, float)
-        else atan2(
-            (one[0] - ox) * bx + (one[1] - oy) * by, (one[0] - ox) * ax + (one[1] - oy) * ay
-        )
+        one * model.radians
+        if isinstance(one, float)
+        else atan2((one[0] - ox) * bx + (one[1] - oy) * by, (one[0] - ox) * ax + (one[1] - oy) * ay)
         for one in ends
-    )  # fmt: skip
+    )
     way = 1 if entity.values[3] else -1
     turn = way * (end_rad - start_rad) % (2 * pi)
     if turn < 1e-9:
