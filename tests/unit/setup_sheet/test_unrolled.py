@@ -88,7 +88,7 @@ SOLIDS = [
     ("header-rest", "coper-linuxcnc", "vouh"), ("leg", "tube-linuxcnc", "vouh"),
     ("hip", "tube-linuxcnc", "vouh"), ("trimmer", "tube-linuxcnc", "vouh"),
     ("hanger", "tube-linuxcnc", "vouh"), ("joist", "coper-linuxcnc", "vouh"),
-    ("joist", "tube-linuxcnc", "vouh"), ("lintel-rest", "tube-linuxcnc", "vou"),
+    ("joist", "tube-linuxcnc", "vouh"), ("lintel-rest", "tube-linuxcnc", "vouh"),
     ("mast-rest", "tube-linuxcnc", "vouh"),
     ("stub", "tube-linuxcnc", "v"), ("stub", "tube-surface", "v"),
 ]  # fmt: skip

@@ -397,7 +397,7 @@ def test_every_rule_has_a_case() -> None:
     shown = {c.code for c in REFUSALS} | {code for _, _, code, _ in OTHERS}
     shown |= {code for _, _, more in REMARKS for code in more} | {
         "plan-tabs", "plan-bevel-left", "plan-thickness-unknown", "plan-bevel-noise",
-        "plan-sheet-turned", "plan-sheet-apart", "plan-sheet-end",
+        "plan-sheet-turned", "plan-sheet-apart", "plan-sheet-end", "plan-tabs-joint",
     }  # fmt: skip
     assert {r.code for r in rules.RULES} - OF_OTHERS <= shown
 
