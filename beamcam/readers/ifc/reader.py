@@ -177,6 +177,10 @@ def _account(members: Members, taken: Taken) -> Iterator[Diagnostic]:
         del others[kind]
     if others:
         yield rules.OTHER_CLASSES.at(source, found=others.total(), classes=_told(others))
+    file = members.model.file
+    if unknown := file.unknown_classes():
+        found, classes = unknown.total(), _told(unknown)
+        yield rules.UNKNOWN_CLASS.at(source, found=found, classes=classes, expected=file.schema)
     if verdicts.total() != len(members.elements):
         raise AssertionError("the ledger of the model does not balance")
     numbers = {verdict: verdicts[verdict] for verdict in member.VERDICTS}

@@ -6,6 +6,7 @@ what the kernel is given in place of what it cannot build never shows here.
 """
 
 import re
+from collections import Counter
 from collections.abc import Container, Iterator
 from contextlib import suppress
 from typing import Any, SupportsIndex
@@ -301,6 +302,11 @@ class File:
         lost = [one for one in self._lost if name in entity_type(self.schema, one.kind).kinds]
         found += [self.entity(one.number) for one in lost]
         return sorted(found, key=lambda one: self._places[one.number])
+
+    def unknown_classes(self) -> Counter[str]:
+        """How many records have each class that the schema does not know."""
+        kinds = Counter(one.kind for one in self._lost)
+        return Counter({k: n for k, n in kinds.items() if not entity_type(self.schema, k).places})
 
 
 @cached("ifc.parser")

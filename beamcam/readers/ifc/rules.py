@@ -30,6 +30,10 @@ OTHER_CLASSES = note("ifc-other-classes",
     "found {found} elements of other classes ({classes}); expected beams, columns, members, plates "
     "and accessories, nothing else is read",
     "Slabs, walls, fasteners and the like are no steel members. Proxies are read by --class.")
+UNKNOWN_CLASS = warning("ifc-unknown-class",
+    "found {found} records of classes that the schema has not ({classes}); expected those of "
+    "{expected}, no member is read from them",
+    "A misspelt class, or one of a later schema than the file says, may be a member that is lost.")
 CURVED = error("ifc-curved",
     "found a curved member ({found}); expected a straight one",
     "A saw line takes straight bars. Bend the member by other means, and cut it beforehand.")

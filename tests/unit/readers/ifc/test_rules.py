@@ -241,6 +241,13 @@ def with_a_slab() -> bytes:
     return m.data
 
 
+def with_a_misspelt_class() -> bytes:
+    """The beam that is written right is read, of the other there is a word."""
+    m = plain()
+    m.add("IFCBAEM('0aaaaaaaaaaaaaaaaaaaaa',$,'B2',$,$,$,$,$)")
+    return m.data
+
+
 def of_another_volume() -> bytes:
     m = Small()
     e = m.element(m.extruded(m.ipe300(), 2000.0))
@@ -285,6 +292,7 @@ CASES: dict[str, Callable[[], bytes]] = {
     "ifc-kinked": bent,
     "ifc-lips": with_lips,
     "ifc-other-classes": with_a_slab,
+    "ifc-unknown-class": with_a_misspelt_class,
     "ifc-weight-near": lambda: stated(NetWeight="IFCMASSMEASURE(88.4)"),
     "ifc-net-volume": of_another_volume,
     "ifc-cutout": with_a_listed_cope,
