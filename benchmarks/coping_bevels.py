@@ -14,6 +14,10 @@ OfPlan = Callable[[CopePlan, random.Random], CopePlan | None]
 Turn = tuple[float, float]  #: A off its face and B
 
 
+#: degrees that a torch may lean along its edge with hardly another wedge: t tan(b) (1 - cos 12)
+MATTERS = 12.0
+
+
 def turned(cut: CopeCut, change: Callable[[Turn], Turn]) -> CopeCut:
     """A cut whose torch is turned otherwise, on all of its way."""
     off, b_deg = change((cut.a_off_deg, cut.b_deg))
@@ -52,9 +56,12 @@ def is_round(cut: CopeCut) -> bool:
     return bool(cut.turns)
 
 
-def _standing(cut: CopeCut, chance: random.Random) -> CopeCut:
-    """A torch that does not turn along a curve."""
-    return replace(cut, turns=(chance.choice(cut.turns),) * len(cut.turns))
+def _standing(cut: CopeCut, chance: random.Random) -> CopeCut | None:
+    """A torch that does not turn along a curve, where it has to by so much that it matters."""
+    off, b_deg = only = chance.choice(cut.turns)
+    if max(hypot(a - off, b - b_deg) for a, b in cut.turns) < MATTERS:
+        return None
+    return replace(cut, turns=(only,) * len(cut.turns))
 
 
 def _chord(cut: CopeCut, chance: random.Random) -> CopeCut | None:
@@ -70,7 +77,7 @@ def _chord(cut: CopeCut, chance: random.Random) -> CopeCut | None:
 def _late(cut: CopeCut, chance: random.Random) -> CopeCut | None:
     """A torch that turns too late, by so much that it matters."""
     (off, b_deg), turns = cut.turns[0], cut.turns
-    late = next((k for k, (a, b) in enumerate(turns) if hypot(a - off, b - b_deg) > 12.0), None)
+    late = next((k for k, (a, b) in enumerate(turns) if hypot(a - off, b - b_deg) > MATTERS), None)
     return None if late is None else replace(cut, turns=(*turns[:1] * late, *turns[:-late]))
 
 
