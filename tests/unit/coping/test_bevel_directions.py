@@ -313,7 +313,7 @@ def test_random_bevels_are_planned_and_none_is_refused(seed: int) -> None:
     assert not found(text, part)
 
 
-@pytest.mark.parametrize("seed", sampled([8, 11, 14, 23, 31, 38, 43, 68], 8))
+@pytest.mark.parametrize("seed", sampled([8, 11, 14, 23, 31, 38, 43], 7))
 def test_the_solid_of_random_bevels_is_the_part(seed: int) -> None:
     part = random_shaped_bevel(seed)
     assert passes(part)

@@ -133,6 +133,7 @@ REFUSALS = [
 @pytest.mark.parametrize("case", REFUSALS, ids=lambda c: c.says)
 def test_what_a_torch_cannot_make(case: Refusal) -> None:
     part, machine = plate(*case.features), table(drilled="refuse", bevel="refuse")
+    machine = replace(machine, marks=replace(machine.marks, bends="refuse"))
     with pytest.raises(PlanError) as caught:
         plan_sheet((part,), machine)
     (said,) = caught.value.diagnostics
