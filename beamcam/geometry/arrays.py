@@ -41,7 +41,8 @@ _KINDS: tuple[type[Curve], ...] = (Line, Arc, EllipseArc, Bezier, BSpline, Newto
 class CurveTable:
     """Many curves, the numbers of the lines and arcs among them, and what follows from these.
 
-    Each array is made when it is first asked for and kept; none may be written to.
+    Each array is made when it is first asked for and kept. None can be written to: planner and
+    read-back have one table of the same curves, and what one of them changed the other would see.
     """
 
     def __init__(self, curves: Sequence[Curve]) -> None:
@@ -65,12 +66,13 @@ class CurveTable:
     @cached_property
     def lines(self) -> Floats:
         """Start and end of the lines, (n, 4)."""
-        return rows([(*a.start, *a.end) for a in self._of(Line)], 4)
+        return _fixed(rows([(*a.start, *a.end) for a in self._of(Line)], 4))
 
     @cached_property
     def arcs(self) -> Floats:
         """Centre, radius, start and sweep in degrees of the arcs, (n, 5)."""
-        return rows([(*a.centre, a.radius, a.start_deg, a.sweep_deg) for a in self._of(Arc)], 5)
+        arcs = [(*a.centre, a.radius, a.start_deg, a.sweep_deg) for a in self._of(Arc)]
+        return _fixed(rows(arcs, 5))
 
     @cached_property
     def ends(self) -> Floats:
@@ -79,7 +81,7 @@ class CurveTable:
         ends[self.where(Line)], ends[self.where(Arc)] = self.lines, arc_ends(self.arcs)
         if free := self.free():
             ends[free] = [(*self.curves[k].start, *self.curves[k].end) for k in free]
-        return ends
+        return _fixed(ends)
 
     @cached_property
     def hulls(self) -> Floats:
@@ -94,7 +96,7 @@ class CurveTable:
         hulls[self.where(Arc)] = np.hstack((centre - radius, centre + radius))
         if free := self.free():
             hulls[free] = [_hull(self.curves[k]) for k in free]
-        return hulls
+        return _fixed(hulls)
 
     @cached_property
     def box(self) -> Box | None:
@@ -118,6 +120,12 @@ class CurveTable:
                     break
                 box = join_boxes([box, self.curves[k].bbox]) or box
         return box
+
+
+def _fixed(array: Floats) -> Floats:
+    """The array, which nobody writes to from now on."""
+    array.setflags(write=False)
+    return array
 
 
 #: The table of a tuple of curves, made once for the same curves.
