@@ -14,8 +14,9 @@ OfPlan = Callable[[CopePlan, random.Random], CopePlan | None]
 Turn = tuple[float, float]  #: A off its face and B
 
 
-#: degrees that a torch may lean along its edge with hardly another wedge: t tan(b) (1 - cos 12)
-MATTERS = 12.0
+#: Degrees that a torch may lean along its edge for the same wedge, which is t tan(b) (1 - cos 4)
+#: off: 0.01 mm of 8.5 mm at 27 degrees.
+ALONG_EDGE = 4.0
 
 
 def turned(cut: CopeCut, change: Callable[[Turn], Turn]) -> CopeCut:
@@ -57,9 +58,9 @@ def is_round(cut: CopeCut) -> bool:
 
 
 def _standing(cut: CopeCut, chance: random.Random) -> CopeCut | None:
-    """A torch that does not turn along a curve, where it has to by so much that it matters."""
+    """A torch that does not turn along a curve, where that makes another wedge."""
     off, b_deg = only = chance.choice(cut.turns)
-    if max(hypot(a - off, b - b_deg) for a, b in cut.turns) < MATTERS:
+    if max(hypot(a - off, b - b_deg) for a, b in cut.turns) < ALONG_EDGE:
         return None
     return replace(cut, turns=(only,) * len(cut.turns))
 
@@ -77,7 +78,7 @@ def _chord(cut: CopeCut, chance: random.Random) -> CopeCut | None:
 def _late(cut: CopeCut, chance: random.Random) -> CopeCut | None:
     """A torch that turns too late, by so much that it matters."""
     (off, b_deg), turns = cut.turns[0], cut.turns
-    late = next((k for k, (a, b) in enumerate(turns) if hypot(a - off, b - b_deg) > MATTERS), None)
+    late = next((k for k, (a, b) in enumerate(turns) if hypot(a - off, b - b_deg) > 12.0), None)
     return None if late is None else replace(cut, turns=(*turns[:1] * late, *turns[:-late]))
 
 
