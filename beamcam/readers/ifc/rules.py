@@ -47,10 +47,11 @@ SECTION = error("ifc-section",
     "found {found}; expected a rolled section, a tube or a plate",
     "A casting, a welded group or a coarse mesh has no section that a bar of stock could have.")
 ODD_CUT = error("ifc-odd-cut",
-    "found {found}; expected saw cuts and holes through its axis; DSTV has no block for anything "
-    "else: cut the member on a tube laser, or manually from the model",
-    "Slots, saddles and windows of round tubes have no face to lie on, nor have holes in a special "
-    "section.")
+    "found {found}; expected saw cuts and holes through its axis, no more is read of such a "
+    "section from a model: draw the unrolled surface of a round tube (--wrap), or cut the member "
+    "manually from the model",
+    "Slots, saddles and windows of round sections are not unrolled by the reader, and holes in a "
+    "special section have no face to lie on.")
 OUTLINE = error("ifc-outline",
     "found a section of {found} cm2 by the geometry kernel; expected {expected} cm2 by its outline",
     "A special section is its outline, and two ways of reading it disagree.")
