@@ -20,10 +20,9 @@ from beamcam.geometry.curves import Line
 from beamcam.machine import load
 from beamcam.machine.machine import Machine
 from beamcam.machine.stations import Marks, Policy
-from beamcam.model.description import MarkKind, mark_kind
 from beamcam.model.part import Contour, Feature, Hole, Part, TextMark
 from beamcam.model.plan import Outcome
-from beamcam.model.request import Request
+from beamcam.model.request import MarkKind, Request, mark_kind
 from beamcam.pipeline import Posted, RefusedProgram, post, read_back
 from beamcam.planning.left_out import (
     HEAD,

@@ -12,8 +12,6 @@ from beamcam.api.inputs import (
     FileInput,
     ReadOptions,
     SheetOptions,
-    bytes_of,
-    program_bytes,
 )
 from beamcam.arguments import (
     ASK_TYPE,
@@ -35,16 +33,15 @@ from beamcam.machine.faults import TABLE_CONTROLLERS
 from beamcam.machine.overlay import with_section
 from beamcam.machine.runtime import STYLES
 from beamcam.machine.tables import DIALECTS, STEP_FORMS
-from beamcam.model.description import marked
 from beamcam.model.part import Part
 from beamcam.model.plan import AnyPlan, Order
-from beamcam.model.request import Request
+from beamcam.model.request import Request, marked
 from beamcam.pipeline import Posted, judged, read_file, remarks_on, whole_job
 from beamcam.pipeline import post as post_bar
 from beamcam.pipeline import read_back as read_program_back
 from beamcam.planning.left_out import named_skips
 from beamcam.posts import post_of
-from beamcam.readers import Reading
+from beamcam.readers import Reading, content
 from beamcam.readers import read as read_bytes
 
 Process = Literal["cut", "mark", "engrave", "ignore"]
@@ -318,3 +315,38 @@ def _operation(first: object, machine: Machine) -> int:
         fault = f"{machine.name} works on no bars"
         raise AskError(ASK_VALUE.at(Source("beamcam"), name="from_operation", fault=fault))
     return number
+
+
+# --- files as they are given ----------------------------------------------------------------------
+
+
+def bytes_of(source: object, what: str) -> bytes | None:
+    """The bytes of a file that is given by its content or open; None of a path.
+
+    Raises AskError for anything else.
+    """
+    if isinstance(source, bytes | bytearray | memoryview):
+        return bytes(source)
+    if isinstance(source, str | os.PathLike):
+        return None
+    read: Any = getattr(source, "read", None)
+    if not callable(read):
+        raise AskError(ask_type(what, source, "a path, bytes, or a file that is open to be read"))
+    data = read()
+    return data.encode() if isinstance(data, str) else bytes(data)
+
+
+def program_bytes(program: object) -> bytes:
+    """The bytes of a program: of its text, its bytes, or its file as a `Path` or open.
+
+    Raises AskError, and ReadError for a file that cannot be read.
+    """
+    if isinstance(program, str):
+        return program.encode()
+    data = bytes_of(program, "program")
+    if data is not None:
+        return data
+    found = content(os.fspath(program))  # type: ignore[call-overload]
+    if isinstance(found, Diagnostic):
+        raise ReadError(found)
+    return bytes(found)

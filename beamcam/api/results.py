@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.api.inputs import FileInput, program_bytes
-from beamcam.api.jobs import post
+from beamcam.api.inputs import FileInput
+from beamcam.api.jobs import post, program_bytes
 from beamcam.arguments import (
     ASK_TYPE,
     AnyMachine,

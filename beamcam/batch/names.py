@@ -17,9 +17,9 @@ from string import Formatter
 from beamcam.batch import OTHER_CONTENT
 from beamcam.errors import Diagnostic
 from beamcam.machine.machine import Machine
-from beamcam.model.description import MarkFrom
 from beamcam.model.part import Part
 from beamcam.model.part_json import part_to_json
+from beamcam.model.request import MarkFrom
 from beamcam.readers.dstv.header import said_of_part
 from beamcam.system import EndRequest, free_of_devices
 

@@ -26,8 +26,8 @@ from beamcam.batch.record import RECORD_NAME, Record, noted_in, partly, rests_of
 from beamcam.batch.work import BatchSettings, FileResult, Task, died, refused_row
 from beamcam.errors import BeamcamError, Diagnostic, Source
 from beamcam.files import FilesRead
-from beamcam.model.description import marked
 from beamcam.model.part import Part
+from beamcam.model.request import marked
 from beamcam.pipeline import counted, judged, sound
 from beamcam.readers import read
 from beamcam.reports.run import FileRow, PartRow, as_message, names_in

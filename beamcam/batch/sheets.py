@@ -17,8 +17,8 @@ from beamcam.batch.work import BatchSettings, thaw
 from beamcam.errors import BeamcamError
 from beamcam.files import write_whole
 from beamcam.machine_choice import on_best_machine
-from beamcam.model.description import marked
 from beamcam.model.part import Part
+from beamcam.model.request import marked
 from beamcam.pictures.formats import inline_svg
 from beamcam.pictures.part import small_scene
 from beamcam.pictures.program import ReadProgram

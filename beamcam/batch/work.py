@@ -23,10 +23,9 @@ from beamcam.errors import BeamcamError, ReadError, Source
 from beamcam.files import REFUSED_SUFFIX
 from beamcam.machine.machine import Machine
 from beamcam.machine_choice import on_best_machine
-from beamcam.model.description import MarkFrom, marked
 from beamcam.model.part import Part
 from beamcam.model.plan import Order
-from beamcam.model.request import ChosenBy, Quantity, Remnant, Request
+from beamcam.model.request import ChosenBy, MarkFrom, Quantity, Remnant, Request, marked
 from beamcam.pipeline import (
     Begun,
     Posted,

@@ -12,9 +12,9 @@ from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, Source, error, warning
 from beamcam.machine.machine import Machine
-from beamcam.model.description import description, policy_on
+from beamcam.model.description import description
 from beamcam.model.part import Feature, Part, TextMark
-from beamcam.model.request import Job, Request
+from beamcam.model.request import Job, Request, policy_on
 
 SLACK = 1e-6  #: mm between a bar in store and the one that a program is for
 

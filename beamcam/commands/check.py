@@ -20,9 +20,10 @@ from beamcam.commands.settings import machine_for, settled
 from beamcam.config.values import Config, over
 from beamcam.errors import BeamcamError, Severity, Source
 from beamcam.files import REFUSED_SUFFIX
-from beamcam.machine import Machine, is_of_programs, shipped
+from beamcam.machine import Machine, shipped
 from beamcam.pipeline import begin, finished, parts_of, read_file
 from beamcam.planning.left_out import is_manual_work_list, manual_rows
+from beamcam.readers import is_of_programs
 from beamcam.reports.run import as_message, message_line
 
 #: Where others than the header of a machine file say the job's name: behind `%`, as the unit of a

@@ -22,10 +22,10 @@ from beamcam.comparison.parts import diff_parts
 from beamcam.comparison.statements import ProgramText
 from beamcam.config.values import COMMAND_LINE, Config
 from beamcam.errors import BeamcamError, Diagnostic, ReadError, Severity, errors_in
-from beamcam.machine import Machine, is_of_programs
+from beamcam.machine import Machine
 from beamcam.model.part import Part
 from beamcam.pipeline import judged, parts_of
-from beamcam.readers import shown_name
+from beamcam.readers import is_of_programs, shown_name
 from beamcam.reports.run import as_message, message_line
 
 

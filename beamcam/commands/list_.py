@@ -37,10 +37,9 @@ from beamcam.commands.settings import (
 from beamcam.config.values import Config, Stock
 from beamcam.errors import BeamcamError, Diagnostic, ReadError, Source
 from beamcam.machine.machine import Machine
-from beamcam.model.description import marked
 from beamcam.model.part import Part
 from beamcam.model.plan import Order
-from beamcam.model.request import Request, remnant_of
+from beamcam.model.request import Request, marked, remnant_of
 from beamcam.pipeline import counted, sound, stock_of
 from beamcam.plain_text import terminal_text
 from beamcam.planning import number_of

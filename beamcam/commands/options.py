@@ -22,8 +22,7 @@ from beamcam.commands import MORE_BARS, OUTPUT_FORMAT
 from beamcam.commands.common import STANDARD, Console
 from beamcam.commands.outputs import Callback
 from beamcam.errors import BeamcamError, PlanError, Source
-from beamcam.model.description import MARKS_FROM
-from beamcam.model.request import remnant_of
+from beamcam.model.request import MARKS_FROM, remnant_of
 from beamcam.planning import numbered
 from beamcam.planning.left_out import ALL_SKIPS, SKIP_NAMES, named_skips
 

@@ -105,9 +105,3 @@ def is_of_sheets(program: str) -> bool:
     """Whether programs with that suffix are always of sheets."""
     suffix = PurePath(program).suffix.lower()
     return ("sheet", suffix) in DEFAULTS and ("beam", suffix) not in DEFAULTS
-
-
-def is_of_programs(name: str) -> bool:
-    """Whether a machine writes its programs under that suffix."""
-    suffix = PurePath(name).suffix.lower()
-    return any(suffix == known for _, known in DEFAULTS)

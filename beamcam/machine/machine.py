@@ -11,12 +11,12 @@ from typing import Annotated, Literal, TypeVar
 
 from msgspec import Meta, Struct, field
 
-from beamcam.conversion import Keys, NotNegative, Positive, PositiveCount
+from beamcam.conversion import Count, Keys, NotNegative, Positive, PositiveCount
 from beamcam.errors import Diagnostic
 from beamcam.geometry.plane import MAX_COORDINATE
 from beamcam.machine.coper import Coper
 from beamcam.machine.stations import Drill, Marks, Pair, Saw, Spindle, ToolSet
-from beamcam.machine.tables import Modbus, Stepper, Triggers
+from beamcam.machine.tables import Stepper, Triggers
 from beamcam.machine.torch import Torch
 from beamcam.machine.words import MachineBox, Words
 
@@ -109,6 +109,29 @@ TableMeaning = Literal[
     "feed share", "height", "touch off", "material",
 ]  # fmt: skip
 CodeMeaning = Literal[CycleMeaning, TableMeaning]
+
+
+class Modbus(Keys, frozen=True):
+    """The registers that show a controller's axes over Modbus TCP, in the order of `[[axes]]`.
+
+    The same signed values are in the holding and the input registers.
+    """
+
+    values: Literal["int16", "int32", "float"] = "int16"  #: of one, two and two registers an axis
+    scale: Positive = 1.0  #: mm or degrees of one count, of int16 and int32
+    scales: tuple[Positive, ...] = ()  #: for each axis, where they differ
+    word_order: Literal["high-first", "low-first"] = "high-first"  #: of two registers
+    first: Count = 0  #: address of axis 0
+    states: bool = True  #: spindle, diameter, turning, coolant, sawing and line follow the axes
+
+    @property
+    def words(self) -> int:
+        """Registers of an axis."""
+        return 1 if self.values == "int16" else 2
+
+    def scale_of(self, axis: int) -> float:
+        """mm or degrees of one count."""
+        return self.scales[axis] if self.scales else self.scale
 
 
 class MachineFile(Keys, frozen=True):

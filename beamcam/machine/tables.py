@@ -12,7 +12,7 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, Struct, field
 
-from beamcam.conversion import Count, Keys, Positive, PositiveCount
+from beamcam.conversion import Keys, Positive, PositiveCount
 
 #: Names of SIMOTION's library that neither a manual at hand nor a program that ran shows; the
 #: package of a project may call them otherwise.
@@ -214,31 +214,3 @@ class Stepper(Keys, frozen=True):
     def step(self) -> float:
         """Travel of one step."""
         return self.pitch / self.steps_per_turn
-
-
-# --- modbus ---------------------------------------------------------------------------------------
-
-# How a controller publishes its axis positions over Modbus TCP.
-
-
-class Modbus(Keys, frozen=True):
-    """The registers of a controller: output k is axis k, in the order of `[[axes]]`.
-
-    The same signed values are in the holding and the input registers.
-    """
-
-    values: Literal["int16", "int32", "float"] = "int16"  #: of one, two and two registers an axis
-    scale: Positive = 1.0  #: mm or degrees of one count, of int16 and int32
-    scales: tuple[Positive, ...] = ()  #: for each axis, where they differ
-    word_order: Literal["high-first", "low-first"] = "high-first"  #: of two registers
-    first: Count = 0  #: address of axis 0
-    states: bool = True  #: spindle, diameter, turning, coolant, sawing and line follow the axes
-
-    @property
-    def words(self) -> int:
-        """Registers of an axis."""
-        return 1 if self.values == "int16" else 2
-
-    def scale_of(self, axis: int) -> float:
-        """mm or degrees of one count."""
-        return self.scales[axis] if self.scales else self.scale

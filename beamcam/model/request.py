@@ -1,4 +1,4 @@
-"""What is asked for: parts, how many of each, from which stock, on which machine.
+"""What is asked for: parts, how many of each, from which stock, on which machine, which marks.
 
 Commands, folders and the Python interface all build a `Request`. The planner works from it, and
 the read-back counts and lays out from the same record by itself. How a sheet lies (copies, mirror,
@@ -6,15 +6,17 @@ turn, origin) and what is done with a colour or layer are settings of the machin
 request.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from math import isfinite
+from pathlib import PurePath
 from typing import Literal
 
 from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.machine.machine import Machine
-from beamcam.model.part import Part
+from beamcam.machine.stations import Marks, Policy
+from beamcam.model.part import Bend, Contour, Feature, Hole, Part, TextMark
 from beamcam.model.plan import Order
 
 ChosenBy = Literal["order", "time"]
@@ -116,3 +118,50 @@ class Options(Struct, frozen=True):
     letter: bool = False  #: every member gets its mark as a text
     workers: int = 1  #: processes that read the members of a large model side by side
     apart: bool = False  #: the kernel builds in another process, which ends when its time is up
+
+
+# --- marks ----------------------------------------------------------------------------------------
+
+# Marks: what a part is called by, and which of a machine's policies a feature falls under.
+
+
+MarkFrom = Literal["mark", "drawing", "file", "position"]
+MARKS_FROM: tuple[MarkFrom, ...] = ("mark", "drawing", "file", "position")
+MarkKind = Literal["text", "points", "contours"]
+
+
+def mark_kind(feature: Feature) -> MarkKind | None:
+    """The key of `[marks]` that applies to a feature; None if it is not a mark.
+
+    The process of a line in a drawing follows from its layer and colour, not from a policy.
+    """
+    if isinstance(feature, Hole):
+        return "points" if feature.kind == "mark" else None
+    if isinstance(feature, Contour):
+        seen = feature.layer is not None or feature.colour is not None
+        return None if seen or feature.process == "cut" else "contours"
+    return "text" if isinstance(feature, TextMark) else None
+
+
+def policy_on(feature: Feature, marks: Marks) -> Policy | None:
+    """A machine's policy for a mark, or for a bend that is left; None for any other feature."""
+    if isinstance(feature, Bend):
+        return "list" if marks.bends == "list" else None
+    kind = mark_kind(feature)
+    return None if kind is None else getattr(marks, kind)
+
+
+def marked(parts: Iterable[Part], source: MarkFrom) -> tuple[Part, ...]:
+    """Parts with the mark that stands elsewhere: as a drawing number, a file's name, a position.
+
+    Offices that keep one word in the field of the mark have it there; the position is the third
+    line of a DSTV header, the phase. Where nothing stands in that place the mark is kept.
+    """
+    if source == "mark":
+        return tuple(parts)
+    found: Callable[[Part], str] = {
+        "drawing": lambda part: part.drawing,
+        "file": lambda part: PurePath(part.source.file.replace("\\", "/")).stem,
+        "position": lambda part: part.phase,
+    }[source]
+    return tuple(replace(part, mark=found(part) or part.mark) for part in parts)

@@ -18,9 +18,10 @@ from beamcam.errors import Diagnostic, Source, error, note, warning
 from beamcam.geometry.curves import circle_of, slot_of
 from beamcam.machine.stations import Marks
 from beamcam.machine.torch import Torch
-from beamcam.model.description import description, mark_kind, policy_on
+from beamcam.model.description import description
 from beamcam.model.part import Bend, Contour, Feature, Hole, Part, Slot, TextMark
 from beamcam.model.plan import AnyPlan, Outcome, Plan, SheetPlan, unfinished
+from beamcam.model.request import mark_kind, policy_on
 from beamcam.plain_text import harmless_cell
 from beamcam.planning import rules
 

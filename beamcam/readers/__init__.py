@@ -28,7 +28,7 @@ from msgspec import Struct
 from beamcam.budget import BYTES, limits
 from beamcam.caches import cached
 from beamcam.errors import Diagnostic, Source, error, errors_in
-from beamcam.machine import is_of_programs
+from beamcam.machine import DEFAULTS
 from beamcam.model.part import Part
 from beamcam.system import NotAFile, open_file
 
@@ -279,6 +279,12 @@ def _other_format(data: bytes, suffix: str) -> tuple[str, str] | None:
     return next(
         ((what, expected) for begin, what, expected in _BEGINNINGS if data.startswith(begin)), None
     )
+
+
+def is_of_programs(name: str) -> bool:
+    """Whether a machine writes its programs under that suffix."""
+    suffix = os.path.splitext(name)[1].lower()
+    return any(suffix == known for _, known in DEFAULTS)
 
 
 def _is_program(data: bytes, name: str) -> bool:

@@ -14,7 +14,7 @@ from typing import Any, Self
 from msgspec import Struct
 
 from beamcam.errors import Rule, Source, VerifyError
-from beamcam.machine.tables import Modbus
+from beamcam.machine.machine import Modbus
 from beamcam.simulation import MODBUS, PORT, REGISTER
 from beamcam.simulation.trace import State, Trace, TraceRow
 from beamcam.system import LOOK_S, NEVER, EndRequest

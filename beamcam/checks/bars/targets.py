@@ -26,7 +26,7 @@ from beamcam.checks.request import is_manual_work
 from beamcam.geometry.curves import Curve, Point
 from beamcam.machine.machine import saw_of
 from beamcam.machine.stations import FLAT_DEG
-from beamcam.model.description import description, policy_on
+from beamcam.model.description import description
 from beamcam.model.part import (
     Bend,
     Camber,
@@ -39,6 +39,7 @@ from beamcam.model.part import (
     Slot,
     TextMark,
 )
+from beamcam.model.request import policy_on
 from beamcam.model.section import OTHER_SIDE, corners
 
 PLAIN_KINDS = ("through", "blind")  #: of a hole that a drill alone makes

@@ -34,8 +34,8 @@ from beamcam.checks.text_assignment import (
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Line, Point
 from beamcam.machine.machine import text_x
-from beamcam.model.description import policy_on
 from beamcam.model.part import Face, Hole, Part, Profile, Slot, TextMark
+from beamcam.model.request import policy_on
 from beamcam.model.section import NO_PLATE, OTHER_SIDE
 
 ANGLE_DEG = 0.01  #: that a told angle may differ

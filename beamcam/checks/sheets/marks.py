@@ -30,8 +30,8 @@ from beamcam.geometry.curves import Curve, Line
 from beamcam.geometry.plane import Point
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import LayerSettings, Torch, TorchProcess
-from beamcam.model.description import policy_on
 from beamcam.model.part import Part, TextMark
+from beamcam.model.request import policy_on
 
 FACES = ("v",)  #: that a head over a sheet comes to
 CHORD = 0.5  #: mm, of the edges of the steel

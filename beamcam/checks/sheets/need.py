@@ -18,7 +18,6 @@ from beamcam.geometry.plane import Point
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch, TorchProcess, TorchRow
 from beamcam.model.colour import key_of, process_of
-from beamcam.model.description import policy_on
 from beamcam.model.part import (
     PLATE_FACES,
     Contour,
@@ -30,6 +29,7 @@ from beamcam.model.part import (
     TextMark,
     extent,
 )
+from beamcam.model.request import policy_on
 
 if TYPE_CHECKING:
     from beamcam.checks.sheets.region import Region

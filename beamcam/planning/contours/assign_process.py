@@ -14,7 +14,6 @@ from beamcam.geometry.plane import Point, join_boxes
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch, TorchProcess
 from beamcam.model.colour import colour_name, key_of, process_of
-from beamcam.model.description import policy_on
 from beamcam.model.hatch import is_filled_only
 from beamcam.model.part import (
     Contour,
@@ -25,6 +24,7 @@ from beamcam.model.part import (
     Slot,
     TextMark,
 )
+from beamcam.model.request import policy_on
 from beamcam.planning import rules as bar_rules
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.ability import is_drilled, refusal

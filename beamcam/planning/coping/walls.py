@@ -26,8 +26,8 @@ from beamcam.errors import Diagnostic
 from beamcam.geometry.curves import Point
 from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
-from beamcam.model.description import policy_on
 from beamcam.model.part import Contour, EndPlane, Face, Feature, Hole, Part, Profile, Slot
+from beamcam.model.request import policy_on
 from beamcam.planning import rules as bar_rules
 from beamcam.planning.coping import rules
 from beamcam.planning.left_out import listed_by, refuse_mark

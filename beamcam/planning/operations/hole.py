@@ -294,6 +294,4 @@ def _missed_merges(
                     yield f"both flanges at once ({other.source}, feature {f + 1}): {because}"
 
 
-HOLE = WorkKind(
-    "hole", lambda feature: isinstance(feature, Hole), _needs, _refusals, _steps, REASONS, _rejected
-)
+HOLE = WorkKind("hole", _needs, _refusals, _steps, REASONS, _rejected)

@@ -124,8 +124,8 @@ def _line_steps(lines: Sequence[tuple[int, Contour]], planner: PartPlanner) -> I
 
 
 LINE = WorkKind(
-    "mark", lambda feature: isinstance(feature, Contour) and feature.process != "cut", _line_needs,
-    _line_refusals, _line_steps, {"scribe-line": "a line that is marked and not cut"},
+    "mark", _line_needs, _line_refusals, _line_steps,
+    {"scribe-line": "a line that is marked and not cut"},
 )  # fmt: skip
 
 
@@ -262,7 +262,6 @@ def _around(slot: Slot) -> list[tuple[float, float]]:
 # What the machine cannot letter is left for manual work: it lacks nothing.
 TEXT = WorkKind(
     "text",
-    lambda feature: isinstance(feature, TextMark),
     lambda *_: None,
     steps=_text_steps,
     reasons={

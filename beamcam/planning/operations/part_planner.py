@@ -210,9 +210,8 @@ class PartPlanner:
 # The interface of a kind of work on a bar.
 #
 # Each is a `WorkKind` at the end of its section in a module of this package, and a row of
-# `work.KINDS`.
-# Messages that are errors refuse a feature, by the first of them; it may then be left out if its
-# code is allowed by name.
+# `work.KINDS`. Messages that are errors refuse a feature, by the first of them; it may then be left
+# out if its code is allowed by name.
 
 
 Numbered = tuple[int, Any]  #: index of a feature, and the feature
@@ -227,7 +226,6 @@ class WorkKind(Struct, frozen=True):
     """One kind of work."""
 
     name: str
-    makes: Callable[[Feature], bool]  #: whether a feature is of this kind
     #: What the machine lacks for a feature; None if it has everything.
     needs: Callable[[Any, PartPlanner], Diagnostic | None]
     #: What is wrong with the place of a feature on the finished part, or odd.

@@ -211,7 +211,7 @@ def saw_angles(end: SawnEnd, saw: Saw) -> tuple[float, float]:
 
 
 #: No feature of a part is a cut: its ends are, which `work` asks about.
-SAW_CUT = WorkKind("saw cut", lambda _: False, _needs, _refusals, nothing, REASONS)
+SAW_CUT = WorkKind("saw cut", _needs, _refusals, nothing, REASONS)
 
 
 COPE = error("plan-cope",
@@ -269,10 +269,7 @@ def _sawn(features: Sequence[Numbered], _: PartPlanner) -> Iterator[Found]:
     return (Settled(f, "made", "saw") for f, _ in features)
 
 
-CONTOUR = WorkKind(
-    "contour", lambda feature: isinstance(feature, Contour) and feature.process == "cut", _cut_out,
-    _unsawn, _sawn,
-)  # fmt: skip
+CONTOUR = WorkKind("contour", _cut_out, _unsawn, _sawn)
 
 
 NAMES = {Bend: "a bend", EndPlane: "an end plane", Camber: "a camber"}
@@ -289,4 +286,4 @@ def _beyond_saw(feature: Bend | EndPlane | Camber, planner: PartPlanner) -> Diag
     return rules.OTHER.at(feature.source, found=NAMES[type(feature)])
 
 
-OTHER = WorkKind("other", lambda feature: type(feature) in NAMES, _beyond_saw, steps=_sawn)
+OTHER = WorkKind("other", _beyond_saw, steps=_sawn)

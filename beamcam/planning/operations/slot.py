@@ -269,6 +269,4 @@ def without_repeats(points: Iterable[Point]) -> Iterator[Point]:
             last = point
 
 
-SLOT = WorkKind(
-    "slot", lambda feature: isinstance(feature, Slot), _needs, _refusals, _steps, REASONS
-)
+SLOT = WorkKind("slot", _needs, _refusals, _steps, REASONS)

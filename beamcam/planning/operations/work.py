@@ -11,8 +11,18 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from msgspec import Struct
 
 from beamcam.errors import Diagnostic, PlanError, Source, errors_in
-from beamcam.model.description import policy_on
-from beamcam.model.part import Feature, Part
+from beamcam.model.part import (
+    Bend,
+    Camber,
+    Contour,
+    EndPlane,
+    Feature,
+    Hole,
+    Part,
+    Slot,
+    TextMark,
+)
+from beamcam.model.request import policy_on
 from beamcam.model.section import section_fault
 from beamcam.planning import rules
 from beamcam.planning.axis_limits import refuse_steps
@@ -27,19 +37,21 @@ from beamcam.planning.operations.tools import Settled, WorkingStep
 
 # --- kinds ----------------------------------------------------------------------------------------
 
-# The kinds of work on a bar; of a feature the first that makes it.
+# The kinds of work on a bar, in the order in which a part gets their steps.
 
 
 KINDS = (HOLE, SLOT, LINE, CONTOUR, TEXT, OTHER, SAW_CUT)
 REASONS = {code: said for kind in KINDS for code, said in kind.reasons.items()}
+KIND_OF = {
+    Hole: HOLE, Slot: SLOT, Contour: CONTOUR, TextMark: TEXT,
+    Bend: OTHER, EndPlane: OTHER, Camber: OTHER,
+}  # fmt: skip
 
 
 def kind_of(feature: Feature) -> WorkKind:
-    """The kind of work that makes a feature."""
-    for kind in KINDS:
-        if kind.makes(feature):
-            return kind
-    raise TypeError(f"no kind of work makes a {type(feature).__name__}")
+    """The kind of work that makes a feature; a contour that is not cut is a line to mark."""
+    is_line = isinstance(feature, Contour) and feature.process != "cut"
+    return LINE if is_line else KIND_OF[type(feature)]
 
 
 class PartWork(Struct, frozen=True):

@@ -8,11 +8,11 @@ from beamcam.machine import (
     DEFAULT_MACHINE,
     DEFAULTS,
     default_machines,
-    is_of_programs,
     is_of_sheets,
     load,
     shipped,
 )
+from beamcam.readers import is_of_programs
 
 
 def test_the_table_is_that_of_the_machine_files() -> None:
