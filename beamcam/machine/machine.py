@@ -112,7 +112,7 @@ CodeMeaning = Literal[CycleMeaning, TableMeaning]
 
 
 class Modbus(Keys, frozen=True):
-    """The registers that show a controller's axes over Modbus TCP, in the order of `[[axes]]`.
+    """The registers of a controller: output k is axis k, in the order of `[[axes]]`.
 
     The same signed values are in the holding and the input registers.
     """
