@@ -39,8 +39,15 @@ def fill(folder: Path, count: int, bad: int | None = None) -> None:
         (folder / f"P{k:03d}.nc1").write_text(text)
 
 
+def call(*words: object, stdin: str | bytes | None = None) -> Result:
+    """What comes of a command, which ends in an exit status, never in another exception."""
+    done = CliRunner().invoke(main, [*map(str, words)], input=stdin)
+    assert done.exception is None or isinstance(done.exception, SystemExit), done.exception
+    return done
+
+
 def batch(*args: object, stdin: str | None = None, command: str = "batch") -> Result:
-    return CliRunner().invoke(main, [command, *map(str, args)], input=stdin)
+    return call(command, *args, stdin=stdin)
 
 
 def counts(result: Result) -> tuple[int, int, int, int]:

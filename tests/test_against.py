@@ -3,27 +3,21 @@
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner, Result
 
-from beamcam.cli import main
 from tests.conftest import SAMPLES
-from tests.runs import BAD, part
+from tests.runs import BAD, call, part
 
 TIE, CHANNEL = str(SAMPLES / "dstv" / "tie.nc1"), str(SAMPLES / "dstv" / "channel.nc1")
 GUSSET = str(SAMPLES / "dstv" / "gusset.nc1")
 
 
-def run(*words: str) -> Result:
-    return CliRunner().invoke(main, list(words))
-
-
 @pytest.mark.parametrize(("source", "program"), [(TIE, "tie.gcode"), (GUSSET, "gusset.ngc")])
 def test_a_part_is_simulated_as_its_program_is(source: str, program: str, tmp_path: Path) -> None:
     job = str(tmp_path / program)
-    assert run("post", source, "-o", job, "--job", Path(program).stem).exit_code == 0
+    assert call("post", source, "-o", job, "--job", Path(program).stem).exit_code == 0
     traces = []
     for words in ((source,), (job,), (job, "--against", source), (job, source)):
-        done = run("simulate", *words, "-o", str(tmp_path / "trace.csv"))
+        done = call("simulate", *words, "-o", tmp_path / "trace.csv")
         assert done.exit_code == 0, done.stderr
         traces.append((tmp_path / "trace.csv").read_text(encoding="utf-8"))
     steps = [[line.rsplit(",", 1)[0] for line in trace.splitlines()] for trace in traces]
@@ -34,12 +28,12 @@ def test_a_part_is_simulated_as_its_program_is(source: str, program: str, tmp_pa
 @pytest.mark.parametrize("command", ["simulate", "report"])
 def test_a_program_that_is_not_of_its_part_is_refused(command: str, tmp_path: Path) -> None:
     job, out = str(tmp_path / "tie.gcode"), str(tmp_path / "out")
-    assert run("post", TIE, "-o", job).exit_code == 0
+    assert call("post", TIE, "-o", job).exit_code == 0
     out += ".csv" if command == "simulate" else ".html"
-    assert run(command, job, "--against", TIE, "-o", out).exit_code == 0
-    done = run(command, job, "--against", CHANNEL, "-o", out)
+    assert call(command, job, "--against", TIE, "-o", out).exit_code == 0
+    done = call(command, job, "--against", CHANNEL, "-o", out)
     assert (done.exit_code, "verify-hole-missing" in done.stderr) == (1, True)
-    alone = run(command, job, "--against", "-o", out)
+    alone = call(command, job, "--against", "-o", out)
     assert (alone.exit_code, "--against needs at least one PART" in alone.stderr) == (2, True)
 
 
@@ -54,6 +48,6 @@ def test_what_the_reader_said_is_passed_on(command: str, tmp_path: Path) -> None
     out = {"simulate": "t.csv", "report": "r.html", "plot": "p.svg"}[command]
     words = ("-o", str(tmp_path / out), *(("--show", "program") if command == "plot" else ()))
     for name, status in (("good", 0), ("bad", 1)):
-        done = run(command, str(tmp_path / f"{name}.nc1"), *words)
+        done = call(command, tmp_path / f"{name}.nc1", *words)
         assert done.exit_code == status, done.stderr
         assert "warning dstv-hole-duplicate" in done.stderr

@@ -12,6 +12,7 @@ import pytest
 from beamcam.machine import load
 from beamcam.pipeline import parts_of, post, read_file
 from tests.conftest import BEAM_CELL
+from tests.runs import call
 
 PARTS = BEAM_CELL
 
@@ -124,15 +125,10 @@ def test_the_comparison_sees_a_wrong_operation() -> None:
 
 
 def test_the_program_as_a_file(tmp_path: Path) -> None:
-    from click.testing import CliRunner
-
-    from beamcam.cli import main
 
     inputs = [str(PARTS / f"{n}.nc1") for n in ("M74", "M58", "M74")]
     target = tmp_path / "job.gcode"
-    run = CliRunner().invoke(
-        main, ["post", *inputs, "--machine", "beamline-annex", "-o", str(target)]
-    )
+    run = call("post", *inputs, "--machine", "beamline-annex", "-o", target)
     assert run.exit_code == 0, run.output
     assert target.read_text() == program("M74", "M58", "M74")
     assert [p.name for p in tmp_path.iterdir()] == ["job.gcode"]

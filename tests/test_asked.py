@@ -5,7 +5,6 @@ from collections import Counter
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
@@ -13,7 +12,6 @@ from msgspec.structs import replace
 from beamcam import pipeline
 from beamcam.checks.request import job_faults, pieces_asked
 from beamcam.checks.sheets.required_layout import laid_out
-from beamcam.cli import main
 from beamcam.errors import Source, VerifyError
 from beamcam.geometry.curves import Arc, Line
 from beamcam.machine import load
@@ -25,6 +23,7 @@ from beamcam.planning import Share, pieces_of, shares_of
 from beamcam.planning.contours.layout import laid
 from benchmarks.asked_liars import told
 from tests.conftest import SAMPLES, examples
+from tests.runs import call
 
 S = Source("a.nc1", 1)
 UPN = Profile("U", "UPN200", 200.0, 75.0, 11.5, 8.5, 11.5)
@@ -186,7 +185,7 @@ def test_no_lie_about_the_job_is_posted() -> None:
 
 def test_a_warning_that_no_machine_changes_starts_no_search(tmp_path: Path) -> None:
     words = ["post", str(SAMPLES / "dstv/tie.nc1"), "--strict", "-o", str(tmp_path / "job.gcode")]
-    done = CliRunner().invoke(main, words)
+    done = call(*words)
     assert done.exit_code == 1
     assert [line.split()[2] for line in done.stderr.splitlines()] == ["plan-quantity:"]
     assert [*tmp_path.iterdir()] == []

@@ -8,12 +8,10 @@ from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
 
 import beamcam
-from beamcam.cli import main
 from tests.conftest import SAMPLES, sampled
-from tests.runs import BAD, batch, counts, fill, part, programs, report
+from tests.runs import BAD, batch, call, counts, fill, part, programs, report
 
 
 @pytest.fixture
@@ -52,7 +50,7 @@ def test_each_part_is_posted_as_by_itself(tmp_path: Path) -> None:
     for name, text in made.items():
         sample = SAMPLES / "dstv" / f"{Path(name).stem}.nc1"
         args = ["post", str(sample), "-o", "-", "--bar", "12000"]
-        assert CliRunner().invoke(main, args).stdout_bytes == text
+        assert call(*args).stdout_bytes == text
 
 
 @pytest.mark.parametrize("workers", sampled([2, 4], 2))
@@ -209,7 +207,7 @@ def test_formats_are_mixed(tmp_path: Path) -> None:
     (tmp_path / "in" / "a.nc1").write_text(part("A"))
     (tmp_path / "in" / "notes.txt").write_text("not for the machine")
     args = ["convert", str(tmp_path / "in" / "a.nc1"), "-o", str(tmp_path / "in" / "b.json")]
-    assert CliRunner().invoke(main, args).exit_code == 0
+    assert call(*args).exit_code == 0
     result = batch(tmp_path / "in", "-o", tmp_path / "out", "--report", tmp_path / "r.json")
     made = programs(tmp_path / "out")
     assert result.exit_code == 0
@@ -242,7 +240,7 @@ def test_bars_sheets_and_models_go_to_their_machines(tmp_path: Path) -> None:
         flat = () if read.profile.web_thickness is not None else how[2:]
         flat = how[:2] if suffix == ".gcode" else flat
         args = ["post", str(source), "-o", str(target), *flat]
-        assert CliRunner().invoke(main, args).exit_code == 0
+        assert call(*args).exit_code == 0
         assert made[f"{source.stem}{suffix}"] == target.read_bytes()
         assert machines[source.name] == ("beamline" if suffix == ".gcode" else "plate-linuxcnc")
     assert counts(batch(folder, "-o", tmp_path / "out", *how, "--each")) == (0, 6, 0, 0)

@@ -12,25 +12,17 @@ from pathlib import Path
 import ezdxf
 import pypdfium2
 import pytest
-from click.testing import CliRunner, Result
 
 from beamcam import api
 from beamcam.budget import MAX_DEPTH, LimitError, Limits, limits, set_limits
-from beamcam.cli import main
 from beamcam.errors import PlanError
 from beamcam.readers import read
 from beamcam.system import is_windows
 from tests.conftest import ROOT
+from tests.runs import call
 
 TIE = (ROOT / "samples" / "dstv" / "tie.nc1").read_text("ascii")
 TOO_MANY = 999_999_999
-
-
-def run(*words: object) -> Result:
-    """A command, which ends in an exit status, never in another exception."""
-    done = CliRunner().invoke(main, list(map(str, words)))
-    assert done.exception is None or isinstance(done.exception, SystemExit), done.exception
-    return done
 
 
 def tie(mark: str = "T1", quantity: int = 2) -> str:
@@ -67,7 +59,7 @@ def test_of_too_many_pieces_the_other_parts_are_listed(
     jobs.mkdir()
     written(jobs, "bad.nc1", tie("BAD", TOO_MANY))
     written(jobs, "good.nc1", tie("GOOD", 3))
-    done = run(words[0], "jobs", *words[1:])
+    done = call(words[0], "jobs", *words[1:])
     assert done.exit_code == 1
     assert f"bad.nc1:1: error limit-pieces: found {TOO_MANY} pieces; expected" in done.stderr
     made = done.stdout
@@ -90,7 +82,7 @@ def test_a_job_of_too_many_pieces_is_refused_by_name(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     path = written(tmp_path, "bad.nc1", tie("BAD", TOO_MANY))
-    done = run(words[0], path, *words[1:], "--quantity", "file")
+    done = call(words[0], path, *words[1:], "--quantity", "file")
     assert done.exit_code == 1
     assert f"bad.nc1:1: error limit-pieces: found {TOO_MANY} pieces; expected" in done.stderr
     assert "plan-ways-out" not in done.stderr
@@ -100,8 +92,8 @@ def test_a_job_of_too_many_pieces_is_refused_by_name(
 def test_a_program_is_not_compared_with_too_many_pieces(tmp_path: Path) -> None:
     path = written(tmp_path, "bad.nc1", tie("BAD", TOO_MANY))
     program = tmp_path / "tie.gcode"
-    assert run("post", ROOT / "samples/dstv/tie.nc1", "-o", program).exit_code == 0
-    done = run("verify", program, "--against", path, "--quantity", "file")
+    assert call("post", ROOT / "samples/dstv/tie.nc1", "-o", program).exit_code == 0
+    done = call("verify", program, "--against", path, "--quantity", "file")
     assert (done.exit_code, "limit-pieces" in done.stderr) == (1, True)
 
 
@@ -109,29 +101,29 @@ def test_parts_share_the_pieces_of_a_run(tmp_path: Path) -> None:
     """None has too many by itself; the one that goes beyond is named, those before are made."""
     for number in range(3):
         written(tmp_path, f"p{number}.nc1", tie(f"T{number}", 40_000))
-    done = run("list", tmp_path)
+    done = call("list", tmp_path)
     assert "p2.nc1:1: error limit-pieces: found 40000 pieces beside 80000 of other" in done.stderr
     assert done.stderr.count("limit-pieces") == 1
 
 
 def test_the_configuration_has_other_limits(tmp_path: Path) -> None:
     path = written(tmp_path, "p.nc1", tie("T7", 30))
-    assert run("list", path).exit_code == 0
+    assert call("list", path).exit_code == 0
     written(tmp_path, "beamcam.toml", "[limits]\npieces = 20\n")
-    assert run("list", path).exit_code == 0  # they are the shop's to say
-    done = run("list", path, "--trust", tmp_path)
+    assert call("list", path).exit_code == 0  # they are the shop's to say
+    done = call("list", path, "--trust", tmp_path)
     assert (done.exit_code, "expected at most 20, or another `limits.pieces`" in done.stderr) == (
         1, True,
     )  # fmt: skip
     assert limits() == Limits(pieces=20)
     (tmp_path / "beamcam.toml").unlink()
-    assert run("list", path).exit_code == 0
+    assert call("list", path).exit_code == 0
 
 
 @pytest.mark.parametrize("row", ["pieces = 0", "member_s = 0", "depth = 9999", "blocks = 3"])
 def test_limits_are_checked_like_other_keys(row: str, tmp_path: Path) -> None:
     written(tmp_path, "beamcam.toml", f"[limits]\n{row}\n")
-    done = run("list", written(tmp_path, "p.nc1", tie()))
+    done = call("list", written(tmp_path, "p.nc1", tie()))
     assert done.exit_code == 1
     assert f"beamcam.toml:2: error config-{'key' if 'blocks' in row else 'value'}" in done.stderr
 
@@ -142,7 +134,7 @@ def test_a_batch_in_other_processes_has_the_limits_too(tmp_path: Path) -> None:
     for number in range(3):
         written(jobs, f"p{number}.nc1", tie(f"T{number}", 30))
     written(jobs, "beamcam.toml", "[limits]\npieces = 20\n")
-    done = run("batch", jobs, "-o", tmp_path / "out", "--quantity", "file", "--jobs", "2",
+    done = call("batch", jobs, "-o", tmp_path / "out", "--quantity", "file", "--jobs", "2",
                "--trust", jobs)  # fmt: skip
     assert done.stderr.count("error limit-pieces") == 3
 
@@ -159,7 +151,7 @@ def test_ten_thousand_pieces_are_listed_one_by_one(tmp_path: Path) -> None:
     for kind in range(10):
         written(tmp_path, f"p{kind}.nc1", tie(f"T{kind}", 1000))
     output = tmp_path / "list.json"
-    assert run("list", tmp_path, "--bar", "12000", "-o", output).exit_code == 0
+    assert call("list", tmp_path, "--bar", "12000", "-o", output).exit_code == 0
     found = json.loads(output.read_text("utf-8"))
     assert len(found["cutting_list"]) == 10_000
     assert sum(row["pieces"] for row in found["bars"]) == 10_000
@@ -178,7 +170,7 @@ def test_one_label_that_cannot_be_made_is_one_message(
     written(jobs, "long.nc1", tie("M" * 2400, 5))
     written(jobs, "short.nc1", tie("SHORT", 4))
     output = tmp_path / f"l.{suffix}"
-    done = run("labels", jobs, "-o", output, "--code", code)
+    done = call("labels", jobs, "-o", output, "--code", code)
     assert done.exit_code == 1
     assert done.stderr.count("error label-code: found 24") == 1
     data = output.read_bytes()
@@ -204,7 +196,7 @@ def test_the_labels_of_a_part_share_the_drawing_of_their_code(tmp_path: Path) ->
     for quantity in (1, 101):
         output = tmp_path / f"{quantity}.pdf"
         path = written(tmp_path, f"p{quantity}.nc1", tie("T5", quantity))
-        assert run("labels", path, "-o", output).exit_code == 0
+        assert call("labels", path, "-o", output).exit_code == 0
         sizes.append(output.stat().st_size)
     assert (sizes[1] - sizes[0]) / 100 < 1000
 
@@ -228,7 +220,7 @@ def test_a_pipe_and_a_device_are_refused_and_not_waited_for(
     os.mkfifo("pipe.nc1")
     Path("endless.nc1").symlink_to("/dev/zero")
     for name in ("pipe.nc1", "endless.nc1"):
-        done = run(door[0], name, *door[1:])
+        done = call(door[0], name, *door[1:])
         assert done.exit_code == 1
         assert f"{name}: error read-not-a-file: found a pipe or a device" in done.stderr
 
@@ -242,7 +234,7 @@ def test_settings_are_no_pipes_either(
     os.mkfifo("pipe.toml")
     Path("endless.toml").symlink_to("/dev/zero")
     for name in ("pipe.toml", "endless.toml"):
-        done = run("post", ROOT / "samples/dstv/tie.nc1", "-o", "x.gcode", option, name)
+        done = call("post", ROOT / "samples/dstv/tie.nc1", "-o", "x.gcode", option, name)
         assert done.exit_code in (1, 2)
         assert name in done.stderr
 
@@ -251,12 +243,10 @@ def test_an_input_of_too_many_bytes(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     monkeypatch.chdir(tmp_path)
     written(tmp_path, "beamcam.toml", "[limits]\nbytes = 500\n")
     path = written(tmp_path, "p.nc1", tie())
-    done = run("inspect", path)
+    done = call("inspect", path)
     found = f"p.nc1: error limit-bytes: found {len(tie())} bytes; expected at most 500"
     assert (done.exit_code, found in done.stderr) == (1, True)
-    done = CliRunner().invoke(
-        main, ["inspect", "-", "--config", str(tmp_path / "beamcam.toml")], input=tie()
-    )
+    done = call("inspect", "-", "--config", tmp_path / "beamcam.toml", stdin=tie())
     assert (done.exit_code, "stdin: error limit-bytes: found" in done.stderr) == (1, True)
 
 
@@ -319,9 +309,9 @@ def nested_blocks(count: int, path: Path) -> Path:
 
 
 def test_blocks_in_blocks(tmp_path: Path) -> None:
-    assert run("inspect", nested_blocks(100, tmp_path / "a.dxf")).exit_code == 0
+    assert call("inspect", nested_blocks(100, tmp_path / "a.dxf")).exit_code == 0
     for count in (101, 500, 3000):
-        done = run("inspect", nested_blocks(count, tmp_path / f"{count}.dxf"))
+        done = call("inspect", nested_blocks(count, tmp_path / f"{count}.dxf"))
         assert done.exit_code == 1
         assert "error limit-depth: found the block 'B" in done.stderr
         assert "expected at most 100, or another `limits.depth` in beamcam.toml" in done.stderr
@@ -332,7 +322,7 @@ def test_the_deepest_limit_is_one_that_can_be_walked(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     written(tmp_path, "beamcam.toml", f"[limits]\ndepth = {MAX_DEPTH}\n")
-    assert run("inspect", nested_blocks(MAX_DEPTH, tmp_path / "a.dxf")).exit_code == 0
+    assert call("inspect", nested_blocks(MAX_DEPTH, tmp_path / "a.dxf")).exit_code == 0
 
 
 # --- programs -------------------------------------------------------------------------------------
@@ -343,7 +333,7 @@ def test_the_deepest_limit_is_one_that_can_be_walked(
 def test_a_sheet_for_a_program_that_does_nothing(text: str, suffix: str, tmp_path: Path) -> None:
     program = written(tmp_path, "empty.gcode", text)
     output = tmp_path / f"x.{suffix}"
-    done = run("report", program, "-o", output)
+    done = call("report", program, "-o", output)
     assert done.exit_code in (0, 1)
     assert done.exit_code == 1 or output.read_bytes()
 

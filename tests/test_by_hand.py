@@ -7,13 +7,11 @@ from pathlib import Path
 from typing import Any, get_args
 
 import pytest
-from click.testing import CliRunner, Result
 from msgspec.structs import replace
 
 from beamcam import pipeline
 from beamcam.checks.head import head_of
 from beamcam.checks.request import MANUAL_WORK as FOR_MANUAL_WORK
-from beamcam.cli import main
 from beamcam.commands.options import SkipNames
 from beamcam.errors import PlanError
 from beamcam.geometry.curves import Line
@@ -33,7 +31,7 @@ from beamcam.planning.left_out import (
     manual_rows,
 )
 from tests.conftest import SAMPLES
-from tests.runs import batch, counts, part, report
+from tests.runs import batch, call, counts, part, report
 from tests.unit.planning.shop import part as beam
 from tests.unit.sheets.parts import S, plate
 
@@ -48,12 +46,6 @@ LETTERED = "SI\n  v 100.00u 50.00 0.00 10 =X10\n  v 400.00u 50.00 90.00 12 B,2\n
 
 def lettered(mark: str = "P1") -> str:
     return part(mark).replace("EN\n", LETTERED)
-
-
-def call(*words: object) -> Result:
-    done = CliRunner().invoke(main, [*map(str, words)])
-    assert done.exception is None or isinstance(done.exception, SystemExit), done.exception
-    return done
 
 
 def with_policy(name: str, **policies: Policy) -> Machine:

@@ -4,16 +4,14 @@ import json
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
 
 from beamcam.batch.record import noted_in
-from beamcam.cli import main
 from tests.conftest import SAMPLES
-from tests.runs import BAD, batch, fill, part
+from tests.runs import BAD, batch, call, fill, part
 
 
 def check(*words: object) -> tuple[int, str, str]:
-    done = CliRunner().invoke(main, ["check", *map(str, words)])
+    done = call("check", *words)
     assert done.exception is None or isinstance(done.exception, SystemExit), done.exception
     # Its machine is a file of the test's folder.
     said = [line for line in done.stderr.splitlines(True) if "note machine-elsewhere: " not in line]
@@ -212,7 +210,7 @@ def test_a_feed_of_a_table_is_one_line(tmp_path: Path, monkeypatch: pytest.Monke
 
 
 def diff(*words: object) -> tuple[int, str]:
-    done = CliRunner().invoke(main, ["diff", *map(str, words)])
+    done = call("diff", *words)
     assert done.exception is None or isinstance(done.exception, SystemExit), done.exception
     return done.exit_code, done.stdout
 
@@ -247,14 +245,14 @@ def test_folders_of_parts_are_compared_too(shop: Path) -> None:
 
 
 def test_a_folder_and_a_file_are_not_compared(shop: Path) -> None:
-    done = CliRunner().invoke(main, ["diff", "in", "in/P000.nc1"])
+    done = call("diff", "in", "in/P000.nc1")
     assert done.exit_code == 2
     assert "A and B have to be two files or two folders." in done.stderr
 
 
 def test_a_folder_alone_is_told_what_compares_it(tmp_path: Path) -> None:
-    done = CliRunner().invoke(main, ["diff", str(tmp_path)])
+    done = call("diff", tmp_path)
     assert done.exit_code == 2
     assert f"`beamcam check {tmp_path}` posts its programs again" in done.stderr
-    done = CliRunner().invoke(main, ["diff", str(tmp_path / "a.gcode")])
+    done = call("diff", tmp_path / "a.gcode")
     assert "Missing argument 'B'." in done.stderr

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 import pytest
-from click.testing import CliRunner, Result
+from click.testing import CliRunner
 
 from beamcam.cli import main
 from beamcam.commands import common
@@ -14,14 +14,8 @@ from beamcam.commands.common import FIRST, GROUPS, MOST_SHOWN, OTHER, Grouped, h
 from beamcam.commands.outputs import KINDS, NO_PROGRAMS
 from beamcam.machine import DEFAULTS
 from tests.conftest import SAMPLES
-from tests.runs import part
+from tests.runs import call, part
 from tests.test_docs import WORDS
-
-
-def call(*words: object) -> Result:
-    done = CliRunner().invoke(main, [str(word) for word in words])
-    assert done.exception is None or isinstance(done.exception, SystemExit), done.exception
-    return done
 
 
 @pytest.mark.parametrize(

@@ -9,15 +9,15 @@ import sys
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
 
-from beamcam.cli import COMMANDS, main
+from beamcam.cli import COMMANDS
 from tests.conftest import ROOT
+from tests.runs import call
 
 
 @pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
 def test_the_lines_of_a_shell(shell: str) -> None:
-    done = CliRunner().invoke(main, ["completion", shell])
+    done = call("completion", shell)
     assert done.exit_code == 0
     assert f"_BEAMCAM_COMPLETE={shell}_complete" in done.stdout
     if shutil.which(shell):
@@ -54,7 +54,7 @@ def test_a_shell_that_is_at_hand_completes(
         '-m beamcam "$@"\n'
     )
     program.chmod(0o755)
-    (tmp_path / "lines").write_text(CliRunner().invoke(main, ["completion", shell]).stdout)
+    (tmp_path / "lines").write_text(call("completion", shell).stdout)
     asked = ASKED[shell].format(words=words, last=last, count=len(words.split()))
     done = subprocess.run(
         [shell, "-c", asked], cwd=tmp_path, capture_output=True, text=True, check=False,
@@ -85,7 +85,7 @@ def test_what_is_completed() -> None:
 
 def test_powershell_asks_as_bash_does() -> None:
     """The words before the cursor, and the number of the one that is completed; then kind,value."""
-    lines = CliRunner().invoke(main, ["completion", "powershell"]).stdout
+    lines = call("completion", "powershell").stdout
     assert lines.startswith("Register-ArgumentCompleter -Native -CommandName beamcam ")
     assert all(lines.count(a) == lines.count(b) for a, b in ("{}", "()", "[]"))
     asked = {"_BEAMCAM_COMPLETE", "COMP_WORDS", "COMP_CWORD"}
@@ -96,4 +96,4 @@ def test_powershell_asks_as_bash_does() -> None:
 
 
 def test_an_unknown_shell() -> None:
-    assert CliRunner().invoke(main, ["completion", "dos"]).exit_code == 2
+    assert call("completion", "dos").exit_code == 2

@@ -5,17 +5,16 @@ import os
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner, Result
+from click.testing import Result
 
 from beamcam import system
-from beamcam.cli import main
 from beamcam.config import places
 from beamcam.config.places import ConfigFiles, config_files
 from beamcam.config.values import Config, ConfigError, ConfigFile, load, over, with_tolerances
 from beamcam.machine import load as load_machine
 from beamcam.machine.torch import LayerSettings
 from beamcam.system import is_windows
-from tests.runs import batch, counts, fill, part, report
+from tests.runs import batch, call, counts, fill, part, report
 
 ALL = """# the shop
 machine = "beamline-annex"
@@ -51,7 +50,7 @@ ENGRAVE = "engrave"
 
 
 def run(*args: object) -> Result:
-    return CliRunner().invoke(main, ["config", *map(str, args)])
+    return call("config", *args)
 
 
 def write(folder: Path, text: str) -> Path:
@@ -334,7 +333,7 @@ def test_a_row_of_the_map_may_be_a_table(tmp_path: Path) -> None:
     config = load(file)
     assert config.meanings == {"blue": "mark", "red": "cut"}
     assert config.layer_settings == {"red": LayerSettings(600.0, None, 2)}
-    shown = CliRunner().invoke(main, ["config", "--config", str(file)]).stdout
+    shown = call("config", "--config", file).stdout
     assert 'map.red = { process = "cut", speed = 600.0, passes = 2 }' in shown
     file.write_text("[map.red]\nspeed = 600\n")
     with pytest.raises(ConfigError, match=r"map\.red\.process"):

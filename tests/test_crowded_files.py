@@ -5,16 +5,9 @@ import re
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner, Result
 
-from beamcam.cli import main
 from tests.conftest import SAMPLES
-
-
-def call(*words: object) -> Result:
-    done = CliRunner().invoke(main, [str(word) for word in words])
-    assert done.exception is None or isinstance(done.exception, SystemExit), done.exception
-    return done
+from tests.runs import call
 
 
 def crowded(name: str, block: str, times: int) -> str:

@@ -8,11 +8,10 @@ from pathlib import Path
 
 import msgspec
 import pytest
-from click.testing import CliRunner
 
-from beamcam.cli import main
 from beamcam.commands import codes
 from tests.conftest import ROOT, Golden
+from tests.runs import call
 
 FILE = Path(codes.__file__).with_name("explanations.json")
 SUFFIXES = (".nc1", ".dxf", ".svg", ".json", ".ifc")
@@ -25,7 +24,7 @@ def of_samples(monkeypatch: pytest.MonkeyPatch) -> dict[str, str]:
     monkeypatch.chdir(ROOT)
     found: dict[str, str] = {}
     for path in sorted(p for p in Path("samples").rglob("*.*") if p.suffix in SUFFIXES):
-        done = CliRunner().invoke(main, ["post", path.as_posix(), "-o", "-"])
+        done = call("post", path.as_posix(), "-o", "-")
         for message in MESSAGE.finditer(done.stderr):
             found.setdefault(message[1], message[0])
     return found
@@ -55,7 +54,7 @@ def test_explanations_are_those_of_samples_and_docs(
 
 
 def test_one_code_is_shown_with_an_example_and_what_to_do() -> None:
-    done = CliRunner().invoke(main, ["codes", "plan-cope"])
+    done = call("codes", "plan-cope")
     assert done.exit_code == 0
     assert "example\n    samples/bad/cope.nc1:27: error plan-cope: found a contour" in done.output
     assert "what to do\n    " in done.output

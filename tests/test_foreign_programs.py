@@ -9,11 +9,11 @@ import re
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner, Result
+from click.testing import Result
 
-from beamcam.cli import main
 from tests.conftest import ROOT
 from tests.rs274 import INI, interpreted, needs_rs274
+from tests.runs import call
 
 FOREIGN = ROOT / "tests" / "foreign"
 PROGRAMS = {
@@ -25,10 +25,11 @@ _FEED = re.compile(r"(STRAIGHT|ARC)_FEED\(([^)]*)\)")
 
 def verify(program: Path, name: str, machine: Path | None = None) -> Result:
     stem = name.partition(".")[0]
-    return CliRunner().invoke(main, [
-        "verify", str(program), "--against", str(FOREIGN / "plate.dxf"), "--map", "CUT=cut",
-        "--thickness", "3", "--machine", str(machine or FOREIGN / f"{stem}.toml"), *PROGRAMS[name],
-    ])  # fmt: skip
+    return call(
+        "verify", program, "--against", FOREIGN / "plate.dxf", "--map", "CUT=cut",
+        "--thickness", "3",
+        "--machine", machine or FOREIGN / f"{stem}.toml", *PROGRAMS[name],
+    )  # fmt: skip
 
 
 @pytest.mark.parametrize("name", PROGRAMS)

@@ -5,18 +5,17 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner, Result
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from beamcam.checks.sheets.remainder import frame_faults
-from beamcam.cli import main
 from beamcam.machine import load
 from beamcam.machine.faults import torch_faults
 from beamcam.machine.overlay import with_torch
 from beamcam.pipeline import Posted, post
 from beamcam.remainder import frame_of
 from tests.conftest import SAMPLES, examples
+from tests.runs import call
 from tests.unit.sheets.parts import box, circle, contour, drawing
 
 GASKET = SAMPLES / "dxf" / "gasket-inch.dxf"
@@ -79,10 +78,6 @@ def test_another_frame_is_refused(what: str, change: Callable[[str], str]) -> No
     assert not frame_faults(text, posted.text, machine)
     codes = {d.code for d in frame_faults(wrong, posted.text, machine)}
     assert codes == {"verify-sheet-frame"}, what
-
-
-def call(*words: object) -> Result:
-    return CliRunner().invoke(main, [str(word) for word in words])
 
 
 def test_on_the_command_line(tmp_path: Path) -> None:

@@ -5,23 +5,17 @@ import re
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner, Result
 
-from beamcam.cli import COMMANDS, main
+from beamcam.cli import COMMANDS
 from beamcam.commands import doctor
 from beamcam.commands.codes import all_rules
 from beamcam.errors import Severity
 from tests import new_user
 from tests.conftest import ROOT
+from tests.runs import call
 
 REFUSED = (ROOT / "docs" / "refused.md").read_text(encoding="utf-8")
 RULES = {rule.code: rule for rule in all_rules()}
-
-
-def call(*words: str) -> Result:
-    done = CliRunner().invoke(main, list(words))
-    assert done.exception is None or isinstance(done.exception, SystemExit), done.exception
-    return done
 
 
 def test_beamcam_alone_says_what_to_do_first() -> None:

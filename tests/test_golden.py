@@ -7,10 +7,9 @@ A new case is one command: `beamcam post samples/dstv/a.nc1 --machine m -o tests
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
 
-from beamcam.cli import main
 from tests.conftest import GOLDEN, ROOT, SAMPLES, Golden
+from tests.runs import call
 
 PROGRAMS = sorted(p for p in GOLDEN.glob("*/*") if p.parent.name != "messages")
 BAD = sorted((SAMPLES / "bad").glob("*.*"))
@@ -40,9 +39,7 @@ def test_program(
     own = [p for p in (Path(name).with_suffix(".toml") for name in inputs) if p.is_file()]
     config = [word for p in own for word in ("--config", str(p))]
     machine = machine_of(path.parent.name)
-    run = CliRunner().invoke(
-        main, ["post", *inputs, *config, "--machine", machine, "-o", str(made)]
-    )
+    run = call("post", *inputs, *config, "--machine", machine, "-o", made)
     assert run.exit_code == 0, run.stderr
     golden.check(path, made.read_text(encoding="utf-8"))
 
@@ -53,7 +50,7 @@ def test_message(path: Path, golden: Golden, monkeypatch: pytest.MonkeyPatch) ->
     monkeypatch.chdir(ROOT)
     machine = "plate-linuxcnc" if path.stem.startswith("plate") else "beamline"
     words = ["post", str(path.relative_to(ROOT)), "--machine", machine, "-o", "-"]
-    run = CliRunner().invoke(main, words)
+    run = call(*words)
     assert run.exit_code == 1
     assert run.stdout == ""
     golden.check(GOLDEN / "messages" / f"{path.stem}.txt", run.stderr)

@@ -4,14 +4,12 @@ import re
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner, Result
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from beamcam.arguments import expected_job
 from beamcam.checks.head import Head, head_of
-from beamcam.cli import main
 from beamcam.controllers import longest_line
 from beamcam.emitters import MAX_TEXT, comment_room
 from beamcam.errors import errors_in
@@ -21,6 +19,7 @@ from beamcam.model.request import Request
 from beamcam.pipeline import begin, finished, parts_of, post, read_back, read_file
 from beamcam.plain_text import outside_text
 from tests.conftest import SAMPLES, examples
+from tests.runs import call
 from tests.strategies import BEAM, CHANNEL, SOURCE, bars
 
 #: A sample that each machine makes, and how its program begins the line of a part.
@@ -41,12 +40,6 @@ texts = st.sampled_from(HOSTILE) | st.text(max_size=60)
 
 def parts_for(machine: str) -> tuple[Part, ...]:
     return parts_of([read_file(str(SAMPLES / MADE[machine]))])[0]
-
-
-def call(*words: object) -> Result:
-    done = CliRunner().invoke(main, [*map(str, words)])
-    assert done.exception is None or isinstance(done.exception, SystemExit), done.exception
-    return done
 
 
 def head_in(text: str) -> Head:

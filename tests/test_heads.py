@@ -5,12 +5,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from click.testing import CliRunner, Result
 from msgspec.structs import replace
 
 from beamcam import pipeline
 from beamcam.checks.head import VERSION, head_of
-from beamcam.cli import main
 from beamcam.emitters import FORM
 from beamcam.machine import load, shipped
 from beamcam.model.request import Job
@@ -19,15 +17,10 @@ from beamcam.posts import Post, post_of
 from benchmarks.heads import CHANGES, counted
 from benchmarks.heads import SAMPLES as SHIPPED
 from tests.conftest import GOLDEN, SAMPLES
+from tests.runs import call
 
 SLOT = str(SAMPLES / "bad" / "slot.nc1")
 CHANNEL = str(SAMPLES / "dstv" / "channel.nc1")
-
-
-def call(*words: object) -> Result:
-    done = CliRunner().invoke(main, [*map(str, words)])
-    assert done.exception is None or isinstance(done.exception, SystemExit), done.exception
-    return done
 
 
 @pytest.mark.parametrize("name", shipped())

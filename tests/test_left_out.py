@@ -6,11 +6,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from click.testing import CliRunner, Result
+from click.testing import Result
 from msgspec.structs import replace
 
 from beamcam import pipeline
-from beamcam.cli import main
 from beamcam.errors import Diagnostic, Severity, Source
 from beamcam.machine import load
 from beamcam.model.description import description
@@ -22,18 +21,12 @@ from beamcam.planning.left_out import LEFT_OUT
 from beamcam.planning.map_keys import IDLE, NOT_CUT, UNMATCHED
 from beamcam.posts import post_of
 from tests.conftest import SAMPLES
-from tests.runs import batch, counts, report
+from tests.runs import batch, call, counts, report
 from tests.unit.sheets.parts import S
 
 SLOT = str(SAMPLES / "bad" / "slot.nc1")
 COPE = str(SAMPLES / "bad" / "cope.nc1")
 PLATE = str(SAMPLES / "dxf" / "plate.dxf")
-
-
-def call(*words: object) -> Result:
-    done = CliRunner().invoke(main, [*map(str, words)])
-    assert done.exception is None or isinstance(done.exception, SystemExit), done.exception
-    return done
 
 
 def said(result: Result) -> list[tuple[str, int | None, str]]:

@@ -4,11 +4,9 @@ import re
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner, Result
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from beamcam.cli import main
 from beamcam.errors import PlanError, VerifyError, errors_in
 from beamcam.machine import Machine, load
 from beamcam.model.part import Part
@@ -18,7 +16,7 @@ from beamcam.readers import read
 from beamcam.simulation.program import simulate_program
 from tests.conftest import SAMPLES, examples
 from tests.rs274 import interpreted, needs_rs274
-from tests.runs import part
+from tests.runs import call, part
 
 #: One vertical spindle, other words, a drill cycle, tool numbers, part data; on LinuxCNC.
 VERTICAL = """
@@ -218,12 +216,6 @@ def test_linuxcnc_runs_the_program_of_a_vertical_spindle(
     assert drill is not None
     assert [(x - drill.x, y) for x, y, _ in places] == [(100.0, 60.0), (700.0, 90.0)]
     assert all(z < -60.0 for _, _, z in places)
-
-
-def call(*words: object) -> Result:
-    done = CliRunner().invoke(main, [str(word) for word in words])
-    assert done.exception is None or isinstance(done.exception, SystemExit), done.exception
-    return done
 
 
 @pytest.mark.parametrize("name", LINES)

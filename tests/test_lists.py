@@ -13,11 +13,9 @@ import openpyxl
 import pypdfium2
 import pytest
 import zxingcpp
-from click.testing import CliRunner, Result
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from beamcam.cli import main
 from beamcam.errors import Source
 from beamcam.machine import load
 from beamcam.model.part import Part, Profile
@@ -28,6 +26,7 @@ from beamcam.planning.stock import first_fit
 from beamcam.reports.labels import Label, LabelSize, as_pdf, as_zpl, code_rows
 from beamcam.reports.tables import Table, as_csv, as_xlsx
 from tests.conftest import ROOT, examples
+from tests.runs import call
 
 SAMPLES = ROOT / "samples" / "dstv"
 MACHINE = load("beamline")
@@ -35,12 +34,8 @@ BEAM = Profile("I", "IPE200", 200, 100, 8.5, 5.6, 12)
 FLAT = Profile("I", "IPE160", 160, 82, 7.4, 5, 9)
 
 
-def run(*words: str) -> Result:
-    return CliRunner().invoke(main, list(words))
-
-
 def lists(folder: Path, *words: str, status: int = 0) -> dict[str, list[dict[str, Any]]]:
-    done = run("list", *words, "-o", str(folder / "list.json"))
+    done = call("list", *words, "-o", folder / "list.json")
     assert done.exit_code == status, done.stderr
     text = (folder / "list.json").read_text(encoding="utf-8")
     found: dict[str, list[dict[str, Any]]] = json.loads(text)
@@ -75,19 +70,19 @@ def test_what_is_left_to_the_hand_is_a_column_of_every_form(tmp_path: Path) -> N
     columns = ("marks_by_hand", "bevels_by_hand")
     rows = lists(tmp_path, *inputs, status=1)["part_list"]
     assert {row["mark"]: [row[name] for name in columns] for row in rows} == wanted
-    assert run("list", *inputs, "-o", str(tmp_path / "l.csv")).exit_code == 1
+    assert call("list", *inputs, "-o", tmp_path / "l.csv").exit_code == 1
     with (tmp_path / "l.csv").open(encoding="utf-8") as file:
         told = {row["mark"]: [row[name] for name in columns] for row in csv.DictReader(file)}
     as_text = {mark: ["" if n is None else str(n) for n in row] for mark, row in wanted.items()}
     assert told == as_text
-    assert run("list", *inputs, "-o", str(tmp_path / "l.xlsx")).exit_code == 1
+    assert call("list", *inputs, "-o", tmp_path / "l.xlsx").exit_code == 1
     head, *cells = openpyxl.load_workbook(tmp_path / "l.xlsx")["part list"].values
     at = [head.index(name) for name in columns]
     assert {row[0]: [row[k] for k in at] for row in cells} == wanted
-    line = next(line for line in run("list", *inputs).stdout.splitlines() if "PL1" in line)
+    line = next(line for line in call("list", *inputs).stdout.splitlines() if "PL1" in line)
     assert re.search(r" 4 +0 +1 +DEMO", line)
     program = str(tmp_path / "marked.gcode")
-    assert run("post", inputs[0], "-o", program).exit_code == 0
+    assert call("post", inputs[0], "-o", program).exit_code == 0
     beside = Path(program + ".hand.csv").read_text(encoding="utf-8").splitlines()
     assert len(beside) - 1 == 3
 
@@ -101,7 +96,7 @@ def test_a_number_of_pieces_for_each(tmp_path: Path) -> None:
     ("--quantity", "0"), ("--quantity", "many"), ("--quantity", "1000000"),
 ])  # fmt: skip
 def test_a_number_that_cannot_be_meant(words: tuple[str, ...]) -> None:
-    done = run("list", str(SAMPLES / "tie.nc1"), *words)
+    done = call("list", SAMPLES / "tie.nc1", *words)
     assert (done.exit_code, "expected file, or 1 to 100000" in done.stderr) == (2, True)
 
 
@@ -138,7 +133,7 @@ def test_each_piece_lies_on_one_bar_and_no_two_overlap(wanted: list[tuple[Part, 
 
 
 def test_a_part_that_fits_on_no_bar_is_told_once() -> None:
-    done = run("list", str(SAMPLES / "beam.nc1"), "--bar", "4000", "--quantity", "3")
+    done = call("list", SAMPLES / "beam.nc1", "--bar", "4000", "--quantity", "3")
     assert done.exit_code == 1
     assert done.stderr.count("error plan-bar-full") == 1
     assert "B1" in done.stdout
@@ -148,20 +143,20 @@ def test_two_contents_under_one_mark(tmp_path: Path) -> None:
     text = (SAMPLES / "tie.nc1").read_text("ascii")
     (tmp_path / "a.nc1").write_text(text, "ascii")
     (tmp_path / "same.nc1").write_text(text.replace("DEMO", "OTHER"), "ascii")
-    assert "list-mark-twice" not in run("list", str(tmp_path)).stderr
+    assert "list-mark-twice" not in call("list", tmp_path).stderr
     (tmp_path / "b.nc1").write_text(text.replace("60.00  18.00", "60.00  22.00", 1), "ascii")
     if text.count("60.00  18.00") == 0:
         changed = re.sub(r"(v +40\.00u +60\.00 +)18\.00", r"\g<1>22.00", text, count=1)
         assert changed != text
         (tmp_path / "b.nc1").write_text(changed, "ascii")
-    done = run("list", str(tmp_path))
+    done = call("list", tmp_path)
     assert done.exit_code == 1
     assert done.stderr.count("list-mark-twice") == 1
     assert "b.nc1" in done.stderr
 
 
 def test_a_file_that_is_refused_leaves_the_others(tmp_path: Path) -> None:
-    done = run("list", str(SAMPLES / "tie.nc1"), str(ROOT / "samples" / "bad" / "empty.nc1"))
+    done = call("list", SAMPLES / "tie.nc1", ROOT / "samples" / "bad" / "empty.nc1")
     assert done.exit_code == 1
     assert "T1" in done.stdout
     assert "empty.nc1" in done.stderr
@@ -178,14 +173,14 @@ def _plain(cell: object) -> object:
 def test_the_forms_agree(tmp_path: Path) -> None:
     for name in ("list.csv", "list.xlsx", "list.txt"):
         words = ("list", str(SAMPLES), "--bar", "6000", "--bar", "12000", "-o")
-        assert run(*words, str(tmp_path / name)).exit_code == 1
+        assert call(*words, tmp_path / name).exit_code == 1
     rows = list(csv.reader((tmp_path / "list.csv").open(encoding="utf-8", newline="")))
     book = openpyxl.load_workbook(tmp_path / "list.xlsx")
     assert book.sheetnames == ["part list", "bars", "cutting list"]
     sheet = [[_plain(cell) for cell in row] for row in book["part list"].values]
     assert [[_plain(cell) for cell in row] for row in rows] == sheet
     first = (tmp_path / "list.xlsx").read_bytes()
-    assert run(*words, str(tmp_path / "again.xlsx")).exit_code == 1
+    assert call(*words, tmp_path / "again.xlsx").exit_code == 1
     assert (tmp_path / "again.xlsx").read_bytes() == first
 
 
@@ -199,7 +194,7 @@ def test_a_text_is_no_formula() -> None:
 
 def test_another_suffix_is_refused(tmp_path: Path) -> None:
     for command, name in (("list", "list.pdf"), ("labels", "labels.png")):
-        done = run(command, str(SAMPLES / "tie.nc1"), "-o", str(tmp_path / name))
+        done = call(command, SAMPLES / "tie.nc1", "-o", tmp_path / name)
         assert (done.exit_code, "write-format" in done.stderr) == (1, True)
     assert not list(tmp_path.iterdir())
 
@@ -207,7 +202,7 @@ def test_another_suffix_is_refused(tmp_path: Path) -> None:
 def test_labels_are_read_by_a_scanner(tmp_path: Path) -> None:
     """A page for each piece; its code has the mark and what a batch calls the program."""
     output = tmp_path / "labels.pdf"
-    done = run("labels", str(SAMPLES), "-o", str(output))
+    done = call("labels", SAMPLES, "-o", output)
     assert (done.exit_code, done.stderr.count("error plan-no-machine")) == (1, 3)
     pages = pypdfium2.PdfDocument(output)
     read = [zxingcpp.read_barcode(page.render(scale=3).to_pil()) for page in pages]
@@ -221,7 +216,7 @@ def test_labels_are_read_by_a_scanner(tmp_path: Path) -> None:
     assert "B1" in text
     assert "IPE300, 4200 mm" in text
     again = tmp_path / "again.pdf"
-    assert run("labels", str(SAMPLES), "-o", str(again)).exit_code == 1
+    assert call("labels", SAMPLES, "-o", again).exit_code == 1
     assert again.read_bytes() == output.read_bytes()
 
 
@@ -253,14 +248,14 @@ def test_any_mark_is_read_back_as_a_datamatrix(mark: str) -> None:
 
 def test_labels_take_the_code_that_is_asked_for(tmp_path: Path) -> None:
     words = ("labels", str(SAMPLES / "tie.nc1"), "--quantity", "1", "--code", "datamatrix")
-    assert run(*words, "-o", str(tmp_path / "l.pdf")).exit_code == 0
+    assert call(*words, "-o", tmp_path / "l.pdf").exit_code == 0
     page = pypdfium2.PdfDocument(tmp_path / "l.pdf")[0]
     found = zxingcpp.read_barcode(page.render(scale=3).to_pil())
     assert found is not None
     assert (found.text, found.format) == (
         "T1\ntie.gcode", zxingcpp.BarcodeFormat.DataMatrix,
     )  # fmt: skip
-    assert run(*words, "-o", str(tmp_path / "l.zpl")).exit_code == 0
+    assert call(*words, "-o", tmp_path / "l.zpl").exit_code == 0
     assert "^BXN,12,200,,,6,~^FH^FDT1_0Atie.gcode^FS" in (tmp_path / "l.zpl").read_text("ascii")
 
 
@@ -293,7 +288,7 @@ def test_the_code_of_a_label_stands_clear_of_its_lines() -> None:
 @pytest.mark.parametrize("size", ["100", "100x", "1000x60", "ax60", "nanxnan"])
 def test_a_size_that_cannot_be_meant(size: str, tmp_path: Path) -> None:
     words = ("labels", str(SAMPLES / "tie.nc1"), "-o", str(tmp_path / "l.pdf"), "--size", size)
-    assert run(*words).exit_code == 2
+    assert call(*words).exit_code == 2
 
 
 @pytest.mark.parametrize(("command", "name", "module"), [
@@ -303,7 +298,7 @@ def test_a_library_that_is_not_there(
     command: str, name: str, module: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(__import__("sys").modules, module, None)
-    done = run(command, str(SAMPLES / "tie.nc1"), "-o", str(tmp_path / name))
+    done = call(command, SAMPLES / "tie.nc1", "-o", tmp_path / name)
     assert done.exit_code == 1
     assert "extra-missing" in done.stderr
     assert "pip install" in done.stderr
@@ -314,7 +309,7 @@ def test_post_makes_as_many_as_are_wanted_bar_by_bar(tmp_path: Path) -> None:
     """The parts recovered from all programs are those wanted, and no bar is too short."""
     inputs = [str(SAMPLES / name) for name in ("tie.nc1", "channel.nc1", "strut.nc1")]
     job = str(tmp_path / "job.gcode")
-    done = run("post", *inputs, "--quantity", "7", "--bar", "6000", "-o", job)
+    done = call("post", *inputs, "--quantity", "7", "--bar", "6000", "-o", job)
     assert done.exit_code == 0, done.stderr
     assert "plan-quantity" not in done.stderr
     made: Counter[tuple[str, int]] = Counter()
@@ -322,7 +317,7 @@ def test_post_makes_as_many_as_are_wanted_bar_by_bar(tmp_path: Path) -> None:
         section, pieces = _recovered(program, tmp_path / "made")
         made.update((section, round(piece)) for piece in pieces)
     assert made == {("UPN200", 320): 7, ("UPN200", 3000): 7, ("IPE160", 1800): 7}
-    whole = run("post", inputs[0], "--quantity", "file", "-o", job)
+    whole = call("post", inputs[0], "--quantity", "file", "-o", job)
     assert whole.exit_code == 0, whole.stderr
     assert Path(job).exists()
 
@@ -330,10 +325,10 @@ def test_post_makes_as_many_as_are_wanted_bar_by_bar(tmp_path: Path) -> None:
 def _recovered(program: Path, folder: Path) -> tuple[str, list[float]]:
     """The section that a program is right for, and the length of each piece that it makes."""
     for section in ("UPN200", "IPE160"):
-        if run("recover", str(program), "--profile", section, "-o", f"{folder}/").exit_code == 0:
+        if call("recover", program, "--profile", section, "-o", f"{folder}/").exit_code == 0:
             found = []
             for path in folder.iterdir():
-                (part,) = json.loads(run("inspect", str(path), "--json").stdout)["parts"]
+                (part,) = json.loads(call("inspect", path, "--json").stdout)["parts"]
                 found += [part["length"]] * part["quantity"]
                 path.unlink()
             return section, found
@@ -342,18 +337,18 @@ def _recovered(program: Path, folder: Path) -> tuple[str, list[float]]:
 
 def test_a_quantity_that_is_not_made_is_a_warning_with_the_option(tmp_path: Path) -> None:
     job = str(tmp_path / "job.gcode")
-    done = run("post", str(SAMPLES / "tie.nc1"), "-o", job)
+    done = call("post", SAMPLES / "tie.nc1", "-o", job)
     assert "warning plan-quantity: found a quantity of 2" in done.stderr
     assert "--quantity file" in done.stderr
-    assert "plan-quantity" not in run("post", str(SAMPLES / "tie.nc1"), "--quantity", "1", "-o",
+    assert "plan-quantity" not in call("post", SAMPLES / "tie.nc1", "--quantity", "1", "-o",
                                       job).stderr  # fmt: skip
     text = (SAMPLES / "gusset.nc1").read_text(encoding="ascii").split("\n")
     text[7] = "  4"
     plate = str(tmp_path / "gusset.nc1")
     Path(plate).write_text("\n".join(text), encoding="ascii")
-    said = run("post", plate, "-o", str(tmp_path / "p.ngc")).stderr
+    said = call("post", plate, "-o", tmp_path / "p.ngc").stderr
     assert "warning plan-sheet-quantity: found a quantity of 4" in said
-    once = run("post", plate, "--quantity", "file", "-o", str(tmp_path / "p.ngc"))
+    once = call("post", plate, "--quantity", "file", "-o", tmp_path / "p.ngc")
     assert "plan-sheet-quantity" not in once.stderr
 
 
@@ -367,14 +362,14 @@ def test_a_batch_of_plates_makes_the_quantity_of_each(
     text[7] = "  4"
     (tmp_path / "gusset.nc1").write_text("\n".join(text), encoding="ascii")
     out = tmp_path / "out"
-    done = run("batch", str(tmp_path / "gusset.nc1"), *asked, "-o", str(out), "--json")
+    done = call("batch", tmp_path / "gusset.nc1", *asked, "-o", out, "--json")
     assert done.exit_code == 0, done.stderr
     assert ("plan-sheet-quantity" in done.stdout) == (not asked)
     (row,) = json.loads(done.stdout)["files"]
     assert sum(part["pieces"] for part in row["parts"]) == made
     program = (out / "gusset.ngc").read_text(encoding="ascii")
     assert program.count("\nM3 S1\n") == 5 * made  # four holes and the outline
-    assert run("check", str(out)).exit_code == 0
+    assert call("check", out).exit_code == 0
 
 
 @pytest.mark.parametrize("sample", ["gusset.nc1", "tie.nc1"])
@@ -384,19 +379,19 @@ def test_a_program_of_a_quantity_is_verified_and_reported_with_it(
     part, job = str(SAMPLES / sample), str(tmp_path / "job.prog")
     words = ("--quantity", "3")
     machine = "plate-linuxcnc" if sample == "gusset.nc1" else "beamline"
-    done = run("post", part, *words, "-o", job, "--machine", machine)
+    done = call("post", part, *words, "-o", job, "--machine", machine)
     assert done.exit_code == 0, done.stderr
-    assert run("verify", job, "--against", part, *words, "--machine", machine).exit_code == 0
-    assert run("verify", job, "--against", part, "--machine", machine).exit_code == 1
+    assert call("verify", job, "--against", part, *words, "--machine", machine).exit_code == 0
+    assert call("verify", job, "--against", part, "--machine", machine).exit_code == 1
     page = str(tmp_path / "sheet.html")
-    done = run("report", part, *words, "-o", page, "--machine", machine)
+    done = call("report", part, *words, "-o", page, "--machine", machine)
     assert done.exit_code == 0, done.stderr
     program = Path(job).read_bytes()
     assert sha256(program).hexdigest() in Path(page).read_text(encoding="utf-8")
 
 
 def test_more_bars_than_one_do_not_go_to_standard_output() -> None:
-    done = run("post", str(SAMPLES / "channel.nc1"), "--quantity", "3", "--bar", "6000", "-o", "-")
+    done = call("post", SAMPLES / "channel.nc1", "--quantity", "3", "--bar", "6000", "-o", "-")
     assert (done.exit_code, done.stdout) == (1, "")
     assert "write-more-bars" in done.stderr
 
@@ -404,7 +399,7 @@ def test_more_bars_than_one_do_not_go_to_standard_output() -> None:
 def test_a_batch_makes_as_many_as_are_wanted_and_checks_them(tmp_path: Path) -> None:
     out = tmp_path / "out"
     words = (str(SAMPLES / "tie.nc1"), str(SAMPLES / "channel.nc1"), "--quantity", "3")
-    done = run("batch", *words, "--bar", "6000", "--each", "-o", str(out), "--json", "--jobs", "1")
+    done = call("batch", *words, "--bar", "6000", "--each", "-o", out, "--json", "--jobs", "1")
     assert done.exit_code == 0, done.stderr
     assert sorted(p.name for p in out.glob("*.gcode")) == [
         "channel-1.gcode", "channel-2.gcode", "channel-3.gcode", "tie.gcode",
@@ -412,7 +407,7 @@ def test_a_batch_makes_as_many_as_are_wanted_and_checks_them(tmp_path: Path) -> 
     rows = [part for row in json.loads(done.stdout)["files"] for part in row["parts"]]
     assert sum(part["pieces"] for part in rows if part["mark"] == "T1") == 3
     assert [part["pieces"] for part in rows if part["mark"] == "C1"] == [1, 1, 1]
-    checked = run("check", str(out))
+    checked = call("check", out)
     assert checked.exit_code == 0, checked.stdout + checked.stderr
     assert "4 of 4 programs are the same" in checked.stdout
 

@@ -7,7 +7,6 @@ from contextlib import suppress
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner, Result
 from hypothesis import given
 from hypothesis import strategies as st
 from msgspec.structs import replace
@@ -15,7 +14,6 @@ from msgspec.structs import replace
 from beamcam import machine_choice
 from beamcam.api import lists
 from beamcam.arguments import AskError
-from beamcam.cli import main
 from beamcam.errors import PlanError, Source
 from beamcam.machine import default_machines, load
 from beamcam.machine_choice import on_best_machine
@@ -24,15 +22,12 @@ from beamcam.model.request import ChosenBy, Job, Request
 from beamcam.pipeline import Planned, plans_of, post, read_file, stock_of
 from beamcam.planning.rules import BAR_FULL
 from tests.conftest import ROOT, rules_of
+from tests.runs import call
 
 BAD, GOOD = ROOT / "samples" / "bad", ROOT / "samples" / "dstv"
 MACHINES = tuple(map(load, ("beamline", "beamline-pusher", "beamline-annex")))
 HERE = Source("part")
 REQUEST = Request((), MACHINES[0])
-
-
-def run(*words: object) -> Result:
-    return CliRunner().invoke(main, [str(word) for word in words])
 
 
 class Attempts:
@@ -119,15 +114,15 @@ def test_one_machine_alone_says_what_it_always_said() -> None:
 
 def test_a_slot_goes_to_the_machine_with_a_mill_and_is_read_back_there(tmp_path: Path) -> None:
     job = tmp_path / "slot.gcode"
-    done = run("post", BAD / "slot.nc1", "-o", job)
+    done = call("post", BAD / "slot.nc1", "-o", job)
     assert done.exit_code == 0, done.stderr
     assert "note plan-machine: made on beamline-pusher; beamline cannot: plan-slot" in done.stderr
     assert "MACHINE beamline-pusher" in job.read_text("ascii")
     for words in (("verify", job, "--against", BAD / "slot.nc1"), ("verify", job),
                   ("diff", job, job)):  # fmt: skip
-        again = run(*words)
+        again = call(*words)
         assert again.exit_code == 0, again.stdout + again.stderr
-    plan = run("plan", BAD / "slot.nc1", "--json")
+    plan = call("plan", BAD / "slot.nc1", "--json")
     assert json.loads(plan.stdout)["machine"] == "beamline-pusher"
 
 
@@ -137,28 +132,28 @@ def test_the_quickest_takes_it_where_time_is_asked_for(tmp_path: Path) -> None:
     config.write_text('[machines]\nbeam = ["beamline-pusher", "beamline"]\n')
     words = (GOOD / "tie.nc1", "--config", config, "-o")
     job = tmp_path / "job.gcode"
-    done = run("post", *words, job)
+    done = call("post", *words, job)
     assert ("MACHINE beamline-pusher" in job.read_text("ascii"), "plan-machine" in done.stderr) == (
         True, False,
     )  # fmt: skip
     slow = clock(
         post(read_file(str(GOOD / "tie.nc1")).parts, MACHINES[1]).time(MACHINES[1]).total_s
     )
-    done = run("post", *words, job, "--by", "time")
+    done = call("post", *words, job, "--by", "time")
     assert "MACHINE beamline " in job.read_text("ascii")
     (quick,) = re.findall(r"job.gcode: .*, ([0-9:]+ (?:min|s)); read back", done.stderr)
     said = f"note plan-machine: made on beamline ({quick}); beamline-pusher ({slow})"
     assert said in done.stderr
     for command in ("plan", "batch", "report"):
         end = {"plan": "-", "batch": tmp_path / "out", "report": tmp_path / "sheet.html"}[command]
-        done = run(command, *words, end, "--by", "time", "-v")
+        done = call(command, *words, end, "--by", "time", "-v")
         assert said in done.stderr, (command, done.stderr)
     config.write_text(f'by = "time"\n{config.read_text()}')
-    assert run("post", *words, job).exit_code == 0
+    assert call("post", *words, job).exit_code == 0
     assert "MACHINE beamline " in job.read_text("ascii")
-    assert run("post", *words, job, "--by", "order").exit_code == 0
+    assert call("post", *words, job, "--by", "order").exit_code == 0
     assert "MACHINE beamline-pusher" in job.read_text("ascii")
-    table = run("list", *words[:3], "--json")
+    table = call("list", *words[:3], "--json")
     assert '"beamline"' in table.stdout
     parts = read_file(str(GOOD / "tie.nc1")).parts
     assert [lists(parts, by=by).parts.rows[0] for by in ("order", "time")] == [
@@ -171,7 +166,7 @@ def test_the_quickest_takes_it_where_time_is_asked_for(tmp_path: Path) -> None:
 def test_time_counts_all_programs_of_a_quantity(tmp_path: Path) -> None:
     job = tmp_path / "job.gcode"
     words = ("post", GOOD / "tie.nc1", "-o", job, "--by", "time", "--quantity", "8")
-    said = run(*words, "--bar", "1500").stderr
+    said = call(*words, "--bar", "1500").stderr
     times = re.findall(r"job-\d.gcode: .*, (\d+):(\d+) min; read back", said)
     (told,) = re.findall(r"made on beamline \((\d+):(\d+) min\)", said)
     assert len(times) > 1
@@ -206,7 +201,7 @@ def test_the_shipped_lists_have_the_quicker_machine_first() -> None:
 
 
 def test_what_nobody_makes_says_why_of_each() -> None:
-    done = run("post", BAD / "cope.nc1", "-o", "-")
+    done = call("post", BAD / "cope.nc1", "-o", "-")
     assert (done.exit_code, done.stdout) == (1, "")
     assert "error plan-no-machine" in done.stderr
     assert "beamline: plan-" in done.stderr
@@ -217,26 +212,26 @@ def test_the_configuration_names_several(tmp_path: Path) -> None:
     config = tmp_path / "beamcam.toml"
     config.write_text('[machines]\nbeam = ["beamline-annex", "beamline-pusher"]\n')
     job = tmp_path / "job.gcode"
-    done = run("post", GOOD / "tie.nc1", "-o", job, "--config", config)
+    done = call("post", GOOD / "tie.nc1", "-o", job, "--config", config)
     assert (done.exit_code, "MACHINE beamline-annex" in job.read_text("ascii")) == (0, True)
-    done = run("post", BAD / "slot.nc1", "-o", job, "--config", config)
+    done = call("post", BAD / "slot.nc1", "-o", job, "--config", config)
     assert (done.exit_code, "MACHINE beamline-pusher" in job.read_text("ascii")) == (0, True)
-    done = run("post", BAD / "slot.nc1", "-o", job, "--config", config, "--machine", "beamline")
+    done = call("post", BAD / "slot.nc1", "-o", job, "--config", config, "--machine", "beamline")
     assert done.exit_code == 1
     assert "plan-no-machine" not in done.stderr
     config.write_text('[machines]\nbeam = ["beamline", "no-such"]\n')
-    done = run("post", GOOD / "tie.nc1", "-o", job, "--config", config)
+    done = call("post", GOOD / "tie.nc1", "-o", job, "--config", config)
     assert (done.exit_code, "no-such" in done.stderr) == (1, True)
 
 
 def test_a_batch_spreads_its_parts_and_checks_them(tmp_path: Path) -> None:
     out = tmp_path / "out"
     inputs = (GOOD / "tie.nc1", BAD / "slot.nc1", BAD / "saw-angle-out-of-range.nc1")
-    done = run("batch", *inputs, "-o", out, "--jobs", "1", "--json")
+    done = call("batch", *inputs, "-o", out, "--jobs", "1", "--json")
     assert done.exit_code == 0, done.stderr
     rows = [part for row in json.loads(done.stdout)["files"] for part in row["parts"]]
     assert [part["machine"] for part in rows] == ["beamline", "beamline-pusher", "beamline-pusher"]
-    checked = run("check", out)
+    checked = call("check", out)
     assert checked.exit_code == 0, checked.stdout + checked.stderr
 
 
@@ -250,7 +245,7 @@ def test_a_machine_that_makes_all_of_it_goes_before_one_that_leaves_something_ou
     """The beamline has no mill and could leave the slot out, as is allowed; the pusher mills it."""
     out = {"post": "job.gcode", "plan": "plan.json", "batch": "programs", "report": "sheet.html"}
     words = (command, SLOT, "--allow-skips", "slot", "-o", tmp_path / out[command])
-    done = run(*words)
+    done = call(*words)
     assert done.exit_code == 0, done.stderr
     told = "made on beamline-pusher; beamline cannot: plan-slot" in done.stderr
     assert told == (command != "batch")  # whose notes stand in its report
@@ -263,7 +258,7 @@ def test_where_no_machine_makes_all_of_it_the_first_leaves_out_what_is_allowed(
     tmp_path: Path,
 ) -> None:
     job = tmp_path / "job.gcode"
-    done = run("post", BAD / "cope.nc1", "--allow-skips", "cope", "-o", job)
+    done = call("post", BAD / "cope.nc1", "--allow-skips", "cope", "-o", job)
     assert done.exit_code == 0, done.stderr
     assert "MACHINE beamline " in job.read_text("ascii")
 
@@ -279,13 +274,13 @@ OF_SAMPLES = {
 def test_a_program_is_read_on_the_machine_that_its_head_names(machine: str, tmp_path: Path) -> None:
     name, *words = OF_SAMPLES[machine]
     job = tmp_path / "job.txt"
-    made = run("post", GOOD / name, "--machine", machine, *words, "-o", job)
+    made = call("post", GOOD / name, "--machine", machine, *words, "-o", job)
     assert made.exit_code == 0, made.stderr
     for asked in (
         ("verify", job), ("verify", job, "--against", GOOD / name, *words), ("diff", job, job),
         ("simulate", job, "-o", tmp_path / "t.csv"),
     ):  # fmt: skip
-        done = run(*asked)
+        done = call(*asked)
         assert done.exit_code == 0, (asked, done.output)
 
 
@@ -293,9 +288,9 @@ def test_a_head_names_no_file(tmp_path: Path) -> None:
     """A program that names a machine file is judged by a machine that is known here."""
     lax, job = tmp_path / "lax.toml", tmp_path / "job.gcode"
     lax.write_text('base = "beamline"\nname = "lax"\n\n[limits]\n', encoding="ascii")
-    assert run("post", GOOD / "tie.nc1", "-o", job).exit_code == 0
+    assert call("post", GOOD / "tie.nc1", "-o", job).exit_code == 0
     text = job.read_text(encoding="ascii").replace("MACHINE beamline", f"MACHINE {lax}")
     job.write_text(text, encoding="ascii")
-    done = run("simulate", job, "-o", tmp_path / "t.json")
+    done = call("simulate", job, "-o", tmp_path / "t.json")
     assert done.exit_code == 0, done.output
     assert json.loads((tmp_path / "t.json").read_text(encoding="utf-8"))["machine"] == "beamline"

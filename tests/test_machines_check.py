@@ -4,9 +4,8 @@ import re
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner, Result
+from click.testing import Result
 
-from beamcam.cli import main
 from beamcam.machine import load, shipped
 from beamcam.pictures.line import line_scene
 from beamcam.pictures.scene import Circle, Polyline, Text
@@ -14,6 +13,7 @@ from beamcam.planning.held_up import held_up
 from beamcam.solid.bar_solid import reaches
 from beamcam.solid.kernel import walls
 from tests.conftest import ROOT
+from tests.runs import call
 
 SPINDLES = """
 [[spindles]]
@@ -45,7 +45,7 @@ BACK = {"third": "back", "face": "h", "axis": "Y", "position": "height / 2 - y",
 
 
 def check(*words: str) -> Result:
-    return CliRunner().invoke(main, ["machines", *words])
+    return call("machines", *words)
 
 
 def machine(folder: Path, o: str, third: dict[str, str]) -> str:

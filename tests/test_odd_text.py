@@ -5,11 +5,9 @@ import re
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
 
-from beamcam.cli import main
 from tests.rs274 import INI, interpreted, needs_rs274
-from tests.runs import part
+from tests.runs import call, part
 
 SAMPLES = Path(__file__).resolve().parents[1] / "samples"
 ODD = "M\x1b[2J\x9b\u202e\u2028G0 X9)\x85(MSG,%;\x0b\x0c"
@@ -21,7 +19,7 @@ def odd_json(tmp_path: Path, sample: str, mark: str = ODD) -> Path:
     """The JSON form of a sample, with odd text wherever there is text but a name of a layer."""
     path = tmp_path / "odd.json"
     source = SAMPLES / sample
-    assert CliRunner().invoke(main, ["convert", str(source), "-o", str(path)]).exit_code == 0
+    assert call("convert", source, "-o", path).exit_code == 0
     value = json.loads(path.read_text(encoding="utf-8"))
     value |= {"mark": mark, "order": mark, "drawing": mark, "phase": mark, "notes": [mark]}
     value["profile"]["name"] = mark
@@ -41,13 +39,11 @@ def odd_json(tmp_path: Path, sample: str, mark: str = ODD) -> Path:
 def test_an_odd_mark_posts(tmp_path: Path, sample: str, machine: str, suffix: str) -> None:
     source, out = odd_json(tmp_path, sample), tmp_path / f"o{suffix}"
     asked = ["post", str(source), "--machine", machine, "-o", str(out), "--job", "Träger (5) %;"]
-    result = CliRunner().invoke(main, asked)
+    result = call(*asked)
     assert result.exit_code == 0, result.output
     lines = out.read_text(encoding="utf-8").split("\n")
     assert all(PLAIN.fullmatch(line) for line in lines)
-    plain = CliRunner().invoke(
-        main, ["post", str(SAMPLES / sample), "--machine", machine, "-o", str(tmp_path / "p.x")]
-    )
+    plain = call("post", SAMPLES / sample, "--machine", machine, "-o", tmp_path / "p.x")
     assert plain.exit_code == 0
     # Comments apart the program is that of the plain part.
     assert _blocks(lines) == _blocks((tmp_path / "p.x").read_text().split("\n"))
@@ -63,7 +59,7 @@ def test_no_comment_is_a_command(tmp_path: Path, job: str) -> None:
     out = tmp_path / "o.ngc"
     source = str(SAMPLES / "dstv/gusset.nc1")
     asked = ["post", source, "--machine", "plate-linuxcnc", "--job", job, "-o", str(out)]
-    assert CliRunner().invoke(main, asked).exit_code == 0
+    assert call(*asked).exit_code == 0
     run = interpreted(out, ini=INI, folder=tmp_path)
     assert run.returncode == 0, run.stderr
     assert "MESSAGE(" not in run.stdout
@@ -83,7 +79,7 @@ def test_no_comment_is_a_command(tmp_path: Path, job: str) -> None:
 )
 def test_nothing_that_is_printed_steers_the_terminal(tmp_path: Path, words: list[str]) -> None:
     source = odd_json(tmp_path, "dstv/channel.nc1", ODD + "\ud800")
-    result = CliRunner().invoke(main, [words[0], str(source), *words[1:]])
+    result = call(words[0], source, *words[1:])
     assert result.exception is None or isinstance(result.exception, SystemExit)
     for line in (result.stdout + result.stderr).split("\n"):
         assert line.isprintable(), line
@@ -95,9 +91,7 @@ def test_nothing_of_a_batch_steers_the_terminal(tmp_path: Path) -> None:
     (folder / "a\x1b[2J\u202e.nc1").write_text(part("M\x1b[2J"), encoding="utf-8")
     for report in ("-", "r.html", "r.csv"):
         path = report if report == "-" else str(tmp_path / report)
-        result = CliRunner().invoke(
-            main, ["batch", str(folder), "-o", str(tmp_path / "out"), "-v", "--report", path]
-        )
+        result = call("batch", folder, "-o", tmp_path / "out", "-v", "--report", path)
         assert result.exit_code == 0, result.output
         text = result.stdout + result.stderr
         if report != "-":
@@ -110,7 +104,7 @@ def test_nothing_of_a_batch_steers_the_terminal(tmp_path: Path) -> None:
 def test_wrong_usage_is_told_in_plain_text(tmp_path: Path, words: list[str]) -> None:
     folder = tmp_path / "a\x1b[2J\u202e"
     folder.mkdir()
-    result = CliRunner().invoke(main, [words[0], *words[1:], str(folder)])
+    result = call(words[0], *words[1:], folder)
     assert result.exit_code in (1, 2)
     assert "\\x1b[2J\\u202e" in result.stderr
     for line in result.stderr.split("\n"):

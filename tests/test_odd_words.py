@@ -4,15 +4,13 @@ import json
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
 
 from beamcam import system
 from beamcam.arguments import AskError, check_arguments
-from beamcam.cli import main
 from beamcam.readers import read
 from beamcam.setup_sheet.playback import as_script
 from tests.conftest import SAMPLES
-from tests.runs import fill, part
+from tests.runs import call, fill, part
 
 PYTHON = ("Exceeds the limit", "recursion", "sys.set_int")
 
@@ -24,19 +22,19 @@ def test_a_job_longer_than_a_line_is_refused(tmp_path: Path, command: str) -> No
     out = str(tmp_path / ("a.gcode" if command == "post" else "out"))
     more = ["--once", "--settle", "0"] if command == "watch" else []
     words = [command, source, "-o", out, *more]
-    done = CliRunner().invoke(main, [*words, "--job", "J" * 201])
+    done = call(*words, "--job", "J" * 201)
     assert done.exit_code == 1
     assert "error ask-job: found the job name 'JJJ" in done.stderr
     assert "expected 200 characters at most" in done.stderr
     assert len(done.stderr) < 500
     assert not list(tmp_path.rglob("*.gcode"))
-    assert CliRunner().invoke(main, [*words, "--job", "J" * 200]).exit_code == 0
+    assert call(*words, "--job", "J" * 200).exit_code == 0
     assert "J" * 200 + "\n" in next(tmp_path.rglob("*.gcode")).read_text()
 
 
 def test_a_job_of_a_configuration_or_a_caller_too(tmp_path: Path) -> None:
     (tmp_path / "beamcam.toml").write_text(f'job = "{"J" * 201}"\n')
-    done = CliRunner().invoke(main, ["config", str(tmp_path)])
+    done = call("config", tmp_path)
     assert "for 'job'; expected 200 characters at most" in done.stderr
     with pytest.raises(AskError, match="expected 200 characters at most"):
         check_arguments("J" * 201)
@@ -62,7 +60,7 @@ def test_tables_are_refused_in_our_words(tmp_path: Path, text: str) -> None:
     (tmp_path / "m.toml").write_text(text)
     for words in (["machines", "show", str(tmp_path / "m.toml")],
                   ["config", "--config", str(tmp_path / "m.toml")]):  # fmt: skip
-        done = CliRunner().invoke(main, words)
+        done = call(*words)
         assert done.exit_code == 1
         assert "a number of more digits than any has" in done.stderr or "characters" in done.stderr
         assert not any(word in done.stderr for word in PYTHON)
@@ -82,11 +80,11 @@ def test_a_setup_sheet_holds_none(tmp_path: Path) -> None:
     program = tmp_path / "p.gcode"
     source = tmp_path / "A.nc1"
     source.write_text(part("A\u202eB"), encoding="utf-8")
-    assert CliRunner().invoke(main, ["post", str(source), "-o", str(program)]).exit_code == 0
+    assert call("post", source, "-o", program).exit_code == 0
     program.write_text(program.read_text() + "(\u202ereverse\u0085)\n", encoding="utf-8")
     sheet = tmp_path / "s.html"
-    CliRunner().invoke(main, ["report", str(program), str(source), "-o", str(sheet)])
-    CliRunner().invoke(main, ["report", str(source), "-o", str(tmp_path / "t.html")])
+    call("report", program, source, "-o", sheet)
+    call("report", source, "-o", tmp_path / "t.html")
     for page in (sheet, tmp_path / "t.html"):
         if page.exists():
             text = page.read_text(encoding="utf-8")
@@ -108,7 +106,7 @@ def test_a_link_to_a_folder_above_brings_none_of_its_files(
     (tmp_path / "jobs" / "today" / "beside").symlink_to(tmp_path / "beside")
     monkeypatch.chdir(tmp_path)
     for words in (["jobs/today"], ["jobs/tod*"]):
-        done = CliRunner().invoke(main, ["batch", *words, "-o", "out", "--dry-run"])
+        done = call("batch", *words, "-o", "out", "--dry-run")
         assert done.exit_code == 0, done.stderr
         assert "secret" not in done.output
         assert done.stderr.count("warning batch-loop") == 2

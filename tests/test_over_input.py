@@ -7,11 +7,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 import pytest
-from click.testing import CliRunner
 
-from beamcam.cli import main
 from beamcam.files import FilesRead
-from tests.runs import batch, part
+from tests.runs import batch, call, part
 
 SAMPLES = Path(__file__).resolve().parents[1] / "samples"
 
@@ -53,7 +51,7 @@ def work(tmp_path: Path) -> Path:
     (folder / "job.toml").write_text('job = "A"\n')
     (folder / "base.toml").write_text('base = "beamline"\n')
     (folder / "mine.toml").write_text('base = "base.toml"\n')
-    made = CliRunner().invoke(main, ["post", str(folder / "M.nc1"), "-o", str(folder / "M.gcode")])
+    made = call("post", folder / "M.nc1", "-o", folder / "M.gcode")
     assert made.exit_code == 0
     return folder
 
@@ -71,7 +69,7 @@ REFUSED = Tried(1, True, [])
 
 def tried(folder: Path, output: str, *words: str) -> Tried:
     before = {p.name: p.read_bytes() for p in folder.iterdir() if p.is_file()}
-    result = CliRunner().invoke(main, [*words, "-o", output])
+    result = call(*words, "-o", output)
     after = {p.name: p.read_bytes() for p in folder.iterdir() if p.is_file()}
     changed = [name for name in sorted({*before, *after}) if before.get(name) != after.get(name)]
     is_told = "error write-over-input: found the output" in result.stderr
@@ -111,7 +109,7 @@ def test_what_is_called_as_no_output_is(work: Path, command: str, file: str) -> 
     """It is refused before anything is read, by its name alone."""
     before = (work / file).read_bytes()
     words = [command, str(work / "M.nc1"), "--machine", str(work / "mine.toml")]
-    result = CliRunner().invoke(main, [*words, "-o", str(work / file)])
+    result = call(*words, "-o", work / file)
     assert result.exit_code == 2
     assert (work / file).read_bytes() == before
 

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from click.testing import CliRunner, Result
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
@@ -20,20 +19,13 @@ from beamcam.batch.run import run as run_files
 from beamcam.batch.shares import FileState
 from beamcam.batch.work import BatchSettings
 from beamcam.checks.head import Head, head_of
-from beamcam.cli import main
 from beamcam.machine import load
 from beamcam.pipeline import read_file
 from beamcam.readers import Reading
 from tests.conftest import SAMPLES, examples
-from tests.runs import BAD, part
+from tests.runs import BAD, call, part
 
 DSTV = SAMPLES / "dstv"
-
-
-def run(*words: object) -> Result:
-    done = CliRunner().invoke(main, [*map(str, words)])
-    assert done.exception is None or isinstance(done.exception, SystemExit), done.exception
-    return done
 
 
 def order(folder: Path, *names: str) -> Path:
@@ -76,7 +68,7 @@ def test_each_piece_is_made_once_from_what_is_in_store(
     for k, (length, quantity) in enumerate(pieces):
         (folder / "in" / f"P{k}.nc1").write_text(part(f"P{k}", float(length), quantity))
     words = [word for length in remnants for word in ("--remnant", length)]
-    done = run("batch", folder / "in", "--bar", 6000, *words, "-o", folder / "out", "--jobs", 1)
+    done = call("batch", folder / "in", "--bar", 6000, *words, "-o", folder / "out", "--jobs", 1)
     assert done.exit_code == 0, done.stderr
     made = heads(folder / "out")
     assert Counter(mark for head in made.values() for mark in marks(head)) == {
@@ -94,7 +86,7 @@ def test_each_piece_is_made_once_from_what_is_in_store(
 
 def test_programs_lists_and_labels_are_of_one_plan(tmp_path: Path) -> None:
     out = tmp_path / "out"
-    done = run(
+    done = call(
         "batch", order(tmp_path / "in"), "--bar", 12000, "--remnant", "UPN200=4300", "--sheet",
         "3000x1500", "-o", out,
     )  # fmt: skip
@@ -119,7 +111,7 @@ def test_programs_lists_and_labels_are_of_one_plan(tmp_path: Path) -> None:
         (mark, name) for name, head in made.items() for mark in marks(head)
     )
     against = [DSTV / "channel.nc1", DSTV / "tie.nc1"]
-    checked = run("verify", out / "UPN200_S235JR-1.gcode", "--bar", 4300, "--against", *against)
+    checked = call("verify", out / "UPN200_S235JR-1.gcode", "--bar", 4300, "--against", *against)
     assert checked.exit_code == 0, checked.stderr
 
 
@@ -127,8 +119,8 @@ def test_a_list_has_the_bars_and_cuts_of_a_batch_over_stock(tmp_path: Path) -> N
     """With a remnant, two sections and a plate: the same bars, and every piece at its place."""
     folder, out = order(tmp_path / "in"), tmp_path / "out"
     words = ("--bar", 12000, "--remnant", "UPN200/S235JR=4300", "--remnant", "IPE300=5000")
-    assert run("batch", folder, *words, "-o", out).exit_code == 0
-    listed = json.loads(run("list", folder, *words, "--json").stdout)
+    assert call("batch", folder, *words, "-o", out).exit_code == 0
+    listed = json.loads(call("list", folder, *words, "--json").stdout)
     for name, table in (("bars.csv", "bars"), ("cuts.csv", "cutting_list")):
         plain = [{k: str(v) for k, v in row.items() if k != "bar"} for row in listed[table]]
         batch = [{k: v for k, v in row.items() if k != "bar"} for row in rows(out, name)]
@@ -142,35 +134,35 @@ def test_a_list_has_the_bars_and_cuts_of_a_batch_over_stock(tmp_path: Path) -> N
             batch, key=lambda r: (r["profile"], r[key])
         )
     assert sorted(row["stock"] for row in listed["bars"]) == [4300, 5000, 12000, 12000]
-    refused = run("list", folder, "--bar", 12000, "--remnant", 4300)
+    refused = call("list", folder, "--bar", 12000, "--remnant", 4300)
     assert (refused.exit_code, "error batch-remnant" in refused.stderr) == (1, True)
-    alone = run("list", DSTV / "beam.nc1", "--bar", 3000, "--remnant", 4300, "--json")
+    alone = call("list", DSTV / "beam.nc1", "--bar", 3000, "--remnant", 4300, "--json")
     assert [row["stock"] for row in json.loads(alone.stdout)["bars"]] == [4300]
 
 
 def test_labels_of_a_run_over_stock_are_printed(tmp_path: Path) -> None:
     out = tmp_path / "out"
-    assert run("batch", order(tmp_path / "in"), "--bar", 12000, "-o", out).exit_code == 0
-    assert run("labels", out / "labels.json", "-o", tmp_path / "l.zpl").exit_code == 0
+    assert call("batch", order(tmp_path / "in"), "--bar", 12000, "-o", out).exit_code == 0
+    assert call("labels", out / "labels.json", "-o", tmp_path / "l.zpl").exit_code == 0
     text = (tmp_path / "l.zpl").read_text()
     assert text.count("^XA") == 6
     assert "UPN200_5FS235JR.gcode" in text
-    assert run("labels", out / "labels.json", "-o", tmp_path / "l.pdf").exit_code == 0
-    again = run("labels", out / "labels.json", "--json")
+    assert call("labels", out / "labels.json", "-o", tmp_path / "l.pdf").exit_code == 0
+    again = call("labels", out / "labels.json", "--json")
     assert again.stdout == (out / "labels.json").read_text()
     for torn in ("", '"labels": 5}'):
         (out / "labels.json").write_text('{"schema": "beamcam/labels/1",' + torn)
-        done = run("labels", out / "labels.json", "--json")
+        done = call("labels", out / "labels.json", "--json")
         assert done.exit_code == 1
         assert "label-file" in done.stderr
     long = [{"mark": "x" * 3000, "lines": [], "program": "p"}]
     (out / "labels.json").write_text(json.dumps({"schema": "beamcam/labels/1", "labels": long}))
-    assert "label-code" in run("labels", out / "labels.json", "--json").stderr
+    assert "label-code" in call("labels", out / "labels.json", "--json").stderr
 
 
 def test_a_page_has_a_setup_sheet_of_each_bar_and_sheet(tmp_path: Path) -> None:
     words = ("--bar", 12000, "-o", tmp_path / "out", "--report", tmp_path / "r.html")
-    assert run("batch", order(tmp_path / "in"), *words).exit_code == 0
+    assert call("batch", order(tmp_path / "in"), *words).exit_code == 0
     pages = {p.name: p.read_text() for p in (tmp_path / "r.sheets").iterdir()}
     assert {name.removesuffix(".html") for name in pages} == {*heads(tmp_path / "out")}
     assert all(mark in pages["UPN200_S235JR.gcode.html"] for mark in ("C1", "T1"))
@@ -179,9 +171,9 @@ def test_a_page_has_a_setup_sheet_of_each_bar_and_sheet(tmp_path: Path) -> None:
 def test_the_bars_are_those_of_list(tmp_path: Path) -> None:
     folder, out = order(tmp_path / "in"), tmp_path / "out"
     for words in ((), ("--turn", "--order", "best")):
-        assert run("batch", folder, "--bar", 6500, *words, "-o", out).exit_code == 0
+        assert call("batch", folder, "--bar", 6500, *words, "-o", out).exit_code == 0
         cuts = tmp_path / "cuts.csv"
-        done = run("list", folder, "--bar", 6500, *words, "-o", cuts, "--table", "cuts")
+        done = call("list", folder, "--bar", 6500, *words, "-o", cuts, "--table", "cuts")
         assert done.exit_code == 0
         listed = rows(tmp_path, "cuts.csv")
         assert listed
@@ -195,7 +187,7 @@ def test_workers_make_the_same(tmp_path: Path) -> None:
     folder = order(tmp_path / "in")
     for jobs in (1, 2):
         words = ("--bar", 12000, "--turn", "--order", "best", "--jobs", jobs)
-        assert run("batch", folder, *words, "-o", tmp_path / f"{jobs}").exit_code == 0
+        assert call("batch", folder, *words, "-o", tmp_path / f"{jobs}").exit_code == 0
     one, two = (
         {p.name: p.read_bytes() for p in (tmp_path / name).iterdir() if p.name[0] != "."}
         for name in "12"
@@ -207,7 +199,7 @@ def test_what_no_machine_makes_stands_in_the_account_and_the_rest_is_made(tmp_pa
     folder, out = order(tmp_path / "in", "channel", "tie"), tmp_path / "out"
     (folder / "bad.nc1").write_text(BAD)
     (folder / "cut.nc1").write_bytes((SAMPLES / "bad" / "cut-denied.nc1").read_bytes())
-    done = run("batch", folder, "--bar", 12000, "-o", out, "--json")
+    done = call("batch", folder, "--bar", 12000, "-o", out, "--json")
     assert done.exit_code == 1
     report = json.loads(done.stdout)
     assert report["counts"] == {"posted": 1, "unchanged": 0, "refused": 2, "failed": 0}
@@ -228,7 +220,7 @@ def test_a_part_that_only_a_remnant_holds_leaves_the_others(tmp_path: Path) -> N
     folder.mkdir()
     for mark, length in (("A", 7000.0), ("B", 7100.0), ("C", 2000.0)):
         (folder / f"{mark}.nc1").write_text(part(mark, length))
-    done = run("batch", folder, "--bar", 6000, "--remnant", 8000, "-o", out)
+    done = call("batch", folder, "--bar", 6000, "--remnant", 8000, "-o", out)
     assert done.exit_code == 1
     assert "B.nc1:1: error plan-bar-full" in done.stderr
     assert sorted((head.bar, marks(head)) for head in heads(out).values()) == [
@@ -240,16 +232,16 @@ def test_two_parts_of_one_mark_refuse_all_before_anything_is_written(tmp_path: P
     folder, out = order(tmp_path / "in", "channel", "tie"), tmp_path / "out"
     text = (DSTV / "channel.nc1").read_text().replace("3000.00", "2990.00")
     (folder / "other.nc1").write_text(text)
-    done = run("batch", folder, "--bar", 12000, "-o", out)
+    done = call("batch", folder, "--bar", 12000, "-o", out)
     assert done.exit_code == 1
     assert "other.nc1:1: error list-mark-twice" in done.stderr
     assert not [p for p in out.iterdir() if p.name[0] != "."]
     (folder / "other.nc1").write_text(text.replace("\n  DEMO\n", "\n  OTHER\n"))
-    assert run("batch", folder, "--bar", 12000, "-o", out).exit_code == 0
+    assert call("batch", folder, "--bar", 12000, "-o", out).exit_code == 0
 
 
 def statuses(*words: object) -> dict[str, str]:
-    done = run(*words, "--json")
+    done = call(*words, "--json")
     assert done.exit_code == 0, done.stderr
     return {row["file"]: row["status"] for row in json.loads(done.stdout)["files"]}
 
@@ -272,8 +264,8 @@ def test_only_what_changed_is_made_again(tmp_path: Path) -> None:
 
 def test_programs_of_an_earlier_run_are_named(tmp_path: Path) -> None:
     folder, out = order(tmp_path / "in", "channel", "tie"), tmp_path / "out"
-    assert run("batch", folder, "--bar", 12000, "-o", out).exit_code == 0
-    done = run("batch", folder, "--bar", 12000, "--remnant", 4300, "-o", out)
+    assert call("batch", folder, "--bar", 12000, "-o", out).exit_code == 0
+    done = call("batch", folder, "--bar", 12000, "--remnant", 4300, "-o", out)
     assert done.exit_code == 0
     assert "'UPN200_S235JR.gcode' still stands from an earlier run over stock" in done.stderr
 
@@ -284,7 +276,7 @@ def test_the_pieces_of_all_programs_are_counted(
     shares_of = over_stock.shares_of
     monkeypatch.setattr(over_stock, "shares_of", lambda request: shares_of(request)[:-1])
     folder = order(tmp_path / "in", "channel", "tie")
-    done = run("batch", folder, "--bar", 3500, "-o", tmp_path / "out")
+    done = call("batch", folder, "--bar", 3500, "-o", tmp_path / "out")
     assert done.exit_code == 1
     assert "error verify-pieces: found" in done.stderr
     assert not heads(tmp_path / "out")
@@ -305,7 +297,7 @@ def test_the_pieces_of_all_programs_are_counted(
 def test_remnants_and_names_that_cannot_be_meant(
     tmp_path: Path, words: tuple[str, ...], status: int, said: str
 ) -> None:
-    done = run("batch", order(tmp_path / "in", "channel", "beam"), *words, "-o", tmp_path / "out")
+    done = call("batch", order(tmp_path / "in", "channel", "beam"), *words, "-o", tmp_path / "out")
     assert done.exit_code == status, done.stderr
     assert said in " ".join(done.stderr.split())
 
@@ -314,7 +306,7 @@ def test_each_part_by_itself_where_that_is_asked_for(tmp_path: Path) -> None:
     folder = order(tmp_path / "in", "channel", "tie")
     for words in ((), ("--each", "--bar", "12000")):
         out = tmp_path / f"out{len(words)}"
-        assert run("batch", folder, *words, "-o", out).exit_code == 0
+        assert call("batch", folder, *words, "-o", out).exit_code == 0
         assert [*heads(out)] == ["channel.gcode", "tie.gcode"]
 
 
@@ -322,39 +314,39 @@ def test_a_file_of_somebody_else_is_not_written_over(tmp_path: Path) -> None:
     folder, out = order(tmp_path / "in", "channel"), tmp_path / "out"
     out.mkdir()
     (out / "parts.csv").write_text("mine\n")
-    done = run("batch", folder, "--nest", "-o", out)
+    done = call("batch", folder, "--nest", "-o", out)
     assert done.exit_code == 1
     assert "error batch-not-ours: found 'parts.csv' there already" in done.stderr
     assert (out / "parts.csv").read_text() == "mine\n"
-    assert run("batch", folder, "--nest", "--force", "-o", out).exit_code == 0
+    assert call("batch", folder, "--nest", "--force", "-o", out).exit_code == 0
     assert rows(out, "parts.csv")
-    assert run("batch", folder, "--nest", "-o", out).exit_code == 0
+    assert call("batch", folder, "--nest", "-o", out).exit_code == 0
 
 
 def test_check_posts_a_run_over_stock_again(tmp_path: Path) -> None:
     folder, out = order(tmp_path / "in"), tmp_path / "out"
-    assert run("batch", folder, "--bar", 12000, "-o", out).exit_code == 0
-    done = run("check", out)
+    assert call("batch", folder, "--bar", 12000, "-o", out).exit_code == 0
+    done = call("check", out)
     assert (done.exit_code, done.stdout) == (0, "4 of 4 programs are the same\n")
     tie = folder / "tie.nc1"
     tie.write_text(tie.read_text().replace("320.00", "330.00"))
-    done = run("check", out)
+    done = call("check", out)
     assert done.exit_code == 1
     assert "3 of 4 programs are the same" in done.stdout
-    assert run("check", out, "--update").exit_code == 0
-    assert run("check", out).exit_code == 0
+    assert call("check", out, "--update").exit_code == 0
+    assert call("check", out).exit_code == 0
     assert {*statuses("batch", folder, "--bar", 12000, "-o", out).values()} <= {
         "unchanged", "posted",
     }  # fmt: skip
     (folder / "strut.nc1").unlink()
-    done = run("check", out)
+    done = call("check", out)
     assert done.exit_code == 1
     assert "strut.nc1: error read-file" in done.stderr
 
 
 def test_a_dry_run_writes_nothing(tmp_path: Path) -> None:
     out = tmp_path / "out"
-    done = run("batch", order(tmp_path / "in"), "--bar", 12000, "-o", out, "--dry-run")
+    done = call("batch", order(tmp_path / "in"), "--bar", 12000, "-o", out, "--dry-run")
     assert done.exit_code == 0
     assert "UPN200_S235JR.gcode, beamline" in done.stdout
     assert not out.exists()
@@ -408,7 +400,7 @@ def test_a_mark_of_an_order_is_one_part_in_every_batch(tmp_path: Path) -> None:
         channel.replace("3000.00", "2980.00").replace("  1\n  C1", "  2\n  C1", 1)
     )
     for again in range(2):
-        done = run("batch", folder, "-o", out, "--json")
+        done = call("batch", folder, "-o", out, "--json")
         assert done.exit_code == 1
         found = {Path(row["file"]).name: row for row in json.loads(done.stdout)["files"]}
         refused = {name for name, row in found.items() if row["status"] == "refused"}
@@ -418,7 +410,7 @@ def test_a_mark_of_an_order_is_one_part_in_every_batch(tmp_path: Path) -> None:
             assert said["code"] == "list-mark-twice"
             assert ("channel.nc1" if name == "other.nc1" else "other.nc1") in said["message"]
         assert {*heads(out)} == {"phase.gcode", "tie.gcode"}
-    assert run("batch", folder, "-o", tmp_path / "2", "--mark-from", "file").exit_code == 0
+    assert call("batch", folder, "-o", tmp_path / "2", "--mark-from", "file").exit_code == 0
 
 
 def test_what_differs_under_one_mark_is_refused_before_anything_is_written(tmp_path: Path) -> None:
@@ -426,10 +418,10 @@ def test_what_differs_under_one_mark_is_refused_before_anything_is_written(tmp_p
     folder, out = order(tmp_path / "in", "channel"), tmp_path / "out"
     text = (folder / "channel.nc1").read_text()
     (folder / "zz.nc1").write_text("** a comment\n" + text.replace("3000.00", "2990.00"))
-    assert run("batch", folder, "-o", out).exit_code == 1
+    assert call("batch", folder, "-o", out).exit_code == 1
     assert heads(out) == {}
     (folder / "zz.nc1").unlink()
-    assert run("batch", folder, "-o", out).exit_code == 0
+    assert call("batch", folder, "-o", out).exit_code == 0
 
 
 def test_a_file_with_two_parts_of_one_mark_is_refused(
@@ -442,7 +434,7 @@ def test_a_file_with_two_parts_of_one_mark_is_refused(
     for parts, status in (((one, one), 0), ((one, other), 1)):
         reading = Reading("ifc", parts, ())
         monkeypatch.setattr(work, "read", lambda *_, reading=reading, **__: reading)
-        done = run("batch", tmp_path / "model.ifc", "-o", tmp_path / f"out{status}", "--jobs", 1)
+        done = call("batch", tmp_path / "model.ifc", "-o", tmp_path / f"out{status}", "--jobs", 1)
         assert done.exit_code == status, done.stderr
         assert ("list-mark-twice" in done.stderr) == bool(status)
         assert len(heads(tmp_path / f"out{status}")) == 1  # equal members are one part
@@ -471,8 +463,8 @@ def test_pieces_of_a_coper_are_cut_from_a_bar_each(tmp_path: Path) -> None:
     coping, out = SAMPLES / "coping", tmp_path / "out"
     words = ("--machine", "coper-linuxcnc", "--bar", 6000, "--quantity", 2)
     inputs = (coping / "coped.nc1", coping / "trimmer.nc1")
-    assert run("batch", *inputs, "-o", out, *words).exit_code == 0
-    listed = json.loads(run("list", *inputs, *words, "--json").stdout)
+    assert call("batch", *inputs, "-o", out, *words).exit_code == 0
+    listed = json.loads(call("list", *inputs, *words, "--json").stdout)
     assert [
         (bar["profile"], bar["stock"], bar["parts"], bar["cuts"], bar["remnant"])
         for bar in listed["bars"]
@@ -483,15 +475,15 @@ def test_pieces_of_a_coper_are_cut_from_a_bar_each(tmp_path: Path) -> None:
     bars = (out / "bars.csv").read_text().splitlines()
     assert bars[1] == "1,IPE300,S235JR,coper-linuxcnc,6000.0,1,1200.0,60.0,4740.0,20.0"
     assert len(bars) == len((out / "cuts.csv").read_text().splitlines()) == 5
-    assert run("check", out).exit_code == 0
+    assert call("check", out).exit_code == 0
 
 
 def test_a_coper_has_a_program_for_each_piece(tmp_path: Path) -> None:
     words = ("--machine", "coper-linuxcnc", "--quantity", 2)
-    done = run("post", SAMPLES / "coping" / "coped.nc1", "-o", tmp_path / "a.ngc", *words)
+    done = call("post", SAMPLES / "coping" / "coped.nc1", "-o", tmp_path / "a.ngc", *words)
     assert done.exit_code == 0, done.stderr
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a-1.ngc", "a-2.ngc"]
-    short = run(
+    short = call(
         "post", SAMPLES / "coping" / "coped.nc1", "-o", tmp_path / "b.ngc", *words, "--bar", 1259
     )
     assert "plan-bar-full" in short.stderr

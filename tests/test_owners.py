@@ -11,17 +11,16 @@ from pathlib import Path
 from typing import get_args
 
 import pytest
-from click.testing import CliRunner
 from msgspec.structs import replace
 
 from beamcam.checks import Language, Owner, Rows, Stock
-from beamcam.cli import main
 from beamcam.commands import codes
 from beamcam.controllers import events, interpreter_of
 from beamcam.machine import Machine, load
 from tests.conftest import ROOT, SAMPLES
 from tests.linuxcnc_cell import linuxcnc_cell
 from tests.owners import Vocabulary, unknown, unowned
+from tests.runs import call
 from tests.unit.controllers.test_cycles import CODESYS, LINUXCNC
 
 OWNERS: Rows = codes.all_owners()
@@ -132,14 +131,14 @@ def test_every_row_is_refused_by_a_code_that_there_is_or_says_why_not() -> None:
 
 
 def test_the_page_of_the_documentation_lists_the_rows() -> None:
-    done = CliRunner().invoke(main, ["codes", "--words", "--markdown"])
+    done = call("codes", "--words", "--markdown")
     assert done.exit_code == 0
     assert (ROOT / "docs" / "words.md").read_text(encoding="utf-8") == done.output
 
 
 def test_the_rows_are_printed_and_given_as_data() -> None:
-    plain = CliRunner().invoke(main, ["codes", "--words"])
+    plain = call("codes", "--words")
     assert "beam, codesys\n" in plain.output
     assert "G75  harmless: " in plain.output
-    data = CliRunner().invoke(main, ["codes", "--words", "--json"])
+    data = call("codes", "--words", "--json")
     assert ["G41", "G42"] in [row["words"] for row in json.loads(data.output)]

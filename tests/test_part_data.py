@@ -3,16 +3,14 @@
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
 
-from beamcam.cli import main
 from beamcam.errors import MachineError
 from beamcam.machine import load
 from beamcam.model.description import PART_DATA, part_data
 from beamcam.pipeline import post
 from beamcam.readers import read
 from tests.conftest import SAMPLES
-from tests.runs import part
+from tests.runs import call, part
 
 HEADER = " ".join(f"{name}={{{name}}}" for name in PART_DATA)
 
@@ -41,7 +39,7 @@ def test_a_sheet_says_them_too(tmp_path: Path) -> None:
     place = machine(tmp_path, "plate-linuxcnc", HEADER)
     out = tmp_path / "a.ngc"
     words = ["post", str(SAMPLES / "dstv" / "gusset.nc1"), "-o", str(out), "--machine", place]
-    assert CliRunner().invoke(main, words).exit_code == 0
+    assert call(*words).exit_code == 0
     (line,) = (line for line in out.read_text().splitlines() if "mark=" in line)
     assert set(PART_DATA) == {
         word.partition("=")[0] for word in line.strip("()").split() if "=" in word

@@ -11,14 +11,12 @@ from itertools import pairwise
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from beamcam.cli import main
 from beamcam.machine import load
 from tests.conftest import examples
-from tests.runs import HANG_S
+from tests.runs import HANG_S, call
 
 ROOT = Path(__file__).resolve().parent.parent
 PLAYER = ROOT / "samples" / "player"
@@ -48,7 +46,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     at = tmp_path_factory.mktemp("player")
     part = ROOT / "samples" / "json" / "shield-small.json"
     for suffix in ("steps", "bin", "h"):
-        run = CliRunner().invoke(main, ["post", str(part), "-o", str(at / f"job.{suffix}")])
+        run = call("post", part, "-o", at / f"job.{suffix}")
         assert run.exit_code == 0, run.stderr
     compiled(at / "play")
     compiled(at / "play-h", f'-DTABLE="{at / "job.h"}"')

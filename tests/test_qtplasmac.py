@@ -4,15 +4,14 @@ import re
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
 
 from beamcam.checks.sheets import verify_sheet
-from beamcam.cli import main
 from beamcam.machine import load
 from beamcam.pipeline import post
 from tests.conftest import SAMPLES, sampled
 from tests.qtplasmac import filtered, needs_filter
 from tests.rs274 import INI, interpreted, needs_rs274
+from tests.runs import call
 from tests.unit.sheets.parts import NESTED
 
 #: Samples that a plasma table makes.
@@ -28,7 +27,7 @@ def posted(sample: str, tmp_path: Path, machine: str = "plate-qtplasmac") -> Pat
     out = tmp_path / "program.ngc"
     words = ["post", str(SAMPLES / sample), "--machine", machine, "-o", str(out)]
     drawn = sample.startswith(("dxf", "svg"))
-    done = CliRunner().invoke(main, [*words, *(["--thickness", "3"] if drawn else [])])
+    done = call(*words, *(["--thickness", "3"] if drawn else []))
     assert done.exit_code == 0, done.stderr
     return out
 

@@ -4,10 +4,8 @@ import re
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner, Result
 
 from beamcam import remainder
-from beamcam.cli import main
 from beamcam.errors import PlanError
 from beamcam.machine import load
 from beamcam.model.part import Part
@@ -17,6 +15,7 @@ from beamcam.pipeline import Posted, RefusedProgram, post
 from beamcam.readers import read
 from beamcam.remainder import rest_of, what_has_to_be_true
 from tests.conftest import SAMPLES
+from tests.runs import call
 
 CHANNEL, STRUT = SAMPLES / "dstv" / "channel.nc1", SAMPLES / "dstv" / "strut.nc1"
 MACHINES = ("beamline", "beamline-annex", "beamline-pusher")
@@ -141,12 +140,6 @@ def test_a_rest_that_is_not_the_rest_is_refused(
     monkeypatch.setattr(remainder, "_parted", broken)
     with pytest.raises(RefusedProgram, match="error verify-"):
         rest_of(posted, 8)
-
-
-def call(*words: object) -> Result:
-    done = CliRunner().invoke(main, [str(word) for word in words])
-    assert done.exception is None or isinstance(done.exception, SystemExit), done.exception
-    return done
 
 
 def test_the_command(tmp_path: Path) -> None:

@@ -7,12 +7,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from click.testing import CliRunner
 
 from beamcam import errors
-from beamcam.cli import main
 from beamcam.errors import Diagnostic, Rule, Source
 from tests.conftest import ROOT
+from tests.runs import call
 
 SUFFIXES = (".nc1", ".dxf", ".svg", ".json", ".ifc")
 SAMPLES = sorted(
@@ -46,7 +45,7 @@ SAID = errors.Rule.at
 
 def outcome(*words: str) -> tuple[object, ...]:
     """Exit status, and of each stream the program or the messages without their texts."""
-    done = CliRunner().invoke(main, [*words])
+    done = call(*words)
     assert done.exception is None or isinstance(done.exception, SystemExit), done.exception
     return done.exit_code, without_texts(done.stdout), without_texts(done.stderr)
 
@@ -86,7 +85,7 @@ def test_other_words_decide_nothing_else(
     seen = {code for _, *streams in said for code in codes_in(streams)}
     assert every > 1 or seen >= {"plan-text-moved", "plan-left-in-corner", "plan-turned"}
     monkeypatch.setattr(Rule, "at", reworded)
-    done = CliRunner().invoke(main, ["post", "samples/bad/slot.nc1", "-o", "-"])
+    done = call("post", "samples/bad/slot.nc1", "-o", "-")
     assert "found" not in done.stderr
     for old, new in zip(before, of_all(tmp_path, every), strict=True):
         assert old == new

@@ -7,26 +7,25 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from click.testing import CliRunner
 from jsonschema import Draft202012Validator
 from msgspec.structs import replace
 
 from beamcam import readers
-from beamcam.cli import main
 from beamcam.machine import shipped
 from beamcam.model.part_json import write
 from beamcam.readers.part_json import read
 from tests.conftest import ROOT, SAMPLES, sampled
+from tests.runs import call
 
 MACHINES = ROOT / "beamcam" / "machines"
 
 
 def schema_of_machines() -> Any:
-    return json.loads(CliRunner().invoke(main, ["machines", "schema"]).stdout)
+    return json.loads(call("machines", "schema").stdout)
 
 
 def schema_of_parts() -> Any:
-    return json.loads(CliRunner().invoke(main, ["convert", "--schema"]).stdout)
+    return json.loads(call("convert", "--schema").stdout)
 
 
 def faults(schema: Any, value: Any) -> list[str]:

@@ -4,9 +4,7 @@ import re
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner, Result
 
-from beamcam.cli import main
 from beamcam.errors import PlanError
 from beamcam.machine import load
 from beamcam.machine.overlay import with_torch
@@ -14,6 +12,7 @@ from beamcam.model.plan import SheetPlan
 from beamcam.pipeline import Posted, post
 from beamcam.remainder import faults_of_sheet_rest, rest_of_sheet
 from tests.conftest import SAMPLES, sampled
+from tests.runs import call
 from tests.unit.sheets.parts import box, circle, contour, drawing, lines
 
 GASKET = SAMPLES / "dxf" / "gasket-inch.dxf"
@@ -111,10 +110,6 @@ def test_parts_that_are_free_are_named() -> None:
     assert isinstance(posted.plan, SheetPlan)
     last = len(posted.plan.operations)
     assert f"FREE OF THE SHEET: {parts[0].mark})" in rest_of_sheet(posted, last).text
-
-
-def call(*words: object) -> Result:
-    return CliRunner().invoke(main, [str(word) for word in words])
 
 
 def test_on_the_command_line(tmp_path: Path) -> None:

@@ -3,16 +3,16 @@
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner, Result
+from click.testing import Result
 
-from beamcam.cli import main
 from tests.conftest import SAMPLES
+from tests.runs import call
 
 DSTV = SAMPLES / "dstv"
 
 
 def post(*words: object) -> Result:
-    done = CliRunner().invoke(main, ["post", *map(str, words)])
+    done = call("post", *words)
     assert done.exception is None or isinstance(done.exception, SystemExit), done.exception
     return done
 

@@ -8,11 +8,10 @@ from math import cos, pi, sin
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner, Result
+from click.testing import Result
 from msgspec.structs import replace
 
 from beamcam import suggestions
-from beamcam.cli import main
 from beamcam.errors import Source
 from beamcam.geometry.curves import Line
 from beamcam.machine import Machine, load, shipped
@@ -22,13 +21,10 @@ from beamcam.pipeline import read_file, stock_of
 from beamcam.posts import Post, post_of
 from beamcam.writers.dstv import write
 from tests.conftest import CORPUS, ROOT, rules_of
+from tests.runs import call
 
 SAMPLES = ROOT / "samples"
 FOUND, END = "plan-ways-out: with ", " it can be made"
-
-
-def run(*words: object) -> Result:
-    return CliRunner().invoke(main, [str(word) for word in words])
 
 
 OURS = (SAMPLES / "bad", SAMPLES / "dstv", SAMPLES / "coping")
@@ -69,26 +65,26 @@ def test_each_way_out_of_each_refusal_works(
             if machine and is_of_sheets(path):
                 continue
             asked = ("post", path, "-o", "-", *(("--machine", machine) if machine else ()))
-            done = run(*asked)
+            done = call(*asked)
             if not is_refused_by_the_plan(done):
                 continue
             (note,) = [line for line in done.stderr.splitlines() if ": note plan-ways-out" in line
                        or ": note plan-no-way-out" in line]  # fmt: skip
             if "plan-no-way-out" in note:
                 seen["none"] += 1
-                assert run(*asked, "--allow-skips", "all").exit_code == 1, path
+                assert call(*asked, "--allow-skips", "all").exit_code == 1, path
                 continue
             for way in note[note.index(FOUND) + len(FOUND) :].removesuffix(END).split(" or "):
                 seen["ways"] += 1
                 words = list(asked)
                 if way.startswith("`beamcam split "):
                     names = way.split("`")[1].split()[-1]
-                    made = run("split", path, "--machines", names, "-o", tmp_path / path.stem)
+                    made = call("split", path, "--machines", names, "-o", tmp_path / path.stem)
                     assert made.exit_code == 0, f"{path} {way}\n{made.stderr}"
                     continue
                 if way.startswith("--machine") and machine:
                     words = [*asked[:4]]
-                made = run(*words, *shlex.split(way))
+                made = call(*words, *shlex.split(way))
                 assert made.exit_code == 0, f"{path} {way}\n{made.stderr}"
     assert seen["ways"] >= ways
     assert seen["none"] >= none
@@ -97,11 +93,11 @@ def test_each_way_out_of_each_refusal_works(
 def test_the_fewest_kinds_are_left_out_and_none_that_a_shipped_machine_makes() -> None:
     header = SAMPLES / "coping" / "header.nc1"
     for words in ((), ("--machine", "beamline"), ("--machine", "coper-linuxcnc")):
-        said = run("post", header, "-o", "-", *words).stderr
+        said = call("post", header, "-o", "-", *words).stderr
         assert "`beamcam split --machines beamline-pusher,coper-linuxcnc`" in said
         assert "--allow-skips" not in said
     slot = SAMPLES / "bad" / "slot.nc1"
-    said = run("post", slot, "-o", "-", "--machine", "beamline").stderr
+    said = call("post", slot, "-o", "-", "--machine", "beamline").stderr
     names = ("beamline-pusher", "coper-linuxcnc", "coper-tilt-linuxcnc", "tube-linuxcnc")
     assert f"{FOUND}{' or '.join(f'--machine {name}' for name in names)}{END}" in said
 
@@ -111,16 +107,16 @@ def test_a_flat_that_is_too_long_for_a_table_is_sawn(tmp_path: Path) -> None:
     hole = Hole("v", 100.0, 25.0, 14.0, Source("a"))
     flat = tmp_path / "flat.nc1"
     flat.write_text(write(Part("F1", profile, 9980.0, Source("a"), features=(hole,))))
-    done = run("post", flat, "-o", "-")
+    done = call("post", flat, "-o", "-")
     assert f"{FOUND}--machine beamline-pusher{END}" in done.stderr, done.stderr
-    assert run("post", flat, "-o", "-", "--machine", "beamline-pusher").exit_code == 0
+    assert call("post", flat, "-o", "-", "--machine", "beamline-pusher").exit_code == 0
 
 
 def test_no_way_out_is_none_on_any_machine() -> None:
     path = SAMPLES / "bad" / "section-too-large.nc1"
-    assert "plan-no-way-out" in run("post", path, "-o", "-").stderr
+    assert "plan-no-way-out" in call("post", path, "-o", "-").stderr
     beams = [name for name in shipped() if load(name).stock == "beam"]
-    assert all(run("post", path, "-o", "-", "--machine", name).exit_code == 1 for name in beams)
+    assert all(call("post", path, "-o", "-", "--machine", name).exit_code == 1 for name in beams)
     assert {rule.code for rule in rules_of(suggestions)} == {
         "plan-ways-out", "plan-no-way-out", "plan-ways-untried", "read-ways-out",
         "read-no-way-out",
@@ -161,7 +157,7 @@ def test_a_large_drawing_is_planned_a_few_times_only(monkeypatch: pytest.MonkeyP
     ("plan-cope", 0, "plan-cope  error"), ("plan-coep", 1, "plan-cope"),
 ])  # fmt: skip
 def test_one_code_is_explained(code: str, status: int, says: str) -> None:
-    done = run("codes", code)
+    done = call("codes", code)
     assert done.exit_code == status
     assert says in done.output
     assert done.output.count("\n") <= 8
@@ -174,9 +170,9 @@ def test_one_code_is_explained(code: str, status: int, says: str) -> None:
 def test_a_drawing_is_told_the_option_that_it_lacks(words: tuple[str, ...], way: str) -> None:
     name, *more = words
     asked = ("post", SAMPLES / "dxf" / name, *more, "-o", "-")
-    said = run(*asked).stderr
+    said = call(*asked).stderr
     assert f"{FOUND}{way}" in said, said
-    assert run(*asked, *way.split()).exit_code == 0
+    assert call(*asked, *way.split()).exit_code == 0
 
 
 def saved(tmp_path: Path, units: int, *shapes: Sequence[tuple[float, float]]) -> Path:
@@ -207,10 +203,10 @@ def test_a_drawing_is_told_what_closes_opens_turns_or_scales_it(
 ) -> None:
     path = saved(tmp_path, units, shape)
     asked = ("post", path, "--thickness", "3", "--sheet", "2000x1500", "-o", tmp_path / "a.ngc")
-    done = run(*asked)
+    done = call(*asked)
     assert done.exit_code == 1
     assert f"{FOUND}{way}" in done.stderr, done.stderr
-    assert run(*asked, *way.split()).exit_code == 0
+    assert call(*asked, *way.split()).exit_code == 0
 
 
 def test_parts_that_touch_are_told_to_share_their_cut(tmp_path: Path) -> None:
@@ -218,16 +214,16 @@ def test_parts_that_touch_are_told_to_share_their_cut(tmp_path: Path) -> None:
     one = [(0, 0), (80, 0), (60, 60), (0, 60), (0, 0)]
     path = saved(tmp_path, 4, one, [(80, 0), (150, 0), (150, 60), (60, 60), (80, 0)])
     asked = ("post", path, "--thickness", "3", "--machine", "plate-qtplasmac")
-    done = run(*asked, "-o", tmp_path / "a.ngc")
+    done = call(*asked, "-o", tmp_path / "a.ngc")
     assert f"{FOUND}--common-cuts{END}" in done.stderr, done.stderr
-    assert run(*asked, "--common-cuts", "-o", tmp_path / "a.ngc").exit_code == 0
+    assert call(*asked, "--common-cuts", "-o", tmp_path / "a.ngc").exit_code == 0
 
 
 def test_a_machine_that_keeps_no_kerf_off_is_no_way_out(tmp_path: Path) -> None:
     """A slit between two parts is as wide as no kerf; a table without one would cut both edges."""
     path = saved(tmp_path, 4, ring(80, 60), [(81, 0), (150, 0), (150, 60), (81, 60), (81, 0)])
     asked = ("post", path, "--thickness", "3", "-o", tmp_path / "a")
-    done = run(*asked, "--machine", "plate-linuxcnc")
+    done = call(*asked, "--machine", "plate-linuxcnc")
     assert done.exit_code == 1
     for name in ("table-simotion", "laser-stepper", "laser-grbl"):
         assert name not in done.stderr
@@ -239,25 +235,25 @@ def test_a_colour_that_the_map_lacks_is_no_dead_end(tmp_path: Path) -> None:
     path.write_text(path.read_text().replace("\n62\n1\n", "\n62\n7\n"))
     asked = ("post", path, "--thickness", "3", "--material", "acrylic", "-o", tmp_path / "a.nc",
              "--machine", "laser-grbl")  # fmt: skip
-    done = run(*asked)
+    done = call(*asked)
     assert "or --map white=cut" in done.stderr
     assert f"{FOUND}--map '*=cut'{END}" in done.stderr
-    assert run(*asked, "--map", "*=cut").exit_code == 0
+    assert call(*asked, "--map", "*=cut").exit_code == 0
 
 
 def test_star_in_the_map_is_everything_else() -> None:
     asked = ("post", SAMPLES / "dxf" / "plate.dxf", "--thickness", "3", "--allow-open", "-o", "-")
-    done = run(*asked, "--map", "*=cut")
+    done = call(*asked, "--map", "*=cut")
     assert done.exit_code == 0, done.stderr
-    assert done.output == run(*asked, "--map", "CUT=cut", "--map", "ETCH=cut").output
-    mixed = run(*asked, "--map", "*=cut", "--map", "ETCH=mark")
-    assert mixed.output == run(*asked, "--map", "CUT=cut", "--map", "ETCH=mark").output
+    assert done.output == call(*asked, "--map", "CUT=cut", "--map", "ETCH=cut").output
+    mixed = call(*asked, "--map", "*=cut", "--map", "ETCH=mark")
+    assert mixed.output == call(*asked, "--map", "CUT=cut", "--map", "ETCH=mark").output
 
 
 def test_other_machines_are_tried_with_the_options_of_the_job() -> None:
     """A key of the map that no curve has is refused by all machines."""
     asked = ("post", SAMPLES / "dxf" / "plate.dxf", "--machine", "plate-linuxcnc", "-o", "-")
-    done = run(*asked, "--thickness", "3", "--map", "pink=cut")
+    done = call(*asked, "--thickness", "3", "--map", "pink=cut")
     assert "plan-map-key" in done.stderr
     assert "plan-ways-out" not in done.stderr
 
@@ -270,13 +266,13 @@ def test_a_file_that_cannot_be_read_says_that_no_option_helps(
     options = ("--allow-skips", "all", "--turn", "--bar", "18000", "--machine", "beamline-pusher")
     seen = 0
     for path in inputs(*folders):
-        done = run("post", path, "-o", "-")
+        done = call("post", path, "-o", "-")
         errors = [line for line in done.stderr.splitlines() if ": error " in line]
         if not errors or not all(": error dstv-" in line or "read-" in line for line in errors):
             continue
         seen += 1
         assert done.stderr.splitlines()[-1].startswith(f"{path}: note read-no-way-out: "), path
-        again = run("post", path, "-o", "-", *options)
+        again = call("post", path, "-o", "-", *options)
         assert [line for line in again.stderr.splitlines() if ": error " in line] == errors
     assert seen >= least, seen
 
@@ -286,7 +282,7 @@ def test_a_drawing_that_cannot_be_read_names_the_option_that_reads_it() -> None:
     for path in sorted((SAMPLES / "bad").glob("*/*.*")):
         if path.suffix not in (".dxf", ".svg"):
             continue
-        said = run("post", path, "-o", "-").stderr
+        said = call("post", path, "-o", "-").stderr
         if not any(code in said for code in (": error dxf-", ": error svg-", ": error drawing-")):
             continue
         last = said.splitlines()[-1]
@@ -296,7 +292,7 @@ def test_a_drawing_that_cannot_be_read_names_the_option_that_reads_it() -> None:
         _, found, way = last.partition("read-ways-out: with ")
         assert found, said
         seen["ways"] += 1
-        again = run("post", path, "-o", "-", *way.removesuffix(" it can be read").split()).stderr
+        again = call("post", path, "-o", "-", *way.removesuffix(" it can be read").split()).stderr
         assert not re.search(": error (dxf|svg)-", again), again
     assert seen["ways"] >= 5
     assert seen["none"] >= 5

@@ -10,22 +10,14 @@ from hashlib import sha256
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner, Result
 
 from beamcam.batch.record import RECORD_NAME
-from beamcam.cli import main
 from beamcam.config import NOT_FOLLOWED, NOT_REPEATED
 from beamcam.config.places import HARMLESS
 from beamcam.machine.load import SHIPPED
-from tests.runs import BAD, fill, part, report
+from tests.runs import BAD, call, fill, part, report
 
 OTHER_DRILL = 'base = "beamline"\nname = "{}"\n[drill]\nx = 999.0\n'
-
-
-def call(*args: object) -> Result:
-    done = CliRunner().invoke(main, [str(arg) for arg in args])
-    assert done.exception is None or isinstance(done.exception, SystemExit), done.exception
-    return done
 
 
 @pytest.fixture
@@ -258,7 +250,7 @@ def test_a_link_to_ones_own_file_brings_no_machine(shop: Path) -> None:
 
 def test_standard_input_lies_here(shop: Path) -> None:
     Path("beamcam.toml").write_text('job = "HERE"\n')
-    done = CliRunner().invoke(main, ["post", "-", "-o", "-"], input=part("A"))
+    done = call("post", "-", "-o", "-", stdin=part("A"))
     assert done.stdout.startswith("% HERE\n")
 
 

@@ -8,9 +8,7 @@ from datetime import date
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner, Result
 
-from beamcam.cli import main
 from beamcam.errors import MachineError, errors_in
 from beamcam.machine import load
 from beamcam.machine.machine import Machine
@@ -21,6 +19,7 @@ from beamcam.pipeline import read_back
 from beamcam.planning.order import tool_loads
 from beamcam.readers import read
 from tests.conftest import SAMPLES
+from tests.runs import call
 from tests.unit.planning.shop import hole, part
 
 BEAM, MARKED = str(SAMPLES / "dstv" / "beam.nc1"), str(SAMPLES / "dstv" / "marked.nc1")
@@ -34,10 +33,6 @@ KNOWN = {
     "G1": {"mark": "G1", "name": "gusset", "profile": "PL6_180", "grade": "S355J2", "length": "260",
            "quantity": "1", "order": "DEMO", "drawing": "2", "phase": "1"},
 }  # fmt: skip
-
-
-def run(*words: object) -> Result:
-    return CliRunner().invoke(main, [str(word) for word in words])
 
 
 def machine_saying(folder: Path, base: str, more: str = "", station: str = "") -> str:
@@ -76,7 +71,7 @@ def test_every_name_stands_in_the_head_and_at_every_stroke_of_a_bar(
     name: str, tmp_path: Path
 ) -> None:
     machine, out = machine_saying(tmp_path, "beamline"), tmp_path / "a.gcode"
-    done = run("post", BEAM, MARKED, "--machine", machine, "--date", "2024-02-29", "-o", out)
+    done = call("post", BEAM, MARKED, "--machine", machine, "--date", "2024-02-29", "-o", out)
     assert done.exit_code == 0, done.stderr
     rows = said(out.read_text(encoding="ascii"))
     first, second = ({**KNOWN[mark], "date": "2024-02-29"}[name] for mark in ("B1", "B-12"))
@@ -97,7 +92,7 @@ def test_sheets_and_lasers_say_them_too(base: str, tmp_path: Path) -> None:
         text = text.replace("S355J2", "acrylic").replace("        6.00\n", "        3.00\n")
     (tmp_path / "gusset.nc1").write_text(text, "ascii")
     words = ("--machine", machine, "--date", "2024-02-29", "--allow-skips", "all", "-o", out)
-    done = run("post", tmp_path / "gusset.nc1", *words)
+    done = call("post", tmp_path / "gusset.nc1", *words)
     assert done.exit_code == 0, done.stderr
     rows = said(out.read_text(encoding="ascii"))
     assert {"header", "cut_on", "cut_off"} <= {template for template, _ in rows}
@@ -118,7 +113,7 @@ def test_each_part_of_a_shared_sheet_is_named_where_it_is_cut(tmp_path: Path) ->
     machine, out = machine_saying(tmp_path, "plate-linuxcnc"), tmp_path / "a.ngc"
     other = tmp_path / "other.nc1"
     other.write_text(Path(GUSSET).read_text("ascii").replace("  G1\n", "  G2\n", 1), "ascii")
-    done = run("post", GUSSET, other, "--sheet", "1000x500", "--machine", machine, "-o", out)
+    done = call("post", GUSSET, other, "--sheet", "1000x500", "--machine", machine, "-o", out)
     assert done.exit_code == 0, done.stderr
     (_, head), *rows = said(out.read_text(encoding="ascii"))
     assert (head["mark"], head["name"], head["date"]) == ("G1+G2", "gusset+other", "")
@@ -131,7 +126,7 @@ def test_a_date_is_said_only_if_it_is_asked_for(tmp_path: Path) -> None:
     machine, out = machine_saying(tmp_path, "beamline"), tmp_path / "a.gcode"
 
     def dates(*words: str) -> set[str]:
-        assert run("post", BEAM, "--machine", machine, "-o", out, *words).exit_code == 0
+        assert call("post", BEAM, "--machine", machine, "-o", out, *words).exit_code == 0
         return {row["date"] for _, row in said(out.read_text(encoding="ascii"))}
 
     assert dates() == {""}
@@ -139,12 +134,12 @@ def test_a_date_is_said_only_if_it_is_asked_for(tmp_path: Path) -> None:
     days = {date.today().isoformat()}
     found = dates("--date", "today")
     assert found in (days, {date.today().isoformat()})
-    assert run("post", BEAM, "-o", out, "--date", "tomorrow").exit_code == 2
+    assert call("post", BEAM, "-o", out, "--date", "tomorrow").exit_code == 2
     folder = tmp_path / "programs"
     words = ("batch", BEAM, "--machine", machine, "--date", "2024-02-29", "-o", folder)
-    assert run(*words).exit_code == 0
+    assert call(*words).exit_code == 0
     assert "date=2024-02-29" in (folder / "beam.gcode").read_text("ascii")
-    assert run("check", folder, "--trust", tmp_path).exit_code == 0
+    assert call("check", folder, "--trust", tmp_path).exit_code == 0
 
 
 def stations(program: str) -> list[tuple[str, int, int]]:

@@ -7,10 +7,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from click.testing import CliRunner
 
-from beamcam.cli import main
 from tests.conftest import SAMPLES
+from tests.runs import call
 
 CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
 
@@ -114,6 +113,6 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
             "--machine",
             machine,
         ]
-        done = CliRunner().invoke(main, [*words, "-o", str(made / f"{name}.html")])
+        done = call(*words, "-o", made / f"{name}.html")
         assert done.exit_code == 0, done.output
     return made

@@ -8,9 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
 
-from beamcam.cli import main
 from beamcam.machine import Machine, load
 from beamcam.pipeline import read_file
 from beamcam.simulation.modbus import register_count
@@ -18,7 +16,7 @@ from beamcam.simulation.program import simulate_program
 from beamcam.simulation.trace import State, TraceRow, trace_rows
 from tests.browser.conftest import Browser
 from tests.conftest import ROOT
-from tests.runs import wait_until
+from tests.runs import call, wait_until
 
 pytest.importorskip("pymodbus", reason="the extra beamcam[modbus] is not installed")
 
@@ -104,7 +102,7 @@ def test_a_cell_is_drawn_while_it_moves(browser: Browser) -> None:
 
 def test_a_table_has_its_program_under_the_head(browser: Browser, tmp_path: Path) -> None:
     program = tmp_path / "gusset.ngc"
-    done = CliRunner().invoke(main, ["post", str(DSTV / "gusset.nc1"), "-o", str(program)])
+    done = call("post", DSTV / "gusset.nc1", "-o", program)
     assert done.exit_code == 0, done.output
     machine = load("plate-linuxcnc")
     parts = read_file(str(DSTV / "gusset.nc1")).parts

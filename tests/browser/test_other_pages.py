@@ -3,10 +3,9 @@
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
 
-from beamcam.cli import main
 from tests.browser.conftest import Browser
+from tests.runs import call
 
 SAMPLE = Path(__file__).resolve().parents[2] / "samples" / "dstv" / "channel.nc1"
 
@@ -14,7 +13,7 @@ SAMPLE = Path(__file__).resolve().parents[2] / "samples" / "dstv" / "channel.nc1
 def test_what_is_to_be_seen_of_two_parts_is_chosen(browser: Browser, tmp_path: Path) -> None:
     other, page = tmp_path / "b.nc1", tmp_path / "diff.html"
     other.write_text(SAMPLE.read_text().replace("400.00u     45.00", "400.00u     50.00"))
-    CliRunner().invoke(main, ["diff", str(SAMPLE), str(other), "-o", str(page)])
+    call("diff", SAMPLE, other, "-o", page)
     browser.open(page, 390)
     seen = "return document.querySelector('.pictures circle.gone').checkVisibility()"
     assert browser.run(seen)
@@ -28,7 +27,7 @@ def test_what_is_to_be_seen_of_two_parts_is_chosen(browser: Browser, tmp_path: P
 def test_a_carriage_moves_as_its_profile_says(browser: Browser, tmp_path: Path) -> None:
     page = tmp_path / "move.html"
     words = "profile --distance 500 --time 4 --jerk 100 -o"
-    assert CliRunner().invoke(main, [*words.split(), str(page)]).exit_code == 0
+    assert call(*words.split(), page).exit_code == 0
     browser.open(page)
     for time, place in ((0.0, 0.0), (1.0, 500 / 12), (2.0, 250.0), (4.0, 500.0)):
         browser.run("Sheet.go(arguments[0])", time)

@@ -10,12 +10,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from PIL import Image
 
-from beamcam.cli import main
 from tests.browser.conftest import Browser, mouse
 from tests.conftest import sampled
+from tests.runs import call
 
 ROUNDS = 20_000  #: blocks of the long program
 HEAD = "%\n(JOB)\nG21 G17 G90 G91.1 G40 G94\nG64 P0.01\nG0 X700 Y500\nM3 S1\nF3000\n"
@@ -29,8 +28,7 @@ def spiral(tmp_path_factory: pytest.TempPathFactory) -> Path:
     moves = "".join(f"G1 X{750 + r * cos(a):.4f} Y{500 + r * sin(a):.4f}\n" for a, r in turns)
     program = made / "long.ngc"
     program.write_text(f"{HEAD}{moves}M5\nM2\n%\n")
-    CliRunner().invoke(main, ["report", str(program), "--machine", "plate-linuxcnc", "-o",
-                              str(made / "long.html")])  # fmt: skip
+    call("report", program, "--machine", "plate-linuxcnc", "-o", made / "long.html")
     return made / "long.html"
 
 

@@ -3,10 +3,9 @@
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
 
-from beamcam.cli import main
 from tests.browser.conftest import Browser
+from tests.runs import call
 
 SAMPLES = Path(__file__).resolve().parents[2] / "samples"
 
@@ -15,9 +14,7 @@ SAMPLES = Path(__file__).resolve().parents[2] / "samples"
 def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("run")
     inputs = [str(SAMPLES / "dstv" / f"{n}.nc1") for n in ("channel", "tie", "gusset", "tube")]
-    CliRunner().invoke(
-        main, ["batch", *inputs, "-o", str(folder / "out"), "--report", str(folder / "r.html")]
-    )
+    call("batch", *inputs, "-o", folder / "out", "--report", folder / "r.html")
     return folder / "r.html"
 
 

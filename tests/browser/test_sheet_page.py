@@ -7,9 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
-from beamcam.cli import main
 from beamcam.machine import load
 from beamcam.model.part import Part
 from beamcam.pipeline import read_file
@@ -17,7 +15,7 @@ from beamcam.simulation.program import simulate_program
 from beamcam.simulation.trace import Trace
 from tests.browser.conftest import Browser
 from tests.conftest import sampled
-from tests.runs import wait_until
+from tests.runs import call, wait_until
 
 DSTV = Path(__file__).resolve().parents[2] / "samples" / "dstv"
 JSON = DSTV.parent / "json"
@@ -46,7 +44,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         for words in (["post", *inputs, "--machine", machine, "-o", program],
                       ["report", program, *inputs, "--machine", machine, "-o",
                        str(made / f"{name}.html")]):  # fmt: skip
-            done = CliRunner().invoke(main, words)
+            done = call(*words)
             assert done.exit_code == 0, done.output
     return made
 

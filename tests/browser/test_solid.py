@@ -9,12 +9,10 @@ from typing import Any
 import numpy as np
 import pypdfium2
 import pytest
-from click.testing import CliRunner
 from PIL import Image
 
-from beamcam.cli import main
 from tests.browser.conftest import Browser, mouse
-from tests.runs import wait_until
+from tests.runs import call, wait_until
 
 DSTV = Path(__file__).resolve().parents[2] / "samples" / "dstv"
 NO_WEBGL = (
@@ -185,7 +183,7 @@ def test_a_mirrored_part_is_seen_to_be_another(
     for path in (DSTV / "channel.nc1", mirrored):
         page = tmp_path / f"{path.stem}.html"
         words = ["report", str(path), "--machine", "beamline", "-o", str(page)]
-        assert CliRunner().invoke(main, words).exit_code == 0
+        assert call(*words).exit_code == 0
         browser.open(page)
         browser.run("Sheet.solid.pitch = 1.57; Sheet.solid.yaw = 0; Sheet.solid.fit()")
         pages.append(seen(browser))

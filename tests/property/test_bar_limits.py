@@ -3,14 +3,12 @@
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from beamcam import pipeline
 from beamcam.checks.bars import verify
-from beamcam.cli import main
 from beamcam.errors import PlanError, VerifyError
 from beamcam.machine import Machine, load
 from beamcam.machine.machine import Layout
@@ -21,6 +19,7 @@ from beamcam.posts import post_of
 from benchmarks.liars import PROFILES, SOURCE, told, unheld
 from benchmarks.mutation import MACHINES
 from tests.conftest import ROOT, examples
+from tests.runs import call
 
 PUSHER = load("beamline-pusher")
 SAME = {
@@ -184,7 +183,7 @@ def test_verify_says_once_that_it_knows_no_bar(tmp_path: Path) -> None:
     sample, target = str(ROOT / "samples/dstv/beam.nc1"), tmp_path / "job.gcode"
 
     def run(*args: str) -> tuple[int, list[str]]:
-        done = CliRunner().invoke(main, [*args, "--machine", "beamline-pusher"])
+        done = call(*args, "--machine", "beamline-pusher")
         return done.exit_code, done.stderr.splitlines()
 
     assert "verify-bar-needed" not in "".join(run("post", sample, "-o", str(target))[1])

@@ -9,13 +9,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from click.testing import CliRunner
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from beamcam.budget import LimitError, Limits, set_limits
-from beamcam.cli import main
 from beamcam.errors import PlanError, Source
 from beamcam.geometry.curves import Line
 from beamcam.machine import load
@@ -33,6 +31,7 @@ from beamcam.planning.operations.hole_pairs import (
 )
 from beamcam.suggestions import MOST_CURVES, suggestions
 from tests.conftest import ROOT, examples
+from tests.runs import call
 
 SOURCE = Source("test")
 IPE300 = Profile("I", "IPE300", 300, 150, 10.7, 7.1, 15)
@@ -231,6 +230,6 @@ def test_a_move_beyond_all_limits_is_not_looked_at_mm_by_mm(tmp_path: Path) -> N
     at = next(k for k, line in enumerate(lines) if "G00 X" in line and " Z" in line)
     lines[at] = re.sub(r"Z\S+", "Z1000000000", lines[at])
     program.write_text("".join(lines), "ascii")
-    done = CliRunner().invoke(main, ["report", str(program), "-o", str(tmp_path / "x.html")])
+    done = call("report", program, "-o", tmp_path / "x.html")
     assert "1e+09" in done.stderr
     assert (tmp_path / "x.html").is_file() or done.exit_code == 1

@@ -5,22 +5,18 @@ import shutil
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner, Result
+from click.testing import Result
 
-from beamcam.cli import main
 from tests.conftest import SAMPLES
+from tests.runs import call
 
 STRUT = str(SAMPLES / "dstv" / "strut.nc1")
-
-
-def cli(*words: str | Path) -> Result:
-    return CliRunner().invoke(main, [str(w) for w in words])
 
 
 @pytest.fixture
 def job(tmp_path: Path) -> Path:
     path = tmp_path / "job.gcode"
-    done = cli("post", STRUT, "-o", path)
+    done = call("post", STRUT, "-o", path)
     assert done.exit_code == 0, done.stderr
     return path
 
@@ -36,20 +32,20 @@ def broken(job: Path) -> Path:
 
 
 def test_verify_says_nothing_of_a_right_program(job: Path) -> None:
-    done = cli("verify", job, "--against", STRUT)
+    done = call("verify", job, "--against", STRUT)
     assert (done.exit_code, done.output) == (0, "")
 
 
 def test_verify_by_itself(job: Path) -> None:
-    assert cli("verify", job).exit_code == 0
+    assert call("verify", job).exit_code == 0
     job.write_text(job.read_text("utf-8").replace("M30", ""), "utf-8")
-    done = cli("verify", job)
+    done = call("verify", job)
     assert done.exit_code == 1
     assert "verify-end" in done.stderr
 
 
 def test_verify_lists_what_differs_as_json(job: Path) -> None:
-    done = cli("verify", broken(job), "--against", STRUT, "--json")
+    done = call("verify", broken(job), "--against", STRUT, "--json")
     assert done.exit_code == 1
     (found,) = json.loads(done.stdout)
     assert found["code"] == "verify-hole-place"
@@ -59,26 +55,26 @@ def test_verify_lists_what_differs_as_json(job: Path) -> None:
 
 
 def test_verify_of_another_part_and_of_two(job: Path) -> None:
-    assert cli("verify", job, "--against", SAMPLES / "dstv" / "beam.nc1").exit_code == 1
-    done = cli("verify", job, "--against", STRUT, STRUT)
+    assert call("verify", job, "--against", SAMPLES / "dstv" / "beam.nc1").exit_code == 1
+    done = call("verify", job, "--against", STRUT, STRUT)
     assert done.exit_code == 1
     assert "verify-cut-missing" in done.stderr
 
 
 def test_verify_reads_standard_input(job: Path) -> None:
     text = job.read_text("utf-8")
-    done = CliRunner().invoke(main, ["verify", "-", "--against", STRUT], input=text)
+    done = call("verify", "-", "--against", STRUT, stdin=text)
     assert done.exit_code == 0, done.stderr
 
 
 @pytest.mark.parametrize("words", [("--against",), (STRUT,)])
 def test_verify_used_wrongly(job: Path, words: tuple[str, ...]) -> None:
-    assert cli("verify", job, *words).exit_code == 2
+    assert call("verify", job, *words).exit_code == 2
 
 
 @pytest.mark.parametrize("command", ["verify", "simulate"])
 def test_no_such_program(command: str) -> None:
-    done = cli(command, "nowhere.gcode", *(["-o", "-"] if command == "simulate" else []))
+    done = call(command, "nowhere.gcode", *(["-o", "-"] if command == "simulate" else []))
     assert done.exit_code == 1
     assert "nowhere.gcode: error read-file: found no file that can be read (No such" in done.stderr
 
@@ -86,19 +82,19 @@ def test_no_such_program(command: str) -> None:
 def test_what_is_left_out_by_name(tmp_path: Path) -> None:
     slotted = SAMPLES / "bad" / "slot.nc1"
     path = tmp_path / "a.gcode"
-    made = cli("post", slotted, "--machine", "beamline", "--allow-skips", "slot", "-o", path)
+    made = call("post", slotted, "--machine", "beamline", "--allow-skips", "slot", "-o", path)
     assert made.exit_code == 0, made.stderr
     for doubt in ("mark", "none"):
-        assert cli("verify", path, "--against", slotted, "--allow-skips", doubt).exit_code == 1
-    assert cli("verify", path, "--against", slotted, "--allow-skips", "slot").exit_code == 0
+        assert call("verify", path, "--against", slotted, "--allow-skips", doubt).exit_code == 1
+    assert call("verify", path, "--against", slotted, "--allow-skips", "slot").exit_code == 0
 
 
 def test_diff_of_programs(job: Path) -> None:
-    assert cli("diff", job, job).exit_code == 0
-    done = cli("diff", job, broken(job))
+    assert call("diff", job, job).exit_code == 0
+    done = call("diff", job, broken(job))
     assert done.exit_code == 1
     assert done.stdout.startswith("hole v at x 918.6 moved by 2.0 mm\n")
-    (record,) = json.loads(cli("diff", job, broken(job), "--json").stdout)
+    (record,) = json.loads(call("diff", job, broken(job), "--json").stdout)
     assert record == {
         "what": "hole", "how": "changed", "text": "hole v at x 918.6 moved by 2.0 mm"
     }  # fmt: skip
@@ -112,7 +108,7 @@ def test_diff_with_a_program_that_would_be_refused(job: Path, tmp_path: Path, go
     bad = tmp_path / "bad.gcode"
     bad.write_text("\n".join(lines[:at] + lines[at + 1 :]))
     for first, second in ((job, bad), (bad, job), (bad, bad)):
-        done = cli("diff", first, second)
+        done = call("diff", first, second)
         assert done.exit_code == 1, done.output
         assert "error verify-" in done.stderr
 
@@ -121,18 +117,18 @@ def test_diff_of_parts(tmp_path: Path) -> None:
     text = Path(STRUT).read_text("utf-8")
     other = tmp_path / "other.nc1"
     other.write_text(text.replace("** ", "** another comment: "), "utf-8")
-    assert cli("diff", STRUT, other).exit_code == 0
+    assert call("diff", STRUT, other).exit_code == 0
     other.write_text(text.replace("120.00u     80.00     18.00", "122.00u     80.00     22.00"))
-    done = cli("diff", STRUT, other)
+    done = call("diff", STRUT, other)
     assert done.exit_code == 1
     assert done.stdout == "hole v at x 120.0 moved by 2.0 mm, diameter 18 to 22\n"
 
 
 def test_diff_of_what_cannot_be_compared(job: Path, tmp_path: Path) -> None:
-    assert cli("diff", job, STRUT).exit_code == 2
+    assert call("diff", job, STRUT).exit_code == 2
     odd = tmp_path / "odd.gcode"
     odd.write_text("G01 X5\nG99X\n")
-    done = cli("diff", job, odd)
+    done = call("diff", job, odd)
     assert done.exit_code == 1
     assert "odd.gcode:2: error verify-syntax" in done.stderr
 
@@ -146,7 +142,7 @@ def golden(job: Path) -> Path:
 
 
 def check(golden: Path, *words: str) -> Result:
-    return cli("check", golden, "--samples", SAMPLES, *words)
+    return call("check", golden, "--samples", SAMPLES, *words)
 
 
 def test_check_of_what_is_the_same(golden: Path) -> None:
@@ -188,7 +184,7 @@ def test_check_takes_the_name_of_the_job_from_the_program(
     folder.mkdir()
     path = folder / name
     words = ("--machine", machine, "--job", "JOB-7", "-o", path)
-    assert cli("post", SAMPLES / sample, *words).exit_code == 0
+    assert call("post", SAMPLES / sample, *words).exit_code == 0
     assert "JOB-7" in path.read_text("utf-8")
     assert check(tmp_path).stdout == "1 of 1 programs are the same\n"
     path.write_text(path.read_text("utf-8").replace("JOB-7", "JOB-8"), "utf-8")
@@ -213,9 +209,9 @@ def test_check_of_nothing(tmp_path: Path) -> None:
 
 def test_simulate(job: Path, tmp_path: Path) -> None:
     out = tmp_path / "trace.csv"
-    assert cli("simulate", job, "-o", out).exit_code == 0
+    assert call("simulate", job, "-o", out).exit_code == 0
     events = out.read_text("utf-8").splitlines()
-    done = cli("simulate", job, "-o", "-", "--every", "500ms")
+    done = call("simulate", job, "-o", "-", "--every", "500ms")
     sampled = done.stdout.splitlines()
     assert sampled[0] == events[0]
     assert [line.split(",")[0] for line in sampled[1:4]] == ["0.0000", "0.5000", "1.0000"]
@@ -227,11 +223,11 @@ def test_simulate(job: Path, tmp_path: Path) -> None:
     ("--modbus", "localhost:99999"),
 ])  # fmt: skip
 def test_simulate_used_wrongly(job: Path, words: tuple[str, ...]) -> None:
-    assert cli("simulate", job, *words).exit_code == 2
+    assert call("simulate", job, *words).exit_code == 2
 
 
 def test_simulate_refuses_what_would_break(job: Path) -> None:
     job.write_text(job.read_text("utf-8").replace("M03", "M05"), "utf-8")
-    done = cli("simulate", job, "-o", "-")
+    done = call("simulate", job, "-o", "-")
     assert done.exit_code == 1
     assert "verify-spindle-off" in done.stderr

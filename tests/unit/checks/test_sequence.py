@@ -9,14 +9,13 @@ from collections.abc import Callable
 from functools import cache
 
 import pytest
-from click.testing import CliRunner
 from msgspec.structs import replace
 
 from beamcam.checks.bars import interpret, verify
-from beamcam.cli import main
 from beamcam.machine import load
 from beamcam.pipeline import post
 from benchmarks.liars import PROFILES, parts
+from tests.runs import call
 
 PUSHER = load("beamline-pusher")
 PARTS = parts("beamline-pusher", PROFILES[0])
@@ -211,6 +210,6 @@ def test_diff_refuses_a_tap_before_its_drill(tmp_path_factory: pytest.TempPathFa
     (folder / "a.gcode").write_text(program())
     (folder / "b.gcode").write_text(moved(at(DRILL_OF_TAP, "X915"), at(TAP)))
     files = [str(folder / "a.gcode"), str(folder / "b.gcode")]
-    done = CliRunner().invoke(main, ["diff", *files, "--machine", "beamline-pusher"])
+    done = call("diff", *files, "--machine", "beamline-pusher")
     assert done.exit_code == 1
     assert "verify-order" in done.stderr

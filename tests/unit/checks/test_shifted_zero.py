@@ -5,12 +5,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
-from beamcam.cli import main
 from beamcam.machine import load
 from beamcam.simulation.program import simulate_program
 from tests.conftest import SAMPLES
+from tests.runs import call
 
 JOBS = (("beamline", "channel"), ("beamline-annex", "channel"), ("plate-codesys", "gusset"))
 SHIFT = {"X": 37.0, "Y": -12.0, "Z": 5.0}
@@ -19,7 +18,7 @@ SHIFT = {"X": 37.0, "Y": -12.0, "Z": 5.0}
 def program(machine: str, part: str, folder: Path) -> tuple[str, str]:
     """A program of the machine for a sample, and the sample."""
     sample, path = str(SAMPLES / "dstv" / f"{part}.nc1"), folder / "job.gcode"
-    done = CliRunner().invoke(main, ["post", sample, "--machine", machine, "-o", str(path)])
+    done = call("post", sample, "--machine", machine, "-o", path)
     assert done.exit_code == 0, done.output
     return path.read_text(), sample
 
@@ -29,7 +28,7 @@ def codes(text: str, machine: str, sample: str, folder: Path) -> set[str]:
     path = folder / "other.gcode"
     path.write_text(text)
     words = ["verify", str(path), "--machine", machine, "--against", sample]
-    done = CliRunner().invoke(main, words)
+    done = call(*words)
     found = set(re.findall(r"error ([a-z-]+):", done.output))
     assert (done.exit_code == 0) == (not found)
     return found

@@ -6,13 +6,11 @@ from itertools import pairwise
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from beamcam.checks.bars import run
-from beamcam.cli import main
 from beamcam.comparison.bars import diff_programs
 from beamcam.controllers import cell_events
 from beamcam.controllers.events import Lettering
@@ -23,6 +21,7 @@ from beamcam.model.part import TextMark
 from beamcam.model.request import Request
 from beamcam.pipeline import Posted, post, read_back
 from tests.conftest import SAMPLES, examples
+from tests.runs import call
 from tests.unit.planning.shop import SOURCE, hole, part
 
 FILES = {unit: SAMPLES / "machines" / f"beamline-{unit}.toml" for unit in ("stamp", "printer")}
@@ -181,7 +180,7 @@ def test_recover_diff_simulate_and_plot_follow_the_texts(tmp_path: Path) -> None
     out, machine = str(tmp_path / "marked.gcode"), ["--machine", str(FILES["stamp"])]
 
     def called(*words: str) -> str:
-        done = CliRunner().invoke(main, [*words, *machine])
+        done = call(*words, *machine)
         assert done.exit_code in (0, 1), done.stderr
         return done.stdout
 

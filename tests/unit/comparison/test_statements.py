@@ -4,20 +4,16 @@ import re
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner, Result
+from click.testing import Result
 
-from beamcam.cli import main
 from beamcam.comparison.pairing import Difference
 from beamcam.comparison.statements import ProgramText, diff_texts
 from beamcam.errors import Diagnostic
 from beamcam.machine import load, shipped
 from tests.conftest import GOLDEN, ROOT, SAMPLES
+from tests.runs import call
 
 PLATE = GOLDEN / "plate-linuxcnc" / "gusset.ngc"
-
-
-def run(*args: object) -> Result:
-    return CliRunner().invoke(main, [str(a) for a in args])
 
 
 def changed(tmp_path: Path, old: str, new: str) -> Path:
@@ -29,7 +25,7 @@ def changed(tmp_path: Path, old: str, new: str) -> Path:
 
 
 def diff(b: Path) -> Result:
-    return run("diff", PLATE, b, "--machine", "plate-linuxcnc")
+    return call("diff", PLATE, b, "--machine", "plate-linuxcnc")
 
 
 def test_spacing_comments_and_numbers_count_for_nothing(tmp_path: Path) -> None:
@@ -69,7 +65,7 @@ def test_a_switch_that_is_missing_is_told(tmp_path: Path) -> None:
 def test_what_is_not_understood_is_an_error_of_its_own_file(tmp_path: Path) -> None:
     wrong = changed(tmp_path, "G21", "G21 ?")
     for pair in ((PLATE, wrong), (wrong, PLATE)):
-        result = run("diff", *pair, "--machine", "plate-linuxcnc")
+        result = call("diff", *pair, "--machine", "plate-linuxcnc")
         assert result.exit_code == 1
         assert "error verify-" in result.stderr
         assert all(line.startswith(f"{wrong}:") for line in result.stderr.splitlines())
@@ -89,16 +85,16 @@ def test_each_program_is_read_by_the_machine_of_its_own_head(tmp_path: Path) -> 
     made = []
     for name, suffix in (("plate-linuxcnc", "ngc"), ("plate-codesys", "gcode")):
         path = tmp_path / f"{name}.{suffix}"
-        assert run("post", gusset, "--machine", name, "-o", path).exit_code == 0
+        assert call("post", gusset, "--machine", name, "-o", path).exit_code == 0
         made.append(path)
     for pair in (made, made[::-1]):
-        result = run("diff", *pair)
+        result = call("diff", *pair)
         assert result.exit_code == 1
         assert "error" not in result.stderr, result.stderr
         assert result.stdout
     bar = tmp_path / "bar.gcode"
-    assert run("post", SAMPLES / "dstv" / "channel.nc1", "-o", bar).exit_code == 0
-    mixed = run("diff", bar, made[0])
+    assert call("post", SAMPLES / "dstv" / "channel.nc1", "-o", bar).exit_code == 0
+    mixed = call("diff", bar, made[0])
     assert mixed.exit_code == 1
     assert f"{made[0]}: error ask-type: found a program for plate-linuxcnc, a sheet" in mixed.stderr
 
@@ -134,7 +130,7 @@ def test_all_golden_programs_are_checked(tmp_path: Path, monkeypatch: pytest.Mon
             copy = tmp_path / path.relative_to(GOLDEN)
             copy.parent.mkdir(exist_ok=True)
             copy.write_bytes(path.read_bytes())
-    result = run("check", tmp_path, "--samples", SAMPLES)
+    result = call("check", tmp_path, "--samples", SAMPLES)
     assert result.exit_code == 0, result.output
     count, _, total, *_ = result.stdout.splitlines()[-1].split()
     assert count == total
@@ -164,7 +160,7 @@ def test_what_a_torch_does_otherwise_is_told(
     text = (GOLDEN / name / file).read_text()
     assert old in text
     (tmp_path / file).write_text(text.replace(old, new, 1))
-    result = run("diff", GOLDEN / name / file, tmp_path / file, "--machine", name)
+    result = call("diff", GOLDEN / name / file, tmp_path / file, "--machine", name)
     assert result.exit_code == 1
     assert told in result.stdout, result.stdout
 
@@ -185,8 +181,8 @@ def test_what_goes_round_a_profile_is_compared(
     assert old in text
     other = tmp_path / "b.ngc"
     other.write_text(re.sub(r"(?m)^\(.*\)\n", "", text))
-    assert run("diff", path, other, "--machine", "coper-linuxcnc").exit_code == 0
+    assert call("diff", path, other, "--machine", "coper-linuxcnc").exit_code == 0
     other.write_text(text.replace(old, new, 1))
-    done = run("diff", path, other)
+    done = call("diff", path, other)
     assert done.exit_code == 1
     assert said in done.stdout

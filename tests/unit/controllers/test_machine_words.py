@@ -3,16 +3,15 @@
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
 
 import beamcam
-from beamcam.cli import main
 from beamcam.controllers import table_events
 from beamcam.controllers.machine_words import word_faults
 from beamcam.errors import MachineError
 from beamcam.machine import load, shipped
 from beamcam.self_test import load_machine
 from tests.conftest import SAMPLES
+from tests.runs import call
 
 DRILL = [
     "M40 K{spindle} L{diameter}", "G00 X{x} Y{y} Z{z}", "G00 X{x} Y{near_y} Z{near_z}",
@@ -163,7 +162,7 @@ def test_commands_and_library_say_so(tmp_path: Path) -> None:
         ["post", str(sample), "--machine", str(path), "-o", str(out)],
         ["plan", str(sample), "--machine", str(path)],
     ):
-        result = CliRunner().invoke(main, words)
+        result = call(*words)
         assert result.exit_code == 1, result.output
         assert "error machine-word: in 'words.saw', found 'M2.5'" in result.stderr
     assert not out.exists()

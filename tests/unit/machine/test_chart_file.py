@@ -3,13 +3,12 @@
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner, Result
 
-from beamcam.cli import main
 from beamcam.machine import load
 from beamcam.machine.chart_file import chart_rows
 from beamcam.machine.overlay import with_torch
 from tests.conftest import SAMPLES
+from tests.runs import call
 
 QTPLASMAC = """#plasmac material file
 #[MATERIAL_NUMBER_1]
@@ -103,10 +102,6 @@ def test_a_file_without_rows_is_refused(text: str) -> None:
     assert "found no row to cut" in said[0].message
 
 
-def call(*words: str) -> Result:
-    return CliRunner().invoke(main, list(words))
-
-
 def test_new_writes_the_rows_of_a_chart(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "material.cfg").write_text(QTPLASMAC)
@@ -150,10 +145,10 @@ def test_amperes_choose_among_the_rows(tmp_path: Path) -> None:
         ((), "F2300"), (("--amps", "65"), "F3900"), (("--nozzle", "o2"), "F3500"),
         (("--amps", "65", "--nozzle", "O2"), "F3500"),
     ):  # fmt: skip
-        done = call("post", sample, "--machine", str(path), "-o", "-", *words)
+        done = call("post", sample, "--machine", path, "-o", "-", *words)
         assert done.exit_code == 0, done.stderr
         assert f"\n{feed}\n" in done.stdout
-    done = call("post", sample, "--machine", str(path), "-o", "-", "--amps", "85")
+    done = call("post", sample, "--machine", path, "-o", "-", "--amps", "85")
     assert done.exit_code == 1
     assert "85 A; the rows of mine are for 45 A air, 65 A O2, 65 A air" in done.stderr
 

@@ -3,14 +3,13 @@
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
 
 import beamcam
-from beamcam.cli import main
 from beamcam.errors import MachineError
 from beamcam.machine import load, shipped
 from beamcam.machine.keys import machine_keys
 from beamcam.machine.overlay import former_name, with_present_keys
+from tests.runs import call
 
 FORMER = """base = "beamline"
 [layout]
@@ -123,10 +122,10 @@ def test_a_command_says_it_once(tmp_path: Path) -> None:
     part = Path(__file__).parents[3] / "samples" / "dstv" / "M58.nc1"
     part = part if part.exists() else next((part.parents[1]).rglob("*.nc1"))
     out = str(tmp_path / "job.gcode")
-    run = CliRunner().invoke(main, ["post", str(part), "--machine", path, "-o", out])
+    run = call("post", part, "--machine", path, "-o", out)
     assert run.stderr.count("machine-former-key") == 1
-    checked = CliRunner().invoke(main, ["machines", "check", path])
+    checked = call("machines", "check", path)
     assert (checked.exit_code, checked.stderr.count("machine-former-key")) == (0, 1)
-    shown = CliRunner().invoke(main, ["machines", "show", path])
+    shown = call("machines", "show", path)
     assert shown.stderr.count("machine-former-key") == 1
     assert "layout.min_bar" in shown.stdout

@@ -5,9 +5,7 @@ import re
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner, Result
 
-from beamcam.cli import main
 from beamcam.errors import MachineError
 from beamcam.machine import load, machine_folders, own_machines, resolved, shipped
 from beamcam.machine.keys import machine_keys, starting_file
@@ -15,19 +13,13 @@ from beamcam.machine.load import files_of_machine, merged
 from beamcam.machine.words import WORD_NAMES
 from beamcam.self_test import load_machine
 from tests.conftest import ROOT, SAMPLES, sampled
-from tests.runs import batch, counts, fill
+from tests.runs import batch, call, counts, fill
 
 TOOL_WORDS = {"drill", "tap", "countersink", "punch"} | {
     kind + end for kind in ("mill", "scribe") for end in ("", "_to", "_end")
 }
 PROSE = re.compile(r"^##.*$", re.MULTILINE)
 COMMENTED = re.compile(r"^# ", re.MULTILINE)
-
-
-def call(*words: str) -> Result:
-    done = CliRunner().invoke(main, list(words))
-    assert done.exception is None or isinstance(done.exception, SystemExit), done.exception
-    return done
 
 
 def table(machine: str) -> dict[str, object]:

@@ -3,10 +3,9 @@
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner, Result
+from click.testing import Result
 from msgspec.structs import replace
 
-from beamcam.cli import main
 from beamcam.machine import load
 from beamcam.model.part import Hole, Part, TextMark
 from beamcam.pictures.comparison import compared_parts, compared_programs
@@ -14,6 +13,7 @@ from beamcam.pictures.formats import to_svg
 from beamcam.pictures.overlay import Overlay
 from beamcam.pictures.program import ReadProgram
 from beamcam.pipeline import post, read_file
+from tests.runs import call
 from tests.unit.pictures.drawings import Drawing
 
 SAMPLES = Path(__file__).resolve().parents[3] / "samples"
@@ -113,7 +113,7 @@ def test_ways_of_a_head_are_compared_move_by_move(name: str) -> None:
 
 
 def run(*words: str) -> Result:
-    return CliRunner().invoke(main, ["diff", *words])
+    return call("diff", *words)
 
 
 def test_the_command_writes_a_page_or_a_picture(tmp_path: Path) -> None:

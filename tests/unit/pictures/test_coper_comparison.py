@@ -3,10 +3,8 @@
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
 from msgspec.structs import replace
 
-from beamcam.cli import main
 from beamcam.errors import VerifyError
 from beamcam.machine import Machine, load
 from beamcam.model.part import Feature, Hole, Part, Profile, Slot
@@ -14,6 +12,7 @@ from beamcam.pictures.comparison import compared_programs
 from beamcam.pictures.formats import to_svg
 from beamcam.pictures.overlay import Overlay
 from beamcam.pictures.program import ReadProgram
+from tests.runs import call
 from tests.unit.coping.samples import AT, COPER, IPE300, UPN200, part_of, program_of
 from tests.unit.pictures.drawings import Drawing
 
@@ -117,7 +116,7 @@ def test_the_command_draws_them(suffix: str, tmp_path: Path) -> None:
         names.append(str(tmp_path / f"{name}.ngc"))
         Path(names[-1]).write_text(program_of(part))
     out = tmp_path / f"d{suffix}"
-    done = CliRunner().invoke(main, ["diff", *names, "-o", str(out)])
+    done = call("diff", *names, "-o", out)
     assert done.exit_code == 1  # they differ
     assert out.stat().st_size > 1000
     if suffix == ".html":

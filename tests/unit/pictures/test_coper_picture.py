@@ -3,10 +3,8 @@
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
 from msgspec.structs import replace
 
-from beamcam.cli import main
 from beamcam.errors import VerifyError
 from beamcam.machine import load
 from beamcam.model.part import Hole, Part
@@ -14,6 +12,7 @@ from beamcam.pictures.program import ReadProgram, program_scene
 from beamcam.pictures.scene import Circle, Polyline, Scene, Text
 from beamcam.pipeline import post, read_file
 from tests.conftest import GOLDEN, SAMPLES
+from tests.runs import call
 
 COPING = SAMPLES / "coping"
 MACHINES = {
@@ -142,5 +141,5 @@ def test_plot_draws_it_from_the_command_line(tmp_path: Path) -> None:
     out = tmp_path / "t.svg"
     words = ["plot", str(COPING / "trimmer.nc1"), "--machine", "coper-linuxcnc", "--show",
              "program", "-o", str(out)]  # fmt: skip
-    assert CliRunner().invoke(main, words).exit_code == 0
+    assert call(*words).exit_code == 0
     assert "cut at 3000 mm/min" in out.read_text(encoding="utf-8")

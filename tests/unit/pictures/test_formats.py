@@ -8,17 +8,16 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from click.testing import CliRunner
 from msgspec.structs import replace
 from PIL import Image
 
-from beamcam.cli import main
 from beamcam.errors import PictureError
 from beamcam.motion.profile import profile_to_velocity
 from beamcam.pictures.formats import dashes, largest, to_pdf, to_png, to_svg
 from beamcam.pictures.graphs import profile_scene, ticks
 from beamcam.pictures.scene import STYLES, Circle, Polyline, Scene, Text, css
 from beamcam.reports.velocity_profile import MM_S, RPM, VelocityUnit
+from tests.runs import call
 from tests.unit.pictures.drawings import Drawing, corners
 
 GUIDE = profile_to_velocity(1000.0, 100.0, 50.0)
@@ -123,7 +122,7 @@ def test_the_commands_say_which_extra_is_missing(
                   ["profile", "--velocity", "9", "--time", "2"],
                   ["simulate", job, "--encoder", "512/65"],
                   ["diff", "samples/dstv/channel.nc1", "samples/dstv/tie.nc1"]):  # fmt: skip
-        done = CliRunner().invoke(main, [*words, "-o", str(out)])
+        done = call(*words, "-o", out)
         assert done.exit_code == 1, done.output
         assert "pip install beamcam[pictures]" in done.output
         assert not out.exists()
@@ -178,19 +177,19 @@ def test_the_command_writes_each_format(tmp_path: Path) -> None:
     part = "samples/dstv/channel.nc1"
     for suffix, start in ((".svg", b"<svg"), (".png", b"\x89PNG"), (".pdf", b"%PDF")):
         out = tmp_path / f"part{suffix}"
-        done = CliRunner().invoke(main, ["plot", part, "-o", str(out)])
+        done = call("plot", part, "-o", out)
         assert done.exit_code == 0, done.output
         assert out.read_bytes().startswith(start)
-    to_screen = CliRunner().invoke(main, ["plot", part, "-o", "-"])
+    to_screen = call("plot", part, "-o", "-")
     assert to_screen.stdout_bytes == (tmp_path / "part.svg").read_bytes()
 
 
 def test_the_command_draws_a_bar_and_programs(tmp_path: Path) -> None:
     part, tie = "samples/dstv/channel.nc1", "samples/dstv/tie.nc1"
     bar, job, again = (str(tmp_path / n) for n in ("bar.svg", "job.gcode", "job.svg"))
-    assert CliRunner().invoke(main, ["plot", part, tie, "-o", bar]).exit_code == 0
-    assert CliRunner().invoke(main, ["post", part, tie, "-o", job]).exit_code == 0
-    assert CliRunner().invoke(main, ["plot", job, "-o", again]).exit_code == 0
+    assert call("plot", part, tie, "-o", bar).exit_code == 0
+    assert call("post", part, tie, "-o", job).exit_code == 0
+    assert call("plot", job, "-o", again).exit_code == 0
     both = [Drawing(Path(path).read_text(encoding="utf-8")) for path in (bar, again)]
     assert both[0].count("hole") == both[1].count("hole") > 10
     assert "parts: C1, T1" in both[0].texts
@@ -208,6 +207,6 @@ def test_the_command_draws_a_bar_and_programs(tmp_path: Path) -> None:
     ],
 )  # fmt: skip
 def test_wrong_usage_is_told(words: list[str], said: str) -> None:
-    done = CliRunner().invoke(main, ["plot", *words])
+    done = call("plot", *words)
     assert done.exit_code == 2, done.output
     assert said in " ".join(done.output.split())

@@ -4,9 +4,8 @@ import json
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
 
-from beamcam.cli import main
+from tests.runs import call
 
 PART = """ST
   A
@@ -53,7 +52,7 @@ def path(tmp_path: Path) -> str:
 
 
 def run(*words: str) -> tuple[int, str, str]:
-    found = CliRunner().invoke(main, ["plan", *words])
+    found = call("plan", *words)
     return found.exit_code, found.stdout, found.stderr
 
 

@@ -4,17 +4,16 @@ from itertools import pairwise
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner, Result
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from beamcam.cli import main
 from beamcam.errors import errors_in
 from beamcam.geometry.curves import Arc, Bezier, Line, NewtonCurve
 from beamcam.readers import dxf, svg
 from tests import svg_text
 from tests.conftest import examples
 from tests.dxf_text import circle, drawing, line, polyline, spline
+from tests.runs import call
 
 NODES = [(10.0, 11.0), (40.0, 22.0), (60.0, 20.0), (90.0, 5.0)]
 BOX = [(0.0, 0.0), (100.0, 0.0), (100.0, 80.0), (0.0, 80.0)]
@@ -132,32 +131,28 @@ def test_every_vertex_is_on_the_polynomial(points):
         assert form.point(t) == pytest.approx(node, abs=1e-6)
 
 
-def run(*args: object) -> Result:
-    return CliRunner().invoke(main, [*map(str, args)])
-
-
 def test_a_program_is_compared_with_the_polynomial(tmp_path: Path):
     file, program = tmp_path / "a.dxf", tmp_path / "a.ngc"
     file.write_bytes(FILE)
     fit = ("--fit", "newton=CAM", "--allow-open")
-    assert run("post", file, *fit, "-o", program).exit_code == 0
-    assert run("verify", program, "--against", file, *fit).exit_code == 0
-    as_drawn = run("verify", program, "--against", file, "--allow-open")
+    assert call("post", file, *fit, "-o", program).exit_code == 0
+    assert call("verify", program, "--against", file, *fit).exit_code == 0
+    as_drawn = call("verify", program, "--against", file, "--allow-open")
     assert as_drawn.exit_code == 1
     assert "verify-sheet-extra" in as_drawn.stderr
     out = tmp_path / "a.json"
-    assert run("convert", file, "--fit", "newton=CAM", "-o", out).exit_code == 0
+    assert call("convert", file, "--fit", "newton=CAM", "-o", out).exit_code == 0
     assert '"newton"' in out.read_text()
-    assert '"newton"' in run("inspect", file, "--fit", "newton=CAM", "--json").stdout
+    assert '"newton"' in call("inspect", file, "--fit", "newton=CAM", "--json").stdout
 
 
 def test_the_option_by_itself_lists_the_layers(tmp_path: Path):
     file = tmp_path / "a.dxf"
     file.write_bytes(FILE)
-    said = run("post", file, "--fit", "newton", "-o", tmp_path / "a.ngc")
+    said = call("post", file, "--fit", "newton", "-o", tmp_path / "a.ngc")
     assert said.exit_code == 1
     assert "one of the layers 'OUT', 'CAM'" in said.stderr
-    wrong = run("post", file, "--fit", "lagrange=CAM", "-o", tmp_path / "a.ngc")
+    wrong = call("post", file, "--fit", "lagrange=CAM", "-o", tmp_path / "a.ngc")
     assert wrong.exit_code == 2
     assert "expected newton=LAYER" in wrong.stderr
 
@@ -166,6 +161,6 @@ def test_verify_takes_the_options_of_the_drawing(tmp_path: Path):
     file, program = tmp_path / "a.dxf", tmp_path / "a.ngc"
     file.write_bytes(FILE)
     options = ("--thickness", "3", "--units", "cm", "--map", "CAM=cut", "--allow-open")
-    assert run("post", file, *options, "-o", program).exit_code == 0
-    assert run("verify", program, "--against", file, *options).exit_code == 0
-    assert run("verify", program, "--against", file).exit_code == 1
+    assert call("post", file, *options, "-o", program).exit_code == 0
+    assert call("verify", program, "--against", file, *options).exit_code == 0
+    assert call("verify", program, "--against", file).exit_code == 1

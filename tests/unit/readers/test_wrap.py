@@ -4,11 +4,9 @@ from math import pi
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
 
 import beamcam
 from beamcam.checks.coping import verify_coping
-from beamcam.cli import main
 from beamcam.errors import errors_in
 from beamcam.machine import load
 from beamcam.model.part import Contour, Part
@@ -18,6 +16,7 @@ from beamcam.readers import Reading, read
 from beamcam.readers.drawing import WRAP_NAME, WRAP_WIDE, tube_of
 from beamcam.solid.opinion import solid_faults
 from tests.conftest import SAMPLES
+from tests.runs import call
 
 SADDLE = SAMPLES / "dxf" / "saddle.dxf"
 TUBE = load("tube-linuxcnc")
@@ -114,7 +113,7 @@ def test_what_is_no_tube_is_refused(tmp_path: Path) -> None:
         assert (found.height, found.flange_thickness) == (168.3, 8.0)
     (said,) = wrapped(svg(*UPRIGHT), "RO100").diagnostics
     assert said.code == WRAP_NAME.code
-    done = CliRunner().invoke(main, ["inspect", str(SADDLE), "--wrap", "RO88.9"])
+    done = call("inspect", SADDLE, "--wrap", "RO88.9")
     assert (done.exit_code, "expected diameter x wall" in done.stderr) == (2, True)
 
 

@@ -6,7 +6,6 @@ from math import pi
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
 from msgspec.structs import replace
 from shapely import Point
 
@@ -15,7 +14,6 @@ from beamcam.checks.coping import verify_coping
 from beamcam.checks.coping.section import CoperSection, TubeSection
 from beamcam.checks.coping.stock import stock_of
 from beamcam.checks.coping.wanted import wanted_on
-from beamcam.cli import main
 from beamcam.errors import errors_in
 from beamcam.geometry.curves import Arc
 from beamcam.machine import Machine, load
@@ -37,6 +35,7 @@ from tests.conftest import SAMPLES, sampled
 from tests.random_boxes import over_corner, random_box
 from tests.random_copes import random_tee
 from tests.random_tubes import window
+from tests.runs import call
 from tests.unit.coping.samples import (
     AT,
     COPER,
@@ -342,7 +341,7 @@ def test_a_coarse_circle_is_a_contour() -> None:
 
 
 def run(*words: object) -> tuple[int, str]:
-    done = CliRunner().invoke(main, [str(word) for word in words])
+    done = call(*words)
     assert done.exception is None or isinstance(done.exception, SystemExit), done.exception
     return done.exit_code, done.stderr
 

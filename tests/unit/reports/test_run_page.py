@@ -5,12 +5,11 @@ from hashlib import sha256
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
 
-from beamcam.cli import main
 from beamcam.reports.run import Counts, FileRow, PartRow
 from beamcam.reports.run_page import Extra, as_html
 from tests.conftest import sampled
+from tests.runs import call
 
 SAMPLES = Path(__file__).resolve().parents[3] / "samples"
 
@@ -80,7 +79,7 @@ def test_a_batch_has_a_sheet_for_each_program(
     inputs = [str(SAMPLES / "dstv" / f"{n}.nc1") for n in ("channel", "tie", "gusset", "tube")]
     words = ["batch", *inputs, "-o", str(tmp_path / "out"), "--jobs", jobs, "--report",
              str(tmp_path / "r.html")]  # fmt: skip
-    assert CliRunner().invoke(main, words).exit_code == 1  # the tube is refused
+    assert call(*words).exit_code == 1  # the tube is refused
     text = (tmp_path / "r.html").read_text()
     links = re.findall(r'href="(r\.sheets/[^"]+)"', text)
     assert len(links) == 3
@@ -92,7 +91,7 @@ def test_a_batch_has_a_sheet_for_each_program(
         assert "exactly these parts" in sheet
     assert text.count("<svg") == 3
     before = text
-    assert CliRunner().invoke(main, words).exit_code == 1
+    assert call(*words).exit_code == 1
     again = (tmp_path / "r.html").read_text()
     assert re.findall(r'href="(r\.sheets/[^"]+)"', again) == links
     assert before != again  # posted, then unchanged

@@ -3,13 +3,12 @@
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
 
-from beamcam.cli import main
 from beamcam.machine import load
 from beamcam.pictures.program import ReadProgram
 from beamcam.pipeline import post, read_file
 from beamcam.setup_sheet.study_page import KnownWork, monitor_data, monitor_page
+from tests.runs import call
 
 DSTV = Path(__file__).resolve().parents[3] / "samples" / "dstv"
 CHANNEL, GUSSET = str(DSTV / "channel.nc1"), str(DSTV / "gusset.nc1")
@@ -69,6 +68,6 @@ def test_a_table_has_the_way_of_its_program() -> None:
 
 
 def test_a_part_of_another_kind_is_wrong_usage() -> None:
-    done = CliRunner().invoke(main, ["monitor", "127.0.0.1:1", "--part", GUSSET])
+    done = call("monitor", "127.0.0.1:1", "--part", GUSSET)
     assert done.exit_code == 2
     assert "expected a part for beamline" in " ".join(done.output.split())

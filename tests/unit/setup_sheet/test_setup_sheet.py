@@ -9,11 +9,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from msgspec.structs import replace
 
 from beamcam.checks.bars import run
-from beamcam.cli import main
 from beamcam.machine import load
 from beamcam.model.part import Part
 from beamcam.pictures.program import ReadProgram
@@ -22,6 +20,7 @@ from beamcam.setup_sheet.content import SheetContent, SheetSources, content_of
 from beamcam.setup_sheet.page import setup_page
 from beamcam.setup_sheet.paper import setup_pdf
 from beamcam.setup_sheet.playback import trace_data
+from tests.runs import call
 from tests.unit.pictures.test_formats import contrast
 
 SAMPLES = Path(__file__).resolve().parents[3] / "samples"
@@ -189,14 +188,14 @@ def test_the_trace_of_a_page_can_be_read_by_anyone(annex: SheetContent) -> None:
 
 def report(*words: str, code: int = 0) -> str:
     """What the command says."""
-    done = CliRunner().invoke(main, ["report", *words])
+    done = call("report", *words)
     assert done.exit_code == code, done.output
     return done.output
 
 
 def test_a_wrong_program_has_a_sheet_that_says_so(tmp_path: Path) -> None:
     job, page = tmp_path / "job.gcode", tmp_path / "job.html"
-    assert CliRunner().invoke(main, ["post", DSTV[0], "-o", str(job)]).exit_code == 0
+    assert call("post", DSTV[0], "-o", job).exit_code == 0
     report(str(job), DSTV[0], "-o", str(page))
     assert "exactly these parts" in page.read_text()
     job.write_text(job.read_text().replace("X3698.56", "X3598.56"))
@@ -232,7 +231,7 @@ def test_marks_of_manual_work_are_listed_with_their_place(tmp_path: Path) -> Non
 
 def test_a_run_that_strikes_is_warned_of_on_the_sheet(tmp_path: Path) -> None:
     job, page = tmp_path / "job.gcode", tmp_path / "job.html"
-    assert CliRunner().invoke(main, ["post", DSTV[0], "-o", str(job)]).exit_code == 0
+    assert call("post", DSTV[0], "-o", job).exit_code == 0
     report(str(job), "-o", str(page))
     assert "simulate-" not in page.read_text()
     job.write_text(job.read_text().replace("Y17.706", "Y400"))
@@ -299,6 +298,6 @@ def test_a_sheet_is_the_same_in_each_folder(tmp_path: Path) -> None:
 def test_the_hash_of_a_sheet_is_that_of_the_posted_file(tmp_path: Path) -> None:
     job, page = tmp_path / "job.ngc", tmp_path / "job.html"
     sample = str(SAMPLES / "dstv" / "gusset.nc1")
-    assert CliRunner().invoke(main, ["post", sample, "-o", str(job)]).exit_code == 0
+    assert call("post", sample, "-o", job).exit_code == 0
     report(sample, "--machine", "plate-linuxcnc", "-o", str(page))
     assert f'data-sha256="{sha256(job.read_bytes()).hexdigest()}"' in page.read_text()

@@ -5,16 +5,15 @@ import io
 import re
 
 import pytest
-from click.testing import CliRunner
 from msgspec.structs import replace
 
-from beamcam.cli import main
 from beamcam.errors import MachineError
 from beamcam.machine import load
 from beamcam.pipeline import Posted, post, read_file
 from beamcam.simulation.limits import run_warnings
 from beamcam.simulation.program import simulate_program
 from tests.conftest import SAMPLES
+from tests.runs import call
 
 COPING = SAMPLES / "coping"
 MACHINES = {
@@ -74,7 +73,7 @@ def test_limits_are_those_of_the_file_and_axes_are_needed() -> None:
 
 def test_the_command_writes_the_axes_by_their_names() -> None:
     words = ["simulate", str(COPING / "trimmer.nc1"), "--machine", "coper-linuxcnc", "-o", "-"]
-    done = CliRunner().invoke(main, words)
+    done = call(*words)
     assert done.exit_code == 0, done.stderr
     rows = list(csv.DictReader(io.StringIO(done.stdout)))
     assert [*rows[0]] == ["time_s", "carriage", "across", "height", "head", "process", "line"]

@@ -24,6 +24,7 @@ from beamcam.simulation.program import simulate_program
 from beamcam.simulation.text import table_rows
 from beamcam.simulation.trace import State, Trace, TraceAxis, TraceBuilder
 from tests.conftest import BEAM_CELL, SAMPLES
+from tests.runs import call
 from tests.unit.checks.programs import BEAM, PART, PROGRAM
 from tests.unit.simulation.programs import course_of
 
@@ -250,7 +251,7 @@ def test_a_machine_without_an_encoder_has_none_of_its_own(tmp_path: Path) -> Non
     program = tmp_path / "p.gcode"
     program.write_text(PROGRAM)
     words = ["simulate", str(program), "--machine", "beamline", "--encoder", "machine", "-o", "-"]
-    done = CliRunner().invoke(main, words)
+    done = call(*words)
     assert done.exit_code == 2
     assert "the file of beamline says nothing of encoders" in done.stderr
 

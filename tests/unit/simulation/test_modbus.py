@@ -9,12 +9,10 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
 from hypothesis import given
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from beamcam.cli import main
 from beamcam.errors import Source, VerifyError
 from beamcam.machine.machine import Modbus
 from beamcam.simulation.course import bar_trace
@@ -22,7 +20,7 @@ from beamcam.simulation.modbus import check_range, register_count, registers, sh
 from beamcam.simulation.trace import State, Trace, TraceAxis, TraceBuilder, TraceRow, trace_rows
 from beamcam.system import EndRequest
 from tests.conftest import ROOT
-from tests.runs import HANG_S, interrupted, wait_until
+from tests.runs import HANG_S, call, interrupted, wait_until
 from tests.unit.checks.programs import BEAM, PART, PROGRAM
 from tests.unit.simulation.programs import course_of
 
@@ -155,7 +153,7 @@ def test_the_command_sends(server: Server, tmp_path: Path) -> None:
     path = tmp_path / "a.gcode"
     path.write_text(PROGRAM, "utf-8")
     address = f"127.0.0.1:{server.port}"
-    done = CliRunner().invoke(main, ["simulate", str(path), "--modbus", address, "--every", "1s"])
+    done = call("simulate", path, "--modbus", address, "--every", "1s")
     assert done.exit_code == 0, done.stderr
     assert f"rows sent to {address}" in done.stderr
     assert read_back(server.port)[AXES] == 13
@@ -239,7 +237,7 @@ def test_the_controller_holds_its_end_until_ctrl_c(tmp_path: Path) -> None:
             assert line, "it ended"
         end = registers(course()[-1], BEAM.modbus)[AXES:]
         wait_until(lambda: read_back(port)[AXES:] == end, process)
-        taken = CliRunner().invoke(main, [words[0], str(tmp_path / words[1]), *words[2:]])
+        taken = call(words[0], tmp_path / words[1], *words[2:])
         assert taken.exit_code == 1
         assert "error simulate-port: found" in taken.stderr
         interrupted(process)

@@ -10,13 +10,11 @@ from typing import Any
 from urllib.request import urlopen
 
 import pytest
-from click.testing import CliRunner
 
-from beamcam.cli import main
 from beamcam.commands.monitor import Reader
 from beamcam.simulation.trace import State, TraceRow
 from tests.conftest import ROOT
-from tests.runs import interrupted, wait_until
+from tests.runs import call, interrupted, wait_until
 from tests.unit.checks.programs import BEAM
 
 pytest.importorskip("pymodbus", reason="the extra beamcam[modbus] is not installed")
@@ -69,12 +67,12 @@ def test_the_page_follows_a_controller_until_ctrl_c() -> None:
 
 
 def test_no_controller_and_a_page_that_is_taken() -> None:
-    done = CliRunner().invoke(main, ["monitor", f"{LOOPBACK}:{free_port()}"])
+    done = call("monitor", f"{LOOPBACK}:{free_port()}")
     assert done.exit_code == 1
     assert "error monitor-controller: found no connection" in done.stderr
     with Server(15) as controller:
         at = f"{LOOPBACK}:{controller.port}"
-        done = CliRunner().invoke(main, ["monitor", at, "--page", at])
+        done = call("monitor", at, "--page", at)
     assert done.exit_code == 1
     assert "error simulate-port: found" in done.stderr
 

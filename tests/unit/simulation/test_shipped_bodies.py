@@ -6,12 +6,10 @@ from math import radians, tan
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from beamcam.cli import main
 from beamcam.machine import load
 from beamcam.machine.load import shipped
 from beamcam.machine.words import Formula, MachineBox
@@ -20,6 +18,7 @@ from beamcam.simulation.course import cell_axes
 from beamcam.simulation.limits import strikes
 from beamcam.simulation.trace import State, TraceBuilder
 from tests.conftest import examples
+from tests.runs import call
 
 DSTV = Path(__file__).resolve().parents[3] / "samples" / "dstv"
 CELLS = tuple(name for name in shipped() if load(name).stock == "beam")
@@ -76,13 +75,13 @@ def test_spindles_that_are_driven_together_are_warned_of(name: str, tmp_path: Pa
     text = b"".join(post(read_file(str(DSTV / "channel.nc1")).parts, machine).pieces()).decode()
     words = ["simulate", str(path), "--machine", name, "-o", str(tmp_path / "trace.json")]
     path.write_text(text)
-    said = set(re.findall("simulate-[a-z]+", CliRunner().invoke(main, words).output))
+    said = set(re.findall("simulate-[a-z]+", call(*words).output))
     assert said == ({"simulate-tips"} if name == "beamline-annex" else set())
     # The strokes of both flange drills are the moves along Y at the height of the flange's holes.
     stroke = re.compile(r"(G01 X[\d.]+ Y)[1-9][\d.]*( Z143\.6)")
     path.write_text(stroke.sub(r"\g<1>450\2", text))
     line = text[: next(stroke.finditer(text)).start()].count("\n") + 1
-    done = CliRunner().invoke(main, words)
+    done = call(*words)
     assert done.exit_code == 0, done.output
     said = next(row for row in done.stderr.splitlines() if "simulate-collision" in row)
     found = re.search(r":(\d+): warning .* at ([\d.]+) s .* left spindle and right spindle", said)

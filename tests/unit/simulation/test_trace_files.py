@@ -8,13 +8,12 @@ from pathlib import Path
 
 import msgspec
 import pytest
-from click.testing import CliRunner
 
-from beamcam.cli import main
 from beamcam.machine import Machine, load
 from beamcam.pipeline import post, read_file
 from beamcam.simulation.program import simulate_program
 from beamcam.simulation.text import csv_text, json_data
+from tests.runs import call
 
 SAMPLES = Path(__file__).resolve().parents[3] / "samples"
 JOBS = [
@@ -61,7 +60,7 @@ def test_a_head_that_leaves_its_table_is_warned_of(
     path.write_text(f"{text[: move.start()]}G0 X3500 Y0{text[move.end() :]}")
     line = text[: move.start()].count("\n") + 1
     words = ["simulate", str(path), "--machine", name, "-o", str(tmp_path / "t.csv")]
-    done = CliRunner().invoke(main, words)
+    done = call(*words)
     assert done.exit_code == 0, done.output
     (said,) = [row for row in done.stderr.splitlines() if "simulate-" in row]
     assert re.search(rf":{line}: warning simulate-\w+: at [\d.]+ s {found}$", said), said

@@ -4,12 +4,11 @@ import sys
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
 
 import beamcam
-from beamcam.cli import main
 from beamcam.errors import BeamcamError
 from tests.conftest import ROOT
+from tests.runs import call
 from tests.unit.solid.programs import posted, sample
 
 TIE = str(ROOT / "samples/dstv/tie.nc1")
@@ -18,7 +17,7 @@ TIE = str(ROOT / "samples/dstv/tie.nc1")
 def verify(tmp_path: Path, text: str, *more: str) -> tuple[int, str]:
     program = tmp_path / "tie.gcode"
     program.write_text(text)
-    done = CliRunner().invoke(main, ["verify", str(program), *more])
+    done = call("verify", program, *more)
     return done.exit_code, done.stderr
 
 

@@ -3,10 +3,9 @@
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
 
 from beamcam.checks.steps import FORMS
-from beamcam.cli import main
+from tests.runs import call
 
 from .shop import SAMPLES
 
@@ -15,10 +14,10 @@ from .shop import SAMPLES
 def test_a_form_is_verified_against_its_part(form: str, tmp_path: Path) -> None:
     own, other = (str(SAMPLES / f"{name}.json") for name in ("shield-small", "shield"))
     table = str(tmp_path / f"table{form}")
-    run = CliRunner().invoke(main, ["post", own, "-o", table])
+    run = call("post", own, "-o", table)
     assert run.exit_code == 0, run.output
-    assert CliRunner().invoke(main, ["verify", table, "--against", own]).exit_code == 0
-    refused = CliRunner().invoke(main, ["verify", table, "--against", other])
+    assert call("verify", table, "--against", own).exit_code == 0
+    refused = call("verify", table, "--against", other)
     assert refused.exit_code == 1
     assert "error steps-place: found the head at X" in refused.output
 
@@ -26,8 +25,8 @@ def test_a_form_is_verified_against_its_part(form: str, tmp_path: Path) -> None:
 @pytest.mark.parametrize("form", FORMS)
 def test_a_form_that_was_changed_is_refused(form: str, tmp_path: Path) -> None:
     own, table = str(SAMPLES / "shield-small.json"), tmp_path / f"table{form}"
-    assert CliRunner().invoke(main, ["post", own, "-o", str(table)]).exit_code == 0
+    assert call("post", own, "-o", table).exit_code == 0
     table.write_bytes(table.read_bytes()[:-30])
-    run = CliRunner().invoke(main, ["verify", str(table), "--against", own])
+    run = call("verify", table, "--against", own)
     assert run.exit_code == 1
     assert "error steps-" in run.output

@@ -5,11 +5,9 @@ from functools import cache
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
 from msgspec.structs import replace
 
 from beamcam.checks.st import verify_triggers
-from beamcam.cli import main
 from beamcam.controllers.simotion import read_program
 from beamcam.emitters import simotion
 from beamcam.errors import PlanError
@@ -22,6 +20,7 @@ from beamcam.model.program import LiftTorch, SwitchTool, TriggerTable
 from beamcam.motion.triggers import trigger_table, trigger_time
 from beamcam.planning.sheet import plan_sheet
 from beamcam.simulation.program import trigger_trace
+from tests.runs import call
 
 from . import test_grammar as stranger
 from .plant import DONE, STYLES, Plant, units_of
@@ -299,7 +298,7 @@ def test_the_height_is_a_column_beside_the_path(name: str, tmp_path: Path) -> No
         ["simulate", made, "--machine", machine, "-o", trace, "--encoder", "machine"],
         ["report", made, "--machine", machine, "-o", page],
     ):
-        run = CliRunner().invoke(main, words)
+        run = call(*words)
         assert run.exit_code == 0, run.output
     head, *rows = Path(trace).read_text(encoding="utf-8").splitlines()
     assert head == "time_s,AxisX,AxisY,AxisZ,AxisX read,AxisY read,process,line"

@@ -5,17 +5,16 @@ import shutil
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
 
-from beamcam.cli import main
 from beamcam.machine.torch import MILD_STEEL, material_of
+from tests.runs import call
 
 SAMPLES = Path(__file__).parents[3] / "samples"
 CAM = SAMPLES / "json" / "cam.json"
 
 
 def run(*args: object) -> tuple[int, str]:
-    done = CliRunner().invoke(main, [str(a) for a in args])
+    done = call(*args)
     return done.exit_code, done.output
 
 
