@@ -35,7 +35,6 @@ from beamcam.config import UNUSED
 from beamcam.config.values import Config, Dask
 from beamcam.errors import Diagnostic, Severity, Source
 from beamcam.files import write_whole
-from beamcam.machine import Machine
 from beamcam.machine.tables import DIALECTS
 from beamcam.model.request import remnant_of
 from beamcam.plain_text import json_text
@@ -105,7 +104,7 @@ def batch_settings(
 ) -> BatchSettings:
     """Everything that determines the outputs: the job's configuration and reading options.
 
-    Raises MachineError, ConfigError and PlanError.
+    Raises MachineError, ConfigError and PlanError; UsageError for names that programs cannot have.
     """
     name = config.name or ""
     check_arguments(config.job, None, config.allow_skips)
@@ -119,7 +118,12 @@ def batch_settings(
             config, "sheet", name, is_one_of_two=bars.torch is not None
         )
     for machine in (bars, sheets, *more_bars, *more_sheets):
-        _check_suffix(name, machine)
+        suffix = PurePath(name.replace("{suffix}", machine.suffix)).suffix
+        if name and machine.controller == "stepper" and suffix != machine.suffix:
+            raise click.UsageError(
+                f"found {name!r} for names of {machine.name}; expected them to end with "
+                f"{machine.suffix}, post writes the other forms of its table"
+            )
     style = options.get("style")
     of_sheets = [m for m in (sheets, *more_sheets, *more_bars) if m.torch is not None]
     if style is not None and {one.controller for one in of_sheets} - {*DIALECTS}:
@@ -143,16 +147,6 @@ def told_of(config: Config, settings: BatchSettings) -> tuple[Diagnostic, ...]:
     machines = (settings.machine, *([settings.sheets] if settings.sheets else ()), *settings.more)
     names = [reference(machine, config) for machine in machines]
     return (SETTINGS.at(Source("beamcam"), found=settings_line(config, names)),)
-
-
-def _check_suffix(template: str, machine: Machine) -> None:
-    """Raises UsageError if programs would be called what `post` writes another form into."""
-    suffix = PurePath(template.replace("{suffix}", machine.suffix)).suffix
-    if template and machine.controller == "stepper" and suffix != machine.suffix:
-        raise click.UsageError(
-            f"found {template!r} for names of {machine.name}; expected them to end with "
-            f"{machine.suffix}, post writes the other forms of its table"
-        )
 
 
 def unused(inputs: FoundInputs, config: Config) -> tuple[Diagnostic, ...]:

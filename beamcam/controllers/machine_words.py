@@ -144,8 +144,14 @@ def _bar_faults(machine: Machine) -> Iterator[WordFault]:
     if machine.saw is not None and not _with_role(of.get("saw", []), dialect, "saw"):
         yield fault_in("words.saw", "", "no cut", "an M word with {angle}")
     if unit:
-        for found, expected in _text_faults(of.get(unit, [])):
-            yield fault_in(f"words.{unit}", "", found, expected)
+        texts = [event for event in of.get(unit, []) if isinstance(event, Lettering)]
+        moves = [event for event in of.get(unit, []) if isinstance(event, Move)]
+        if not texts:
+            expected = "a line with {string} that is one by itself"
+            yield fault_in(f"words.{unit}", "", "no text", expected)
+        elif not moves or moves[-1].line > texts[0].line or moves[-1].end[0] != TEXT_X:
+            expected = "a move to X{x} before {string}"
+            yield fault_in(f"words.{unit}", "", "a text elsewhere", expected)
     if dialect.feeds:
         yield from _unfed(machine, of)
 
@@ -163,16 +169,6 @@ def _bar_lines(machine: Machine, unit: str, stroke: dict[str, str]) -> Iterator[
     if machine.saw is not None:
         yield from _filled(machine, "saw", x="200")
     yield from _filled(machine, "footer")
-
-
-def _text_faults(events: list[BarEvent]) -> Iterator[tuple[str, str]]:
-    """A stamp's or printer's words that tell it no text, or not where the bar is brought to."""
-    texts = [event for event in events if isinstance(event, Lettering)]
-    moves = [event for event in events if isinstance(event, Move)]
-    if not texts:
-        yield "no text", "a line with {string} that is one by itself"
-    elif not moves or moves[-1].line > texts[0].line or moves[-1].end[0] != TEXT_X:
-        yield "a text elsewhere", "a move to X{x} before {string}"
 
 
 def _unfed(machine: Machine, of: dict[str, list[BarEvent]]) -> Iterator[WordFault]:

@@ -58,18 +58,7 @@ def coper_faults(machine: Machine) -> Iterator[Fault]:
         yield "coper.rows", [row.process for row in coper.rows], "a row for cut"
     for index, row in enumerate(coper.rows):
         yield from _row_faults(f"coper.rows.{index}", row, coper)
-    feeds = [(row.feed_mm_min, row.material) for row in coper.rows]
-    for index, feed in enumerate(feeds):
-        if feeds.index(feed) != index:
-            expected = "another feed for each thickness, which is told by it"
-            yield f"coper.rows.{index}.feed_mm_min", feed[0], expected
-    if coper.between_rows == "interpolate":
-        for index, row in enumerate(coper.rows):
-            slower = [o.feed_mm_min for o in coper.rows
-                      if o.material == row.material and o.up_to < row.up_to]  # fmt: skip
-            if slower and row.feed_mm_min >= min(slower):
-                expected = "a feed below those of thinner steel, as between_rows is interpolate"
-                yield f"coper.rows.{index}.feed_mm_min", row.feed_mm_min, expected
+    yield from _feed_faults(coper)
     step = machine.format.resolution
     if not 4 * step <= coper.tolerance <= 1.0:
         expected = f"{4 * step:g} to 1 mm, four steps of its numbers at least"
@@ -128,6 +117,19 @@ def _reach_faults(machine: Machine, coper: Coper) -> Iterator[Fault]:
                 end = "max" if axis.limits[1] < most else "min"
                 expected = f"{least:g} to {most:.4g} at least, for {what}"
                 yield f"axes.{k}.{end}", getattr(axis, end), expected
+
+
+def _feed_faults(coper: Coper) -> Iterator[Fault]:
+    """Feeds that do not tell the rows apart, or that figures between two rows would not fall by."""
+    feeds = [(row.feed_mm_min, row.material) for row in coper.rows]
+    for index, row in enumerate(coper.rows):
+        key, feed = f"coper.rows.{index}.feed_mm_min", row.feed_mm_min
+        if feeds.index(feeds[index]) != index:
+            yield key, feed, "another feed for each thickness, which is told by it"
+        thinner = (o for o in coper.rows if o.material == row.material and o.up_to < row.up_to)
+        if coper.between_rows == "interpolate" and any(o.feed_mm_min <= feed for o in thinner):
+            expected = "a feed below those of thinner steel, as between_rows is interpolate"
+            yield key, feed, expected
 
 
 def _row_faults(key: str, row: TorchRow, coper: Coper) -> Iterator[Fault]:

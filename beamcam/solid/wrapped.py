@@ -301,13 +301,11 @@ def _leaning(part: Part, skin: Skin) -> Iterator[tuple[float, float, Shape, tupl
             continue
         share = (turns / (pi / 2))[:, None]
         lines = of_a + of_b - ((1 - share) * of_b[0] + share * of_a[-1])
-        free = lines[:, inner]
-        low = float(free.min()) - OUTLINE_NOISE if is_plane[0] else -FAR
-        high = float(free.max()) + OUTLINE_NOISE if is_plane[1] else FAR
+        low, high = -FAR, FAR
         if is_plane[0]:
-            lines[:, 0] = -FAR
+            low, lines[:, 0] = float(lines[:, inner].min()) - OUTLINE_NOISE, -FAR
         if is_plane[1]:
-            lines[:, -1] = FAR
+            high, lines[:, -1] = float(lines[:, inner].max()) + OUTLINE_NOISE, FAR
         first, last = skin.borders[1 + 2 * k], skin.borders[2 + 2 * k]
         us = first + r * turns
         us[0], us[-1] = first - FREE, last + FREE

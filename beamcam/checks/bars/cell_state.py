@@ -90,7 +90,7 @@ class CellState:
             return
         values = self._values(switch, word) if word.fields or switch.words else _NOTHING
         if values is not None:
-            _DOES[word.role](self, switch, values, word.cycle)
+            _DOES[word.role](self, switch, values)
         elif word.role == "on":
             self.turning = switch.number
 
@@ -107,8 +107,12 @@ class CellState:
                     expected=f"{letter} with the {field}",
                 )  # fmt: skip
                 return None
-            if field in self.section:
-                self._say_again(switch.line, field, value)
+            before = self.section.get(field, value)
+            if before != value and not isnan(before):
+                self.say(
+                    rules.SECTION, switch.line, what=field, found=f"{value:g}",
+                    expected=f"{before:g}, as before",
+                )  # fmt: skip
             if values.setdefault(field, value) != value:
                 self.say(
                     WORD, switch.line, found=f"{letter}{value:g} behind M{switch.number:02}",
@@ -123,30 +127,21 @@ class CellState:
                 )  # fmt: skip
         return values
 
-    def _say_again(self, line: int, field: str, value: float) -> None:
-        """What the program says of its bar a second time has to be the same."""
-        before = self.section[field]
-        if before != value and not isnan(before):
-            self.say(
-                rules.SECTION, line, what=field, found=f"{value:g}",
-                expected=f"{before:g}, as before",
-            )  # fmt: skip
-
-    def _cool(self, switch: Switch, values: Values, cycle: Cycle | None) -> None:
+    def _cool(self, switch: Switch, values: Values) -> None:
         self.cooling = self.dialect.m_words[switch.number].role == "coolant-on"
 
-    def _describe(self, switch: Switch, values: Values, cycle: Cycle | None) -> None:
+    def _describe(self, switch: Switch, values: Values) -> None:
         self.section.update(values)
         self.unsaid -= values.keys()
 
-    def _set_pitch(self, switch: Switch, values: Values, cycle: Cycle | None) -> None:
+    def _set_pitch(self, switch: Switch, values: Values) -> None:
         self.pitch = values.get("pitch", self.pitch)
 
-    def _end(self, switch: Switch, values: Values, cycle: Cycle | None) -> None:
+    def _end(self, switch: Switch, values: Values) -> None:
         self.at_rest(switch.line, "the end of the program")
         self._check_magazines()
 
-    def _start(self, switch: Switch, values: Values, cycle: Cycle | None) -> None:
+    def _start(self, switch: Switch, values: Values) -> None:
         """A spindle that starts, or reverses."""
         if self.choice is None:
             self.say(rules.NO_SPINDLE, switch.line, found="a spindle that starts")
@@ -177,7 +172,7 @@ class CellState:
         """The tool that is chosen, for messages."""
         return f"a {self.cycle.kind} {self.diameter:g}"
 
-    def _stop(self, switch: Switch, values: Values, cycle: Cycle | None) -> None:
+    def _stop(self, switch: Switch, values: Values) -> None:
         line = switch.line
         station = self.in_steel() if self.turning else None
         if station is not None:
@@ -189,7 +184,7 @@ class CellState:
             self.say(rules.SPINDLE_IDLE, line, what=self.tool)
         self.turning, self.idle = 0, False
 
-    def _choose(self, switch: Switch, values: Values, cycle: Cycle | None) -> None:
+    def _choose(self, switch: Switch, values: Values) -> None:
         self.at_rest(switch.line, "the choice of a spindle")
         number = values.get("spindle", self.dialect.only_spindle)
         if number is None:
@@ -197,7 +192,8 @@ class CellState:
         self.choice = self.choices.get(int(number)) if number == number // 1 else None
         self.peck = None
         self.diameter = self.dialect.size(values.get("diameter", 0.0))
-        self.cycle, self.pitch = cycle or _NO_CYCLE, values.get("pitch", 0.0)
+        self.cycle = self.dialect.m_words[switch.number].cycle or _NO_CYCLE
+        self.pitch = values.get("pitch", 0.0)
         if "tool" in values:
             self._take_numbered(switch.line, values)
         if self.choice is None:
@@ -239,7 +235,7 @@ class CellState:
             self.say(WORD, line, found=f"diameter {self.diameter:g}", expected=expected)
         self.diameter, self.cycle = size, self.dialect.cycles.get(kind, _NO_CYCLE)
 
-    def _change(self, switch: Switch, values: Values, cycle: Cycle | None) -> None:
+    def _change(self, switch: Switch, values: Values) -> None:
         self.at_rest(switch.line, "a manual tool change")
         spindle, diameter = values.get("spindle"), values.get("diameter")
         size = None if diameter is None else self.dialect.size(diameter)
@@ -292,7 +288,7 @@ class CellState:
             if (one.spindle in chosen if isinstance(one, Chosen) else one.spindle in (number, None))
         ]
 
-    def _saw(self, switch: Switch, values: Values, cycle: Cycle | None) -> None:
+    def _saw(self, switch: Switch, values: Values) -> None:
         self.at_rest(switch.line, "a cut")
         self.describe_first(switch.line)
         angle = values["angle"]
@@ -394,7 +390,7 @@ class CellState:
         self.say(rules.SIDEWAYS, line, found=what, face=station.face, axis=axis, at=f"{at:g}")
 
 
-_DOES: dict[Role, Callable[[CellState, Switch, Values, Cycle | None], None]] = {
+_DOES: dict[Role, Callable[[CellState, Switch, Values], None]] = {
     "on": CellState._start, "off": CellState._stop, "coolant-on": CellState._cool,
     "coolant-off": CellState._cool, "choose": CellState._choose, "change": CellState._change,
     "saw": CellState._saw, "section": CellState._describe, "other": CellState._set_pitch,
