@@ -1,19 +1,24 @@
 """Groups of options, colours, kinds of files, folders in the place of files."""
 
 import json
+import os
 import re
+import shlex
+import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import click
 import pytest
-from click.testing import CliRunner
+from click.testing import CliRunner, Result
 
-from beamcam.cli import main
+from beamcam.cli import COMMANDS, main
 from beamcam.commands import common
 from beamcam.commands.common import FIRST, GROUPS, MOST_SHOWN, OTHER, Grouped, heading_of
 from beamcam.commands.outputs import KINDS, NO_PROGRAMS
 from beamcam.machine import DEFAULTS
-from tests.conftest import SAMPLES
+from tests.conftest import ROOT, SAMPLES
 from tests.runs import call, part
 from tests.test_docs import WORDS
 
@@ -213,3 +218,156 @@ def test_a_batch_of_trigger_programs_has_a_style(tmp_path: Path) -> None:
         assert checked.exit_code == 0, checked.output
     done = call("batch", SAMPLES / "dstv" / "tie.nc1", "-o", tmp_path, "--style", "table")
     assert (done.exit_code, "--style is not for plate-linuxcnc" in done.stderr) == (2, True)
+
+
+# --- what post says of what it wrote --------------------------------------------------------------
+
+
+DSTV = SAMPLES / "dstv"
+
+
+def post(*words: object) -> Result:
+    done = call("post", *words)
+    assert done.exception is None or isinstance(done.exception, SystemExit), done.exception
+    return done
+
+
+@pytest.mark.parametrize(
+    ("words", "output", "line"),
+    [
+        ((DSTV / "channel.nc1", "--bar", 12000), "channel.gcode",
+         "14 holes, 2 cuts, 1 bar of 12000, 3:14 min; read back: the part, exactly"),
+        ((DSTV / "tie.nc1", DSTV / "tie.nc1"), "ties.gcode",
+         "8 holes, 3 cuts, 1 bar of 12000, 2:20 min; read back: the 2 parts, exactly"),
+        ((DSTV / "gusset.nc1",), "g.ngc",
+         "5 contours, 1 marked line, 1 sheet of 6 mm, 0:40 min; read back: the part, exactly"),
+        ((SAMPLES / "json" / "shield-small.json",), "s.st",
+         "1 contour, 1 sheet of 8 mm, 0:12 min; read back: the part, exactly"),
+        ((SAMPLES / "json" / "shield-small.json", "--no-verify"), "s.steps",
+         "1 contour, 1 sheet of 8 mm, 0:05 min; NOT read back"),
+        ((SAMPLES / "bad" / "slot.nc1", "--machine", "beamline", "--allow-skips", "slot"),
+         "s.gcode",
+         "2 cuts, 1 bar of 4024.04, 0:42 min; read back: the part but for 1 feature left out"),
+        ((DSTV / "marked.nc1", "--machine", "beamline"), "m.gcode",
+         "3 holes, 2 cuts, 1 bar of 2424.04, 1:43 min; "
+         "read back: the part but for 3 features left for manual work"),
+        ((DSTV / "channel.nc1", "--from-operation", 4), "rest.gcode",
+         "operations 4 to 12 of 12; read back: the rest of the whole program, exactly"),
+        ((SAMPLES / "dxf" / "plate.dxf", "--thickness", 3, "--from-contour", 2), "rest.ngc",
+         "contours 2 to 7 of 7; read back: the rest of the whole program, exactly"),
+        ((SAMPLES / "coping" / "coped.nc1", "--machine", "coper-linuxcnc"), "coped.ngc",
+         "14 cuts, 1260 mm of bar, 1:47 min; read back: the part but for 4 corners rounded"),
+    ],
+)  # fmt: skip
+def test_a_line_says_what_was_written(
+    tmp_path: Path, words: tuple[object, ...], output: str, line: str
+) -> None:
+    done = post(*words, "-o", tmp_path / output)
+    assert done.exit_code == 0, done.stderr
+    assert done.stderr.splitlines()[-1] == f"{output}: {line}"
+    assert done.stdout == ""
+
+
+def test_a_line_for_each_program(tmp_path: Path) -> None:
+    done = post(DSTV / "channel.nc1", "--quantity", 2, "--bar", 6000, "-o", tmp_path / "c.gcode")
+    assert [line.partition(":")[0] for line in done.stderr.splitlines()[-2:]] == [
+        "c-1.gcode", "c-2.gcode",
+    ]  # fmt: skip
+    done = post(DSTV / "channel.nc1", "-o", "-")
+    assert done.stderr.startswith("the program: 14 holes, ")
+
+
+def test_no_line_where_nothing_is_wanted_or_nothing_was_written(tmp_path: Path) -> None:
+    out = tmp_path / "c.gcode"
+    assert post(DSTV / "channel.nc1", "-o", out, "--quiet").stderr == ""
+    assert "read back" not in post(DSTV / "channel.nc1", "-o", out, "--json").stderr
+    refused = post(SAMPLES / "bad" / "slot.nc1", "--machine", "beamline", "-o", out)
+    assert refused.exit_code == 1
+    assert "read back" not in refused.stderr
+
+
+# --- completion -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+def test_the_lines_of_a_shell(shell: str) -> None:
+    done = call("completion", shell)
+    assert done.exit_code == 0
+    assert f"_BEAMCAM_COMPLETE={shell}_complete" in done.stdout
+    if shutil.which(shell):
+        subprocess.run([shell, "-n"], input=done.stdout, text=True, check=True)
+
+
+#: Each shell, made to say what it offers behind a line; BEAMCAM is how it is called here.
+ASKED = {
+    "bash": "source lines; COMP_WORDS=({words} {last}); COMP_CWORD={count}; "
+    "_beamcam_completion beamcam; printf '%s\\n' \"${{COMPREPLY[@]}}\"",
+    "zsh": "compdef() {{ }}; compadd() {{ print -l -- $completions }}; "
+    "_describe() {{ print -l -- $completions_with_descriptions }}; source ./lines; "
+    "words=({words} {last}); CURRENT={count}+1; _beamcam_completion",
+    "fish": "source lines; complete -C '{words} {last}'",
+}
+
+
+@pytest.mark.parametrize("shell", [shell for shell in ASKED if shutil.which(shell)])
+@pytest.mark.parametrize(
+    ("words", "last", "offered"),
+    [
+        ("beamcam", "ba", {"batch"}),
+        ("beamcam batch in --machine", "beamline-", {"beamline-annex", "beamline-pusher"}),
+        ("beamcam post a.nc1", "--verb", {"--verbose"}),
+        ("beamcam machines", "sh", {"show"}),
+    ],
+)
+def test_a_shell_that_is_at_hand_completes(
+    tmp_path: Path, shell: str, words: str, last: str, offered: set[str]
+) -> None:
+    program = tmp_path / "beamcam"
+    program.write_text(
+        f"#!/bin/sh\nPYTHONPATH={shlex.quote(str(ROOT))} exec {shlex.quote(sys.executable)} "
+        '-m beamcam "$@"\n'
+    )
+    program.chmod(0o755)
+    (tmp_path / "lines").write_text(call("completion", shell).stdout)
+    asked = ASKED[shell].format(words=words, last=last, count=len(words.split()))
+    done = subprocess.run(
+        [shell, "-c", asked], cwd=tmp_path, capture_output=True, text=True, check=False,
+        env=os.environ | {"PATH": f"{tmp_path}:{os.environ['PATH']}", "HOME": str(tmp_path)},
+    )  # fmt: skip
+    found = {line.partition("\t")[0].partition(":")[0] for line in done.stdout.splitlines()}
+    assert found - {""} == offered, done.stderr
+
+
+def complete(words: str, number: int) -> list[str]:
+    """What bash would offer for the word of that number."""
+    environment = os.environ | {
+        "_BEAMCAM_COMPLETE": "bash_complete", "COMP_WORDS": words, "COMP_CWORD": str(number),
+    }  # fmt: skip
+    done = subprocess.run(
+        [sys.executable, "-c", "from beamcam.cli import main; main(prog_name='beamcam')"],
+        cwd=ROOT, env=environment, capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    return [line.partition(",")[2] for line in done.stdout.splitlines()]
+
+
+def test_what_is_completed() -> None:
+    assert complete("beamcam ba", 1) == ["batch"]
+    assert {"batch", "watch", "config", "completion"} <= set(COMMANDS)
+    assert "--flat" in complete("beamcam batch --f", 2)
+    assert complete("beamcam batch in --machine beamline-a", 4) == ["beamline-annex"]
+
+
+def test_powershell_asks_as_bash_does() -> None:
+    """The words before the cursor, and the number of the one that is completed; then kind,value."""
+    lines = call("completion", "powershell").stdout
+    assert lines.startswith("Register-ArgumentCompleter -Native -CommandName beamcam ")
+    assert all(lines.count(a) == lines.count(b) for a, b in ("{}", "()", "[]"))
+    asked = {"_BEAMCAM_COMPLETE", "COMP_WORDS", "COMP_CWORD"}
+    assert {*re.findall(r"\$env:(\w+) = ", lines)} == asked == {*re.findall(r" Env:(\w+)", lines)}
+    assert "$env:_BEAMCAM_COMPLETE = 'bash_complete'" in lines
+    # A word that is not begun yet is the one behind the last.
+    assert "show" in complete("beamcam machines ", 2)
+
+
+def test_an_unknown_shell() -> None:
+    assert call("completion", "dos").exit_code == 2

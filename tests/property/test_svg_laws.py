@@ -17,6 +17,12 @@ from beamcam.model.part import extent
 from beamcam.readers import svg
 from beamcam.readers.svg.page import parse_transform
 from beamcam.readers.svg.path import parse_path
+from beamcam.readers.svg.tree import (
+    _rules,
+    _without_comments,
+    _without_statements,
+    declarations,
+)
 from tests.conftest import examples
 from tests.svg_text import curves_of, drawing
 
@@ -175,3 +181,43 @@ def test_no_damage_makes_the_reader_raise(path: Path, dice: random.Random) -> No
 def test_reading_twice_says_the_same(path: Path) -> None:
     data = path.read_bytes()
     assert svg.read(data, "a.svg") == svg.read(data, "a.svg")
+
+
+# --- style rules ----------------------------------------------------------------------------------
+
+
+sheets = st.lists(
+    st.sampled_from(
+        ["/*", "*/", "*", "/", "a", ".b", "{", "}", ";", "@import", "@charset", "@font", " ", "!",
+         "important", "IMPORTANT", "<!--", "-->", ":", "\n", "red", "\t"]
+    ),
+    max_size=30,
+).map("".join)  # fmt: skip
+
+
+@given(sheets)
+def test_comments(text: str) -> None:
+    plain = re.sub(r"/\*.*?\*/", " ", text, flags=re.DOTALL)
+    assert _without_comments(text) == plain.replace("<!--", " ").replace("-->", " ")
+
+
+@given(sheets)
+def test_statements(text: str) -> None:
+    assert _without_statements(text) == re.sub(r"@(?:import|charset|namespace)[^;{]*;", " ", text)
+
+
+@given(sheets)
+def test_rules(text: str) -> None:
+    assert list(_rules(text)) == re.findall(r"([^{}]*)\{([^{}]*)\}", text)
+
+
+@given(sheets)
+def test_declarations(text: str) -> None:
+    important = re.compile(r"\s*!\s*important\s*\Z", re.IGNORECASE)
+    wanted = []
+    for part in text.split(";"):
+        name, colon, value = part.partition(":")
+        if colon:
+            plain = important.sub("", value)
+            wanted.append((name.strip().lower(), plain.strip(), plain != value))
+    assert list(declarations(text)) == wanted

@@ -1,6 +1,7 @@
 """Sizes said in pictures of parts: of every hole, once, in the words of a drawing."""
 
 from itertools import pairwise
+from math import hypot
 from pathlib import Path
 from typing import Any
 
@@ -26,7 +27,7 @@ from beamcam.model.part import (
 from beamcam.pictures.callouts import size_letters, sizes_on
 from beamcam.pictures.formats import to_svg
 from beamcam.pictures.part import part_scene
-from beamcam.pictures.scene import Scene, Text, said
+from beamcam.pictures.scene import CAPITAL, LETTER, Labels, Scene, Text, said
 from beamcam.pipeline import read_file
 from tests.conftest import examples
 from tests.unit.pictures.drawings import NAMESPACE, Drawing, corners
@@ -212,3 +213,36 @@ def test_bends_are_dimensioned_and_equal_figures_stand_once() -> None:
     assert found.texts.count("300") == 2  # along x, and the height of the web
     inch = Drawing(to_svg(part_scene(beam(bend, *holes), "inch")))
     assert {"11.811", "11.813"} <= {*inch.texts}
+
+
+# --- numbers beside what they name ----------------------------------------------------------------
+
+
+PLACES = st.lists(st.tuples(st.integers(0, 120), st.integers(0, 60)), min_size=1, max_size=25)
+SIZE, RADIUS = 9.0, 2.0
+
+
+@given(PLACES)
+def test_no_label_lies_over_another_or_over_a_hole(places: list[tuple[int, int]]) -> None:
+    labels = Labels()
+    holes = [(x - RADIUS, y - RADIUS, x + RADIUS, y + RADIUS) for x, y in places]
+    for hole in holes:
+        labels.block(hole)
+    boxes = []
+    for number, at in enumerate(places, 1):
+        found = labels.place(at, RADIUS, str(number), SIZE)
+        if found is not None:
+            wide, high = LETTER * SIZE * len(str(number)), CAPITAL * SIZE
+            boxes.append((found[0], found[1] - high, found[0] + wide, found[1]))
+            middle = found[0] + wide / 2, found[1] - high / 2
+            assert hypot(middle[0] - at[0], middle[1] - at[1]) < 3 * (RADIUS + high + wide)
+    taken = [*boxes, *holes]
+    for k, a in enumerate(boxes):
+        for b in taken[k + 1 :]:
+            assert a[2] <= b[0] or b[2] <= a[0] or a[3] <= b[1] or b[3] <= a[1]
+
+
+def test_alone_it_stands_to_the_upper_right() -> None:
+    x, y = Labels().place((50.0, 50.0), RADIUS, "7", SIZE) or (0.0, 0.0)
+    assert x > 50.0
+    assert y < 50.0
