@@ -1,4 +1,4 @@
-"""Checks of a request before any work, for the library and the command line alike."""
+"""Checks of a request and its machine before any work, for library and command line alike."""
 
 import os
 from collections.abc import Collection, Iterable, Iterator
@@ -8,13 +8,15 @@ from typing import Any, TypeVar
 import msgspec
 from msgspec import Struct
 
+from beamcam.controllers.machine_words import known_faults
 from beamcam.conversion import nearest
-from beamcam.errors import BeamcamError, Diagnostic, Source, error
+from beamcam.errors import BeamcamError, Diagnostic, MachineError, Source, error
+from beamcam.machine.load import load, shipped, source_in
 from beamcam.machine.machine import Machine
+from beamcam.machine.words import WORD
 from beamcam.model.part import Part
 from beamcam.plain_text import MAX_COMMENT, terminal_text
 from beamcam.planning.left_out import ALL_SKIPS, SKIP_NAMES
-from beamcam.self_test import load_tested
 
 ASK_TYPE = error("ask-type",
     "found {found} for {name}; expected {expected}",
@@ -127,6 +129,40 @@ def machine_of(machine: AnyMachine) -> Machine:
     if not isinstance(machine, str | os.PathLike):
         raise AskError(ask_type("machine", machine, "a name, the path of a file, or a Machine"))
     return load_tested(str(os.fspath(machine)))
+
+
+def load_tested(name: str) -> Machine:
+    """The machine called `name`, or the one in the file at that path, whose programs can be read.
+
+    Those that are shipped are proved by the tests. Raises MachineError.
+    """
+    machine = load_machine(name)
+    if name in shipped():
+        return machine
+    from beamcam.self_test import known_proof_faults
+
+    diagnostics = tuple(
+        WORD.at(source_in(name, key, text), key=key, said=fault)
+        for key, text, fault in known_proof_faults(machine)
+    )
+    if diagnostics:
+        raise MachineError(diagnostics[:1])
+    return machine
+
+
+def load_machine(name: str) -> Machine:
+    """The machine called `name`, or the one in the file at that path, whose words can be read.
+
+    Raises MachineError.
+    """
+    machine = load(name)
+    diagnostics = tuple(
+        WORD.at(source_in(name, key, text), key=key, said=fault)
+        for key, text, fault in known_faults(machine)
+    )
+    if diagnostics:
+        raise MachineError(diagnostics)
+    return machine
 
 
 def converted(value: object, kind: type[Asked], name: str = "") -> Asked:

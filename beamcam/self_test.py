@@ -11,14 +11,12 @@ from collections.abc import Iterator
 
 from beamcam.caches import PerObject
 from beamcam.checks.head import head_of
-from beamcam.controllers.machine_words import WordFault, fault_in, known_faults
+from beamcam.controllers.machine_words import WordFault, fault_in
 from beamcam.emitters import head_lines
-from beamcam.errors import Diagnostic, MachineError, PlanError, Source, errors_in
+from beamcam.errors import Diagnostic, PlanError, Source, errors_in
 from beamcam.geometry.curves import Arc, Bezier, Curve, Line
 from beamcam.machine.coper import Coper
-from beamcam.machine.load import load, shipped, source_in
 from beamcam.machine.machine import Machine
-from beamcam.machine.words import WORD
 from beamcam.model.part import Contour, EndCuts, Feature, Hole, Part, Process, Profile
 from beamcam.model.request import Job, Request
 from beamcam.planning.left_out import SKIP_NAMES, left_out_kinds, manual_work_sources
@@ -39,23 +37,6 @@ _SECTIONS = (
 )
 
 
-def load_tested(name: str) -> Machine:
-    """The machine called `name`, or the one in the file at that path, whose programs can be read.
-
-    Those that are shipped are proved by the tests. Raises MachineError.
-    """
-    machine = load_machine(name)
-    if name in shipped():
-        return machine
-    diagnostics = tuple(
-        WORD.at(source_in(name, key, text), key=key, said=fault)
-        for key, text, fault in _faults(machine)
-    )
-    if diagnostics:
-        raise MachineError(diagnostics[:1])
-    return machine
-
-
 def proof_faults(machine: Machine) -> tuple[WordFault, ...]:
     """What the read-back refuses of the program of a small part, by the words that wrote it."""
     for part in _parts(machine):
@@ -74,7 +55,7 @@ def proof_faults(machine: Machine) -> tuple[WordFault, ...]:
     return ()
 
 
-_faults = PerObject("machine.proof", proof_faults)
+known_proof_faults = PerObject("machine.proof", proof_faults)
 
 
 def _written(job: Job) -> Written:
@@ -182,18 +163,3 @@ def _sheets(machine: Machine) -> Iterator[Part]:
 
 def _contour(curves: tuple[Curve, ...], kind: str, process: Process = "cut") -> Contour:
     return Contour("v", kind, curves, _AT, process, kind != "open")  # type: ignore[arg-type]
-
-
-def load_machine(name: str) -> Machine:
-    """The machine called `name`, or the one in the file at that path, whose words can be read.
-
-    Raises MachineError.
-    """
-    machine = load(name)
-    diagnostics = tuple(
-        WORD.at(source_in(name, key, text), key=key, said=fault)
-        for key, text, fault in known_faults(machine)
-    )
-    if diagnostics:
-        raise MachineError(diagnostics)
-    return machine

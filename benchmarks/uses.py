@@ -47,7 +47,7 @@ def work(kind: str, data: bytes, chance: random.Random) -> tuple[str, str]:
 
 def _use_machine(data: bytes) -> None:
     """Load a machine file, and post a sample with it."""
-    from beamcam.self_test import load_tested
+    from beamcam.arguments import load_tested
 
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "mine.toml"

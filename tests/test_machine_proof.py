@@ -5,10 +5,11 @@ from pathlib import Path
 import pytest
 from msgspec.structs import replace
 
+from beamcam.arguments import load_tested
 from beamcam.errors import MachineError
 from beamcam.machine import load
 from beamcam.machine.load import SHIPPED, shipped
-from beamcam.self_test import load_tested, proof_faults
+from beamcam.self_test import proof_faults
 
 #: A machine, a word of its file and another that stands there, the key and what is found.
 WRONG = [

@@ -6,6 +6,7 @@ from typing import Any
 
 import click
 
+from beamcam.arguments import load_tested
 from beamcam.batch.names import cleaned
 from beamcam.commands import options
 from beamcam.commands.common import Console, cannot_write, say_json, say_lines, write
@@ -25,7 +26,6 @@ from beamcam.machine import (
 from beamcam.machine.chart_file import chart_rows
 from beamcam.machine.keys import starting_file
 from beamcam.machine.load import files_of
-from beamcam.self_test import load_tested
 
 MAX_CHART_BYTES = 10_000_000
 

@@ -10,6 +10,7 @@ from typing import Any, Literal
 import click
 from msgspec.structs import replace
 
+from beamcam.arguments import load_tested
 from beamcam.budget import set_limits
 from beamcam.commands.common import remark, running_console
 from beamcam.config.places import ConfigFiles, config_files, own_files
@@ -23,7 +24,6 @@ from beamcam.machine_choice import InTurn
 from beamcam.model.part import Part
 from beamcam.pipeline import stock_of
 from beamcam.readers import Reading
-from beamcam.self_test import load_tested
 
 #: Keys of a configuration that are options of their own, by the name of the option's value.
 _OPTIONS = {

@@ -7,12 +7,12 @@ from typing import Any
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
+from beamcam.arguments import load_machine
 from beamcam.errors import BeamcamError, Diagnostic, errors_in
 from beamcam.machine.keys import _key, _toml
 from beamcam.machine.load import files_of_machine, merged
 from beamcam.pipeline import post
 from beamcam.readers import read
-from beamcam.self_test import load_machine
 from tests.conftest import SAMPLES, examples
 
 HALL = str(SAMPLES / "machines" / "hall-drill.toml")

@@ -229,7 +229,7 @@ BAD: list[tuple[str, Callable[[str], str], str]] = [
 def test_what_a_stamp_lacks_is_told_at_its_key(
     change: Callable[[str], str], says: str, tmp_path: Path
 ) -> None:
-    from beamcam.self_test import load_machine
+    from beamcam.arguments import load_machine
 
     plain = FILES["stamp"].read_text(encoding="utf-8")
     path = tmp_path / "mine.toml"

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
+from beamcam.arguments import load_machine
 from beamcam.controllers import cell_events, table_events
 from beamcam.controllers.events import Move, Pause
 from beamcam.errors import MachineError, errors_in
@@ -14,7 +15,6 @@ from beamcam.machine import Machine, load
 from beamcam.model.request import Request
 from beamcam.pipeline import post, read_back
 from beamcam.readers import read
-from beamcam.self_test import load_machine
 from tests.conftest import SAMPLES, examples
 from tests.rs274 import interpreted, needs_rs274
 from tests.runs import part

@@ -5,11 +5,11 @@ from pathlib import Path
 import pytest
 
 import beamcam
+from beamcam.arguments import load_machine
 from beamcam.controllers import table_events
 from beamcam.controllers.machine_words import word_faults
 from beamcam.errors import MachineError
 from beamcam.machine import load, shipped
-from beamcam.self_test import load_machine
 from tests.conftest import SAMPLES
 from tests.runs import call
 

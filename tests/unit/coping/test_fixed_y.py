@@ -4,13 +4,13 @@ from pathlib import Path
 
 import pytest
 
+from beamcam.arguments import load_tested
 from beamcam.errors import MachineError
 from beamcam.machine import Machine, load
 from beamcam.model.request import Request
 from beamcam.pictures.program import ReadProgram
 from beamcam.pipeline import post
 from beamcam.recovery import recover
-from beamcam.self_test import load_tested
 from beamcam.setup_sheet.content import SheetSources, content_of
 from beamcam.simulation.program import simulate_program
 from beamcam.solid.opinion import solid_faults

@@ -7,9 +7,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
+from beamcam.arguments import load_machine
 from beamcam.checks.coping import verify_coping
 from beamcam.errors import MachineError, errors_in
-from beamcam.self_test import load_machine
 from tests.unit.coping.samples import COPER, NAMES, program_of, sample
 
 MEASURING = replace(COPER, words=replace(

@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 
+from beamcam.arguments import load_tested
 from beamcam.conversion import Fault, converted
 from beamcam.errors import MachineError
 from beamcam.machine import load, settings, shipped, words
@@ -15,7 +16,6 @@ from beamcam.machine.toml import line_of
 from beamcam.machine.words import Formula, as_formula
 from beamcam.model.plan import DrillOp
 from beamcam.planning.beam import plan_bar
-from beamcam.self_test import load_tested
 from tests.conftest import rules_of
 from tests.unit.planning.shop import hole, part
 

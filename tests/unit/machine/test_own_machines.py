@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from beamcam.arguments import load_machine
 from beamcam.errors import MachineError
 from beamcam.machine import (
     DEFAULT_MACHINE,
@@ -22,7 +23,6 @@ from beamcam.machine.keys import machine_keys, starting_file
 from beamcam.machine.load import files_of_machine, merged
 from beamcam.machine.words import WORD_NAMES
 from beamcam.readers import is_of_programs
-from beamcam.self_test import load_machine
 from tests.conftest import ROOT, SAMPLES, sampled
 from tests.runs import batch, call, counts, fill
 

@@ -6,11 +6,11 @@ from pathlib import Path
 import pytest
 
 import beamcam
+from beamcam.arguments import load_machine
 from beamcam.errors import MachineError
 from beamcam.machine import load, shipped
 from beamcam.machine.keys import machine_keys
 from beamcam.machine.overlay import former_name, with_present_keys
-from beamcam.self_test import load_machine
 from tests.conftest import SAMPLES
 from tests.runs import call
 

@@ -7,11 +7,11 @@ from pathlib import Path
 import pytest
 from msgspec.structs import replace
 
+from beamcam.arguments import load_tested
 from beamcam.checks.sheets import verify_sheet
 from beamcam.errors import MachineError, VerifyError
 from beamcam.model.part import Part
 from beamcam.pipeline import post
-from beamcam.self_test import load_tested
 from tests.conftest import ROOT, sampled
 from tests.unit.sheets.parts import NESTED, box, circle, contour, drawing, lines, table
 
