@@ -7,12 +7,7 @@ from typing import Any, Literal, Unpack, get_args
 
 from msgspec.structs import replace
 
-from beamcam.api.inputs import (
-    CheckedReadOptions,
-    FileInput,
-    ReadOptions,
-    SheetOptions,
-)
+from beamcam.api.inputs import CheckedReadOptions, FileInput, ReadOptions, SheetOptions
 from beamcam.arguments import (
     ASK_TYPE,
     ASK_VALUE,

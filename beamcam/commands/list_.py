@@ -13,20 +13,9 @@ from beamcam.batch.find import FoundInputs, find_inputs
 from beamcam.batch.names import other_content
 from beamcam.budget import refused_pieces
 from beamcam.commands import MISSING_EXTRA, options
-from beamcam.commands.common import (
-    STANDARD,
-    Console,
-    Grouped,
-    read_all,
-    shows_colour,
-    write,
-)
+from beamcam.commands.common import STANDARD, Console, Grouped, read_all, shows_colour, write
 from beamcam.commands.options import quantity
-from beamcam.commands.parts import (
-    drawing_choice,
-    list_options,
-    member_choice,
-)
+from beamcam.commands.parts import drawing_choice, list_options, member_choice
 from beamcam.commands.settings import (
     files_read,
     machine_of_stock,

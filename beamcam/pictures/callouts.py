@@ -15,16 +15,7 @@ from msgspec import Struct
 from numpy.typing import NDArray
 
 from beamcam.geometry.curves import Arc, Curve, Line, circle_of
-from beamcam.model.part import (
-    Bend,
-    Camber,
-    Contour,
-    EndPlane,
-    Feature,
-    Hole,
-    Slot,
-    TextMark,
-)
+from beamcam.model.part import Bend, Camber, Contour, EndPlane, Feature, Hole, Slot, TextMark
 from beamcam.pictures.scene import (
     CAPITAL,
     LETTER,

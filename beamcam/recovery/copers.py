@@ -49,15 +49,7 @@ from beamcam.recovery.rings import (
     round_of,
     rounded_corners,
 )
-from beamcam.recovery.tilted import (
-    SAME,
-    Ends,
-    cuts_of,
-    ends_of,
-    length_of,
-    whole_wall,
-    with_bevels,
-)
+from beamcam.recovery.tilted import SAME, Ends, cuts_of, ends_of, length_of, whole_wall, with_bevels
 
 Shape = Any  #: of shapely
 

@@ -46,16 +46,7 @@ from beamcam.solid.compare import (
 from beamcam.solid.coper_roots import ledges_of, square_ends, steps_of
 from beamcam.solid.coper_solid import Burn, burns_of, pieces_of, stock_of
 from beamcam.solid.cutters import slot_shape
-from beamcam.solid.kernel import (
-    CHORD,
-    FREE,
-    Wall,
-    circle,
-    facets,
-    kernel,
-    minus,
-    walls,
-)
+from beamcam.solid.kernel import CHORD, FREE, Wall, circle, facets, kernel, minus, walls
 from beamcam.solid.part_solid import part_solid
 from beamcam.solid.stock_solid import Margins, Shape, is_cut, shape_of, stock_solid
 from beamcam.solid.wrapped import (

@@ -11,13 +11,7 @@ from beamcam.readers import dstv
 from beamcam.readers.ifc import read
 from beamcam.writers.dstv import write
 from tests.conftest import sampled
-from tests.property.ifc_builder import (
-    ENCODINGS,
-    Member,
-    expected_holes,
-    model_text,
-    random_member,
-)
+from tests.property.ifc_builder import ENCODINGS, Member, expected_holes, model_text, random_member
 
 EACH = 30  #: members of a model: 9 encodings x 2 models x 30 = 540 members
 

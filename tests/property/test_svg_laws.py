@@ -17,12 +17,7 @@ from beamcam.model.part import extent
 from beamcam.readers import svg
 from beamcam.readers.svg.page import parse_transform
 from beamcam.readers.svg.path import parse_path
-from beamcam.readers.svg.tree import (
-    _rules,
-    _without_comments,
-    _without_statements,
-    declarations,
-)
+from beamcam.readers.svg.tree import _rules, _without_comments, _without_statements, declarations
 from tests.conftest import examples
 from tests.svg_text import curves_of, drawing
 

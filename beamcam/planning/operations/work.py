@@ -11,17 +11,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from msgspec import Struct
 
 from beamcam.errors import Diagnostic, PlanError, Source, errors_in
-from beamcam.model.part import (
-    Bend,
-    Camber,
-    Contour,
-    EndPlane,
-    Feature,
-    Hole,
-    Part,
-    Slot,
-    TextMark,
-)
+from beamcam.model.part import Bend, Camber, Contour, EndPlane, Feature, Hole, Part, Slot, TextMark
 from beamcam.model.request import policy_on
 from beamcam.model.section import section_fault
 from beamcam.planning import rules

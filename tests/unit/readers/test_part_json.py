@@ -6,15 +6,7 @@ from math import cos, pi, sin, sqrt
 import pytest
 
 from beamcam.errors import Source
-from beamcam.geometry.curves import (
-    Arc,
-    Bezier,
-    BSpline,
-    EllipseArc,
-    Line,
-    NewtonCurve,
-    signed_area,
-)
+from beamcam.geometry.curves import Arc, Bezier, BSpline, EllipseArc, Line, NewtonCurve, signed_area
 from beamcam.model import curve_json
 from beamcam.model.part import Contour, Part, Profile
 from beamcam.model.part_json import part_to_json, write

@@ -1,21 +1,7 @@
 """Start, stop and acknowledge: what a press of each does, and what a held one does not."""
 
-from .deeds import (
-    alarm,
-    alarm_that_stays,
-    press_stop,
-)
-from .plant import (
-    DONE,
-    FAULT,
-    HOMING,
-    STOPPED_S,
-    WAITS,
-    WORK,
-    cutting,
-    each_kind,
-    plant,
-)
+from .deeds import alarm, alarm_that_stays, press_stop
+from .plant import DONE, FAULT, HOMING, STOPPED_S, WAITS, WORK, cutting, each_kind, plant
 
 
 @each_kind

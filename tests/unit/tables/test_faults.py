@@ -10,15 +10,7 @@ from beamcam.machine.runtime import INPUTS
 from beamcam.model.program import ArcTravel, Travel
 from tests.conftest import examples
 
-from .deeds import (
-    alarm,
-    break_wire,
-    close,
-    disable,
-    fault_task,
-    mend,
-    press_stop,
-)
+from .deeds import alarm, break_wire, close, disable, fault_task, mend, press_stop
 from .plant import (
     DONE,
     FAULT,

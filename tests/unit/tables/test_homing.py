@@ -19,17 +19,7 @@ from .deeds import (
     release,
     reverse,
 )
-from .plant import (
-    DONE,
-    FAULT,
-    HOMING,
-    STOPPED_S,
-    WORK,
-    Deed,
-    Plant,
-    each_kind,
-    plant,
-)
+from .plant import DONE, FAULT, HOMING, STOPPED_S, WORK, Deed, Plant, each_kind, plant
 
 EXACT = 0.06  #: mm of the zero: two cycles of the slow approach, and its stop
 

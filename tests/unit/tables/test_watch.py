@@ -9,11 +9,7 @@ from msgspec.structs import replace
 from beamcam.emitters import simotion
 from tests.conftest import examples
 
-from .deeds import (
-    displace,
-    mend,
-    override,
-)
+from .deeds import displace, mend, override
 from .plant import (
     DONE,
     FAULT,

@@ -9,16 +9,7 @@ from msgspec.structs import replace
 
 from beamcam.errors import BeamcamError, Source
 from beamcam.geometry.curves import Arc, Bezier, BSpline, EllipseArc, Line, NewtonCurve
-from beamcam.model.part import (
-    Bevel,
-    Contour,
-    FileComment,
-    Hole,
-    Part,
-    Plane,
-    Profile,
-    TextMark,
-)
+from beamcam.model.part import Bevel, Contour, FileComment, Hole, Part, Plane, Profile, TextMark
 from beamcam.readers.dstv import read
 from beamcam.writers import dstv_rows
 from beamcam.writers.dstv import write
