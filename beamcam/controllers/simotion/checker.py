@@ -3,8 +3,8 @@
 from collections.abc import Mapping, Sequence
 
 from beamcam.controllers.simotion import axes, rules, syntax
-from beamcam.controllers.simotion.expressions import KEYWORDS
 from beamcam.controllers.simotion.names import UNKNOWN, Names, near, text_of
+from beamcam.controllers.simotion.parser import KEYWORDS
 from beamcam.controllers.simotion.types import Types
 from beamcam.errors import Diagnostic
 

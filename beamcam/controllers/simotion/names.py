@@ -3,7 +3,7 @@
 from collections.abc import Collection, Iterable, Mapping, Sequence
 
 from beamcam.controllers.simotion import axes, rules, syntax
-from beamcam.controllers.simotion.expressions import RESERVED
+from beamcam.controllers.simotion.parser import RESERVED
 from beamcam.errors import Diagnostic, Rule, Source
 
 UNKNOWN = "?"  #: the type of what has been complained about already

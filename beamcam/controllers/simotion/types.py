@@ -5,9 +5,8 @@ from collections.abc import Sequence
 from typing import Literal, cast
 
 from beamcam.controllers.simotion import axes, rules, syntax
-from beamcam.controllers.simotion.expressions import RESERVED, Stop
 from beamcam.controllers.simotion.names import UNKNOWN, Names, near, spelled, text_of
-from beamcam.controllers.simotion.parser import Parser
+from beamcam.controllers.simotion.parser import RESERVED, Parser, Stop
 from beamcam.controllers.simotion.syntax import Section, Statement, Token, tokens
 from beamcam.errors import Diagnostic, Source
 
