@@ -39,10 +39,11 @@ def fill(folder: Path, count: int, bad: int | None = None) -> None:
         (folder / f"P{k:03d}.nc1").write_text(text)
 
 
-def call(*words: object, stdin: str | bytes | None = None) -> Result:
-    """What comes of a command, which ends in an exit status, never in another exception."""
+def call(*words: object, stdin: str | bytes | None = None, status: int | None = None) -> Result:
+    """What comes of a command, which ends in this status, or in any, never in an exception."""
     done = CliRunner().invoke(main, [*map(str, words)], input=stdin)
     assert done.exception is None or isinstance(done.exception, SystemExit), done.exception
+    assert status in (None, done.exit_code), (done.exit_code, done.output)
     return done
 
 

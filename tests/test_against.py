@@ -17,8 +17,7 @@ def test_a_part_is_simulated_as_its_program_is(source: str, program: str, tmp_pa
     assert call("post", source, "-o", job, "--job", Path(program).stem).exit_code == 0
     traces = []
     for words in ((source,), (job,), (job, "--against", source), (job, source)):
-        done = call("simulate", *words, "-o", tmp_path / "trace.csv")
-        assert done.exit_code == 0, done.stderr
+        call("simulate", *words, "-o", tmp_path / "trace.csv", status=0)
         traces.append((tmp_path / "trace.csv").read_text(encoding="utf-8"))
     steps = [[line.rsplit(",", 1)[0] for line in trace.splitlines()] for trace in traces]
     assert len(steps[0]) > 20

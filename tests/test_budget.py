@@ -59,8 +59,7 @@ def test_of_too_many_pieces_the_other_parts_are_listed(
     jobs.mkdir()
     written(jobs, "bad.nc1", tie("BAD", TOO_MANY))
     written(jobs, "good.nc1", tie("GOOD", 3))
-    done = call(words[0], "jobs", *words[1:])
-    assert done.exit_code == 1
+    done = call(words[0], "jobs", *words[1:], status=1)
     assert f"bad.nc1:1: error limit-pieces: found {TOO_MANY} pieces; expected" in done.stderr
     made = done.stdout
     if len(words) > 1:
@@ -82,8 +81,7 @@ def test_a_job_of_too_many_pieces_is_refused_by_name(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     path = written(tmp_path, "bad.nc1", tie("BAD", TOO_MANY))
-    done = call(words[0], path, *words[1:], "--quantity", "file")
-    assert done.exit_code == 1
+    done = call(words[0], path, *words[1:], "--quantity", "file", status=1)
     assert f"bad.nc1:1: error limit-pieces: found {TOO_MANY} pieces; expected" in done.stderr
     assert "plan-ways-out" not in done.stderr
     assert not list(tmp_path.glob("x.*"))
@@ -123,8 +121,7 @@ def test_the_configuration_has_other_limits(tmp_path: Path) -> None:
 @pytest.mark.parametrize("row", ["pieces = 0", "member_s = 0", "depth = 9999", "blocks = 3"])
 def test_limits_are_checked_like_other_keys(row: str, tmp_path: Path) -> None:
     written(tmp_path, "beamcam.toml", f"[limits]\n{row}\n")
-    done = call("list", written(tmp_path, "p.nc1", tie()))
-    assert done.exit_code == 1
+    done = call("list", written(tmp_path, "p.nc1", tie()), status=1)
     assert f"beamcam.toml:2: error config-{'key' if 'blocks' in row else 'value'}" in done.stderr
 
 
@@ -170,8 +167,7 @@ def test_one_label_that_cannot_be_made_is_one_message(
     written(jobs, "long.nc1", tie("M" * 2400, 5))
     written(jobs, "short.nc1", tie("SHORT", 4))
     output = tmp_path / f"l.{suffix}"
-    done = call("labels", jobs, "-o", output, "--code", code)
-    assert done.exit_code == 1
+    done = call("labels", jobs, "-o", output, "--code", code, status=1)
     assert done.stderr.count("error label-code: found 24") == 1
     data = output.read_bytes()
     made = len(pypdfium2.PdfDocument(data)) if suffix == "pdf" else data.count(b"^XA")
@@ -220,8 +216,7 @@ def test_a_pipe_and_a_device_are_refused_and_not_waited_for(
     os.mkfifo("pipe.nc1")
     Path("endless.nc1").symlink_to("/dev/zero")
     for name in ("pipe.nc1", "endless.nc1"):
-        done = call(door[0], name, *door[1:])
-        assert done.exit_code == 1
+        done = call(door[0], name, *door[1:], status=1)
         assert f"{name}: error read-not-a-file: found a pipe or a device" in done.stderr
 
 
@@ -311,8 +306,7 @@ def nested_blocks(count: int, path: Path) -> Path:
 def test_blocks_in_blocks(tmp_path: Path) -> None:
     assert call("inspect", nested_blocks(100, tmp_path / "a.dxf")).exit_code == 0
     for count in (101, 500, 3000):
-        done = call("inspect", nested_blocks(count, tmp_path / f"{count}.dxf"))
-        assert done.exit_code == 1
+        done = call("inspect", nested_blocks(count, tmp_path / f"{count}.dxf"), status=1)
         assert "error limit-depth: found the block 'B" in done.stderr
         assert "expected at most 100, or another `limits.depth` in beamcam.toml" in done.stderr
 

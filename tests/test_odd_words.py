@@ -22,8 +22,7 @@ def test_a_job_longer_than_a_line_is_refused(tmp_path: Path, command: str) -> No
     out = str(tmp_path / ("a.gcode" if command == "post" else "out"))
     more = ["--once", "--settle", "0"] if command == "watch" else []
     words = [command, source, "-o", out, *more]
-    done = call(*words, "--job", "J" * 201)
-    assert done.exit_code == 1
+    done = call(*words, "--job", "J" * 201, status=1)
     assert "error ask-job: found the job name 'JJJ" in done.stderr
     assert "expected 200 characters at most" in done.stderr
     assert len(done.stderr) < 500
@@ -60,8 +59,7 @@ def test_tables_are_refused_in_our_words(tmp_path: Path, text: str) -> None:
     (tmp_path / "m.toml").write_text(text)
     for words in (["machines", "show", str(tmp_path / "m.toml")],
                   ["config", "--config", str(tmp_path / "m.toml")]):  # fmt: skip
-        done = call(*words)
-        assert done.exit_code == 1
+        done = call(*words, status=1)
         assert "a number of more digits than any has" in done.stderr or "characters" in done.stderr
         assert not any(word in done.stderr for word in PYTHON)
 
@@ -106,8 +104,7 @@ def test_a_link_to_a_folder_above_brings_none_of_its_files(
     (tmp_path / "jobs" / "today" / "beside").symlink_to(tmp_path / "beside")
     monkeypatch.chdir(tmp_path)
     for words in (["jobs/today"], ["jobs/tod*"]):
-        done = call("batch", *words, "-o", "out", "--dry-run")
-        assert done.exit_code == 0, done.stderr
+        done = call("batch", *words, "-o", "out", "--dry-run", status=0)
         assert "secret" not in done.output
         assert done.stderr.count("warning batch-loop") == 2
         assert f"found a link back to {tmp_path / 'jobs'}, which is not followed" in done.stderr

@@ -68,8 +68,7 @@ def test_each_piece_is_made_once_from_what_is_in_store(
     for k, (length, quantity) in enumerate(pieces):
         (folder / "in" / f"P{k}.nc1").write_text(part(f"P{k}", float(length), quantity))
     words = [word for length in remnants for word in ("--remnant", length)]
-    done = call("batch", folder / "in", "--bar", 6000, *words, "-o", folder / "out", "--jobs", 1)
-    assert done.exit_code == 0, done.stderr
+    call("batch", folder / "in", "--bar", 6000, *words, "-o", folder / "out", "--jobs", 1, status=0)
     made = heads(folder / "out")
     assert Counter(mark for head in made.values() for mark in marks(head)) == {
         f"P{k}": quantity for k, (_, quantity) in enumerate(pieces)
@@ -86,11 +85,10 @@ def test_each_piece_is_made_once_from_what_is_in_store(
 
 def test_programs_lists_and_labels_are_of_one_plan(tmp_path: Path) -> None:
     out = tmp_path / "out"
-    done = call(
+    call(
         "batch", order(tmp_path / "in"), "--bar", 12000, "--remnant", "UPN200=4300", "--sheet",
-        "3000x1500", "-o", out,
+        "3000x1500", "-o", out, status=0,
     )  # fmt: skip
-    assert done.exit_code == 0, done.stderr
     made = heads(out)
     assert {name: (head.bar, marks(head)) for name, head in made.items()} == {
         "IPE160_S235JR.gcode": (12000.0, ["S1"]), "IPE300_S355J2.gcode": (12000.0, ["B1"]),
@@ -111,8 +109,7 @@ def test_programs_lists_and_labels_are_of_one_plan(tmp_path: Path) -> None:
         (mark, name) for name, head in made.items() for mark in marks(head)
     )
     against = [DSTV / "channel.nc1", DSTV / "tie.nc1"]
-    checked = call("verify", out / "UPN200_S235JR-1.gcode", "--bar", 4300, "--against", *against)
-    assert checked.exit_code == 0, checked.stderr
+    call("verify", out / "UPN200_S235JR-1.gcode", "--bar", 4300, "--against", *against, status=0)
 
 
 def test_a_list_has_the_bars_and_cuts_of_a_batch_over_stock(tmp_path: Path) -> None:
@@ -152,8 +149,7 @@ def test_labels_of_a_run_over_stock_are_printed(tmp_path: Path) -> None:
     assert again.stdout == (out / "labels.json").read_text()
     for torn in ("", '"labels": 5}'):
         (out / "labels.json").write_text('{"schema": "beamcam/labels/1",' + torn)
-        done = call("labels", out / "labels.json", "--json")
-        assert done.exit_code == 1
+        done = call("labels", out / "labels.json", "--json", status=1)
         assert "label-file" in done.stderr
     long = [{"mark": "x" * 3000, "lines": [], "program": "p"}]
     (out / "labels.json").write_text(json.dumps({"schema": "beamcam/labels/1", "labels": long}))
@@ -173,8 +169,7 @@ def test_the_bars_are_those_of_list(tmp_path: Path) -> None:
     for words in ((), ("--turn", "--order", "best")):
         assert call("batch", folder, "--bar", 6500, *words, "-o", out).exit_code == 0
         cuts = tmp_path / "cuts.csv"
-        done = call("list", folder, "--bar", 6500, *words, "-o", cuts, "--table", "cuts")
-        assert done.exit_code == 0
+        call("list", folder, "--bar", 6500, *words, "-o", cuts, "--table", "cuts", status=0)
         listed = rows(tmp_path, "cuts.csv")
         assert listed
         keys = [key for key in listed[0] if key != "bar"]
@@ -199,8 +194,7 @@ def test_what_no_machine_makes_stands_in_the_account_and_the_rest_is_made(tmp_pa
     folder, out = order(tmp_path / "in", "channel", "tie"), tmp_path / "out"
     (folder / "bad.nc1").write_text(BAD)
     (folder / "cut.nc1").write_bytes((SAMPLES / "bad" / "cut-denied.nc1").read_bytes())
-    done = call("batch", folder, "--bar", 12000, "-o", out, "--json")
-    assert done.exit_code == 1
+    done = call("batch", folder, "--bar", 12000, "-o", out, "--json", status=1)
     report = json.loads(done.stdout)
     assert report["counts"] == {"posted": 1, "unchanged": 0, "refused": 2, "failed": 0}
     refused = {
@@ -220,8 +214,7 @@ def test_a_part_that_only_a_remnant_holds_leaves_the_others(tmp_path: Path) -> N
     folder.mkdir()
     for mark, length in (("A", 7000.0), ("B", 7100.0), ("C", 2000.0)):
         (folder / f"{mark}.nc1").write_text(part(mark, length))
-    done = call("batch", folder, "--bar", 6000, "--remnant", 8000, "-o", out)
-    assert done.exit_code == 1
+    done = call("batch", folder, "--bar", 6000, "--remnant", 8000, "-o", out, status=1)
     assert "B.nc1:1: error plan-bar-full" in done.stderr
     assert sorted((head.bar, marks(head)) for head in heads(out).values()) == [
         (6000.0, ["C"]), (8000.0, ["A"]),
@@ -232,8 +225,7 @@ def test_two_parts_of_one_mark_refuse_all_before_anything_is_written(tmp_path: P
     folder, out = order(tmp_path / "in", "channel", "tie"), tmp_path / "out"
     text = (DSTV / "channel.nc1").read_text().replace("3000.00", "2990.00")
     (folder / "other.nc1").write_text(text)
-    done = call("batch", folder, "--bar", 12000, "-o", out)
-    assert done.exit_code == 1
+    done = call("batch", folder, "--bar", 12000, "-o", out, status=1)
     assert "other.nc1:1: error list-mark-twice" in done.stderr
     assert not [p for p in out.iterdir() if p.name[0] != "."]
     (folder / "other.nc1").write_text(text.replace("\n  DEMO\n", "\n  OTHER\n"))
@@ -241,8 +233,7 @@ def test_two_parts_of_one_mark_refuse_all_before_anything_is_written(tmp_path: P
 
 
 def statuses(*words: object) -> dict[str, str]:
-    done = call(*words, "--json")
-    assert done.exit_code == 0, done.stderr
+    done = call(*words, "--json", status=0)
     return {row["file"]: row["status"] for row in json.loads(done.stdout)["files"]}
 
 
@@ -265,8 +256,7 @@ def test_only_what_changed_is_made_again(tmp_path: Path) -> None:
 def test_programs_of_an_earlier_run_are_named(tmp_path: Path) -> None:
     folder, out = order(tmp_path / "in", "channel", "tie"), tmp_path / "out"
     assert call("batch", folder, "--bar", 12000, "-o", out).exit_code == 0
-    done = call("batch", folder, "--bar", 12000, "--remnant", 4300, "-o", out)
-    assert done.exit_code == 0
+    done = call("batch", folder, "--bar", 12000, "--remnant", 4300, "-o", out, status=0)
     assert "'UPN200_S235JR.gcode' still stands from an earlier run over stock" in done.stderr
 
 
@@ -276,8 +266,7 @@ def test_the_pieces_of_all_programs_are_counted(
     shares_of = over_stock.shares_of
     monkeypatch.setattr(over_stock, "shares_of", lambda request: shares_of(request)[:-1])
     folder = order(tmp_path / "in", "channel", "tie")
-    done = call("batch", folder, "--bar", 3500, "-o", tmp_path / "out")
-    assert done.exit_code == 1
+    done = call("batch", folder, "--bar", 3500, "-o", tmp_path / "out", status=1)
     assert "error verify-pieces: found" in done.stderr
     assert not heads(tmp_path / "out")
 
@@ -314,8 +303,7 @@ def test_a_file_of_somebody_else_is_not_written_over(tmp_path: Path) -> None:
     folder, out = order(tmp_path / "in", "channel"), tmp_path / "out"
     out.mkdir()
     (out / "parts.csv").write_text("mine\n")
-    done = call("batch", folder, "--nest", "-o", out)
-    assert done.exit_code == 1
+    done = call("batch", folder, "--nest", "-o", out, status=1)
     assert "error batch-not-ours: found 'parts.csv' there already" in done.stderr
     assert (out / "parts.csv").read_text() == "mine\n"
     assert call("batch", folder, "--nest", "--force", "-o", out).exit_code == 0
@@ -330,8 +318,7 @@ def test_check_posts_a_run_over_stock_again(tmp_path: Path) -> None:
     assert (done.exit_code, done.stdout) == (0, "4 of 4 programs are the same\n")
     tie = folder / "tie.nc1"
     tie.write_text(tie.read_text().replace("320.00", "330.00"))
-    done = call("check", out)
-    assert done.exit_code == 1
+    done = call("check", out, status=1)
     assert "3 of 4 programs are the same" in done.stdout
     assert call("check", out, "--update").exit_code == 0
     assert call("check", out).exit_code == 0
@@ -339,15 +326,13 @@ def test_check_posts_a_run_over_stock_again(tmp_path: Path) -> None:
         "unchanged", "posted",
     }  # fmt: skip
     (folder / "strut.nc1").unlink()
-    done = call("check", out)
-    assert done.exit_code == 1
+    done = call("check", out, status=1)
     assert "strut.nc1: error read-file" in done.stderr
 
 
 def test_a_dry_run_writes_nothing(tmp_path: Path) -> None:
     out = tmp_path / "out"
-    done = call("batch", order(tmp_path / "in"), "--bar", 12000, "-o", out, "--dry-run")
-    assert done.exit_code == 0
+    done = call("batch", order(tmp_path / "in"), "--bar", 12000, "-o", out, "--dry-run", status=0)
     assert "UPN200_S235JR.gcode, beamline" in done.stdout
     assert not out.exists()
 
@@ -400,8 +385,7 @@ def test_a_mark_of_an_order_is_one_part_in_every_batch(tmp_path: Path) -> None:
         channel.replace("3000.00", "2980.00").replace("  1\n  C1", "  2\n  C1", 1)
     )
     for again in range(2):
-        done = call("batch", folder, "-o", out, "--json")
-        assert done.exit_code == 1
+        done = call("batch", folder, "-o", out, "--json", status=1)
         found = {Path(row["file"]).name: row for row in json.loads(done.stdout)["files"]}
         refused = {name for name, row in found.items() if row["status"] == "refused"}
         assert refused == {"channel.nc1", "copy.nc1", "other.nc1"}, again
@@ -480,8 +464,7 @@ def test_pieces_of_a_coper_are_cut_from_a_bar_each(tmp_path: Path) -> None:
 
 def test_a_coper_has_a_program_for_each_piece(tmp_path: Path) -> None:
     words = ("--machine", "coper-linuxcnc", "--quantity", 2)
-    done = call("post", SAMPLES / "coping" / "coped.nc1", "-o", tmp_path / "a.ngc", *words)
-    assert done.exit_code == 0, done.stderr
+    call("post", SAMPLES / "coping" / "coped.nc1", "-o", tmp_path / "a.ngc", *words, status=0)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a-1.ngc", "a-2.ngc"]
     short = call(
         "post", SAMPLES / "coping" / "coped.nc1", "-o", tmp_path / "b.ngc", *words, "--bar", 1259

@@ -131,8 +131,7 @@ def test_every_row_is_refused_by_a_code_that_there_is_or_says_why_not() -> None:
 
 
 def test_the_page_of_the_documentation_lists_the_rows() -> None:
-    done = call("codes", "--words", "--markdown")
-    assert done.exit_code == 0
+    done = call("codes", "--words", "--markdown", status=0)
     assert (ROOT / "docs" / "words.md").read_text(encoding="utf-8") == done.output
 
 

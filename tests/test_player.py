@@ -46,8 +46,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     at = tmp_path_factory.mktemp("player")
     part = ROOT / "samples" / "json" / "shield-small.json"
     for suffix in ("steps", "bin", "h"):
-        run = call("post", part, "-o", at / f"job.{suffix}")
-        assert run.exit_code == 0, run.stderr
+        call("post", part, "-o", at / f"job.{suffix}", status=0)
     compiled(at / "play")
     compiled(at / "play-h", f'-DTABLE="{at / "job.h"}"')
     return at

@@ -27,8 +27,7 @@ def posted(sample: str, tmp_path: Path, machine: str = "plate-qtplasmac") -> Pat
     out = tmp_path / "program.ngc"
     words = ["post", str(SAMPLES / sample), "--machine", machine, "-o", str(out)]
     drawn = sample.startswith(("dxf", "svg"))
-    done = call(*words, *(["--thickness", "3"] if drawn else []))
-    assert done.exit_code == 0, done.stderr
+    call(*words, *(["--thickness", "3"] if drawn else []), status=0)
     return out
 
 

@@ -79,13 +79,11 @@ def test_each_way_out_of_each_refusal_works(
                 words = list(asked)
                 if way.startswith("`beamcam split "):
                     names = way.split("`")[1].split()[-1]
-                    made = call("split", path, "--machines", names, "-o", tmp_path / path.stem)
-                    assert made.exit_code == 0, f"{path} {way}\n{made.stderr}"
+                    call("split", path, "--machines", names, "-o", tmp_path / path.stem, status=0)
                     continue
                 if way.startswith("--machine") and machine:
                     words = [*asked[:4]]
-                made = call(*words, *shlex.split(way))
-                assert made.exit_code == 0, f"{path} {way}\n{made.stderr}"
+                call(*words, *shlex.split(way), status=0)
     assert seen["ways"] >= ways
     assert seen["none"] >= none
 
@@ -203,8 +201,7 @@ def test_a_drawing_is_told_what_closes_opens_turns_or_scales_it(
 ) -> None:
     path = saved(tmp_path, units, shape)
     asked = ("post", path, "--thickness", "3", "--sheet", "2000x1500", "-o", tmp_path / "a.ngc")
-    done = call(*asked)
-    assert done.exit_code == 1
+    done = call(*asked, status=1)
     assert f"{FOUND}{way}" in done.stderr, done.stderr
     assert call(*asked, *way.split()).exit_code == 0
 
@@ -223,8 +220,7 @@ def test_a_machine_that_keeps_no_kerf_off_is_no_way_out(tmp_path: Path) -> None:
     """A slit between two parts is as wide as no kerf; a table without one would cut both edges."""
     path = saved(tmp_path, 4, ring(80, 60), [(81, 0), (150, 0), (150, 60), (81, 60), (81, 0)])
     asked = ("post", path, "--thickness", "3", "-o", tmp_path / "a")
-    done = call(*asked, "--machine", "plate-linuxcnc")
-    assert done.exit_code == 1
+    done = call(*asked, "--machine", "plate-linuxcnc", status=1)
     for name in ("table-simotion", "laser-stepper", "laser-grbl"):
         assert name not in done.stderr
 
@@ -243,8 +239,7 @@ def test_a_colour_that_the_map_lacks_is_no_dead_end(tmp_path: Path) -> None:
 
 def test_star_in_the_map_is_everything_else() -> None:
     asked = ("post", SAMPLES / "dxf" / "plate.dxf", "--thickness", "3", "--allow-open", "-o", "-")
-    done = call(*asked, "--map", "*=cut")
-    assert done.exit_code == 0, done.stderr
+    done = call(*asked, "--map", "*=cut", status=0)
     assert done.output == call(*asked, "--map", "CUT=cut", "--map", "ETCH=cut").output
     mixed = call(*asked, "--map", "*=cut", "--map", "ETCH=mark")
     assert mixed.output == call(*asked, "--map", "CUT=cut", "--map", "ETCH=mark").output

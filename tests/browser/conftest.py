@@ -113,6 +113,5 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
             "--machine",
             machine,
         ]
-        done = call(*words, "-o", made / f"{name}.html")
-        assert done.exit_code == 0, done.output
+        call(*words, "-o", made / f"{name}.html", status=0)
     return made

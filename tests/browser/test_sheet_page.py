@@ -44,8 +44,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         for words in (["post", *inputs, "--machine", machine, "-o", program],
                       ["report", program, *inputs, "--machine", machine, "-o",
                        str(made / f"{name}.html")]):  # fmt: skip
-            done = call(*words)
-            assert done.exit_code == 0, done.output
+            call(*words, status=0)
     return made
 
 

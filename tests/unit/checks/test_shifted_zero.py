@@ -18,8 +18,7 @@ SHIFT = {"X": 37.0, "Y": -12.0, "Z": 5.0}
 def program(machine: str, part: str, folder: Path) -> tuple[str, str]:
     """A program of the machine for a sample, and the sample."""
     sample, path = str(SAMPLES / "dstv" / f"{part}.nc1"), folder / "job.gcode"
-    done = call("post", sample, "--machine", machine, "-o", path)
-    assert done.exit_code == 0, done.output
+    call("post", sample, "--machine", machine, "-o", path, status=0)
     return path.read_text(), sample
 
 

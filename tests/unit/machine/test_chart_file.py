@@ -105,16 +105,16 @@ def test_a_file_without_rows_is_refused(text: str) -> None:
 def test_new_writes_the_rows_of_a_chart(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "material.cfg").write_text(QTPLASMAC)
-    done = call("machines", "new", "mine", "--base", "plate-qtplasmac", "--chart", "material.cfg")
-    assert done.exit_code == 0, done.stderr
+    call(
+        "machines", "new", "mine", "--base", "plate-qtplasmac", "--chart", "material.cfg", status=0
+    )
     torch = load(str(tmp_path / "machines" / "mine.toml")).torch
     assert torch is not None
     assert [(row.process, row.material, row.up_to) for row in torch.rows] == [
         ("cut", "mild steel", 6.0), ("cut", "stainless steel", 6.35), ("mark", "*", 32.0),
     ]  # fmt: skip
     sample = str(SAMPLES / "dstv" / "gusset.nc1")
-    posted = call("post", sample, "--machine", "mine", "-o", "-")
-    assert posted.exit_code == 0, posted.stderr
+    posted = call("post", sample, "--machine", "mine", "-o", "-", status=0)
     assert "fr=2300" in posted.stdout
 
 
@@ -123,13 +123,15 @@ def test_a_chart_that_cannot_be_read_writes_nothing(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "bad.cfg").write_text(QTPLASMAC.replace("6mm", ""))
-    done = call("machines", "new", "mine", "--base", "plate-qtplasmac", "--chart", "bad.cfg")
-    assert done.exit_code == 1
+    done = call(
+        "machines", "new", "mine", "--base", "plate-qtplasmac", "--chart", "bad.cfg", status=1
+    )
     assert "bad.cfg:4: error machine-chart: found the row 'Mild Steel  45A'" in done.stderr
     assert not (tmp_path / "machines").exists()
     (tmp_path / "material.cfg").write_text(QTPLASMAC)
-    done = call("machines", "new", "mine", "--base", "beamline", "--chart", "material.cfg")
-    assert done.exit_code == 2
+    done = call(
+        "machines", "new", "mine", "--base", "beamline", "--chart", "material.cfg", status=2
+    )
     assert "beamline has no torch" in done.stderr
 
 
@@ -145,11 +147,9 @@ def test_amperes_choose_among_the_rows(tmp_path: Path) -> None:
         ((), "F2300"), (("--amps", "65"), "F3900"), (("--nozzle", "o2"), "F3500"),
         (("--amps", "65", "--nozzle", "O2"), "F3500"),
     ):  # fmt: skip
-        done = call("post", sample, "--machine", path, "-o", "-", *words)
-        assert done.exit_code == 0, done.stderr
+        done = call("post", sample, "--machine", path, "-o", "-", *words, status=0)
         assert f"\n{feed}\n" in done.stdout
-    done = call("post", sample, "--machine", path, "-o", "-", "--amps", "85")
-    assert done.exit_code == 1
+    done = call("post", sample, "--machine", path, "-o", "-", "--amps", "85", status=1)
     assert "85 A; the rows of mine are for 45 A air, 65 A O2, 65 A air" in done.stderr
 
 

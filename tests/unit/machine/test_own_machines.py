@@ -66,8 +66,7 @@ def shop(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def test_new_writes_a_machine_that_is_known_by_name(shop: Path) -> None:
-    done = call("machines", "new", "hall-2", "--base", "beamline-annex")
-    assert done.exit_code == 0
+    done = call("machines", "new", "hall-2", "--base", "beamline-annex", status=0)
     path = shop / "shop" / "machines" / "hall-2.toml"
     first, *held_up = done.stdout.splitlines()
     assert first == f"{path}: change what differs, then `beamcam machines check hall-2`:"
@@ -99,15 +98,12 @@ def test_show_prints_keys_only_and_the_checksum_last(name: str) -> None:
 
 def test_new_writes_over_nothing(shop: Path) -> None:
     assert call("machines", "new", "mine").exit_code == 0
-    done = call("machines", "new", "mine")
-    assert done.exit_code == 2
+    done = call("machines", "new", "mine", status=2)
     assert "is there already; expected a name that is free" in done.stderr
     for name in ("beamline", "two words", "../x", ""):
-        done = call("machines", "new", name)
-        assert done.exit_code == 2
+        done = call("machines", "new", name, status=2)
         assert "for the machine's name; expected letters" in done.stderr
-    done = call("machines", "new", "other", "--base", "beamlin")
-    assert done.exit_code == 1
+    done = call("machines", "new", "other", "--base", "beamlin", status=1)
     assert "error machine-unknown: found no machine 'beamlin'; expected 'beamline'" in done.stderr
 
 
@@ -138,8 +134,7 @@ def test_a_name_of_a_shipped_machine_is_refused(shop: Path) -> None:
     with pytest.raises(MachineError, match="machine-name-twice"):
         resolved("beamline", ())
     fill(Path("in"), 1)
-    done = call("post", "in/P000.nc1", "-o", "-", "--machine", "beamline")
-    assert done.exit_code == 1
+    done = call("post", "in/P000.nc1", "-o", "-", "--machine", "beamline", status=1)
     assert (
         "error machine-name-twice: found a machine of your own with the name 'beam" in done.stderr
     )
@@ -153,8 +148,7 @@ def test_no_file_of_ones_own_has_the_name_of_a_shipped_machine(shop: Path, name:
     assert [d.code for d in refused.value.diagnostics] == ["machine-name-twice"]
     assert str(refused.value).startswith(f"{Path('m.toml').resolve()}:2: ")
     fill(Path("in"), 1)
-    done = call("post", "in/P000.nc1", "-o", "out.gcode", "--machine", "m.toml")
-    assert done.exit_code == 1
+    done = call("post", "in/P000.nc1", "-o", "out.gcode", "--machine", "m.toml", status=1)
     assert "machine-name-twice" in done.stderr
     assert not Path("out.gcode").exists()
 
@@ -170,8 +164,7 @@ def test_nor_by_the_name_of_the_file(shop: Path) -> None:
 def test_a_machine_that_cannot_be_read_is_told_beside_the_list(shop: Path) -> None:
     Path("machines").mkdir()
     Path("machines/bad.toml").write_text('base = "beamline"\nkerf = 3\n')
-    done = call("machines", "list")
-    assert done.exit_code == 1
+    done = call("machines", "list", status=1)
     assert "beamline-annex" in done.stdout
     assert "bad.toml:2: error machine-key: found unknown key 'kerf'" in done.stderr
 
@@ -188,8 +181,7 @@ def test_a_base_of_ones_own(shop: Path) -> None:
 
 def test_false_takes_a_table_of_the_base_away(shop: Path) -> None:
     Path("mine.toml").write_text('base = "plate-linuxcnc"\ntorch = false\n')
-    done = call("machines", "show", "./mine.toml")
-    assert done.exit_code == 1
+    done = call("machines", "show", "./mine.toml", status=1)
     assert "error machine-missing: found no key 'torch'" in done.stderr
 
 

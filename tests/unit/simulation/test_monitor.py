@@ -67,8 +67,7 @@ def test_the_page_follows_a_controller_until_ctrl_c() -> None:
 
 
 def test_no_controller_and_a_page_that_is_taken() -> None:
-    done = call("monitor", f"{LOOPBACK}:{free_port()}")
-    assert done.exit_code == 1
+    done = call("monitor", f"{LOOPBACK}:{free_port()}", status=1)
     assert "error monitor-controller: found no connection" in done.stderr
     with Server(15) as controller:
         at = f"{LOOPBACK}:{controller.port}"
