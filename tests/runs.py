@@ -43,7 +43,7 @@ def call(*words: object, stdin: str | bytes | None = None, status: int | None = 
     """What comes of a command, which ends in this status, or in any, never in an exception."""
     done = CliRunner().invoke(main, [*map(str, words)], input=stdin)
     assert done.exception is None or isinstance(done.exception, SystemExit), done.exception
-    assert status in (None, done.exit_code), (done.exit_code, done.output)
+    assert status in (None, done.exit_code), (words, done.exit_code, done.output)
     return done
 
 
