@@ -13,9 +13,8 @@ from typing import NamedTuple
 
 import pytest
 
-from tests.conftest import ROOT, sampled
+from tests.conftest import ROOT, SAMPLES, sampled
 
-SAMPLES = ROOT / "samples"
 LAYOUT, JOBS = "planning/contours/layout.py", "planning/__init__.py"
 ROWS, HATCH = "planning/sheet_rows.py", "model/hatch.py"
 ANGLE = """0

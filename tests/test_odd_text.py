@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
+from tests.conftest import SAMPLES
 from tests.rs274 import INI, interpreted, needs_rs274
 from tests.runs import call, part
 
-SAMPLES = Path(__file__).resolve().parents[1] / "samples"
 ODD = "M\x1b[2J\x9b\u202e\u2028G0 X9)\x85(MSG,%;\x0b\x0c"
 #: What a line of a program of each machine may hold.
 PLAIN = re.compile(r"[\x20-\x7e]*")

@@ -9,9 +9,8 @@ from typing import NamedTuple
 import pytest
 
 from beamcam.files import FilesRead
+from tests.conftest import SAMPLES
 from tests.runs import batch, call, part
-
-SAMPLES = Path(__file__).resolve().parents[1] / "samples"
 
 
 def same(path: Path) -> str:

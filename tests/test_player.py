@@ -15,10 +15,9 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from beamcam.machine import load
-from tests.conftest import examples
+from tests.conftest import ROOT, examples
 from tests.runs import HANG_S, call
 
-ROOT = Path(__file__).resolve().parent.parent
 PLAYER = ROOT / "samples" / "player"
 GCC = shutil.which("gcc")
 FLAGS = ("-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror", "-fsanitize=undefined", "-O1")

@@ -20,10 +20,9 @@ from beamcam.model.request import Job, Request
 from beamcam.pipeline import read_file, stock_of
 from beamcam.posts import Post, post_of
 from beamcam.writers.dstv import write
-from tests.conftest import CORPUS, ROOT, rules_of
+from tests.conftest import CORPUS, SAMPLES, rules_of
 from tests.runs import call
 
-SAMPLES = ROOT / "samples"
 FOUND, END = "plan-ways-out: with ", " it can be made"
 
 

@@ -5,9 +5,8 @@ from pathlib import Path
 import pytest
 
 from tests.browser.conftest import Browser
+from tests.conftest import SAMPLES
 from tests.runs import call
-
-SAMPLES = Path(__file__).resolve().parents[2] / "samples"
 
 
 @pytest.fixture(scope="module")

@@ -1,7 +1,5 @@
 """Damaged files: the reader never raises, and no line gets lost."""
 
-from pathlib import Path
-
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -10,9 +8,8 @@ from beamcam.errors import Severity
 from beamcam.model.part import Contour, EndPlane
 from beamcam.readers.dstv import looks_like, read_with_account
 from beamcam.readers.dstv.blocks import CODES, decode, split_lines
-from tests.conftest import examples
+from tests.conftest import SAMPLES, examples
 
-SAMPLES = Path(__file__).parents[2] / "samples"
 PATHS = sorted([*(SAMPLES / "dstv").glob("*.nc1"), *(SAMPLES / "bad" / "dstv").glob("*.nc1")])
 FILES = [path.read_bytes() for path in PATHS]
 

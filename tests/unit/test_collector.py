@@ -4,12 +4,11 @@ import gc
 import re
 import subprocess
 import sys
-from pathlib import Path
 
 import beamcam
 from beamcam.system import SELDOM
+from tests.conftest import SAMPLES
 
-SAMPLES = Path(__file__).resolve().parents[2] / "samples"
 PACKAGE = SAMPLES.parent / "beamcam"
 
 

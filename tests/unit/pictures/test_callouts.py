@@ -2,7 +2,6 @@
 
 from itertools import pairwise
 from math import hypot
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -29,10 +28,9 @@ from beamcam.pictures.formats import to_svg
 from beamcam.pictures.part import part_scene
 from beamcam.pictures.scene import CAPITAL, LETTER, Labels, Scene, Text, said
 from beamcam.pipeline import read_file
-from tests.conftest import examples
+from tests.conftest import SAMPLES, examples
 from tests.unit.pictures.drawings import NAMESPACE, Drawing, corners
 
-SAMPLES = Path(__file__).resolve().parents[3] / "samples"
 HERE = Source("x.nc1", 1)
 BEAM = Profile("I", "IPE300", 300.0, 150.0, 10.7, 7.1)
 

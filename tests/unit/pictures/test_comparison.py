@@ -13,10 +13,9 @@ from beamcam.pictures.formats import to_svg
 from beamcam.pictures.overlay import Overlay
 from beamcam.pictures.program import ReadProgram
 from beamcam.pipeline import post, read_file
+from tests.conftest import SAMPLES
 from tests.runs import call
 from tests.unit.pictures.drawings import Drawing
-
-SAMPLES = Path(__file__).resolve().parents[3] / "samples"
 
 
 def channel() -> Part:

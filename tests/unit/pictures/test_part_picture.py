@@ -15,10 +15,9 @@ from beamcam.pictures.part import faces_of, part_scene
 from beamcam.pictures.scene import Polyline
 from beamcam.pictures.views import spread
 from beamcam.pipeline import read_file
-from tests.conftest import examples
+from tests.conftest import SAMPLES, examples
 from tests.unit.pictures.drawings import NAMESPACE, Drawing, corners
 
-SAMPLES = Path(__file__).resolve().parents[3] / "samples"
 FILES = sorted(
     path
     for pattern in ("dstv/*.nc1", "dxf/*.dxf", "svg/*.svg", "json/*.json")

@@ -21,9 +21,9 @@ from beamcam.pictures.formats import to_svg
 from beamcam.pictures.program import ReadProgram, bar_made, program_scene
 from beamcam.pipeline import post, read_file
 from beamcam.simulation.program import simulate_program
+from tests.conftest import SAMPLES
 from tests.unit.pictures.drawings import Drawing, corners
 
-SAMPLES = Path(__file__).resolve().parents[3] / "samples"
 ANNEX = [SAMPLES / "dstv" / f"{name}.nc1" for name in ("channel", "tie", "channel")]
 
 

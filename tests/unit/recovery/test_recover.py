@@ -27,12 +27,11 @@ from beamcam.recovery.found import (
     PROFILE,
     SHEET,
 )
-from tests.conftest import ROOT
+from tests.conftest import SAMPLES
 from tests.strategies import BEAM
 from tests.unit.sheets.parts import box, circle, contour, drawing, table
 
 S = Source("p.nc1", 1)
-SAMPLES = ROOT / "samples"
 SINK = (Hole("v", 400, 150, 14, S), Hole("v", 400, 150, 25, S, None, "countersink", 90.0))
 LINES = (Line((900.0, 100.0), (1000.0, 100.0)), Line((1000.0, 100.0), (1000.0, 180.0)))
 

@@ -8,10 +8,8 @@ import pytest
 
 from beamcam.reports.run import Counts, FileRow, PartRow
 from beamcam.reports.run_page import Extra, as_html
-from tests.conftest import sampled
+from tests.conftest import SAMPLES, sampled
 from tests.runs import call
-
-SAMPLES = Path(__file__).resolve().parents[3] / "samples"
 
 
 def part(mark: str, machine: str, quantity: int = 1, pieces: int = 1) -> PartRow:

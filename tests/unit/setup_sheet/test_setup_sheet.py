@@ -20,10 +20,10 @@ from beamcam.setup_sheet.content import SheetContent, SheetSources, content_of
 from beamcam.setup_sheet.page import setup_page
 from beamcam.setup_sheet.paper import setup_pdf
 from beamcam.setup_sheet.playback import trace_data
+from tests.conftest import SAMPLES
 from tests.runs import call
 from tests.unit.pictures.test_formats import contrast
 
-SAMPLES = Path(__file__).resolve().parents[3] / "samples"
 DSTV = [str(SAMPLES / "dstv" / f"{name}.nc1") for name in ("channel", "tie", "channel")]
 
 

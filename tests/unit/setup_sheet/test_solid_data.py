@@ -4,7 +4,6 @@ import base64
 import json
 import zlib
 from itertools import accumulate
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -19,8 +18,8 @@ from beamcam.setup_sheet import solid_data
 from beamcam.setup_sheet.content import SheetSources, content_of
 from beamcam.setup_sheet.page import setup_page
 from beamcam.setup_sheet.solid_data import CHORDS, LIMIT, Solids, solids_of
+from tests.conftest import SAMPLES
 
-SAMPLES = Path(__file__).resolve().parents[3] / "samples"
 HERE = Source("x.nc1", 1)
 CHANNEL = Profile("U", "UPN200", 200.0, 75.0, 11.5, 8.5, 11.5)
 

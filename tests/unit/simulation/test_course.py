@@ -23,6 +23,7 @@ from beamcam.simulation.course import MotionSegment, bar_trace
 from beamcam.simulation.program import simulate_program
 from beamcam.simulation.text import csv_text, json_data
 from beamcam.simulation.trace import trace_rows
+from tests.conftest import SAMPLES
 from tests.runs import call
 from tests.unit.checks.programs import ANNEX, BEAM, PART, PROGRAM
 from tests.unit.simulation.programs import course_of
@@ -190,7 +191,6 @@ def test_a_blade_without_a_feed_of_its_own_takes_the_saws(feed: str) -> None:
 # --- traces as files ------------------------------------------------------------------------------
 
 
-SAMPLES = Path(__file__).resolve().parents[3] / "samples"
 JOBS = [
     ("dstv/channel.nc1", "beamline"), ("dstv/channel.nc1", "beamline-pusher"),
     ("dstv/gusset.nc1", "plate-linuxcnc"), ("dstv/gusset.nc1", "plate-codesys"),

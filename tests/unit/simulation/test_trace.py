@@ -2,7 +2,6 @@
 
 import re
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,10 +15,10 @@ from beamcam.pipeline import Posted, post, read_file
 from beamcam.simulation.course import bar_trace
 from beamcam.simulation.program import simulate_program
 from beamcam.simulation.trace import Trace, share_of, trace_rows
+from tests.conftest import SAMPLES
 from tests.unit.checks.programs import BEAM, PART, PROGRAM
 from tests.unit.simulation.programs import course_of
 
-SAMPLES = Path(__file__).resolve().parents[3] / "samples"
 TABLES = [
     ("dstv/gusset.nc1", "plate-codesys"),
     ("dstv/gusset.nc1", "plate-linuxcnc"),

@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from beamcam.machine.torch import MILD_STEEL, material_of
+from tests.conftest import SAMPLES
 from tests.runs import call
 
-SAMPLES = Path(__file__).parents[3] / "samples"
 CAM = SAMPLES / "json" / "cam.json"
 
 

@@ -10,10 +10,9 @@ from beamcam.readers import svg
 from beamcam.readers.svg import rules
 from beamcam.readers.svg.tree import looks_like
 from beamcam.readers.svg.walk import unescape
-from tests.conftest import rules_of
+from tests.conftest import SAMPLES, rules_of
 from tests.svg_text import PAGE, codes, drawing, length_of, read
 
-SAMPLES = Path(__file__).parents[4] / "samples"
 GOOD = sorted((SAMPLES / "svg").glob("*.svg"))
 BAD = sorted((SAMPLES / "bad" / "svg").glob("*.svg"))
 XLINK = PAGE + ' xmlns:xlink="http://www.w3.org/1999/xlink"'
