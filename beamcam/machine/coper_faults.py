@@ -5,9 +5,8 @@ from math import hypot
 
 from beamcam.machine.coper import TUBES, Coper
 from beamcam.machine.machine import Machine
+from beamcam.machine.range_faults import Fault
 from beamcam.machine.torch import TorchRow
-
-Fault = tuple[str, object, str]  #: dotted key, what was found, what was expected
 
 MOST_TILT_DEG = 60.0  #: farther over, the torch lies on the steel
 

@@ -15,11 +15,10 @@ from beamcam.machine.machine import (
     TableMeaning,
     plain_code,
 )
+from beamcam.machine.range_faults import Fault
 from beamcam.machine.stations import Pair, Spindle
 from beamcam.machine.torch import TorchProcess
 from beamcam.machine.words import signed
-
-Fault = tuple[str, object, str]  #: dotted key, what was found, what was expected
 
 ACROSS = ("Y", "Z")  #: letters of a spindle's axes
 OF_SAW = ("angle", "saw")  #: what only a saw has an axis for
