@@ -18,18 +18,19 @@ def _blocks(lines: Sequence[str]) -> list[int]:
     return [i for i, line in enumerate(lines) if line.startswith("N")]
 
 
-def _pick(lines: Sequence[str], rng: random.Random, pattern: str) -> int | None:
+def picked(lines: Sequence[str], rng: random.Random, pattern: str) -> int | None:
+    """Any of the lines that a pattern is found in; None if it is in none."""
     fitting = [i for i, line in enumerate(lines) if re.search(pattern, line)]
     return rng.choice(fitting) if fitting else None
 
 
 def drop(lines: list[str], rng: random.Random, _: float) -> list[str] | None:
-    at = _pick(lines, rng, "^N")
+    at = picked(lines, rng, "^N")
     return None if at is None else lines[:at] + lines[at + 1 :]
 
 
 def double(lines: list[str], rng: random.Random, _: float) -> list[str] | None:
-    at = _pick(lines, rng, "^N")
+    at = picked(lines, rng, "^N")
     return None if at is None else lines[: at + 1] + lines[at:]
 
 
@@ -88,7 +89,7 @@ def change_digit(lines: list[str], rng: random.Random, step: float) -> list[str]
 
 
 def exchange_axes(lines: list[str], rng: random.Random, _: float) -> list[str] | None:
-    at = _pick(lines, rng, r"X\S+ Y\S+ Z")
+    at = picked(lines, rng, r"X\S+ Y\S+ Z")
     if at is None:
         return None
     a, b = rng.sample("XYZ", 2)
@@ -97,7 +98,7 @@ def exchange_axes(lines: list[str], rng: random.Random, _: float) -> list[str] |
 
 
 def wrong_spindle(lines: list[str], rng: random.Random, _: float) -> list[str] | None:
-    at = _pick(lines, rng, r"M40 K")
+    at = picked(lines, rng, r"M40 K")
     if at is None:
         return None
     number = re.search(r"M40 K(\S*)", lines[at])
@@ -106,7 +107,7 @@ def wrong_spindle(lines: list[str], rng: random.Random, _: float) -> list[str] |
 
 
 def wrong_diameter(lines: list[str], rng: random.Random, _: float) -> list[str] | None:
-    at = _pick(lines, rng, r"M40 K\d+ L")
+    at = picked(lines, rng, r"M40 K\d+ L")
     if at is None:
         return None
     old = float(re.search(r"L(\S+)", lines[at])[1])  # type: ignore[index]
@@ -115,7 +116,7 @@ def wrong_diameter(lines: list[str], rng: random.Random, _: float) -> list[str] 
 
 
 def negate_angle(lines: list[str], rng: random.Random, _: float) -> list[str] | None:
-    at = _pick(lines, rng, r"M4[12] K-?[1-9]")
+    at = picked(lines, rng, r"M4[12] K-?[1-9]")
     if at is None:
         return None
     line = lines[at].replace("K-", "K", 1) if "K-" in lines[at] else lines[at].replace("K", "K-", 1)
@@ -123,12 +124,12 @@ def negate_angle(lines: list[str], rng: random.Random, _: float) -> list[str] | 
 
 
 def drop_m_word(lines: list[str], rng: random.Random, _: float) -> list[str] | None:
-    at = _pick(lines, rng, r" M\d+")
+    at = picked(lines, rng, r" M\d+")
     return None if at is None else lines[:at] + lines[at + 1 :]
 
 
 def other_m_word(lines: list[str], rng: random.Random, _: float) -> list[str] | None:
-    at = _pick(lines, rng, r" M\d\d")
+    at = picked(lines, rng, r" M\d\d")
     if at is None:
         return None
     number = re.search(r" M(\d)(\d)", lines[at])
@@ -138,7 +139,7 @@ def other_m_word(lines: list[str], rng: random.Random, _: float) -> list[str] | 
 
 
 def truncate(lines: list[str], rng: random.Random, _: float) -> list[str] | None:
-    at = _pick(lines, rng, "^N")
+    at = picked(lines, rng, "^N")
     return None if at is None else lines[:at]
 
 

@@ -310,15 +310,11 @@ def main() -> None:
     for name in sorted(broken.made):
         of = f"{broken.caught[name]:5} of {broken.made[name]:5} caught"
         print(f"{name:22} {of}, {broken.alone[name]:5} without the parts")
-    small = beyond_limits()
-    for name, count in small.made.items():
-        print(f"{'limits: ' + name:34} {small.caught[name]:5} of {count:5} caught")
-    tables = told_of_tables(FAULTS_EACH, asked.seed)
-    for name in sorted(tables.made):
-        print(f"{name:34} {tables.caught[name]:5} of {tables.made[name]:5} caught")
+    small, tables = beyond_limits(), told_of_tables(FAULTS_EACH, asked.seed)
     feeds = told_of_feeds(FAULTS_EACH, asked.seed)
-    for name in sorted(feeds.made):
-        print(f"{name:34} {feeds.caught[name]:5} of {feeds.made[name]:5} caught")
+    for title, one in (("limits: ", small), ("", tables), ("", feeds)):
+        for name in sorted(one.made):
+            print(f"{title + name:34} {one.caught[name]:5} of {one.made[name]:5} caught")
     alarms = sum(why == "alarm" for _, why in feeds.missed)
     print(f"{alarms} alarms of sound feeds and common cuts")
     scores = (small, tables, feeds)
@@ -337,16 +333,9 @@ def main() -> None:
     print(f"{sum(sheets.caught.values())} of {sum(sheets.made.values())} lies about sheets caught")
     jobs = told_of_jobs()
     print(f"{sum(jobs.caught.values())} of {sum(jobs.made.values())} lies about the job caught")
-    for missed in (
-        *small.missed[:5],
-        *tables.missed[:5],
-        *feeds.missed[:5],
-        *jobs.missed[:5],
-        *broken.missed[:5],
-        *lied.missed[:5],
-        *sheets.missed[:5],
-    ):
-        print("missed:", *missed)
+    for some in (small, tables, feeds, jobs, broken, lied, sheets):
+        for missed in some.missed[:5]:
+            print("missed:", *missed)
     for name, mutation, text in result.missed[:5]:
         print(f"\nmissed: {name}, {mutation}")
         original = next(c.text for c in cases() if c.name == name).split("\n")

@@ -18,7 +18,7 @@ BENCHMARKS = ROOT / "benchmarks"
 OTHERS = (
     "asked_liars", "bent_accessories", "coping_bevels", "coping_plans", "coping_texts", "damage",
     "doors", "faults", "feed_faults", "heads", "ifc_anyhow", "ifc_families", "letterings", "liars",
-    "mutants", "order_faults", "script", "sheet_faults", "sheet_liars", "solid_cases",
+    "mutants", "script", "sheet_faults", "sheet_liars", "solid_cases",
     "solid_copers", "uses",
 )  # fmt: skip
 SCRIPTS = sorted(path.name for path in BENCHMARKS.glob("*.py") if path.stem not in OTHERS)

@@ -10,7 +10,7 @@ from beamcam.checks.bars import run
 from beamcam.comparison.bars import diff_programs
 from beamcam.errors import errors_in
 from benchmarks import feed_faults, sheet_faults
-from benchmarks.faults import FAULTS, NEED_PARTS
+from benchmarks.faults import FAULTS, NEED_PARTS, SEEN_BY_PARTS
 from benchmarks.liars import told
 from benchmarks.mutants import MUTATIONS, REWRITES, Mutate, wrong_spindle
 from benchmarks.mutation import (
@@ -25,7 +25,6 @@ from benchmarks.mutation import (
     outcome,
     score,
 )
-from benchmarks.order_faults import SEEN_BY_PARTS
 from benchmarks.sheet_faults import told as faults_of_tables
 from tests.conftest import examples
 
