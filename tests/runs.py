@@ -47,8 +47,10 @@ def call(*words: object, stdin: str | bytes | None = None, status: int | None = 
     return done
 
 
-def batch(*args: object, stdin: str | None = None, command: str = "batch") -> Result:
-    return call(command, *args, stdin=stdin)
+def batch(
+    *args: object, stdin: str | None = None, command: str = "batch", status: int | None = None
+) -> Result:
+    return call(command, *args, stdin=stdin, status=status)
 
 
 def counts(result: Result) -> tuple[int, int, int, int]:

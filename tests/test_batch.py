@@ -26,8 +26,7 @@ def test_one_bad_file_stops_no_other(tmp_path: Path) -> None:
     """200 files of which one is bad: 199 outputs, exit status 1, and the report lists the one."""
     fill(tmp_path / "in", 200, bad=77)
     result = batch(tmp_path / "in", "-o", tmp_path / "out", "--jobs", 2, "--report",
-                   tmp_path / "report.json")  # fmt: skip
-    assert result.exit_code == 1
+                   tmp_path / "report.json", status=1)  # fmt: skip
     assert counts(result) == (199, 0, 1, 0)
     assert len(programs(tmp_path / "out")) == 199
     data = report(tmp_path / "report.json")
@@ -72,8 +71,7 @@ def test_unchanged_inputs_are_left_alone(jobs: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
     assert counts(batch(jobs, "-o", out)) == (4, 0, 0, 0)
     before = {path: os.stat(out / path).st_mtime_ns for path in programs(out)}
-    again = batch(jobs, "-o", out)
-    assert again.exit_code == 0
+    again = batch(jobs, "-o", out, status=0)
     assert counts(again) == (0, 4, 0, 0)
     assert {path: os.stat(out / path).st_mtime_ns for path in programs(out)} == before
     assert counts(batch(jobs, "-o", out, "--force")) == (4, 0, 0, 0)
@@ -115,13 +113,11 @@ def test_a_report_of_unchanged_files_is_as_full(jobs: Path, tmp_path: Path) -> N
 
 
 def test_same_names_are_kept_apart_or_refused(jobs: Path, tmp_path: Path) -> None:
-    result = batch(jobs / "A", jobs / "B", "-o", tmp_path / "tree")
-    assert result.exit_code == 0
+    batch(jobs / "A", jobs / "B", "-o", tmp_path / "tree", status=0)
     assert sorted(programs(tmp_path / "tree")) == [
         "A/P000.gcode", "A/P001.gcode", "B/P000.gcode", "B/P001.gcode",
     ]  # fmt: skip
-    flat = batch(jobs / "A", jobs / "B", "-o", tmp_path / "flat", "--flat", "--jobs", 2)
-    assert flat.exit_code == 1
+    flat = batch(jobs / "A", jobs / "B", "-o", tmp_path / "flat", "--flat", "--jobs", 2, status=1)
     assert counts(flat) == (2, 0, 2, 0)
     first, second = jobs / "A" / "P000.nc1", jobs / "B" / "P000.nc1"
     assert (
@@ -144,8 +140,7 @@ def test_a_name_that_was_taken_since_is_not_unchanged(tmp_path: Path) -> None:
 
 
 def test_placeholders_in_the_name(jobs: Path, tmp_path: Path) -> None:
-    result = batch(jobs / "A", "-o", tmp_path / "out", "--name", "{mark}_{quantity}.gcode")
-    assert result.exit_code == 0
+    batch(jobs / "A", "-o", tmp_path / "out", "--name", "{mark}_{quantity}.gcode", status=0)
     assert sorted(programs(tmp_path / "out")) == ["P0_1.gcode", "P1_2.gcode"]
     name = "{profile}/{grade}-{order}-{number:03d}-{stem}-{machine}{suffix}"
     batch(jobs / "A", "-o", tmp_path / "more", "--name", name)
@@ -173,8 +168,7 @@ def test_a_mark_cannot_leave_the_folder(tmp_path: Path) -> None:
     ],
 )
 def test_templates_that_are_none(tmp_path: Path, template: str, said: str) -> None:
-    result = batch(SAMPLES / "dstv", "-o", tmp_path / "out", "--name", template)
-    assert result.exit_code == 2
+    result = batch(SAMPLES / "dstv", "-o", tmp_path / "out", "--name", template, status=2)
     assert said in re.sub(r"\s+", " ", result.stderr)
     assert not (tmp_path / "out").exists()
 
@@ -245,8 +239,7 @@ def test_bars_sheets_and_models_go_to_their_machines(tmp_path: Path) -> None:
         assert machines[source.name] == ("beamline" if suffix == ".gcode" else "plate-linuxcnc")
     assert counts(batch(folder, "-o", tmp_path / "out", *how, "--each")) == (0, 6, 0, 0)
     # An option for sheets where no machine of the run cuts any is a mistake.
-    result = batch(folder, "-o", tmp_path / "no", "--machine", "beamline", "--kerf", "1")
-    assert result.exit_code == 1
+    result = batch(folder, "-o", tmp_path / "no", "--machine", "beamline", "--kerf", "1", status=1)
     assert "plan-sheet-option" in result.stderr
 
 
@@ -393,7 +386,6 @@ def test_wrong_usage(args: tuple[str, ...]) -> None:
 
 
 def test_an_unknown_machine(tmp_path: Path) -> None:
-    result = batch(SAMPLES / "dstv", "-o", tmp_path / "out", "--machine", "beamlime")
-    assert result.exit_code == 1
+    result = batch(SAMPLES / "dstv", "-o", tmp_path / "out", "--machine", "beamlime", status=1)
     assert "machine-unknown" in result.stderr
     assert not (tmp_path / "out").exists()

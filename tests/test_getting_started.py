@@ -19,8 +19,7 @@ RULES = {rule.code: rule for rule in all_rules()}
 
 
 def test_beamcam_alone_says_what_to_do_first() -> None:
-    done = call()
-    assert done.exit_code == 0
+    done = call(status=0)
     for line in done.stdout.splitlines():
         assert len(line) <= 100
     shown = re.findall(r"^  beamcam (\w+)", done.stdout, re.MULTILINE)
@@ -29,8 +28,7 @@ def test_beamcam_alone_says_what_to_do_first() -> None:
 
 
 def test_doctor_finds_nothing_wrong_here() -> None:
-    done = call("doctor")
-    assert done.exit_code == 0, done.stdout
+    call("doctor", status=0)
     findings = {one["what"]: one for one in json.loads(call("doctor", "--json").stdout)}
     assert {one["state"] for one in findings.values()} <= {"ok", "missing"}
     for what in ("a beam", "a drawing"):
@@ -45,8 +43,7 @@ def test_doctor_tells_the_configuration(tmp_path: Path, monkeypatch: pytest.Monk
     path.write_text("jobs = 2\n")
     assert str(path) in call("doctor").stdout
     path.write_text("\njobs = 'two'\n")
-    done = call("doctor")
-    assert done.exit_code == 1
+    done = call("doctor", status=1)
     assert f"fault    {path}:2: error config-value" in done.stdout
 
 
@@ -54,8 +51,7 @@ def test_doctor_tells_what_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
     known = doctor._version
     missing = ("distributed", "shapely")
     monkeypatch.setattr(doctor, "_version", lambda name: "" if name in missing else known(name))
-    done = call("doctor")
-    assert done.exit_code == 1
+    done = call("doctor", status=1)
     lines = done.stdout.splitlines()
     assert any(re.match(r"shapely +fault ", line) for line in lines)
     (extra,) = (line for line in lines if line.startswith("extra dask"))
@@ -67,8 +63,7 @@ def test_doctor_tells_what_does_not_work(monkeypatch: pytest.MonkeyPatch) -> Non
         raise ImportError("libgeos is not there")
 
     monkeypatch.setattr(doctor, "_posted", broken)
-    done = call("doctor")
-    assert done.exit_code == 1
+    done = call("doctor", status=1)
     assert "fault    ImportError: libgeos is not there" in done.stdout
 
 

@@ -63,8 +63,7 @@ def test_what_is_left_out_has_an_exit_status_if_asked_for(tmp_path: Path) -> Non
     assert done.stderr.endswith("0 failed, 1 left out\n")
     again = batch(SLOT, "-o", tmp_path / "out", *words)
     assert (again.exit_code, counts(again)) == (3, (0, 1, 0, 0))
-    refused = batch(SLOT, COPE, "-o", tmp_path / "out", *words)
-    assert refused.exit_code == 1
+    batch(SLOT, COPE, "-o", tmp_path / "out", *words, status=1)
 
 
 def test_strict_takes_what_is_allowed_by_name(tmp_path: Path) -> None:

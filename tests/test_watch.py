@@ -176,8 +176,7 @@ def test_filing_away_writes_over_nothing(tmp_path: Path) -> None:
 def test_once(tmp_path: Path) -> None:
     fill(tmp_path / "hot", 3, bad=1)
     result = batch(tmp_path / "hot", "-o", tmp_path / "out", "--once", "--settle", 0,
-                   command="watch")  # fmt: skip
-    assert result.exit_code == 1
+                   command="watch", status=1)  # fmt: skip
     assert counts(result) == (2, 0, 1, 0)
     assert sorted(programs(tmp_path / "out")) == ["P000.gcode", "P002.gcode"]
     result = batch(tmp_path / "hot", "-o", tmp_path / "out", "--once", "--settle", 0,
@@ -200,8 +199,7 @@ def test_files_go_to_their_folders(tmp_path: Path) -> None:
 
 def test_an_empty_folder_is_nothing_wrong(tmp_path: Path) -> None:
     (tmp_path / "hot").mkdir()
-    result = batch(tmp_path / "hot", "-o", tmp_path / "out", "--once", command="watch")
-    assert result.exit_code == 0
+    result = batch(tmp_path / "hot", "-o", tmp_path / "out", "--once", command="watch", status=0)
     assert result.stderr == (
         f"watching {tmp_path / 'hot'} every 1 s, programs go to {tmp_path / 'out'}\n"
         "0 posted, 0 unchanged, 0 refused, 0 failed\n"
@@ -209,12 +207,10 @@ def test_an_empty_folder_is_nothing_wrong(tmp_path: Path) -> None:
 
 
 def test_no_folder(tmp_path: Path) -> None:
-    result = batch(tmp_path / "none", "-o", tmp_path / "out", command="watch")
-    assert result.exit_code == 2
+    result = batch(tmp_path / "none", "-o", tmp_path / "out", command="watch", status=2)
     (tmp_path / "hot").mkdir()
     (tmp_path / "file").write_text("")
-    result = batch(tmp_path / "hot", "-o", tmp_path / "file", command="watch")
-    assert result.exit_code == 1
+    result = batch(tmp_path / "hot", "-o", tmp_path / "file", command="watch", status=1)
     assert "batch-write" in result.stderr
 
 
