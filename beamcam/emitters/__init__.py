@@ -1,7 +1,6 @@
-"""Emitters: programs and tables as text. Here what all of them print: one number, and the head.
+"""Emitters: programs and tables as text. Here what all of them print: numbers, and the head.
 
 The head is comments that say what a program is, for people and for `verify`.
-
 
     BEAMCAM 2 MACHINE beamline 5e57509a            form, machine, checksum of its file
     ALLOWED TO BE LEFT OUT: cope, slot             kinds that --allow-skips named
@@ -17,6 +16,7 @@ characters. `checks.head` reads all of it.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import count
 
 from beamcam.controllers import longest_line
 from beamcam.machine.machine import Machine
@@ -31,6 +31,14 @@ def number(value: float, decimals: int) -> str:
     if "." in text:
         text = text.rstrip("0").rstrip(".")
     return "0" if text == "-0" else text
+
+
+def numbered(text: str) -> str:
+    """A program with N1, N2, ... before each block; lines with `%` and comments are none."""
+    *lines, last = text.split("\n")
+    numbers = count(1)
+    blocks = [line if line.startswith(("%", "(")) else f"N{next(numbers)} {line}" for line in lines]
+    return "\n".join([*blocks, last])
 
 
 FORM = 2  #: of a program and its head; a change that a reader has to know of counts it up

@@ -1,12 +1,12 @@
 """Programs of cutting tables: the machine's word templates, filled in."""
 
 from collections.abc import Iterator, Mapping
-from itertools import chain, count
+from itertools import chain
 
 import numpy as np
 from msgspec.structs import astuple
 
-from beamcam.emitters import comment_room, number
+from beamcam.emitters import comment_room, number, numbered
 from beamcam.emitters.columns import lines
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import TorchRow
@@ -44,18 +44,7 @@ Row = Traverse | Feed | ArcFeed
 def emit(program: Program, machine: Machine) -> str:
     """The text of a program, with a newline at its end."""
     text = "\n".join(_Writer(program, machine).blocks()) + "\n"
-    return _numbered(text) if machine.format.number_blocks else text
-
-
-def _numbered(text: str) -> str:
-    """Blocks with N1, N2, ... but for the lines that are not blocks (`%`) and comments."""
-    number_of = count(1)
-    return "".join(
-        [
-            line if line.startswith(("%", "(")) else f"N{next(number_of)} {line}"
-            for line in text.splitlines(keepends=True)
-        ]
-    )
+    return numbered(text) if machine.format.number_blocks else text
 
 
 class _Writer:

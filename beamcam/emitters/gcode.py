@@ -1,13 +1,12 @@
 """G-code of a saw and drilling line: the machine's word templates, filled in and numbered."""
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
-from itertools import count
+from collections.abc import Callable, Collection, Iterator, Mapping
 from typing import Any
 
 from msgspec import Struct
 
 from beamcam.caches import BoundedCache, PerObject
-from beamcam.emitters import comment_room, number
+from beamcam.emitters import comment_room, number, numbered
 from beamcam.machine.machine import Machine, NumberFormat
 from beamcam.machine.stations import ToolNumbers, tool_numbers
 from beamcam.machine.words import PART_NAMES, names_in
@@ -28,7 +27,6 @@ from beamcam.model.program import (
 from beamcam.plain_text import comment_text, outside_text
 
 SECONDS_PER_MINUTE = 60
-NO_BLOCK = ("%", "(")  #: how lines begin that are not blocks and get no number
 
 Values = dict[str, str]  #: a placeholder of a template
 
@@ -72,19 +70,8 @@ templates_of = PerObject("emitters.machines", _templates)
 
 def emit(program: Program, machine: Machine) -> str:
     """The text of a program, with a newline at its end."""
-    blocks: Iterable[str] = _blocks(program, templates_of(machine))
-    if machine.format.number_blocks:
-        blocks = _numbered(blocks)
-    return "\n".join(blocks) + "\n"
-
-
-def _numbered(blocks: Iterable[str]) -> list[str]:
-    """Blocks with N1, N2, ... but for the lines that are not blocks (`%`) and comments."""
-    numbers = count(1)
-    return [
-        line if line.startswith(NO_BLOCK) else f"N{next(numbers)} {line}"
-        for line in "\n".join(blocks).split("\n")
-    ]
+    text = "\n".join(_blocks(program, templates_of(machine))) + "\n"
+    return numbered(text) if machine.format.number_blocks else text
 
 
 def _blocks(program: Program, templates: Templates) -> Iterator[str]:
