@@ -15,7 +15,7 @@ from beamcam.geometry.plane import MAX_COORDINATE
 from beamcam.model.part import Part
 from beamcam.model.request import Options, Selection
 from beamcam.readers.ifc import marks, rules
-from beamcam.readers.ifc.body import Body, Swept, body_of, refuse_bent
+from beamcam.readers.ifc.body import Body, Swept, body_of
 from beamcam.readers.ifc.checks import (
     STEEL,
     KernelVerdict,
@@ -257,7 +257,6 @@ class Members(Struct):
 
     def _by_kernel(self, member: Member, reason: Unreadable) -> Shaped:
         """The member as the kernel builds it, where its definition is not understood."""
-        refuse_bent(member.element)
         if reason.final:
             raise reason
         if not self.may_build:
