@@ -94,31 +94,35 @@ class KernelVerdict(Struct, frozen=True):
 
 
 def check_kernel(
-    model: Model, element: Entity, shaped: Shaped, profile: Entity | None, source: Source
+    model: Model, element: Entity, shaped: Shaped, profile: Entity, source: Source
 ) -> KernelVerdict:
-    """Regions of the kernel's solid that what was read does not account for."""
+    """What section and solid of the kernel have against what was read of a swept member."""
+    said: tuple[Diagnostic, ...] = ()
     try:
-        built = kernel.build(model, element)
         stock = stock_of(model, element, shaped, profile)
+        said = section_said(shaped, stock, source, True)
+        built = kernel.built(model, element)
     except Unreadable as reason:
         fault = rules.KERNEL.at(source, found=f"no solid ({reason})", expected="a solid")
-        return KernelVerdict(disputed=fault)
+        return KernelVerdict(said, fault)
     errors = [line for line in built.log if "[error]" in line.lower()]
     if errors:
-        return KernelVerdict((rules.KERNEL_LOG.at(source, found=errors[0][:160]),))
+        return KernelVerdict((*said, rules.KERNEL_LOG.at(source, found=errors[0][:160])))
     body = built.shell.moved(shaped.frame.inverse())
     low, high = extent(body, (1.0, 0.0, 0.0))
     if abs(high - low - shaped.length) > LENGTH_SAME:
         found, expected = f"a length of {high - low:.2f} mm", f"{shaped.length:.2f} mm"
         fault = rules.KERNEL.at(source, found=found, expected=expected)
-        return KernelVerdict((), fault, built.volume)
+        return KernelVerdict(said, fault, built.volume)
     diagnostics = differences(shaped, body, stock, FINE, built.volume).said(source)
     if any(d.severity is Severity.ERROR for d in diagnostics):
-        return KernelVerdict((), diagnostics[0], built.volume)
-    return KernelVerdict(diagnostics, None, built.volume)
+        return KernelVerdict(said, diagnostics[0], built.volume)
+    return KernelVerdict((*said, *diagnostics), None, built.volume)
 
 
-def section_said(shaped: Shaped, stock: BareStock, source: Source) -> tuple[Diagnostic, ...]:
+def section_said(
+    shaped: Shaped, stock: BareStock, source: Source, swept: bool = False
+) -> tuple[Diagnostic, ...]:
     """Whether the section that a body was cut from is the one that its part holds.
 
     Of open sections rounded toes and missing fillets count, but not slopes about the thickness
@@ -138,39 +142,21 @@ def section_said(shaped: Shaped, stock: BareStock, source: Source) -> tuple[Diag
     if abs(area - expected) <= SECTION_SLACK * area:
         return ()
     found, by_measures = (f"{v / 100:.2f}" for v in (area, expected))
-    return (rules.SECTION_AREA.at(source, found=found, expected=by_measures),)
+    rule = rules.OUTLINE if swept and section.code == "SO" else rules.SECTION_AREA
+    return (rule.at(source, found=found, expected=by_measures),)
 
 
-def check_stock(
-    model: Model, element: Entity, shaped: Shaped, profile: Entity, source: Source
-) -> tuple[Diagnostic, ...]:
-    """Whether the section that a part holds is the one that was modelled."""
-    try:
-        stock = stock_of(model, element, shaped, profile)
-    except Unreadable:
-        return ()  # there is no other section to compare with
-    diagnostics = section_said(shaped, stock, source)
-    if shaped.section.code == "SO":
-        return tuple(
-            rules.OUTLINE.at(source, found=d["found"], expected=d["expected"]) for d in diagnostics
-        )
-    return diagnostics
-
-
-def stock_of(model: Model, element: Entity, shaped: Shaped, profile: Entity | None) -> BareStock:
+def stock_of(model: Model, element: Entity, shaped: Shaped, profile: Entity) -> BareStock:
     """The section of a member's stock as the kernel builds it. Raises Unreadable."""
     section = shaped.section
-    if shaped.stock is not None:
-        return shaped.stock
     if section.code == "B" and abs(section.area - section.height * section.width) < 0.01:
         return plain_stock(section)
-    assert profile is not None  # a shell shows its section
     key = definition(profile), section
     return model.once("stock", key, _built_stock, model, element, shaped.frame)
 
 
 def _built_stock(model: Model, element: Entity, frame: Frame) -> BareStock:
-    built = kernel.build_stock(model, element)
+    built = kernel.built(model, element, kernel.STOCK)
     body = built.shell.moved(frame.inverse())
     low, high = extent(body, (1.0, 0.0, 0.0))
     return BareStock(across(body, (low + high) / 2), built.volume / (high - low))

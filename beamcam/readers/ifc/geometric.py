@@ -17,8 +17,7 @@ from beamcam.errors import Diagnostic, Source, errors_in
 from beamcam.model.part import Hole, Slot
 from beamcam.readers.ifc import rules
 from beamcam.readers.ifc.checks import section_said
-from beamcam.readers.ifc.cutters import planes_of
-from beamcam.readers.ifc.ends import MemberEnd, of_plane
+from beamcam.readers.ifc.cutters import HalfSpace, planes_of
 from beamcam.readers.ifc.entities import Entity, Model, Unreadable
 from beamcam.readers.ifc.finish import Regions, Shaped, from_regions, opening, reach, sawn
 from beamcam.readers.ifc.kernel import ANGLE, CHORD, built
@@ -44,7 +43,7 @@ from beamcam.readers.ifc.rolled import (
 )
 from beamcam.readers.ifc.same_solid import Fineness, differences
 from beamcam.readers.ifc.section import BareStock, Section, Wall, plain_stock, walls_of
-from beamcam.readers.ifc.semantic import BETWEEN, cut, in_place, outer_level
+from beamcam.readers.ifc.semantic import BETWEEN, cut, outer_level
 from beamcam.readers.ifc.shell import (
     ALONG,
     Shell,
@@ -95,8 +94,7 @@ def read_shell(shell: Shell, source: Source, volume: float | None = None) -> Sha
     faults: list[Unreadable] = []
     for stock in _stocks(shell):
         try:
-            shape = in_place(_member(shell, stock, source), stock.frame)
-            shape = replace(shape, stock=stock.bare)
+            shape = _member(shell, stock, source)
             shape = replace(shape, diagnostics=_unexplained(shape, shell, source, volume))
         except Unreadable as reason:
             faults.append(reason)
@@ -145,7 +143,7 @@ def _unexplained(
         if kinked(shell) is not None:
             raise Unreadable("a kinked member", rules.SECTION)
         return (rules.UNEXPLAINED.at(source, found=beyond),)
-    stock = shape.stock or plain_stock(shape.section)
+    stock = shape.bare or plain_stock(shape.section)
     by = MESH if volume is not None else FACES
     apart = differences(shape, body, stock, by, volume)
     if abs(apart.volume - apart.expected) > EXPLAINED * theirs:
@@ -181,7 +179,7 @@ def _member(shell: Shell, stock: Stock, source: Source) -> Shaped:
     if not walls:  # a round or a special section: two plane ends, nothing else
         start, end = [_flat_end(local, side) for side in (-1, 1)]
         span = reach(stock.section, start, end)
-        return sawn(stock.section, (start, end), span, (), source, span[1] - span[0])
+        return sawn(stock, (start, end), span, (), source)
     circles = Circles()
     regions: Regions = {}
     holes: list[Hole | Slot] = []
@@ -200,9 +198,8 @@ def _member(shell: Shell, stock: Stock, source: Source) -> Shaped:
             levels.append((c, shape if flat else _full_width(shape, wall, c, stock.bare)))
         regions[wall] = tuple(levels)
     # The levels lie inside the walls; only the shell itself knows how far the tips reach.
-    span, planes = (stock.x0, stock.x1), [*map(of_plane, planes_of(local))]
-    gross = stock.x1 - stock.x0
-    return from_regions(stock.section, regions, holes, circles, source, gross, planes, span)
+    span, planes = (stock.x0, stock.x1), planes_of(local)
+    return from_regions(stock, regions, holes, circles, source, planes, span)
 
 
 def _drilled(
@@ -283,7 +280,7 @@ def _plate(shell: Shell) -> Stock | None:
     return plate_stock(box_of(outline), lies, scale(normal, thickness))
 
 
-def _flat_end(local: Shell, side: int) -> MemberEnd:
+def _flat_end(local: Shell, side: int) -> HalfSpace:
     """The plane that most of an end's area lies in."""
     areas, same = local.areas, end_faces(local, ALONG, side)
     if not len(same):
@@ -293,4 +290,4 @@ def _flat_end(local: Shell, side: int) -> MemberEnd:
     if abs(a) < LEVEL_NOISE and abs(b) < LEVEL_NOISE:
         a = b = 0.0
     x, y, z = local.points[np.isin(local.face, same)].T
-    return MemberEnd(side, a, b, float(side * (side * (x - a * y - b * z)).max()))
+    return HalfSpace.at(side, float(side * (side * (x - a * y - b * z)).max()), a, b)

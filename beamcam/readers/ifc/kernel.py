@@ -75,7 +75,7 @@ def _fault(value: Any, kinds: Kinds) -> str | None:
 CHORD = 0.0002  #: m between a curve and its facets
 ANGLE = 0.25  #: rad between two facets, 26 on a circle; every vertex lies on the curve
 FINE_CHORD = 0.0001  #: m, of solids that parts are held against
-FINE = {"mesher-linear-deflection": FINE_CHORD}  #: closer facets than a reading needs
+FINE = {"mesher-linear-deflection": FINE_CHORD}  #: settings for closer facets than a reading needs
 #: Likewise, before anything was cut off.
 STOCK = {**FINE, "disable-boolean-result": True, "disable-opening-subtractions": True}
 #: Names of a solid's mesh, since ifcopenshell 0.9 and before.
@@ -96,17 +96,7 @@ class Built(Struct, frozen=True):
     others: tuple[str, ...] = ()  #: what is said of curved faces that only facets stand for
 
 
-def build(model: Model, element: Entity) -> Built:
-    """The kernel's solid of an element, closer than a reading needs it. Raises Unreadable."""
-    return built(model, element, FINE)
-
-
-def build_stock(model: Model, element: Entity) -> Built:
-    """As `build`, before anything was cut off. Raises Unreadable."""
-    return built(model, element, STOCK)
-
-
-def built(model: Model, element: Entity, asked: Mapping[str, Any]) -> Built:
+def built(model: Model, element: Entity, asked: Mapping[str, Any] = FINE) -> Built:
     """The kernel's solid of an element, openings taken off, with the cylinders that it has.
 
     The corners of the shell's facets lie on the solid's surfaces. `asked` are settings of the

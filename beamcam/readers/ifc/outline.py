@@ -5,12 +5,12 @@ back to arcs before anything is measured.
 """
 
 from collections.abc import Sequence
-from math import atan2, degrees, dist, hypot, pi, radians, sin, tan
+from math import atan2, dist, hypot, pi, radians, sin, tan
 
 from msgspec import Struct
 
 from beamcam.geometry.conics import arc_by_points
-from beamcam.geometry.curves import Arc, Curve, Line, Point
+from beamcam.geometry.curves import Arc, Curve, Line, Point, circle_of, slot_of
 from beamcam.geometry.plane import cross, dot
 from beamcam.readers.ifc.curves2d import Chain
 
@@ -21,6 +21,7 @@ COARSE_RAD = radians(2)  #: between chords that nobody takes for a straight line
 FINEST_RAD = radians(0.2)
 MANY_CHORDS = 45  #: of a quarter circle, where they turn less than that
 ON_CIRCLE = 0.02  #: mm that a vertex may lie off its circle
+ROUND_DEG = 0.5  #: that arcs may turn more or less than a circle or a half
 PARALLEL_RAD = 1e-4
 NO_SIDE = 1e-6  #: mm of a line that is none
 STRAIGHT = 0.002  #: mm that a point may lie off the line between its neighbours
@@ -156,25 +157,12 @@ def shape_of(chain: Chain) -> Round | Slotted | None:
     """A circle or a slot where the chain is one; None for everything else."""
     # A radius that rounding makes a hair less than half a slot's width leaves no side.
     curves = with_arcs(tuple(c for c in chain if c.length > NO_SIDE))
-    arcs = [c for c in curves if isinstance(c, Arc)]
-    lines = [c for c in curves if isinstance(c, Line)]
-    if len(arcs) + len(lines) != len(curves) or not arcs:
-        return None
-    (x0, y0), (x1, y1), radius = arcs[0].centre, arcs[-1].centre, arcs[0].radius
-    if any(abs(a.radius - radius) > ON_CIRCLE for a in arcs):
-        return None
-    turns = [a.sweep_deg for a in arcs]
-    if not lines:
-        same = all(dist(a.centre, (x0, y0)) < ON_CIRCLE for a in arcs)
-        full = abs(abs(sum(turns)) - 360.0) < 0.5
-        return Round((x0, y0), 2 * radius) if same and full else None
-    half = all(abs(abs(t) - 180.0) <= 0.5 for t in turns) and min(turns) * max(turns) > 0
-    if not half or len(lines) != 2 or len(arcs) != 2:
-        return None
-    angle = degrees(atan2(y1 - y0, x1 - x0)) % 180.0
-    if angle > 180.0 - 1e-9 or angle < 1e-9:
-        angle = 0.0
-    return Slotted(((x0 + x1) / 2, (y0 + y1) / 2), 2 * radius, hypot(x1 - x0, y1 - y0), angle)
+    if (circle := circle_of(curves, ON_CIRCLE, ROUND_DEG)) is not None:
+        return Round(circle[0], 2 * circle[1])
+    if (slot := slot_of(curves, ON_CIRCLE, ROUND_DEG)) is not None:
+        middle, length, width, angle = slot
+        return Slotted(middle, width, length - width, round(angle, 9) % 180.0)
+    return None
 
 
 class Corner(Struct, frozen=True, gc=False):

@@ -11,11 +11,11 @@ from msgspec.structs import replace
 
 from beamcam.errors import Severity, Source
 from beamcam.model.part import EndCuts, Hole, Slot
-from beamcam.readers.ifc import Options, kernel, read, same_solid
+from beamcam.readers.ifc import Options, read, same_solid
 from beamcam.readers.ifc.checks import section_said
 from beamcam.readers.ifc.entities import Unreadable
 from beamcam.readers.ifc.finish import Shaped, part_of
-from beamcam.readers.ifc.kernel import Built, build
+from beamcam.readers.ifc.kernel import Built, built
 from beamcam.readers.ifc.same_solid import Fineness, differences
 from beamcam.readers.ifc.section import BareStock, Section, plain_stock
 from beamcam.readers.ifc.shell import Shell, shell
@@ -23,6 +23,7 @@ from beamcam.readers.ifc.solid_body import section_area, solid_of
 from beamcam.readers.ifc.space import IDENTITY, Frame
 from tests.property.ifc_builder import model_text, random_member
 from tests.unit.readers.ifc.models import Small, opened
+from tests.unit.readers.ifc.test_checks import patched
 
 FACES = Fineness(slack=0.04, facet_rad=0.6)
 SOURCE = Source("m.ifc")
@@ -164,13 +165,13 @@ def test_rounded_toes_and_missing_fillets_are_told_and_slopes_are_not() -> None:
 def test_plain_members_are_compared_too(monkeypatch: pytest.MonkeyPatch) -> None:
     """A kernel whose solid has a hole that the definition has not."""
 
-    def with_a_hole(model: object, element: object) -> Built:
+    def with_a_hole(*_: object) -> Built:
         m = Small()
         m.element(m.minus(m.extruded(m.ipe300(), 2000.0), m.hole((500, -20, 0), (0, 1, 0), 22, 40)))
         other = opened(m.data)
-        return build(other, other.file.by_type("IfcBeam")[0])
+        return built(other, other.file.by_type("IfcBeam")[0])
 
-    monkeypatch.setattr(kernel, "build", with_a_hole)
+    patched(monkeypatch, with_a_hole)
     m = Small()
     m.element(m.extruded(m.ipe300(), 2000.0))
     found = read(m.data, "m.ifc", options=Options(kernel=True))
