@@ -8,7 +8,6 @@ what it does not explain stays in the contours.
 """
 
 from collections.abc import Iterable, Sequence
-from itertools import repeat
 from math import atan, atan2, degrees
 from operator import sub
 
@@ -45,15 +44,11 @@ class Trim(Struct, frozen=True, gc=False):
 
 def trim(square: HalfSpace, cuts: Sequence[HalfSpace], corners: Sequence[Point]) -> Trim:
     """The end of a stock that is `square` before its cuts, at the (Y, Z) of the corners."""
-    planes, level = (square, *cuts), square.side * square.point[0]
-    if not cuts:
-        return Trim(planes, square, level, level, level)
-    lines = [reaches(one, corners) for one in cuts]
-    left = list(map(min, repeat(level), *lines))
+    planes = (square, *cuts)
+    lines = [reaches(one, corners) for one in planes]
+    left = [min(row) for row in zip(*lines, strict=True)]
     least, most = min(left), max(left)
-    if level - least <= SAME_REACH:
-        return Trim(planes, square, level, least, most)
-    for one, line in zip(cuts, lines, strict=True):
+    for one, line in zip(planes, lines, strict=True):
         if max(map(sub, line, left)) <= SAME_REACH:
             return Trim(planes, one, max(line), least, most)
     return Trim(planes, None, most, least, most)

@@ -15,12 +15,11 @@ from shapely import LineString, MultiPolygon, Polygon, get_coordinates
 
 from beamcam.errors import Diagnostic, Source, errors_in
 from beamcam.model.part import Hole, Slot
-from beamcam.readers.ifc import rules
+from beamcam.readers.ifc import kernel, rules
 from beamcam.readers.ifc.checks import section_said
 from beamcam.readers.ifc.cutters import HalfSpace, planes_of
 from beamcam.readers.ifc.entities import Entity, Model, Unreadable
 from beamcam.readers.ifc.finish import Regions, Shaped, from_regions, opening, reach, sawn
-from beamcam.readers.ifc.kernel import ANGLE, CHORD, built
 from beamcam.readers.ifc.outline import with_arcs
 from beamcam.readers.ifc.profiles import Outline
 from beamcam.readers.ifc.region import (
@@ -68,7 +67,9 @@ EXPLAINED = 0.3  #: share of its volume by which a shell that differs more is no
 SURELY_OTHER = 0.35  #: likewise by the volume that the regions of the walls give
 BEYOND = 2.0  #: mm out of the box of its section at which steel is another part's, or bent
 LEVEL_NOISE = 1e-6  #: slope of an end, from rounding
-MESH = Fineness(slack=0.13, facet_rad=ANGLE, chord=CHORD * 1e3)  #: of the kernel's solid
+MESH = Fineness(
+    slack=0.13, facet_rad=kernel.ANGLE, chord=kernel.CHORD * 1e3
+)  #: of the kernel's solid
 FACES = Fineness(slack=0.04, facet_rad=0.6)  #: of a file
 
 
@@ -78,7 +79,7 @@ def read_kernel(model: Model, element: Entity, source: Source) -> Shaped:
     The facets give the sections, the kernel's own surfaces the circles in them; where the kernel
     has others, they are fitted to the facets, and `fitted` of what comes back names them.
     """
-    solid = built(model, element, {})
+    solid = kernel.built(model, element, {})
     errors = [line for line in solid.log if "[error]" in line.lower()]
     if errors:
         raise Unreadable(f"an error of the geometry kernel ({errors[0][:160]})")

@@ -22,6 +22,7 @@ from beamcam.readers.ifc.shell import Shell, shell
 from beamcam.readers.ifc.solid_body import section_area, solid_of
 from beamcam.readers.ifc.space import IDENTITY, Frame
 from tests.property.ifc_builder import model_text, random_member
+from tests.property.ifc_cuts import SIZES, Bar, Half, model_of
 from tests.unit.readers.ifc.models import Small, opened
 from tests.unit.readers.ifc.test_checks import patched
 
@@ -234,3 +235,25 @@ def test_the_plain_look_passes_no_other_hole(hole: Hole | Slot) -> None:
     assert plain(hole) is None
     assert plain(right, hole) is None
     assert plain() is None
+
+
+def test_a_flange_that_is_planed_off_is_told_by_how_much() -> None:
+    bar = Bar("I", 900.0, SIZES["I"])
+    found = read(
+        model_of(bar, [Half((0.0, 290.0, 0.0), (0.0, 1.0, 0.0))]),
+        "m.ifc",
+        options=Options(kernel=True),
+    )
+    (said,) = [d for d in found.diagnostics if d.severity is Severity.ERROR]
+    assert "less on face o at x 0.0 to 900.0 (10.0 mm off its 10.7 mm)" in said.message
+
+
+def test_a_body_of_two_solids_is_refused_as_one() -> None:
+    """An I with its end plate, whose sections have cracks that enclose nothing."""
+    m = Small()
+    plate = m.extruded(m.box(200.0, 400.0), 20.0, m.step.axes((-20, 0, 0), (1, 0, 0), (0, 1, 0)))
+    beam = m.extruded(m.ipe300(), 3000.0, m.step.axes((0, 0, 0), (1, 0, 0), (0, 1, 0)))
+    m.element(f"{beam},{plate}")
+    found = read(m.data, "m.ifc", options=Options(kernel=True))
+    (said,) = [d for d in found.diagnostics if d.severity is Severity.ERROR]
+    assert said["found"].startswith("a body of 2 solids; by the kernel more steel")
