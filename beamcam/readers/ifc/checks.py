@@ -1,6 +1,7 @@
 """Does the rest of the file agree with what was read of a member?"""
 
 from collections.abc import Hashable, Iterator
+from itertools import chain
 from math import log
 from typing import Any
 
@@ -105,9 +106,8 @@ def check_kernel(
     except Unreadable as reason:
         fault = rules.KERNEL.at(source, found=f"no solid ({reason})", expected="a solid")
         return KernelVerdict(said, fault)
-    errors = [line for line in built.log if "[error]" in line.lower()]
-    if errors:
-        return KernelVerdict((*said, rules.KERNEL_LOG.at(source, found=errors[0][:160])))
+    if built.error is not None:
+        return KernelVerdict((*said, rules.KERNEL_LOG.at(source, found=built.error)))
     body = built.shell.moved(shaped.frame.inverse())
     low, high = extent(body, (1.0, 0.0, 0.0))
     if abs(high - low - shaped.length) > LENGTH_SAME:
@@ -135,9 +135,7 @@ def section_said(
             float(one.buffer(-FILM).buffer(FILM).area)
             for one in (stock.shape.difference(drawn), drawn.difference(stock.shape))
         )
-        s = section
-        sizes = s.height, s.width, s.flange_thickness, s.web_thickness, s.radius
-        expected = area_by_measures(s.code, *sizes)
+        expected = area_by_measures(section.code, *section.sizes)
         area = expected + more - less
     if abs(area - expected) <= SECTION_SLACK * area:
         return ()
@@ -188,17 +186,15 @@ def _solids(model: Model, element: Entity) -> list[int]:
     """The numbers of all that items say, down to their coordinates; equal ones share a number."""
     numbers: dict[Entity, int] = model.once("numbers of items", None, dict)
     told: dict[Hashable, int] = model.once("told of items", None, dict)
-    items: tuple[Entity, ...] = body_representation(element).values[3]
 
     def replaced(value: Any) -> Hashable:
         if isinstance(value, tuple):
             return tuple(map(replaced, value))
-        known = numbers.get(value) if isinstance(value, Entity) else None
-        return value if known is None else ("item", known)
+        return ("item", numbers.get(value, value)) if isinstance(value, Entity) else value
 
-    for item in items:
-        for one in item.below(numbers):
-            named = "IfcProfileDef" in one.type.kinds  # of a profile its name does not matter
-            said = one.type.name, replaced(one.values[2:] if named else one.values)
-            numbers[one] = told.setdefault(said, len(told))
+    items: tuple[Entity, ...] = body_representation(element).values[3]
+    for one in chain.from_iterable(item.below(numbers) for item in items):
+        named = "IfcProfileDef" in one.type.kinds  # of a profile its name does not matter
+        said = one.type.name, replaced(one.values[2:] if named else one.values)
+        numbers[one] = told.setdefault(said, len(told))
     return [numbers[item] for item in items]

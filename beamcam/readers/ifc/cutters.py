@@ -8,6 +8,7 @@ from math import atan, copysign, degrees, hypot
 
 import shapely
 from msgspec import Struct
+from msgspec.structs import replace
 
 from beamcam.caches import cached
 from beamcam.geometry.curves import Line, Point
@@ -58,6 +59,10 @@ class HalfSpace(Struct, frozen=True, gc=False):
     def side(self) -> int:
         """1 of the member's end, -1 of its start."""
         return 1 if self.normal[0] > 0 else -1
+
+    def facing(self, side: int) -> "HalfSpace":
+        """The plane as an end of that side."""
+        return self if self.side == side else replace(self, normal=scale(self.normal, -1.0))
 
     @property
     def slopes(self) -> tuple[float, float]:

@@ -21,7 +21,7 @@ from beamcam.readers.ifc.curves2d import Chain
 from beamcam.readers.ifc.cutters import HalfSpace
 from beamcam.readers.ifc.region import Shape, pieces_of
 from beamcam.readers.ifc.section import Wall
-from beamcam.readers.ifc.space import add, scale
+from beamcam.readers.ifc.space import add
 
 MIN_EDGE = 1.0  #: mm across the member of an edge that counts for an end
 SAME_REACH = 1e-4  #: mm by which one plane may be before the sole one
@@ -83,7 +83,7 @@ def end_of(
     best, best_x = HalfSpace.at(side, last), last
     most = SQUARE * _weight(best, levels)
     for one in planes:
-        plane = one if one.side == side else replace(one, normal=scale(one.normal, -1.0))
+        plane = one.facing(side)
         reached = side * max(reaches(plane, corners))
         if abs(reached - last) >= inside * sum(map(abs, one.slopes)) + REACHED:
             continue

@@ -245,13 +245,9 @@ def opening(wall: Wall, chain: Chain, source: Source) -> Cut:
     if isinstance(shape, Round):
         return Hole(wall.face, *shape.centre, shape.diameter, source)
     if isinstance(shape, Slotted):
-        return slot(wall, shape, source)
+        sizes = shape.diameter, shape.length, 0.0, shape.angle
+        return Slot(wall.face, *shape.centre, *sizes, source)
     return contour(wall.face, "inner", chain, source)
-
-
-def slot(wall: Wall, shape: Slotted, source: Source, depth: float | None = None) -> Slot:
-    sizes = shape.diameter, shape.length, 0.0, shape.angle
-    return Slot(wall.face, *shape.centre, *sizes, source, depth)
 
 
 def contour(

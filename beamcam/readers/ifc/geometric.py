@@ -34,7 +34,6 @@ from beamcam.readers.ifc.region import (
     with_circles,
 )
 from beamcam.readers.ifc.rolled import (
-    end_faces,
     other_axes,
     reference,
     rolled_stock,
@@ -51,7 +50,6 @@ from beamcam.readers.ifc.shell import (
     kinked,
     longest_direction,
     section,
-    vec,
 )
 from beamcam.readers.ifc.solid_body import section_area
 from beamcam.readers.ifc.space import Frame, cross, scale
@@ -66,10 +64,8 @@ EDGE = 0.3  #: mm within which a section point lies on a wall's long edge
 EXPLAINED = 0.3  #: share of its volume by which a shell that differs more is no such member
 SURELY_OTHER = 0.35  #: likewise by the volume that the regions of the walls give
 BEYOND = 2.0  #: mm out of the box of its section at which steel is another part's, or bent
-LEVEL_NOISE = 1e-6  #: slope of an end, from rounding
-MESH = Fineness(
-    slack=0.13, facet_rad=kernel.ANGLE, chord=kernel.CHORD * 1e3
-)  #: of the kernel's solid
+#: Of the kernel's solid.
+MESH = Fineness(slack=0.13, facet_rad=kernel.ANGLE, chord=kernel.CHORD * 1e3)
 FACES = Fineness(slack=0.04, facet_rad=0.6)  #: of a file
 
 
@@ -80,9 +76,8 @@ def read_kernel(model: Model, element: Entity, source: Source) -> Shaped:
     has others, they are fitted to the facets, and `fitted` of what comes back names them.
     """
     solid = kernel.built(model, element, {})
-    errors = [line for line in solid.log if "[error]" in line.lower()]
-    if errors:
-        raise Unreadable(f"an error of the geometry kernel ({errors[0][:160]})")
+    if solid.error is not None:
+        raise Unreadable(f"an error of the geometry kernel ({solid.error})")
     return replace(read_shell(solid.shell, source, solid.volume), fitted=solid.others)
 
 
@@ -178,7 +173,7 @@ def _member(shell: Shell, stock: Stock, source: Source) -> Shaped:
     local = shell.moved(stock.frame.inverse())
     walls, flat = walls_of(stock.section), stock.section.is_plain_flat
     if not walls:  # a round or a special section: two plane ends, nothing else
-        start, end = [_flat_end(local, side) for side in (-1, 1)]
+        start, end = [_flat_end(local, stock.section, side) for side in (-1, 1)]
         span = reach(stock.section, start, end)
         return sawn(stock, (start, end), span, (), source)
     circles = Circles()
@@ -281,14 +276,10 @@ def _plate(shell: Shell) -> Stock | None:
     return plate_stock(box_of(outline), lies, scale(normal, thickness))
 
 
-def _flat_end(local: Shell, side: int) -> HalfSpace:
+def _flat_end(local: Shell, section: Section, side: int) -> HalfSpace:
     """The plane that most of an end's area lies in."""
-    areas, same = local.areas, end_faces(local, ALONG, side)
-    if not len(same):
-        raise Unreadable("a round section without plane ends", rules.SECTION)
-    n = vec(local.area_normals[same[areas[same].argmax()]])
-    a, b = -n[1] / n[0], -n[2] / n[0]
-    if abs(a) < LEVEL_NOISE and abs(b) < LEVEL_NOISE:
-        a = b = 0.0
-    x, y, z = local.points[np.isin(local.face, same)].T
-    return HalfSpace.at(side, float(side * (side * (x - a * y - b * z)).max()), a, b)
+    low, high = extent(local, ALONG)
+    for plane in planes_of(local):
+        if side * (plane.x(section.height / 2, section.width / 2) - (low + high) / 2) > 0:
+            return plane.facing(side)
+    raise Unreadable("a round section without plane ends", rules.SECTION)

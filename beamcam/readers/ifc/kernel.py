@@ -34,19 +34,14 @@ def broken_reference(file: Any, root: Any) -> str | None:
     for one in file.traverse(root):
         name = one.is_a()
         if name not in known:
-            entity = schema.declaration_by_name(name).as_entity()
-            every = zip(entity.all_attributes(), entity.derived(), strict=True) if entity else ()
-            rows = [
-                (place, attribute, _kinds(attribute.type_of_attribute()))
-                for place, (attribute, derived) in enumerate(every)
-                if not derived
-            ]
-            known[name] = [row for row in rows if row[2][0]]
+            entity: Any = schema.declaration_by_name(name).as_entity()
+            every = entity.all_attributes() if entity else ()
+            rows = [(k, a, _kinds(a.type_of_attribute())) for k, a in enumerate(every)]
+            known[name] = [row for row in rows if row[2][0] and not entity.derived()[row[0]]]
         for place, attribute, kinds in known[name]:
             value = one[place]
-            fault = _fault(value, kinds)
-            if value is None:
-                fault = None if attribute.optional() else "missing"
+            missing = None if attribute.optional() else "missing"
+            fault = missing if value is None else _fault(value, kinds)
             if fault is not None:
                 return f"#{one.id()} {name} with {attribute.name()} {fault}"
     return None
@@ -88,10 +83,10 @@ ROUNDER = 0.9999  #: of a slot's corner radius that the kernel can build; half t
 
 
 class Built(Struct, frozen=True):
-    """A shell in the element's coordinates and what the kernel said while making it."""
+    """A shell in the element's coordinates and what the kernel wrote while making it."""
 
     shell: Shell
-    log: tuple[str, ...]
+    error: str | None  #: the first one that it wrote
     volume: float = 0.0  #: mm3 of the solid itself, not of its facets
     others: tuple[str, ...] = ()  #: what is said of curved faces that only facets stand for
 
@@ -117,8 +112,8 @@ def built(model: Model, element: Entity, asked: Mapping[str, Any] = FINE) -> Bui
     if found.count < 4:
         raise Unreadable("an empty solid by the kernel")
     cylinders, others = _cylinders(points.reshape(-1, 3, 3), normals.reshape(-1, 3, 3))
-    log = _log()
-    return Built(replace(found, cylinders=cylinders), log, float(solid.volume) * 1e9, others)
+    volume = float(solid.volume) * 1e9
+    return Built(replace(found, cylinders=cylinders), _error(), volume, others)
 
 
 def _cylinders(facets: Points, normals: Points) -> tuple[tuple[Cylinder, ...], tuple[str, ...]]:
@@ -190,7 +185,7 @@ def _solid(model: Model, element: Entity, asked: Mapping[str, Any]) -> Any:
     if _is_in_itself(instances[0]):
         raise Unreadable("an assembly that contains itself")
     _make_buildable(model, file, used)
-    _log()  # what earlier solids left
+    _error()  # what earlier solids left
     try:
         return geom.create_shape(settings, instances[0], geometry_library="opencascade")
     except RuntimeError as fault:
@@ -220,9 +215,10 @@ def _is_in_itself(instance: Any) -> bool:
     return instance is not None
 
 
-def _log() -> tuple[str, ...]:
-    """Kernel messages since the last call."""
-    return tuple(line for line in str(_kernel().get_log()).splitlines() if line.strip())
+def _error() -> str | None:
+    """The first error that the kernel wrote since the last call."""
+    lines = str(_kernel().get_log()).splitlines()
+    return next((line[:160] for line in lines if "[error]" in line.lower()), None)
 
 
 def load(model: Model) -> Any:

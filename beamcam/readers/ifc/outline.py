@@ -5,7 +5,7 @@ back to arcs before anything is measured.
 """
 
 from collections.abc import Sequence
-from math import atan2, dist, hypot, pi, radians, sin, tan
+from math import atan2, copysign, dist, hypot, pi, radians, sin, tan
 
 from msgspec import Struct
 
@@ -72,7 +72,8 @@ def _arcs_of_runs(lines: Chain, least: float, most: float) -> Chain:
     for k, first in enumerate(breaks):
         last = breaks[(k + 1) % len(breaks)]
         run = [lines[(first + j) % n] for j in range((last - first - 1) % n + 1)]
-        arc = _arc_of(run) if len(run) >= MIN_RUN else None
+        points = [*(c.start for c in run), run[-1].end]
+        arc = _through(points, 0, len(run) // 2, -1) if len(run) >= MIN_RUN else None
         out += [arc] if arc is not None else run
     return tuple(out)
 
@@ -131,26 +132,21 @@ def _regular(lines: Chain) -> Chain | None:
     """The full circle that all vertices of a polygon lie on."""
     if len(lines) < MIN_CORNERS:
         return None
-    points = [c.start for c in lines]
-    n = len(points)
-    third = arc_by_points(points[0], points[n // 3], points[2 * n // 3])
-    if third is None or not all(_on(third, p) for p in points):
+    points, n = [c.start for c in lines], len(lines)
+    third = _through(points, 0, n // 3, 2 * n // 3)
+    if third is None:
         return None
     if max(c.length for c in lines) > 2 * third.radius * sin(pi / MIN_CORNERS) + ON_CIRCLE:
         return None
-    return (
-        Arc(third.centre, third.radius, third.start_deg, 360.0 if third.sweep_deg > 0 else -360.0),
-    )
+    return (Arc(third.centre, third.radius, third.start_deg, copysign(360.0, third.sweep_deg)),)
 
 
-def _on(arc: Arc, p: Point) -> bool:
-    return abs(dist(p, arc.centre) - arc.radius) < ON_CIRCLE
-
-
-def _arc_of(run: list[Curve]) -> Arc | None:
-    middle = run[len(run) // 2].start
-    arc = arc_by_points(run[0].start, middle, run[-1].end)
-    return arc if arc is not None and all(_on(arc, c.start) for c in run) else None
+def _through(points: Sequence[Point], *picked: int) -> Arc | None:
+    """The arc by three of some points, if all of them lie on its circle."""
+    arc = arc_by_points(*(points[k] for k in picked))
+    if arc is None or any(abs(dist(p, arc.centre) - arc.radius) >= ON_CIRCLE for p in points):
+        return None
+    return arc
 
 
 def shape_of(chain: Chain) -> Round | Slotted | None:

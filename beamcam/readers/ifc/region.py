@@ -63,18 +63,15 @@ def points_of(chain: Chain, circles: Circles) -> list[Point]:
     """
     points: list[Point] = []
     for curve in chain:
-        if isinstance(curve, Line):
-            points.append(curve.start)
-        elif isinstance(curve, Arc):
+        count = 1 if isinstance(curve, Line) else ELLIPSE_POINTS
+        if isinstance(curve, Arc):
             circles.add(curve.centre, curve.radius)
             step = 2 * acos(max(0.0, 1 - SAGITTA / curve.radius))
             sweep = radians(abs(curve.sweep_deg))
             if sweep > MOST_POINTS * step:
                 raise Unreadable(f"an arc of radius {curve.radius:g} mm")
             count = max(2, ceil(sweep / step))
-            points += [curve.point(i / count) for i in range(count)]
-        else:
-            points += [curve.point(i / ELLIPSE_POINTS) for i in range(ELLIPSE_POINTS)]
+        points += [curve.point(i / count) for i in range(count)]
     return points
 
 

@@ -275,7 +275,7 @@ def _by_face(
                 one = lump(inside, wall.face, _leans(inside, more, wall, part))
                 box, k = inside.bounding_box(), 1 if wall.normal == "y" else 2
                 deep = min(box[k + 3], wall.high) - max(box[k], wall.low)
-                thin = not more and deep < wall.thickness - 2 * slack
+                thin = not (more or one.leans) and deep < wall.thickness - 2 * slack
                 off = f" ({deep:.1f} mm off its {wall.thickness:g} mm)" if thin else ""
                 yield replace(one, off=off)
     if piece.volume() > MIN_LUMP:

@@ -9,7 +9,6 @@
 from collections.abc import Iterator, Sequence
 
 import shapely
-from shapely import contains_xy
 
 from beamcam.errors import Source
 from beamcam.geometry.curves import Line, Point
@@ -32,7 +31,7 @@ from beamcam.readers.ifc.finish import Levels, Regions, Shaped, from_regions, sa
 from beamcam.readers.ifc.holes import Drilled, pierce
 from beamcam.readers.ifc.region import Circles, Shape, polygon_of
 from beamcam.readers.ifc.section import Wall, corner_points, walls_of
-from beamcam.readers.ifc.space import dot, sub
+from beamcam.readers.ifc.space import dot, size, sub
 from beamcam.readers.ifc.stock import Stock, stock_of
 
 # --- trimming -------------------------------------------------------------------------------------
@@ -60,24 +59,24 @@ def end_plane(cutter: Cutter, stock: Stock, corners: Sequence[Point]) -> HalfSpa
 
 def _takes_all(cutter: Prism, plane: HalfSpace, stock: Stock, corners: Sequence[Point]) -> bool:
     """Whether a prism holds everything of the stock beyond a plane, up to the stock's end."""
-    inverse = cutter.frame.inverse()
-    way, far = (1.0, stock.x1) if plane.normal[0] > 0 else (-1.0, stock.x0)
-    h, b = stock.section.height, stock.section.width
-    found = []
-    for y, z in (*corners[:: max(1, len(corners) // 24)], (h / 2, b / 2)):
-        x = plane.x(y, z)
-        if way * (far - x) <= 1e-4:
-            continue
-        inner_y, inner_z = min(max(y, 1e-3), h - 1e-3), min(max(z, 1e-3), b - 1e-3)
-        shift = plane.x(inner_y, inner_z) - x
-        for at in (x + way * 1e-3 + shift, (x + far) / 2 + shift, far - way * 1e-3):
-            found.append(inverse.point((at, inner_y, inner_z)))
-            if not -1e-9 <= found[-1][2] <= 1 + 1e-9:
-                return False
-    region = polygon_of(cutter.outline.outer, (), Circles())
-    return bool(found) and all(contains_xy(region, [p[0] for p in found], [p[1] for p in found]))
+    far = stock.x1 if plane.side > 0 else stock.x0
+    beyond = [
+        (at, y, z)
+        for y, z in corners
+        for x in (plane.x(y, z),)
+        if plane.side * (far - x) > NO_LENGTH
+        for at in (x, far)
+    ]
+    found = [*map(cutter.frame.inverse().point, beyond)]
+    off = [o / size(cutter.frame.z) for o in (-FLUSH, FLUSH)]
+    if not found or not all(off[0] <= p[2] <= 1 + off[1] for p in found):
+        return False
+    region = polygon_of(cutter.outline.outer, (), Circles()).buffer(FLUSH / size(cutter.frame.x))
+    return bool(region.covers(shapely.MultiPoint([p[:2] for p in found]).convex_hull))
 
 
+NO_LENGTH = 1e-4  #: mm beyond a plane that are nothing
+FLUSH = 2e-3  #: mm by which a prism may fall short of what it takes
 MIN_LENGTH = 0.1  #: mm that the ends have to leave
 MOST_IN = 0.1  #: share of its thickness that they lie inside a thin wall
 BETWEEN = (0.12, 0.25, 0.4, 0.5, 0.6, 0.75, 0.88)  #: shares at which leaning edges are looked at

@@ -83,7 +83,7 @@ def test_the_net_weight_decides_against_the_kernel() -> None:
 
 def test_an_error_in_the_log_refuses_the_member(monkeypatch: pytest.MonkeyPatch) -> None:
     def failing(model: Model, element: Entity, asked: Mapping[str, Any]) -> Built:
-        return replace(built(model, element, asked), log=("[error] [GEO027] cannot build",))
+        return replace(built(model, element, asked), error="[error] [GEO027] cannot build")
 
     patched(monkeypatch, failing)
     found = read(drilled().data, "m.ifc", options=CHECKED)
