@@ -44,9 +44,11 @@ class Trim(Struct, frozen=True, gc=False):
 
 def trim(square: HalfSpace, cuts: Sequence[HalfSpace], corners: Sequence[Point]) -> Trim:
     """The end of a stock that is `square` before its cuts, at the (Y, Z) of the corners."""
-    planes = (square, *cuts)
-    lines = [reaches(one, corners) for one in planes]
-    left = [min(row) for row in zip(*lines, strict=True)]
+    planes, level = (square, *cuts), square.side * square.point[0]
+    if not cuts:
+        return Trim(planes, square, level, level, level)
+    lines = [[level] * len(corners), *(reaches(one, corners) for one in cuts)]
+    left = list(map(min, *lines))
     least, most = min(left), max(left)
     for one, line in zip(planes, lines, strict=True):
         if max(map(sub, line, left)) <= SAME_REACH:
@@ -56,8 +58,8 @@ def trim(square: HalfSpace, cuts: Sequence[HalfSpace], corners: Sequence[Point])
 
 def reaches(end: HalfSpace, corners: Sequence[Point]) -> list[float]:
     """side * x of an end at each of the corners."""
-    a, b, c = (end.side * one for one in (*end.slopes, end.x(0.0, 0.0)))
-    return [a * y + b * z + c for y, z in corners]
+    (a, b), c, side = end.slopes, end.x(0.0, 0.0), end.side
+    return [side * (a * y + b * z + c) for y, z in corners]
 
 
 Level = tuple[Wall, float, Shape]  #: a wall, c, and its region there

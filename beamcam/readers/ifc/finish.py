@@ -100,12 +100,13 @@ def sawn(
         length = ends[1].x(*middle) - ends[0].x(*middle)
         volume = section.area * length - hole_volume(section, features)
     x0, x1 = span
-    web, flange = zip(*(one.angles for one in ends), strict=True)
+    angles = [one.angles for one in ends]
+    web, flange = zip(*angles, strict=True)
     cuts = EndCuts(*(0.0 if abs(angle) < SQUARE_DEG else angle for angle in (*web, *flange)))
     planes = [
         EndPlane((one.x(0.0, 0.0) - x0, 0.0, 0.0), one.normal, source)
-        for one in ends
-        if min(map(abs, one.angles)) > COMPOUND_DEG
+        for one, leaning in zip(ends, angles, strict=True)
+        if min(map(abs, leaning)) > COMPOUND_DEG
     ]
     moved = in_order(features if x0 == 0.0 else [moved_feature(f, (-x0, 0.0)) for f in features])
     at = stock.frame

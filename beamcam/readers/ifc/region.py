@@ -63,7 +63,10 @@ def points_of(chain: Chain, circles: Circles) -> list[Point]:
     """
     points: list[Point] = []
     for curve in chain:
-        count = 1 if isinstance(curve, Line) else ELLIPSE_POINTS
+        if isinstance(curve, Line):
+            points.append(curve.start)
+            continue
+        count = ELLIPSE_POINTS
         if isinstance(curve, Arc):
             circles.add(curve.centre, curve.radius)
             step = 2 * acos(max(0.0, 1 - SAGITTA / curve.radius))
