@@ -47,9 +47,10 @@ class Shaped(Struct, frozen=True, gc=False):
     volume: float  #: mm3, of the material that is left
     gross: float  #: mm, of the stock before the cuts
     remarks: tuple[str, ...] = ()
+    x0: float = 0.0  #: where the part's start lies on the stock
     frame: Frame = IDENTITY  #: the part's coordinates in the element's
     fitted: tuple[str, ...] = ()  #: surfaces of the kernel that only facets stand for
-    bare: BareStock | None = None  #: the section, where a shell showed it
+    stock: BareStock | None = None  #: the section, where a shell showed it
     #: of what no feature explains, where a body was compared
     diagnostics: tuple[Diagnostic, ...] = ()
 
@@ -109,11 +110,11 @@ def sawn(
         if min(map(abs, leaning)) > COMPOUND_DEG
     ]
     moved = in_order(features if x0 == 0.0 else [moved_feature(f, (-x0, 0.0)) for f in features])
-    at = stock.frame
+    at, gross = stock.frame, stock.x1 - stock.x0
     frame = Frame(add(at.o, scale(at.x, x0)), at.x, at.y, at.z)
     return Shaped(
-        section, x1 - x0, cuts, (*moved, *planes), volume, stock.x1 - stock.x0, frame=frame,
-        bare=stock.bare,
+        section, x1 - x0, cuts, (*moved, *planes), volume, gross, x0=x0, frame=frame,
+        stock=stock.bare,
     )  # fmt: skip
 
 

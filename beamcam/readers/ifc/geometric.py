@@ -139,7 +139,7 @@ def _unexplained(
         if kinked(shell) is not None:
             raise Unreadable("a kinked member", rules.SECTION)
         return (rules.UNEXPLAINED.at(source, found=beyond),)
-    stock = shape.bare or plain_stock(shape.section)
+    stock = shape.stock or plain_stock(shape.section)
     by = MESH if volume is not None else FACES
     apart = differences(shape, body, stock, by, volume)
     if abs(apart.volume - apart.expected) > EXPLAINED * theirs:
