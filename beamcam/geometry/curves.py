@@ -269,20 +269,27 @@ def bezier_pieces(curve: Bezier | BSpline | NewtonCurve) -> tuple[Bezier, ...]:
             return (curve.as_bezier(),)
 
 
-def circle_of(curves: Sequence[Curve]) -> tuple[Point, float] | None:
-    """Centre and radius of a chain that is a whole circle."""
+SAME = 1e-6  #: mm and degrees between what is one
+
+
+def circle_of(
+    curves: Sequence[Curve], off: float = SAME, off_deg: float = SAME
+) -> tuple[Point, float] | None:
+    """Centre and radius of a chain that is a whole circle, within some mm and degrees."""
     if not curves or not all(isinstance(curve, Arc) for curve in curves):
         return None
     arcs = [curve for curve in curves if isinstance(curve, Arc)]
     first = arcs[0]
     same = all(
-        dist(a.centre, first.centre) < 1e-6 and abs(a.radius - first.radius) < 1e-6 for a in arcs
+        dist(a.centre, first.centre) < off and abs(a.radius - first.radius) < off for a in arcs
     )
-    is_whole = abs(abs(sum(a.sweep_deg for a in arcs)) - 360.0) < 1e-6
+    is_whole = abs(abs(sum(a.sweep_deg for a in arcs)) - 360.0) < off_deg
     return (first.centre, first.radius) if same and is_whole else None
 
 
-def slot_of(curves: Sequence[Curve]) -> tuple[Point, float, float, float] | None:
+def slot_of(
+    curves: Sequence[Curve], off: float = SAME, off_deg: float = SAME
+) -> tuple[Point, float, float, float] | None:
     """Middle, length, width and angle in degrees of a chain of two lines and two half circles."""
     lines = [curve for curve in curves if isinstance(curve, Line)]
     ends = [curve for curve in curves if isinstance(curve, Arc)]
@@ -291,9 +298,9 @@ def slot_of(curves: Sequence[Curve]) -> tuple[Point, float, float, float] | None
     (x0, y0), (x1, y1) = (end.centre for end in ends)
     apart, radius = dist(ends[0].centre, ends[1].centre), ends[0].radius
     alike = all(
-        abs(end.radius - radius) < 1e-6 and abs(abs(end.sweep_deg) - 180.0) < 1e-6 for end in ends
+        abs(end.radius - radius) < off and abs(abs(end.sweep_deg) - 180.0) < off_deg for end in ends
     )
-    if not alike or any(abs(line.length - apart) > 1e-6 for line in lines):
+    if not alike or any(abs(line.length - apart) > off for line in lines):
         return None
     angle = degrees(atan2(y1 - y0, x1 - x0)) % 180.0
     return ((x0 + x1) / 2, (y0 + y1) / 2), apart + 2 * radius, 2 * radius, angle

@@ -72,10 +72,7 @@ class Body(Struct, frozen=True, gc=False):
 
 def body_of(model: Model, element: Entity) -> Body:
     """The body of an element with its openings. Raises Unreadable, which says what was found."""
-    items = body_representation(element).values[3]
-    if len(items) != 1:
-        raise Unreadable(f"a body of {len(items)} solids")
-    base, removed = _item(model, items[0], IDENTITY)
+    base, removed = _only(model, body_representation(element).values[3], IDENTITY, "a body")
     for opening in features_of(element, "openings"):
         frame, guid = relative_placement(model, element, opening), opening.guid
         if opening.values[6] is None:
@@ -114,6 +111,16 @@ def relative_placement(model: Model, element: Entity, other: Entity) -> Frame:
     return model.placement(mine).inverse().times(model.placement(its))
 
 
+def _only(
+    model: Model, items: tuple[Entity, ...], frame: Frame, what: str
+) -> tuple[Swept | Shell, list[Removed]]:
+    """As `_item` of the sole item of a representation."""
+    found = [_item(model, item, frame) for item in items]  # of several one may be bent
+    if len(found) != 1:
+        raise Unreadable(f"{what} of {len(found)} solids")
+    return found[0]
+
+
 def _item(model: Model, item: Entity, frame: Frame) -> tuple[Swept | Shell, list[Removed]]:
     """What a representation item that stands in `frame` is made of, and what is taken from it."""
     kinds = item.type.kinds
@@ -137,47 +144,24 @@ def _item(model: Model, item: Entity, frame: Frame) -> tuple[Swept | Shell, list
         return base, removed + taken[::-1]
     if "IfcMappedItem" in kinds:
         inner, source = mapping(model, item, frame)
-        if len(source) != 1:
-            raise Unreadable(f"a mapped body of {len(source)} solids")
-        return _item(model, source[0], inner)
+        return _only(model, source, inner, "a mapped body")
     if "IfcCsgSolid" in kinds:
         return _item(model, item.TreeRootExpression, frame)
-    if not FACETED.isdisjoint(item.type.kinds):
+    if not FACETED.isdisjoint(kinds):
         return shell_of(model, item, frame), []
+    if (rule := BENT.get(item.type.name)) is not None and not _is_straight(item):
+        raise Unreadable(item.type.name, rule, final=True)
     raise Unreadable(f"a solid by {item.type.name}")
 
 
-# --- items ----------------------------------------------------------------------------------------
-# The representation items of an element, and those of them that no straight member has.
-
-CURVED = ("IfcRevolvedAreaSolid", "IfcSurfaceCurveSweptAreaSolid", "IfcSweptDiskSolid",
-          "IfcFixedReferenceSweptAreaSolid", "IfcDirectrixCurveSweptAreaSolid",
-          "IfcSweptDiskSolidPolygonal")  # fmt: skip
-TAPERED = ("IfcExtrudedAreaSolidTapered", "IfcRevolvedAreaSolidTapered", "IfcSectionedSpine",
-           "IfcSectionedSolidHorizontal")  # fmt: skip
-
-
-def refuse_bent(element: Entity) -> None:
-    """Raise Unreadable if an element has a curved or tapered solid, below maps and booleans."""
-    shape = element.Representation
-    todo: list[Entity] = [
-        item for one in (shape.Representations if shape is not None else ())
-        if one.RepresentationIdentifier not in ("Axis", "Box", "FootPrint") for item in one.Items
-    ]  # fmt: skip
-    for item in todo:  # which grows
-        below: tuple[Entity, ...] = ()
-        if item.is_a("IfcMappedItem"):
-            below = item.MappingSource.MappedRepresentation.Items
-        elif item.is_a("IfcBooleanResult"):
-            below = (item.FirstOperand,)
-        elif item.is_a("IfcCsgSolid"):
-            below = (item.TreeRootExpression,)
-        todo += [one for one in below if one not in todo]  # shared, or it contains itself
-    kinds = {item.is_a() for item in todo if not _is_straight(item)}
-    for rule, names in ((rules.CURVED, CURVED), (rules.TAPERED, TAPERED)):
-        for kind in names:
-            if kind in kinds:
-                raise Unreadable(kind, rule, final=True)
+#: Solids that no straight member has, and those of no single section.
+BENT = {
+    **dict.fromkeys(("IfcRevolvedAreaSolid", "IfcSurfaceCurveSweptAreaSolid", "IfcSweptDiskSolid",
+                     "IfcFixedReferenceSweptAreaSolid", "IfcDirectrixCurveSweptAreaSolid",
+                     "IfcSweptDiskSolidPolygonal"), rules.CURVED),
+    **dict.fromkeys(("IfcExtrudedAreaSolidTapered", "IfcRevolvedAreaSolidTapered",
+                     "IfcSectionedSpine", "IfcSectionedSolidHorizontal"), rules.TAPERED),
+}  # fmt: skip
 
 
 def _is_straight(item: Entity) -> bool:

@@ -1,6 +1,7 @@
 """Does the rest of the file agree with what was read of a member?"""
 
 from collections.abc import Hashable, Iterator
+from itertools import chain
 from math import log
 from typing import Any
 
@@ -94,31 +95,34 @@ class KernelVerdict(Struct, frozen=True):
 
 
 def check_kernel(
-    model: Model, element: Entity, shaped: Shaped, profile: Entity | None, source: Source
+    model: Model, element: Entity, shaped: Shaped, profile: Entity, source: Source
 ) -> KernelVerdict:
-    """Regions of the kernel's solid that what was read does not account for."""
+    """What section and solid of the kernel have against what was read of a swept member."""
+    said: tuple[Diagnostic, ...] = ()
     try:
-        built = kernel.build(model, element)
         stock = stock_of(model, element, shaped, profile)
+        said = section_said(shaped, stock, source, True)
+        built = kernel.built(model, element)
     except Unreadable as reason:
         fault = rules.KERNEL.at(source, found=f"no solid ({reason})", expected="a solid")
-        return KernelVerdict(disputed=fault)
-    errors = [line for line in built.log if "[error]" in line.lower()]
-    if errors:
-        return KernelVerdict((rules.KERNEL_LOG.at(source, found=errors[0][:160]),))
+        return KernelVerdict(said, fault)
+    if built.error is not None:
+        return KernelVerdict((*said, rules.KERNEL_LOG.at(source, found=built.error)))
     body = built.shell.moved(shaped.frame.inverse())
     low, high = extent(body, (1.0, 0.0, 0.0))
     if abs(high - low - shaped.length) > LENGTH_SAME:
         found, expected = f"a length of {high - low:.2f} mm", f"{shaped.length:.2f} mm"
         fault = rules.KERNEL.at(source, found=found, expected=expected)
-        return KernelVerdict((), fault, built.volume)
+        return KernelVerdict(said, fault, built.volume)
     diagnostics = differences(shaped, body, stock, FINE, built.volume).said(source)
     if any(d.severity is Severity.ERROR for d in diagnostics):
-        return KernelVerdict((), diagnostics[0], built.volume)
-    return KernelVerdict(diagnostics, None, built.volume)
+        return KernelVerdict(said, diagnostics[0], built.volume)
+    return KernelVerdict((*said, *diagnostics), None, built.volume)
 
 
-def section_said(shaped: Shaped, stock: BareStock, source: Source) -> tuple[Diagnostic, ...]:
+def section_said(
+    shaped: Shaped, stock: BareStock, source: Source, swept: bool = False
+) -> tuple[Diagnostic, ...]:
     """Whether the section that a body was cut from is the one that its part holds.
 
     Of open sections rounded toes and missing fillets count, but not slopes about the thickness
@@ -131,46 +135,26 @@ def section_said(shaped: Shaped, stock: BareStock, source: Source) -> tuple[Diag
             float(one.buffer(-FILM).buffer(FILM).area)
             for one in (stock.shape.difference(drawn), drawn.difference(stock.shape))
         )
-        s = section
-        sizes = s.height, s.width, s.flange_thickness, s.web_thickness, s.radius
-        expected = area_by_measures(s.code, *sizes)
+        expected = area_by_measures(section.code, *section.sizes)
         area = expected + more - less
     if abs(area - expected) <= SECTION_SLACK * area:
         return ()
     found, by_measures = (f"{v / 100:.2f}" for v in (area, expected))
-    return (rules.SECTION_AREA.at(source, found=found, expected=by_measures),)
+    rule = rules.OUTLINE if swept and section.code == "SO" else rules.SECTION_AREA
+    return (rule.at(source, found=found, expected=by_measures),)
 
 
-def check_stock(
-    model: Model, element: Entity, shaped: Shaped, profile: Entity, source: Source
-) -> tuple[Diagnostic, ...]:
-    """Whether the section that a part holds is the one that was modelled."""
-    try:
-        stock = stock_of(model, element, shaped, profile)
-    except Unreadable:
-        return ()  # there is no other section to compare with
-    diagnostics = section_said(shaped, stock, source)
-    if shaped.section.code == "SO":
-        return tuple(
-            rules.OUTLINE.at(source, found=d["found"], expected=d["expected"]) for d in diagnostics
-        )
-    return diagnostics
-
-
-def stock_of(model: Model, element: Entity, shaped: Shaped, profile: Entity | None) -> BareStock:
+def stock_of(model: Model, element: Entity, shaped: Shaped, profile: Entity) -> BareStock:
     """The section of a member's stock as the kernel builds it. Raises Unreadable."""
     section = shaped.section
-    if shaped.stock is not None:
-        return shaped.stock
     if section.code == "B" and abs(section.area - section.height * section.width) < 0.01:
         return plain_stock(section)
-    assert profile is not None  # a shell shows its section
     key = definition(profile), section
     return model.once("stock", key, _built_stock, model, element, shaped.frame)
 
 
 def _built_stock(model: Model, element: Entity, frame: Frame) -> BareStock:
-    built = kernel.build_stock(model, element)
+    built = kernel.built(model, element, kernel.STOCK)
     body = built.shell.moved(frame.inverse())
     low, high = extent(body, (1.0, 0.0, 0.0))
     return BareStock(across(body, (low + high) / 2), built.volume / (high - low))
@@ -202,17 +186,15 @@ def _solids(model: Model, element: Entity) -> list[int]:
     """The numbers of all that items say, down to their coordinates; equal ones share a number."""
     numbers: dict[Entity, int] = model.once("numbers of items", None, dict)
     told: dict[Hashable, int] = model.once("told of items", None, dict)
-    items: tuple[Entity, ...] = body_representation(element).values[3]
 
     def replaced(value: Any) -> Hashable:
         if isinstance(value, tuple):
             return tuple(map(replaced, value))
-        known = numbers.get(value) if isinstance(value, Entity) else None
-        return value if known is None else ("item", known)
+        return ("item", numbers.get(value, value)) if isinstance(value, Entity) else value
 
-    for item in items:
-        for one in item.below(numbers):
-            named = "IfcProfileDef" in one.type.kinds  # of a profile its name does not matter
-            said = one.type.name, replaced(one.values[2:] if named else one.values)
-            numbers[one] = told.setdefault(said, len(told))
+    items: tuple[Entity, ...] = body_representation(element).values[3]
+    for one in chain.from_iterable(item.below(numbers) for item in items):
+        named = "IfcProfileDef" in one.type.kinds  # of a profile its name does not matter
+        said = one.type.name, replaced(one.values[2:] if named else one.values)
+        numbers[one] = told.setdefault(said, len(told))
     return [numbers[item] for item in items]

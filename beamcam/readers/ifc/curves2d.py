@@ -18,7 +18,7 @@ SAME_POINT = 1e-4  #: mm between the end of a curve and the start of the next
 
 def chain_of(model: Model, entity: Entity) -> Chain:
     """A closed chain of lines and arcs of an IFC curve. Raises Unreadable for other curves."""
-    chain = tuple(_curve(model, entity))
+    chain = tuple(c for c in _curve(model, entity) if c.length > SAME_POINT)
     if not chain:
         raise Unreadable(f"an empty {entity.is_a()}")
     first, last = chain[0].start, chain[-1].end
@@ -39,13 +39,12 @@ def points_chain(points: list[Point]) -> Chain:
 
 
 def _curve(model: Model, entity: Entity) -> list[Curve]:
-    """The curves of an entity, those without length left out."""
-    known = entity.type
-    kind = known.name
+    """The curves of an entity."""
+    kind, kinds = entity.type.name, entity.type.kinds
     if kind == "IfcPolyline":
         mm = model.mm
         return _polyline([(c[0] * mm, c[1] * mm) for c in entity.values[0]])
-    if "IfcCompositeCurve" in known.kinds:
+    if "IfcCompositeCurve" in kinds:
         chain: list[Curve] = []
         for segment in entity.values[0]:
             if segment.type.name != "IfcCompositeCurveSegment":
@@ -55,18 +54,18 @@ def _curve(model: Model, entity: Entity) -> list[Curve]:
             chain += pieces if forward else [c.reversed() for c in reversed(pieces)]
         return chain
     if kind == "IfcIndexedPolyCurve":
-        return _long(_indexed(model, entity))
+        return _indexed(model, entity)
     if kind == "IfcTrimmedCurve":
-        return _long([_trimmed(model, entity)])
+        return [_trimmed(model, entity)]
     if kind == "IfcCircle":
         frame = model.axes(entity.Position)
         start, radius = degrees(atan2(frame.x[1], frame.x[0])), entity.Radius * model.mm
         if not radius > 0.0:
             raise Unreadable(f"a circle of radius {radius:g}")
-        return _long([Arc((frame.o[0], frame.o[1]), radius, start, 360.0)])
-    if "IfcBSplineCurve" in known.kinds:
+        return [Arc((frame.o[0], frame.o[1]), radius, start, 360.0)]
+    if "IfcBSplineCurve" in kinds:
         (arcs,) = fit_chains([[spline_of(model, entity)]], SPLINE_FIT)
-        return _long([*arcs])
+        return [*arcs]
     raise Unreadable(f"an outline by {kind}")
 
 
@@ -86,10 +85,6 @@ def spline_of(model: Model, entity: Entity) -> BSpline:
         return BSpline(degree, control, knots, weights and tuple(map(float, weights)))
     except ValueError as fault:
         raise Unreadable(f"an outline by a spline that is not well formed ({fault})") from fault
-
-
-def _long(curves: list[Curve]) -> list[Curve]:
-    return [c for c in curves if c.length > SAME_POINT]
 
 
 def _polyline(points: list[Point]) -> list[Curve]:

@@ -4,10 +4,11 @@ Every cutter stands in the member's coordinates (x along it, Y, Z) and tells its
 wall: the region of the plane c = const that it removes.
 """
 
-from math import copysign, hypot
+from math import atan, copysign, degrees, hypot
 
 import shapely
 from msgspec import Struct
+from msgspec.structs import replace
 
 from beamcam.caches import cached
 from beamcam.geometry.curves import Line, Point
@@ -27,15 +28,14 @@ EVERYWHERE: Box3 = ((-1e9, -1e9, -1e9), (1e9, 1e9, 1e9))
 
 
 class HalfSpace(Struct, frozen=True, gc=False):
-    """All that lies on one side of a plane."""
+    """All that lies on one side of a plane.
+
+    One that crosses the member is an end of it: x = a Y + b Z + c.
+    """
 
     point: Vec
     normal: Vec  #: unit vector into the side that is removed
     where: str | None = None
-
-    @property
-    def box(self) -> Box3:
-        return EVERYWHERE
 
     @classmethod
     def of(cls, plane: Frame, side: float, where: str | None) -> "HalfSpace":
@@ -46,18 +46,48 @@ class HalfSpace(Struct, frozen=True, gc=False):
         normal = cross(plane.x, plane.y)
         return cls(plane.o, unit(scale(normal, copysign(side, side * dot(normal, plane.z)))), where)
 
-    def slice(self, wall: Wall, c: float, circles: Circles) -> Shape:
+    @classmethod
+    def at(cls, side: int, x: float, a: float = 0.0, b: float = 0.0) -> "HalfSpace":
+        """The end of a member at x, of slopes a along Y and b along Z."""
+        return cls((x, 0.0, 0.0), unit((side, -side * a, -side * b)))
+
+    @property
+    def box(self) -> Box3:
+        return EVERYWHERE
+
+    @property
+    def side(self) -> int:
+        """1 of the member's end, -1 of its start."""
+        return 1 if self.normal[0] > 0 else -1
+
+    def facing(self, side: int) -> "HalfSpace":
+        """The plane as an end of that side."""
+        return self if self.side == side else replace(self, normal=scale(self.normal, -1.0))
+
+    @property
+    def slopes(self) -> tuple[float, float]:
+        """a and b."""
+        x, y, z = self.normal
+        return -y / x, -z / x
+
+    @property
+    def angles(self) -> tuple[float, float]:
+        """Of web and flange in degrees, in DSTV's signs."""
+        web, flange = (round(-degrees(atan(slope)), 9) + 0.0 for slope in self.slopes)
+        return web, flange
+
+    def x(self, y: float, z: float) -> float:
+        """Where the plane crosses the line along the member at (y, z)."""
+        n = self.normal
+        return self.point[0] - (n[1] * (y - self.point[1]) + n[2] * (z - self.point[2])) / n[0]
+
+    def slice(self, wall: Wall, c: float, circles: Circles | None = None) -> Shape:
         """The half of the wall's plane that is removed."""
         nq, nc = wall.split(self.normal)
         d = dot(self.normal, self.point) - nc * c
         if abs(self.normal[0]) < LEVEL and abs(nq) < LEVEL:
             return shapely.box(-FAR, -FAR, FAR, FAR) if d < 0 else shapely.Polygon()
         return half_plane(self.normal[0], nq, d)
-
-    def x_at(self, y: float, z: float) -> float:
-        """Where the plane crosses the line along the member at (y, z)."""
-        n = self.normal
-        return self.point[0] - (n[1] * (y - self.point[1]) + n[2] * (z - self.point[2])) / n[0]
 
 
 class Prism(Struct, frozen=True, gc=False):
@@ -128,7 +158,7 @@ class Prism(Struct, frozen=True, gc=False):
         shape = polygon_of(outer, inner, circles)
         if flat:
             return shape
-        first, last = (cap.slice(wall, c, circles) for cap in self.sides[:2])
+        first, last = (cap.slice(wall, c) for cap in self.sides[:2])
         return shape.intersection(first.intersection(last))
 
     def _along(self, wall: Wall, c: float) -> Shape:

@@ -8,7 +8,6 @@ what it does not explain stays in the contours.
 """
 
 from collections.abc import Iterable, Sequence
-from itertools import repeat
 from math import atan, atan2, degrees
 from operator import sub
 
@@ -20,8 +19,9 @@ from beamcam.geometry.curves import Line, Point
 from beamcam.model.part import Bevel
 from beamcam.readers.ifc.curves2d import Chain
 from beamcam.readers.ifc.cutters import HalfSpace
-from beamcam.readers.ifc.region import Shape, half_plane, pieces_of
+from beamcam.readers.ifc.region import Shape, pieces_of
 from beamcam.readers.ifc.section import Wall
+from beamcam.readers.ifc.space import add
 
 MIN_EDGE = 1.0  #: mm across the member of an edge that counts for an end
 SAME_REACH = 1e-4  #: mm by which one plane may be before the sole one
@@ -32,70 +32,34 @@ SQUARE = 0.9  #: share of what a square end holds by which a plane of a face is 
 FILM = 0.05  #: mm before a plane in which the walls that end at it are seen
 
 
-class MemberEnd(Struct, frozen=True, gc=False):
-    """The plane of an end; `side` is 1 at the end and -1 at the start."""
-
-    side: int
-    a: float
-    b: float
-    c: float
-
-    def x(self, y: float, z: float) -> float:
-        return self.a * y + self.b * z + self.c
-
-    @property
-    def web_deg(self) -> float:
-        return round(-degrees(atan(self.a)), 9) + 0.0 if self.a else 0.0
-
-    @property
-    def flange_deg(self) -> float:
-        return round(-degrees(atan(self.b)), 9) + 0.0 if self.b else 0.0
-
-    def removed(self, wall: Wall, c: float) -> Shape:
-        """What lies beyond the end on the wall's plane at `c`."""
-        slope_q, slope_c = (self.b, self.a) if wall.normal == "y" else (self.a, self.b)
-        # side (x - slope_q q) >= side (slope_c c + self.c)
-        return half_plane(self.side, -self.side * slope_q, self.side * (slope_c * c + self.c))
-
-
-def of_plane(half: HalfSpace) -> MemberEnd:
-    """The end that a half-space cuts."""
-    n = half.normal
-    return MemberEnd(1 if n[0] > 0 else -1, -n[1] / n[0], -n[2] / n[0], half.x_at(0.0, 0.0))
-
-
 class Trim(Struct, frozen=True, gc=False):
     """Limits of a stock by the planes at one end, along the lines of its section's corners."""
 
-    planes: tuple[MemberEnd, ...]  #: the stock's own square end, and those that cut it
-    sole: MemberEnd | None  #: the one plane that cuts the whole section; None if several share it
+    planes: tuple[HalfSpace, ...]  #: the stock's own square end, and those that cut it
+    sole: HalfSpace | None  #: the one plane that cuts the whole section; None if several share it
     reach: float  #: side * x that the sole plane reaches at most; as `most` without one
     least: float  #: side * x up to which no plane takes anything
     most: float  #: side * x beyond which nothing is left
 
 
-def trim(square: MemberEnd, cuts: Sequence[MemberEnd], corners: Sequence[Point]) -> Trim:
+def trim(square: HalfSpace, cuts: Sequence[HalfSpace], corners: Sequence[Point]) -> Trim:
     """The end of a stock that is `square` before its cuts, at the (Y, Z) of the corners."""
-    planes, level = (square, *cuts), square.side * square.c
+    planes, level = (square, *cuts), square.side * square.point[0]
     if not cuts:
         return Trim(planes, square, level, level, level)
-    lines = [reaches(one, corners) for one in cuts]
-    left = list(map(min, repeat(level), *lines))
+    lines = [[level] * len(corners), *(reaches(one, corners) for one in cuts)]
+    left = list(map(min, *lines))
     least, most = min(left), max(left)
-    if level - least <= SAME_REACH:
-        return Trim(planes, square, level, least, most)
-    for one, line in zip(cuts, lines, strict=True):
+    for one, line in zip(planes, lines, strict=True):
         if max(map(sub, line, left)) <= SAME_REACH:
             return Trim(planes, one, max(line), least, most)
     return Trim(planes, None, most, least, most)
 
 
-def reaches(end: MemberEnd, corners: Sequence[Point]) -> list[float]:
+def reaches(end: HalfSpace, corners: Sequence[Point]) -> list[float]:
     """side * x of an end at each of the corners."""
-    if end.a == 0.0 and end.b == 0.0:
-        return [end.side * end.c] * len(corners)
-    a, b, c = end.side * end.a, end.side * end.b, end.side * end.c
-    return [a * y + b * z + c for y, z in corners]
+    (a, b), c, side = end.slopes, end.x(0.0, 0.0), end.side
+    return [side * (a * y + b * z + c) for y, z in corners]
 
 
 Level = tuple[Wall, float, Shape]  #: a wall, c, and its region there
@@ -103,11 +67,11 @@ Level = tuple[Wall, float, Shape]  #: a wall, c, and its region there
 
 def end_of(
     side: int,
-    planes: Iterable[MemberEnd],
+    planes: Iterable[HalfSpace],
     levels: Sequence[Level],
     corners: Sequence[Point],
     x: float | None = None,
-) -> tuple[MemberEnd, float]:
+) -> tuple[HalfSpace, float]:
     """The plane that most of an end lies in, and the x in which the member ends there.
 
     That is one of `planes` which reaches the end of the member at one of its section's corners, and
@@ -118,24 +82,24 @@ def end_of(
     outermost = max(b[2] for b in bounds) if side > 0 else min(b[0] for b in bounds)
     # A level lies a little inside its wall, and a leaning end reaches further at the surface.
     last, inside = (outermost, LEVEL_REACH) if x is None else (x, 0.0)
-    best, best_x = MemberEnd(side, 0.0, 0.0, last), last
+    best, best_x = HalfSpace.at(side, last), last
     most = SQUARE * _weight(best, levels)
     for one in planes:
-        plane = replace(one, side=side)
+        plane = one.facing(side)
         reached = side * max(reaches(plane, corners))
-        if abs(reached - last) >= inside * (abs(one.a) + abs(one.b)) + REACHED:
+        if abs(reached - last) >= inside * sum(map(abs, one.slopes)) + REACHED:
             continue
-        over = (s.intersection(plane.removed(wall, c)) for wall, c, s in levels)
+        over = (s.intersection(plane.slice(wall, c)) for wall, c, s in levels)
         weight = _weight(plane, levels)
         if weight > most and all(shape.buffer(-UNEXPLAINED).is_empty for shape in over):
             best, best_x, most = plane, reached, weight
     return best, best_x if x is None else x
 
 
-def _weight(end: MemberEnd, levels: Sequence[Level]) -> float:
+def _weight(end: HalfSpace, levels: Sequence[Level]) -> float:
     """mm across the walls in which they end at a plane."""
-    film = replace(end, c=end.c - end.side * FILM)
-    areas = (float(s.intersection(film.removed(wall, c)).area) for wall, c, s in levels)
+    film = replace(end, point=add(end.point, (-end.side * FILM, 0.0, 0.0)))
+    areas = (float(s.intersection(film.slice(wall, c)).area) for wall, c, s in levels)
     return sum(areas) / FILM
 
 

@@ -1,7 +1,7 @@
 """From walls and what is left of them to a part's features: both routes end here."""
 
 from collections.abc import Iterable, Iterator, Sequence
-from math import hypot, pi
+from math import pi
 from typing import Literal
 
 import shapely
@@ -23,12 +23,14 @@ from beamcam.model.part import (
     moved_feature,
 )
 from beamcam.readers.ifc.curves2d import Chain
-from beamcam.readers.ifc.ends import UNEXPLAINED, Level, MemberEnd, bevels_of, end_of, reaches
+from beamcam.readers.ifc.cutters import HalfSpace
+from beamcam.readers.ifc.ends import UNEXPLAINED, Level, bevels_of, end_of, reaches
 from beamcam.readers.ifc.entities import Unreadable
 from beamcam.readers.ifc.outline import Round, Slotted, shape_of
 from beamcam.readers.ifc.region import Circles, Shape, chains_of, cleaned, pieces_of
 from beamcam.readers.ifc.section import BareStock, Section, Wall, corner_points, walls_of
-from beamcam.readers.ifc.space import IDENTITY, Frame
+from beamcam.readers.ifc.space import IDENTITY, Frame, add, scale
+from beamcam.readers.ifc.stock import Stock
 
 SQUARE_DEG = 0.005  #: an end that is less off square is square
 COMPOUND_DEG = 0.05  #: web and flange angle above which an end needs a plane of its own
@@ -73,52 +75,56 @@ Levels = tuple[tuple[float, Shape], ...]  #: of a wall, from its lowest c to its
 Regions = dict[Wall, Levels]
 
 
-def reach(section: Section, start: MemberEnd, end: MemberEnd) -> tuple[float, float]:
+def reach(section: Section, start: HalfSpace, end: HalfSpace) -> tuple[float, float]:
     """Minimum and maximum x of the stock between two end planes."""
     corners = corner_points(section)
     return -max(reaches(start, corners)), max(reaches(end, corners))
 
 
 def sawn(
-    section: Section,
-    ends: tuple[MemberEnd, MemberEnd],
+    stock: Stock,
+    ends: tuple[HalfSpace, HalfSpace],
     span: tuple[float, float],
     features: Sequence[Cut],
     source: Source,
-    gross: float,
     volume: float | None = None,
 ) -> Shaped:
-    """The member between two plane ends, counted from its start.
+    """The member between two plane ends of a stock, counted from its start.
 
     `span` is its least and greatest x, as of `reach`, `volume` that of its steel where the features
     are not all holes. An end that is square within tolerance has angles of 0, one that leans both
     ways is a plane.
     """
+    section = stock.section
     if volume is None:
         middle = section.height / 2, section.width / 2
         length = ends[1].x(*middle) - ends[0].x(*middle)
         volume = section.area * length - hole_volume(section, features)
     x0, x1 = span
-    web, flange = ([getattr(one, name) for one in ends] for name in ("web_deg", "flange_deg"))
+    angles = [one.angles for one in ends]
+    web, flange = zip(*angles, strict=True)
     cuts = EndCuts(*(0.0 if abs(angle) < SQUARE_DEG else angle for angle in (*web, *flange)))
-    planes: list[EndPlane] = []
-    for one in ends:
-        if one.a and one.b and min(abs(one.web_deg), abs(one.flange_deg)) > COMPOUND_DEG:
-            by = one.side / hypot(1.0, one.a, one.b)
-            normal = (by, -one.a * by, -one.b * by)
-            planes.append(EndPlane((one.x(0.0, 0.0) - x0, 0.0, 0.0), normal, source))
+    planes = [
+        EndPlane((one.x(0.0, 0.0) - x0, 0.0, 0.0), one.normal, source)
+        for one, leaning in zip(ends, angles, strict=True)
+        if min(map(abs, leaning)) > COMPOUND_DEG
+    ]
     moved = in_order(features if x0 == 0.0 else [moved_feature(f, (-x0, 0.0)) for f in features])
-    return Shaped(section, x1 - x0, cuts, (*moved, *planes), volume, gross, x0=x0)
+    at, gross = stock.frame, stock.x1 - stock.x0
+    frame = Frame(add(at.o, scale(at.x, x0)), at.x, at.y, at.z)
+    return Shaped(
+        section, x1 - x0, cuts, (*moved, *planes), volume, gross, x0=x0, frame=frame,
+        stock=stock.bare,
+    )  # fmt: skip
 
 
 def from_regions(
-    section: Section,
+    stock: Stock,
     regions: Regions,
     holes: Sequence[Hole | Slot],
     circles: Circles,
     source: Source,
-    gross: float,
-    planes: Sequence[MemberEnd],
+    planes: Sequence[HalfSpace],
     span: tuple[float, float] | None = None,
 ) -> Shaped:
     """The member whose walls are `regions`, at two levels each, with `holes` beside.
@@ -126,6 +132,7 @@ def from_regions(
     `planes` are those that the member's ends may lie in, `span` its least and greatest x where they
     are known. Raises Unreadable if nothing is left.
     """
+    section = stock.section
     levels: list[Level] = [(w, c, s) for w, row in regions.items() for c, s in row]
     if not any(pieces_of(s) for _, _, s in levels):
         raise Unreadable("cuts that leave nothing")
@@ -143,7 +150,7 @@ def from_regions(
     )
     # What is left of the walls, with the section's fillets in proportion.
     volume = left * (section.area / flat if flat else 1.0) - hole_volume(section, holes)
-    member = sawn(section, (start, end), (x0, x1), features, source, gross, volume)
+    member = sawn(stock, (start, end), (x0, x1), features, source, volume)
     return replace(member, remarks=tuple(remarks))
 
 
@@ -151,7 +158,7 @@ def _wall_features(
     section: Section,
     wall: Wall,
     row: Levels,
-    ends: tuple[MemberEnd, MemberEnd],
+    ends: tuple[HalfSpace, HalfSpace],
     circles: Circles,
     source: Source,
     remarks: list[str],
@@ -197,14 +204,14 @@ def _filled(shape: Shape) -> Shape:
     return shapely.MultiPolygon([shapely.Polygon(p.exterior) for p in pieces_of(shape)])
 
 
-def _plain(wall: Wall, c: float, ends: tuple[MemberEnd, MemberEnd], shape: Shape) -> Shape:
+def _plain(wall: Wall, c: float, ends: tuple[HalfSpace, HalfSpace], shape: Shape) -> Shape:
     """What the stock and the two end planes alone would leave of a wall at a level."""
     if shape.is_empty:
         return shapely.box(0.0, 0.0, 0.0, 0.0)
     x0, _, x1, _ = shape.bounds
     plain = shapely.box(x0 - 10.0, 0.0, x1 + 10.0, wall.width)
     for end in ends:
-        plain = plain.difference(end.removed(wall, c))
+        plain = plain.difference(end.slice(wall, c))
     return plain
 
 
@@ -240,13 +247,9 @@ def opening(wall: Wall, chain: Chain, source: Source) -> Cut:
     if isinstance(shape, Round):
         return Hole(wall.face, *shape.centre, shape.diameter, source)
     if isinstance(shape, Slotted):
-        return slot(wall, shape, source)
+        sizes = shape.diameter, shape.length, 0.0, shape.angle
+        return Slot(wall.face, *shape.centre, *sizes, source)
     return contour(wall.face, "inner", chain, source)
-
-
-def slot(wall: Wall, shape: Slotted, source: Source, depth: float | None = None) -> Slot:
-    sizes = shape.diameter, shape.length, 0.0, shape.angle
-    return Slot(wall.face, *shape.centre, *sizes, source, depth)
 
 
 def contour(

@@ -15,13 +15,11 @@ from shapely import LineString, MultiPolygon, Polygon, get_coordinates
 
 from beamcam.errors import Diagnostic, Source, errors_in
 from beamcam.model.part import Hole, Slot
-from beamcam.readers.ifc import rules
+from beamcam.readers.ifc import kernel, rules
 from beamcam.readers.ifc.checks import section_said
-from beamcam.readers.ifc.cutters import planes_of
-from beamcam.readers.ifc.ends import MemberEnd, of_plane
+from beamcam.readers.ifc.cutters import HalfSpace, planes_of
 from beamcam.readers.ifc.entities import Entity, Model, Unreadable
 from beamcam.readers.ifc.finish import Regions, Shaped, from_regions, opening, reach, sawn
-from beamcam.readers.ifc.kernel import ANGLE, CHORD, built
 from beamcam.readers.ifc.outline import with_arcs
 from beamcam.readers.ifc.profiles import Outline
 from beamcam.readers.ifc.region import (
@@ -36,7 +34,6 @@ from beamcam.readers.ifc.region import (
     with_circles,
 )
 from beamcam.readers.ifc.rolled import (
-    end_faces,
     other_axes,
     reference,
     rolled_stock,
@@ -44,7 +41,7 @@ from beamcam.readers.ifc.rolled import (
 )
 from beamcam.readers.ifc.same_solid import Fineness, differences
 from beamcam.readers.ifc.section import BareStock, Section, Wall, plain_stock, walls_of
-from beamcam.readers.ifc.semantic import BETWEEN, cut, in_place, outer_level
+from beamcam.readers.ifc.semantic import BETWEEN, cut, outer_level
 from beamcam.readers.ifc.shell import (
     ALONG,
     Shell,
@@ -53,7 +50,6 @@ from beamcam.readers.ifc.shell import (
     kinked,
     longest_direction,
     section,
-    vec,
 )
 from beamcam.readers.ifc.solid_body import section_area
 from beamcam.readers.ifc.space import Frame, cross, scale
@@ -68,8 +64,8 @@ EDGE = 0.3  #: mm within which a section point lies on a wall's long edge
 EXPLAINED = 0.3  #: share of its volume by which a shell that differs more is no such member
 SURELY_OTHER = 0.35  #: likewise by the volume that the regions of the walls give
 BEYOND = 2.0  #: mm out of the box of its section at which steel is another part's, or bent
-LEVEL_NOISE = 1e-6  #: slope of an end, from rounding
-MESH = Fineness(slack=0.13, facet_rad=ANGLE, chord=CHORD * 1e3)  #: of the kernel's solid
+#: Of the kernel's solid.
+MESH = Fineness(slack=0.13, facet_rad=kernel.ANGLE, chord=kernel.CHORD * 1e3)
 FACES = Fineness(slack=0.04, facet_rad=0.6)  #: of a file
 
 
@@ -79,10 +75,9 @@ def read_kernel(model: Model, element: Entity, source: Source) -> Shaped:
     The facets give the sections, the kernel's own surfaces the circles in them; where the kernel
     has others, they are fitted to the facets, and `fitted` of what comes back names them.
     """
-    solid = built(model, element, {})
-    errors = [line for line in solid.log if "[error]" in line.lower()]
-    if errors:
-        raise Unreadable(f"an error of the geometry kernel ({errors[0][:160]})")
+    solid = kernel.built(model, element, {})
+    if solid.error is not None:
+        raise Unreadable(f"an error of the geometry kernel ({solid.error})")
     return replace(read_shell(solid.shell, source, solid.volume), fitted=solid.others)
 
 
@@ -95,8 +90,7 @@ def read_shell(shell: Shell, source: Source, volume: float | None = None) -> Sha
     faults: list[Unreadable] = []
     for stock in _stocks(shell):
         try:
-            shape = in_place(_member(shell, stock, source), stock.frame)
-            shape = replace(shape, stock=stock.bare)
+            shape = _member(shell, stock, source)
             shape = replace(shape, diagnostics=_unexplained(shape, shell, source, volume))
         except Unreadable as reason:
             faults.append(reason)
@@ -179,9 +173,9 @@ def _member(shell: Shell, stock: Stock, source: Source) -> Shaped:
     local = shell.moved(stock.frame.inverse())
     walls, flat = walls_of(stock.section), stock.section.is_plain_flat
     if not walls:  # a round or a special section: two plane ends, nothing else
-        start, end = [_flat_end(local, side) for side in (-1, 1)]
+        start, end = [_flat_end(local, stock.section, side) for side in (-1, 1)]
         span = reach(stock.section, start, end)
-        return sawn(stock.section, (start, end), span, (), source, span[1] - span[0])
+        return sawn(stock, (start, end), span, (), source)
     circles = Circles()
     regions: Regions = {}
     holes: list[Hole | Slot] = []
@@ -200,9 +194,8 @@ def _member(shell: Shell, stock: Stock, source: Source) -> Shaped:
             levels.append((c, shape if flat else _full_width(shape, wall, c, stock.bare)))
         regions[wall] = tuple(levels)
     # The levels lie inside the walls; only the shell itself knows how far the tips reach.
-    span, planes = (stock.x0, stock.x1), [*map(of_plane, planes_of(local))]
-    gross = stock.x1 - stock.x0
-    return from_regions(stock.section, regions, holes, circles, source, gross, planes, span)
+    span, planes = (stock.x0, stock.x1), planes_of(local)
+    return from_regions(stock, regions, holes, circles, source, planes, span)
 
 
 def _drilled(
@@ -283,14 +276,10 @@ def _plate(shell: Shell) -> Stock | None:
     return plate_stock(box_of(outline), lies, scale(normal, thickness))
 
 
-def _flat_end(local: Shell, side: int) -> MemberEnd:
+def _flat_end(local: Shell, section: Section, side: int) -> HalfSpace:
     """The plane that most of an end's area lies in."""
-    areas, same = local.areas, end_faces(local, ALONG, side)
-    if not len(same):
-        raise Unreadable("a round section without plane ends", rules.SECTION)
-    n = vec(local.area_normals[same[areas[same].argmax()]])
-    a, b = -n[1] / n[0], -n[2] / n[0]
-    if abs(a) < LEVEL_NOISE and abs(b) < LEVEL_NOISE:
-        a = b = 0.0
-    x, y, z = local.points[np.isin(local.face, same)].T
-    return MemberEnd(side, a, b, float(side * (side * (x - a * y - b * z)).max()))
+    low, high = extent(local, ALONG)
+    for plane in planes_of(local):
+        if side * (plane.x(section.height / 2, section.width / 2) - (low + high) / 2) > 0:
+            return plane.facing(side)
+    raise Unreadable("a round section without plane ends", rules.SECTION)

@@ -8,8 +8,8 @@ from msgspec.structs import replace
 from beamcam.errors import Source
 from beamcam.model.part import Hole, HoleKind, Slot
 from beamcam.readers.ifc import rules
-from beamcam.readers.ifc.cutters import Box3, Cutter, Prism
-from beamcam.readers.ifc.ends import MemberEnd, Trim
+from beamcam.readers.ifc.cutters import Box3, Cutter, HalfSpace, Prism
+from beamcam.readers.ifc.ends import Trim
 from beamcam.readers.ifc.entities import Unreadable
 from beamcam.readers.ifc.outline import Round, Slotted
 from beamcam.readers.ifc.section import Section, Wall, walls_of
@@ -51,7 +51,7 @@ def pierce(cutter: Cutter, box: Box3, into: Drilled, source: Source) -> list[Hol
     if not walls:
         return None  # a special section has no face that a hole could be on
     # The first planes are the stock's own, square ends.
-    if high[0] <= start.planes[0].c or low[0] >= end.planes[0].c:
+    if high[0] <= start.planes[0].point[0] or low[0] >= end.planes[0].point[0]:
         return []
     found: list[Hole | Slot] = []
     for wall in walls:
@@ -99,12 +99,12 @@ def _within_another(wall: Wall, box: Box3, into: Drilled) -> bool:
 def _beyond(xs: Span, qs: Span, into: Drilled, wall: Wall) -> bool | None:
     """Whether a hole lies all beyond an end, where nothing is to drill; None if the end cuts it."""
 
-    def x(end: MemberEnd, q: float) -> float:
+    def x(end: HalfSpace, q: float) -> float:
         return end.x(wall.surface, q) if wall.normal == "y" else end.x(q, wall.surface)
 
     for side, edge, planes in (-1, xs[0], into.start.planes), (1, xs[1], into.end.planes):
         for plane in planes:
-            slope = plane.b if wall.normal == "y" else plane.a
+            slope = plane.slopes[wall.normal == "y"]
             nearest = qs[1] if (slope < 0) == (side > 0) else qs[0]
             if side * edge > side * x(plane, nearest) - NEAR:
                 inner = xs[1] if side < 0 else xs[0]
@@ -135,9 +135,7 @@ def _drilled(
         return Hole(face, p[0], q, shape.diameter * factor, source, depth, kind)
     turn = radians(shape.angle)
     way = cutter.frame.vector((cos(turn), sin(turn), 0.0))
-    angle = degrees(atan2(wall.split(way)[0], way[0])) % 180.0
-    if angle < 1e-7 or angle > 180 - 1e-7:
-        angle = 0.0
+    angle = round(degrees(atan2(wall.split(way)[0], way[0])), 7) % 180.0
     sizes = (shape.diameter * factor, shape.length * factor, 0.0, angle)
     return Slot(face, p[0], q, *sizes, source, depth, kind)
 

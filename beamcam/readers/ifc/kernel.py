@@ -34,19 +34,14 @@ def broken_reference(file: Any, root: Any) -> str | None:
     for one in file.traverse(root):
         name = one.is_a()
         if name not in known:
-            entity = schema.declaration_by_name(name).as_entity()
-            every = zip(entity.all_attributes(), entity.derived(), strict=True) if entity else ()
-            rows = [
-                (place, attribute, _kinds(attribute.type_of_attribute()))
-                for place, (attribute, derived) in enumerate(every)
-                if not derived
-            ]
-            known[name] = [row for row in rows if row[2][0]]
+            entity: Any = schema.declaration_by_name(name).as_entity()
+            every = entity.all_attributes() if entity else ()
+            rows = [(k, a, _kinds(a.type_of_attribute())) for k, a in enumerate(every)]
+            known[name] = [row for row in rows if row[2][0] and not entity.derived()[row[0]]]
         for place, attribute, kinds in known[name]:
             value = one[place]
-            fault = _fault(value, kinds)
-            if value is None:
-                fault = None if attribute.optional() else "missing"
+            missing = None if attribute.optional() else "missing"
+            fault = missing if value is None else _fault(value, kinds)
             if fault is not None:
                 return f"#{one.id()} {name} with {attribute.name()} {fault}"
     return None
@@ -75,7 +70,7 @@ def _fault(value: Any, kinds: Kinds) -> str | None:
 CHORD = 0.0002  #: m between a curve and its facets
 ANGLE = 0.25  #: rad between two facets, 26 on a circle; every vertex lies on the curve
 FINE_CHORD = 0.0001  #: m, of solids that parts are held against
-FINE = {"mesher-linear-deflection": FINE_CHORD}  #: closer facets than a reading needs
+FINE = {"mesher-linear-deflection": FINE_CHORD}  #: settings for closer facets than a reading needs
 #: Likewise, before anything was cut off.
 STOCK = {**FINE, "disable-boolean-result": True, "disable-opening-subtractions": True}
 #: Names of a solid's mesh, since ifcopenshell 0.9 and before.
@@ -88,25 +83,15 @@ ROUNDER = 0.9999  #: of a slot's corner radius that the kernel can build; half t
 
 
 class Built(Struct, frozen=True):
-    """A shell in the element's coordinates and what the kernel said while making it."""
+    """A shell in the element's coordinates and what the kernel wrote while making it."""
 
     shell: Shell
-    log: tuple[str, ...]
+    error: str | None  #: the first one that it wrote
     volume: float = 0.0  #: mm3 of the solid itself, not of its facets
     others: tuple[str, ...] = ()  #: what is said of curved faces that only facets stand for
 
 
-def build(model: Model, element: Entity) -> Built:
-    """The kernel's solid of an element, closer than a reading needs it. Raises Unreadable."""
-    return built(model, element, FINE)
-
-
-def build_stock(model: Model, element: Entity) -> Built:
-    """As `build`, before anything was cut off. Raises Unreadable."""
-    return built(model, element, STOCK)
-
-
-def built(model: Model, element: Entity, asked: Mapping[str, Any]) -> Built:
+def built(model: Model, element: Entity, asked: Mapping[str, Any] = FINE) -> Built:
     """The kernel's solid of an element, openings taken off, with the cylinders that it has.
 
     The corners of the shell's facets lie on the solid's surfaces. `asked` are settings of the
@@ -127,8 +112,8 @@ def built(model: Model, element: Entity, asked: Mapping[str, Any]) -> Built:
     if found.count < 4:
         raise Unreadable("an empty solid by the kernel")
     cylinders, others = _cylinders(points.reshape(-1, 3, 3), normals.reshape(-1, 3, 3))
-    log = _log()
-    return Built(replace(found, cylinders=cylinders), log, float(solid.volume) * 1e9, others)
+    volume = float(solid.volume) * 1e9
+    return Built(replace(found, cylinders=cylinders), _error(), volume, others)
 
 
 def _cylinders(facets: Points, normals: Points) -> tuple[tuple[Cylinder, ...], tuple[str, ...]]:
@@ -200,7 +185,7 @@ def _solid(model: Model, element: Entity, asked: Mapping[str, Any]) -> Any:
     if _is_in_itself(instances[0]):
         raise Unreadable("an assembly that contains itself")
     _make_buildable(model, file, used)
-    _log()  # what earlier solids left
+    _error()  # what earlier solids left
     try:
         return geom.create_shape(settings, instances[0], geometry_library="opencascade")
     except RuntimeError as fault:
@@ -230,9 +215,10 @@ def _is_in_itself(instance: Any) -> bool:
     return instance is not None
 
 
-def _log() -> tuple[str, ...]:
-    """Kernel messages since the last call."""
-    return tuple(line for line in str(_kernel().get_log()).splitlines() if line.strip())
+def _error() -> str | None:
+    """The first error that the kernel wrote since the last call."""
+    lines = str(_kernel().get_log()).splitlines()
+    return next((line[:160] for line in lines if "[error]" in line.lower()), None)
 
 
 def load(model: Model) -> Any:

@@ -15,13 +15,11 @@ from beamcam.geometry.plane import MAX_COORDINATE
 from beamcam.model.part import Part
 from beamcam.model.request import Options, Selection
 from beamcam.readers.ifc import marks, rules
-from beamcam.readers.ifc.body import Body, Swept, body_of, refuse_bent
+from beamcam.readers.ifc.body import Body, Swept, body_of
 from beamcam.readers.ifc.checks import (
     STEEL,
-    KernelVerdict,
     check_data,
     check_kernel,
-    check_stock,
     form_of,
 )
 from beamcam.readers.ifc.entities import NOT_WELL_FORMED, Entity, Model, Unreadable, features_of
@@ -214,19 +212,18 @@ class Members(Struct):
             raise LeftOut("solid sections without a material")
         profile = body.base.profile if body is not None and isinstance(body.base, Swept) else None
         part = self._part(member, material, shaped, profile)
-        return part, shaped, self._against(member, body, part, shaped, profile)
+        return part, shaped, self._against(member, part, shaped, profile)
 
     def _against(
-        self, member: Member, body: Body | None, part: Part, shaped: Shaped, profile: Entity | None
+        self, member: Member, part: Part, shaped: Shaped, profile: Entity | None
     ) -> list[Diagnostic]:
         """What the file's data, the kernel and the reading itself have against a part."""
         source = member.source
         against = [*check_data(part, shaped, member.data, source), *shaped.diagnostics]
-        if self.options.kernel and body is not None:
+        if self.options.kernel and profile is not None:  # a shell is held against its own faces
+            asked = self.model, member.element, shaped, profile, Source(self.name)
             form = form_of(self.model, member.element)
-            compared = self.model.once(
-                "compared", form, self._compared, member.element, body, shaped, profile
-            )
+            compared = self.model.once("compared", form, check_kernel, *asked)
             against += compared.against(shaped, member.data, source)
         against += [rules.FITTED.at(source, found=kind) for kind in shaped.fitted]
         against += [rules.PIECES.at(source, found=text) for text in shaped.remarks]
@@ -257,7 +254,6 @@ class Members(Struct):
 
     def _by_kernel(self, member: Member, reason: Unreadable) -> Shaped:
         """The member as the kernel builds it, where its definition is not understood."""
-        refuse_bent(member.element)
         if reason.final:
             raise reason
         if not self.may_build:
@@ -307,21 +303,6 @@ class Members(Struct):
             guid=member.element.guid,
             section=section.points,
         )
-
-    def _compared(
-        self, element: Entity, body: Body, shaped: Shaped, profile: Entity | None
-    ) -> KernelVerdict:
-        """What section and solid of the kernel have against a member.
-
-        A shell that is taken as it stands was held against its own faces.
-        """
-        solid, source = KernelVerdict(), Source(self.name)
-        if isinstance(body.base, Swept):
-            solid = check_kernel(self.model, element, shaped, profile, source)
-        if profile is None:
-            return solid
-        stock = check_stock(self.model, element, shaped, profile, source)
-        return replace(solid, diagnostics=(*stock, *solid.diagnostics))
 
 
 def plain_class(name: str) -> str:

@@ -5,12 +5,12 @@ back to arcs before anything is measured.
 """
 
 from collections.abc import Sequence
-from math import atan2, degrees, dist, hypot, pi, radians, sin, tan
+from math import atan2, copysign, dist, hypot, pi, radians, sin, tan
 
 from msgspec import Struct
 
 from beamcam.geometry.conics import arc_by_points
-from beamcam.geometry.curves import Arc, Curve, Line, Point
+from beamcam.geometry.curves import Arc, Curve, Line, Point, circle_of, slot_of
 from beamcam.geometry.plane import cross, dot
 from beamcam.readers.ifc.curves2d import Chain
 
@@ -21,6 +21,7 @@ COARSE_RAD = radians(2)  #: between chords that nobody takes for a straight line
 FINEST_RAD = radians(0.2)
 MANY_CHORDS = 45  #: of a quarter circle, where they turn less than that
 ON_CIRCLE = 0.02  #: mm that a vertex may lie off its circle
+ROUND_DEG = 0.5  #: that arcs may turn more or less than a circle or a half
 PARALLEL_RAD = 1e-4
 NO_SIDE = 1e-6  #: mm of a line that is none
 STRAIGHT = 0.002  #: mm that a point may lie off the line between its neighbours
@@ -71,7 +72,8 @@ def _arcs_of_runs(lines: Chain, least: float, most: float) -> Chain:
     for k, first in enumerate(breaks):
         last = breaks[(k + 1) % len(breaks)]
         run = [lines[(first + j) % n] for j in range((last - first - 1) % n + 1)]
-        arc = _arc_of(run) if len(run) >= MIN_RUN else None
+        points = [*(c.start for c in run), run[-1].end]
+        arc = _through(points, 0, len(run) // 2, -1) if len(run) >= MIN_RUN else None
         out += [arc] if arc is not None else run
     return tuple(out)
 
@@ -130,51 +132,33 @@ def _regular(lines: Chain) -> Chain | None:
     """The full circle that all vertices of a polygon lie on."""
     if len(lines) < MIN_CORNERS:
         return None
-    points = [c.start for c in lines]
-    n = len(points)
-    third = arc_by_points(points[0], points[n // 3], points[2 * n // 3])
-    if third is None or not all(_on(third, p) for p in points):
+    points, n = [c.start for c in lines], len(lines)
+    third = _through(points, 0, n // 3, 2 * n // 3)
+    if third is None:
         return None
     if max(c.length for c in lines) > 2 * third.radius * sin(pi / MIN_CORNERS) + ON_CIRCLE:
         return None
-    return (
-        Arc(third.centre, third.radius, third.start_deg, 360.0 if third.sweep_deg > 0 else -360.0),
-    )
+    return (Arc(third.centre, third.radius, third.start_deg, copysign(360.0, third.sweep_deg)),)
 
 
-def _on(arc: Arc, p: Point) -> bool:
-    return abs(dist(p, arc.centre) - arc.radius) < ON_CIRCLE
-
-
-def _arc_of(run: list[Curve]) -> Arc | None:
-    middle = run[len(run) // 2].start
-    arc = arc_by_points(run[0].start, middle, run[-1].end)
-    return arc if arc is not None and all(_on(arc, c.start) for c in run) else None
+def _through(points: Sequence[Point], *picked: int) -> Arc | None:
+    """The arc by three of some points, if all of them lie on its circle."""
+    arc = arc_by_points(*(points[k] for k in picked))
+    if arc is None or any(abs(dist(p, arc.centre) - arc.radius) >= ON_CIRCLE for p in points):
+        return None
+    return arc
 
 
 def shape_of(chain: Chain) -> Round | Slotted | None:
     """A circle or a slot where the chain is one; None for everything else."""
     # A radius that rounding makes a hair less than half a slot's width leaves no side.
     curves = with_arcs(tuple(c for c in chain if c.length > NO_SIDE))
-    arcs = [c for c in curves if isinstance(c, Arc)]
-    lines = [c for c in curves if isinstance(c, Line)]
-    if len(arcs) + len(lines) != len(curves) or not arcs:
-        return None
-    (x0, y0), (x1, y1), radius = arcs[0].centre, arcs[-1].centre, arcs[0].radius
-    if any(abs(a.radius - radius) > ON_CIRCLE for a in arcs):
-        return None
-    turns = [a.sweep_deg for a in arcs]
-    if not lines:
-        same = all(dist(a.centre, (x0, y0)) < ON_CIRCLE for a in arcs)
-        full = abs(abs(sum(turns)) - 360.0) < 0.5
-        return Round((x0, y0), 2 * radius) if same and full else None
-    half = all(abs(abs(t) - 180.0) <= 0.5 for t in turns) and min(turns) * max(turns) > 0
-    if not half or len(lines) != 2 or len(arcs) != 2:
-        return None
-    angle = degrees(atan2(y1 - y0, x1 - x0)) % 180.0
-    if angle > 180.0 - 1e-9 or angle < 1e-9:
-        angle = 0.0
-    return Slotted(((x0 + x1) / 2, (y0 + y1) / 2), 2 * radius, hypot(x1 - x0, y1 - y0), angle)
+    if (circle := circle_of(curves, ON_CIRCLE, ROUND_DEG)) is not None:
+        return Round(circle[0], 2 * circle[1])
+    if (slot := slot_of(curves, ON_CIRCLE, ROUND_DEG)) is not None:
+        middle, length, width, angle = slot
+        return Slotted(middle, width, length - width, round(angle, 9) % 180.0)
+    return None
 
 
 class Corner(Struct, frozen=True, gc=False):

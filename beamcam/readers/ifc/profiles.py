@@ -86,7 +86,7 @@ def _outline(model: Model, entity: Entity) -> Outline:
         # A mirrored one turns about the y axis.
         mirrored = entity.is_a("IfcMirroredProfileDef")
         by = Frame(x=(-1.0, 0.0, 0.0)) if mirrored else model.operator(entity.Operator)
-        return Outline(_moved(parent.outer, by), tuple(_moved(c, by) for c in parent.inner))
+        return Outline(moved(parent.outer, by), tuple(moved(c, by) for c in parent.inner))
     if entity.is_a("IfcArbitraryClosedProfileDef"):
         inner = tuple(chain_of(model, c) for c in getattr(entity, "InnerCurves", ()))
         return Outline(chain_of(model, entity.OuterCurve), inner)
@@ -124,7 +124,7 @@ def _outline(model: Model, entity: Entity) -> Outline:
     else:
         raise Unreadable(f"a profile by {entity.is_a()}")
     frame = model.axes(entity.Position)
-    return Outline(_moved(outer, frame), tuple(_moved(c, frame) for c in hollow))
+    return Outline(moved(outer, frame), tuple(moved(c, frame) for c in hollow))
 
 
 def _drawn(section: Section, lip: float) -> Chain:
@@ -158,7 +158,8 @@ def _circle(radius: float) -> Chain:
     return (Arc((0.0, 0.0), radius, 0.0, 360.0),)
 
 
-def _moved(chain: Chain, by: Frame) -> Chain:
+def moved(chain: Chain, by: Frame) -> Chain:
+    """A chain of a frame's plane, in the plane that the frame stands in."""
     if by is IDENTITY:
         return chain
     matrix = (by.x[0], by.y[0], by.o[0]), (by.x[1], by.y[1], by.o[1])

@@ -2,6 +2,7 @@
 
 from collections import Counter, deque
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import suppress
 from typing import TypeVar
 
 from msgspec import Struct
@@ -66,29 +67,25 @@ def shares(
     made: dict[int, tuple[int, T]] = {}
     place = 0
     try:
-        while place < count and not workers:
-            try:
-                yield share(range(place, place + 1))
-            except KernelNeeded:
-                pool.submit(range(place, place + 1))
-                while not (done := [*pool.wait()]):
-                    pass
-                ((_, result),) = done
-                yield died(place) if isinstance(result, Died) else result
-            place += 1
         while place < count:
-            while todo and pool.has_room():
-                pool.submit(todo.popleft())
-            for stretch, result in pool.wait():
-                if not isinstance(result, Died):
-                    made[stretch.start] = stretch.stop, result
-                elif len(stretch) == 1:
-                    made[stretch.start] = stretch.stop, died(stretch.start)
-                else:
-                    todo.extendleft(range(i, i + 1) for i in stretch)
+            if todo and pool.has_room():
+                stretch = todo.popleft()
+                if not workers:
+                    with suppress(KernelNeeded):
+                        made[stretch.start] = stretch.stop, share(stretch)
+                if stretch.start not in made:
+                    pool.submit(stretch)
+            else:
+                for stretch, result in pool.wait():
+                    if not isinstance(result, Died):
+                        made[stretch.start] = stretch.stop, result
+                    elif len(stretch) == 1:
+                        made[stretch.start] = stretch.stop, died(stretch.start)
+                    else:
+                        todo.extendleft(range(i, i + 1) for i in stretch)
             while place in made:
-                place, result = made.pop(place)
-                yield result
+                place, done = made.pop(place)
+                yield done
     finally:
         pool.close()
 

@@ -65,16 +65,16 @@ def points_of(chain: Chain, circles: Circles) -> list[Point]:
     for curve in chain:
         if isinstance(curve, Line):
             points.append(curve.start)
-        elif isinstance(curve, Arc):
+            continue
+        count = ELLIPSE_POINTS
+        if isinstance(curve, Arc):
             circles.add(curve.centre, curve.radius)
             step = 2 * acos(max(0.0, 1 - SAGITTA / curve.radius))
             sweep = radians(abs(curve.sweep_deg))
             if sweep > MOST_POINTS * step:
                 raise Unreadable(f"an arc of radius {curve.radius:g} mm")
             count = max(2, ceil(sweep / step))
-            points += [curve.point(i / count) for i in range(count)]
-        else:
-            points += [curve.point(i / ELLIPSE_POINTS) for i in range(ELLIPSE_POINTS)]
+        points += [curve.point(i / count) for i in range(count)]
     return points
 
 
@@ -108,7 +108,7 @@ def cleaned(shape: Shape) -> Shape:
 
 
 def chain_of_ring(ring: Any, circles: Circles) -> Chain:
-    """The lines and arcs of a ring, counter-clockwise."""
+    """The lines and arcs of a ring, counter-clockwise; none if it encloses nothing."""
     coordinates = [(float(x), float(y)) for x, y in ring.coords][:-1]
     points = [p for i, p in enumerate(coordinates) if dist(p, coordinates[i - 1]) > SAME_POINT]
     if len(points) < 3:
@@ -116,7 +116,9 @@ def chain_of_ring(ring: Any, circles: Circles) -> Chain:
     if sum(map(cross, points, [*points[1:], points[0]])) < 0:
         points.reverse()
     lines = tuple(Line(p, q) for p, q in zip(points, [*points[1:], points[0]], strict=True))
-    return on_circles(lines, circles)
+    chain = on_circles(lines, circles)
+    # A crack may be no more than a line there and back.
+    return chain if len(chain) > 2 or any(isinstance(c, Arc) for c in chain) else ()
 
 
 def on_circles(chain: Chain, circles: Circles) -> Chain:

@@ -33,7 +33,7 @@ from beamcam.readers.ifc.shell import (
     segments,
     vec,
 )
-from beamcam.readers.ifc.space import Frame, Vec, across, add, cross, dot, scale, size, sub, unit
+from beamcam.readers.ifc.space import Frame, Vec, across, add, cross, dot, scale, sub, unit
 from beamcam.readers.ifc.stock import Stock
 
 STATIONS = (0.5, 0.31, 0.69, 0.17, 0.83, 0.08, 0.92, 0.42, 0.58, 0.03, 0.97)
@@ -45,7 +45,6 @@ SAME_AREA = 1.0005  #: times the area of a section that another has to have to b
 SAME_SIZE = 3  #: decimals of mm2 in which sections are alike where facets run along the member
 WHOLE_END = 0.95  #: share of the largest section that an end shows, at least
 SLANTED = 1.5  #: times the angle of an end's chord that a facet may span which runs slantwise
-SKIN = 0.99  #: share of the greatest distance from an axis, from which on corners are outside
 ON_ARC = 0.01  #: mm between a rounding and the corners on it
 NEARLY_PLANE = 1 - 1e-8  #: cosine between the facets of one plane
 SAME = 1e-9  #: mm between the lines of one section at two stations, from rounding
@@ -182,12 +181,9 @@ def _end_section(shell: Shell, axis: Vec, side: int, u: Vec, v: Vec, widest: flo
 
 
 def round_axis(shell: Shell, along: Vec) -> Vec | None:
-    """The axis of a round bar or tube near a direction, through the corners of its skin; or None.
+    """The line from the middle of one end of a mesh to that of the other; None without plane ends.
 
-    Where facets run slantwise, as only triangles do, no edge shows it: what lies by the line from
-    the middle of one end to that of the other is the skin, and by least squares a cylinder,
-
-        (x - p - a z)^2 + (y - q - b z)^2 = r^2,  linear in p, q, a, b and what they make with r.
+    Of a round bar or tube that is mitred twice no edge shows the axis: facets run slantwise.
     """
     if len(shell.points) != 3 * shell.count:
         return None
@@ -196,18 +192,7 @@ def round_axis(shell: Shell, along: Vec) -> Vec | None:
     if not all(map(len, ends)):
         return None
     start, end = (vec(np.average(middles[e], axis=0, weights=shell.areas[e])) for e in ends)
-    axis = unit(sub(end, start))
-    u = across(axis)
-    v = cross(axis, u)
-    x, y, z = (coordinates(shell.points - start, way) for way in (u, v, axis))
-    far = np.hypot(x, y)
-    x, y, z = (c[far > SKIN * far.max()] for c in (x, y, z))
-    z /= (long := size(sub(end, start)))
-    rows = np.column_stack((2 * x, 2 * y, 2 * x * z, 2 * y * z, np.ones(len(z)), z, z * z))
-    p, q, a, b, *_ = np.linalg.lstsq(rows, x * x + y * y, rcond=None)[0].tolist()
-    if np.ptp(np.hypot(x - p - a * z, y - q - b * z)) > 2 * ON_ARC:
-        return None
-    return unit(add(axis, add(scale(u, a / long), scale(v, b / long))))
+    return unit(sub(end, start))
 
 
 def end_faces(shell: Shell, axis: Vec, side: int) -> Places:

@@ -78,11 +78,13 @@ class Lump(Struct, frozen=True):
     volume: float  #: mm3
     more: bool  #: the body has it, and the part that was read has not
     leans: bool  #: it lies beside a cut, no further than an edge may lean through its wall
+    off: str = ""  #: how much of its wall's thickness it takes, unless that is all of it
 
     def __str__(self) -> str:
         where = f"face {self.face}" if len(self.face) == 1 else self.face
         what = "more" if self.more else "less"
-        return f"{self.volume / 1e3:.2f} cm3 {what} on {where} at x {self.x0:.1f} to {self.x1:.1f}"
+        place = f"at x {self.x0:.1f} to {self.x1:.1f}{self.off}"
+        return f"{self.volume / 1e3:.2f} cm3 {what} on {where} {place}"
 
 
 class Differences(Struct, frozen=True):
@@ -270,7 +272,12 @@ def _by_face(
         if (inside ^ _box_of(wall, -slack)).volume() > MIN_CORE:  # or it only grazes the wall
             piece = rest
             if inside.volume() > MIN_LUMP:
-                yield lump(inside, wall.face, _leans(inside, more, wall, part))
+                one = lump(inside, wall.face, _leans(inside, more, wall, part))
+                box, k = inside.bounding_box(), 1 if wall.normal == "y" else 2
+                deep = min(box[k + 3], wall.high) - max(box[k], wall.low)
+                thin = not (more or one.leans) and deep < wall.thickness - 2 * slack
+                off = f" ({deep:.1f} mm off its {wall.thickness:g} mm)" if thin else ""
+                yield replace(one, off=off)
     if piece.volume() > MIN_LUMP:
         bare = "the section" if of.code == "SO" else "v"
         yield lump(piece, _face_beside(piece, walls, of) if walls else bare, False)

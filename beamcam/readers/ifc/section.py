@@ -66,12 +66,14 @@ class Section(Struct, frozen=True, gc=False, cache_hash=True):
         )
 
     @property
+    def sizes(self) -> tuple[float, float, float, float, float]:
+        """Height, width, flange, web and radius."""
+        return self.height, self.width, self.flange_thickness, self.web_thickness, self.radius
+
+    @property
     def lips(self) -> float:
         """Area of a channel's lips in mm2; 0 of other sections."""
-        if self.code != "C":
-            return 0.0
-        sizes = self.height, self.width, self.flange_thickness, self.web_thickness, self.radius
-        return max(0.0, self.area - area_by_measures("C", *sizes))
+        return max(0.0, self.area - area_by_measures("C", *self.sizes)) if self.code == "C" else 0.0
 
     @property
     def points(self) -> tuple[SectionPoint, ...]:
@@ -98,16 +100,12 @@ class Section(Struct, frozen=True, gc=False, cache_hash=True):
 
     def scaled(self, by: float) -> "Section":
         """The section with all its measures so many times as large, where it lies."""
+        h, b, tf, tw, r = (size * by for size in self.sizes)
+        lip = self.lip and self.lip * by
         return replace(
-            self,
-            height=self.height * by,
-            width=self.width * by,
-            flange_thickness=self.flange_thickness * by,
-            web_thickness=self.web_thickness * by,
-            radius=self.radius * by,
-            area=self.area * by * by,
-            lip=self.lip and self.lip * by,
-        )
+            self, height=h, width=b, flange_thickness=tf, web_thickness=tw, radius=r,
+            area=self.area * by * by, lip=lip,
+        )  # fmt: skip
 
 
 class BareStock(Struct, frozen=True, eq=False):

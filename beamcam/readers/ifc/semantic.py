@@ -9,8 +9,6 @@
 from collections.abc import Iterator, Sequence
 
 import shapely
-from msgspec.structs import replace
-from shapely import contains_xy
 
 from beamcam.errors import Source
 from beamcam.geometry.curves import Line, Point
@@ -27,13 +25,13 @@ from beamcam.readers.ifc.cutters import (
     Prism,
     planes_of,
 )
-from beamcam.readers.ifc.ends import MemberEnd, of_plane, trim
+from beamcam.readers.ifc.ends import trim
 from beamcam.readers.ifc.entities import Entity, Model, Unreadable
 from beamcam.readers.ifc.finish import Levels, Regions, Shaped, from_regions, sawn
 from beamcam.readers.ifc.holes import Drilled, pierce
 from beamcam.readers.ifc.region import Circles, Shape, polygon_of
 from beamcam.readers.ifc.section import Wall, corner_points, walls_of
-from beamcam.readers.ifc.space import Frame, add, dot, scale, sub
+from beamcam.readers.ifc.space import dot, size, sub
 from beamcam.readers.ifc.stock import Stock, stock_of
 
 # --- trimming -------------------------------------------------------------------------------------
@@ -61,24 +59,24 @@ def end_plane(cutter: Cutter, stock: Stock, corners: Sequence[Point]) -> HalfSpa
 
 def _takes_all(cutter: Prism, plane: HalfSpace, stock: Stock, corners: Sequence[Point]) -> bool:
     """Whether a prism holds everything of the stock beyond a plane, up to the stock's end."""
-    inverse = cutter.frame.inverse()
-    way, far = (1.0, stock.x1) if plane.normal[0] > 0 else (-1.0, stock.x0)
-    h, b = stock.section.height, stock.section.width
-    found = []
-    for y, z in (*corners[:: max(1, len(corners) // 24)], (h / 2, b / 2)):
-        x = plane.x_at(y, z)
-        if way * (far - x) <= 1e-4:
-            continue
-        inner_y, inner_z = min(max(y, 1e-3), h - 1e-3), min(max(z, 1e-3), b - 1e-3)
-        shift = plane.x_at(inner_y, inner_z) - x
-        for at in (x + way * 1e-3 + shift, (x + far) / 2 + shift, far - way * 1e-3):
-            found.append(inverse.point((at, inner_y, inner_z)))
-            if not -1e-9 <= found[-1][2] <= 1 + 1e-9:
-                return False
-    region = polygon_of(cutter.outline.outer, (), Circles())
-    return bool(found) and all(contains_xy(region, [p[0] for p in found], [p[1] for p in found]))
+    far = stock.x1 if plane.side > 0 else stock.x0
+    beyond = [
+        (at, y, z)
+        for y, z in corners
+        for x in (plane.x(y, z),)
+        if plane.side * (far - x) > NO_LENGTH
+        for at in (x, far)
+    ]
+    found = [*map(cutter.frame.inverse().point, beyond)]
+    off = [o / size(cutter.frame.z) for o in (-FLUSH, FLUSH)]
+    if not found or not all(off[0] <= p[2] <= 1 + off[1] for p in found):
+        return False
+    region = polygon_of(cutter.outline.outer, (), Circles()).buffer(FLUSH / size(cutter.frame.x))
+    return bool(region.covers(shapely.MultiPoint([p[:2] for p in found]).convex_hull))
 
 
+NO_LENGTH = 1e-4  #: mm beyond a plane that are nothing
+FLUSH = 2e-3  #: mm by which a prism may fall short of what it takes
 MIN_LENGTH = 0.1  #: mm that the ends have to leave
 MOST_IN = 0.1  #: share of its thickness that they lie inside a thin wall
 BETWEEN = (0.12, 0.25, 0.4, 0.5, 0.6, 0.75, 0.88)  #: shares at which leaning edges are looked at
@@ -94,13 +92,7 @@ def read_swept(model: Model, element: Entity, body: Body, source: Source) -> Sha
     assert isinstance(body.base, Swept)
     stock = stock_of(model, element, body.base)
     cutters = body.cutters(model, stock.frame.inverse())
-    return in_place(cut(stock, cutters, source), stock.frame)
-
-
-def in_place(shaped: Shaped, frame: Frame) -> Shaped:
-    """The member with its place: its own coordinates in the element's."""
-    moved = Frame(add(frame.o, scale(frame.x, shaped.x0)), frame.x, frame.y, frame.z)
-    return replace(shaped, frame=moved)
+    return cut(stock, cutters, source)
 
 
 def cut(stock: Stock, cutters: Sequence[Cutter], source: Source) -> Shaped:
@@ -108,18 +100,18 @@ def cut(stock: Stock, cutters: Sequence[Cutter], source: Source) -> Shaped:
     section = stock.section
     corners = corner_points(section)
     walls = walls_of(section)
-    starts: list[MemberEnd] = []
-    ends: list[MemberEnd] = []
+    starts: list[HalfSpace] = []
+    ends: list[HalfSpace] = []
     rest: list[Boxed] = []
     for cutter in cutters:
         is_hole = walls and isinstance(cutter, Prism) and cutter.shape is not None
         plane = None if is_hole else end_plane(cutter, stock, corners)
         if plane is not None:
-            (ends if plane.normal[0] > 0 else starts).append(of_plane(plane))
+            (ends if plane.normal[0] > 0 else starts).append(plane)
         elif is_hole or _touches(cutter, stock):  # a hole that touches no wall makes none
             rest.append((cutter, cutter.box))
-    start = trim(MemberEnd(-1, 0.0, 0.0, stock.x0), starts, corners)
-    end = trim(MemberEnd(1, 0.0, 0.0, stock.x1), ends, corners)
+    start = trim(HalfSpace.at(-1, stock.x0), starts, corners)
+    end = trim(HalfSpace.at(1, stock.x1), ends, corners)
     if start.most + end.most < MIN_LENGTH:
         raise Unreadable("end cuts that leave nothing")
     holes: list[Hole | Slot] = []
@@ -131,11 +123,10 @@ def cut(stock: Stock, cutters: Sequence[Cutter], source: Source) -> Shaped:
             general.append((cutter, box))
         else:
             holes += pierced
-    gross = stock.x1 - stock.x0
     plain = not stock.outline and not stock.hollows and not general
     if plain and start.sole is not None and end.sole is not None:
         span = -start.reach, end.reach
-        return sawn(section, (start.sole, end.sole), span, holes, source, gross)
+        return sawn(stock, (start.sole, end.sole), span, holes, source)
     if not walls:
         raise Unreadable(
             f"cuts other than saw cuts and holes in a section of code {section.code}", rules.ODD_CUT
@@ -143,31 +134,31 @@ def cut(stock: Stock, cutters: Sequence[Cutter], source: Source) -> Shaped:
     circles = Circles()
     regions = _left_of_walls(stock, (*starts, *ends), general, circles)
     planes = [*start.planes, *end.planes, *_sides(stock.outline)]
-    planes += [of_plane(plane) for cutter, _ in general for plane in planes_of(cutter)]
-    return from_regions(section, regions, holes, circles, source, gross, planes)
+    planes += [plane for cutter, _ in general for plane in planes_of(cutter)]
+    return from_regions(stock, regions, holes, circles, source, planes)
 
 
-def _sides(outline: Chain) -> Iterator[MemberEnd]:
+def _sides(outline: Chain) -> Iterator[HalfSpace]:
     """The planes of a plate's straight sides that its ends may be."""
     for side in outline:
         dx, dy = side.end[0] - side.start[0], side.end[1] - side.start[1]
         if isinstance(side, Line) and abs(dy) > MIN_LEAN * side.length:
-            yield MemberEnd(1, dx / dy, 0.0, side.start[0] - side.start[1] * dx / dy)
+            yield HalfSpace.at(1, side.start[0] - side.start[1] * dx / dy, dx / dy)
 
 
 def _left_of_walls(
-    stock: Stock, ends: Sequence[MemberEnd], general: Sequence[Boxed], circles: Circles
+    stock: Stock, ends: Sequence[HalfSpace], general: Sequence[Boxed], circles: Circles
 ) -> Regions:
     """What ends and cutters leave of each wall of a stock, at its outer levels or at more."""
     walls = walls_of(stock.section)
-    leaning = bool(general) or any(e.a or e.b for e in ends)
+    leaning = bool(general) or any(map(any, (e.slopes for e in ends)))
     regions: Regions = {}
 
     def at(wall: Wall, uncut: Shape, share: float) -> tuple[float, Shape]:
         c = wall.low + share * wall.thickness
         shape = uncut
         for one in ends:
-            shape = shape.difference(one.removed(wall, c))
+            shape = shape.difference(one.slice(wall, c))
         for cutter, box in general:
             (q0, c0), (q1, c1) = map(wall.split, box)
             if c0 < c < c1 and q1 > 0 and q0 < wall.width:

@@ -1,17 +1,18 @@
 """Stock of a member: a section between two ends, or a plate, and its placement."""
 
-from math import atan2, cos, hypot, pi, sin
+from math import atan2, hypot
 
 from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.geometry.curves import Line, Point
+from beamcam.geometry.plane import Box
 from beamcam.readers.ifc.body import Swept
 from beamcam.readers.ifc.classify import classify
 from beamcam.readers.ifc.curves2d import Chain, box_around
 from beamcam.readers.ifc.entities import Entity, Model, Unreadable
 from beamcam.readers.ifc.outline import with_arcs
-from beamcam.readers.ifc.profiles import Outline, outline_of, section_of
+from beamcam.readers.ifc.profiles import Outline, moved, outline_of, section_of
 from beamcam.readers.ifc.section import BareStock, Section
 from beamcam.readers.ifc.space import Frame, Vec, add, cross, dot, size, unit
 
@@ -26,9 +27,7 @@ TIGHTER = 0.98  #: of the area of the box as drawn, for another box to be taken
 class Plate(Struct, frozen=True, gc=False):
     """Placement of a plate in its profile's plane, and its outline in its own (x, y)."""
 
-    origin: Point
-    x: Point
-    y: Point
+    frame: Frame
     length: float
     width: float
     outline: Chain = ()  #: none where it is the full rectangle
@@ -77,35 +76,34 @@ def _plate_of(model: Model, element: Entity, profile: Entity, depth: float) -> P
 def box_of(outline: Outline) -> Plate:
     """The minimum bounding box of an outline, x along its longer side; as drawn if as small."""
     curves = with_arcs(outline.outer)
-    angles = [0.0]
+
+    def spread(way: Point) -> Box:
+        """The box along a direction and square to it."""
+        c, s = way
+        return box_around(tuple(k.transformed(((c, s, 0.0), (-s, c, 0.0))) for k in curves))
+
+    def size_of(way: Point) -> float:
+        x0, y0, x1, y1 = spread(way)
+        return (x1 - x0) * (y1 - y0)
+
+    ways = {0.0: (1.0, 0.0)}
     for curve in curves:
         if isinstance(curve, Line) and curve.length > 1.0:
-            dx, dy = curve.end[0] - curve.start[0], curve.end[1] - curve.start[1]
-            angle = atan2(dy, dx) % (pi / 2)
-            if all(abs(angle - a) > 1e-6 for a in angles):
-                angles.append(angle)
-    boxes = []
-    for angle in angles:
-        c, s = cos(angle), sin(angle)
-        turned = tuple(k.transformed(((c, s, 0.0), (-s, c, 0.0))) for k in curves)
-        x0, y0, x1, y1 = box = box_around(turned)
-        boxes.append(((x1 - x0) * (y1 - y0), box, (c, s)))
-    best = min(boxes, key=lambda row: row[0])
-    if best[0] >= TIGHTER * boxes[0][0]:
-        best = boxes[0]
-    _, (x0, y0, x1, y1), (c, s) = best
-    x, y, low = (c, s), (-s, c), (x0, y0)
-    length, width = x1 - x0, y1 - y0
-    if width > length:
-        # A quarter turn: the new x is the old y, the new y the old -x.
-        x, y, low, length, width = y, (-x[0], -x[1]), (y0, -x1), width, length
-    origin = (low[0] * x[0] + low[1] * y[0], low[0] * x[1] + low[1] * y[1])
-    (a, b), (c, d), (ox, oy) = x, y, origin
-    into = ((a, b, -(a * ox + b * oy)), (c, d, -(c * ox + d * oy)))
-    outer, *inner = (
-        tuple(k.transformed(into) for k in chain) for chain in (curves, *outline.inner)
-    )
-    return Plate(origin, x, y, length, width, outer, tuple(inner))
+            x, y = curve.tangent(0.0)
+            while x <= 0.0 or y < 0.0:  # sides that are square to one another have one box
+                x, y = y, -x
+            ways.setdefault(round(atan2(y, x), 6), (x, y))
+    best = min(ways.values(), key=size_of)
+    if size_of(best) >= TIGHTER * size_of(ways[0.0]):
+        best = ways[0.0]
+    x0, y0, x1, y1 = spread(best)
+    if y1 - y0 > x1 - x0:
+        best = -best[1], best[0]
+        x0, y0, x1, y1 = spread(best)
+    (c, s), at = best, (x0 * best[0] - y0 * best[1], x0 * best[1] + y0 * best[0])
+    frame = Frame((*at, 0.0), (c, s, 0.0), (-s, c, 0.0))
+    outer, *inner = (moved(chain, frame.inverse()) for chain in (curves, *outline.inner))
+    return Plate(frame, x1 - x0, y1 - y0, outer, tuple(inner))
 
 
 class Stock(Struct, frozen=True, gc=False):
@@ -154,10 +152,9 @@ def _frame(section: Section, at: Frame) -> Frame:
 def plate_stock(plate: Plate, at: Frame, along: Vec) -> Stock:
     """The stock of a plate that is pushed through its thickness off the plane of `at`."""
     factor, thickness = size(at.x), size(along)
-    x = unit(at.vector((*plate.x, 0.0)))
-    y = unit(at.vector((*plate.y, 0.0)))
+    lies = at.times(plate.frame)
+    o, x, y = lies.o, unit(lies.x), unit(lies.y)
     z = cross(x, y)
-    o = at.point((*plate.origin, 0.0))
     if dot(z, along) < 0:
         o = add(o, along)
     width = plate.width * factor

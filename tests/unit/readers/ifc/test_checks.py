@@ -2,13 +2,16 @@
 
 import subprocess
 import sys
+from collections.abc import Callable, Mapping
+from typing import Any
 
 import pytest
 from msgspec.structs import replace
 
 from beamcam.errors import Source
 from beamcam.readers.ifc import Options, checks, kernel, read
-from beamcam.readers.ifc.kernel import FACETED, ROUNDER, Built, build, built, load
+from beamcam.readers.ifc.entities import Entity, Model
+from beamcam.readers.ifc.kernel import FACETED, ROUNDER, Built, built, load
 from beamcam.readers.ifc.marks import Data
 from beamcam.readers.ifc.same_solid import Differences
 from tests.unit.readers.ifc.models import Small, opened
@@ -39,15 +42,24 @@ def test_agreement_is_silent() -> None:
     assert len(found.parts) == 1
 
 
+def patched(monkeypatch: pytest.MonkeyPatch, made: Callable[..., Built]) -> None:
+    """Let the kernel build its solids by `made`, and the stock as ever."""
+
+    def build(model: Model, element: Entity, asked: Mapping[str, Any] = kernel.FINE) -> Built:
+        return (built if asked is kernel.STOCK else made)(model, element, asked)
+
+    monkeypatch.setattr(kernel, "built", build)
+
+
 @pytest.fixture
 def losing(monkeypatch: pytest.MonkeyPatch) -> None:
     """A kernel that loses every cut."""
 
-    def lost(model: object, element: object) -> Built:
+    def lost(*_: object) -> Built:
         other = opened(solid())
-        return build(other, other.file.by_type("IfcBeam")[0])
+        return built(other, other.file.by_type("IfcBeam")[0])
 
-    monkeypatch.setattr(kernel, "build", lost)
+    patched(monkeypatch, lost)
 
 
 @pytest.mark.usefixtures("losing")
@@ -70,11 +82,10 @@ def test_the_net_weight_decides_against_the_kernel() -> None:
 
 
 def test_an_error_in_the_log_refuses_the_member(monkeypatch: pytest.MonkeyPatch) -> None:
-    def failing(model: object, element: object) -> Built:
-        built = build(model, element)  # type: ignore[arg-type]
-        return replace(built, log=("[error] [GEO027] cannot build",))
+    def failing(model: Model, element: Entity, asked: Mapping[str, Any]) -> Built:
+        return replace(built(model, element, asked), error="[error] [GEO027] cannot build")
 
-    monkeypatch.setattr(kernel, "build", failing)
+    patched(monkeypatch, failing)
     found = read(drilled().data, "m.ifc", options=CHECKED)
     (said,) = [d for d in found.diagnostics if d.code == "ifc-kernel-log"]
     assert "GEO027" in said.message
@@ -104,7 +115,7 @@ def test_only_the_slots_of_the_member_are_made_less_round() -> None:
     model = opened(m.data)
     first, _ = model.file.by_type("IfcBeam")
     for _ in range(2):
-        build(model, first)
+        built(model, first)
         slots = load(model).by_type("IfcRoundedRectangleProfileDef")
         assert [s.RoundingRadius for s in slots] == [11.0 * ROUNDER, 13.0]
     own = model.file.by_type("IfcRoundedRectangleProfileDef")
@@ -115,7 +126,7 @@ def test_facets_and_surfaces_of_one_solid_are_those_of_two() -> None:
     model = opened(drilled().data)
     (element,) = model.file.by_type("IfcBeam")
     found = built(model, element, {})
-    finer = build(model, element)
+    finer = built(model, element)
     assert 26 < found.shell.count <= finer.shell.count
     assert found.volume == finer.volume
     assert found.shell.cylinders == built(model, element, {}).shell.cylinders != ()
@@ -138,10 +149,10 @@ def test_a_form_that_the_kernel_cannot_give_is_no_solid(monkeypatch: pytest.Monk
 def test_a_kernel_without_a_solid_is_no_witness(monkeypatch: pytest.MonkeyPatch) -> None:
     from beamcam.readers.ifc.entities import Unreadable
 
-    def nothing(model: object, element: object) -> Built:
+    def nothing(*_: object) -> Built:
         raise Unreadable("an empty solid by the kernel")
 
-    monkeypatch.setattr(kernel, "build", nothing)
+    patched(monkeypatch, nothing)
     found = read(drilled().data, "m.ifc", options=CHECKED)
     assert [d.code for d in found.diagnostics if d.severity.value == "error"] == ["ifc-kernel"]
 

@@ -5,7 +5,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from beamcam.readers.ifc import Options, read
-from beamcam.readers.ifc.ends import MemberEnd, trim
+from beamcam.readers.ifc.cutters import HalfSpace
+from beamcam.readers.ifc.ends import trim
 from tests.property.ifc_cuts import Bar, Half, model_of
 from tests.property.ifc_kernel import facets
 from tests.unit.readers.ifc.models import Small
@@ -15,16 +16,16 @@ CORNERS = ((0.0, 0.0), (0.0, 150.0), (300.0, 0.0), (300.0, 150.0), (10.0, 71.0),
 
 
 @st.composite
-def planes(draw: st.DrawFn) -> list[MemberEnd]:
+def planes(draw: st.DrawFn) -> list[HalfSpace]:
     side = draw(st.sampled_from((-1, 1)))
-    found = [MemberEnd(side, 0.0, 0.0, draw(st.floats(-50, 50)))]
+    found = [HalfSpace.at(side, draw(st.floats(-50, 50)))]
     for _ in range(draw(st.integers(0, 3))):
-        found.append(MemberEnd(side, draw(SLOPES), draw(SLOPES), draw(st.floats(-500, 500))))
+        found.append(HalfSpace.at(side, draw(st.floats(-500, 500)), draw(SLOPES), draw(SLOPES)))
     return found
 
 
 @given(planes())
-def test_what_is_left_lies_before_every_plane(ends: list[MemberEnd]) -> None:
+def test_what_is_left_lies_before_every_plane(ends: list[HalfSpace]) -> None:
     found = trim(ends[0], ends[1:], CORNERS)
     left = [min(e.side * e.x(y, z) for e in ends) for y, z in CORNERS]
     assert abs(found.least - min(left)) < 1e-9
@@ -33,7 +34,7 @@ def test_what_is_left_lies_before_every_plane(ends: list[MemberEnd]) -> None:
 
 
 @given(planes())
-def test_the_sole_plane_is_the_first_that_no_other_comes_before(ends: list[MemberEnd]) -> None:
+def test_the_sole_plane_is_the_first_that_no_other_comes_before(ends: list[HalfSpace]) -> None:
     """Within 1e-4 mm at every corner; two planes that cross in the section share the end."""
     first = [
         one

@@ -8,7 +8,7 @@ import pytest
 from beamcam.geometry.curves import Arc, Line
 from beamcam.readers.ifc import Options, kernel, read
 from beamcam.readers.ifc.entities import Entity, Unreadable
-from beamcam.readers.ifc.kernel import broken_reference, build
+from beamcam.readers.ifc.kernel import broken_reference, built
 from beamcam.readers.ifc.region import Circles, points_of
 from tests.conftest import SAMPLES
 from tests.unit.readers.ifc.models import Small, opened
@@ -51,7 +51,7 @@ def test_each_reference_of_a_solid(instead: bytes) -> None:
             broken = DATA[:begin] + instead + DATA[end:]
             beam = opened(broken).file.by_type("IfcBeam")[0]
             with pytest.raises((Unreadable, LookupError, ValueError)):
-                build(opened(broken), beam)
+                built(opened(broken), beam)
             found = read(broken, "broken.ifc", options=CHECKED)
             assert beam.GlobalId not in {part.guid for part in found.parts}
 

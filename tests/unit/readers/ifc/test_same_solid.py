@@ -11,18 +11,20 @@ from msgspec.structs import replace
 
 from beamcam.errors import Severity, Source
 from beamcam.model.part import EndCuts, Hole, Slot
-from beamcam.readers.ifc import Options, kernel, read, same_solid
+from beamcam.readers.ifc import Options, read, same_solid
 from beamcam.readers.ifc.checks import section_said
 from beamcam.readers.ifc.entities import Unreadable
 from beamcam.readers.ifc.finish import Shaped, part_of
-from beamcam.readers.ifc.kernel import Built, build
+from beamcam.readers.ifc.kernel import Built, built
 from beamcam.readers.ifc.same_solid import Fineness, differences
 from beamcam.readers.ifc.section import BareStock, Section, plain_stock
 from beamcam.readers.ifc.shell import Shell, shell
 from beamcam.readers.ifc.solid_body import section_area, solid_of
 from beamcam.readers.ifc.space import IDENTITY, Frame
 from tests.property.ifc_builder import model_text, random_member
+from tests.property.ifc_cuts import SIZES, Bar, Half, model_of
 from tests.unit.readers.ifc.models import Small, opened
+from tests.unit.readers.ifc.test_checks import patched
 
 FACES = Fineness(slack=0.04, facet_rad=0.6)
 SOURCE = Source("m.ifc")
@@ -164,13 +166,13 @@ def test_rounded_toes_and_missing_fillets_are_told_and_slopes_are_not() -> None:
 def test_plain_members_are_compared_too(monkeypatch: pytest.MonkeyPatch) -> None:
     """A kernel whose solid has a hole that the definition has not."""
 
-    def with_a_hole(model: object, element: object) -> Built:
+    def with_a_hole(*_: object) -> Built:
         m = Small()
         m.element(m.minus(m.extruded(m.ipe300(), 2000.0), m.hole((500, -20, 0), (0, 1, 0), 22, 40)))
         other = opened(m.data)
-        return build(other, other.file.by_type("IfcBeam")[0])
+        return built(other, other.file.by_type("IfcBeam")[0])
 
-    monkeypatch.setattr(kernel, "build", with_a_hole)
+    patched(monkeypatch, with_a_hole)
     m = Small()
     m.element(m.extruded(m.ipe300(), 2000.0))
     found = read(m.data, "m.ifc", options=Options(kernel=True))
@@ -233,3 +235,25 @@ def test_the_plain_look_passes_no_other_hole(hole: Hole | Slot) -> None:
     assert plain(hole) is None
     assert plain(right, hole) is None
     assert plain() is None
+
+
+def test_a_flange_that_is_planed_off_is_told_by_how_much() -> None:
+    bar = Bar("I", 900.0, SIZES["I"])
+    found = read(
+        model_of(bar, [Half((0.0, 290.0, 0.0), (0.0, 1.0, 0.0))]),
+        "m.ifc",
+        options=Options(kernel=True),
+    )
+    (said,) = [d for d in found.diagnostics if d.severity is Severity.ERROR]
+    assert "less on face o at x 0.0 to 900.0 (10.0 mm off its 10.7 mm)" in said.message
+
+
+def test_a_body_of_two_solids_is_refused_as_one() -> None:
+    """An I with its end plate, whose sections have cracks that enclose nothing."""
+    m = Small()
+    plate = m.extruded(m.box(200.0, 400.0), 20.0, m.step.axes((-20, 0, 0), (1, 0, 0), (0, 1, 0)))
+    beam = m.extruded(m.ipe300(), 3000.0, m.step.axes((0, 0, 0), (1, 0, 0), (0, 1, 0)))
+    m.element(f"{beam},{plate}")
+    found = read(m.data, "m.ifc", options=Options(kernel=True))
+    (said,) = [d for d in found.diagnostics if d.severity is Severity.ERROR]
+    assert said["found"].startswith("a body of 2 solids; by the kernel more steel")

@@ -172,14 +172,14 @@ def test_a_member_at_which_the_kernel_dies_is_refused_by_name(
     data = few()
     alone = read(data, "model.ifc", options=Options(kernel=True))
     deadly = alone.parts[2]
-    real = member.check_stock
+    real = member.check_kernel
 
-    def check_stock(*args: object) -> object:
+    def check_kernel(*args: object) -> object:
         if args[1].guid == deadly.guid:  # type: ignore[attr-defined]
             os.kill(os.getpid(), signal.SIGKILL)
         return real(*args)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(member, "check_stock", check_stock)
+    monkeypatch.setattr(member, "check_kernel", check_kernel)
     shared = read(data, "model.ifc", options=Options(kernel=True, workers=2))
     assert shared.parts == tuple(p for p in alone.parts if p is not deadly)
     (said,) = [d for d in shared.diagnostics if d.severity is Severity.ERROR]
