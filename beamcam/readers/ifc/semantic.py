@@ -35,6 +35,7 @@ from beamcam.readers.ifc.region import Circles, Shape, polygon_of
 from beamcam.readers.ifc.section import Wall, corner_points, walls_of
 from beamcam.readers.ifc.space import Frame, add, dot, scale, sub
 from beamcam.readers.ifc.stock import Stock, stock_of
+from beamcam.readers.ifc.unrolled import cut_tube
 
 # --- trimming -------------------------------------------------------------------------------------
 # Which cutters are saw cuts: those that take all of an end.
@@ -136,10 +137,12 @@ def cut(stock: Stock, cutters: Sequence[Cutter], source: Source) -> Shaped:
     if plain and start.sole is not None and end.sole is not None:
         span = -start.reach, end.reach
         return sawn(section, (start.sole, end.sole), span, holes, source, gross)
+    if section.code == "RO":
+        cutters = [cutter for cutter, _ in general]
+        return cut_tube(stock, (start, end), cutters, holes, source)
     if not walls:
-        raise Unreadable(
-            f"cuts other than saw cuts and holes in a section of code {section.code}", rules.ODD_CUT
-        )
+        rule = rules.SOLID_CUT if section.code == "RU" else rules.SPECIAL_CUT
+        raise Unreadable("cuts other than saw cuts and holes", rule)
     circles = Circles()
     regions = _left_of_walls(stock, (*starts, *ends), general, circles)
     planes = [*start.planes, *end.planes, *_sides(stock.outline)]

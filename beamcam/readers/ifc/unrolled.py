@@ -1,0 +1,390 @@
+r"""Round tubes with slots, windows, saddles and copes: contours on the unrolled outside, face v.
+
+       outside                 The tube is a solid of fine facets, and less its cutters it leaves the
+    ____     ____              steel of both surfaces. Their borders are unrolled: x along the tube,
+        \   /      wall        u its arc from the lowest line towards v. The outside is what DSTV
+    _____\ /_____              draws and a torch follows, square to the surface. How far the inside
+       inside                  lies beside it is told, and a cut that does not come out is refused.
+"""
+
+from collections.abc import Iterator, Sequence
+from math import acos, atan2, ceil, degrees, pi, sin, sqrt
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import shapely
+from msgspec import Struct
+from msgspec.structs import replace
+from shapely import Polygon
+from shapely.geometry.polygon import orient
+
+from beamcam.errors import BeamcamError, Diagnostic, Source
+from beamcam.geometry.array_types import Floats
+from beamcam.model.part import Contour, EndPlane, Hole, Part, Slot
+from beamcam.readers.ifc import rules
+from beamcam.readers.ifc.curves2d import points_chain
+from beamcam.readers.ifc.cutters import Combined, Cutter, HalfSpace, Prism
+from beamcam.readers.ifc.ends import MemberEnd, Trim
+from beamcam.readers.ifc.entities import Unreadable
+from beamcam.readers.ifc.finish import Shaped, contour, hole_volume, sawn
+from beamcam.readers.ifc.region import Circles, Shape, pieces_of, polygon_of
+from beamcam.readers.ifc.section import Section
+from beamcam.readers.ifc.solid_body import solid_of
+from beamcam.readers.ifc.space import size, unit
+from beamcam.readers.ifc.stock import Stock
+from beamcam.solid.kernel import behind, kernel, minus, prism
+from beamcam.solid.part_solid import part_solid
+from beamcam.solid.stock_solid import ALONG, Margins, end_planes
+from beamcam.solid.wrapped import round_cutters
+
+if TYPE_CHECKING:
+    from manifold3d import Manifold
+
+SAGITTA = 1e-3  #: mm between the tube and its facets
+COARSE = 5e-3  #: mm likewise, where a contour is no more than looked at
+CHORD = 5e-3  #: mm between a border of the solid and its contour
+LEAST_OFF = 0.05  #: mm that the inside of a cut is off and say nothing
+STEEPEST = 6.0  #: thicknesses of its wall that a cut goes on inside, at most: 80 degrees
+NOISE = 0.02  #: mm; what is thinner is none of a wedge
+TINY = 0.01  #: mm2 of a border round nothing
+NEARLY = 0.02  #: mm between a cutter and its facets, where it has a larger margin
+FAR = 1e6  #: mm beyond any member
+ON_PLANE = 0.01  #: mm that an end lies off its plane
+SKIN = 0.02  #: mm deep that the outside is looked at
+SAME = 0.05  #: mm that it may lie beside its contours
+LEAST_AREA = 1.0  #: mm2 of the outside that differ
+
+
+class Surface(Struct, frozen=True):
+    """Borders of the steel of one surface: rows of x and of the angle from the lowest line."""
+
+    near: Floats  #: once round from the seam
+    far: Floats
+    windows: tuple[Floats, ...]
+
+    def steel(self, radius: float, turns: Sequence[int] = (0,), ends: bool = True) -> Shape:
+        """The steel in (x, u) on some turns, of another radius if its wall is to be compared."""
+        scale, turn = (1.0, radius), 2 * pi * radius
+        every = range(turns[0] - 1, turns[-1] + 2)
+        near, far = (
+            np.concatenate([loop[:-1] * scale + (0.0, k * turn) for k in every])
+            for loop in (self.near, self.far)
+        )
+        whole: Shape = shapely.box(-FAR, turns[0] * turn, FAR, (turns[-1] + 1) * turn)
+        if ends:
+            whole = whole.intersection(Polygon([*near, *far[::-1]]).buffer(0))
+        return whole.difference(self.open(radius, every))
+
+    def open(self, radius: float, turns: Sequence[int]) -> Shape:
+        """The windows on some turns."""
+        scale, turn = (1.0, radius), 2 * pi * radius
+        rows = [one * scale + (0.0, k * turn) for one in self.windows for k in turns]
+        return shapely.union_all([Polygon(row).buffer(0) for row in rows])
+
+
+def cut_tube(
+    stock: Stock, ends: tuple[Trim, Trim], general: Sequence[Cutter],
+    holes: Sequence[Hole | Slot], source: Source,
+) -> Shaped:  # fmt: skip
+    """The member that cutters beside its holes leave of a round tube. Raises Unreadable.
+
+    An end without contours is that of its plane; where one has contours the outline draws both.
+    """
+    section, gross = stock.section, stock.x1 - stock.x0
+    cutters = (*general, *(_beyond(plane) for end in ends for plane in end.planes))
+    try:
+        solid, outside, inside = _left(section, (stock.x0, stock.x1), cutters)
+    except BeamcamError as reason:
+        raise Unreadable(str(reason.diagnostics[0])) from reason
+    plain = [_plane(end, loop, section) for end, loop in
+             zip(ends, (outside.near, outside.far), strict=True)]  # fmt: skip
+    drawn = None in plain
+    off = _inside_off(outside, inside, section, drawn)
+    square = [MemberEnd(side, 0.0, 0.0, float(pick(loop[:, 0]))) for side, pick, loop in
+              ((-1, np.min, outside.near), (1, np.max, outside.far))]  # fmt: skip
+    planes = [known or other for known, other in zip(plain, square, strict=True)]
+    span = [side * end.reach if known else one.c for side, end, known, one in
+            zip((-1, 1), ends, plain, square, strict=True)]  # fmt: skip
+    radius = section.height / 2
+    contours = [
+        contour("v", "inner", points_chain([(x, u) for x, u in ring.tolist()]), source)
+        for ring in (one[::-1] * (1.0, radius) for one in outside.windows)
+    ]
+    if drawn:
+        contours += [
+            contour("v", "outer", points_chain([*orient(piece).exterior.coords][:-1]), source)
+            for piece in pieces_of(replace(outside, windows=()).steel(radius))
+        ]
+    there = outside.steel(radius, (-1, 0, 1))
+    holes = [h for h in holes if there.distance(shapely.Point(h.x, h.y)) < h.diameter / 2]
+    n = _facets(radius)
+    volume = float(solid.volume()) * (2 * pi / n) / sin(2 * pi / n) - hole_volume(section, holes)
+    found = sawn(section, (planes[0], planes[1]), (span[0], span[1]), [*contours, *holes], source,
+                 gross, volume)  # fmt: skip
+    said: tuple[Diagnostic, ...] = ()
+    if max(off) >= LEAST_OFF:
+        stays, takes = (f"{one:.2f}" for one in off)
+        said = (rules.SQUARE_CUT.at(source, stays=stays, takes=takes),)
+    return replace(found, cutters=cutters, diagnostics=said)
+
+
+def _beyond(end: MemberEnd) -> HalfSpace:
+    """All beyond the plane of an end."""
+    normal = end.side * 1.0, -end.side * end.a, -end.side * end.b
+    return HalfSpace((end.c, 0.0, 0.0), unit(normal))
+
+
+def _plane(end: Trim, loop: Floats, section: Section) -> MemberEnd | None:
+    """The one plane that an end lies in."""
+    if end.sole is None:
+        return None
+    radius, turned = section.height / 2, loop[:, 1]
+    x = end.sole.x(radius * (1 - np.cos(turned)), radius * (1 + np.sin(turned)))
+    return end.sole if np.abs(loop[:, 0] - x).max() < ON_PLANE else None
+
+
+# --- the solid ------------------------------------------------------------------------------------
+
+
+def _facets(radius: float, sagitta: float = SAGITTA) -> int:
+    """Facets round a tube.
+
+    Their corners lie on it; between them a border is off by sagitta / tan(a) at most, where the cut
+    meets the surface at an angle a. What goes straight through a wall t does so at cos(a) = 1 - t/R
+    at least: 0.003 mm off for a wall of R / 20.
+    """
+    return 4 * ceil(pi / acos(1 - sagitta / radius) / 4)
+
+
+def _bar(radius: float, axis: float, facets: int, low: float, high: float) -> "Manifold":
+    turns = 2 * pi * np.arange(facets) / facets
+    ring = np.column_stack((axis - radius * np.cos(turns), axis + radius * np.sin(turns)))
+    return prism(Polygon(ring), low, high, ALONG)
+
+
+def cutter_solid(cutter: Cutter, margin: float = 0.0, chord: float = 0.0) -> "Manifold":
+    """A cutter as a solid, larger by a margin; one by its faces is as large as it is.
+
+    Its round sides are as near as the polygons of a region are, or less by a chord. Raises
+    Unreadable where faces close none.
+    """
+    match cutter:
+        case HalfSpace():
+            (x, y, z), (a, b, c) = cutter.point, cutter.normal
+            world = kernel().Manifold.cube((2 * FAR, 2 * FAR, 2 * FAR), True)
+            return world.trim_by_plane((a, b, c), a * x + b * y + c * z - margin)
+        case Prism():
+            f = cutter.frame
+            wide = size(f.x)
+            shape = polygon_of(cutter.outline.outer, cutter.outline.inner, Circles())
+            shape = shape.simplify(chord / wide)
+            if margin:
+                shape = shape.buffer(margin / wide, join_style="mitre")
+            rows = zip(f.x, f.y, f.z, f.o, strict=True)
+            by = margin / size(f.z)
+            return prism(shape, -by, 1.0 + by, tuple(rows))  # type: ignore[arg-type]
+        case Combined():
+            first = cutter_solid(cutter.first, margin, chord)
+            for one in cutter.others:
+                other = cutter_solid(one, -margin if cutter.less else margin, chord)
+                first = first - other if cutter.less else first ^ other
+            return first
+    solid = solid_of(cutter)
+    if solid is None:
+        raise Unreadable("a cut by faces that close no solid", rules.ODD_CUT, final=True)
+    return solid
+
+
+def _less(body: "Manifold", cutters: Sequence[Cutter], axis: float, chord: float) -> "Manifold":
+    """A tube less its cutters.
+
+    The kernel looks for facets that meet by their boxes, which are small only of facets that run
+    along a plane of two axes. So round cutters are taken off as they lie across.
+    """
+    for one in cutters:
+        turn = 0.0
+        if isinstance(one, Prism):
+            turn = degrees(atan2(one.frame.z[2], one.frame.z[1]))
+        to, back = (0.0, -axis, -axis), (0.0, axis, axis)
+        body, taken = (
+            solid.translate(to).rotate((-turn, 0.0, 0.0))
+            for solid in (body, cutter_solid(one, chord=chord))
+        )
+        body = (body - taken).rotate((turn, 0.0, 0.0)).translate(back)
+    return body
+
+
+def _left(
+    section: Section, span: tuple[float, float], cutters: Sequence[Cutter]
+) -> "tuple[Manifold, Surface, Surface]":
+    """What cutters leave of a tube, and the steel of its outside and inside."""
+    radius, n = section.height / 2, _facets(section.height / 2)
+    radii = radius, radius - section.web_thickness
+    bars = [
+        _bar(one, radius, n, span[0] - over, span[1] + over).as_original()
+        for one, over in zip(radii, (1.0, 2.0), strict=True)
+    ]
+    solid = _less(bars[0] - bars[1], cutters, radius, 0.0)
+    mesh = solid.to_mesh64()
+    ids = np.repeat(mesh.run_original_id, np.diff(mesh.run_index) // 3)
+    places = mesh.vert_properties[:, :3]
+    rows = np.column_stack((places[:, 0], np.arctan2(places[:, 2] - radius, radius - places[:, 1])))
+    outside, inside = (
+        _surface(rows, mesh.tri_verts[ids == bar.original_id()][:, ::way], one)
+        for bar, way, one in zip(bars, (1, -1), radii, strict=True)
+    )
+    return solid, outside, inside
+
+
+def _surface(rows: Floats, facets: Any, radius: float) -> Surface:
+    """The borders of the steel of a surface by the corners of its facets, steel on their left."""
+    ends: list[Floats] = []
+    windows = []
+    for corners in _loops(facets):
+        loop = rows[[*corners, corners[0]]].copy()
+        loop[:, 1] = np.unwrap(loop[:, 1])
+        if abs(loop[-1, 1] - loop[0, 1]) > pi:
+            loop = _from_seam(loop if loop[-1, 1] > loop[0, 1] else loop[::-1])
+            ends.append(_simple(loop, radius))
+            continue
+        x, u = (loop - loop[0]).T
+        twice = float((x[:-1] * u[1:] - x[1:] * u[:-1]).sum()) * radius
+        if twice > 2 * TINY:
+            raise Unreadable("cuts that leave pieces", rules.ODD_CUT, final=True)
+        if twice < -2 * TINY:
+            middle = (loop[:, 1].min() + loop[:, 1].max()) / 2
+            loop = loop[:-1] - (0.0, 2 * pi * np.floor(middle / (2 * pi)))
+            # from a place that no side runs through
+            far = np.hypot(*((loop - loop.mean(axis=0)) * (1.0, radius)).T).argmax()
+            loop = np.roll(loop, -int(far), axis=0)
+            windows.append(_simple(np.concatenate((loop, loop[:1])), radius)[:-1])
+    if len(ends) != 2:
+        found = "pieces" if ends else "the tube open from end to end"
+        raise Unreadable(f"cuts that leave {found}", rules.ODD_CUT, final=True)
+    near, far_end = sorted(ends, key=lambda loop: float(loop[:, 0].mean()))
+    return Surface(near, far_end, tuple(windows))
+
+
+def _simple(line: Floats, radius: float) -> Floats:
+    """A line on a surface with as few places as its chord allows, its ends where they are."""
+    drawn = shapely.LineString(line * (1.0, radius)).simplify(CHORD)
+    return shapely.get_coordinates(drawn) / (1.0, radius)
+
+
+def _loops(facets: Any) -> Iterator[list[int]]:
+    """The borders of triangles as rings of corners."""
+    sides = np.concatenate([facets[:, [k, (k + 1) % 3]] for k in range(3)]).tolist()
+    there = {(a, b) for a, b in sides}
+    following: dict[int, list[int]] = {}
+    for a, b in sides:
+        if (b, a) not in there:
+            following.setdefault(a, []).append(b)
+    while following:
+        first = place = next(iter(following))
+        ring = []
+        while place != first or not ring:
+            ring.append(place)
+            *rest, after = following.pop(place)
+            if rest:
+                following[place] = rest
+            place = after
+        yield ring
+
+
+def _from_seam(loop: Floats) -> Floats:
+    """A border that goes once round, from the seam on."""
+    loop = loop[:-1].copy()
+    first = int(np.abs(np.remainder(loop[:, 1] + pi, 2 * pi) - pi).argmin())
+    loop = np.concatenate((loop[first:], loop[: first + 1] + (0.0, 2 * pi)))
+    loop[:, 1] -= loop[0, 1]
+    return loop
+
+
+# --- outside and inside ---------------------------------------------------------------------------
+
+
+def _inside_off(
+    outside: Surface, inside: Surface, section: Section, ends: bool
+) -> tuple[float, float]:
+    """mm that stay inside of a wall cut square to its outside, and that go there, at most.
+
+    Raises Unreadable for what does not go through the wall.
+    """
+    radius, wall = section.height / 2, section.web_thickness
+    inner = radius - wall
+    turn, longest = 2 * pi * inner, max(sqrt(radius**2 - inner**2), STEEPEST * wall)
+    pairs = outside.open(inner, (-1, 0, 1)), inside.open(inner, (-1, 0, 1))
+    for these, those, what in (
+        (outside, pairs[1], "a cut that does not go through the wall"),
+        (inside, pairs[0], "a cut into the wall from inside"),
+    ):
+        for one in these.windows:
+            met = [p for p in pieces_of(those) if p.intersects(Polygon(one * (1.0, inner)).buffer(0))]
+            if len(met) != 1:
+                found = "a cut-out that is one outside and several inside" if met else what
+                raise Unreadable(found, rules.ODD_CUT, final=True)
+    steel = [one.steel(inner, (-1, 0, 1), ends) for one in (outside, inside)]
+    low, high = outside.near[:, 0].min(), outside.far[:, 0].max()
+    strip = shapely.box(low, -turn, high, 2 * turn)
+    gone = [strip.difference(one) for one in steel]
+    once = shapely.box(low - FAR, 0.0, high + FAR, turn)
+    shapely.prepare([*steel, *gone])
+    off = []
+    for k, what in ((0, "a cut into the wall from inside"),
+                    (1, "a cut that does not go through the wall")):  # fmt: skip
+        wedge = steel[k].difference(steel[1 - k]).intersection(once)
+        wedge = wedge.buffer(-NOISE / 2).buffer(NOISE / 2)
+        places = shapely.points(shapely.get_coordinates(wedge))
+        if len(places) and not shapely.distance(places, gone[k]).max() < longest:
+            raise Unreadable(what, rules.ODD_CUT, final=True)
+        away = steel[0] if k else gone[0]
+        off.append(float(shapely.distance(places, away).max(initial=0.0)))
+    return off[0], off[1]
+
+
+# --- the part beside the body ---------------------------------------------------------------------
+
+
+def solid_less(part: Part, shaped: Shaped, margins: Margins) -> "Manifold":
+    """The solid of a tube whose contours are cut as its cutters lie."""
+    kept = tuple(f for f in part.features if not isinstance(f, Contour))
+    solids = [cutter_solid(one, margins.outline, NEARLY) for one in shaped.cutters]
+    place = -shaped.x0, 0.0, 0.0
+    return minus(part_solid(replace(part, features=kept), margins),
+                 [one.translate(place) for one in solids])  # fmt: skip
+
+
+def beside_contours(part: Part, shaped: Shaped) -> "Iterator[tuple[bool, Manifold, float]]":
+    """What of the outside lies beside the part's contours: whether it is more steel than these
+    leave, a piece of the skin, and the mm3 of wall below it."""
+    p = part.profile
+    radius, n = p.height / 2, _facets(p.height / 2, COARSE)
+    wall = p.web_thickness or p.flange_thickness
+    outer, inner = (
+        _bar(radius - deep, radius, n, -over, part.length + over)
+        for deep, over in ((0.0, 1.0), (SKIN, 2.0))
+    )
+    skin = outer - inner
+    left = _less(skin.translate((shaped.x0, 0.0, 0.0)), shaped.cutters, radius, COARSE)
+    left = left.translate((-shaped.x0, 0.0, 0.0))
+    least, most = (
+        _skin_of(part, skin, Margins(end=by, outline=by)) for by in (SAME, -SAME)
+    )
+    for more, rest in ((True, left - most), (False, least - left)):
+        for one in rest.decompose():
+            area = float(one.volume()) / SKIN
+            if area > LEAST_AREA:
+                yield more, one, area * wall
+
+
+def _skin_of(part: Part, skin: "Manifold", margins: Margins) -> "Manifold":
+    """What a part's ends and contours leave of its skin."""
+    for point, normal in end_planes(part, margins):
+        skin = behind(skin, point, normal)
+    for one in part.features:
+        if isinstance(one, EndPlane):
+            x, y, z = one.point
+            side = 1.0 if one.normal[0] > 0.0 else -1.0
+            skin = behind(skin, (x - side * margins.end, y, z), one.normal)
+    bodies = [body for one in part.contours for body in round_cutters(one, part, margins)]
+    return minus(skin, bodies)
