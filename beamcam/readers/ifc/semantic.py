@@ -35,7 +35,7 @@ from beamcam.readers.ifc.region import Circles, Shape, polygon_of
 from beamcam.readers.ifc.section import Wall, corner_points, walls_of
 from beamcam.readers.ifc.space import Frame, add, dot, scale, sub
 from beamcam.readers.ifc.stock import Stock, stock_of
-from beamcam.readers.ifc.unrolled import cut_tube
+from beamcam.readers.ifc.unrolled import NearSeam, cut_tube, turned
 
 # --- trimming -------------------------------------------------------------------------------------
 # Which cutters are saw cuts: those that take all of an end.
@@ -95,7 +95,12 @@ def read_swept(model: Model, element: Entity, body: Body, source: Source) -> Sha
     assert isinstance(body.base, Swept)
     stock = stock_of(model, element, body.base)
     cutters = body.cutters(model, stock.frame.inverse())
-    return in_place(cut(stock, cutters, source), stock.frame)
+    try:
+        return in_place(cut(stock, cutters, source), stock.frame)
+    except NearSeam as other:
+        stock = turned(stock, other.at_rad)
+        cutters = body.cutters(model, stock.frame.inverse())
+        return in_place(cut(stock, cutters, source), stock.frame)
 
 
 def in_place(shaped: Shaped, frame: Frame) -> Shaped:

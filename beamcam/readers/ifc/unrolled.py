@@ -8,7 +8,8 @@ r"""Round tubes with slots, windows, saddles and copes: contours on the unrolled
 """
 
 from collections.abc import Iterator, Sequence
-from math import acos, atan2, ceil, degrees, pi, sin, sqrt
+from itertools import pairwise
+from math import acos, atan2, ceil, cos, degrees, pi, sin, sqrt
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -30,7 +31,7 @@ from beamcam.readers.ifc.finish import Shaped, contour, hole_volume, sawn
 from beamcam.readers.ifc.region import Circles, Shape, pieces_of, polygon_of
 from beamcam.readers.ifc.section import Section
 from beamcam.readers.ifc.solid_body import solid_of
-from beamcam.readers.ifc.space import size, unit
+from beamcam.readers.ifc.space import Frame, add, scale, size, sub, unit
 from beamcam.readers.ifc.stock import Stock
 from beamcam.solid.kernel import behind, kernel, minus, prism
 from beamcam.solid.part_solid import part_solid
@@ -41,18 +42,29 @@ if TYPE_CHECKING:
     from manifold3d import Manifold
 
 SAGITTA = 1e-3  #: mm between the tube and its facets
-COARSE = 5e-3  #: mm likewise, where a contour is no more than looked at
-CHORD = 5e-3  #: mm between a border of the solid and its contour
+COARSE = 1e-2  #: mm likewise, where a contour is no more than looked at
+CHORD = 8e-3  #: mm between a border of the solid and its contour
 LEAST_OFF = 0.05  #: mm that the inside of a cut is off and say nothing
 STEEPEST = 6.0  #: thicknesses of its wall that a cut goes on inside, at most: 80 degrees
 NOISE = 0.02  #: mm; what is thinner is none of a wedge
 TINY = 0.01  #: mm2 of a border round nothing
 NEARLY = 0.02  #: mm between a cutter and its facets, where it has a larger margin
 FAR = 1e6  #: mm beyond any member
+ALONG_SEAM = 0.02  #: slope of a side that may mean the seam
+BESIDE_SEAM = 3.0  #: mm off it at which it may
+ON_SEAM = 1e-6  #: mm
 ON_PLANE = 0.01  #: mm that an end lies off its plane
 SKIN = 0.02  #: mm deep that the outside is looked at
-SAME = 0.05  #: mm that it may lie beside its contours
+SAME = 0.08  #: mm that it may lie beside its contours
 LEAST_AREA = 1.0  #: mm2 of the outside that differ
+
+
+class NearSeam(Exception):
+    """Sides of an outline beside the seam, which all that take it put there: they mean it."""
+
+    def __init__(self, at_rad: float) -> None:
+        super().__init__()
+        self.at_rad = at_rad  #: where the seam is away from all of them
 
 
 class Surface(Struct, frozen=True):
@@ -115,6 +127,7 @@ def cut_tube(
             contour("v", "outer", points_chain([*orient(piece).exterior.coords][:-1]), source)
             for piece in pieces_of(replace(outside, windows=()).steel(radius))
         ]
+        _look_at_seam(contours, radius)
     there = outside.steel(radius, (-1, 0, 1))
     holes = [h for h in holes if there.distance(shapely.Point(h.x, h.y)) < h.diameter / 2]
     n = _facets(radius)
@@ -126,6 +139,34 @@ def cut_tube(
         stays, takes = (f"{one:.2f}" for one in off)
         said = (rules.SQUARE_CUT.at(source, stays=stays, takes=takes),)
     return replace(found, cutters=cutters, diagnostics=said)
+
+
+def _look_at_seam(contours: Sequence[Contour], radius: float) -> None:
+    """Raise NearSeam where a side of an outline runs beside the seam, and not on it."""
+    turn = 2 * pi * radius
+    sides = [side for one in contours if one.kind == "outer" for side in one.curves]
+    along = [
+        side for side in sides
+        if abs(side.end[1] - side.start[1]) < ALONG_SEAM * abs(side.end[0] - side.start[0])
+    ]  # fmt: skip
+    us = sorted({end[1] % turn for side in along for end in (side.start, side.end)
+                 if ON_SEAM < end[1] < turn - ON_SEAM})  # fmt: skip
+    if us and min(us[0], turn - us[-1]) < BESIDE_SEAM:
+        gap, low = max((b - a, a) for a, b in pairwise([*us, us[0] + turn]))
+        raise NearSeam((low + gap / 2) / radius)
+
+
+def turned(stock: Stock, at_rad: float) -> Stock:
+    """The stock of a tube with its seam elsewhere: it has no side that would be its lowest."""
+    c, s, r, of, f = cos(at_rad), sin(at_rad), stock.section.height / 2, stock.section, stock.frame
+    (yx, yy), (zx, zy), (ox, oy) = of.y, of.z, of.origin
+    y, z = (c * yx - s * zx, c * yy - s * zy), (s * yx + c * zx, s * yy + c * zy)
+    origin = (ox + r * (yx + zx - y[0] - z[0]), oy + r * (yy + zy - y[1] - z[1]))
+    fy = sub(scale(f.y, c), scale(f.z, s))
+    fz = add(scale(f.y, s), scale(f.z, c))
+    o = add(f.o, scale(sub(add(f.y, f.z), add(fy, fz)), r))
+    section = replace(of, origin=origin, y=y, z=z)
+    return replace(stock, section=section, frame=Frame(o, f.x, fy, fz))
 
 
 def _beyond(end: MemberEnd) -> HalfSpace:
@@ -239,7 +280,7 @@ def _left(
 def _surface(rows: Floats, facets: Any, radius: float) -> Surface:
     """The borders of the steel of a surface by the corners of its facets, steel on their left."""
     ends: list[Floats] = []
-    windows = []
+    windows, pieces = list[Floats](), 0
     for corners in _loops(facets):
         loop = rows[[*corners, corners[0]]].copy()
         loop[:, 1] = np.unwrap(loop[:, 1])
@@ -249,8 +290,7 @@ def _surface(rows: Floats, facets: Any, radius: float) -> Surface:
             continue
         x, u = (loop - loop[0]).T
         twice = float((x[:-1] * u[1:] - x[1:] * u[:-1]).sum()) * radius
-        if twice > 2 * TINY:
-            raise Unreadable("cuts that leave pieces", rules.ODD_CUT, final=True)
+        pieces += twice > 2 * TINY
         if twice < -2 * TINY:
             middle = (loop[:, 1].min() + loop[:, 1].max()) / 2
             loop = loop[:-1] - (0.0, 2 * pi * np.floor(middle / (2 * pi)))
@@ -258,7 +298,7 @@ def _surface(rows: Floats, facets: Any, radius: float) -> Surface:
             far = np.hypot(*((loop - loop.mean(axis=0)) * (1.0, radius)).T).argmax()
             loop = np.roll(loop, -int(far), axis=0)
             windows.append(_simple(np.concatenate((loop, loop[:1])), radius)[:-1])
-    if len(ends) != 2:
+    if not ends or pieces or len(ends) > 2:
         found = "pieces" if ends else "the tube open from end to end"
         raise Unreadable(f"cuts that leave {found}", rules.ODD_CUT, final=True)
     near, far_end = sorted(ends, key=lambda loop: float(loop[:, 0].mean()))
