@@ -76,6 +76,7 @@ CHORD = 0.0002  #: m between a curve and its facets
 ANGLE = 0.25  #: rad between two facets, 26 on a circle; every vertex lies on the curve
 FINE_CHORD = 0.0001  #: m, of solids that parts are held against
 FINE = {"mesher-linear-deflection": FINE_CHORD}  #: closer facets than a reading needs
+FINEST = {**FINE, "mesher-angular-deflection": ANGLE / 3}
 #: Likewise, before anything was cut off.
 STOCK = {**FINE, "disable-boolean-result": True, "disable-opening-subtractions": True}
 #: Names of a solid's mesh, since ifcopenshell 0.9 and before.
@@ -96,9 +97,13 @@ class Built(Struct, frozen=True):
     others: tuple[str, ...] = ()  #: what is said of curved faces that only facets stand for
 
 
-def build(model: Model, element: Entity) -> Built:
-    """The kernel's solid of an element, closer than a reading needs it. Raises Unreadable."""
-    return built(model, element, FINE)
+def build(model: Model, element: Entity, is_tube: bool = False) -> Built:
+    """The kernel's solid of an element, closer than a reading needs it. Raises Unreadable.
+
+    Of a tube with cuts the kernel takes wider facets than it is asked for, so that it is asked for
+    narrow ones.
+    """
+    return built(model, element, FINEST if is_tube else FINE)
 
 
 def build_stock(model: Model, element: Entity) -> Built:

@@ -146,8 +146,9 @@ def cut(stock: Stock, cutters: Sequence[Cutter], source: Source) -> Shaped:
         cutters = [cutter for cutter, _ in general]
         return cut_tube(stock, (start, end), cutters, holes, source)
     if not walls:
-        rule = rules.SOLID_CUT if section.code == "RU" else rules.SPECIAL_CUT
-        raise Unreadable("cuts other than saw cuts and holes", rule)
+        if section.code == "RU":
+            raise Unreadable("a flat, a notch or a slot", rules.SOLID_CUT)
+        raise Unreadable("other cuts than saw cuts", rules.SPECIAL_CUT)
     circles = Circles()
     regions = _left_of_walls(stock, (*starts, *ends), general, circles)
     planes = [*start.planes, *end.planes, *_sides(stock.outline)]
