@@ -68,7 +68,9 @@ def alone(one: Recipe) -> tuple[str, ...]:
     return row
 
 
-RECIPES = st.tuples(st.sampled_from([*INSIDE, *INSIDE, *TUBES, "copes", "drilled"]), st.integers(0, 3))
+RECIPES = st.tuples(
+    st.sampled_from([*INSIDE, *INSIDE, *TUBES, "copes", "drilled"]), st.integers(0, 3)
+)
 
 
 @settings(max_examples=examples(12), deadline=None)

@@ -4,13 +4,14 @@ Points of the outside are held against the cutters' own formulas, which know of 
 """
 
 from collections.abc import Sequence
-from math import cos, pi, radians, sin
+from math import cos, pi, sin
 from random import Random
 
 import numpy as np
 import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from shapely import affinity
 
 from beamcam.errors import Severity, Source
 from beamcam.geometry.array_types import Floats
@@ -104,7 +105,7 @@ def steel_of(shaped: Shaped) -> shapely.Geometry:
               for kind in ("outer", "inner")}  # fmt: skip
     whole = shapely.union_all(shapes["outer"] or [shapely.box(-9.0, 0.0, FAR, turn)])
     several = [
-        shapely.union_all([shapely.transform(one, lambda p, k=k: p + (0.0, k * turn))
+        shapely.union_all([affinity.translate(one, 0.0, k * turn)
                            for one in of for k in range(-2, 4)])
         for of in ([whole], shapes["inner"])
     ]  # fmt: skip
@@ -126,7 +127,10 @@ def some_cuts(random: Random, bar: Bar) -> list[Cutter]:
                     (0.0, random.choice((0.0, random.uniform(-0.1, 0.1)))))
             )  # fmt: skip
         if kind == "saddle":
-            lean, wide = random.choice((0.0, random.uniform(-0.7, 0.7))), random.uniform(1.05, 3) * d
+            lean, wide = (
+                random.choice((0.0, random.uniform(-0.7, 0.7))),
+                random.uniform(1.05, 3) * d,
+            )
             beside = random.choice((0.0, random.uniform(-0.1, 0.1))) * d
             middle = at + way * (wide / 2 - random.uniform(0.3, 0.45) * wide)
             cutters.append(

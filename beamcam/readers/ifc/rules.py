@@ -47,7 +47,7 @@ SECTION = error("ifc-section",
     "found {found}; expected a rolled section, a tube or a plate",
     "A casting, a welded group or a coarse mesh has no section that a bar of stock could have.")
 ODD_CUT = error("ifc-odd-cut",
-    "found {found}; expected a round tube with saw cuts, and cuts and holes that go through its wall",
+    "found {found}; expected a round tube with saw cuts, holes and cuts that go through its wall",
     "The unrolled outside of a tube says where its wall is cut, from outside to inside. What ends "
     "within the wall is milled: model it as a part of its own, or make it manually.")
 SOLID_CUT = error("ifc-solid-cut",
@@ -55,8 +55,8 @@ SOLID_CUT = error("ifc-solid-cut",
     "wall that a torch could cut through, and no unrolled contour says how deep a flat lies in it",
     "Flats, notches and slots of a solid bar are milled. Make them manually from the model.")
 SPECIAL_CUT = error("ifc-special-cut",
-    "found {found} in a special section; expected saw cuts: it has no face that a contour or a hole "
-    "could lie on",
+    "found {found} in a special section; expected saw cuts: it has no face that a contour or a "
+    "hole could lie on",
     "DSTV has faces for rolled sections and tubes only. Make such cuts manually from the model.")
 SQUARE_CUT = warning("ifc-square-cut",
     "found a wall that is not cut square to its outside in the model; cut square along the contour "

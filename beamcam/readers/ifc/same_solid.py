@@ -30,7 +30,7 @@ from beamcam.readers.ifc.section import BareStock, Section, Wall, walls_of
 from beamcam.readers.ifc.shell import Shell
 from beamcam.readers.ifc.solid_body import by_stations, section_area, solid_of
 from beamcam.readers.ifc.space import cross, dot
-from beamcam.readers.ifc.unrolled import beside_contours, solid_less
+from beamcam.readers.ifc.tube_solid import beside_contours, solid_less
 from beamcam.solid.cutters import slot_corners
 from beamcam.solid.kernel import FREE, kernel, prism, walls
 from beamcam.solid.part_solid import part_solid

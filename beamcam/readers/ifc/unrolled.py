@@ -1,15 +1,15 @@
 r"""Round tubes with slots, windows, saddles and copes: contours on the unrolled outside, face v.
 
-       outside                 The tube is a solid of fine facets, and less its cutters it leaves the
-    ____     ____              steel of both surfaces. Their borders are unrolled: x along the tube,
-        \   /      wall        u its arc from the lowest line towards v. The outside is what DSTV
-    _____\ /_____              draws and a torch follows, square to the surface. How far the inside
-       inside                  lies beside it is told, and a cut that does not come out is refused.
+   outside              The tube is a solid of fine facets, and less its cutters it leaves the
+____     ____           steel of both surfaces. Their borders are unrolled: x along the tube, u
+    \   /     wall      its arc from the lowest line towards v. The outside is what DSTV draws
+_____\ /____            and a torch follows, square to the surface. How far the inside lies
+   inside               beside it is told, and a cut that does not come out is refused.
 """
 
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
-from math import acos, atan2, ceil, cos, degrees, pi, sin, sqrt
+from math import cos, pi, sin, sqrt
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -21,42 +21,32 @@ from shapely.geometry.polygon import orient
 
 from beamcam.errors import BeamcamError, Diagnostic, Source
 from beamcam.geometry.array_types import Floats
-from beamcam.model.part import Contour, EndPlane, Hole, Part, Slot
+from beamcam.model.part import Contour, Hole, Slot
 from beamcam.readers.ifc import rules
 from beamcam.readers.ifc.curves2d import points_chain
-from beamcam.readers.ifc.cutters import Combined, Cutter, HalfSpace, Prism
+from beamcam.readers.ifc.cutters import Cutter, HalfSpace
 from beamcam.readers.ifc.ends import MemberEnd, Trim
 from beamcam.readers.ifc.entities import Unreadable
 from beamcam.readers.ifc.finish import Shaped, contour, hole_volume, sawn
-from beamcam.readers.ifc.region import Circles, Shape, pieces_of, polygon_of
+from beamcam.readers.ifc.region import Shape, pieces_of
 from beamcam.readers.ifc.section import Section
-from beamcam.readers.ifc.solid_body import solid_of
-from beamcam.readers.ifc.space import Frame, add, scale, size, sub, unit
+from beamcam.readers.ifc.space import Frame, add, scale, sub, unit
 from beamcam.readers.ifc.stock import Stock
-from beamcam.solid.kernel import behind, kernel, minus, prism
-from beamcam.solid.part_solid import part_solid
-from beamcam.solid.stock_solid import ALONG, Margins, end_planes
-from beamcam.solid.wrapped import round_cutters
+from beamcam.readers.ifc.tube_solid import facets_of, less, round_bar
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
 
-SAGITTA = 1e-3  #: mm between the tube and its facets
-COARSE = 1e-2  #: mm likewise, where a contour is no more than looked at
 CHORD = 8e-3  #: mm between a border of the solid and its contour
 LEAST_OFF = 0.05  #: mm that the inside of a cut is off and say nothing
 STEEPEST = 6.0  #: thicknesses of its wall that a cut goes on inside, at most: 80 degrees
 NOISE = 0.02  #: mm; what is thinner is none of a wedge
 TINY = 0.01  #: mm2 of a border round nothing
-NEARLY = 0.02  #: mm between a cutter and its facets, where it has a larger margin
 FAR = 1e6  #: mm beyond any member
 ALONG_SEAM = 0.02  #: slope of a side that may mean the seam
 BESIDE_SEAM = 3.0  #: mm off it at which it may
 ON_SEAM = 1e-6  #: mm
 ON_PLANE = 0.01  #: mm that an end lies off its plane
-SKIN = 0.02  #: mm deep that the outside is looked at
-SAME = 0.08  #: mm that it may lie beside its contours
-LEAST_AREA = 1.0  #: mm2 of the outside that differ
 
 
 class NearSeam(Exception):
@@ -130,7 +120,7 @@ def cut_tube(
         _look_at_seam(contours, radius)
     there = outside.steel(radius, (-1, 0, 1))
     holes = [h for h in holes if there.distance(shapely.Point(h.x, h.y)) < h.diameter / 2]
-    n = _facets(radius)
+    n = facets_of(radius)
     volume = float(solid.volume()) * (2 * pi / n) / sin(2 * pi / n) - hole_volume(section, holes)
     found = sawn(section, (planes[0], planes[1]), (span[0], span[1]), [*contours, *holes], source,
                  gross, volume)  # fmt: skip
@@ -153,6 +143,8 @@ def _look_at_seam(contours: Sequence[Contour], radius: float) -> None:
                  if ON_SEAM < end[1] < turn - ON_SEAM})  # fmt: skip
     if us and min(us[0], turn - us[-1]) < BESIDE_SEAM:
         gap, low = max((b - a, a) for a, b in pairwise([*us, us[0] + turn]))
+        if gap < 2.1 * BESIDE_SEAM:
+            raise Unreadable("cuts that leave no place for a seam", rules.ODD_CUT, final=True)
         raise NearSeam((low + gap / 2) / radius)
 
 
@@ -179,93 +171,25 @@ def _plane(end: Trim, loop: Floats, section: Section) -> MemberEnd | None:
     """The one plane that an end lies in."""
     if end.sole is None:
         return None
-    radius, turned = section.height / 2, loop[:, 1]
-    x = end.sole.x(radius * (1 - np.cos(turned)), radius * (1 + np.sin(turned)))
-    return end.sole if np.abs(loop[:, 0] - x).max() < ON_PLANE else None
+    radius, turned, sole = section.height / 2, loop[:, 1], end.sole
+    x = sole.a * radius * (1 - np.cos(turned)) + sole.b * radius * (1 + np.sin(turned)) + sole.c
+    return sole if np.abs(loop[:, 0] - x).max() < ON_PLANE else None
 
 
-# --- the solid ------------------------------------------------------------------------------------
-
-
-def _facets(radius: float, sagitta: float = SAGITTA) -> int:
-    """Facets round a tube.
-
-    Their corners lie on it; between them a border is off by sagitta / tan(a) at most, where the cut
-    meets the surface at an angle a. What goes straight through a wall t does so at cos(a) = 1 - t/R
-    at least: 0.003 mm off for a wall of R / 20.
-    """
-    return 4 * ceil(pi / acos(1 - sagitta / radius) / 4)
-
-
-def _bar(radius: float, axis: float, facets: int, low: float, high: float) -> "Manifold":
-    turns = 2 * pi * np.arange(facets) / facets
-    ring = np.column_stack((axis - radius * np.cos(turns), axis + radius * np.sin(turns)))
-    return prism(Polygon(ring), low, high, ALONG)
-
-
-def cutter_solid(cutter: Cutter, margin: float = 0.0, chord: float = 0.0) -> "Manifold":
-    """A cutter as a solid, larger by a margin; one by its faces is as large as it is.
-
-    Its round sides are as near as the polygons of a region are, or less by a chord. Raises
-    Unreadable where faces close none.
-    """
-    match cutter:
-        case HalfSpace():
-            (x, y, z), (a, b, c) = cutter.point, cutter.normal
-            world = kernel().Manifold.cube((2 * FAR, 2 * FAR, 2 * FAR), True)
-            return world.trim_by_plane((a, b, c), a * x + b * y + c * z - margin)
-        case Prism():
-            f = cutter.frame
-            wide = size(f.x)
-            shape = polygon_of(cutter.outline.outer, cutter.outline.inner, Circles())
-            shape = shape.simplify(chord / wide)
-            if margin:
-                shape = shape.buffer(margin / wide, join_style="mitre")
-            rows = zip(f.x, f.y, f.z, f.o, strict=True)
-            by = margin / size(f.z)
-            return prism(shape, -by, 1.0 + by, tuple(rows))  # type: ignore[arg-type]
-        case Combined():
-            first = cutter_solid(cutter.first, margin, chord)
-            for one in cutter.others:
-                other = cutter_solid(one, -margin if cutter.less else margin, chord)
-                first = first - other if cutter.less else first ^ other
-            return first
-    solid = solid_of(cutter)
-    if solid is None:
-        raise Unreadable("a cut by faces that close no solid", rules.ODD_CUT, final=True)
-    return solid
-
-
-def _less(body: "Manifold", cutters: Sequence[Cutter], axis: float, chord: float) -> "Manifold":
-    """A tube less its cutters.
-
-    The kernel looks for facets that meet by their boxes, which are small only of facets that run
-    along a plane of two axes. So round cutters are taken off as they lie across.
-    """
-    for one in cutters:
-        turn = 0.0
-        if isinstance(one, Prism):
-            turn = degrees(atan2(one.frame.z[2], one.frame.z[1]))
-        to, back = (0.0, -axis, -axis), (0.0, axis, axis)
-        body, taken = (
-            solid.translate(to).rotate((-turn, 0.0, 0.0))
-            for solid in (body, cutter_solid(one, chord=chord))
-        )
-        body = (body - taken).rotate((turn, 0.0, 0.0)).translate(back)
-    return body
+# --- borders --------------------------------------------------------------------------------------
 
 
 def _left(
     section: Section, span: tuple[float, float], cutters: Sequence[Cutter]
 ) -> "tuple[Manifold, Surface, Surface]":
     """What cutters leave of a tube, and the steel of its outside and inside."""
-    radius, n = section.height / 2, _facets(section.height / 2)
+    radius, n = section.height / 2, facets_of(section.height / 2)
     radii = radius, radius - section.web_thickness
     bars = [
-        _bar(one, radius, n, span[0] - over, span[1] + over).as_original()
+        round_bar(one, radius, n, span[0] - over, span[1] + over).as_original()
         for one, over in zip(radii, (1.0, 2.0), strict=True)
     ]
-    solid = _less(bars[0] - bars[1], cutters, radius, 0.0)
+    solid = less(bars[0] - bars[1], cutters, radius, 0.0)
     mesh = solid.to_mesh64()
     ids = np.repeat(mesh.run_original_id, np.diff(mesh.run_index) // 3)
     places = mesh.vert_properties[:, :3]
@@ -308,7 +232,8 @@ def _surface(rows: Floats, facets: Any, radius: float) -> Surface:
 def _simple(line: Floats, radius: float) -> Floats:
     """A line on a surface with as few places as its chord allows, its ends where they are."""
     drawn = shapely.LineString(line * (1.0, radius)).simplify(CHORD)
-    return shapely.get_coordinates(drawn) / (1.0, radius)
+    found: Floats = shapely.get_coordinates(drawn) / (1.0, radius)
+    return found
 
 
 def _loops(facets: Any) -> Iterator[list[int]]:
@@ -321,7 +246,7 @@ def _loops(facets: Any) -> Iterator[list[int]]:
             following.setdefault(a, []).append(b)
     while following:
         first = place = next(iter(following))
-        ring = []
+        ring: list[int] = []
         while place != first or not ring:
             ring.append(place)
             *rest, after = following.pop(place)
@@ -335,8 +260,9 @@ def _from_seam(loop: Floats) -> Floats:
     """A border that goes once round, from the seam on."""
     loop = loop[:-1].copy()
     first = int(np.abs(np.remainder(loop[:, 1] + pi, 2 * pi) - pi).argmin())
-    loop = np.concatenate((loop[first:], loop[: first + 1] + (0.0, 2 * pi)))
-    loop[:, 1] -= loop[0, 1]
+    loop = np.concatenate((loop[first:], loop[: first + 1] + np.array((0.0, 2 * pi))))
+    loop[:, 1] -= 2 * pi * np.round(loop[0, 1] / (2 * pi))
+    loop[[0, -1], 1] = 0.0, 2 * pi
     return loop
 
 
@@ -359,7 +285,9 @@ def _inside_off(
         (inside, pairs[0], "a cut into the wall from inside"),
     ):
         for one in these.windows:
-            met = [p for p in pieces_of(those) if p.intersects(Polygon(one * (1.0, inner)).buffer(0))]
+            met = [
+                p for p in pieces_of(those) if p.intersects(Polygon(one * (1.0, inner)).buffer(0))
+            ]
             if len(met) != 1:
                 found = "a cut-out that is one outside and several inside" if met else what
                 raise Unreadable(found, rules.ODD_CUT, final=True)
@@ -380,51 +308,3 @@ def _inside_off(
         away = steel[0] if k else gone[0]
         off.append(float(shapely.distance(places, away).max(initial=0.0)))
     return off[0], off[1]
-
-
-# --- the part beside the body ---------------------------------------------------------------------
-
-
-def solid_less(part: Part, shaped: Shaped, margins: Margins) -> "Manifold":
-    """The solid of a tube whose contours are cut as its cutters lie."""
-    kept = tuple(f for f in part.features if not isinstance(f, Contour))
-    solids = [cutter_solid(one, margins.outline, NEARLY) for one in shaped.cutters]
-    place = -shaped.x0, 0.0, 0.0
-    return minus(part_solid(replace(part, features=kept), margins),
-                 [one.translate(place) for one in solids])  # fmt: skip
-
-
-def beside_contours(part: Part, shaped: Shaped) -> "Iterator[tuple[bool, Manifold, float]]":
-    """What of the outside lies beside the part's contours: whether it is more steel than these
-    leave, a piece of the skin, and the mm3 of wall below it."""
-    p = part.profile
-    radius, n = p.height / 2, _facets(p.height / 2, COARSE)
-    wall = p.web_thickness or p.flange_thickness
-    outer, inner = (
-        _bar(radius - deep, radius, n, -over, part.length + over)
-        for deep, over in ((0.0, 1.0), (SKIN, 2.0))
-    )
-    skin = outer - inner
-    left = _less(skin.translate((shaped.x0, 0.0, 0.0)), shaped.cutters, radius, COARSE)
-    left = left.translate((-shaped.x0, 0.0, 0.0))
-    least, most = (
-        _skin_of(part, skin, Margins(end=by, outline=by)) for by in (SAME, -SAME)
-    )
-    for more, rest in ((True, left - most), (False, least - left)):
-        for one in rest.decompose():
-            area = float(one.volume()) / SKIN
-            if area > LEAST_AREA:
-                yield more, one, area * wall
-
-
-def _skin_of(part: Part, skin: "Manifold", margins: Margins) -> "Manifold":
-    """What a part's ends and contours leave of its skin."""
-    for point, normal in end_planes(part, margins):
-        skin = behind(skin, point, normal)
-    for one in part.features:
-        if isinstance(one, EndPlane):
-            x, y, z = one.point
-            side = 1.0 if one.normal[0] > 0.0 else -1.0
-            skin = behind(skin, (x - side * margins.end, y, z), one.normal)
-    bodies = [body for one in part.contours for body in round_cutters(one, part, margins)]
-    return minus(skin, bodies)

@@ -196,9 +196,7 @@ WRONG: dict[str, Wrong] = {
 
 
 @pytest.mark.parametrize("what", WRONG)
-def test_a_contour_that_is_not_the_cut_is_found(
-    what: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_contour_that_is_not_the_cut_is_found(what: str, monkeypatch: pytest.MonkeyPatch) -> None:
     right = semantic.cut_tube
     monkeypatch.setattr(semantic, "cut_tube", lambda *of: WRONG[what](right(*of)))
     found = read(model_of(TUBE, [WINDOW]), "m.ifc", options=Options(kernel=True))
