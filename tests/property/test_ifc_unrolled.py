@@ -191,14 +191,14 @@ def wrong_places(made: Turned, bar: Bar, cutters: list[Cutter], shaped: Shaped) 
     return [(x, u, 0.0) for x, u in np.column_stack((rows[:, 0], us))[wrong].tolist()]
 
 
-@settings(max_examples=examples(8), deadline=None)
+@settings(max_examples=examples(5), deadline=None)
 @given(st.integers(0, 10**6))
 def test_the_contours_are_where_the_cutters_are(seed: int) -> None:
     made, bar, cutters, data = random_tube(seed)
     assert wrong_places(made, bar, cutters, shaped_of(data)) == []
 
 
-@settings(max_examples=examples(3), deadline=None)
+@settings(max_examples=examples(2), deadline=None)
 @given(st.integers(0, 10**6))
 def test_the_kernel_has_nothing_against_it(seed: int) -> None:
     found = read(random_tube(seed)[-1], "m.ifc", options=Options(kernel=True))

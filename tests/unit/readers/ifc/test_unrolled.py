@@ -84,7 +84,7 @@ def test_a_saddle_is_its_curve_outside() -> None:
 
 
 def test_a_window_is_a_contour_within_and_ends_stay_planes() -> None:
-    part, _ = checked(WINDOW, MITRE)
+    part, _ = checked(WINDOW, MITRE, kernel=False)
     (window,) = part.contours
     us = sorted({round(c.start[1], 3) for c in window.curves})
     turns = (asin(20.0 / R), asin(60.0 / R))
@@ -107,11 +107,12 @@ def test_an_outline_draws_both_ends_and_the_header_keeps_a_plane() -> None:
 
 def test_holes_stay_holes_beside_contours() -> None:
     hole = Round((300.0, -9.0, R), 1, 22.0, D + 18.0)
-    part, _ = checked(SLOT, hole)
+    part, _ = checked(SLOT, hole, kernel=False)
     assert {(f.x, round(f.y, 3)) for f in part.features if isinstance(f, Hole)} == {
         (300.0, 0.0), (300.0, round(TURN / 2, 3)),
     }  # fmt: skip
-    gone, _ = checked(SLOT, Round((75.0, -9.0, R), 1, 8.0, D + 18.0))  # in the slot's air
+    in_air = Round((75.0, -9.0, R), 1, 8.0, D + 18.0)
+    gone, _ = checked(SLOT, in_air, kernel=False)
     assert not [f for f in gone.features if isinstance(f, Hole)]
 
 
@@ -129,7 +130,7 @@ def test_its_file_is_read_as_the_same_part(cutters: tuple[Cutter, ...]) -> None:
 def test_the_seam_is_turned_from_a_side_that_would_be_taken_for_it() -> None:
     """Whoever cuts an outline puts a side up to 2.5 mm beside the seam on it."""
     beside = block(-9.0, 150.0, -9.0, R, R + 0.4, R + 20.0)
-    part, _ = checked(beside)
+    part, _ = checked(beside, kernel=False)
     (outline,) = part.contours
     along = [c.start[1] for c in outline.curves if abs(c.end[0] - c.start[0]) > 100.0]
     off = [min(u, TURN - u) for u in along]
