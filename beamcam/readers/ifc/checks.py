@@ -98,7 +98,8 @@ def check_kernel(
 ) -> KernelVerdict:
     """Regions of the kernel's solid that what was read does not account for."""
     try:
-        built = kernel.build(model, element, bool(shaped.cutters))
+        build = kernel.build_tube if shaped.cutters else kernel.build
+        built = build(model, element)
         stock = stock_of(model, element, shaped, profile)
     except Unreadable as reason:
         fault = rules.KERNEL.at(source, found=f"no solid ({reason})", expected="a solid")

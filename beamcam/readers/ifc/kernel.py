@@ -97,13 +97,14 @@ class Built(Struct, frozen=True):
     others: tuple[str, ...] = ()  #: what is said of curved faces that only facets stand for
 
 
-def build(model: Model, element: Entity, is_tube: bool = False) -> Built:
-    """The kernel's solid of an element, closer than a reading needs it. Raises Unreadable.
+def build(model: Model, element: Entity) -> Built:
+    """The kernel's solid of an element, closer than a reading needs it. Raises Unreadable."""
+    return built(model, element, FINE)
 
-    Of a tube with cuts the kernel takes wider facets than it is asked for, so that it is asked for
-    narrow ones.
-    """
-    return built(model, element, FINEST if is_tube else FINE)
+
+def build_tube(model: Model, element: Entity) -> Built:
+    """As `build`, of a tube with cuts, whose facets the kernel makes wider than it is asked for."""
+    return built(model, element, FINEST)
 
 
 def build_stock(model: Model, element: Entity) -> Built:
