@@ -23,12 +23,22 @@ INSIDE: dict[str, list[Cutter]] = {
     "fillet": [Box((-10.0, 12.0, 65.0), (1600.0, 16.0, 70.0))],
     "hole": [Round((750.0, 150.0, 0.0), 2, 22.0, 150.0)],
 }
+#: Tubes, of which the outside is the same and the inside is not.
+TUBE = Bar("RO", 900.0, (60.3, 60.3, 2.9, 2.9, 0.0))
+SLOT = Box((-9.0, -9.0, 25.0), (60.0, 70.0, 35.0))
+TUBES: dict[str, list[Cutter]] = {
+    "slot": [SLOT],
+    "slot and groove": [SLOT, Box((200.0, 30.0, 25.0), (400.0, 58.0, 35.0))],
+    "saddle": [SLOT, Round((900.0, -30.0, 30.15), 1, 76.1, 120.0)],
+}
 Recipe = tuple[str, int]
 
 
 def recipe(name: str, seed: int) -> tuple[Bar, list[Cutter]]:
     if name in INSIDE:
         return BEAM, INSIDE[name]
+    if name in TUBES:
+        return TUBE, TUBES[name]
     random = Random(seed)
     return FAMILIES[name](random, some_bar(random, "I U L B"))
 
@@ -58,7 +68,9 @@ def alone(one: Recipe) -> tuple[str, ...]:
     return row
 
 
-RECIPES = st.tuples(st.sampled_from([*INSIDE, *INSIDE, "copes", "drilled"]), st.integers(0, 3))
+RECIPES = st.tuples(
+    st.sampled_from([*INSIDE, *INSIDE, *TUBES, "copes", "drilled"]), st.integers(0, 3)
+)
 
 
 @settings(max_examples=examples(12), deadline=None)

@@ -112,7 +112,7 @@ def test_a_hole_to_the_middle_of_a_round_bar_is_none_through_it(kernel: bool) ->
     data = model_of(bar, [Round((400.0, 30.0, 30.0), 2, 14.0, 80.0)])
     found = read(data, "m.ifc", options=Options(kernel=kernel))
     assert found.parts == ()
-    assert any("a blind hole in a round section" in d.message for d in found.diagnostics)
+    assert any("a blind hole in a solid round" in d.message for d in found.diagnostics)
 
 
 @pytest.mark.parametrize("seed", sampled(SEEDS, 3))

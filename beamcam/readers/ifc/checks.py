@@ -102,7 +102,7 @@ def check_kernel(
     try:
         stock = stock_of(model, element, shaped, profile)
         said = section_said(shaped, stock, source, True)
-        built = kernel.built(model, element)
+        built = kernel.built(model, element, kernel.FINEST if shaped.cutters else kernel.FINE)
     except Unreadable as reason:
         fault = rules.KERNEL.at(source, found=f"no solid ({reason})", expected="a solid")
         return KernelVerdict(said, fault)

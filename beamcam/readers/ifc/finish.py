@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 from math import pi
-from typing import Literal
+from typing import Any, Literal
 
 import shapely
 from msgspec import Struct
@@ -51,7 +51,9 @@ class Shaped(Struct, frozen=True, gc=False):
     frame: Frame = IDENTITY  #: the part's coordinates in the element's
     fitted: tuple[str, ...] = ()  #: surfaces of the kernel that only facets stand for
     stock: BareStock | None = None  #: the section, where a shell showed it
-    #: of what no feature explains, where a body was compared
+    #: whose borders on the outside of a tube its contours are, counted from the stock
+    cutters: tuple[Any, ...] = ()
+    #: of what no feature explains, where a body was compared, or no contour says
     diagnostics: tuple[Diagnostic, ...] = ()
 
     def at(self, source: Source) -> "Shaped":

@@ -156,7 +156,9 @@ def _radial(
     start = cutter.start(shape)
     y, z = start[1] - r, start[2] - r
     if abs(y * along[2] - z * along[1]) > 0.05:
-        raise Unreadable("a hole beside the axis of a round section", rules.ODD_CUT)
+        if section.code == "RO":
+            return None
+        raise Unreadable("a hole beside the axis", rules.SOLID_CUT)
     first = y * along[1] + z * along[2]
     last = first + dot(cutter.frame.z, along)
     wall = section.web_thickness if section.code == "RO" else r
@@ -170,9 +172,10 @@ def _radial(
             angle = atan2(way[2], -way[1]) % (2 * pi)
             found.append(Hole("v", start[0], angle * r, diameter, source))
         elif min(last, high) - max(first, low) > TOUCH:
-            raise Unreadable("a blind hole in a round section", rules.ODD_CUT)
+            rule = rules.ODD_CUT if section.code == "RO" else rules.SOLID_CUT
+            raise Unreadable("a blind hole", rule)
     if section.code == "RU" and found:
         if len(found) == 1:
-            raise Unreadable("a blind hole in a round section", rules.ODD_CUT)
+            raise Unreadable("a blind hole", rules.SOLID_CUT)
         found.pop()  # a solid bar is drilled from one side
     return found

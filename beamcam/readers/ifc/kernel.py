@@ -71,6 +71,8 @@ CHORD = 0.0002  #: m between a curve and its facets
 ANGLE = 0.25  #: rad between two facets, 26 on a circle; every vertex lies on the curve
 FINE_CHORD = 0.0001  #: m, of solids that parts are held against
 FINE = {"mesher-linear-deflection": FINE_CHORD}  #: settings for closer facets than a reading needs
+#: Of a tube with cuts, whose facets the kernel makes wider than it is asked for.
+FINEST = {**FINE, "mesher-angular-deflection": ANGLE / 3}
 #: Likewise, before anything was cut off.
 STOCK = {**FINE, "disable-boolean-result": True, "disable-opening-subtractions": True}
 #: Names of a solid's mesh, since ifcopenshell 0.9 and before.

@@ -263,13 +263,13 @@ class Members(Struct):
         except Unreadable as second:
             if second.rule is rules.KINKED:
                 raise
-            if reason.rule is rules.ODD_CUT or str(reason) == str(second):
+            if reason.rule in rules.NOT_CUT or str(reason) == str(second):
                 raise reason from None
             raise Unreadable(f"{reason}; by the kernel {second}", second.rule) from None
         denied = errors_in(shaped.diagnostics)
         if not denied:
             return shaped
-        if reason.rule is rules.ODD_CUT:
+        if reason.rule in rules.NOT_CUT:
             raise reason
         text = f"{reason}; by the kernel {rules.of_the_solid(denied[0])} than was read"
         raise Unreadable(text, reason.rule)

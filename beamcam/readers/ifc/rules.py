@@ -47,11 +47,23 @@ SECTION = error("ifc-section",
     "found {found}; expected a rolled section, a tube or a plate",
     "A casting, a welded group or a coarse mesh has no section that a bar of stock could have.")
 ODD_CUT = error("ifc-odd-cut",
-    "found {found}; expected saw cuts and holes through its axis, no more is read of such a "
-    "section from a model: draw the unrolled surface of a round tube (--wrap), or cut the member "
-    "manually from the model",
-    "Slots, saddles and windows of round sections are not unrolled by the reader, and holes in a "
-    "special section have no face to lie on.")
+    "found {found}; expected a round tube with saw cuts, holes and cuts that go through its wall",
+    "The unrolled outside of a tube says where its wall is cut, from outside to inside. What ends "
+    "within the wall is milled: model it as a part of its own, or make it manually.")
+SOLID_CUT = error("ifc-solid-cut",
+    "found {found} in a solid round bar; expected saw cuts, and holes through its axis: it has no "
+    "wall that a torch could cut through, and no unrolled contour says how deep a flat lies in it",
+    "Flats, notches and slots of a solid bar are milled. Make them manually from the model.")
+SPECIAL_CUT = error("ifc-special-cut",
+    "found {found} in a special section; expected saw cuts: it has no face that a contour or a "
+    "hole could lie on",
+    "DSTV has faces for rolled sections and tubes only. Make such cuts manually from the model.")
+SQUARE_CUT = warning("ifc-square-cut",
+    "found a wall that is not cut square to its outside in the model; cut square along the contour "
+    "up to {stays} mm stay inside that the model has not, and up to {takes} mm go that it has",
+    "A contour says how a tube is cut at its outside, and a torch goes through the wall square to "
+    "that. Where the inside matters, as for a plate in a slot or a saddle, grind it or draw the "
+    "slot wider.")
 OUTLINE = error("ifc-outline",
     "found a section of {found} cm2 by the geometry kernel; expected {expected} cm2 by its outline",
     "A special section is its outline, and two ways of reading it disagree.")
@@ -149,6 +161,10 @@ BOLTS = note("ifc-bolts",
 BOLT_SKEW = error("ifc-bolt-skew",
     "found a bolt {found} at {angle} degrees to face {face}; expected it square to the face",
     "A drill comes square to the face; where the bolt is meant to go cannot be guessed.")
+
+
+#: What cuts of sections without faces are refused by, which no other way of reading takes.
+NOT_CUT = ODD_CUT, SOLID_CUT, SPECIAL_CUT
 
 
 def of_the_solid(diagnostic: Diagnostic) -> str:

@@ -30,6 +30,7 @@ from beamcam.readers.ifc.section import BareStock, Section, Wall, walls_of
 from beamcam.readers.ifc.shell import Shell
 from beamcam.readers.ifc.solid_body import by_stations, section_area, solid_of
 from beamcam.readers.ifc.space import cross, dot
+from beamcam.readers.ifc.tube_solid import beside_contours, solid_less
 from beamcam.solid.cutters import slot_corners
 from beamcam.solid.kernel import FREE, kernel, prism, walls
 from beamcam.solid.part_solid import part_solid
@@ -127,10 +128,12 @@ def differences(
         solid = solid_of(body)
         theirs = section_area(body) if solid is None else volume or float(solid.volume())
         if solid is not None:
-            plain = _plainly_drilled(solid, part, shaped.section, stock, by)
+            plain = None
+            if not shaped.cutters:
+                plain = _plainly_drilled(solid, part, shaped.section, stock, by)
             if plain is not None and abs(theirs - plain) <= max(BOUND, SPREAD * theirs):
                 return Differences((), (), (), theirs, plain)
-        drawn = _drawn(part, stock)
+        drawn = _drawn(part, stock, shaped)
         if solid is None:
             rise = max((_rise(radius, by) for *_, radius in _arcs(part)), default=0.0)
             pieces = [*by_stations(body, drawn, by.slack + rise)]
@@ -138,7 +141,7 @@ def differences(
             # Surfaces that lie in one another are dear to cut, so that they come last.
             pieces = [
                 (more, _grown(one, exact, by.slack))
-                for more, cores in _cores(solid, part, stock, by)
+                for more, cores in _cores(solid, part, stock, by, shaped)
                 for exact in ([solid - drawn if more else drawn - solid] if cores else [])
                 for one in cores
             ]
@@ -157,18 +160,25 @@ def differences(
     rest, fillets, leaning = (
         kind if sum(one.volume for one in kind) > BOUND else () for kind in (rest, fillets, leaning)
     )
+    if shaped.cutters:
+        rest += tuple(_skin_lumps(part, shaped))
     expected = float(drawn.volume()) * stock.area / float(stock.shape.area)
     if part.profile.code == "C" or stock.rough is not None:
         expected = theirs  # cuts of lips are not known, nor what slanted facets take
     return Differences(rest, fillets, leaning, theirs, expected)
 
 
-def _drawn(part: Part, stock: BareStock) -> "Manifold":
-    return _solid(part, Margins(section=stock.shape, square_below=0.0))
+def _drawn(part: Part, stock: BareStock, shaped: Shaped | None = None) -> "Manifold":
+    return _solid(part, Margins(section=stock.shape, square_below=0.0), shaped)
 
 
-def _solid(part: Part, margins: Margins) -> "Manifold":
-    """The solid of a part; a channel's lips, which no contour describes, go with their flanges."""
+def _solid(part: Part, margins: Margins, shaped: Shaped | None) -> "Manifold":
+    """The solid of a part; a channel's lips, which no contour describes, go with their flanges.
+
+    The wall of a tube is cut as its cutters lie, where its contours stand for these.
+    """
+    if shaped is not None and shaped.cutters:
+        return solid_less(part, shaped, margins)
     solid, p = part_solid(part, margins), part.profile
     for face, wall in walls(p).items():
         if p.code == "C" and wall.normal == "y":
@@ -180,10 +190,10 @@ def _solid(part: Part, margins: Margins) -> "Manifold":
 
 
 def _cores(
-    solid: "Manifold", part: Part, stock: BareStock, by: Fineness
+    solid: "Manifold", part: Part, stock: BareStock, by: Fineness, shaped: Shaped | None = None
 ) -> "Iterator[tuple[bool, list[Manifold]]]":
     """What sticks out of the margins of a part: of more steel, and of less."""
-    least, most = (_solid(part, one) for one in _margins(part, stock, by.slack))
+    least, most = (_solid(part, one, shaped) for one in _margins(part, stock, by.slack))
     arcs = _arcs(part)
     for more, rest in ((True, solid - most), (False, least - solid)):
         cores = [one for one in rest.decompose() if one.volume() > MIN_CORE]
@@ -231,6 +241,13 @@ def _is_plug(one: "Manifold", spine: Shape, radius: float, wall: Wall, by: Finen
         return False
     inside = spine.buffer(radius - _rise(radius, by), ROUND).area * (wall.thickness - 2 * by.slack)
     return bool(one.volume() > inside - MIN_CORE)
+
+
+def _skin_lumps(part: Part, shaped: Shaped) -> Iterator[Lump]:
+    """Where the outside of a tube lies beside its contours."""
+    for more, piece, volume in beside_contours(part, shaped):
+        box = piece.bounding_box()
+        yield Lump("v", float(box[0]), float(box[3]), volume, more, False)
 
 
 def _grown(piece: "Manifold", exact: "Manifold", slack: float) -> "Manifold":

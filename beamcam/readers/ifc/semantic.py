@@ -33,6 +33,7 @@ from beamcam.readers.ifc.region import Circles, Shape, polygon_of
 from beamcam.readers.ifc.section import Wall, corner_points, walls_of
 from beamcam.readers.ifc.space import dot, size, sub
 from beamcam.readers.ifc.stock import Stock, stock_of
+from beamcam.readers.ifc.unrolled import NearSeam, cut_tube, turned
 
 # --- trimming -------------------------------------------------------------------------------------
 # Which cutters are saw cuts: those that take all of an end.
@@ -92,7 +93,11 @@ def read_swept(model: Model, element: Entity, body: Body, source: Source) -> Sha
     assert isinstance(body.base, Swept)
     stock = stock_of(model, element, body.base)
     cutters = body.cutters(model, stock.frame.inverse())
-    return cut(stock, cutters, source)
+    try:
+        return cut(stock, cutters, source)
+    except NearSeam as other:
+        stock = turned(stock, other.at_rad)
+        return cut(stock, body.cutters(model, stock.frame.inverse()), source)
 
 
 def cut(stock: Stock, cutters: Sequence[Cutter], source: Source) -> Shaped:
@@ -127,10 +132,13 @@ def cut(stock: Stock, cutters: Sequence[Cutter], source: Source) -> Shaped:
     if plain and start.sole is not None and end.sole is not None:
         span = -start.reach, end.reach
         return sawn(stock, (start.sole, end.sole), span, holes, source)
+    if section.code == "RO":
+        cutters = [cutter for cutter, _ in general]
+        return cut_tube(stock, (start, end), cutters, holes, source)
     if not walls:
-        raise Unreadable(
-            f"cuts other than saw cuts and holes in a section of code {section.code}", rules.ODD_CUT
-        )
+        if section.code == "RU":
+            raise Unreadable("a flat, a notch or a slot", rules.SOLID_CUT)
+        raise Unreadable("other cuts than saw cuts", rules.SPECIAL_CUT)
     circles = Circles()
     regions = _left_of_walls(stock, (*starts, *ends), general, circles)
     planes = [*start.planes, *end.planes, *_sides(stock.outline)]

@@ -62,10 +62,17 @@ def askew() -> bytes:
     return m.data
 
 
-def slotted_tube() -> bytes:
-    """A round tube with a slot for a gusset at its end."""
-    box = Box((-9.0, -9.0, 80.0), (150.0, 180.0, 90.0))
-    return model_of(Bar("RO", 900.0, SIZES["RO"]), [box])
+def slotted(code: str = "RO", low: float = -9.0) -> bytes:
+    """A round tube or a solid bar with a slot for a gusset at its end."""
+    box = Box((-9.0, low, 20.0), (150.0, 180.0, 30.0))
+    return model_of(Bar(code, 900.0, SIZES[code]), [box])
+
+
+def special_with_a_hole() -> bytes:
+    m = Small()
+    part = m.polygon((0, 0), (90, 0), (60, 40), (0, 40))
+    m.element(m.minus(m.extruded(part, 900.0), m.hole((500, -20, 20), (0, 1, 0), 18.0, 60.0)))
+    return m.data
 
 
 def no_section() -> bytes:
@@ -305,7 +312,10 @@ CASES: dict[str, Callable[[], bytes]] = {
     "ifc-tapered": tapered,
     "ifc-geometry": askew,
     "ifc-section": no_section,
-    "ifc-odd-cut": slotted_tube,
+    "ifc-odd-cut": lambda: slotted(low=140.0),
+    "ifc-solid-cut": lambda: slotted("RU"),
+    "ifc-special-cut": special_with_a_hole,
+    "ifc-square-cut": slotted,
     "ifc-profile-name": wrong_name,
     "ifc-grade": two_grades,
     "ifc-length": lambda: stated(Length="IFCLENGTHMEASURE(2100.)"),

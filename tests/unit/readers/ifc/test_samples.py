@@ -7,6 +7,7 @@ import pytest
 from beamcam.readers import read
 from tests.conftest import SAMPLES, Golden
 from tests.property.ifc_builder import HoleSpec, Member, model_text
+from tests.property.ifc_cuts import Bar, Box, Cuts, Round
 from tests.unit.readers.ifc.models import Small
 
 IPE300 = (300.0, 150.0, 10.7, 7.1)
@@ -34,6 +35,17 @@ def bolted() -> str:
     return m.step.text()
 
 
+def slotted() -> str:
+    """A round tube with a slot for a gusset at one end, and a saddle at the other."""
+    tube = Bar("RO", 800.0, (88.9, 88.9, 5.0, 5.0, 0.0))
+    slot = Box((-10.0, -10.0, 32.45), (90.0, 100.0, 56.45))
+    made = Cuts()
+    m, chord = made.small, Round((800.0, -100.0, 44.45), 1, 139.7, 300.0)
+    brace = m.element(made.body(tube, [slot, chord]), "IFCMEMBER", tag="D7", name="CHS88.9*5")
+    m.material(brace, "STEEL/S355J2H")
+    return m.step.text()
+
+
 def texts() -> dict[str, str]:
     def one(encoding: str, *members: Member) -> str:
         return model_text(members, encoding, Random(7))[0]
@@ -43,6 +55,7 @@ def texts() -> dict[str, str]:
         "beam_inch.ifc": one("inch", BEAM),
         "beam_brep.ifc": one("brep", BEAM),
         "bolted.ifc": bolted(),
+        "tube_slotted.ifc": slotted(),
     }
 
 
@@ -58,6 +71,7 @@ def test_sample_is_what_the_builder_writes(name: str, golden: Golden) -> None:
         ("beam_inch.ifc", ["B1"], [6]),
         ("beam_brep.ifc", ["B1"], [6]),
         ("bolted.ifc", ["B7"], [2]),
+        ("tube_slotted.ifc", ["D7"], [1]),
     ],
 )
 def test_sample_is_read(name: str, marks: list[str], features: list[int]) -> None:
