@@ -15,7 +15,7 @@ web    |
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from itertools import product
+from itertools import pairwise, product
 from math import atan, degrees
 
 from msgspec import Struct
@@ -27,7 +27,7 @@ from beamcam.machine.coper import Coper
 from beamcam.model.part import Face
 from beamcam.planning.coping import rules
 from beamcam.planning.coping.cuts import borders_of, chains_of
-from beamcam.planning.coping.ends import STEEPEST_DEG, is_on, stepped
+from beamcam.planning.coping.ends import STEEPEST_DEG, is_on
 from beamcam.planning.coping.regions import OUTLINE_NOISE, Shape, WallRegion
 from beamcam.planning.coping.walls import EDGE, EndLine, PlannedWall, Root
 
@@ -166,29 +166,37 @@ def _unpaired(
                 )  # fmt: skip
 
 
-class _Slanted(Struct, frozen=True):
-    """A straight cut through the whole of a root, at whatever angle."""
+class _Approach(Struct, frozen=True):
+    """A cut through the whole of a root that is straight at whatever angle, or round."""
 
-    line: EndLine
-    xs: tuple[float, float]  #: at both sides of the root
+    path: tuple[Point, ...]  #: along rising y; of a straight one over all of its wall
+    #: where it meets the other wall: a round one of the web at its flange, others at both sides
+    xs: tuple[float, float]
     right: bool  #: whether the scrap lies at greater x
+    is_round: bool
 
-    @property
-    def is_square(self) -> bool:
-        return abs(self.xs[1] - self.xs[0]) <= EDGE
-
-    def meets(self, other: "_Slanted") -> bool:
-        """Whether it and one of the other wall are one cut, which either crosses on a slant."""
+    def meets(self, other: "_Approach") -> bool:
+        """Whether it and one of the other wall are one cut, of which either is not square."""
         apart = max(min(self.xs) - max(other.xs), min(other.xs) - max(self.xs))
-        slanted = not (self.is_square and other.is_square)
-        return slanted and self.right == other.right and apart <= OUTLINE_NOISE
+        square = not (self.is_round or other.is_round) and all(
+            abs(one.xs[1] - one.xs[0]) <= EDGE for one in (self, other)
+        )
+        return not square and self.right == other.right and apart <= OUTLINE_NOISE
+
+    def within(self, band: tuple[float, float]) -> list[Point]:
+        """Its places on a band; beyond its ends it goes on square to the bar."""
+        from numpy import interp
+
+        xs, ys = zip(*self.path, strict=True)
+        first, last = ((float(interp(y, ys, xs)), y) for y in band)
+        return [first, *(place for place in self.path if band[0] < place[1] < band[1]), last]
 
 
 def with_steps(
-    regions: Mapping[Face, WallRegion], depth: float, source: Source
+    regions: Mapping[Face, WallRegion], depth: float, coper: Coper, source: Source
 ) -> tuple[dict[Face, WallRegion], list[Diagnostic], dict[Face, float]]:
-    """Regions whose walls meet square at roots that a cut crosses on a slant; a warning of
-    each, and mm too much by wall.
+    """Regions whose walls meet square at roots that a cut crosses on a slant, or as the round of a
+    corner begins there; a warning of each, and mm too much by wall.
 
     `depth` is that to which a pass through a root cuts. What is more than drawn reaches as far as
     either of the walls does there, so that no steel is missing.
@@ -202,36 +210,70 @@ def with_steps(
         zs = max(behind.low - EDGE, 0.0), min(behind.high + EDGE, flange.width)
         inner = _band(root, depth, web)
         across = max(EDGE, behind.low), min(flange.width - EDGE, behind.high)
-        pairs = product(_slants(regions["v"], inner), _slants(regions[root.face], across))
+        beyond = (inner[0], ys[1] + EDGE) if low else (ys[0] - EDGE, inner[1])
+        outer = (EDGE, beyond[1]) if low else (beyond[0], web.width - EDGE)
+        beside = max(EDGE, zs[0] - EDGE), min(flange.width - EDGE, zs[1] + EDGE)
+        pairs = product(
+            _approaches(regions["v"], inner, (outer, beyond), coper, 0 if low else -1),
+            _approaches(regions[root.face], across, (beside,), coper),
+        )
         for one, other in pairs:
             if not one.meets(other):
                 continue
             side = 1.0 if one.right else -1.0
-            reach = (*map(one.line.x, ys), *map(other.line.x, zs))
-            x = side * max(side * at for at in reach)
-            for face, line, band, wall in (
-                ("v", one.line, ys, web), (root.face, other.line, zs, flange)
-            ):  # fmt: skip
-                more = stepped(line, band, x, side, wall.width)
+            ways: dict[Face, list[Point]] = {"v": one.within(ys), root.face: other.within(zs)}
+            x = side * max(side * at for way in ways.values() for at, _ in way)
+            for face, way in ways.items():
+                more = _up_to(x, side, way)
                 found[face] = replace(found[face], shape=found[face].shape.union(more))
-                off[face] = max(off.get(face, 0.0), *(abs(x - line.x(y)) for y in band))
+                off[face] = max(off.get(face, 0.0), *(abs(x - at) for at, _ in way))
             said.append(rules.STEP.at(
                 source, x=f"{x:g}", face=root.face, found=f"{max(off['v'], off[root.face]):.1f}",
             ))  # fmt: skip
     return found, said, off
 
 
-def _slants(region: WallRegion, band: tuple[float, float]) -> Iterator[_Slanted]:
-    """The straight cuts through a band of a wall that lie on none of its skew ends."""
-    for chain in chains_of(region.shape, borders_of(region.wall, *band, -EDGE)):
-        (xa, ya), (xb, yb) = chain.points[0], chain.points[-1]
-        if {chain.start, chain.end} != {"low", "high"}:
-            continue
-        slope = (xb - xa) / (yb - ya)
-        line = EndLine(xa - slope * ya, slope)
-        on_end = any(end is not None and is_on(end, chain.points) for end in region.wall.skew)
-        if not on_end and is_on(line, chain.points) and degrees(atan(abs(slope))) <= STEEPEST_DEG:
-            yield _Slanted(line, (xa, xb), chain.start == "low")
+def _up_to(x: float, side: float, way: Sequence[Point]) -> Shape:
+    """What a wall has more that ends square at x instead of along a way."""
+    from shapely import Polygon
+
+    inside = [(at - side * OUTLINE_NOISE, y) for at, y in way]
+    return Polygon([*inside, (x, way[-1][1]), (x, way[0][1])])
+
+
+def _approaches(
+    region: WallRegion, band: tuple[float, float], wider: Sequence[tuple[float, float]],
+    coper: Coper, at: int | None = None,
+) -> Iterator[_Approach]:  # fmt: skip
+    """The cuts through a root that lie on none of a wall's skew ends: straight ones through a band,
+    and round ones through the first of some wider bands that reach no farther along the bar than a
+    corner is round.
+
+    `at` is the end at which a round one meets the other wall, by rising y; None for anywhere.
+    """
+    wide, begun = region.wall.width, set[Point]()
+    for borders in (band, *wider):
+        for chain in chains_of(region.shape, borders_of(region.wall, *borders, -EDGE)):
+            right = chain.start == "low"
+            way = chain.points if right else chain.points[::-1]
+            (xa, ya), (xb, yb) = way[0], way[-1]
+            if {chain.start, chain.end} != {"low", "high"} or any(
+                end is not None and is_on(end, way) for end in region.wall.skew
+            ):
+                continue
+            slope = (xb - xa) / (yb - ya)
+            line, xs = EndLine(xa - slope * ya, slope), [x for x, _ in way]
+            is_straight = is_on(line, way)
+            if borders is band and is_straight and degrees(atan(abs(slope))) <= STEEPEST_DEG:
+                yield _Approach(((line.x(0.0), 0.0), (line.x(wide), wide)), (xa, xb), right, False)
+            begin = way[-1 if at == 0 else 0]
+            if borders is band or is_straight or begin in begun:
+                continue
+            rises = all(a[1] < b[1] for a, b in pairwise(way))
+            if rises and SHARE * coper.tolerance < max(xs) - min(xs) <= coper.corner_radius:
+                begun.add(begin)
+                meets = (min(xs), max(xs)) if at is None else (xs[at], xs[at])
+                yield _Approach(way, meets, right, True)
 
 
 FAR = 1e5
