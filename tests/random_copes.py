@@ -47,7 +47,7 @@ def polygon(points: list[Point]) -> tuple[Curve, ...]:
 
 
 def random_cope(seed: int, sections: Sequence[Profile] = SECTIONS, near: bool = False) -> Part:
-    """A part whose copes cut web and flange at one x; `near` to the roots or well away from them."""
+    """A part whose copes cut web and flange at one x; `near` to the roots or well off them."""
     random = Random(seed)
     profile = random.choice(sections)
     length = round(random.uniform(500.0, 1500.0), 1)

@@ -6,7 +6,8 @@ root cut, of the flange as wide as web and fillets are.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from math import atan, degrees
+from itertools import pairwise
+from math import radians, tan
 from typing import Any
 
 from msgspec import Struct
@@ -17,7 +18,8 @@ from beamcam.checks.coping.strokes import TorchStroke
 from beamcam.checks.coping.wanted import RequiredWall, with_round_corners
 from beamcam.geometry.plane import Point
 
-STEEPEST_DEG = 30.0  #: of a cut through a root that is made square, to its normal
+#: mm along the bar by mm across it of a cut through a root that is made square
+STEEPEST = tan(radians(30.0))
 APART = 1.0  #: mm along the bar that web and flange may be drawn apart and are one cut
 SQUARE = 0.1  #: mm along the bar that a square cut may slant
 FAR = 1e5
@@ -42,7 +44,7 @@ class Crossing(Struct, frozen=True):
     def corners(self, band: tuple[float, float]) -> list[Point]:
         """Where it is at both sides of a band."""
         if self.round is not None:
-            return [place for place in self.round.coords]
+            return [(x, y) for x, y in self.round.coords]
         return [(self.at + self.more * y, y) for y in band]
 
     def step(self, drawn: Shape, band: tuple[float, float], x: float) -> Shape:
@@ -58,31 +60,41 @@ class Crossing(Struct, frozen=True):
 
 def crossings_of(
     shape: Shape, band: tuple[float, float], wider: Sequence[tuple[float, float]],
-    ends: Sequence[Point], radius: float, near: str = "",
+    surface: float | None, ends: Sequence[Point], radius: float,
 ) -> Iterator[Crossing]:  # fmt: skip
     """The edges from side to side of a band of a wall, but for its ends: straight ones, and on the
-    first of some wider bands round ones of `radius` mm along the bar at most.
+    first of some wider bands round ones, of `radius` mm along the bar or as steep at most.
 
-    Of an end `ends` has x at y 0, and how much more at y 1. `near` is the side of the band at which
-    a round one meets the other wall: "low", "high", or "" for anywhere.
+    Of an end `ends` has x at y 0, and how much more at y 1. The inner surface of a flange lies at y
+    `surface` of a web: it meets a round edge there, or in its own thickness where that goes back.
     """
+    from shapely import LineString, box
+
     for edge in _across(shape, band):
         (xa, ya), (xb, yb) = edge.coords[0], edge.coords[-1]
         more = (xb - xa) / (yb - ya)
         at = xa - more * ya
-        if _is_straight(edge) and not _is_end(edge, ends) and degrees(atan(abs(more))) <= (
-            STEEPEST_DEG):  # fmt: skip
+        if _is_straight(edge) and not _is_end(edge, ends) and abs(more) <= STEEPEST:
             yield Crossing(at, more, (xa, xb), _side(shape, edge))
     known: list[Any] = []
     for edge in (edge for one in wider for edge in _across(shape, one)):
         least, _, most, _ = edge.bounds
-        if _is_straight(edge) or _is_end(edge, ends) or not SQUARE < most - least <= radius:
-            continue
-        if any(edge.within(one.buffer(ON_PLANE)) for one in known):
+        is_known = any(edge.within(one.buffer(ON_PLANE)) for one in known)
+        if is_known or _is_straight(edge) or _is_end(edge, ends):
             continue
         known.append(edge)
-        xs = {"low": (edge.coords[0][0],) * 2, "high": (edge.coords[-1][0],) * 2}
-        yield Crossing(0.0, 0.0, xs.get(near, (least, most)), _side(shape, edge), edge)
+        if not SQUARE < most - least <= max(radius, (edge.bounds[3] - edge.bounds[1]) * STEEPEST):
+            continue
+        ys = [y for _, y in edge.coords]
+        if any(a >= b for a, b in pairwise(ys)):  # a hole of the web beside its flange
+            continue
+        side = _side(shape, edge)
+        if surface is not None:
+            there = edge.intersection(LineString([(-FAR, surface), (FAR, surface)])).bounds[0]
+            flange = sorted((surface, FAR if surface > (ys[0] + ys[-1]) / 2 else -FAR))
+            least, _, most, _ = edge.intersection(box(-FAR, flange[0], FAR, flange[1])).bounds
+            least, most = (least, there) if side > 0 else (there, most)
+        yield Crossing(0.0, 0.0, (least, most), side, edge)
 
 
 def _across(shape: Shape, band: tuple[float, float]) -> Iterator[Any]:
@@ -139,16 +151,16 @@ def with_square_roots(
         back, front = section.root(face)
         zs = max(back - ON_PLANE, 0.0), min(front + ON_PLANE, section.wide)
         ys, inner = (0.0, deep + ON_PLANE), (section.flange + 2 * ON_PLANE, deep - 2 * ON_PLANE)
-        wider = (ON_PLANE, ys[1]), (inner[0], ys[1])
+        wider = [(ON_PLANE, ys[1]), (inner[0], ys[1])]
         if face == "o":
             ys, inner, *wider = (
                 (section.high - high, section.high - low) for low, high in (ys, inner, *wider)
             )
         across = zs[0] + 2 * ON_PLANE, zs[1] - 2 * ON_PLANE
         beside = max(zs[0], ON_PLANE), min(zs[1], section.wide - ON_PLANE)
-        near = "high" if face == "o" else "low"
-        for web in [*crossings_of(cut["v"], inner, wider, ends["v"], radius, near)]:
-            for flange in [*crossings_of(cut[face], across, [beside], ends[face], radius)]:
+        at = inner[1] if face == "o" else inner[0]
+        for web in [*crossings_of(cut["v"], inner, wider, at, ends["v"], radius)]:
+            for flange in [*crossings_of(cut[face], across, [beside], None, ends[face], radius)]:
                 if not _meet(web, flange):
                     continue
                 x = web.side * max(web.side * at for at in (*web.over(ys), *flange.over(zs)))

@@ -16,7 +16,7 @@ web    |
 
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise, product
-from math import atan, degrees
+from math import atan, degrees, radians, tan
 
 from msgspec import Struct
 from msgspec.structs import replace
@@ -57,7 +57,8 @@ def root_faults(
     web = regions["v"]
     for root in web.wall.roots:
         flange = regions[root.face]
-        on_web, wrong = crossings(web, _band(root, depths[None], web.wall), coper)
+        across = _band(root, depths[None], web.wall)
+        on_web, wrong = crossings(web, across, coper)
         for end in depths.keys() - {None}:  # which counts there, be it more or less
             own = [one for one in crossings(web, _band(root, depths[end], web.wall), coper)[0]
                    if one.end == end]  # fmt: skip
@@ -68,12 +69,16 @@ def root_faults(
                 wrong = [way for way in wrong if not any(is_on(line, (at,)) for at in way)]
             elif before:
                 wrong += [((one.x, 0.0),) for one in before]
-        yield from _said(wrong, web.wall, source)
         (behind,) = flange.wall.roots
+        deep = max(root.high if root.low == 0.0 else web.wall.width - root.low, depths[None])
+        clear = f"{deep + 2 * EDGE:.1f} mm off the outside of face {root.face} at least"
+        yield from _said(wrong, web.wall, across, clear, root.face, source)
         band = max(EDGE, behind.low), min(flange.wall.width - EDGE, behind.high)
-        on_flange, wrong = crossings(flange, band, coper)
-        yield from _said(wrong, flange.wall, source)
-        yield from _unpaired(on_web, on_flange, web.wall, flange.wall, coper, source)
+        on_flange, astray = crossings(flange, band, coper)
+        clear = f"off web and fillets, from y {band[0]:.1f} to {band[1]:.1f}"
+        yield from _said(astray, flange.wall, band, clear, "v", source)
+        if not (wrong or astray):
+            yield from _unpaired(on_web, on_flange, web.wall, flange.wall, coper, source)
         if coper.k_area == "refuse":
             for one in on_web[:1]:
                 yield rules.K_AREA.at(source, x=f"{one.x:g}", face=root.face)
@@ -126,12 +131,18 @@ def crossings(
 
 
 def _said(
-    wrong: Sequence[Sequence[Point]], wall: PlannedWall, source: Source
-) -> Iterator[Diagnostic]:
-    for (x, _), *_ in wrong[:3]:
+    wrong: Sequence[Sequence[Point]], wall: PlannedWall, band: tuple[float, float], clear: str,
+    other: Face, source: Source,
+) -> Iterator[Diagnostic]:  # fmt: skip
+    for way in wrong[:3]:
+        is_whole = abs(way[0][1] - way[-1][1]) >= band[1] - band[0] - EDGE
         yield rules.ROOT.at(
-            source, what="a cut into or along a root", x=f"{x:g}", face=wall.face,
-            expected="one through all of it, square to the bar or along a skew end, or none",
+            source, x=f"{way[0][0]:g}", face=wall.face,
+            what="a slanted or round cut through a root" if is_whole
+            else "a cut into or along a root",
+            expected="it square to the bar or along a skew end, or within 30 degrees or a corner's "
+            f"radius of that and with one of face {other} that it meets" if is_whole
+            else f"one {clear}, or through all of it, square to the bar or along a skew end",
         )  # fmt: skip
 
 
@@ -170,7 +181,7 @@ class _Approach(Struct, frozen=True):
     """A cut through the whole of a root that is straight at whatever angle, or round."""
 
     path: tuple[Point, ...]  #: along rising y; of a straight one over all of its wall
-    #: where it meets the other wall: a round one of the web at its flange, others at both sides
+    #: where it meets the other wall: a round one of the web in that, others at both sides of it
     xs: tuple[float, float]
     right: bool  #: whether the scrap lies at greater x
     is_round: bool
@@ -214,8 +225,8 @@ def with_steps(
         outer = (EDGE, beyond[1]) if low else (beyond[0], web.width - EDGE)
         beside = max(EDGE, zs[0] - EDGE), min(flange.width - EDGE, zs[1] + EDGE)
         pairs = product(
-            _approaches(regions["v"], inner, (outer, beyond), coper, 0 if low else -1),
-            _approaches(regions[root.face], across, (beside,), coper),
+            _approaches(regions["v"], inner, (outer, beyond), inner[not low], coper),
+            _approaches(regions[root.face], across, (beside,), None, coper),
         )
         for one, other in pairs:
             if not one.meets(other):
@@ -243,13 +254,12 @@ def _up_to(x: float, side: float, way: Sequence[Point]) -> Shape:
 
 def _approaches(
     region: WallRegion, band: tuple[float, float], wider: Sequence[tuple[float, float]],
-    coper: Coper, at: int | None = None,
+    inner: float | None, coper: Coper,
 ) -> Iterator[_Approach]:  # fmt: skip
     """The cuts through a root that lie on none of a wall's skew ends: straight ones through a band,
-    and round ones through the first of some wider bands that reach no farther along the bar than a
-    corner is round.
-
-    `at` is the end at which a round one meets the other wall, by rising y; None for anywhere.
+    and round ones through the first of some wider bands that reach no farther along the bar than
+    the steepest of those, or than a corner is round. A flange's inner surface lies at y `inner` of
+    a web.
     """
     wide, begun = region.wall.width, set[Point]()
     for borders in (band, *wider):
@@ -266,14 +276,20 @@ def _approaches(
             is_straight = is_on(line, way)
             if borders is band and is_straight and degrees(atan(abs(slope))) <= STEEPEST_DEG:
                 yield _Approach(((line.x(0.0), 0.0), (line.x(wide), wide)), (xa, xb), right, False)
-            begin = way[-1 if at == 0 else 0]
+            begin = way[-1 if inner == band[0] else 0]
             if borders is band or is_straight or begin in begun:
                 continue
+            begun.add(begin)
             rises = all(a[1] < b[1] for a, b in pairwise(way))
-            if rises and SHARE * coper.tolerance < max(xs) - min(xs) <= coper.corner_radius:
-                begun.add(begin)
-                meets = (min(xs), max(xs)) if at is None else (xs[at], xs[at])
-                yield _Approach(way, meets, right, True)
+            most = max(coper.corner_radius, tan(radians(STEEPEST_DEG)) * (yb - ya))
+            if rises and SHARE * coper.tolerance < max(xs) - min(xs) <= most:
+                one = _Approach(way, (min(xs), max(xs)), right, True)
+                if inner is not None:  # rounder than the flange is thick it is off its drawn x
+                    edge, side = (0.0 if inner == band[0] else wide), (1.0 if right else -1.0)
+                    met = [x for x, _ in one.within((min(inner, edge), max(inner, edge)))]
+                    there = met[-1 if inner == band[0] else 0]
+                    one = replace(one, xs=(there, side * min(side * x for x in met)))
+                yield one
 
 
 FAR = 1e5
