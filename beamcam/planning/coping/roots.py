@@ -135,7 +135,10 @@ def _said(
     other: Face, source: Source,
 ) -> Iterator[Diagnostic]:  # fmt: skip
     for way in wrong[:3]:
-        is_whole = abs(way[0][1] - way[-1][1]) >= band[1] - band[0] - EDGE
+        ys = [y for _, y in way]
+        is_whole = abs(ys[0] - ys[-1]) >= band[1] - band[0] - EDGE and (
+            all(a < b for a, b in pairwise(ys)) or all(a > b for a, b in pairwise(ys))
+        )
         yield rules.ROOT.at(
             source, x=f"{way[0][0]:g}", face=wall.face,
             what="a slanted or round cut through a root" if is_whole
