@@ -2,11 +2,12 @@
 
 By classes: what the planner could get wrong (the side of the kerf, a mirrored or moved contour,
 sharp corners, leads in the part, a cut that is missing, made twice or ends too early, the order,
-the row of the cut chart), and what of a program's text (A, F, inverse time, heights, waits,
-switches, blending). So many random profiles are tried, as many with skew ends, for a torch that
-tilts and for one that does not, as many C sections with lips of each of these kinds, pieces that
-come cut, which may also be taken for a bar or for a longer piece, tubes, round and rectangular, and
-profiles that turn, C sections and pieces that come cut among them:
+the row of the cut chart, the steps at roots), and what of a program's text (A, F, inverse time,
+heights, waits, switches, blending). So many random profiles are tried, as many with skew ends, for
+a torch that tilts and for one that does not, with copes near to the roots, C sections with lips of
+each of these kinds, pieces that come cut, which may also be taken for a bar or for a longer piece,
+tubes, round and rectangular, and profiles that turn, C sections and pieces that come cut among
+them:
 
     python benchmarks/coping_faults.py 20
 """
@@ -239,6 +240,8 @@ def survivors(count: int, seed: int = 0) -> tuple[Counter[str], list[tuple[int, 
         ("tube", partial(random_slant, sections=CEES)), ("tube", random_held),
         ("tube", random_tube_piece),
         ("coper-tilt", random_cut_out), ("coper-tilt", random_end),
+        ("coper", partial(random_cope, near=True)), ("tube", partial(random_tee, near=True)),
+        ("coper", partial(random_cope, sections=CEES, near=True)),
     )  # fmt: skip
     for number in range(len(kinds) * count):
         kind, make = kinds[number % len(kinds)]

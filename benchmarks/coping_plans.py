@@ -401,6 +401,59 @@ def along_the_lip(plan: CopePlan, chance: random.Random) -> CopePlan | None:
     return _changed(plan, chance, change, lambda cut: cut.lip and cut.kind != "notch")
 
 
+def _has_step(plan: CopePlan) -> bool:
+    return any(said.code == "plan-coping-step" for said in plan.remarks)
+
+
+def _flange_step(plan: CopePlan, chance: random.Random, by: float | None) -> CopePlan | None:
+    """A square cut of a flange whose step at the root is moved along the bar, or left out."""
+
+    def off(cut: CopeCut) -> list[float]:
+        return [x - cut.path[cut.lead][0] for x, _ in cut.path]
+
+    def change(cut: CopeCut) -> CopeCut:
+        step = max(off(cut)[cut.lead :], key=abs)
+        moved = chance.choice((-1.0, 1.0)) * by if by is not None else -step
+        return replace(cut, path=tuple(
+            (x + (moved if k > cut.lead and abs(far) > abs(step) / 2 else 0.0), y)
+            for k, ((x, y), far) in enumerate(zip(cut.path, off(cut), strict=True))
+        ))  # fmt: skip
+
+    return _changed(
+        plan, chance, change,
+        lambda cut: cut.root and _has_step(plan) and not cut.b_deg and abs(off(cut)[-1]) < 0.01
+        and max(map(abs, off(cut)[cut.lead :])) > 0.4,
+    )  # fmt: skip
+
+
+def _web_step(plan: CopePlan, chance: random.Random, along: float, across: float) -> (
+    CopePlan | None):  # fmt: skip
+    """A cut of a web whose end in a root is moved along the bar, or the round before it across."""
+
+    def change(cut: CopeCut) -> CopeCut:
+        end, sign = len(cut.path) - 2, chance.choice((-1.0, 1.0))
+        return replace(cut, path=tuple(
+            (x + (sign * along if k >= end else 0.0), y + (sign * across if k < end and
+             abs(y - cut.path[-1][1]) < 6.0 and abs(x - cut.path[-1][0]) < 6.0 else 0.0))
+            for k, (x, y) in enumerate(cut.path)
+        ))  # fmt: skip
+
+    def fits(cut: CopeCut) -> bool:
+        (xa, ya), (xb, yb), (xc, _) = cut.path[-2], cut.path[-1], cut.path[-3]
+        is_step = abs(xa - xb) < 1e-3 and abs(ya - yb) < 6.0 and 0.05 < abs(xc - xa) < 3.0
+        return cut.face == "v" and not cut.bevel and _has_step(plan) and is_step
+
+    return _changed(plan, chance, change, fits)
+
+
+STEPS: dict[str, OfPlan] = {
+    "step moved": lambda p, c: _flange_step(p, c, 0.6),
+    "step left out": lambda p, c: _flange_step(p, c, None),
+    "step of the web moved": lambda p, c: _web_step(p, c, 0.6, 0.0),
+    "round before a step moved": lambda p, c: _web_step(p, c, 0.0, 0.6),
+}
+
+
 def plan_faults(machine: Machine, code: str) -> dict[str, OfPlan]:
     """Ways to make the plan of a section wrong."""
     of_all: dict[str, OfPlan] = {
@@ -426,5 +479,5 @@ def plan_faults(machine: Machine, code: str) -> dict[str, OfPlan]:
         **TILTS, **BEVEL_PLANS, "wrong land": wrong_land, "passes in the wrong order": bevel_first,
         "bevel behind the parting": bevel_last, "lower bevel behind": lower_behind,
         "lip left out": lip_left_out, "lip too shallow": lip_too_shallow(machine),
-        "along the lip": along_the_lip,
+        "along the lip": along_the_lip, **STEPS,
     }  # fmt: skip

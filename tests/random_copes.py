@@ -46,8 +46,8 @@ def polygon(points: list[Point]) -> tuple[Curve, ...]:
     return tuple(Line(a, b) for a, b in zip(points, ends, strict=True) if a != b)
 
 
-def random_cope(seed: int, sections: Sequence[Profile] = SECTIONS) -> Part:
-    """A part whose copes cut web and flange at one x."""
+def random_cope(seed: int, sections: Sequence[Profile] = SECTIONS, near: bool = False) -> Part:
+    """A part whose copes cut web and flange at one x; `near` to the roots or well off them."""
     random = Random(seed)
     profile = random.choice(sections)
     length = round(random.uniform(500.0, 1500.0), 1)
@@ -60,7 +60,7 @@ def random_cope(seed: int, sections: Sequence[Profile] = SECTIONS) -> Part:
     }
     for face in flanges:
         features.append(_flange(profile, face, length, back, random))
-    features.append(Contour("v", "outer", _web(profile, length, back, random), AT))
+    features.append(Contour("v", "outer", _web(profile, length, back, random, near), AT))
     features += _holes(profile, length, flanges, random)
     return Part(f"C{seed}", profile, length, AT, features=tuple(features), grade="S235JR")
 
@@ -293,7 +293,7 @@ def _skew_web(profile: Profile, length: float, cuts: EndCuts) -> tuple[Curve, ..
     ])  # fmt: skip
 
 
-def random_tee(seed: int) -> Part:
+def random_tee(seed: int, near: bool = False) -> Part:
     """A T whose copes cut stem and flange at one x, each plate drawn on either of its sides.
 
     It is drawn as it lies under a torch, as an I without an upper flange: what is at y of its
@@ -310,7 +310,7 @@ def random_tee(seed: int) -> Part:
     }
     drawn = (
         _flange(lying, "u", length, back, random),
-        Contour("v", "outer", _web(lying, length, back, random), AT),
+        Contour("v", "outer", _web(lying, length, back, random, near), AT),
         *_tee_holes(lying, length, random),
     )
     features = tuple(_on_tee(feature, tee, random) for feature in drawn)
@@ -371,12 +371,15 @@ def _flange(
 
 
 def _web(
-    profile: Profile, length: float, back: dict[tuple[str, int], float], random: Random
-) -> tuple[Curve, ...]:
+    profile: Profile, length: float, back: dict[tuple[str, int], float], random: Random,
+    near: bool = False,
+) -> tuple[Curve, ...]:  # fmt: skip
     """The web's outline with the copes; their corners are sharp or have a radius."""
     high, root = profile.height, profile.flange_thickness + profile.radius + 12.0
     radius = random.choice((0.0, 10.0, 13.0, 16.0))
     deep = root + 20.0 + round(random.uniform(0.0, 10.0), 2)
+    if near:
+        deep, radius = deep - 32.0 + random.choice((0.0, 4.0, 8.0)), random.choice((0.0, 0.0, 5.0))
     curves: list[Curve] = []
     here: Point | None = None
 

@@ -2,20 +2,20 @@
 
 ends      a skew end that no torch was tilted to has what its walls and roots have beyond it
 ledges    a web with a hole at a flange keeps a ledge along that
-steps     a cut that crosses a root on a slant is square there
+steps     a cut that crosses a root on a slant, or whose corner is round there, is square
 """
 
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
-from beamcam.geometry.curves import Line
+from beamcam.geometry.curves import Curve, Line
 from beamcam.machine.coper import Coper
 from beamcam.model.part import Part
 from beamcam.solid.coper_solid import Burn
 from beamcam.solid.kernel import FREE, behind, kernel, prism
 from beamcam.solid.kernel import outline as section_of
 from beamcam.solid.stock_solid import ALONG as ALONG_BAR
-from beamcam.solid.stock_solid import end_planes, is_cut
+from beamcam.solid.stock_solid import Shape, end_planes, is_cut
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 LIP_LAP = 1.0  #: mm beside a kerf's half and a bend that a flange is cut as its lip is
 APART = 1.0  #: mm along the bar that web and flange are drawn apart at one cut
 SQUARE = 0.05  #: mm along the bar that a square cut may slant
+POINTS = 64  #: of a curve
 
 
 def square_ends(
@@ -102,11 +103,14 @@ def ledges_of(
             yield ledge
 
 
-def steps_of(part: Part, burns: Sequence[Burn], slack: float) -> "Iterator[Manifold]":
-    """What may stay at a root that an outline crosses on a slant.
+def steps_of(
+    part: Part, rounds: Sequence[tuple[str, Shape]], burns: Sequence[Burn], slack: float
+) -> "Iterator[Manifold]":
+    """What may stay at a root that an outline crosses otherwise than square to the bar.
 
-    It lies within the outline's own stretch of the bar, as deep as a pass through the root cuts,
-    and of the flange as wide as web and fillets are.
+    It lies within the outline's own stretch of the bar, or that of a corner's round, as deep as a
+    pass through the root cuts, and of the flange as wide as web and fillets are. `rounds` are what
+    corners keep, by the faces of their walls.
     """
     m = kernel()
     profile, is_tee = part.profile, part.profile.code == "T"
@@ -122,17 +126,31 @@ def steps_of(part: Part, burns: Sequence[Burn], slack: float) -> "Iterator[Manif
         low = face == "u"
         root = (0.0, deep + near) if low else (high - deep - near, high)
         webs, own = ("ou", "hv") if is_tee else ("vh", face)
-        inner = (0.0, deep) if low else (high - deep, high)
-        for contour in part.contours:
-            band = inner if contour.face in webs else across if contour.face in own else None
-            for line in contour.curves if band and is_cut(contour) else ():
-                xs = _crossing(line, band) if isinstance(line, Line) and band else None
-                if xs is None or xs[1] - xs[0] <= SQUARE:
-                    continue
-                first, last = xs[0] - APART - slack, xs[1] + APART + slack
-                (y0, y1), (z0, z1) = (across, root) if is_tee else (root, across)
-                cube = m.Manifold.cube((last - first, y1 - y0, z1 - z0)).translate((first, y0, z0))
-                yield prism(section_of(part), first, last, ALONG_BAR) ^ cube
+        inner = (0.0, deep + SQUARE) if low else (high - deep - SQUARE, high)
+        edges = [(c.face, edge) for c in part.contours if is_cut(c) for edge in c.curves]
+        for of_face, edge in (*edges, *rounds):
+            band = inner if of_face in webs else across if of_face in own else None
+            xs = _stretch(edge, band) if band else None
+            if xs is None or xs[1] - xs[0] <= SQUARE:
+                continue
+            first, last = xs[0] - APART - slack, xs[1] + APART + slack
+            (y0, y1), (z0, z1) = (across, root) if is_tee else (root, across)
+            cube = m.Manifold.cube((last - first, y1 - y0, z1 - z0)).translate((first, y0, z0))
+            yield prism(section_of(part), first, last, ALONG_BAR) ^ cube
+
+
+def _stretch(edge: Curve | Shape, band: tuple[float, float]) -> tuple[float, float] | None:
+    """The least and the greatest x of what of a band lies on an edge or in a round; None if nothing
+    does, or if a straight edge ends in the band."""
+    from shapely import LineString, box
+
+    if isinstance(edge, Line):
+        return _crossing(edge, band)
+    if isinstance(edge, Curve):
+        edge = LineString([edge.point(k / POINTS) for k in range(POINTS + 1)])
+    there = edge.intersection(box(-1e6, band[0], 1e6, band[1]))
+    first, _, last, _ = there.bounds
+    return None if there.is_empty else (first, last)
 
 
 def _crossing(line: Line, band: tuple[float, float]) -> tuple[float, float] | None:

@@ -185,7 +185,7 @@ def _asked(part: Part, machine: Machine, coper: Coper, burns: Sequence[Burn]) ->
         ends_there = coper.unrolls(part.profile.code)
         cut = replace(part, made=None, cuts=EndCuts() if ends_there else part.cuts)
     as_cut, square = _cut_square(cut)
-    corners, count = _corners(cut, narrow, coper.corner_radius)
+    corners, rounds, count = _corners(cut, narrow, coper.corner_radius)
     least = bodies.least if cut is part else part_solid(cut, wide)
     most = (bodies.most if as_cut == whole else part_solid(as_cut, narrow)) + corners
     if part.profile.code == "M" or (part.profile.code == "RO" and skew_ends(cut)):
@@ -198,11 +198,11 @@ def _asked(part: Part, machine: Machine, coper: Coper, burns: Sequence[Burn]) ->
     ledges: list[Manifold] = []
     if part.made is None:
         ledges = list(ledges_of(drawn, part, burns, slack))
-    steps = list(steps_of(part, burns, slack))
+    steps = list(steps_of(part, rounds, burns, slack))
     on_rounds = list(edges_on_rounds(part, slack))
     for many, what in (
         (len(ends), "skew end(s)"), (len(ledges), "hole(s) at a flange"),
-        (len(steps), "slant(s) at a root"), (len(on_rounds), "edge(s) in corners"),
+        (len(steps), "cut(s) not square at a root"), (len(on_rounds), "edge(s) in corners"),
     ):  # fmt: skip
         if many:
             square = f"{square}, {many} {what}" if square else f"{many} {what}"
@@ -271,10 +271,14 @@ def _drilled(hole: Hole, part: Part) -> Iterator[Line]:
 #     steel  (            no corner's.
 
 
-def _corners(part: Part, margins: Margins, radius: float) -> "tuple[Manifold, int]":
-    """The steel that the re-entrant corners of contours keep, and how many there are."""
+def _corners(
+    part: Part, margins: Margins, radius: float
+) -> "tuple[Manifold, list[tuple[str, Shape]], int]":
+    """The steel that the re-entrant corners of contours keep, what they keep of each wall of a
+    profile, by its face, and how many there are."""
     m = kernel()
     taken: list[Manifold] = []
+    rounds: list[tuple[str, Shape]] = []
     corners: set[tuple[str, float, float]] = set()
     if part.profile.code == "RO":
         skin, wall = skin_of(part)
@@ -288,9 +292,10 @@ def _corners(part: Part, margins: Margins, radius: float) -> "tuple[Manifold, in
             own = [c for c in part.contours if _wall_of(c.face, part) == face]
             for (x, q), one in _rounds(_steel_of(part, face, sides[face]), own, radius):
                 taken += rounds_on(face, (x, q), one, radius, sides[face], part)
+                rounds.append((face, one))
                 corners.add((face, x, q))
     whole = m.Manifold.batch_boolean([m.Manifold(), *taken], m.OpType.Add)
-    return (whole ^ stock_solid(part, margins)) - part_solid(part), len(corners)
+    return (whole ^ stock_solid(part, margins)) - part_solid(part), rounds, len(corners)
 
 
 def _wall_of(face: str, part: Part) -> str:

@@ -246,7 +246,7 @@ def _stroke_faults(
         least, most = deep - SURE, deep + SURE
     found = (row_for(rows, coper, thickness) for thickness in (least, most))
     fits = {row.feed_mm_min if row else 0.0 for row in found}
-    between = min(fits) < stroke.row.feed_mm_min < max(fits) + SAME_FEED
+    between = min(fits) - SAME_FEED < stroke.row.feed_mm_min < max(fits) + SAME_FEED
     if stroke.row.feed_mm_min not in fits and not (between and coper.between_rows == "interpolate"):
         expected = " or ".join(f"{feed:g}" for feed in sorted(fits))
         yield rules.FEED.at(

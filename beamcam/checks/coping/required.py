@@ -154,7 +154,8 @@ def walls_asked(
         else [(one.at, one.more) for one in on_walls[face]]
         for face in faces
     }  # fmt: skip
-    for face, mm in with_square_roots(wanted, known, section, strokes, widest).items():
+    steps = with_square_roots(wanted, known, section, strokes, widest, coper.corner_radius)
+    for face, mm in steps.items():
         off[face] = max(mm, off.get(face, 0.0))
     made = [end for end, yes in zip(ends, tilted, strict=True) if end is not None and yes]
     passes = passes_of(part, section, coper, strokes, made)

@@ -1,112 +1,182 @@
-"""Cuts that cross the root of a web on a slant, where a torch cuts web and flange at one x.
+"""Cuts that are not square at the root of a web, where a torch cuts web and flange at one x.
 
-What stays of both reaches as far as either of them is drawn at the root: of the web as deep as the
-passes through that root cut, of the flange as wide as web and fillets are.
+They cross it on a slant, or a corner of a cope is still round there. What stays of both walls
+reaches as far as either of them does at the root: of the web as deep as the passes through that
+root cut, of the flange as wide as web and fillets are.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from math import atan, degrees
+from itertools import pairwise
+from math import radians, tan
+from typing import Any
 
 from msgspec import Struct
 
 from beamcam.checks.coping.section import CoperSection, areas_of, pieces_of
-from beamcam.checks.coping.skew import ON_PLANE, Shape, step_of
+from beamcam.checks.coping.skew import AT_EDGE, ON_PLANE, Shape, step_of
 from beamcam.checks.coping.strokes import TorchStroke
 from beamcam.checks.coping.wanted import RequiredWall, with_round_corners
 from beamcam.geometry.plane import Point
 
-STEEPEST_DEG = 30.0  #: of a cut through a root that is made square, to its normal
+#: mm along the bar by mm across it of a cut through a root that is made square
+STEEPEST = tan(radians(30.0))
 APART = 1.0  #: mm along the bar that web and flange may be drawn apart and are one cut
 SQUARE = 0.1  #: mm along the bar that a square cut may slant
 FAR = 1e5
 
 
 class Crossing(Struct, frozen=True):
-    """A straight edge of a wall through the whole of a root: x = at + more y."""
+    """An edge of a wall through the whole of a root: x = at + more y, or round."""
 
     at: float
     more: float
-    xs: tuple[float, float]  #: at both sides of the root
+    xs: tuple[float, float]  #: where it meets the other wall
     side: int  #: 1 where the scrap lies at greater x
+    round: Any = None  #: the edge itself, of shapely
 
-    def over(self, band: tuple[float, float]) -> Iterator[float]:
-        """x at both sides of a band."""
-        return (self.at + self.more * y for y in band)
+    def over(self, band: tuple[float, float]) -> list[float]:
+        """x at both sides of a band; of a round one the least and the greatest."""
+        if self.round is not None:
+            least, _, most, _ = self.round.bounds
+            return [least, most]
+        return [self.at + self.more * y for y in band]
+
+    def corners(self, band: tuple[float, float]) -> list[Point]:
+        """Where it is at both sides of a band."""
+        if self.round is not None:
+            return [(x, y) for x, y in self.round.coords]
+        return [(self.at + self.more * y, y) for y in band]
+
+    def step(self, drawn: Shape, band: tuple[float, float], x: float) -> Shape:
+        """What is more of a wall that goes to x on a band of it."""
+        if self.round is None:
+            return step_of(self.side, self.at, self.more, *band, x)
+        from shapely import box, union_all
+
+        inside = min(self.over(band), key=lambda at: self.side * at) - self.side * AT_EDGE
+        air = box(min(inside, x), band[0], max(inside, x), band[1]).difference(drawn)
+        return union_all([one for one in pieces_of(air) if one.intersects(self.round)])
 
 
 def crossings_of(
-    shape: Shape, band: tuple[float, float], ends: Sequence[Point]
-) -> Iterator[Crossing]:
-    """The straight edges from side to side of a band of a wall, but for its ends.
+    shape: Shape, band: tuple[float, float], wider: Sequence[tuple[float, float]],
+    surface: float | None, ends: Sequence[Point], radius: float,
+) -> Iterator[Crossing]:  # fmt: skip
+    """The edges from side to side of a band of a wall, but for its ends: straight ones, and on the
+    first of some wider bands round ones, of `radius` mm along the bar or as steep at most.
 
-    Of an end `ends` has x at y 0, and how much more at y 1.
+    Of an end `ends` has x at y 0, and how much more at y 1. The inner surface of a flange lies at y
+    `surface` of a web: it meets a round edge there, or in its own thickness where that goes back.
     """
+    from shapely import LineString, box
+
+    for edge in _across(shape, band):
+        (xa, ya), (xb, yb) = edge.coords[0], edge.coords[-1]
+        more = (xb - xa) / (yb - ya)
+        at = xa - more * ya
+        if _is_straight(edge) and not _is_end(edge, ends) and abs(more) <= STEEPEST:
+            yield Crossing(at, more, (xa, xb), _side(shape, edge))
+    known: list[Any] = []
+    for edge in (edge for one in wider for edge in _across(shape, one)):
+        least, _, most, _ = edge.bounds
+        is_known = any(edge.within(one.buffer(ON_PLANE)) for one in known)
+        if is_known or _is_straight(edge) or _is_end(edge, ends):
+            continue
+        known.append(edge)
+        if not SQUARE < most - least <= max(radius, (edge.bounds[3] - edge.bounds[1]) * STEEPEST):
+            continue
+        ys = [y for _, y in edge.coords]
+        if any(a >= b for a, b in pairwise(ys)):  # a hole of the web beside its flange
+            continue
+        side = _side(shape, edge)
+        if surface is not None:
+            there = edge.intersection(LineString([(-FAR, surface), (FAR, surface)])).bounds[0]
+            flange = sorted((surface, FAR if surface > (ys[0] + ys[-1]) / 2 else -FAR))
+            least, _, most, _ = edge.intersection(box(-FAR, flange[0], FAR, flange[1])).bounds
+            least, most = (least, there) if side > 0 else (there, most)
+        yield Crossing(0.0, 0.0, (least, most), side, edge)
+
+
+def _across(shape: Shape, band: tuple[float, float]) -> Iterator[Any]:
+    """The edges of a shape from the lower side of a band to the upper one."""
     from shapely import LineString, box, line_merge
-    from shapely import Point as Place
 
     low, high = band
     edges = shape.boundary.intersection(box(-FAR, low, FAR, high))
     if edges.geom_type == "MultiLineString":
         edges = line_merge(edges)
     for edge in pieces_of(edges):
-        if edge.geom_type != "LineString":
-            continue
-        (xa, ya), (xb, yb) = sorted((edge.coords[0], edge.coords[-1]), key=lambda p: p[1])
-        if yb - ya < high - low - ON_PLANE or edge.hausdorff_distance(
-            LineString([(xa, ya), (xb, yb)])
-        ) > ON_PLANE / 2:  # fmt: skip
-            continue
-        more = (xb - xa) / (yb - ya)
-        at = xa - more * ya
-        x, y = (xa + xb) / 2, (ya + yb) / 2
-        if any(abs(x - there - rise * y) <= ON_PLANE for there, rise in ends):
-            continue
-        if degrees(atan(abs(more))) <= STEEPEST_DEG:
-            beyond = Place((xa + xb) / 2 + 2 * ON_PLANE, (ya + yb) / 2)
-            yield Crossing(at, more, (xa, xb), -1 if shape.covers(beyond) else 1)
+        if edge.geom_type == "LineString":
+            places = [*edge.coords]
+            places = places if places[0][1] < places[-1][1] else places[::-1]
+            if places[-1][1] - places[0][1] >= high - low - ON_PLANE:
+                yield LineString(places)
+
+
+def _is_straight(edge: Any) -> bool:
+    from shapely import LineString
+
+    chord = LineString([edge.coords[0], edge.coords[-1]])
+    return bool(edge.hausdorff_distance(chord) <= ON_PLANE / 2)
+
+
+def _is_end(edge: Any, ends: Sequence[Point]) -> bool:
+    """Whether an edge lies on an end, by its middle."""
+    (xa, ya), (xb, yb) = edge.coords[0], edge.coords[-1]
+    x, y = (xa + xb) / 2, (ya + yb) / 2
+    return any(abs(x - there - rise * y) <= ON_PLANE for there, rise in ends)
+
+
+def _side(shape: Shape, edge: Any) -> int:
+    """1 where the scrap lies at greater x of an edge."""
+    from shapely import Point as Place
+
+    middle = edge.interpolate(0.5, normalized=True)
+    return -1 if shape.covers(Place(middle.x + 2 * ON_PLANE, middle.y)) else 1
 
 
 def with_square_roots(
     wanted: dict[tuple[str, float], RequiredWall], ends: Mapping[str, Sequence[Point]],
-    section: CoperSection, strokes: Sequence[TorchStroke], widest: float,
+    section: CoperSection, strokes: Sequence[TorchStroke], widest: float, radius: float,
 ) -> dict[str, float]:  # fmt: skip
-    """Puts what stays where a root is crossed on a slant into `wanted`, on all surfaces that it
-    has; gives the mm that are too much, by face. `widest` is the widest kerf."""
+    """Puts what stays where a cut is not square at a root into `wanted`, on all surfaces that it
+    has; gives the mm that are too much, by face. `widest` is the widest kerf, `radius` that of a
+    corner that is drawn sharp."""
     off: dict[str, float] = {}
-    drawn = {face: wanted[face, 0.0].drawn for face in section.faces}
+    cut = {face: wanted[face, 0.0].cut for face in section.faces}
     for face in section.faces[1:]:
         deep = _depth(face, section, strokes)
         if not deep:
             continue
         back, front = section.root(face)
-        zs = back - ON_PLANE, front + ON_PLANE
-        ys = (0.0, deep + ON_PLANE)
-        inner = section.flange, deep
+        zs = max(back - ON_PLANE, 0.0), min(front + ON_PLANE, section.wide)
+        ys, inner = (0.0, deep + ON_PLANE), (section.flange + 2 * ON_PLANE, deep - 2 * ON_PLANE)
+        wider = [(ON_PLANE, ys[1]), (inner[0], ys[1])]
         if face == "o":
-            ys = (section.high - deep - ON_PLANE, section.high)
-            inner = section.high - deep, section.high - section.flange
-        across = max(zs[0], 0.0) + 2 * ON_PLANE, min(zs[1], section.wide) - 2 * ON_PLANE
-        inner = inner[0] + 2 * ON_PLANE, inner[1] - 2 * ON_PLANE
-        for web in [*crossings_of(drawn["v"], inner, ends["v"])]:
-            for flange in [*crossings_of(drawn[face], across, ends[face])]:
+            ys, inner, *wider = (
+                (section.high - high, section.high - low) for low, high in (ys, inner, *wider)
+            )
+        across = zs[0] + 2 * ON_PLANE, zs[1] - 2 * ON_PLANE
+        beside = max(zs[0], ON_PLANE), min(zs[1], section.wide - ON_PLANE)
+        at = inner[1] if face == "o" else inner[0]
+        for web in [*crossings_of(cut["v"], inner, wider, at, ends["v"], radius)]:
+            for flange in [*crossings_of(cut[face], across, [beside], None, ends[face], radius)]:
                 if not _meet(web, flange):
                     continue
                 x = web.side * max(web.side * at for at in (*web.over(ys), *flange.over(zs)))
-                for one, edge, band, wide in (
-                    ("v", web, ys, section.high), (face, flange, zs, section.wide)
-                ):  # fmt: skip
-                    low, high = max(band[0], 0.0), min(band[1], wide)
-                    far = [abs(x - edge.at - edge.more * y) for y in (low, high)]
+                for one, edge, band in (("v", web, ys), (face, flange, zs)):
+                    far = [abs(x - at) for at in edge.over(band)]
                     off[one] = max(off.get(one, 0.0), *far)
-                    _add(wanted, one, edge, (low, high), x, widest)
+                    _add(wanted, one, edge, band, x, widest)
     return off
 
 
 def _meet(web: Crossing, flange: Crossing) -> bool:
-    """Whether both are one cut, of which either crosses its root on a slant."""
+    """Whether both are one cut, of which either is not square at its root."""
     apart = max(min(web.xs) - max(flange.xs), min(flange.xs) - max(web.xs))
     slanted = max(abs(xa - xb) for xa, xb in (web.xs, flange.xs)) > SQUARE
-    return slanted and web.side == flange.side and apart <= APART
+    is_round = web.round is not None or flange.round is not None
+    return (slanted or is_round) and web.side == flange.side and apart <= APART
 
 
 def _add(
@@ -114,12 +184,11 @@ def _add(
     band: tuple[float, float], x: float, widest: float,
 ) -> None:  # fmt: skip
     """Adds a step of a wall on all surfaces that it has."""
-    step = step_of(edge.side, edge.at, edge.more, *band, x)
-    corners: list[Point] = [(edge.at + edge.more * y, y) for y in band]
+    step = edge.step(wanted[face, 0.0].drawn, band, x)
     for key, one in [*wanted.items()]:
         if key[0] == face:
             cut = one.cut.union(step)
-            most = with_round_corners(one.most.union(cut), corners, widest / 2)
+            most = with_round_corners(one.most.union(cut), edge.corners(band), widest / 2)
             wanted[key] = RequiredWall(areas_of(one.drawn.union(step)), cut, one.short, most)
 
 

@@ -29,6 +29,7 @@ Shape = Any  #: of shapely
 
 CORNER_DEG = 20.0  #: a contour that turns by more has a corner
 FAR = 1e4  #: mm beyond any end
+NO_CRACK = 1e-9  #: mm by which what stays at a corner may stand off a side that slants
 LOOK = 0.2  #: mm round a corner in which steel and air are weighed
 
 
@@ -126,7 +127,7 @@ def with_round_corners(drawn: Shape, corners: list[Point], radius: float) -> Sha
         for piece in pieces_of(left.intersection(places.buffer(2 * radius)))
         if piece.area > FINE * FINE and piece.distance(places) <= FINE
     ]
-    return union_all([drawn, *kept])
+    return union_all([drawn, *kept], grid_size=NO_CRACK)
 
 
 def corners_of(curves: tuple[Curve, ...], steel: Shape) -> list[Point]:

@@ -155,7 +155,7 @@ def _at_roots(
         kerf = over_web.kerf if over_web else EDGE
         regions, diagnostics = with_ledges(regions, depths, kerf, coper, part.source)
         more = {"v"} if diagnostics else set()
-    regions, steps, off = with_steps(regions, chart.depth(flange.root_depth), part.source)
+    regions, steps, off = with_steps(regions, chart.depth(flange.root_depth), coper, part.source)
     more |= {face for face, mm in off.items() if mm >= LEAST_SLANT}
     faults = root_faults(regions, depths, coper, part.source)
     return regions, [*diagnostics, *steps, *faults, *lip_faults(regions, part.source)], more

@@ -23,6 +23,7 @@ Shape = Any  #: of shapely
 Cut = Hole | Slot | Contour
 
 CHORD = 0.01  #: mm between a curve and its chords
+GRID = 1e-9  #: mm on which regions are joined
 SLIVER = 2 * CHORD  #: mm; what is thinner is nothing, as what GEOS leaves beside a straight side
 ROUND = 32  #: sides of a quarter of a rounded corner
 OUTLINE_NOISE = 1.0  #: mm between a header's width and an outline; real files differ by 0.7
@@ -164,6 +165,10 @@ def rounded(
         added.append(piece)
         found += [(one.x, one.y) for one in mine]
     whole = union_all([shape, *added]) if added else shape
+    # Beside a side that slants what is added may stand off by a crack of 1e-13 mm.
+    closed = union_all([shape, *added], grid_size=GRID) if added else shape
+    if whole.length > closed.length + SLIVER:
+        whole = closed
     return WallRegion(wall, whole, tuple(found)), diagnostics
 
 

@@ -15,8 +15,8 @@ web    |
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from itertools import product
-from math import atan, degrees
+from itertools import pairwise, product
+from math import atan, degrees, radians, tan
 
 from msgspec import Struct
 from msgspec.structs import replace
@@ -27,7 +27,7 @@ from beamcam.machine.coper import Coper
 from beamcam.model.part import Face
 from beamcam.planning.coping import rules
 from beamcam.planning.coping.cuts import borders_of, chains_of
-from beamcam.planning.coping.ends import STEEPEST_DEG, is_on, stepped
+from beamcam.planning.coping.ends import STEEPEST_DEG, is_on
 from beamcam.planning.coping.regions import OUTLINE_NOISE, Shape, WallRegion
 from beamcam.planning.coping.walls import EDGE, EndLine, PlannedWall, Root
 
@@ -57,7 +57,8 @@ def root_faults(
     web = regions["v"]
     for root in web.wall.roots:
         flange = regions[root.face]
-        on_web, wrong = crossings(web, _band(root, depths[None], web.wall), coper)
+        across = _band(root, depths[None], web.wall)
+        on_web, wrong = crossings(web, across, coper)
         for end in depths.keys() - {None}:  # which counts there, be it more or less
             own = [one for one in crossings(web, _band(root, depths[end], web.wall), coper)[0]
                    if one.end == end]  # fmt: skip
@@ -68,12 +69,16 @@ def root_faults(
                 wrong = [way for way in wrong if not any(is_on(line, (at,)) for at in way)]
             elif before:
                 wrong += [((one.x, 0.0),) for one in before]
-        yield from _said(wrong, web.wall, source)
         (behind,) = flange.wall.roots
+        deep = max(root.high if root.low == 0.0 else web.wall.width - root.low, depths[None])
+        clear = f"{deep + 2 * EDGE:.1f} mm off the outside of face {root.face} at least"
+        yield from _said(wrong, web.wall, across, clear, root.face, source)
         band = max(EDGE, behind.low), min(flange.wall.width - EDGE, behind.high)
-        on_flange, wrong = crossings(flange, band, coper)
-        yield from _said(wrong, flange.wall, source)
-        yield from _unpaired(on_web, on_flange, web.wall, flange.wall, coper, source)
+        on_flange, astray = crossings(flange, band, coper)
+        clear = f"off web and fillets, from y {band[0]:.1f} to {band[1]:.1f}"
+        yield from _said(astray, flange.wall, band, clear, "v", source)
+        if not (wrong or astray):
+            yield from _unpaired(on_web, on_flange, web.wall, flange.wall, coper, source)
         if coper.k_area == "refuse":
             for one in on_web[:1]:
                 yield rules.K_AREA.at(source, x=f"{one.x:g}", face=root.face)
@@ -126,12 +131,21 @@ def crossings(
 
 
 def _said(
-    wrong: Sequence[Sequence[Point]], wall: PlannedWall, source: Source
-) -> Iterator[Diagnostic]:
-    for (x, _), *_ in wrong[:3]:
+    wrong: Sequence[Sequence[Point]], wall: PlannedWall, band: tuple[float, float], clear: str,
+    other: Face, source: Source,
+) -> Iterator[Diagnostic]:  # fmt: skip
+    for way in wrong[:3]:
+        ys = [y for _, y in way]
+        is_whole = abs(ys[0] - ys[-1]) >= band[1] - band[0] - EDGE and (
+            all(a < b for a, b in pairwise(ys)) or all(a > b for a, b in pairwise(ys))
+        )
         yield rules.ROOT.at(
-            source, what="a cut into or along a root", x=f"{x:g}", face=wall.face,
-            expected="one through all of it, square to the bar or along a skew end, or none",
+            source, x=f"{way[0][0]:g}", face=wall.face,
+            what="a slanted or round cut through a root" if is_whole
+            else "a cut into or along a root",
+            expected="it square to the bar or along a skew end, or within 30 degrees or a corner's "
+            f"radius of that and with one of face {other} that it meets" if is_whole
+            else f"one {clear}, or through all of it, square to the bar or along a skew end",
         )  # fmt: skip
 
 
@@ -166,29 +180,37 @@ def _unpaired(
                 )  # fmt: skip
 
 
-class _Slanted(Struct, frozen=True):
-    """A straight cut through the whole of a root, at whatever angle."""
+class _Approach(Struct, frozen=True):
+    """A cut through the whole of a root that is straight at whatever angle, or round."""
 
-    line: EndLine
-    xs: tuple[float, float]  #: at both sides of the root
+    path: tuple[Point, ...]  #: along rising y; of a straight one over all of its wall
+    #: where it meets the other wall: a round one of the web in that, others at both sides of it
+    xs: tuple[float, float]
     right: bool  #: whether the scrap lies at greater x
+    is_round: bool
 
-    @property
-    def is_square(self) -> bool:
-        return abs(self.xs[1] - self.xs[0]) <= EDGE
-
-    def meets(self, other: "_Slanted") -> bool:
-        """Whether it and one of the other wall are one cut, which either crosses on a slant."""
+    def meets(self, other: "_Approach") -> bool:
+        """Whether it and one of the other wall are one cut, of which either is not square."""
         apart = max(min(self.xs) - max(other.xs), min(other.xs) - max(self.xs))
-        slanted = not (self.is_square and other.is_square)
-        return slanted and self.right == other.right and apart <= OUTLINE_NOISE
+        square = not (self.is_round or other.is_round) and all(
+            abs(one.xs[1] - one.xs[0]) <= EDGE for one in (self, other)
+        )
+        return not square and self.right == other.right and apart <= OUTLINE_NOISE
+
+    def within(self, band: tuple[float, float]) -> list[Point]:
+        """Its places on a band; beyond its ends it goes on square to the bar."""
+        from numpy import interp
+
+        xs, ys = zip(*self.path, strict=True)
+        first, last = ((float(interp(y, ys, xs)), y) for y in band)
+        return [first, *(place for place in self.path if band[0] < place[1] < band[1]), last]
 
 
 def with_steps(
-    regions: Mapping[Face, WallRegion], depth: float, source: Source
+    regions: Mapping[Face, WallRegion], depth: float, coper: Coper, source: Source
 ) -> tuple[dict[Face, WallRegion], list[Diagnostic], dict[Face, float]]:
-    """Regions whose walls meet square at roots that a cut crosses on a slant; a warning of
-    each, and mm too much by wall.
+    """Regions whose walls meet square at roots that a cut crosses on a slant, or as the round of a
+    corner begins there; a warning of each, and mm too much by wall.
 
     `depth` is that to which a pass through a root cuts. What is more than drawn reaches as far as
     either of the walls does there, so that no steel is missing.
@@ -202,36 +224,75 @@ def with_steps(
         zs = max(behind.low - EDGE, 0.0), min(behind.high + EDGE, flange.width)
         inner = _band(root, depth, web)
         across = max(EDGE, behind.low), min(flange.width - EDGE, behind.high)
-        pairs = product(_slants(regions["v"], inner), _slants(regions[root.face], across))
+        beyond = (inner[0], ys[1] + EDGE) if low else (ys[0] - EDGE, inner[1])
+        outer = (EDGE, beyond[1]) if low else (beyond[0], web.width - EDGE)
+        beside = max(EDGE, zs[0] - EDGE), min(flange.width - EDGE, zs[1] + EDGE)
+        pairs = product(
+            _approaches(regions["v"], inner, (outer, beyond), inner[not low], coper),
+            _approaches(regions[root.face], across, (beside,), None, coper),
+        )
         for one, other in pairs:
             if not one.meets(other):
                 continue
             side = 1.0 if one.right else -1.0
-            reach = (*map(one.line.x, ys), *map(other.line.x, zs))
-            x = side * max(side * at for at in reach)
-            for face, line, band, wall in (
-                ("v", one.line, ys, web), (root.face, other.line, zs, flange)
-            ):  # fmt: skip
-                more = stepped(line, band, x, side, wall.width)
+            ways: dict[Face, list[Point]] = {"v": one.within(ys), root.face: other.within(zs)}
+            x = side * max(side * at for way in ways.values() for at, _ in way)
+            for face, way in ways.items():
+                more = _up_to(x, side, way)
                 found[face] = replace(found[face], shape=found[face].shape.union(more))
-                off[face] = max(off.get(face, 0.0), *(abs(x - line.x(y)) for y in band))
+                off[face] = max(off.get(face, 0.0), *(abs(x - at) for at, _ in way))
             said.append(rules.STEP.at(
                 source, x=f"{x:g}", face=root.face, found=f"{max(off['v'], off[root.face]):.1f}",
             ))  # fmt: skip
     return found, said, off
 
 
-def _slants(region: WallRegion, band: tuple[float, float]) -> Iterator[_Slanted]:
-    """The straight cuts through a band of a wall that lie on none of its skew ends."""
-    for chain in chains_of(region.shape, borders_of(region.wall, *band, -EDGE)):
-        (xa, ya), (xb, yb) = chain.points[0], chain.points[-1]
-        if {chain.start, chain.end} != {"low", "high"}:
-            continue
-        slope = (xb - xa) / (yb - ya)
-        line = EndLine(xa - slope * ya, slope)
-        on_end = any(end is not None and is_on(end, chain.points) for end in region.wall.skew)
-        if not on_end and is_on(line, chain.points) and degrees(atan(abs(slope))) <= STEEPEST_DEG:
-            yield _Slanted(line, (xa, xb), chain.start == "low")
+def _up_to(x: float, side: float, way: Sequence[Point]) -> Shape:
+    """What a wall has more that ends square at x instead of along a way."""
+    from shapely import Polygon
+
+    inside = [(at - side * OUTLINE_NOISE, y) for at, y in way]
+    return Polygon([*inside, (x, way[-1][1]), (x, way[0][1])])
+
+
+def _approaches(
+    region: WallRegion, band: tuple[float, float], wider: Sequence[tuple[float, float]],
+    inner: float | None, coper: Coper,
+) -> Iterator[_Approach]:  # fmt: skip
+    """The cuts through a root that lie on none of a wall's skew ends: straight ones through a band,
+    and round ones through the first of some wider bands that reach no farther along the bar than
+    the steepest of those, or than a corner is round. A flange's inner surface lies at y `inner` of
+    a web.
+    """
+    wide, begun = region.wall.width, set[Point]()
+    for borders in (band, *wider):
+        for chain in chains_of(region.shape, borders_of(region.wall, *borders, -EDGE)):
+            right = chain.start == "low"
+            way = chain.points if right else chain.points[::-1]
+            (xa, ya), (xb, yb) = way[0], way[-1]
+            if {chain.start, chain.end} != {"low", "high"} or any(
+                end is not None and is_on(end, way) for end in region.wall.skew
+            ):
+                continue
+            slope = (xb - xa) / (yb - ya)
+            line, xs = EndLine(xa - slope * ya, slope), [x for x, _ in way]
+            is_straight = is_on(line, way)
+            if borders is band and is_straight and degrees(atan(abs(slope))) <= STEEPEST_DEG:
+                yield _Approach(((line.x(0.0), 0.0), (line.x(wide), wide)), (xa, xb), right, False)
+            begin = way[-1 if inner == band[0] else 0]
+            if borders is band or is_straight or begin in begun:
+                continue
+            begun.add(begin)
+            rises = all(a[1] < b[1] for a, b in pairwise(way))
+            most = max(coper.corner_radius, tan(radians(STEEPEST_DEG)) * (yb - ya))
+            if rises and SHARE * coper.tolerance < max(xs) - min(xs) <= most:
+                one = _Approach(way, (min(xs), max(xs)), right, True)
+                if inner is not None:  # rounder than the flange is thick it is off its drawn x
+                    edge, side = (0.0 if inner == band[0] else wide), (1.0 if right else -1.0)
+                    met = [x for x, _ in one.within((min(inner, edge), max(inner, edge)))]
+                    there = met[-1 if inner == band[0] else 0]
+                    one = replace(one, xs=(there, side * min(side * x for x in met)))
+                yield one
 
 
 FAR = 1e5

@@ -26,10 +26,10 @@ LEDGE = warning("plan-coping-ledge",
     "Over the web the torch comes no nearer to a flange than its width and the root fillet allow. "
     "The steel that stays along the flange has to be taken by hand.")
 STEP = warning("plan-coping-step",
-    "found a cut that crosses the root of face {face} on a slant at x {x}; web and flange are cut "
-    "square there, up to {found} mm too long",
-    "The root is cut from outside of the flange, square to the bar. What is too much has to be "
-    "ground off; no steel is missing.")
+    "found a cut that is slanted or round at the root of face {face}, at x {x}; web and flange are "
+    "cut square there, up to {found} mm too long",
+    "The root is cut from outside of the flange, square to the bar, and the corner of a cope ends "
+    "in it. What is too much has to be ground off; no steel is missing.")
 K_AREA = error("plan-coping-k-area",
     'found a cut through the root at x {x} on face {face}; expected none, coper.k_area is "refuse"',
     'With k_area = "pass" in the machine file the root is cut from outside of the flange, by a row '
