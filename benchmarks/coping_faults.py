@@ -5,8 +5,8 @@ sharp corners, leads in the part, a cut that is missing, made twice or ends too 
 the row of the cut chart), and what of a program's text (A, F, inverse time, heights, waits,
 switches, blending). So many random profiles are tried, as many with skew ends, for a torch that
 tilts and for one that does not, as many C sections with lips of each of these kinds, pieces that
-come cut, which may also be taken for a bar or for a longer piece, tubes, round and rectangular, and
-profiles that turn, C sections and pieces that come cut among them:
+come cut, which may also be taken for a bar or for a longer piece, tubes, round and rectangular,
+with narrow slots too, and profiles that turn, C sections and pieces that come cut among them:
 
     python benchmarks/coping_faults.py 20
 """
@@ -51,7 +51,7 @@ from tests.random_copes import (
     random_slant,
     random_tee,
 )  # fmt: skip
-from tests.random_tubes import random_tube
+from tests.random_tubes import random_slotted, random_tube
 
 
 def program_of(plan: CopePlan, job: Job) -> str:
@@ -237,7 +237,7 @@ def survivors(count: int, seed: int = 0) -> tuple[Counter[str], list[tuple[int, 
         ("coper", partial(random_slant, sections=CEES)),
         ("tube", random_lipped), ("tube", partial(random_mitre, sections=CEES)),
         ("tube", partial(random_slant, sections=CEES)), ("tube", random_held),
-        ("tube", random_tube_piece),
+        ("tube", random_tube_piece), ("tube", random_slotted),
         ("coper-tilt", random_cut_out), ("coper-tilt", random_end),
     )  # fmt: skip
     for number in range(len(kinds) * count):
