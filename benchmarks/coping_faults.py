@@ -6,8 +6,8 @@ the row of the cut chart, the steps at roots), and what of a program's text (A, 
 heights, waits, switches, blending). So many random profiles are tried, as many with skew ends, for
 a torch that tilts and for one that does not, with copes near to the roots, C sections with lips of
 each of these kinds, pieces that come cut, which may also be taken for a bar or for a longer piece,
-tubes, round and rectangular, and profiles that turn, C sections and pieces that come cut among
-them:
+tubes, round and rectangular, with narrow slots too, and profiles that turn, C sections and pieces
+that come cut among them:
 
     python benchmarks/coping_faults.py 20
 """
@@ -52,7 +52,7 @@ from tests.random_copes import (
     random_slant,
     random_tee,
 )  # fmt: skip
-from tests.random_tubes import random_tube
+from tests.random_tubes import random_slotted, random_tube
 
 
 def program_of(plan: CopePlan, job: Job) -> str:
@@ -238,7 +238,7 @@ def survivors(count: int, seed: int = 0) -> tuple[Counter[str], list[tuple[int, 
         ("coper", partial(random_slant, sections=CEES)),
         ("tube", random_lipped), ("tube", partial(random_mitre, sections=CEES)),
         ("tube", partial(random_slant, sections=CEES)), ("tube", random_held),
-        ("tube", random_tube_piece),
+        ("tube", random_tube_piece), ("tube", random_slotted),
         ("coper-tilt", random_cut_out), ("coper-tilt", random_end),
         ("coper", partial(random_cope, near=True)), ("tube", partial(random_tee, near=True)),
         ("coper", partial(random_cope, sections=CEES, near=True)),

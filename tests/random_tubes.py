@@ -39,6 +39,24 @@ def random_tube(seed: int) -> Part:
     return Part(f"T{seed}", profile, length, AT, features=tuple(features), grade="S235JR")
 
 
+def random_slotted(seed: int) -> Part:
+    """A tube with slots for gussets, drawn sharp and narrower than two radii of a torch: one open
+    to an end, its floor square or skew, and one that is closed; some across the seam."""
+    random = Random(seed)
+    profile = random.choice(SECTIONS)
+    turn, length = pi * profile.height, round(random.uniform(400.0, 600.0), 1)
+    wide, deep = (round(random.uniform(*most), 1) for most in ((8.0, 21.0), (40.0, 120.0)))
+    skew = random.choice((0.0, round(random.uniform(-0.4, 0.4) * wide, 1)))
+    u = round(random.uniform(0.0, turn - wide), 1)
+    ends = [(0.0, 0.0), (length, 0.0), (length, turn), (0.0, turn), (0.0, u + wide),
+            (deep + skew, u + wide), (deep, u), (0.0, u)]  # fmt: skip
+    features: list[Feature] = [Contour("v", "outer", polygon(ends), AT)]
+    across, u = round(random.uniform(14.0, 21.0), 1), round(random.uniform(0.0, turn), 1)
+    closed = [(200.0, u), (290.0, u), (290.0, u + across), (200.0, u + across)]
+    features.append(Contour("v", "inner", polygon(closed), AT))
+    return Part(f"S{seed}", profile, length, AT, features=tuple(features), grade="S235JR")
+
+
 def _ends(turn: float, length: float, random: Random) -> Contour:
     """An outline whose ends run as a mitre does, or as a saddle, or square."""
     waves = [random.choice((0, 1, 2)) for _ in range(2)]

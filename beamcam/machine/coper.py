@@ -85,7 +85,8 @@ class Coper(Keys, frozen=True):
     #: from outside of the flange by a pass that is deep enough.
     k_area: Literal["refuse", "pass"] = "refuse"
     root_over: Positive = 2.0  #: how much deeper than the root such a pass cuts
-    corner_radius: Positive = 10.0  #: least radius of a re-entrant corner that is drawn sharp
+    #: of a re-entrant corner that is drawn sharp, or as round as there is room
+    corner_radius: Positive = 10.0
     tolerance: Positive = 0.2  #: of the cut from the contour
     lead: Positive = 8.0  #: from the pierce point, in scrap, to the contour
     over: Positive = 2.0  #: how far a cut goes on beyond a free edge

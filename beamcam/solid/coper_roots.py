@@ -6,13 +6,16 @@ steps     a cut that crosses a root on a slant, or whose corner is round there, 
 """
 
 from collections.abc import Iterator, Sequence
+from math import hypot, radians, tan
 from typing import TYPE_CHECKING
+
+from msgspec import Struct
 
 from beamcam.geometry.curves import Curve, Line
 from beamcam.machine.coper import Coper
-from beamcam.model.part import Part
+from beamcam.model.part import Part, Profile
 from beamcam.solid.coper_solid import Burn
-from beamcam.solid.kernel import FREE, behind, kernel, prism
+from beamcam.solid.kernel import FREE, Interval, behind, kernel, prism, walls
 from beamcam.solid.kernel import outline as section_of
 from beamcam.solid.stock_solid import ALONG as ALONG_BAR
 from beamcam.solid.stock_solid import Shape, end_planes, is_cut
@@ -20,10 +23,38 @@ from beamcam.solid.stock_solid import Shape, end_planes, is_cut
 if TYPE_CHECKING:
     from manifold3d import Manifold
 
+FAR = 1e4  #: mm beyond any section
+STEEP = tan(radians(29.0))  #: of an end, along which a step goes on until it meets it
+STEP_KERFS = 0.9  #: beside the corner of a step of 60 degrees, in which the jet is round
+ON_PLANE = 0.05  #: mm off an end that lie on it
 LIP_LAP = 1.0  #: mm beside a kerf's half and a bend that a flange is cut as its lip is
 APART = 1.0  #: mm along the bar that web and flange are drawn apart at one cut
 SQUARE = 0.05  #: mm along the bar that a square cut may slant
 POINTS = 64  #: of a curve
+
+
+class _End(Struct, frozen=True):
+    """A skew end: side X = at - by_y Y - by_z Z."""
+
+    side: float
+    at: float
+    by_y: float
+    by_z: float
+
+    def reach(self, ys: Interval, zs: Interval) -> float:
+        """How far it reaches, side X, within a box of the section."""
+        return self.at - min(self.by_y * y for y in ys) - min(self.by_z * z for z in zs)
+
+    def within(
+        self, shape: Shape, reach: float, by_y: float = 0.0, by_z: float = 0.0
+    ) -> "Manifold":
+        """What of a section lies behind side X = reach - by_y Y - by_z Z, from before all of the
+        end on."""
+        _, _, high, wide = shape.bounds if not shape.is_empty else (0.0,) * 4
+        far = abs(self.by_y) * high + abs(self.by_z) * wide + FREE
+        low, most = sorted((self.side * (self.at - 3 * far), self.side * (self.at + 3 * far)))
+        bar = prism(shape, low, most, ALONG_BAR)
+        return behind(bar, (self.side * reach, 0.0, 0.0), (self.side, by_y, by_z))
 
 
 def square_ends(
@@ -31,32 +62,94 @@ def square_ends(
 ) -> "Iterator[Manifold]":
     """What may stay beyond each skew end of a bar to which no torch was tilted.
 
-    Square to a wall t thick it is t times the tangent of the angle at most; through a root a pass
-    goes square as deep as its row, and as wide as web and fillets are. A flange with a lip is as
-    long as that beside its bend, where the cuts of both lap, by whatever rows.
+    Each wall goes on square to itself to where it reaches farthest, at one of its surfaces. At a
+    root web and flange go on to where either of them does, as deep as a pass goes and as wide as
+    web and fillets are; so does a flange at its lip, beside the bend too, where cuts of both lap.
     """
     profile = part.profile
     if part.made is not None or coper.unrolls(profile.code):
         return
-    deepest = max((burn.row.up_to for burn in burns), default=0.0) + slack
     # The round jet leaves a little more in the corner of a step.
-    half_kerf = max((burn.row.kerf for burn in burns), default=0.0) / 2
-    wide = (profile.web_thickness or 0.0) + 2 * profile.radius
-    if profile.lip:
-        bend = (profile.web_thickness or 0.0) + profile.radius
-        wide = max(wide, bend + LIP_LAP + max(row.kerf for row in coper.rows) / 2)
-    wide += half_kerf + slack
-    over = profile.height + profile.width + FREE
-    bar = prism(section_of(part), -over, part.length + over, ALONG_BAR)
-    for (x, y, z), (side, by_y, by_z) in end_planes(part, drawn=True):
+    step = STEP_KERFS * max((burn.row.kerf for burn in burns), default=0.0) + slack
+    section = section_of(part)
+    for (x, _, _), (side, by_y, by_z) in end_planes(part, drawn=True):
         near = [burn for burn in burns if side * (burn.path[-1][0] - part.length / 2) > 0.0]
         if not (by_y or by_z) or any(burn.b_deg for burn in near):
             continue
-        # A T lies on its side: its flange is seen along its z.
-        across, along = (abs(by_z), abs(by_y)) if profile.code == "T" else (abs(by_y), abs(by_z))
-        most = across * deepest + along * wide
-        grown = behind(bar, (x + side * (most + slack), y, z), (side, by_y, by_z))
-        yield grown - behind(bar, (x - side * 2 * slack, y, z), (side, by_y, by_z))
+        end = _End(side, side * x, by_y, by_z)
+        inside = end.within(section, end.at - 2 * slack, by_y, by_z)
+        m = kernel()
+        beyond = [*_walls_beyond(end, profile, section, slack)]
+        for ys, zs, deep in _at_one_x(profile, coper, near):
+            beyond.append(_stepped(end, section, ys, zs, end.reach(*deep) + slack, step))
+        yield m.Manifold.batch_boolean(beyond, m.OpType.Add) - inside
+
+
+def _walls_beyond(
+    end: _End, profile: Profile, section: Shape, slack: float
+) -> "Iterator[Manifold]":
+    """Each wall as far as it reaches at either of its surfaces, with the fillets beside a web."""
+    from shapely import box
+
+    for face, wall in walls(profile).items():
+        if face in ("v", "o", "u"):
+            slab = (wall.surface, wall.surface + wall.inward * wall.thickness)
+            fillet = profile.radius if (wall.normal == "y") == (profile.code == "T") else 0.0
+            low, high = min(slab) - fillet - FREE / 100, max(slab) + fillet + FREE / 100
+            if wall.normal == "y":
+                own = section.intersection(box(low, -FREE, high, profile.width + FREE))
+                reach = end.reach(slab, (0.0, 0.0)) + slack * hypot(1.0, end.by_z)
+                yield end.within(own, reach, by_z=end.by_z)
+            else:
+                own = section.intersection(box(-FREE, low, profile.height + FREE, high))
+                reach = end.reach((0.0, 0.0), slab) + slack * hypot(1.0, end.by_y)
+                yield end.within(own, reach, by_y=end.by_y)
+
+
+def _at_one_x(
+    profile: Profile, coper: Coper, burns: Sequence[Burn]
+) -> Iterator[tuple[Interval, Interval, tuple[Interval, Interval]]]:
+    """Bands of Y and of Z that are cut at one x, each with the box that says at which."""
+    high, wide, r = profile.height, profile.width, profile.radius
+    web, lip = profile.web_thickness or 0.0, profile.lip or 0.0
+    is_tee = profile.code == "T"
+    across = high if is_tee else wide  # of a T the flange lies along Y, its root along Z
+    first = (across - (profile.flange_thickness if is_tee else web)) / 2
+    first = first if profile.code in ("I", "T") else 0.0
+    last = first + (profile.flange_thickness if is_tee else web)
+    beside = max(first - r, 0.0), min(last + r, across)
+    deep = 0.0
+    for burn in burns:
+        zs = [q if burn.a_deg > 0.0 else -q for _, q in burn.path]
+        zs = zs if profile.code in ("I", "U", "L") else [across - z for z in zs]
+        if abs(burn.a_deg) > 45.0 and min(zs) < (first + last) / 2 < max(zs):
+            deep = max(deep, burn.row.up_to)
+    deep += ON_PLANE
+    if is_tee:
+        yield beside, (0.0, deep), (beside, (0.0, deep))
+        return
+    for ys in [(0.0, deep), (high - deep, high)][: 1 if profile.code == "L" else 2]:
+        yield ys, beside, (ys, beside)
+    if lip:
+        bend = web + r
+        band = wide - bend - LIP_LAP - max(row.kerf for row in coper.rows) / 2, wide
+        for ys in ((0.0, lip), (high - lip, high)):
+            yield ys, band, (ys, (wide - bend, wide))
+
+
+def _stepped(
+    end: _End, section: Shape, ys: Interval, zs: Interval, reach: float, step: float
+) -> "Manifold":
+    """The walls through a box of the section up to one x, and beyond it while a steep end lies
+    before that."""
+    from shapely import box, union_all
+
+    (y0, y1), (z0, z1) = (
+        (-FAR if by > STEEP else low - step, FAR if by < -STEEP else high + step)
+        for (low, high), by in ((ys, end.by_y), (zs, end.by_z))
+    )
+    cross = union_all([box(ys[0], z0, ys[1], z1), box(y0, zs[0], y1, zs[1])])
+    return end.within(section.intersection(cross), reach)
 
 
 def ledges_of(

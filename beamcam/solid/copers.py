@@ -16,8 +16,8 @@ The last two are told, by how much steel they leave.
 import re
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
-from math import asin, atan2, degrees, hypot, pi, radians, tan
-from typing import TYPE_CHECKING, Any
+from math import asin, hypot, pi, radians
+from typing import TYPE_CHECKING
 
 from msgspec import Struct
 from msgspec.structs import replace
@@ -26,10 +26,9 @@ from beamcam.controllers import cell_events
 from beamcam.controllers.events import in_degrees
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Line
-from beamcam.geometry.plane import Point
 from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
-from beamcam.model.part import Contour, EndCuts, Face, Feature, Hole, Part, Profile, Slot
+from beamcam.model.part import Contour, EndCuts, Face, Feature, Hole, Part, Profile
 from beamcam.model.request import Request
 from beamcam.solid import PIECES, ROUNDED, SQUARE
 from beamcam.solid.compare import (
@@ -43,28 +42,21 @@ from beamcam.solid.compare import (
     ways_to_lie,
     without_left_out,
 )
+from beamcam.solid.coper_corners import rounded_corners
 from beamcam.solid.coper_roots import ledges_of, square_ends, steps_of
 from beamcam.solid.coper_solid import Burn, burns_of, pieces_of, stock_of
-from beamcam.solid.cutters import slot_shape
-from beamcam.solid.kernel import CHORD, FREE, Wall, circle, facets, kernel, minus, walls
+from beamcam.solid.kernel import CHORD, FREE, circle, kernel, minus
 from beamcam.solid.part_solid import part_solid
-from beamcam.solid.stock_solid import Margins, Shape, is_cut, shape_of, stock_solid
+from beamcam.solid.stock_solid import Margins, is_cut, stock_solid
 from beamcam.solid.wrapped import (
-    all_round,
     edges_on_rounds,
-    outline_gone,
-    rounds_on,
     skew_ends,
-    skin_of,
     square_to_surface,
-    wrapped,
 )
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
 
-CORNER_DEG = 20.0  #: what a corner turns more than
-ALONG_ARC = 1.3  #: reaches of a corner's round along a side that bends towards the other one
 OFF_TANGENT = 1.0  #: mm that an outline may end off the tangents of its face and mean them
 SKIN = 0.05  #: mm off surfaces that no one cuts: those that lie in one another are dear to cut
 _CALLED_PIPE = re.compile(r"\s*(PIPE|CHS|TUBE)", re.IGNORECASE)
@@ -76,8 +68,7 @@ class PartWithAllowance(Struct, frozen=True):
     bodies: Bodies  #: its most steel has the round of its corners, its bevels and straight holes
     plain: "Manifold"  #: the most steel of what is drawn
     corners: "Manifold"  #: what the corners keep
-    count: int  #: of the corners
-    radius: float
+    radii: Sequence[float]  #: of the corners
     square: str  #: what is cut square to the wall that is drawn otherwise; "" for nothing
 
 
@@ -185,7 +176,7 @@ def _asked(part: Part, machine: Machine, coper: Coper, burns: Sequence[Burn]) ->
         ends_there = coper.unrolls(part.profile.code)
         cut = replace(part, made=None, cuts=EndCuts() if ends_there else part.cuts)
     as_cut, square = _cut_square(cut)
-    corners, rounds, count = _corners(cut, narrow, coper.corner_radius)
+    corners, rounds, radii = rounded_corners(cut, narrow, coper.corner_radius)
     least = bodies.least if cut is part else part_solid(cut, wide)
     most = (bodies.most if as_cut == whole else part_solid(as_cut, narrow)) + corners
     if part.profile.code == "M" or (part.profile.code == "RO" and skew_ends(cut)):
@@ -212,7 +203,7 @@ def _asked(part: Part, machine: Machine, coper: Coper, burns: Sequence[Burn]) ->
         more = [*ends, *ledges, *steps, *on_tube]
         most = m.Manifold.batch_boolean([most, *more], m.OpType.Add)
     allowed = replace(bodies, least=least, most=most)
-    return PartWithAllowance(allowed, bodies.most, corners, count, coper.corner_radius, square)
+    return PartWithAllowance(allowed, bodies.most, corners, (*radii.values(),), square)
 
 
 def _known(
@@ -220,10 +211,11 @@ def _known(
 ) -> Iterator[Diagnostic]:
     """The steel on a sound piece that is more than what is drawn, without what may be left out."""
     mark, source = one.bodies.part.mark or "the part", one.bodies.part.source
-    if one.count:
+    if one.radii:
         left = float((piece ^ one.corners).volume())
+        radius = " to ".join(f"{r:.3g}" for r in sorted({min(one.radii), max(one.radii)}))
         yield ROUNDED.at(
-            source, found=f"{left:.1f}", count=one.count, mark=mark, radius=f"{one.radius:g}"
+            source, found=f"{left:.1f}", count=len(one.radii), mark=mark, radius=radius
         )
     if one.square:
         more = minus(piece, [one.plain, one.corners, *beyond])
@@ -260,108 +252,3 @@ def _drilled(hole: Hole, part: Part) -> Iterator[Line]:
     ring = circle(0.0, 0.0, min(hole.diameter / 2, radius))
     places = [(hole.x + x, hole.y + radius * asin(across / radius)) for x, across in ring]
     yield from (Line(a, b) for a, b in pairwise([*places, places[0]]))
-
-
-# --- corners --------------------------------------------------------------------------------------
-
-# What a disc, rolled through the air, does not reach at a re-entrant corner stays:
-#
-#      steel |            between two straight sides with the angle a it ends r / tan(a / 2) from
-#      ______| r          the corner; what goes on farther is a notch that is too narrow, and is
-#     steel  (            no corner's.
-
-
-def _corners(
-    part: Part, margins: Margins, radius: float
-) -> "tuple[Manifold, list[tuple[str, Shape]], int]":
-    """The steel that the re-entrant corners of contours keep, what they keep of each wall of a
-    profile, by its face, and how many there are."""
-    m = kernel()
-    taken: list[Manifold] = []
-    rounds: list[tuple[str, Shape]] = []
-    corners: set[tuple[str, float, float]] = set()
-    if part.profile.code == "RO":
-        skin, wall = skin_of(part)
-        turn = skin.turn
-        for (x, u), one in _rounds(_steel_of_tube(part, turn), part.contours, radius):
-            taken.append(wrapped(one, skin, -FREE, wall + FREE))
-            corners.add(("v", round(x, 2), round(u % turn, 2) % round(turn, 2)))
-    sides = walls(part.profile)
-    for face in ("v", "o", "u", "h") if part.profile.code != "RO" else ():
-        if face in sides:
-            own = [c for c in part.contours if _wall_of(c.face, part) == face]
-            for (x, q), one in _rounds(_steel_of(part, face, sides[face]), own, radius):
-                taken += rounds_on(face, (x, q), one, radius, sides[face], part)
-                rounds.append((face, one))
-                corners.add((face, x, q))
-    whole = m.Manifold.batch_boolean([m.Manifold(), *taken], m.OpType.Add)
-    return (whole ^ stock_solid(part, margins)) - part_solid(part), rounds, len(corners)
-
-
-def _wall_of(face: str, part: Part) -> str:
-    """The face of a wall, seen from either side: a T has two of them, a rectangular tube four."""
-    if part.profile.code == "M":
-        return face
-    return {"h": "v", "o": "u" if part.profile.code == "T" else "o"}.get(face, face)
-
-
-def _steel_of(part: Part, face: str, wall: Wall) -> Shape:
-    """What is drawn of a wall, in (x, q) of its face."""
-    from shapely import box, union_all
-
-    own = [f for f in part.features if _wall_of(getattr(f, "face", ""), part) == face]
-    outer = [f for f in own if isinstance(f, Contour) and f.kind == "outer" and is_cut(f)]
-    whole = box(0.0, 0.0, part.length, wall.width)
-    if outer:
-        whole = whole.intersection(union_all([shape_of(f.curves) for f in outer]))
-    return whole.difference(union_all([_taken(f) for f in own]))
-
-
-def _steel_of_tube(part: Part, turn: float) -> Shape:
-    """What is drawn of a tube, on three turns."""
-    from shapely import box, union_all
-
-    gone = union_all([outline_gone(part), *(_taken(f) for f in part.features)])
-    return box(0.0, -turn, part.length, 2 * turn).difference(all_round(gone, turn))
-
-
-def _taken(feature: Feature) -> Shape:
-    """What a hole, a slot or a cut-out takes of its wall."""
-    from shapely import Polygon
-
-    if isinstance(feature, Hole) and feature.kind != "mark":
-        return Polygon(circle(feature.x, feature.y, feature.diameter / 2))
-    if isinstance(feature, Slot):
-        return slot_shape(feature)
-    if isinstance(feature, Contour) and feature.kind == "inner" and is_cut(feature):
-        return shape_of(feature.curves)
-    return Polygon()
-
-
-def _rounds(steel: Shape, contours: Any, radius: float) -> Iterator[tuple[Point, Shape]]:
-    """The corners of contours, and what each keeps of the air beside some steel."""
-    from shapely import Point as Place
-
-    quarter = facets(radius) // 4
-    closed = steel.buffer(radius, quad_segs=quarter).buffer(-radius, quad_segs=quarter)
-    air, more = steel.envelope.buffer(2 * radius).difference(closed), closed.difference(steel)
-    filled = [
-        one for one in getattr(more, "geoms", [more])
-        if one.geom_type == "Polygon" and one.area > CHORD and one.distance(air) < CHORD
-    ]  # fmt: skip
-    for corner, reach in (p for c in contours if is_cut(c) for p in _turns(c, radius)):
-        for one in filled:
-            if one.distance(Place(corner)) < 2 * CHORD:
-                yield corner, one.intersection(Place(corner).buffer(reach + 2 * CHORD))
-
-
-def _turns(contour: Contour, radius: float) -> Iterator[tuple[Point, float]]:
-    """The corners of a contour, and how far along its sides a disc leaves them."""
-    curves = [curve for curve in contour.curves if curve.length > CHORD]
-    for before, after in zip(curves, (*curves[1:], *curves[:1]), strict=True):
-        (ax, ay), (bx, by) = before.tangent(1.0), after.tangent(0.0)
-        turn = degrees(abs(atan2(ax * by - ay * bx, ax * bx + ay * by)))
-        if turn > CORNER_DEG:
-            reach = radius / tan(radians(max(180.0 - turn, 1.0)) / 2)
-            straight = isinstance(before, Line) and isinstance(after, Line)
-            yield after.start, reach if straight else ALONG_ARC * reach

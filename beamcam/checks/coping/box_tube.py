@@ -15,7 +15,7 @@ from msgspec import Struct
 from beamcam.checks.coping.section import TubeSection, areas_of, pieces_of
 from beamcam.checks.coping.stock import FINE, outline_ring, ring_of, slot_ring
 from beamcam.checks.coping.tube_planes import FAR, End, is_stated, kept, planes_of, round_corner
-from beamcam.checks.coping.wanted import corners_of, with_round_corners
+from beamcam.checks.coping.wanted import corners_of, with_corners_cut
 from beamcam.geometry.plane import Point
 from beamcam.machine.coper import Coper
 from beamcam.model.part import Contour, Hole, Part, Slot
@@ -98,7 +98,7 @@ def box_wanted(part: Part, coper: Coper, left: set[int], section: TubeSection) -
         drawn = kept(drawn, side, end, section)
     everywhere = [(x, s + k * turn) for x, s in corners for k in (-1, 0, 1)]
     drawn = areas_of(drawn)
-    cut = areas_of(with_round_corners(drawn, everywhere, coper.corner_radius))
+    cut = areas_of(with_corners_cut(drawn, everywhere, coper.corner_radius, turn))
     return TubeWanted(drawn, cut, {f: mm for f, mm in off.items() if mm >= LEAST_OFF})
 
 

@@ -31,7 +31,7 @@ from beamcam.checks.coping.stock import (
 )
 from beamcam.checks.coping.strokes import HEIGHT_SLACK, TipMove, TorchFollower, TorchStroke
 from beamcam.checks.coping.tube_planes import kept, planes_of
-from beamcam.checks.coping.wanted import corners_of, with_round_corners
+from beamcam.checks.coping.wanted import corners_of, with_corners_cut
 from beamcam.checks.coping.zones import chuck_faults, seam_faults, support_faults
 from beamcam.checks.request import manual_work
 from beamcam.controllers.events import BarEvent, Move, Place
@@ -350,7 +350,7 @@ def _wanted(part: Part, coper: Coper, left: set[int], section: TubeSection) -> T
         )
     drawn = areas_of(drawn)
     everywhere = [(x, u + k * turn) for x, u in corners for k in (-1, 0, 1)]
-    return TubeWanted(drawn, with_round_corners(drawn, everywhere, coper.corner_radius), off)
+    return TubeWanted(drawn, with_corners_cut(drawn, everywhere, coper.corner_radius, turn), off)
 
 
 def _between_planes(part: Part) -> Shape:

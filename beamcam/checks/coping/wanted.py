@@ -2,7 +2,8 @@
 
 from collections.abc import Collection, Sequence
 from functools import partial
-from math import degrees, hypot
+from itertools import pairwise
+from math import atan2, degrees, dist, hypot, pi
 from typing import Any
 
 from msgspec import Struct
@@ -30,6 +31,10 @@ Shape = Any  #: of shapely
 CORNER_DEG = 20.0  #: a contour that turns by more has a corner
 FAR = 1e4  #: mm beyond any end
 NO_CRACK = 1e-9  #: mm by which what stays at a corner may stand off a side that slants
+#: Radii from a corner of 60 degrees to where a disc is SLIM off its sides, which it touches at 1.73
+SHARPEST = 1.65
+SLIM = 0.02  #: radii; so little may lie along a side that is nearly straight
+FACING_DEG = 125.0  #: by which sides turn that face each other; those of one at 60 degrees by 120
 LOOK = 0.2  #: mm round a corner in which steel and air are weighed
 
 
@@ -102,7 +107,7 @@ def wanted_on(
     # What is at a root is cut with it, or stays there.
     near = section.root_reach(face)
     corners = [(x, y) for x, y in corners if near[0] <= y <= near[1]]
-    cut = with_round_corners(drawn, corners, coper.corner_radius)
+    cut = with_corners_cut(drawn, corners, coper.corner_radius)
     return RequiredWall(drawn, cut, short if short > DRAWN else 0.0)
 
 
@@ -112,22 +117,96 @@ def _at_ends(ends: Sequence[EndOnWall], place: Point) -> Point:
     return place
 
 
-def with_round_corners(drawn: Shape, corners: list[Point], radius: float) -> Shape:
-    """A region and the steel that a disc of a radius, rolled through the air, leaves at corners."""
-    from shapely import MultiPoint, union_all
+def with_corners_cut(drawn: Shape, corners: list[Point], radius: float, turn: float = 0.0) -> Shape:
+    """A region whose corners are as round as a machine cuts them: by its radius, or where a disc of
+    that does not come to both sides of one, by the largest that does.
+
+    Of a tube it is there again at each turn.
+    """
+    from shapely import box, union_all
+
+    cramped = _cramped(drawn, corners, radius)
+    whole = [with_round_corners(drawn, [one for one in corners if one not in cramped], radius)]
+    rooms: dict[tuple[int, int], float] = {}
+    for x, y in sorted(cramped, key=lambda one: abs(one[1] - turn / 2)):
+        far = 5 * radius
+        near = areas_of(drawn.intersection(box(x - far, y - far, x + far, y + far)))
+        key = round(x / FINE), round((y % turn if turn else y) / FINE)
+        if key not in rooms:
+            rooms[key] = _room(near, (x, y), radius)
+        whole.append(with_round_corners(near, [(x, y)], rooms[key]))
+    return union_all(whole)
+
+
+def _room(near: Shape, corner: Point, radius: float) -> float:
+    """The largest radius below another one with which a disc comes to both sides of a corner; that
+    itself where there is none."""
+    least, most = 0.0, radius
+    while most - least > FINE:
+        middle = (least + most) / 2
+        if _cramped(near, [corner], middle):
+            most = middle
+        else:
+            least = middle
+    return least if least > FINE else radius
+
+
+def _cramped(drawn: Shape, corners: list[Point], radius: float) -> list[Point]:
+    """The corners at which a disc leaves what reaches farther than a corner of 60 degrees has it,
+    or lies between two sides that face each other."""
+    from shapely import MultiPoint, get_coordinates, points
+
+    found, slim = list[Point](), SLIM * radius / 2
+    for piece in left_at(drawn, corners, radius):
+        for core in pieces_of(piece.buffer(-slim).buffer(slim)):  # thin stretches join some
+            mine = [(x, y) for x, y in corners if core.distance(points(x, y)) <= 4 * slim]
+            if mine:
+                places = points(get_coordinates(core.segmentize(radius / 4)))
+                far = max(MultiPoint(mine).distance(place) for place in places)
+                if far > SHARPEST * radius or _turns_beside(core.buffer(slim), drawn) > FACING_DEG:
+                    found += mine
+    return found
+
+
+def _turns_beside(piece: Shape, drawn: Shape) -> float:
+    """Degrees that the steel beside a piece turns at most, from where that begins on."""
+    from shapely import get_coordinates, line_merge
+    from shapely.ops import substring
+
+    border, most = drawn.boundary.intersection(piece.buffer(FINE)), 0.0
+    for line in pieces_of(line_merge(border) if border.geom_type == "MultiLineString" else border):
+        # Without its ends, where it goes on round the corners on which the disc rests.
+        inner = substring(line, 5 * FINE, line.length - 5 * FINE).simplify(FINE)
+        xy = get_coordinates(inner).tolist()
+        ways = [atan2(d - b, c - a) for (a, b), (c, d) in pairwise(xy) if dist((a, b), (c, d))]
+        turn = sum((after - before + pi) % (2 * pi) - pi for before, after in pairwise(ways))
+        most = max(most, degrees(abs(turn)))
+    return most
+
+
+def left_at(drawn: Shape, corners: list[Point], radius: float) -> list[Shape]:
+    """What a disc of a radius, rolled through the air, leaves at corners."""
+    from shapely import MultiPoint
 
     if drawn.is_empty or not corners:
-        return drawn
+        return []
     places = MultiPoint(corners)
     # A disc that comes nearest to a corner lies within its diameter of it, and all that it leaves.
     air = places.buffer(4 * radius, cap_style="square").difference(drawn)
     left = air.difference(air.buffer(-radius, 24).buffer(radius, 24))
-    kept = [
+    return [
         piece
         for piece in pieces_of(left.intersection(places.buffer(2 * radius)))
         if piece.area > FINE * FINE and piece.distance(places) <= FINE
     ]
-    return union_all([drawn, *kept], grid_size=NO_CRACK)
+
+
+def with_round_corners(drawn: Shape, corners: list[Point], radius: float) -> Shape:
+    """A region and the steel that a disc of a radius, rolled through the air, leaves at corners."""
+    from shapely import union_all
+
+    left = left_at(drawn, corners, radius)
+    return union_all([drawn, *left], grid_size=NO_CRACK) if left else drawn
 
 
 def corners_of(curves: tuple[Curve, ...], steel: Shape) -> list[Point]:

@@ -25,7 +25,13 @@ from beamcam.planning.coping.ends import (
     tilts_at,
     with_skew,
 )
-from beamcam.planning.coping.regions import WallRegion, features_on, open_on, region_of
+from beamcam.planning.coping.regions import (
+    WallRegion,
+    features_on,
+    open_on,
+    region_of,
+    told_rounded,
+)
 from beamcam.planning.coping.roots import lip_faults, root_faults, with_ledges, with_steps
 from beamcam.planning.coping.stock import (
     as_pipe,
@@ -241,13 +247,8 @@ def _regions(
         diagnostics += more
         if regions[face].shape.is_empty:
             diagnostics.append(rules.OFF.at(part.source, what=f"all of face {face} cut away"))
-        elif regions[face].rounded:
-            diagnostics.append(
-                rules.ROUNDED.at(
-                    part.source, count=len(regions[face].rounded), face=face,
-                    radius=f"{coper.corner_radius:g}",
-                )
-            )  # fmt: skip
+        else:
+            diagnostics += told_rounded(regions[face], part.source)
     return regions, diagnostics
 
 

@@ -3,20 +3,21 @@
 Regions are polygons; their chords lie within CHORD of the curves of the part.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from math import atan2, degrees, inf
 from typing import Any
 
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.errors import Diagnostic
+from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Arc, Curve, Line, Point, signed_area
 from beamcam.geometry.plane import unit_vector
 from beamcam.geometry.polylines import polylines
 from beamcam.machine.coper import Coper
 from beamcam.model.part import Contour, Face, Hole, Part, Slot
 from beamcam.planning.coping import rules
+from beamcam.planning.coping.chart import Chart
 from beamcam.planning.coping.walls import EndLine, PlannedWall
 
 Shape = Any  #: of shapely
@@ -29,7 +30,10 @@ ROUND = 32  #: sides of a quarter of a rounded corner
 OUTLINE_NOISE = 1.0  #: mm between a header's width and an outline; real files differ by 0.7
 SEAM_NOISE = 2.5  #: mm that the seam of a tube may be drawn off; about a kerf
 ALONG = 0.02  #: slope of a side that is an edge of its wall, at most
-MOST_ROUNDED = 1.75  #: radii that the rounding of a corner reaches along its sides
+MOST_ROUNDED = 1.65  #: radii that the rounding of a corner reaches along its sides, but for THIN
+THIN = 0.02  #: radii; so thin it ends along a side, and may go on along one that is nearly straight
+MOST_TURN_DEG = 125.0  #: of the sides of what is rounded in one; at 60 degrees it is 120
+STEP = 0.1  #: mm between radii that are tried where there is little room
 AROUND = 4.0  #: radii that the rounding of a corner looks at, more than twice what it reaches
 CORNER_DEG = 20.0  #: a smaller turn belongs to a curve that is drawn by lines
 BEYOND = 1e4  #: mm, farther than any bar is wide
@@ -40,7 +44,7 @@ class WallRegion(Struct, frozen=True):
 
     wall: PlannedWall
     shape: Shape
-    rounded: tuple[Point, ...]  #: sharp corners that were rounded
+    rounded: Mapping[Point, float]  #: sharp corners, with the radius that each was cut with
 
 
 def region_of(
@@ -68,7 +72,7 @@ def region_of(
         shape = shape.difference(gone)
     shape = make_valid(shape)
     if shape.is_empty:
-        return WallRegion(wall, shape, ()), diagnostics
+        return WallRegion(wall, shape, {}), diagnostics
     corners = [  # what is at a root is cut with it, or stays there
         (x, y)
         for c in (*outer, *taken) if isinstance(c, Contour)
@@ -127,49 +131,130 @@ def rounded(
     coper: Coper,
     diagnostics: list[Diagnostic],
 ) -> tuple[WallRegion, list[Diagnostic]]:
-    """A region whose re-entrant corners at the given places have the machine's radius.
+    """A region whose re-entrant corners at the given places have the machine's radius, or the
+    largest for which there is room.
 
-    What a ball of that radius does not reach from the scrap is added at each of them. Along the
-    sides of a corner it ends at radius / tan(angle / 2), which at 60 degrees is 1.73 times the
-    radius; what reaches farther belongs to a sharper corner or to a notch that is too narrow.
+    What a ball of that radius does not reach from the scrap is added at each of them. A radius is a
+    kerf at least, so that the torch turns with half a kerf about its path.
     """
-    import numpy as np
-    from shapely import MultiPoint, distance, get_coordinates, points, segmentize, union_all
+    from shapely import box, union_all
 
     if not corners:
-        return WallRegion(wall, shape, ()), diagnostics
-    radius, places = coper.corner_radius, MultiPoint(corners)
-    closed = shape.buffer(radius, ROUND).buffer(-radius, ROUND)
-    each = np.array(places.geoms)
-    added, found = [], list[Point]()
-    for piece in _polygons(closed.difference(shape)):
-        if piece.distance(places) > CHORD:
-            continue
-        mine = each[distance(piece, each) <= CHORD].tolist()
-        # Along a side that is nearly straight a sliver may hang on it, which reaches farther.
-        round_it = piece.buffer(-SLIVER).buffer(SLIVER)
-        round_it = max(_polygons(round_it), key=lambda one: one.area, default=piece)
-        places_round = points(get_coordinates(segmentize(round_it.exterior, radius / 4)))
-        deep = float(distance(MultiPoint(mine), places_round).max())
-        if deep <= 2 * CHORD:
-            continue
-        if deep > MOST_ROUNDED * radius:
+        return WallRegion(wall, shape, {}), diagnostics
+    radius = coper.corner_radius
+    row = Chart(part, coper).row(wall.thickness)
+    least = min(radius, row.kerf) if row else radius
+    added, found, narrow = _filled(shape, corners, radius)
+    for x, y in dict.fromkeys(narrow):
+        far = AROUND * radius
+        near = shape.intersection(box(x - far, y - far, x + far, y + far))
+        room = _room(near, (x, y), radius)
+        if room < least:
+            what, expected = "sharper than 60 degrees", "one less sharp, or a drawn radius"
+            if room:
+                what = f"with room for a radius of {room:.1f} mm"
+                expected = f"{least:g} mm at least, as a slot {2 * least:g} mm wide has it"
             diagnostics.append(
                 rules.NARROW.at(
-                    part.source, what="a re-entrant corner", face=wall.face,
-                    x=f"{mine[0].x:g}", y=f"{mine[0].y:g}",
-                    expected=f"60 degrees at least, {2 * radius:g} mm of room, or a drawn radius",
+                    part.source, what=f"a re-entrant corner {what}", face=wall.face, x=f"{x:g}",
+                    y=f"{y:g}", expected=expected,
                 )
             )  # fmt: skip
             continue
-        added.append(piece)
-        found += [(one.x, one.y) for one in mine]
+        more, there, _ = _filled(near, [(x, y)], room)
+        added += more
+        found |= there
     whole = union_all([shape, *added]) if added else shape
     # Beside a side that slants what is added may stand off by a crack of 1e-13 mm.
     closed = union_all([shape, *added], grid_size=GRID) if added else shape
     if whole.length > closed.length + SLIVER:
         whole = closed
-    return WallRegion(wall, whole, tuple(found)), diagnostics
+    return WallRegion(wall, whole, found), diagnostics
+
+
+def _room(shape: Shape, corner: Point, radius: float) -> float:
+    """The largest radius below another one that a corner has room for, in steps of STEP; 0 for
+    none."""
+    low, high = 0, round(radius / STEP)
+    while high - low > 1:
+        middle = (low + high) // 2
+        low, high = (low, middle) if _filled(shape, [corner], middle * STEP)[2] else (middle, high)
+    return low * STEP
+
+
+def _filled(
+    shape: Shape, corners: Sequence[Point], radius: float
+) -> tuple[list[Shape], dict[Point, float], list[Point]]:
+    """What a ball leaves at corners, those that have it, and those where it has no room.
+
+    Along the sides of a corner it ends at radius / tan(angle / 2), which at 60 degrees is 1.73
+    times the radius, and 0.2 less where it is thicker than THIN. What reaches farther belongs to a
+    sharper corner or to a notch that is too narrow, and so does what has sides that face each
+    other.
+    """
+    import numpy as np
+    from shapely import MultiPoint, distance, get_coordinates, points, segmentize
+
+    places = MultiPoint(corners)
+    closed = shape.buffer(radius, ROUND).buffer(-radius, ROUND)
+    each = np.array(places.geoms)
+    added, found, narrow = [], dict[Point, float](), list[Point]()
+    for piece, core in _pieces(closed.difference(shape), THIN * radius / 2):
+        mine = each[distance(piece, each) <= CHORD].tolist()
+        if not mine:
+            continue
+        places_round = points(get_coordinates(segmentize(core.exterior, radius / 4)))
+        deep = float(distance(MultiPoint(mine), places_round).max())
+        if deep <= 2 * CHORD:
+            continue
+        if deep > MOST_ROUNDED * radius or _turn_in(piece, shape, closed) > MOST_TURN_DEG:
+            narrow += [(one.x, one.y) for one in mine]
+            continue
+        added.append(piece)
+        found |= {(one.x, one.y): radius for one in mine}
+    return added, found, narrow
+
+
+def _pieces(shape: Shape, half: float) -> Iterator[tuple[Shape, Shape]]:
+    """The pieces of a shape, also those that hang together by slivers, each with what of it is
+    thicker than twice `half`."""
+    from shapely import union_all
+
+    for piece in _polygons(shape):
+        cores = [*_polygons(piece.buffer(-half).buffer(half))] or [piece]
+        for core in cores:
+            others = [one.buffer(4 * half) for one in cores if one is not core]  # to their tips
+            own = piece.difference(union_all(others)) if others else piece
+            yield next((one for one in _polygons(own) if one.intersects(core)), own), core
+
+
+def _turn_in(piece: Shape, shape: Shape, closed: Shape) -> float:
+    """Degrees that the border of a region turns along what is added to it, into the steel above
+    0; 180 where two sides face each other."""
+    import numpy as np
+    from shapely import distance, points
+    from shapely.geometry.polygon import orient
+
+    total = 0.0
+    for polygon in _polygons(shape):
+        turned = orient(polygon)  # the steel on the left of its rings
+        for ring in (turned.exterior, *turned.interiors):
+            xy = np.array(ring.coords)[:-1]
+            way = np.roll(xy, -1, axis=0) - xy
+            before = np.roll(way, 1, axis=0)
+            cross = before[:, 0] * way[:, 1] - before[:, 1] * way[:, 0]
+            turns = np.degrees(np.arctan2(cross, (before * way).sum(axis=1)))
+            each = points(xy)
+            inside = (distance(piece, each) <= CHORD) & (distance(closed.boundary, each) > SLIVER)
+            total -= float(turns[inside].sum())
+    return total
+
+
+def told_rounded(region: WallRegion, source: Source) -> Iterator[Diagnostic]:
+    """How many corners of a region are rounded, by their radius."""
+    for radius in sorted({*region.rounded.values()}, reverse=True):
+        count = sum(one == radius for one in region.rounded.values())
+        yield rules.ROUNDED.at(source, count=count, face=region.wall.face, radius=f"{radius:.4g}")
 
 
 def _polygons(shape: Shape) -> Iterator[Shape]:

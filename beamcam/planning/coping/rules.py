@@ -36,7 +36,8 @@ K_AREA = error("plan-coping-k-area",
     "of the cut chart that is deep enough.")
 NARROW = error("plan-coping-narrow",
     "found {what} at x {x}, y {y} on face {face}; expected {expected}",
-    "The torch needs room in the scrap to pierce and to turn.")
+    "The torch needs room in the scrap to pierce and to turn. A sharp corner is rounded as far as "
+    "there is room, with a kerf at least: half of it remains for the torch's own way.")
 OFF = error("plan-coping-off",
     "found {what}, where nothing is left of the part; expected it in steel that stays",
     "A hole in scrap is a mistake in the drawing.")
@@ -75,7 +76,8 @@ THICK = error("plan-coping-thick",
 ROUNDED = note("plan-coping-rounded",
     "found {count} sharp re-entrant corner(s) on face {face}, cut with a radius of {radius} mm",
     "A notch that ends in a sharp corner cracks there. `coper.corner_radius` says how round it is "
-    "cut; the steel in the corner stays.")
+    "cut, or in a slot that is narrower than two radii half its width; the steel in the corner "
+    "stays.")
 BAR = note("plan-coping-bar",
     "the part is cut from a bar of at least {found} mm, its x 0 at {trim} mm from the leading end",
     "Leads and pierces of both ends lie in the scrap before and behind the part.")

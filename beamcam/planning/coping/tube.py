@@ -39,6 +39,7 @@ from beamcam.planning.coping.regions import (
     rounded,
     shape_of,
     sharp_corners,
+    told_rounded,
 )
 from beamcam.planning.coping.stock import length_needed, told_of_stock
 from beamcam.planning.coping.tube_ends import (
@@ -139,12 +140,7 @@ def plan_tube(part: Part, machine: Machine, coper: Coper, skips: Collection[str]
         raise PlanError(errors_in(diagnostics))
     if not cuts:
         raise PlanError(bar_rules.NO_WORK.at(part.source, machine=machine.name))
-    if region.rounded:
-        diagnostics.append(
-            rules.ROUNDED.at(
-                part.source, count=len(region.rounded), face="v", radius=f"{coper.corner_radius:g}"
-            )
-        )
+    diagnostics += told_rounded(region, part.source)
     if slant:
         diagnostics.append(rules.SLANT.at(part.source, found=f"{max(slant.values()):.2f}",
                                    faces=", ".join(slant)))  # fmt: skip
@@ -241,7 +237,7 @@ def _laid_out(
     whole = region.shape.intersection(box(low, 0.0, high, turn))
     # Without places of a straight line at u 0.
     shape = make_valid(_several(whole, turn, range(3)).simplify(LEAST))
-    once_rounded = tuple((x, u) for x, u in region.rounded if 0.0 <= u < turn)
+    once_rounded = {at: r for at, r in region.rounded.items() if 0.0 <= at[1] < turn}
     return WallRegion(surface, shape, once_rounded), diagnostics
 
 

@@ -111,8 +111,8 @@ REFUSED = [
     ("plan-face", tube(Hole("o", 200.0, 100.0, 26.0, AT))),
     ("plan-tool", tube(Hole("v", 200.0, 100.0, 7.0, AT))),
     ("plan-coping-off", tube(Hole("v", 900.0, 100.0, 26.0, AT))),
-    ("plan-coping-narrow", tube(outline("v", [(200.0, 90.0), (280.0, 90.0), (280.0, 102.0),
-                                              (200.0, 102.0)], "inner"))),
+    ("plan-coping-narrow", tube(outline("v", [(200.0, 90.0), (280.0, 90.0), (280.0, 97.0),
+                                              (200.0, 97.0)], "inner"))),
 ]  # fmt: skip
 
 

@@ -1,0 +1,198 @@
+r"""The steel that re-entrant corners keep which a machine rounds.
+
+What a disc, rolled through the air, does not reach at a re-entrant corner stays:
+
+     steel |            between two straight sides with the angle a it ends r / tan(a / 2) from
+     ______| r          the corner; what goes on farther is a notch that is too narrow, and is
+    steel  (            no corner's: its corners have the largest radius with which all of their
+                        sides are touched.
+"""
+
+from collections.abc import Iterable, Iterator, Sequence
+from math import atan2, degrees, radians, tan
+from typing import TYPE_CHECKING
+
+from msgspec import Struct
+
+from beamcam.geometry.curves import Line, signed_area
+from beamcam.geometry.plane import Point
+from beamcam.model.part import Contour, Feature, Hole, Part, Slot
+from beamcam.solid.cutters import slot_shape
+from beamcam.solid.kernel import CHORD, FREE, Wall, circle, facets, kernel, walls
+from beamcam.solid.part_solid import part_solid
+from beamcam.solid.stock_solid import Margins, Shape, is_cut, shape_of, stock_solid
+from beamcam.solid.wrapped import all_round, outline_gone, rounds_on, skin_of, wrapped
+
+if TYPE_CHECKING:
+    from manifold3d import Manifold
+
+CORNER_DEG = 20.0  #: what a corner turns more than
+SLIVER = 0.01  #: radii; half of what may lie along a side that leans
+FACING_DEG = 125.0  #: by which two sides turn that face each other
+ALONG_ARC = 1.3  #: reaches of a corner's round along a side that bends towards the other one
+
+
+def rounded_corners(
+    part: Part, margins: Margins, radius: float
+) -> "tuple[Manifold, list[tuple[str, Shape]], dict[tuple[str, float, float], float]]":
+    """The steel that the re-entrant corners of contours keep, what they keep of each wall of a
+    profile, by its face, and the radius of each."""
+    m = kernel()
+    taken: list[Manifold] = []
+    rounds: list[tuple[str, Shape]] = []
+    corners: dict[tuple[str, float, float], float] = {}
+    if part.profile.code == "RO":
+        skin, wall = skin_of(part)
+        turn = skin.turn
+        for (x, u), room, one in _rounds(_steel_of_tube(part, turn), part.contours, radius):
+            taken.append(wrapped(one, skin, -FREE, wall + FREE))
+            corners["v", round(x, 2), round(u % turn, 2) % round(turn, 2)] = room
+    sides = walls(part.profile)
+    for face in ("v", "o", "u", "h") if part.profile.code != "RO" else ():
+        if face in sides:
+            own = [c for c in part.contours if _wall_of(c.face, part) == face]
+            for (x, q), room, one in _rounds(_steel_of(part, face, sides[face]), own, radius):
+                taken += rounds_on(face, (x, q), one, room, sides[face], part)
+                rounds.append((face, one))
+                corners[face, x, q] = room
+    whole = m.Manifold.batch_boolean([m.Manifold(), *taken], m.OpType.Add)
+    return (whole ^ stock_solid(part, margins)) - part_solid(part), rounds, corners
+
+
+def _wall_of(face: str, part: Part) -> str:
+    """The face of a wall, seen from either side: a T has two of them, a rectangular tube four."""
+    if part.profile.code == "M":
+        return face
+    return {"h": "v", "o": "u" if part.profile.code == "T" else "o"}.get(face, face)
+
+
+def _steel_of(part: Part, face: str, wall: Wall) -> Shape:
+    """What is drawn of a wall, in (x, q) of its face."""
+    from shapely import box, union_all
+
+    own = [f for f in part.features if _wall_of(getattr(f, "face", ""), part) == face]
+    outer = [f for f in own if isinstance(f, Contour) and f.kind == "outer" and is_cut(f)]
+    whole = box(0.0, 0.0, part.length, wall.width)
+    if outer:
+        whole = whole.intersection(union_all([shape_of(f.curves) for f in outer]))
+    return whole.difference(union_all([_taken(f) for f in own]))
+
+
+def _steel_of_tube(part: Part, turn: float) -> Shape:
+    """What is drawn of a tube, on three turns."""
+    from shapely import box, union_all
+
+    gone = union_all([outline_gone(part), *(_taken(f) for f in part.features)])
+    return box(0.0, -turn, part.length, 2 * turn).difference(all_round(gone, turn))
+
+
+def _taken(feature: Feature) -> Shape:
+    """What a hole, a slot or a cut-out takes of its wall."""
+    from shapely import Polygon
+
+    if isinstance(feature, Hole) and feature.kind != "mark":
+        return Polygon(circle(feature.x, feature.y, feature.diameter / 2))
+    if isinstance(feature, Slot):
+        return slot_shape(feature)
+    if isinstance(feature, Contour) and feature.kind == "inner" and is_cut(feature):
+        return shape_of(feature.curves)
+    return Polygon()
+
+
+def _rounds(
+    steel: Shape, contours: Iterable[Contour], radius: float
+) -> Iterator[tuple[Point, float, Shape]]:
+    """The re-entrant corners of contours, the radius for which each has room, and what it keeps of
+    the air beside some steel."""
+    from shapely import Point as Place
+    from shapely import box
+
+    turns = [turn for contour in contours if is_cut(contour) for turn in _turns(contour)]
+    whole = _filled(steel, turns, radius)
+    for one in (turn for turn in turns if turn.deg > 0.0):
+        room, filled = radius, whole
+        if any(is_narrow for _, is_narrow in _at(one, filled)):
+            (x, y), far = one.place, 5 * radius
+            near = steel.intersection(box(x - far, y - far, x + far, y + far))
+            least, room = 0.0, radius
+            while room - least > 2 * CHORD:
+                middle = (least + room) / 2
+                filled = _filled(near, turns, middle)
+                if any(is_narrow for _, is_narrow in _at(one, filled)):
+                    room = middle
+                else:
+                    least = middle
+            filled = _filled(near, turns, least)
+        reach = one.reach(room) + 2 * CHORD
+        for piece, _ in _at(one, filled):
+            yield one.place, room, piece.intersection(Place(one.place).buffer(reach))
+
+
+class _Turn(Struct, frozen=True):
+    """A corner of a contour."""
+
+    place: Point
+    deg: float  #: that it turns, above 0 into the steel
+    is_straight: bool  #: whether both of its sides are
+
+    def reach(self, radius: float) -> float:
+        """How far along its sides a disc leaves it."""
+        along = radius / tan(radians(max(180.0 - self.deg, 1.0)) / 2)
+        return along if self.is_straight else ALONG_ARC * along
+
+
+def _at(corner: _Turn, filled: Sequence[tuple[Shape, bool]]) -> Iterator[tuple[Shape, bool]]:
+    """What of it is at a corner."""
+    from shapely import Point as Place
+
+    return (one for one in filled if one[0].distance(Place(corner.place)) < 2 * CHORD)
+
+
+def _filled(steel: Shape, turns: Sequence[_Turn], radius: float) -> list[tuple[Shape, bool]]:
+    """What a disc that is rolled through the air does not reach, and whether that is a narrow
+    place: with sides that face each other, or that goes on far off its corners."""
+    from shapely import MultiPoint, get_coordinates
+    from shapely import Point as Place
+
+    quarter = facets(radius) // 4
+    closed = steel.buffer(radius, quad_segs=quarter).buffer(-radius, quad_segs=quarter)
+    air, more = steel.envelope.buffer(2 * radius).difference(closed), closed.difference(steel)
+    filled = []
+    for piece, core in _thick(more, SLIVER * radius):
+        if piece.area <= CHORD:
+            continue
+        own = [turn for turn in turns if piece.distance(Place(turn.place)) < 2 * CHORD
+               and closed.boundary.distance(Place(turn.place)) > 2 * CHORD]  # fmt: skip
+        around = MultiPoint([turn.place for turn in own])
+        far = max((around.distance(Place(p)) for p in get_coordinates(core)), default=0.0)
+        is_narrow = sum(turn.deg for turn in own) > FACING_DEG or far > 2 * radius
+        if is_narrow or piece.distance(air) < CHORD:
+            filled.append((piece, is_narrow))
+    return filled
+
+
+def _thick(shape: Shape, half: float) -> Iterator[tuple[Shape, Shape]]:
+    """The pieces of a shape, each with what of it is thicker; slivers along sides that lean may
+    join some."""
+    from shapely import union_all
+
+    for piece in getattr(shape, "geoms", [shape]):
+        cores = piece.buffer(-half).buffer(half)
+        thick = [one for one in getattr(cores, "geoms", [cores]) if not one.is_empty]
+        for core in thick if piece.geom_type == "Polygon" else ():
+            rest = union_all([one.buffer(4 * half) for one in thick if one is not core])
+            whole = piece.difference(rest)
+            own = (one for one in getattr(whole, "geoms", [whole]) if one.intersects(core))
+            yield next(own, core), core
+
+
+def _turns(contour: Contour) -> Iterator[_Turn]:
+    """The corners of a contour."""
+    curves = [curve for curve in contour.curves if curve.length > CHORD]
+    into = -1.0 if (signed_area(contour.curves) > 0.0) == (contour.kind == "outer") else 1.0
+    for before, after in zip(curves, (*curves[1:], *curves[:1]), strict=True):
+        (ax, ay), (bx, by) = before.tangent(1.0), after.tangent(0.0)
+        turn = into * degrees(atan2(ax * by - ay * bx, ax * bx + ay * by))
+        if abs(turn) > CORNER_DEG:
+            straight = isinstance(before, Line) and isinstance(after, Line)
+            yield _Turn(after.start, turn, straight)
