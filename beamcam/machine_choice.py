@@ -105,8 +105,12 @@ CHOSEN = note("plan-machine",
 NONE_MAKES_IT = error("plan-no-machine",
     "found no machine that makes the whole part ({found}); expected one",
     "Each machine that was tried is listed with the codes of what it cannot make. The messages "
-    "above are those of the machine that lacks least. `beamcam codes CODE` explains a code and the "
-    "ways out.")  # fmt: skip
+    "above are those of one that takes the section, and of these of one that refuses more than "
+    "what it has no tool for, as that is what stands in the way of all. `beamcam codes CODE` "
+    "explains a code and the ways out.")  # fmt: skip
+#: What a machine says of a part that is not for it at all.
+NOT_FOR_IT = ("plan-stock", "plan-section", "plan-section-shape", "plan-unrolled")
+FOR_ANOTHER = frozenset(f"plan-{name}" for name in SKIP_NAMES)  #: what another machine may make
 
 
 class InTurn(Sequence[Machine]):
@@ -217,11 +221,18 @@ def none_makes_it(
     refused: Sequence[tuple[Machine, Sequence[Diagnostic]]], source: Source
 ) -> tuple[Diagnostic, ...]:
     """Messages where every machine refuses: those of a single machine, or a summary of several."""
-    least = min(refused, key=lambda one: len(errors_in(one[1])))[1]
+    least = min(refused, key=lambda one: _distance(one[1]))[1]
     if len(refused) == 1:
         return tuple(least)
     found = "; ".join(f"{machine.name}: {_codes(diagnostics)}" for machine, diagnostics in refused)
     return (*least, NONE_MAKES_IT.at(source, found=found))
+
+
+def _distance(diagnostics: Iterable[Diagnostic]) -> tuple[bool, bool, int]:
+    """How little the messages of a machine say of why none makes a part."""
+    codes = [one.code for one in errors_in(diagnostics)]
+    not_for_it = any(code in NOT_FOR_IT for code in codes)
+    return not_for_it, FOR_ANOTHER.issuperset(codes), len(codes)
 
 
 def _codes(diagnostics: Iterable[Diagnostic]) -> str:

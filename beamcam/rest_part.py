@@ -22,7 +22,7 @@ from beamcam.model.plan import NOT_MADE, AnyPlan, unfinished
 from beamcam.model.request import Request
 from beamcam.pipeline import Posted, begin, finished
 from beamcam.planning.begun import begun_part
-from beamcam.planning.left_out import LEFT_OUT, MANUAL_WORK
+from beamcam.planning.left_out import LEFT_OUT, MANUAL_WORK, SKIP_NAMES
 from beamcam.readers import read
 from beamcam.writers import Target
 
@@ -142,13 +142,19 @@ def stages_of(request: Request, chain: Sequence[ChainLink], target: Target) -> I
 
 
 def _refused(request: Request, machines: Sequence[Machine]) -> tuple[Diagnostic, ...]:
-    """Why each machine by itself does not make a part."""
+    """Why each machine does not make a part, though it leaves to others what it has no tool for.
+
+    Of one that leaves it so, what it leaves.
+    """
     refused = []
     for machine in machines:
-        try:
-            begin(replace(request, machine=machine))
-        except PlanError as error:
-            refused.append((machine, tuple(error.diagnostics)))
+        said: tuple[Diagnostic, ...] = ()
+        for skips in (request.skips, SKIP_NAMES):
+            try:
+                begin(replace(request, machine=machine, skips=skips))
+            except PlanError as error:
+                said = tuple(error.diagnostics)
+        refused.append((machine, said))
     return none_makes_it(refused, request.parts[0].source)
 
 

@@ -10,14 +10,14 @@ from click.testing import Result
 from msgspec.structs import replace
 
 from beamcam import pipeline
-from beamcam.errors import Diagnostic, Severity, Source
+from beamcam.errors import Diagnostic, PlanError, Severity, Source
 from beamcam.machine import load
 from beamcam.model.description import description
 from beamcam.model.part import Camber, Contour, EndPlane, Feature, TextMark
 from beamcam.model.plan import Outcome
 from beamcam.model.request import Job
 from beamcam.pipeline import RefusedProgram, parts_of, post, read_file
-from beamcam.planning.left_out import LEFT_OUT
+from beamcam.planning.left_out import LEFT_OUT, manual_rows
 from beamcam.planning.map_keys import IDLE, NOT_CUT, UNMATCHED
 from beamcam.posts import post_of
 from tests.conftest import SAMPLES
@@ -168,3 +168,21 @@ def test_a_plan_that_says_otherwise_what_is_left_out_is_refused(
     monkeypatch.setattr(pipeline, "post_of", lying(change))
     with pytest.raises(RefusedProgram, match="verify-ledger"):
         post(parts, load("beamline"), skips=("slot",))
+
+
+@pytest.mark.parametrize("name", ["beamline", "beamline-pusher", "coper-linuxcnc"])
+def test_a_beam_with_camber_is_made_straight_and_the_camber_listed(name: str) -> None:
+    """DSTV, 7th edition, page 15: all other coordinates are without camber."""
+    (flat,) = read_file(str(SAMPLES / "coping" / "coped.nc1")).parts
+    flat = replace(flat, features=()) if name.startswith("beamline") else flat
+    part = replace(flat, features=(*flat.features, Camber("v", 600.0, 8.0, S)))
+    plain, posted = (post((one,), load(name)) for one in (flat, part))
+    head = "LEFT TO THE HAND"
+    assert [x for x in posted.text.splitlines() if head not in x and "PROGRAM" not in x] == [
+        x for x in plain.text.splitlines() if "PROGRAM" not in x
+    ]
+    (row,) = manual_rows(posted.plan)
+    assert (row["kind"], row["x"], row["y"]) == ("camber", 600.0, 8.0)
+    strict = replace(load(name), marks=replace(load(name).marks, cambers="refuse"))
+    with pytest.raises(PlanError, match="plan-other: found a"):
+        post((part,), strict)

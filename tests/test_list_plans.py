@@ -39,7 +39,7 @@ def test_what_no_machine_makes_stands_in_red_with_its_reason_and_on_no_bar(tmp_p
     found = lists(tmp_path, str(SAMPLES), "--bar", "12000", status=1)
     why = {row["mark"]: row["not_made"] for row in found["part_list"] if row["not_made"]}
     assert why.keys() == {"BP1", "Z1", "TU1"}
-    assert why["BP1"].startswith("plan-other: found a camber")
+    assert why["BP1"].startswith("plan-other: found an end plane")
     assert {row["machine"] for row in found["part_list"] if row["mark"] in why} == {None}
     assert not why.keys() & {row["mark"] for row in found["cutting_list"]}
     assert run("list", str(SAMPLES), "-o", str(tmp_path / "l.xlsx")).exit_code == 1

@@ -4,6 +4,7 @@ import json
 import re
 from collections.abc import Sequence
 from contextlib import suppress
+from itertools import permutations
 from pathlib import Path
 
 import pytest
@@ -14,9 +15,9 @@ from msgspec.structs import replace
 from beamcam import machine_choice
 from beamcam.api import lists
 from beamcam.arguments import AskError
-from beamcam.errors import PlanError, Source
+from beamcam.errors import Diagnostic, PlanError, Severity, Source
 from beamcam.machine import default_machines, load
-from beamcam.machine_choice import on_best_machine
+from beamcam.machine_choice import none_makes_it, on_best_machine
 from beamcam.model.plan import Outcome, clock
 from beamcam.model.request import ChosenBy, Job, Request
 from beamcam.pipeline import Planned, plans_of, post, read_file, stock_of
@@ -196,6 +197,17 @@ def test_the_shipped_lists_have_the_quicker_machine_first() -> None:
             assert first.job.machine is quickest.job.machine, path
             compared += 1
     assert compared >= 8
+
+
+def test_the_messages_are_those_of_what_stands_in_the_way() -> None:
+    """A saw that does not take the section, and one that cannot cope, say nothing of a bad cope."""
+    tube, saw, coper = (
+        tuple(Diagnostic(HERE, Severity.ERROR, code, "found ...") for code in codes)
+        for codes in (["plan-section"], ["plan-cope"], ["plan-coping-root", "plan-coping-root"])
+    )
+    for refused in permutations(zip(MACHINES, (tube, saw, coper), strict=True)):
+        *first, last = none_makes_it(refused, HERE)
+        assert (tuple(first), last.code) == (coper, "plan-no-machine")
 
 
 def test_what_nobody_makes_says_why_of_each() -> None:

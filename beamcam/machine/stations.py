@@ -244,6 +244,7 @@ class Marks(Keys, frozen=True):
     points: Policy = "make"  #: centre points
     contours: Policy = "make"  #: lines to scribe or to punch
     bends: Literal["list", "refuse"] = "refuse"  #: of a plate; list: its blank is made
+    cambers: Literal["list", "refuse"] = "list"  #: of a beam; list: it is made straight
     unit: MarkingUnit = "none"  #: what letters
     height_of: Literal["capital", "body"] = "capital"  #: what the height of a text is that of
     min_height: Positive = 3.0  #: of a capital; of a stamp its least of `heights` counts

@@ -16,7 +16,7 @@ from msgspec.structs import replace
 
 from beamcam.machine.machine import Machine
 from beamcam.machine.stations import Marks, Policy
-from beamcam.model.part import Bend, Contour, Feature, Hole, Part, TextMark
+from beamcam.model.part import Bend, Camber, Contour, Feature, Hole, Part, TextMark
 from beamcam.model.plan import Order
 
 ChosenBy = Literal["order", "time"]
@@ -144,9 +144,10 @@ def mark_kind(feature: Feature) -> MarkKind | None:
 
 
 def policy_on(feature: Feature, marks: Marks) -> Policy | None:
-    """A machine's policy for a mark, or for a bend that is left; None for any other feature."""
-    if isinstance(feature, Bend):
-        return "list" if marks.bends == "list" else None
+    """A machine's policy for a mark, or for a bend or camber that is left; None for any other."""
+    if isinstance(feature, Bend | Camber):
+        left = marks.bends if isinstance(feature, Bend) else marks.cambers
+        return "list" if left == "list" else None
     kind = mark_kind(feature)
     return None if kind is None else getattr(marks, kind)
 

@@ -19,7 +19,7 @@ from beamcam.geometry.curves import circle_of, slot_of
 from beamcam.machine.stations import Marks
 from beamcam.machine.torch import Torch
 from beamcam.model.description import description
-from beamcam.model.part import Bend, Contour, Feature, Hole, Part, Slot, TextMark
+from beamcam.model.part import Bend, Camber, Contour, Feature, Hole, Part, Slot, TextMark
 from beamcam.model.plan import AnyPlan, Outcome, Plan, SheetPlan, unfinished
 from beamcam.model.request import mark_kind, policy_on
 from beamcam.plain_text import harmless_cell
@@ -67,7 +67,7 @@ NO_ROOM, TOO_SMALL, BLANK, FACE = "no-room", "too-small", "blank", "face"
 CHARACTERS, ANGLE, HEIGHT = "characters", "angle", "height"
 NOT_MOVED = "not-moved"
 #: Of features that are only begun by the machine.
-DRILL, BEVEL, ROOT, BEND = "drill", "bevel", "root", "bend"
+DRILL, BEVEL, ROOT, BEND, CAMBER = "drill", "bevel", "root", "bend", "camber"
 REASONS = {
     BY_POLICY: "the machine file leaves such marks for manual work",
     NO_UNIT: "the machine has no unit that letters",
@@ -83,6 +83,7 @@ REASONS = {
     BEVEL: "the torch cuts square what is bevelled or skew through the wall",
     ROOT: "the torch leaves steel at a root, where it does not reach",
     BEND: "the machine makes the blank, and does not bend",
+    CAMBER: "the machine makes the straight beam, and does not camber it",
 }
 
 
@@ -93,6 +94,8 @@ def listed_by(feature: Feature, marks: Marks) -> str | None:
         return NO_UNIT
     if policy != "list":
         return None
+    if isinstance(feature, Camber):
+        return CAMBER
     return BEND if isinstance(feature, Bend) else BY_POLICY
 
 
@@ -306,6 +309,8 @@ def _manual_row(part: Part, feature: Feature, why: str) -> ManualRow:
         case Bend():
             row["kind"], row["angle"] = "bend", feature.angle
             (row["x"], row["y"]), row["path"] = feature.start, _path((feature.start, feature.end))
+        case Camber():
+            row["kind"], row["x"], row["y"] = "camber", feature.x, feature.y
     return row
 
 

@@ -14,6 +14,10 @@ NO_PARTS = error("plan-no-parts",
 STOCK = error("plan-stock",
     "found a part of profile code {found}; expected {expected}, which {machine} takes",
     "The line clamps, saws and drills only the sections that its file names.")
+UNROLLED = error("plan-unrolled",
+    "found the profile {found}, a pipe written as a plate; expected {expected}",
+    "Some programs unroll a pipe and write it as a plate. Cut flat it is no pipe: its sheet has to "
+    "be rolled and welded, or the pipe cut on a machine for tubes.")
 MIXED_PROFILES = error("plan-mixed-profiles",
     "found profile {found}; expected {expected}, as the first part on the bar",
     "Parts that share a bar share its section.")

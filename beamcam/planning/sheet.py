@@ -6,7 +6,6 @@ part -> what each curve is for -> joined, what lies twice taken away -> nothing 
 Until the work is put in order all coordinates are those of the drawing, so that messages are too.
 """
 
-import re
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from math import prod
@@ -23,6 +22,7 @@ from beamcam.machine.faults import TABLE_CONTROLLERS
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch, TorchProcess
 from beamcam.model.part import Hole, Part, Slot
+from beamcam.model.pipes import is_unrolled
 from beamcam.model.plan import ContourOp, Outcome, Piece, SheetPlan
 from beamcam.planning import rules as bar_rules
 from beamcam.planning.contours import rules
@@ -48,8 +48,6 @@ CHORDS_SHARE = 0.5
 #: mm that the torch moves while it makes a spot, as no controller stops a tool that never moved.
 SPOT = 0.01
 SHEET_CODES = ("B",)
-#: How programs name a pipe that they write unrolled, as a plate.
-PIPE = re.compile(r"\s*(PIPE|CHS|TUBE)", re.IGNORECASE)
 
 
 def plan_sheet(parts: Sequence[Part], machine: Machine, skips: Collection[str] = ()) -> SheetPlan:
@@ -203,8 +201,11 @@ def _refuse_stock(parts: Sequence[Part], machine: Machine, torch: Torch) -> None
                     expected=", ".join(SHEET_CODES),
                 )
             )  # fmt: skip
-        if PIPE.match(part.profile.name) and not torch.unrolled:
-            raise PlanError(rules.UNROLLED.at(part.source, found=part.profile.name))
+        if is_unrolled(part.profile) and not torch.unrolled:
+            raise PlanError(bar_rules.UNROLLED.at(
+                part.source, found=part.profile.name,
+                expected="a plate, or --unrolled, which cuts the development flat",
+            ))  # fmt: skip
     if skew := [diagnostic for part in parts for diagnostic in skew_ends(part, torch)]:
         raise PlanError(skew)
 

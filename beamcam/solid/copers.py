@@ -13,7 +13,6 @@ off follows from the machine's file:
 The last two are told, by how much steel they leave.
 """
 
-import re
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from math import asin, hypot, pi, radians
@@ -29,6 +28,7 @@ from beamcam.geometry.curves import Line
 from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Contour, EndCuts, Face, Feature, Hole, Part, Profile
+from beamcam.model.pipes import is_unrolled
 from beamcam.model.request import Request
 from beamcam.solid import PIECES, ROUNDED, SQUARE
 from beamcam.solid.compare import (
@@ -59,7 +59,6 @@ if TYPE_CHECKING:
 
 OFF_TANGENT = 1.0  #: mm that an outline may end off the tangents of its face and mean them
 SKIN = 0.05  #: mm off surfaces that no one cuts: those that lie in one another are dear to cut
-_CALLED_PIPE = re.compile(r"\s*(PIPE|CHS|TUBE)", re.IGNORECASE)
 
 
 class PartWithAllowance(Struct, frozen=True):
@@ -122,7 +121,7 @@ def as_tube(part: Part, coper: Coper) -> Part:
         return replace(as_tube(replace(part, made=None), coper), made=there.features)
     size = part.profile
     wall = max(size.flange_thickness, size.web_thickness or 0.0)
-    if size.code == "B" and _CALLED_PIPE.match(size.name):
+    if is_unrolled(size):
         across = size.height / pi
         size = replace(size, code="RO", height=across, width=across, flange_thickness=wall)
     elif size.code == "M":

@@ -16,6 +16,7 @@ from beamcam.checks.bars.stations import lip_length
 from beamcam.errors import Source
 from beamcam.geometry.curves import Arc, Line
 from beamcam.model.part import FACES, MIRRORED_FACES, Contour, Part, Profile
+from beamcam.model.pipes import is_unrolled
 from beamcam.model.section import (
     NO_PLATE,
     OTHER_SIDE,
@@ -288,3 +289,22 @@ def test_lips_that_no_c_has(lip: float) -> None:
     profile = Profile("C", "", 200.0, 75.0, 2.5, 2.5, 3.5, 20.0)
     assert section_fault(profile) is None
     assert "lips" in (section_fault(replace(profile, lip=lip)) or "")
+
+
+@pytest.mark.parametrize(
+    ("name", "width", "thick", "is_pipe"),
+    [
+        ("CHS88.9*5", 279.29, 5.0, True), ("PIPE4STD", 359.08, 6.02, True),
+        ("O76.1*4", 239.08, 4.0, True), ("RO114.3", 359.08, 5.0, True),
+        ("HSS5.563X0.258", 443.91, 6.1, True), ("HSS3-1/2X.250", 279.29, 5.92, True),
+        ("PL10*31.4", 31.42, 10.0, False), ("FL12", 37.7, 12.0, False),
+        ("PL20", 62.83, 20.0, False), ("FB60*8", 60.0, 8.0, False), ("PLATE", 359.08, 6.0, False),
+        ("D101.6*5", 101.6, 5.0, False),
+    ],
+)  # fmt: skip
+def test_a_plate_that_is_an_unrolled_pipe(
+    name: str, width: float, thick: float, is_pipe: bool
+) -> None:
+    """By the circumference: 88.9 pi = 279.29, 114.3 pi = 359.08, 141.3 pi = 443.91 mm."""
+    assert is_unrolled(Profile("B", name, width, 0.0, 0.0, thick)) is is_pipe
+    assert not is_unrolled(Profile("M", name, width, width, thick, thick))

@@ -5,7 +5,6 @@ block of inverse time turns the tube and moves along it and across evenly, so th
 surface is straight; of a round tube a place on top at A lies at u = R (90 - A) of arc.
 """
 
-import re
 from collections.abc import Iterator, Sequence
 from math import asin, cos, dist, hypot, pi, radians, sin, tan
 from typing import Any
@@ -42,6 +41,7 @@ from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import TorchRow
 from beamcam.model.part import Contour, EndPlane, Feature, Hole, Part, Slot
+from beamcam.model.pipes import is_unrolled
 
 Shape = Any  #: of shapely
 
@@ -51,7 +51,6 @@ SPEED_SHARE = 0.01  #: of a block's way that its time may be off by, besides how
 HOLE_STEPS = 120
 END_STEPS = 1440  #: of a skew end
 SQUARE_DEG = 0.2  #: of an end; less is noise
-_CALLED_PIPE = re.compile(r"\s*(PIPE|CHS|TUBE)", re.IGNORECASE)
 TWICE = 0.1  #: share of a stroke that is new at least, or it is cut twice
 
 
@@ -148,7 +147,7 @@ def tube_section(part: Part, coper: Coper) -> TubeSection:
 def unrolled_pipe(part: Part) -> Part:
     """A plate that is called a pipe as a tube whose circumference is its width; else the part."""
     plate = part.profile
-    if plate.code != "B" or not _CALLED_PIPE.match(plate.name):
+    if not is_unrolled(plate):
         return part
     across, wall = plate.height / pi, plate.web_thickness or 0.0
     return replace(part, profile=replace(

@@ -16,11 +16,6 @@ SHEET_FULL = error("plan-sheet-full",
     "a larger --sheet, or let `post` take several sheets",
     "Parts lie in rows by their boxes, in the order given, with torch.spacing between them and "
     "torch.margin to the edges.")
-UNROLLED = error("plan-unrolled",
-    "found the profile {found}, a pipe written as a plate; expected a plate, or --unrolled, which "
-    "cuts the development flat",
-    "Some programs unroll a pipe and write it as a plate. Cut flat it is no pipe: its sheet has to "
-    "be rolled and welded, or the pipe cut on another machine.")
 QUANTITY = warning("plan-sheet-quantity",
     "found a quantity of {found}; this program makes {made}, --quantity file makes all",
     "Without --quantity a part is laid on a sheet as often as its file is named, whatever quantity "
@@ -246,7 +241,7 @@ SKEW_END = error("plan-sheet-end",
     "what becomes of them; a saw line makes such ends of flats.")
 RULES = (
     CHAIN, SKEW_END,
-    SHEETS, MIXED, SHEET_FULL, UNROLLED, QUANTITY, NOTHING, UNMAPPED, MAP, OPTION,
+    SHEETS, MIXED, SHEET_FULL, QUANTITY, NOTHING, UNMAPPED, MAP, OPTION,
     LOOK_SETTING, LOOK_OVERCUT, LOOK_ORDER, LAYOUT, HATCH, NO_PROCESS, NO_THICKNESS, THICKNESS,
     OTHER_THICKNESS, OTHER_MATERIAL, ASSUMED, SHEET_SIZE, SHEET_PLACE, JUNCTION, BRANCHED,
     NOT_CLOSED, TINY, SHARED, COMMON, RUNS_BACK_KERF, RUNS_BACK, RUNS_OVER, GAP, GAPS, OPEN_CUT,

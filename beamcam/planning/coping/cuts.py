@@ -9,7 +9,7 @@ root       ------x--             The part lies on the left of a path as its ring
 
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
-from math import hypot, inf
+from math import cos, hypot, inf, pi
 from typing import Any, Literal
 
 from msgspec import Struct
@@ -25,7 +25,10 @@ ROUND = 8  #: sides of a quarter of a path round a corner
 SHARE_OVER = 0.98  #: of half a kerf, by which a path is followed beyond a free edge
 LEADS = (1.0, 0.75, 0.5, 0.25, 0.0)  #: shares of the lead that are tried
 STARTS = 12  #: stretches of a closed path on which a start is looked for
-SLACK = 0.005  #: mm that paths round corners may be nearer than half a kerf
+#: Of half a kerf, how near a path comes that goes round a corner along chords: as at a peak of the
+#: end of a tube, which lies on the seam.
+CHORDS = cos(pi / (4 * ROUND))
+SLACK = 0.005  #: mm that a lead may be nearer than the path that it leads to
 SAME_PLACE = 0.0005  #: mm; places of a path that are nearer are one
 
 #: The border at which a path ends: of the torch's reach, an end of a piece, or the kerf of a bevel;
@@ -246,12 +249,13 @@ def _pierce(
     Nor is it over a hole, where no arc starts.
     """
     least = row.pierce_radius - row.kerf / 2
+    nearest = CHORDS * row.kerf / 2 - SLACK
     for share in LEADS:
         length = least + share * (coper.lead - least) + EDGE
         pierce = start[0] + way[0] * length, start[1] + way[1] * length
         if (
             shape.distance(_place(pierce)) >= row.pierce_radius
-            and shape.distance(_line(pierce, start)) >= row.kerf / 2 - SLACK
+            and shape.distance(_line(pierce, start)) >= nearest
             and (wall.open is None or not wall.open.dwithin(_line(pierce, start), row.kerf / 2))
         ):
             return pierce
@@ -285,7 +289,7 @@ def _from_edge(
                 start = x + way, edge.limit * edge.ny
             if (
                 (wall.ends is None or wall.holds(start))
-                and shape.distance(_line(start, first)) >= half_kerf - SLACK
+                and shape.distance(_line(start, first)) >= CHORDS * half_kerf - SLACK
                 and shape.distance(_place(start)) >= row.pierce_radius
                 and (wall.open is None or not wall.open.dwithin(_line(start, first), half_kerf))
             ):

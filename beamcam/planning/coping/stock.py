@@ -3,7 +3,6 @@
 A plate that is the surface of a pipe is taken for the pipe.
 """
 
-import re
 from collections.abc import Iterator, Sequence
 from math import pi
 
@@ -13,23 +12,13 @@ from beamcam.errors import Diagnostic, Source
 from beamcam.machine.coper import TUBES, Coper
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part, Profile
+from beamcam.model.pipes import SLACK, is_unrolled, named_diameters
 from beamcam.model.section import section_fault
 from beamcam.planning import rules as bar_rules
 from beamcam.planning.coping import rules
 from beamcam.planning.coping.walls import laid, web_back
-from beamcam.planning.sheet import PIPE
 
-#: A size in a name: 168.3, 6, 1-1/2 or 3/4.
-_SIZE = re.compile(r"(?:([0-9]+)[- ])?([0-9]+)/([0-9]+)|([0-9]+(?:\.[0-9]+)?)")
 ONE_SHEET = 0.05  #: mm between walls of a C, which are one sheet
-SLACK = 0.5  #: mm between a diameter in a name and that of the width
-INCH = 25.4
-#: Outside diameter of pipes by their nominal size, both in inches (ASME B36.10M, table 1).
-NOMINAL = {
-    0.125: 0.405, 0.25: 0.54, 0.375: 0.675, 0.5: 0.84, 0.75: 1.05, 1.0: 1.315, 1.25: 1.66,
-    1.5: 1.9, 2.0: 2.375, 2.5: 2.875, 3.0: 3.5, 3.5: 4.0, 4.0: 4.5, 5.0: 5.563, 6.0: 6.625,
-    8.0: 8.625, 10.0: 10.75, 12.0: 12.75,
-}  # fmt: skip
 
 
 def as_pipe(part: Part) -> tuple[Part, Diagnostic | None]:
@@ -38,10 +27,10 @@ def as_pipe(part: Part) -> tuple[Part, Diagnostic | None]:
     Any other part comes back as it is, and so does a plate whose name has another diameter.
     """
     profile = part.profile
-    if profile.code != "B" or not PIPE.match(profile.name):
+    if not is_unrolled(profile):
         return part, None
     diameter = profile.height / pi
-    named = _diameters(profile.name)
+    named = named_diameters(profile.name)
     values = {"found": profile.name, "height": f"{profile.height:g}"}
     if named and min(abs(one - diameter) for one in named) > SLACK:
         nearest = min(named, key=lambda one: abs(one - diameter))
@@ -53,20 +42,6 @@ def as_pipe(part: Part) -> tuple[Part, Diagnostic | None]:
     pipe = Profile("RO", profile.name, diameter, diameter, wall, wall)
     diagnostic = rules.PIPE.at(part.source, diameter=f"{diameter:.2f}", **values)
     return replace(part, profile=pipe), diagnostic
-
-
-def _diameters(name: str) -> tuple[float, ...]:
-    """The diameters that a name may mean, in mm; none where it has no size.
-
-    The first size is a diameter in mm or in inches, or a nominal one: PIPE1-1/2SCH40 is 1.9 inches
-    wide.
-    """
-    size = _SIZE.search(name)
-    if size is None or (size[3] is not None and not float(size[3])):
-        return ()
-    value = float(size[4]) if size[4] else float(size[1] or 0) + float(size[2]) / float(size[3])
-    inches = (value, NOMINAL.get(value, value))
-    return (value, *(INCH * one for one in inches))
 
 
 def with_corners(part: Part, coper: Coper) -> tuple[Part, Diagnostic | None]:

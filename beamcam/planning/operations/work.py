@@ -12,6 +12,7 @@ from msgspec import Struct
 
 from beamcam.errors import Diagnostic, PlanError, Source, errors_in
 from beamcam.model.part import Bend, Camber, Contour, EndPlane, Feature, Hole, Part, Slot, TextMark
+from beamcam.model.pipes import is_unrolled
 from beamcam.model.request import policy_on
 from beamcam.model.section import section_fault
 from beamcam.planning import rules
@@ -74,6 +75,10 @@ def refuse_stock(parts: Sequence[Part], line: BarLine) -> None:
             refusals.append(
                 rules.MIXED_PROFILES.at(part.source, found=mine.name, expected=profile.name)
             )
+        if is_unrolled(mine):
+            refusals.append(rules.UNROLLED.at(
+                part.source, found=mine.name, expected="a flat bar, or a pipe of profile code RO",
+            ))  # fmt: skip
         fault = section_fault(mine)
         if fault is not None:
             refusals.append(rules.SECTION_SHAPE.at(part.source, found=fault, code=mine.code))

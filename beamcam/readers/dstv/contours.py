@@ -7,7 +7,7 @@ direction of the face's outer contour tells.
 """
 
 from itertools import pairwise
-from math import asin, hypot, inf, sin
+from math import asin, hypot, inf, sin, sqrt
 from typing import Literal, final
 
 from msgspec import Struct, field
@@ -164,6 +164,9 @@ def _part_of(rows: ContourRows, low: int, high: int) -> ContourRows:
 
 _SNAP = 0.011  #: ends this close are one point that was rounded twice
 _ARC_SLACK = 0.01  #: a radius too small by this part of itself is read as a half circle
+#: mm by which twice a radius is more than the chord of a half circle: each has two decimals. An
+#: arc so drawn would lack sqrt(radius * this / 2) of its height: 0.26 mm of a slot 14.29 wide.
+_HALF_SLACK = 0.0201
 
 
 def polygon_area(points: list[Point]) -> float:
@@ -341,10 +344,37 @@ def _curves(rows: ContourRows, log: Log) -> tuple[Curve, ...] | None:
     if rows.turned:
         points, lines = points[::-1], lines[: len(radii)][::-1]
         radii = [-r for r in reversed(radii)]
+    radii = [_half_circle(points, radii, i) for i in range(len(radii))]
     edges = zip(points, points[1:], radii, lines, strict=False)
     curves = [_curve(a, b, radius, line, len(lines), log) for a, b, radius, line in edges]
     sound = tuple(curve for curve in curves if curve is not None)
     return sound if len(sound) == len(curves) else None
+
+
+def _half_circle(points: list[Point], radii: list[float], i: int) -> float:
+    """The radius of an arc, half its chord where rounding has made a half circle less than that.
+
+    A lug with slanted sides has an arc of a little less than a half circle: where both lines
+    beside an arc run on tangent to it as its numbers say, these count.
+    """
+    radius, size = radii[i], abs(radii[i])
+    (x0, y0), (x1, y1) = points[i], points[i + 1]
+    half = hypot(x1 - x0, y1 - y0) / 2
+    if not size or not 0.0 < 2 * (size - half) <= _HALF_SLACK:
+        return radius
+    leans = sqrt(1.0 - (half / size) ** 2)  # of the arc as drawn, towards the chord at both ends
+    beside = []
+    closed = points[0] == points[-1]
+    for k in (i - 1, i + 1):
+        k = k % len(radii) if closed else k
+        if not 0 <= k < len(radii) or radii[k]:
+            return half if radius > 0 else -half
+        (xa, ya), (xb, yb) = points[k], points[k + 1]
+        along = (xb - xa) * (x1 - x0) + (yb - ya) * (y1 - y0)
+        beside.append(along / (2 * half * hypot(xb - xa, yb - ya)))
+    if all(leans / 2 < lean < 1.5 * leans for lean in beside):
+        return radius
+    return half if radius > 0 else -half
 
 
 def _curve(

@@ -1,6 +1,7 @@
 """The header, block ST: 20 to 24 lines that count by their position."""
 
 import re
+from math import pi
 
 from msgspec import Struct
 from msgspec.structs import replace
@@ -8,7 +9,7 @@ from msgspec.structs import replace
 from beamcam.caches import cached
 from beamcam.errors import Source
 from beamcam.model.part import ALONG_DEG, PROFILE_CODES, EndCuts, Part, Profile, ProfileCode
-from beamcam.model.section import LIP_SHARES, TOLERANCE, section_fault
+from beamcam.model.section import LIP_SHARES, STEEL_KG_MM3, TOLERANCE, section_fault
 from beamcam.readers.dstv import rules
 from beamcam.readers.dstv.blocks import CODES, PLAIN_CODES, Log, number
 
@@ -121,6 +122,9 @@ def read_header(head: HeaderLines, source: Source, log: Log) -> Part | None:
         log.add(rules.HEIGHT, lines[9], found=height)
     elif fault is not None:
         log.add(rules.SECTION, lines[9], found=fault, code=code)
+    elif code == "M" and (corner := corner_by_weight(profile, weight)):
+        log.add(rules.CORNER_WEIGHT, lines[13], found=radius, radius=corner, weight=weight)
+        profile = replace(profile, radius=corner)
     elif code == "C" and profile.lip is None and _FOUR.fullmatch(profile.name):
         sizes = f"{height:g} x {width:g}, {flange:g} thick"
         log.add(rules.LIP_NAME, lines[6], found=profile.name, sizes=sizes)
@@ -185,6 +189,25 @@ def lip_by_name(profile: Profile) -> float | None:
             found.add(figure)
     lip = found.pop() if len(found) == 1 else None
     return lip if lip and section_fault(replace(profile, lip=lip)) is None else None
+
+
+MOST_CORNER = 3.5  #: walls that a corner is round at most; 3 by EN 10219-2, annex B
+
+
+def corner_by_weight(profile: Profile, weight: float) -> float | None:
+    """The outer radius of the corners of a rectangular tube that its weight (kg/m) has, mm.
+
+    Round corners lack (4 - pi) (R2 - (R - t)2) of the area that sharp ones have. None where the
+    header has a radius that can be, or the weight none: catalogues give it to a third place.
+    """
+    wall = profile.web_thickness or 0.0
+    if weight <= 0.0 or not 0.0 < wall == profile.flange_thickness > profile.radius:
+        return None
+    height, width = profile.height, profile.width
+    sharp = height * width - (height - 2 * wall) * (width - 2 * wall)
+    lacking = (sharp - weight / 1000 / STEEL_KG_MM3) / (4 - pi)
+    radius = round((lacking / wall + wall) / 2, 1)
+    return radius if wall <= radius <= min(MOST_CORNER * wall, height / 2, width / 2) else None
 
 
 def _warn_of_texts(values: list[str], lines: list[int], log: Log) -> None:

@@ -4,7 +4,6 @@ Nothing here changes the part. Each check looks at two things that a file says t
 header and in the contour, a hole and the material around it.
 """
 
-import re
 from collections.abc import Iterator
 from itertools import pairwise
 from math import atan2, degrees, hypot, inf, pi
@@ -23,6 +22,7 @@ from beamcam.model.part import (
     Slot,
     TextMark,
 )
+from beamcam.model.pipes import is_unrolled
 from beamcam.model.section import STEEL_KG_MM3, WALLED, section_area, section_fault
 from beamcam.readers.dstv import rules
 from beamcam.readers.dstv.blocks import Log
@@ -178,12 +178,10 @@ def _check_end_planes(part: Part, log: Log) -> None:
 
 
 def _check_unrolled(part: Part, header: list[int], log: Log) -> None:
-    """Note a plate that is as wide as a pipe, named with its diameter, is round about."""
-    for text in re.findall(r"[0-9]+(?:\.[0-9]+)?", part.profile.name):
-        diameter = float(text)
-        if diameter > 10 and abs(pi * diameter - part.profile.height) < 1.0:
-            log.add(rules.UNROLLED, header[6], height=part.profile.height, diameter=diameter)
-            return
+    """Note a plate that is the surface of a pipe."""
+    width = part.profile.height
+    if is_unrolled(part.profile):
+        log.add(rules.UNROLLED, header[6], height=width, diameter=round(width / pi, 2))
 
 
 def _check_circle(contour: Contour, log: Log) -> None:

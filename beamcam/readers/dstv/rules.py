@@ -93,12 +93,12 @@ PROFILE_CASE = warning("dstv-profile-case",
     "Codes are written in capitals.")
 WEIGHT = warning("dstv-weight",
     "header line {number} ({name}): found {found!r}, expected a number; read as 0",
-    "Weight and surface do not change what is made.")
+    "Weight and surface do not change what is made, but for corners (dstv-corner-weight).")
 WEIGHT_SECTION = note("dstv-weight-section",
     "found {found:g} kg/m in the header, but a section of {profile} as it is given weighs "
     "{expected:.3g} kg/m",
     "They should agree within 5 %; one of the figures of the section may be another's. The weight "
-    "changes nothing of what is made.")
+    "changes nothing of what is made, but for corners (dstv-corner-weight).")
 HEIGHT = warning("dstv-height",
     "found height {found:g}, expected more than 0",
     "Features cannot be checked against a section without a height.")
@@ -106,6 +106,11 @@ SECTION = error("dstv-section",
     "found {found} in a section of profile code {code}, expected walls that fit into each other",
     "Such a section cannot be rolled. Header lines 10 to 15 are height, flange width, thickness of "
     "flange and web, and radius.")
+CORNER_WEIGHT = warning("dstv-corner-weight",
+    "found corners of {found:g} mm, less than the wall of the tube; read as {radius:g} mm, which "
+    "the weight of {weight:g} kg/m has",
+    "Some programs write no radius for rectangular tubes, or that inside. The weight tells how "
+    "much steel the corners lack. Line 14 of the header is their outer radius.")
 LIP_NAME = warning("dstv-lip-name",
     "found the name {found} of a C that is {sizes}; expected those figures in the name, and the "
     "length of its lips",

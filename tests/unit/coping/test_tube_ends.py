@@ -52,6 +52,18 @@ def test_what_is_left_inside_is_told() -> None:
     assert f"up to {most:.2f} mm off at the inside of the walls v" in told.message
 
 
+@pytest.mark.parametrize("wall", [4.0, 8.0, 14.0, 24.0])
+@pytest.mark.parametrize("chords", [24, 72])
+@pytest.mark.parametrize("steep", [0.2, 1.0])
+def test_an_end_whose_peak_lies_on_the_seam(wall: float, chords: int, steep: float) -> None:
+    """As exporters draw mitres and saddles, whatever the kerf of the wall's row."""
+    turns = [2 * pi * k / chords for k in range(chords + 1)]
+    peak = [(500.0 - R * steep * (1 - cos(turn)), R * turn) for turn in turns]
+    profile = replace(tube().profile, web_thickness=wall, flange_thickness=wall)
+    part = tube(outline("v", [(0.0, 0.0), *peak, (0.0, TURN)]), profile=profile)
+    assert not found(program_of(part), part)
+
+
 ANGLES = st.one_of(st.just(0.0), st.floats(-50.0, 50.0))
 
 

@@ -59,6 +59,10 @@ CASES: tuple[Case, ...] = (
     ("plan-no-parts", "beamline", (), {}, "found no part; expected at least one"),
     ("plan-stock", "beamline", (part(profile=TUBE),), {},
      "found a part of profile code M; expected I, U, L, which beamline takes"),
+    ("plan-unrolled", "beamline-pusher",
+     (part(profile=Profile("B", "O76.1*4", 239.08, 0.0, 0.0, 4.0)),), {},
+     "found the profile O76.1*4, a pipe written as a plate; expected a flat bar, or a pipe of "
+     "profile code RO"),
     ("plan-mixed-profiles", "beamline", (part(), part(profile=CHANNEL)), {},
      "found profile UPN200; expected IPE300, as the first part on the bar"),
     ("plan-section", "beamline", (part(profile=replace(BEAM, height=1005.0)),), {},

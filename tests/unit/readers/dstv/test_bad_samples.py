@@ -34,6 +34,7 @@ LINES = {
     "dstv-contour-empty": 33,
     "dstv-contour-fields": 33,
     "dstv-contour-open": 30,
+    "dstv-corner-weight": 16,
     "dstv-cut-angle": 18,
     "dstv-cut-missing": 18,
     "dstv-decimal-comma": 33,
