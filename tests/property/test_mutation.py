@@ -29,7 +29,7 @@ from benchmarks.order_faults import SEEN_BY_PARTS
 from benchmarks.sheet_faults import told as faults_of_tables
 from tests.conftest import examples
 
-MUTANTS = 1000
+MUTANTS = 600
 
 
 @pytest.fixture(scope="module")
