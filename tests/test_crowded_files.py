@@ -8,7 +8,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 from beamcam.cli import main
-from tests.conftest import SAMPLES
+from tests.conftest import SAMPLES, sampled
 
 
 def call(*words: object) -> Result:
@@ -24,7 +24,9 @@ def crowded(name: str, block: str, times: int) -> str:
     return text.replace("EN\n", found * times + "EN\n")
 
 
-@pytest.mark.parametrize(("name", "block"), [("gusset", "BO"), ("channel", "AK"), ("beam", "BO")])
+@pytest.mark.parametrize(
+    ("name", "block"), sampled([("gusset", "BO"), ("beam", "BO"), ("channel", "AK")], 2)
+)
 def test_what_is_there_many_times_weighs_as_once(tmp_path: Path, name: str, block: str) -> None:
     one, many = tmp_path / "one.nc1", tmp_path / "many.nc1"
     one.write_text(crowded(name, block, 1))
