@@ -13,7 +13,7 @@ from typing import Any
 import click
 
 from beamcam.plain_text import terminal_lines
-from beamcam.system import collector_seldom, end_here, is_unicode
+from beamcam.system import collector_seldom, end_here, is_unicode, one_thread
 from beamcam.version import __version__
 
 #: name -> module of beamcam.commands whose `command` it is, and its help in a line
@@ -52,6 +52,7 @@ class Commands(click.Group):
     def main(self, *args: Any, **values: Any) -> Any:
         """Run a command; a fault of standard output is reported like that of any other output."""
         collector_seldom()
+        one_thread()
         for stream in (sys.stdout, sys.stderr):
             if isinstance(stream, TextIOWrapper) and not is_unicode(stream.encoding):
                 stream.reconfigure(errors="backslashreplace")

@@ -160,6 +160,15 @@ def collector_seldom() -> None:
     atexit.register(gc.freeze)
 
 
+def one_thread() -> None:
+    """Have numpy's library of matrices, where it is not loaded yet, start no threads of its own.
+
+    It starts one a core as it is imported, a fifth of the time of that import, and no matrix here
+    is large enough for two.
+    """
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+
 # --- interrupts -----------------------------------------------------------------------------------
 
 # Ctrl-C, and requests of the system to end.

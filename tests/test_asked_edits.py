@@ -108,8 +108,8 @@ EDITS = {
 @pytest.fixture(scope="module")
 def copy(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("copy")
-    shutil.copytree(ROOT / "beamcam", folder / "beamcam",
-                    ignore=shutil.ignore_patterns("__pycache__"))  # fmt: skip
+    # With the bytecode, which is that of the copies as well until they are edited.
+    shutil.copytree(ROOT / "beamcam", folder / "beamcam")
     (folder / "angle.dxf").write_text(ANGLE)
     (folder / "logo.dxf").write_text(ANGLE.replace("\n8\n0\n", "\n8\nLOGO\n"))
     (folder / "hatch.toml").write_text('[map]\nLOGO = { process = "engrave", hatch = 2.0 }\n')

@@ -46,8 +46,11 @@ def unknown(text: str) -> list[str]:
 
 
 def said_in(path: Path) -> list[tuple[int, str]]:
-    """The texts of a module that may be said: all but its docstrings."""
-    tree = ast.parse(path.read_text(encoding="utf-8"))
+    """The texts of a module that may be said, all but its docstrings; none where all is known."""
+    written = path.read_text(encoding="utf-8")
+    if not unknown(written):
+        return []
+    tree = ast.parse(written)
     documented = (ast.Module, ast.ClassDef, ast.FunctionDef)
     of_docs = {
         id(node.body[0].value)

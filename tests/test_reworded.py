@@ -75,7 +75,7 @@ def of_all(folder: Path, every: int) -> Iterator[tuple[Any, ...]]:
         program.unlink(missing_ok=True)
 
 
-@pytest.mark.parametrize("every", [9, pytest.param(1, marks=pytest.mark.exhaustive)])
+@pytest.mark.parametrize("every", [18, pytest.param(1, marks=pytest.mark.exhaustive)])
 def test_other_words_decide_nothing_else(
     every: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -133,6 +133,7 @@ def test_no_message_is_taken_apart() -> None:
     found = {
         f"{path.relative_to(ROOT)}:{line}"
         for path in (ROOT / "beamcam").rglob("*.py")
-        for line in taken_apart(ast.parse(path.read_text(encoding="utf-8")))
+        if ".message" in (text := path.read_text(encoding="utf-8"))
+        for line in taken_apart(ast.parse(text))
     }
     assert not found

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from itertools import chain
+from typing import Any
 
 import numpy as np
 from msgspec.structs import astuple
@@ -86,11 +87,15 @@ class _Writer:
 
     def _plain_moves(self) -> list[Iterator[str]]:
         """The blocks of all traverses, lines and arcs (clockwise, the others), kind by kind."""
-        words, commands = self._words, self._program.commands
-        arcs = [c for c in commands if isinstance(c, ArcFeed)]
+        words = self._words
+        moves: dict[type, list[Any]] = {Traverse: [], Feed: [], ArcFeed: []}
+        for command in self._program.commands:
+            if (own := moves.get(type(command))) is not None:
+                own.append(command)
+        arcs: list[ArcFeed] = moves[ArcFeed]
         kinds: list[tuple[tuple[str, ...], str, list[Row]]] = [
-            (words.traverse, "xy", [c for c in commands if isinstance(c, Traverse)]),
-            (words.feed, "xy", [c for c in commands if isinstance(c, Feed)]),
+            (words.traverse, "xy", moves[Traverse]),
+            (words.feed, "xy", moves[Feed]),
             (words.arc_cw, "xyijc", [c for c in arcs if c.clockwise]),
             (words.arc_ccw, "xyijc", [c for c in arcs if not c.clockwise]),
         ]

@@ -11,7 +11,7 @@ full speed.
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from math import atan2, cos, degrees, hypot, inf, isfinite, radians, sin
-from typing import cast
+from typing import cast, get_args
 
 import numpy as np
 from msgspec import Struct
@@ -43,6 +43,8 @@ from beamcam.motion.profile import stretch_seconds
 
 SECONDS_PER_MINUTE = 60.0
 HOME: Point = (0.0, 0.0)
+
+MOVEMENTS = frozenset(get_args(Movement))
 
 #: A kink of less than this is passed as if it were none: what rounding leaves of a tangent.
 SMOOTH_COS = cos(radians(1.0))
@@ -91,13 +93,15 @@ def _passes(
     passes: list[int] = []
     traverses: list[tuple[Point, Point, int]] = []
     for command in program.commands:
+        if type(command) in MOVEMENTS:
+            move = cast(Movement, command)
+            starts.append(here)
+            moves.append(move)
+            feeds.append(feed)
+            passes.append(len(waits) - 1)
+            here = move.x, move.y
+            continue
         match command:
-            case Feed() | ArcFeed() | ParabolaFeed() | EllipseFeed():
-                starts.append(here)
-                moves.append(command)
-                feeds.append(feed)
-                passes.append(len(waits) - 1)
-                here = command.x, command.y
             case Traverse():
                 end = command.x, command.y
                 traverses.append((here, end, len(waits) - 1))

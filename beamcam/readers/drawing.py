@@ -114,10 +114,16 @@ def joined(chain: Sequence[Curve]) -> bool:
 def is_in_bounds(curve: Curve) -> bool:
     """Whether all coordinates of a curve are numbers of at most `MAX_COORDINATE`."""
     match curve:
-        case Line():
-            values: Iterable[float] = (*curve.start, *curve.end)
+        case Line():  # as most of a drawing
+            (x0, y0), (x1, y1), most = curve.start, curve.end, MAX_COORDINATE
+            return abs(x0) <= most and abs(y0) <= most and abs(x1) <= most and abs(y1) <= most
         case Arc():
-            values = (*curve.centre, curve.radius, curve.start_deg, curve.sweep_deg)
+            values: Iterable[float] = (
+                *curve.centre,
+                curve.radius,
+                curve.start_deg,
+                curve.sweep_deg,
+            )
         case EllipseArc():
             values = (*curve.centre, *curve.axis, curve.ratio, curve.start_deg, curve.sweep_deg)
         case Bezier():

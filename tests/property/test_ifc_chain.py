@@ -108,7 +108,7 @@ def _box(solid: Any) -> tuple[Any, Any]:
     return box[:3], box[3:] - box[:3]
 
 
-@pytest.mark.parametrize("seed", sampled(SEEDS, 6))
+@pytest.mark.parametrize("seed", sampled(SEEDS, 9))  # each of the codes once
 def test_a_chiral_member_comes_out_of_its_dstv_file_as_it_was_modelled(seed: int) -> None:
     solid, again = chain(seed)
     own, mirrored = apart(solid, part_solid(again))
@@ -116,7 +116,7 @@ def test_a_chiral_member_comes_out_of_its_dstv_file_as_it_was_modelled(seed: int
     assert mirrored > 2 * own
 
 
-@pytest.mark.parametrize("seed", [0, 6, 12])
+@pytest.mark.parametrize("seed", [0, 9, 18])
 def test_a_mirrored_part_would_be_seen(seed: int) -> None:
     solid, again = chain(seed)
     own, mirrored = apart(solid, part_solid(again).mirror((0.0, 0.0, 1.0)))

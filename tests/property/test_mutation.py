@@ -28,7 +28,7 @@ from benchmarks.mutation import (
 from benchmarks.sheet_faults import told as faults_of_tables
 from tests.conftest import examples
 
-MUTANTS = 1000
+MUTANTS = 600
 
 
 @pytest.fixture(scope="module")

@@ -1,11 +1,16 @@
-"""The command line tunes the garbage collector; the library leaves it to its host."""
+"""The command line tunes the garbage collector and numpy; the library leaves both to its host."""
 
 import gc
+import os
 import re
 import subprocess
 import sys
 
+import pytest
+from click.testing import CliRunner
+
 import beamcam
+from beamcam.cli import main
 from beamcam.system import SELDOM
 from tests.conftest import SAMPLES
 
@@ -54,3 +59,16 @@ def test_rings_are_found_all_the_same() -> None:
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert int(done.stdout) <= SELDOM[0]
+
+
+@pytest.mark.parametrize(("said", "kept"), [(None, "1"), ("4", "4")])
+def test_a_command_has_numpy_start_no_threads_unless_it_is_told_to(
+    said: str | None, kept: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("OPENBLAS_NUM_THREADS", "")
+    if said is None:
+        monkeypatch.delenv("OPENBLAS_NUM_THREADS")
+    else:
+        monkeypatch.setenv("OPENBLAS_NUM_THREADS", said)
+    assert CliRunner().invoke(main, ["--version"]).exit_code == 0
+    assert os.environ["OPENBLAS_NUM_THREADS"] == kept

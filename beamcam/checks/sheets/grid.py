@@ -73,23 +73,24 @@ class Elements:
         """The places of elements at shares of their lengths, (n, 2)."""
         start_x, start_y, way_x, way_y = (column.take(which) for column in self.columns)
         along = self.chord.take(which) * share
-        places = np.stack((start_x + along * way_x, start_y + along * way_y))
+        x, y = start_x + along * way_x, start_y + along * way_y
         bent = np.flatnonzero(self.is_arc.take(which))
         if len(bent):
-            x, y, radius, first, sweep = self.arcs[which[bent]].T
+            centre_x, centre_y, radius, first, sweep = self.arcs.take(which[bent], axis=0).T
             turn = first + sweep * share[bent]
-            places[:, bent] = x + radius * np.cos(turn), y + radius * np.sin(turn)
-        return places.T
+            x[bent] = centre_x + radius * np.cos(turn)
+            y[bent] = centre_y + radius * np.sin(turn)
+        return np.stack((x, y)).T
 
     def directions(self, which: Counts, share: Floats) -> Floats:
         """The direction of travel at shares of elements, (n, 2)."""
-        directions = np.column_stack([column[which] for column in self.along])
-        bent = np.flatnonzero(self.is_arc[which])
-        arcs = self.arcs[which[bent]]
-        turn = arcs[:, 3] + arcs[:, 4] * share[bent]
-        sign = np.sign(arcs[:, 4])
-        directions[bent] = np.column_stack((-np.sin(turn) * sign, np.cos(turn) * sign))
-        return directions
+        x, y = (column.take(which) for column in self.along)
+        bent = np.flatnonzero(self.is_arc.take(which))
+        if len(bent):
+            first, sweep = self.arcs.take(which[bent], axis=0).T[3:]
+            turn, sign = first + sweep * share[bent], np.sign(sweep)
+            x[bent], y[bent] = -np.sin(turn) * sign, np.cos(turn) * sign
+        return np.stack((x, y)).T
 
     def distances(self, x: Floats, y: Floats, which: Counts) -> tuple[Floats, Floats]:
         """How far places are from an element each, and how far along it the nearest place lies."""
@@ -115,7 +116,7 @@ class Elements:
 
     def from_arcs(self, x: Floats, y: Floats, which: Counts) -> tuple[Floats, Floats]:
         """The same of elements that are arcs."""
-        centre_x, centre_y, radius, first, sweep = self.arcs[which].T
+        centre_x, centre_y, radius, first, sweep = self.arcs.take(which, axis=0).T
         to_x, to_y = x - centre_x, y - centre_y
         turn = (np.arctan2(to_y, to_x) - first) * np.sign(sweep)
         turn %= 2 * np.pi
@@ -135,6 +136,7 @@ class Elements:
 MAX_TURN_RAD = 0.5  #: of a piece of an arc whose cells are looked for
 SPARE = 1.001  #: of a reach, for the last digits of elements that were moved
 NARROW = 0.1  #: reach by the size of cells, below which a narrower one is no quicker
+WIDE = 2.0  #: cells by the mean length of elements, unless they have many
 MOST_IN_A_CELL = 8  #: else cells are made smaller once
 MOST_CELLS = 1 << 20  #: along one side, so that the number of a cell and an element fits
 MOST_PAIRS = 1 << 16  #: of points and elements that are measured at once, in a cache
@@ -172,7 +174,7 @@ class Grid:
         wide = 2 * max((float(np.ptp(side)) for side in sides), default=0.0)
         mean = float(elements.length.sum()) / max(len(elements), 1)
         least = max(2.0 * SPARE * reach, wide / MOST_CELLS, 1e-6)
-        self._fill(max(mean, least), reach)
+        self._fill(max(WIDE * mean, least), reach)
         # Long elements beside one another: a cell that one is in has many others.
         if np.square(self._sizes).sum() > MOST_IN_A_CELL * len(self._members):
             self._fill(max(mean / 4, least), reach)

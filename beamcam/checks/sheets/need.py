@@ -140,7 +140,7 @@ def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) 
         if hand[index]:
             continue
         policy = policy_on(feature, machine.marks)
-        if isinstance(feature, TextMark) and policy == "make":
+        if policy == "make" and isinstance(feature, TextMark):
             continue  # its position is taken from the program: see texts.py
         refused = policy == "refuse"
         lack = "mark" if refused else lack_of(feature, torch, thickness)

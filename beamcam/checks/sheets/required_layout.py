@@ -160,9 +160,10 @@ def _lies_turned(part: Part, torch: Torch) -> bool:
     whole = _outlined(part)
     if changed or where_drawn or next(_faults(whole, torch), None) is not None:
         return False
+    any_ignored = "ignore" in torch.colours.values()
     worked = [
         feature for feature in whole.features
-        if not isinstance(feature, Contour)
+        if not any_ignored or not isinstance(feature, Contour)
         or (key := key_of(feature, torch.colours)) is None or torch.colours[key] != "ignore"
     ]  # fmt: skip
     box = _box(worked)
@@ -178,12 +179,14 @@ def _lies_turned(part: Part, torch: Torch) -> bool:
 
 def _faults(part: Part, torch: Torch) -> Iterator[Diagnostic]:
     for feature in part.features:
-        bevelled = isinstance(feature, Contour) and feature.bevels
-        behind = isinstance(feature, TextMark) and torch.mirror != "none"
-        if bevelled or behind or not isinstance(feature, Contour | Hole | Slot | TextMark):
-            what = "bevelled contour" if bevelled else type(feature).__name__.lower()
-            source = getattr(feature, "source", part.source)
-            yield rules.LAID.at(source, found=what)
+        if isinstance(feature, Contour):
+            what = "bevelled contour" if feature.bevels else ""
+        elif isinstance(feature, TextMark) and torch.mirror == "none":
+            continue
+        else:
+            what = "" if isinstance(feature, Hole | Slot) else type(feature).__name__.lower()
+        if what:
+            yield rules.LAID.at(getattr(feature, "source", part.source), found=what)
 
 
 def _outlined(part: Part) -> Part:
@@ -266,9 +269,14 @@ def _moved(feature: Feature, by: Affine) -> Feature:
 
 def _box(features: Sequence[Feature]) -> Box | None:
     """The box around the contours, holes and slots of a part; None if there are none."""
-    boxes = [_hole_box(feature) for feature in features if isinstance(feature, Hole | Slot)]
-    contours = (feature for feature in features if isinstance(feature, Contour))
-    drawn = extent(curve for contour in contours for curve in contour.curves)
+    boxes: list[Box] = []
+    curves: list[Curve] = []
+    for feature in features:
+        if isinstance(feature, Contour):
+            curves += feature.curves
+        elif isinstance(feature, Hole | Slot):
+            boxes.append(_hole_box(feature))
+    drawn = extent(curves)
     return join_boxes(boxes if drawn is None else [drawn, *boxes])
 
 

@@ -29,7 +29,9 @@ def bevels_of(contour: Contour, torch: Torch) -> list[Bevel]:
 
 def is_drilled(feature: Feature, torch: Torch, thickness: float) -> bool:
     """Whether a hole or slot is left to the drill, its centre marked."""
-    if torch.drilled == "refuse" or not isinstance(feature, Hole | Slot):
+    if torch.drilled == "refuse" or isinstance(feature, Contour):
+        return False
+    if not isinstance(feature, Hole | Slot):
         return False
     if feature.kind == "mark" or feature.face not in PLATE_FACES:
         return False

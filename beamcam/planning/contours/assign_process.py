@@ -89,8 +89,6 @@ def assign_processes(
     for index, feature in enumerate(part.features):
         if _is_out(index, feature, torch, thickness, machine, skips, assigned):
             continue
-        if isinstance(feature, TextMark):
-            continue  # its place follows from all else that is cut
         if isinstance(feature, Contour):
             meaning = meanings(feature)
             if meaning is None:
@@ -107,6 +105,8 @@ def assign_processes(
                     AssignedCurve(curve, meaning, index, feature.source, key)
                     for curve in feature.curves
                 ]
+        elif isinstance(feature, TextMark):
+            continue  # its place follows from all else that is cut
         elif torch.drilled == "spot" and cast("Hole | Slot", feature).kind == "mark":
             spot(centres_of(cast("Hole | Slot", feature)), [index], assigned)
         else:
@@ -214,7 +214,7 @@ def letter(part: Part, machine: Machine, assigned: Assigned) -> None:
     marks = machine.marks
     texts = [
         (index, feature) for index, feature in enumerate(part.features)
-        if isinstance(feature, TextMark)
+        if type(feature) is TextMark
         and index not in assigned.listed and policy_on(feature, marks) == "make"
     ]  # fmt: skip
     if not texts:

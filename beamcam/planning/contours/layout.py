@@ -202,10 +202,11 @@ def fits_turned(parts: Sequence[Part], torch: Torch) -> bool:
     if torch.place == "drawn" and torch.origin == "table":
         return False
     (part,) = parts
+    any_ignored = "ignore" in torch.colours.values()
     curves = [
         curve
         for feature in _with_outline(part).features
-        if not (isinstance(feature, Contour) and _is_ignored(feature, torch))
+        if not (any_ignored and isinstance(feature, Contour) and _is_ignored(feature, torch))
         for curve in _curves(feature)
     ]
     box = extent(curves)
@@ -224,13 +225,14 @@ def _is_ignored(contour: Contour, torch: Torch) -> bool:
 def cannot_lie(part: Part, torch: Torch) -> Iterator[tuple[Source, str]]:
     """Features that cannot be mirrored, turned or copied: where they are, and what they are."""
     for feature in part.features:
-        if isinstance(feature, TextMark):
+        if isinstance(feature, Contour):
+            if feature.bevels:
+                yield feature.source, "a bevelled contour"
+        elif isinstance(feature, TextMark):
             if torch.mirror != "none":
                 yield feature.source, "a text, which would be read from behind"
-        elif not isinstance(feature, Contour | Hole | Slot):
+        elif not isinstance(feature, Hole | Slot):
             yield getattr(feature, "source", part.source), type(feature).__name__.lower()
-        elif isinstance(feature, Contour) and feature.bevels:
-            yield feature.source, "a bevelled contour"
 
 
 def size_of(part: Part, torch: Torch) -> tuple[float, float]:

@@ -28,7 +28,7 @@ from beamcam.solid.kernel import kernel
 from beamcam.solid.opinion import solid_faults
 from beamcam.solid.part_solid import part_solid
 from benchmarks import coping_faults
-from tests.conftest import SAMPLES, THIRD_PARTY, examples
+from tests.conftest import SAMPLES, THIRD_PARTY, examples, sampled
 from tests.random_boxes import mitred, over_corner, random_box
 from tests.rs274 import INI, interpreted, needs_rs274
 from tests.unit.coping import samples
@@ -198,7 +198,7 @@ def test_holes_and_slots_into_corners_are_read_back(
     assert found(text, tube(moved, *features[1:]))
 
 
-@pytest.mark.parametrize("face", ["v", "h", "o", "u"])
+@pytest.mark.parametrize("face", sampled("vhou", 2))
 def test_the_solid_and_the_recovery_agree_with_a_hole_in_a_corner(face: Face) -> None:
     part = tube(Hole(face, 200.0, 82.0, 26.0, AT), Hole(face, 300.0, 50.0, 26.0, AT))
     text = program_of(part)

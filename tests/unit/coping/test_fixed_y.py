@@ -14,6 +14,7 @@ from beamcam.recovery import recover
 from beamcam.setup_sheet.content import SheetSources, content_of
 from beamcam.simulation.program import simulate_program
 from beamcam.solid.opinion import solid_faults
+from tests.conftest import sampled
 from tests.unit.coping.samples import sample
 from tests.unit.coping.test_tubes import TUBE, found, program_of
 
@@ -42,7 +43,7 @@ def fixed(tmp_path: Path) -> Machine:
     return load_tested(str(path))
 
 
-@pytest.mark.parametrize("name", ["brace", "stub"])
+@pytest.mark.parametrize("name", sampled(["brace", "stub"], 2))
 def test_a_program_is_that_of_the_other_torch_without_its_y(fixed: Machine, name: str) -> None:
     part = sample(name)
     text = program_of(part, fixed)

@@ -392,7 +392,7 @@ def test_a_piece_of_another_part_is_not_taken_for_it(tmp_path: Path) -> None:
     part = sample("coped")
     strokes = burns(written(part, tmp_path))
     wanted = part_solid(part)
-    for k in range(len(strokes)):
+    for k in range(0, len(strokes), 2):
         piece = pieces(part, strokes[:k] + strokes[k + 1 :])[0]
         assert (piece - wanted).volume() > 100.0, k
 

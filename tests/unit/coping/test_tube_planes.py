@@ -1,6 +1,6 @@
 """Tubes whose ends are planes of their own, of any direction: planned, read back, by strangers."""
 
-from itertools import starmap
+from itertools import product, starmap
 from math import cos, dist, hypot, pi, radians, sin, tan
 from pathlib import Path
 
@@ -20,7 +20,7 @@ from beamcam.recovery import recover
 from beamcam.solid.kernel import kernel
 from beamcam.solid.opinion import solid_faults
 from beamcam.solid.part_solid import part_solid
-from tests.conftest import THIRD_PARTY, examples
+from tests.conftest import THIRD_PARTY, examples, sampled
 from tests.random_boxes import mitred, over_corner
 from tests.rs274 import needs_rs274
 from tests.unit.coping.test_box_tubes import (
@@ -157,8 +157,9 @@ def test_a_plane_through_a_window_over_a_corner() -> None:
     assert not found(program_of(part), part)
 
 
-@pytest.mark.parametrize("slopes", [(0.5, -0.3), (-0.2, 0.9)])
-@pytest.mark.parametrize("profile", [RHS, CHS])
+@pytest.mark.parametrize(
+    ("profile", "slopes"), sampled(product([RHS, CHS], [(0.5, -0.3), (-0.2, 0.9)]), 3)
+)
 def test_the_solid_agrees_and_sees_another_plane(
     profile: Profile, slopes: tuple[float, float]
 ) -> None:

@@ -232,7 +232,9 @@ def test_seen_from_the_bar_a_torch_goes_round_it(seed: int, make: Callable[[int]
         assert max(map(dist, one.points, other.points)) < 2e-3
 
 
-@pytest.mark.parametrize("make", [random_cope, random_tee, random_slant, random_lipped])
+@pytest.mark.parametrize(
+    "make", [*sampled([random_cope, random_slant, random_lipped], 3), random_tee]
+)
 def test_wrong_programs_are_refused(make: Callable[[int], Part]) -> None:
     part = make(4)
     kinds = set()
