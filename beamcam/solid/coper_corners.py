@@ -9,12 +9,12 @@ What a disc, rolled through the air, does not reach at a re-entrant corner stays
 """
 
 from collections.abc import Iterable, Iterator, Sequence
-from math import atan2, degrees, radians, tan
+from math import atan2, degrees
 from typing import TYPE_CHECKING
 
 from msgspec import Struct
 
-from beamcam.geometry.curves import Line, signed_area
+from beamcam.geometry.curves import signed_area
 from beamcam.geometry.plane import Point
 from beamcam.model.part import Contour, Feature, Hole, Part, Slot
 from beamcam.solid.cutters import slot_shape
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
 CORNER_DEG = 20.0  #: what a corner turns more than
 SLIVER = 0.01  #: radii; half of what may lie along a side that leans
 FACING_DEG = 125.0  #: by which two sides turn that face each other
-ALONG_ARC = 1.3  #: reaches of a corner's round along a side that bends towards the other one
 
 
 def rounded_corners(
@@ -123,9 +122,9 @@ def _rounds(
                 else:
                     least = middle
             filled = _filled(near, turns, least)
-        reach = one.reach(room) + 2 * CHORD
         for piece, _ in _at(one, filled):
-            yield one.place, room, piece.intersection(Place(one.place).buffer(reach))
+            near = Place(one.place).buffer(2 * room + 2 * CHORD)
+            yield one.place, room, piece.intersection(near)
 
 
 class _Turn(Struct, frozen=True):
@@ -133,12 +132,6 @@ class _Turn(Struct, frozen=True):
 
     place: Point
     deg: float  #: that it turns, above 0 into the steel
-    is_straight: bool  #: whether both of its sides are
-
-    def reach(self, radius: float) -> float:
-        """How far along its sides a disc leaves it."""
-        along = radius / tan(radians(max(180.0 - self.deg, 1.0)) / 2)
-        return along if self.is_straight else ALONG_ARC * along
 
 
 def _at(corner: _Turn, filled: Sequence[tuple[Shape, bool]]) -> Iterator[tuple[Shape, bool]]:
@@ -194,5 +187,4 @@ def _turns(contour: Contour) -> Iterator[_Turn]:
         (ax, ay), (bx, by) = before.tangent(1.0), after.tangent(0.0)
         turn = into * degrees(atan2(ax * by - ay * bx, ax * bx + ay * by))
         if abs(turn) > CORNER_DEG:
-            straight = isinstance(before, Line) and isinstance(after, Line)
-            yield _Turn(after.start, turn, straight)
+            yield _Turn(after.start, turn)

@@ -33,7 +33,7 @@ ALONG = 0.02  #: slope of a side that is an edge of its wall, at most
 MOST_ROUNDED = 1.65  #: radii that the rounding of a corner reaches along its sides, but for THIN
 THIN = 0.02  #: radii; so thin it ends along a side, and may go on along one that is nearly straight
 MOST_TURN_DEG = 125.0  #: of the sides of what is rounded in one; at 60 degrees it is 120
-STEP = 0.1  #: mm between radii that are tried where there is little room
+STEP = 0.02  #: mm between radii that are tried where there is little room
 AROUND = 4.0  #: radii that the rounding of a corner looks at, more than twice what it reaches
 CORNER_DEG = 20.0  #: a smaller turn belongs to a curve that is drawn by lines
 BEYOND = 1e4  #: mm, farther than any bar is wide
@@ -152,7 +152,7 @@ def rounded(
         if room < least:
             what, expected = "sharper than 60 degrees", "one less sharp, or a drawn radius"
             if room:
-                what = f"with room for a radius of {room:.1f} mm"
+                what = f"with room for a radius of {room:.2f} mm"
                 expected = f"{least:g} mm at least, as a slot {2 * least:g} mm wide has it"
             diagnostics.append(
                 rules.NARROW.at(

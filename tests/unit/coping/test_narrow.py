@@ -65,23 +65,23 @@ def radii(part: Part, machine: Machine) -> list[float]:
 def test_corners_are_as_round_as_half_the_slot_allows(
     part: Part, machine: Machine, room: float
 ) -> None:
-    """A disc touches both sides and the floor with half the width; steps are 0.1 mm."""
+    """A disc touches both sides and the floor with half the width; steps are 0.02 mm."""
     (told,) = radii(part, machine)
-    assert room - 0.11 <= told <= room
+    assert room - 0.03 <= told <= room
     assert not errors_in(solid_faults(program_of(part, machine), Request((part,), machine)))
 
 
 def test_a_gusset_goes_as_far_as_its_corners_meet_the_round() -> None:
-    """Worked by hand: between rounds of 5.4 mm in a slot 11 mm wide the floor is 0.2 mm wide, and a
-    plate of 10 mm ends 5.4 - sqrt(5.4^2 - 4.9^2) = 3.13 mm before it."""
+    """Worked by hand: between rounds of 5.48 mm in a slot 11 mm wide a plate of 10 mm ends
+    5.48 - sqrt(5.48^2 - 4.98^2) = 3.19 mm before the floor."""
     near = plan_coping((slotted(11.0),), TUBE).operations[0]
     floor = [u for x, u in near.path if x > 148.8 and u < near.path[1][1] - TURN_RHS / 2]
     axis = (min(floor) + max(floor)) / 2
     free = Polygon([(x, u) for x, u in near.path if abs(u - axis) < 6.0]).buffer(1.1)
     assert free.bounds[2] == pytest.approx(150.0, abs=0.01)
     assert free.intersection(box(20.0, 0.0, 120.0, 1000.0)).area == pytest.approx(1100.0, abs=2.0)
-    assert free.contains(box(20.0, axis - 5.0, 150.0 - 3.18, axis + 5.0))
-    assert not free.contains(box(20.0, axis - 5.0, 150.0 - 3.08, axis + 5.0))
+    assert free.contains(box(20.0, axis - 5.0, 150.0 - 3.24, axis + 5.0))
+    assert not free.contains(box(20.0, axis - 5.0, 150.0 - 3.14, axis + 5.0))
 
 
 @given(st.integers(0, 5000))
@@ -119,9 +119,9 @@ def test_a_drawn_chamfer_keeps_the_radius_of_the_machine() -> None:
 
 @pytest.mark.parametrize(
     ("wide", "expected"),
-    [(4.0, r"corner with room for a radius of 1\.9 mm at x 304, y 110 on face o; expected 2\.4 mm "
+    [(4.0, r"with room for a radius of 1\.9\d mm at x 304, y 110 on face o; expected 2\.4 mm "
            r"at least, as a slot 4\.8 mm wide has it"),
-     (2.0, r"radius of 0\.9 mm")],
+     (2.0, r"radius of 0\.9\d mm")],
 )  # fmt: skip
 def test_what_is_narrower_than_two_kerfs_is_refused(wide: float, expected: str) -> None:
     with pytest.raises(PlanError, match=expected):
