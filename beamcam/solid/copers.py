@@ -167,7 +167,8 @@ def _asked(part: Part, machine: Machine, coper: Coper, burns: Sequence[Burn]) ->
         step = 10.0**-form.angle_decimals
         slack += step if coper.a_unit == "mm" else reach * radians(step)
     whole = replace(part, features=(*part.features, *(part.made or ())), made=None)
-    wide = Margins(lambda _: slack, 0.0, slack, slack, skin=SKIN)
+    # A saw does not follow an outline next to an end, a torch does.
+    wide = Margins(lambda _: slack, 0.0, slack, slack, skin=SKIN, noise=0.0)
     narrow = Margins(lambda _: -slack, 0.0, -slack, -slack, skin=-SKIN)
     bodies = bodies_of(whole, wide, narrow, 2 * slack, slack)
     cut = part

@@ -89,7 +89,7 @@ def contour_cutters(
         for one in outlines:
             shape = shape.difference(shape_of(one.curves))
         if part.profile.code != "B":
-            shape = _beside_ends(shape, wall, part)
+            shape = _beside_ends(shape, wall, part, margins.noise)
     if margins.outline:
         shape = shape.buffer(margins.outline, join_style="mitre")
     if part.profile.code in ("M", "B") or (wall.normal == "y") == (part.profile.code == "T"):
@@ -111,11 +111,11 @@ def _through_lip(shape: Shape, wall: Wall, profile: Profile) -> Iterator["Manifo
         yield prism(over, 0.0, profile.lip + FREE, wall.frame)
 
 
-def _beside_ends(gone: Shape, wall: Wall, part: Part) -> Shape:
+def _beside_ends(gone: Shape, wall: Wall, part: Part, noise: float) -> Shape:
     """What an outline leaves out, without what the end planes cut off anyway.
 
     A skew plane leaves the end of a wall skew through its thickness, and an outline shows either
-    surface; exporters round outlines by up to OUTLINE_NOISE. A cut that comes to such an end goes
+    surface; exporters round outlines by up to `noise`. A cut that comes to such an end goes
     on as it is drawn and along x there, and the rest of the end is the plane's.
     """
     from shapely import LineString, Polygon, box, make_valid, union_all
@@ -140,7 +140,7 @@ def _beside_ends(gone: Shape, wall: Wall, part: Part) -> Shape:
     (a, b), (c, d) = ends
     # Planes that are skew enough cross within the wall.
     inner = box(-FAR, 0.0, FAR, wall.width).intersection(make_valid(Polygon([a, c, d, b])))
-    if gone.intersection(inner.buffer(-OUTLINE_NOISE)).buffer(-CHORD).is_empty:
+    if gone.intersection(inner.buffer(-noise)).buffer(-CHORD).is_empty:
         return Polygon()
     for (low, high), way, is_skew, is_leaning in zip(ends, (1.0, -1.0), skew, leans, strict=True):
         if is_skew:

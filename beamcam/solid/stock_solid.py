@@ -47,6 +47,8 @@ class Margins(Struct, frozen=True):
     sink: float = 0.0  #: of a countersink's depth
     square_below: float = LEAST_ANGLE  #: degrees; ends nearer to square are square
     skin: float = 0.0  #: off all surfaces of the stock
+    #: that an outline may lie off the ends and mean them; real files differ by 0.7
+    noise: float = 1.0
     section: Shape | None = None  #: the stock's, in (Y, Z), where a file shows more than measures
 
 

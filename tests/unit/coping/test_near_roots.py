@@ -190,3 +190,15 @@ def test_a_piece_that_comes_cut_and_copes_at_both_ends() -> None:
         text = program_of(part)
         assert len(steps(part)) == count
         assert not errors_in(solid_faults(text, Request((part,), COPER), None))
+
+
+@pytest.mark.parametrize("long", [0.4, 1.0])
+def test_the_solid_takes_copes_that_are_hardly_longer_than_noise(long: float) -> None:
+    """A saw line takes an outline so near to an end for that end; a torch follows it."""
+    part = part_of(
+        outline("v", [(long, 0.0), (600.0, 0.0), (600.0, 300.0), (0.0, 300.0), (0.0, 60.0),
+                      (long, 60.0)]),
+        outline("u", [(long, 0.0), (600.0, 0.0), (600.0, 150.0), (long, 150.0)]),
+    )  # fmt: skip
+    text = text_of(plan_coping((part,), COPER), Job(Request((part,), COPER, name="JOB"), (0,)))
+    assert not errors_in(solid_faults(text, Request((part,), COPER)))
