@@ -29,8 +29,9 @@ from beamcam.solid.kernel import outline
 from beamcam.solid.part_solid import part_solid
 from tests.conftest import CORPUS, examples
 from tests.random_copes import random_cope, random_mitre, random_tee
+from tests.runs import call
 from tests.runs import part as part_text
-from tests.test_lists import BEAM, SAMPLES, lists, run
+from tests.test_lists import BEAM, SAMPLES, lists
 
 THIRD = pytest.mark.third_party
 
@@ -42,7 +43,7 @@ def test_what_no_machine_makes_stands_in_red_with_its_reason_and_on_no_bar(tmp_p
     assert why["BP1"].startswith("plan-other: found an end plane")
     assert {row["machine"] for row in found["part_list"] if row["mark"] in why} == {None}
     assert not why.keys() & {row["mark"] for row in found["cutting_list"]}
-    assert run("list", str(SAMPLES), "-o", str(tmp_path / "l.xlsx")).exit_code == 1
+    assert call("list", str(SAMPLES), "-o", str(tmp_path / "l.xlsx")).exit_code == 1
     sheet = openpyxl.load_workbook(tmp_path / "l.xlsx")["part list"]
     red = {
         row[0].value
@@ -53,7 +54,7 @@ def test_what_no_machine_makes_stands_in_red_with_its_reason_and_on_no_bar(tmp_p
     shown = CliRunner(env={"FORCE_COLOR": "1"}).invoke(main, ["list", str(SAMPLES)], color=True)
     marked = {line.split()[1] for line in shown.stdout.splitlines() if "\x1b[31m" in line}
     assert marked == why.keys()
-    done = run("list", str(SAMPLES))
+    done = call("list", str(SAMPLES))
     assert (done.exit_code, done.stderr.count("error plan-no-machine")) == (1, 3)
 
 
@@ -61,7 +62,7 @@ def test_a_bar_that_post_refuses_is_not_listed(tmp_path: Path) -> None:
     """18 m are more than the pusher's line takes: `post` and the list say the same."""
     words = (str(SAMPLES / "channel.nc1"), "--machine", "beamline-pusher", "--bar", "18000")
     found = lists(tmp_path, *words, status=1)
-    posted = run("post", *words, "--quantity", "file", "-o", str(tmp_path / "c.gcode"))
+    posted = call("post", *words, "--quantity", "file", "-o", str(tmp_path / "c.gcode"))
     assert posted.exit_code == 1
     assert (found["bars"], found["cutting_list"]) == ([], [])
     code = re.findall("error (plan-[a-z-]+)", posted.stderr)[0]
@@ -93,12 +94,12 @@ def test_every_start_is_the_programs(folder: Path, machine: str, tmp_path: Path)
         if part is None or part.profile.code == "B":
             continue
         listed: dict[int, list[float]] = {}
-        for row in json.loads(run("list", str(path), *words, "--json").stdout or "{}").get(
+        for row in json.loads(call("list", str(path), *words, "--json").stdout or "{}").get(
             "cutting_list", ()
         ):
             listed.setdefault(row["bar"], []).append(row["start"])
         job = tmp_path / f"{path.stem}.gcode"
-        posted = run("post", str(path), *words, "-o", str(job))
+        posted = call("post", str(path), *words, "-o", str(job))
         assert bool(listed) == (posted.exit_code == 0), path
         names = numbered(str(job), len(listed))
         for name, starts in zip(names, listed.values(), strict=True):
@@ -165,14 +166,14 @@ def test_weights_of_catalogue_and_header_stand_beside_ours_where_they_differ() -
 
 def test_lists_and_labels_as_json(tmp_path: Path) -> None:
     tie = str(SAMPLES / "tie.nc1")
-    assert run("list", tie, "--json").stdout == run("list", tie, "--to", "json").stdout
-    assert json.loads(run("list", tie, "--json").stdout)["schema"] == "beamcam/list/1"
-    found = json.loads(run("labels", tie, "--json").stdout)
+    assert call("list", tie, "--json").stdout == call("list", tie, "--to", "json").stdout
+    assert json.loads(call("list", tie, "--json").stdout)["schema"] == "beamcam/list/1"
+    found = json.loads(call("labels", tie, "--json").stdout)
     assert found["schema"] == "beamcam/labels/1"
     assert [one["code"] for one in found["labels"]] == ["T1\ntie.gcode"] * 2
     assert found["labels"][1]["lines"][1] == "S235JR, piece 2 of 2"
-    assert run("labels", tie, "--to", "zpl", "-o", "-").stdout.count("^XA") == 2
-    both = run("list", tie, "--json", "--to", "csv")
+    assert call("labels", tie, "--to", "zpl", "-o", "-").stdout.count("^XA") == 2
+    both = call("list", tie, "--json", "--to", "csv")
     assert (both.exit_code, "exclude each other" in both.stderr) == (2, True)
 
 
@@ -180,8 +181,8 @@ def test_a_label_names_the_program_that_makes_its_piece(tmp_path: Path) -> None:
     """Those that a batch writes: of three bars, and of the machine that makes the part."""
     words = (str(SAMPLES / "channel.nc1"), str(SAMPLES / "plate.nc1"), "--quantity", "3",
              "--bar", "6000")  # fmt: skip
-    labels = json.loads(run("labels", *words, "--json").stdout)["labels"]
-    done = run("batch", *words, "--each", "-o", str(tmp_path), "--json")
+    labels = json.loads(call("labels", *words, "--json").stdout)["labels"]
+    done = call("batch", *words, "--each", "-o", str(tmp_path), "--json")
     pieces = [
         (part["mark"], part["output"])
         for row in json.loads(done.stdout)["files"]
@@ -203,7 +204,7 @@ def test_where_the_marks_stand(source: str, marks: list[str], tmp_path: Path) ->
         text = text.replace("PHASE", phase if source == "position" else "1")
         (tmp_path / f"{name}.nc1").write_text(text, encoding="ascii")
     words = (str(tmp_path / "one.nc1"), str(tmp_path / "two.nc1"), "--mark-from", source)
-    done = run("list", *words, "-o", str(tmp_path / "l.csv"))
+    done = call("list", *words, "-o", str(tmp_path / "l.csv"))
     if source == "mark":
         assert (done.exit_code, done.stderr.count("list-mark-twice")) == (1, 1)
         assert not (tmp_path / "l.csv").exists()  # refused before anything is written
@@ -212,7 +213,7 @@ def test_where_the_marks_stand(source: str, marks: list[str], tmp_path: Path) ->
     with (tmp_path / "l.csv").open(encoding="utf-8") as file:
         assert [row["mark"] for row in csv.DictReader(file)] == marks
     out = tmp_path / "out"
-    named = run("batch", *words, "-o", str(out), "--name", "{mark}{suffix}")
+    named = call("batch", *words, "-o", str(out), "--name", "{mark}{suffix}")
     assert named.exit_code == 0, named.stderr
     assert sorted(path.stem for path in out.glob("*.gcode")) == marks
     assert [part.mark for part in api.read(words[0], mark_from=source).parts] == marks[:1]  # type: ignore[arg-type]
@@ -227,7 +228,7 @@ def test_a_mark_is_one_part_of_its_order_and_phase(
     (tmp_path / "a.nc1").write_text(part_text("A", 2000.0), encoding="ascii")
     other = part_text("A", 2100.0).replace("\n  TEST\n  1\n  1\n", f"\n  {order}\n  1\n  {phase}\n")
     (tmp_path / "b.nc1").write_text(other, encoding="ascii")
-    done = run("list", str(tmp_path))
+    done = call("list", str(tmp_path))
     assert (done.exit_code, "list-mark-twice" in done.stderr) == (int(mixed), mixed)
 
 
@@ -239,11 +240,11 @@ def test_a_batch_turns_parts_as_post_and_list_do(tmp_path: Path) -> None:
     path.write_text(text, encoding="ascii")
     words = (str(path), "--machine", "beamline")
     out = tmp_path / "out"
-    refused = run("batch", *words, "-o", str(out))
+    refused = call("batch", *words, "-o", str(out))
     assert (refused.exit_code, "plan-face" in refused.stderr) == (1, True)
-    assert run("batch", *words, "--turn", "-o", str(out)).exit_code == 0
-    assert run("post", *words, "--turn", "-o", str(tmp_path / "a.gcode")).exit_code == 0
+    assert call("batch", *words, "--turn", "-o", str(out)).exit_code == 0
+    assert call("post", *words, "--turn", "-o", str(tmp_path / "a.gcode")).exit_code == 0
     assert (out / "A.gcode").read_bytes() == (tmp_path / "a.gcode").read_bytes()
-    assert run("check", str(out)).exit_code == 0
+    assert call("check", str(out)).exit_code == 0
     (piece,) = lists(tmp_path, *words, "--turn")["cutting_list"]
     assert piece["turn"] == "turned 180 about its length"

@@ -231,6 +231,9 @@ def _in_dstv_curves(contour: Contour, tolerance: float | None) -> Contour:
     return replace(contour, curves=tuple(pieces), bevels=bevels, notches=notches)
 
 
+LIKE_HALF = 0.05  #: mm by which the chord of an arc is shorter than its diameter
+
+
 def _pieces(curve: Curve, contour: Contour, tolerance: float | None) -> list[Curve]:
     """A curve as curves that DSTV has."""
     match curve:
@@ -239,7 +242,13 @@ def _pieces(curve: Curve, contour: Contour, tolerance: float | None) -> list[Cur
         case Arc():
             count = ceil(abs(curve.sweep_deg) / 180.0 - 1e-12)
             if count <= 1:
-                return [curve]
+                # Readers take an arc for the half circle whose rounded numbers it could have.
+                (ax, ay), (bx, by) = curve.start, curve.end
+                if not 0.0 < 2 * curve.radius - hypot(bx - ax, by - ay) <= LIKE_HALF:
+                    return [curve]
+                if abs(abs(curve.sweep_deg) - 180.0) < 1e-9:
+                    return [curve]
+                count = 2
             step = curve.sweep_deg / count
             return [
                 Arc(curve.centre, curve.radius, curve.start_deg + k * step, step)

@@ -14,7 +14,7 @@ from beamcam.motion.profile import AxisLimits, fastest_profile, reachable_speed
 from tests.conftest import examples
 from tests.path_samples import entries, positions
 from tests.property.curve_strategies import curves
-from tests.property.test_moves import ramp_distance
+from tests.property.test_one_time import ramp_distance
 
 axes = st.builds(
     AxisLimits,

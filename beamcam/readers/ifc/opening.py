@@ -23,6 +23,7 @@ _SCHEMA = re.compile(rb"FILE_SCHEMA\s*\(\s*\(\s*'([^']*)'", re.IGNORECASE)
 #: text packs to a tenth, a bomb to a thousandth.
 MAX_UNPACKED = 64_000_000
 MAX_RATIO = 50
+_PIECE = 1 << 20
 _PACKED = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 _NO_MODEL = "an archive without a model"
 _KNOWN = re.compile(r"IFC(2X3(_TC1)?|4|4X3(_ADD[12]|_TC1)?)$", re.IGNORECASE)
@@ -83,11 +84,13 @@ def _unzip(data: bytes) -> bytes | str:
             size, packed = one.file_size, len(data)
             if size > (most := max(MAX_UNPACKED, MAX_RATIO * packed)):
                 return f"{packed} bytes that unpack to {size}, expected at most {most}"
-            most = min(most, limits().bytes)  # the size that the directory says may be a lie
-            with archive.open(one) as file:
-                found = file.read(most + 1)
-            too_much = f"an archive that unpacks to more than {most} bytes"
-            return found if len(found) <= most else too_much
+            most, found = min(most, limits().bytes), bytearray()
+            with archive.open(one) as file:  # the size that the directory says may be a lie
+                while piece := file.read(_PIECE):
+                    found += piece
+                    if len(found) > most:
+                        return f"an archive that unpacks to more than {most} bytes"
+            return bytes(found)
     except (zipfile.BadZipFile, zlib.error, struct.error, EOFError, OSError, ValueError) as fault:
         return f"a damaged archive, {fault}"
     except (RuntimeError, NotImplementedError) as fault:  # a password, an unknown compression
