@@ -143,7 +143,7 @@ def _room(near: Shape, corner: Point, radius: float) -> float:
     """The largest radius below another one with which a disc comes to both sides of a corner; that
     itself where there is none."""
     least, most = 0.0, radius
-    while most - least > FINE:
+    while most - least > FINE / 10:  # between sides that lean a disc comes to lie much farther off
         middle = (least + most) / 2
         if _cramped(near, [corner], middle):
             most = middle
