@@ -102,7 +102,8 @@ LEAN = st.floats(-0.3, 0.3)
 
 
 @given(st.floats(5.0, 22.0), st.floats(8.0, 70.0), st.tuples(LEAN, LEAN), st.booleans())
-@example(8.0, 36.0, (0.0, -0.1), False)  # was planned and refused: a disc stands in its mouth
+@example(19.5, 44.0, (-0.01, 0.01), False)  # sides that all but face each other
+@example(8.9, 51.0, (0.07, 0.14), False)  # a disc that stands in its mouth leaves steel there
 @settings(max_examples=examples(12))
 def test_notches_that_taper_are_planned_and_none_is_refused(
     wide: float, deep: float, leans: tuple[float, float], of_tube: bool
@@ -118,9 +119,8 @@ def test_notches_that_taper_are_planned_and_none_is_refused(
 
 @pytest.mark.parametrize(
     ("wide", "deep", "leans", "of_tube"),
-    [(16.9, 33.9, (0.06, 0.2), True), (18.7, 37.0, (-0.09, -0.28), False),
-     (15.0, 13.0, (-0.07, 0.19), False)],
-)  # fmt: skip
+    [(16.9, 33.9, (0.06, 0.2), True), (15.0, 13.0, (-0.07, 0.19), False)],
+)
 def test_the_solid_takes_notches_that_taper(
     wide: float, deep: float, leans: tuple[float, float], of_tube: bool
 ) -> None:
