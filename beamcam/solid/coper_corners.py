@@ -114,7 +114,7 @@ def _rounds(
             (x, y), far = one.place, 5 * radius
             near = steel.intersection(box(x - far, y - far, x + far, y + far))
             least, room = 0.0, radius
-            while room - least > 2 * CHORD:
+            while room - least > CHORD / 5:  # a disc between sides that lean lies farther off
                 middle = (least + room) / 2
                 filled = _filled(near, turns, middle)
                 if any(is_narrow for _, is_narrow in _at(one, filled)):
@@ -124,7 +124,8 @@ def _rounds(
             filled = _filled(near, turns, least)
         for piece, _ in _at(one, filled):
             near = Place(one.place).buffer(2 * room + 2 * CHORD)
-            yield one.place, room, piece.intersection(near)
+            kept = piece.intersection(near)
+            yield one.place, room, kept.buffer(5 * CHORD) if room < radius else kept
 
 
 class _Turn(Struct, frozen=True):

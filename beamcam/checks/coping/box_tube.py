@@ -64,9 +64,7 @@ def box_wanted(part: Part, coper: Coper, left: set[int], section: TubeSection) -
     ending: dict[str, list[Shape]] = {face: [] for face in walls}
     for face, wall in walls.items():
         steel = _ended(wall, part, ends, section)
-        for feature in features:
-            if getattr(feature, "face", "") != face:
-                continue
+        for feature in [*_outlines_of(face, features), *_voids_of(face, features)]:
             void = _void(feature)
             if _into_corner(void, wall.wide, section.radius):
                 ending[face].append(void)
@@ -112,15 +110,26 @@ def box_outlines(part: Part, coper: Coper, section: TubeSection) -> Iterator[lis
             yield [(x, s) for x, s in ring.coords[:-1]]
 
 
+def _outlines_of(face: str, features: Sequence[Any]) -> list[Contour]:
+    """The outlines of a face; v and h have those of the other one if they have none."""
+    outer = [f for f in features if isinstance(f, Contour) and f.kind == "outer"]
+    own = [f for f in outer if f.face == face]
+    return own or [f for f in outer if face in "vh" and f.face in "vh"]
+
+
+def _voids_of(face: str, features: Sequence[Any]) -> Iterator[Any]:
+    """All else of a face."""
+    for feature in features:
+        if getattr(feature, "face", "") == face and getattr(feature, "kind", "") != "outer":
+            yield feature
+
+
 def _outlined(part: Part, face: str, features: Sequence[Any], section: TubeSection) -> _Wall:
-    """A face within its outline; v and h have that of the other one if they have none."""
+    """A face within its outline."""
     from shapely import Polygon, box, make_valid, union_all
 
     wide = part.profile.height if face in "vh" else part.profile.width
-    outer = [f for f in features if isinstance(f, Contour) and f.kind == "outer"]
-    own = [f for f in outer if f.face == face]
-    if not own and face in "vh":
-        own = [f for f in outer if f.face in "vh"]
+    own = _outlines_of(face, features)
     if not own:
         return _Wall(face, wide, box(0.0, 0.0, part.length, wide), False)
 

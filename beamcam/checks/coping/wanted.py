@@ -34,6 +34,7 @@ NO_CRACK = 1e-9  #: mm by which what stays at a corner may stand off a side that
 #: Radii from a corner of 60 degrees to where a disc is SLIM off its sides, which it touches at 1.73
 SHARPEST = 1.65
 SLIM = 0.02  #: radii; so little may lie along a side that is nearly straight
+TOUCH = 0.005  #: radii; what is left of twice that thickness is more than where a disc touches
 FACING_DEG = 125.0  #: by which sides turn that face each other; those of one at 60 degrees by 120
 LOOK = 0.2  #: mm round a corner in which steel and air are weighed
 
@@ -142,7 +143,7 @@ def _room(near: Shape, corner: Point, radius: float) -> float:
     """The largest radius below another one with which a disc comes to both sides of a corner; that
     itself where there is none."""
     least, most = 0.0, radius
-    while most - least > FINE:
+    while most - least > FINE / 10:  # between sides that lean a disc comes to lie much farther off
         middle = (least + most) / 2
         if _cramped(near, [corner], middle):
             most = middle
@@ -205,8 +206,20 @@ def with_round_corners(drawn: Shape, corners: list[Point], radius: float) -> Sha
     """A region and the steel that a disc of a radius, rolled through the air, leaves at corners."""
     from shapely import union_all
 
-    left = left_at(drawn, corners, radius)
-    return union_all([drawn, *left], grid_size=NO_CRACK) if left else drawn
+    left = [_at_corners(one, corners, radius) for one in left_at(drawn, corners, radius)]
+    return areas_of(union_all([drawn, *left], grid_size=NO_CRACK)) if left else drawn
+
+
+def _at_corners(piece: Shape, corners: list[Point], radius: float) -> Shape:
+    """What of a piece that a disc leaves is at corners: in a slot that narrows to its mouth the disc
+    touches both sides and leaves steel beyond it too, which hangs together with that at the floor
+    where it touches."""
+    from shapely import MultiPoint, union_all
+
+    thin, places = TOUCH * radius, MultiPoint(corners)
+    cores = pieces_of(piece.buffer(-thin).buffer(thin))
+    beyond = [one.buffer(2 * thin) for one in cores if one.distance(places) > 4 * thin]
+    return areas_of(piece.difference(union_all(beyond))) if len(beyond) < len(cores) else piece
 
 
 def corners_of(curves: tuple[Curve, ...], steel: Shape) -> list[Point]:

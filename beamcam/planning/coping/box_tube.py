@@ -11,7 +11,7 @@ reaches farthest, so that no steel is missing; the rest is manual work.
 
 from collections.abc import Iterator, Mapping, Sequence
 from math import radians, tan
-from typing import Any, Literal
+from typing import Any, Literal, TypeGuard
 
 import numpy as np
 from msgspec import Struct
@@ -80,16 +80,14 @@ def unrolled(part: Part, features: Sequence[int], way: Around) -> tuple[Unrolled
     points: list[Point] = []
     for face, one in faces.items():
         shape = _beyond_ends(one, part, ends)
-        for feature in own:
-            if feature.face != face:
-                continue
-            if isinstance(feature, Contour):
-                points += [
-                    (x, s) for x, y in sharp_corners(feature) if CHORD < y < one.size - CHORD
-                    for s in on_surface(one, y, part.profile.thickness(face))
-                ]  # fmt: skip
-                if feature.kind == "outer":
-                    continue
+        taken = [f for f in own if f.face == face and not _is_outline(f)]
+        of_face = [*_outlines(face, own), *taken]
+        points += [
+            (x, s) for contour in of_face if isinstance(contour, Contour)
+            for x, y in sharp_corners(contour) if CHORD < y < one.size - CHORD
+            for s in on_surface(one, y, part.profile.thickness(face))
+        ]  # fmt: skip
+        for feature in taken:
             gone = shape_of(curves_of(feature))
             if not gone.intersects(shape):
                 diagnostics.append(
@@ -101,8 +99,7 @@ def unrolled(part: Part, features: Sequence[int], way: Around) -> tuple[Unrolled
         reaches = [into for high in (True, False) for _, into in ending_in(faces[face], high, r)[1]]
         if reaches:
             into = max(reaches)
-            source = next(f.source for f in own if f.face == face)
-            diagnostics.append(rules.REACHES.at(source, face=face, into=f"{into:.2f}",
+            diagnostics.append(rules.REACHES.at(of_face[0].source, face=face, into=f"{into:.2f}",
                                          found=f"{wall * into / r:.2f}"))  # fmt: skip
     shapes = []
     for one in faces.values():
@@ -128,15 +125,12 @@ def unrolled(part: Part, features: Sequence[int], way: Around) -> tuple[Unrolled
 def _face(
     part: Part, face: Face, own: Sequence[Cut], leg: SurfacePatch, diagnostics: list[Diagnostic]
 ) -> BoxFace:
-    """A face within its outlines; h is as v without one of its own, and the other way round."""
+    """A face within its outlines."""
     from shapely import box, union_all
 
     size = part.profile.face_width(face)
     wall = PlannedWall(face, size, 0.0, 0.0, size, ())
-    outer = [c for c in own if isinstance(c, Contour) and c.kind == "outer"]
-    # DSTV, 7th edition, page 13: M has one contour of the web, that of v.
-    other = {"v": "h", "h": "v"}.get(face, "")
-    mine = [c for c in outer if c.face == face] or [c for c in outer if c.face == other]
+    mine = _outlines(face, own)
     if not mine:
         return BoxFace(leg, size, box(0.0, 0.0, part.length, size), False)
     strip = box(-part.length, 0.0, 2 * part.length, size)
@@ -145,6 +139,20 @@ def _face(
     if shape.area > drawn.area + CHORD:
         diagnostics.append(rules.TANGENTS.at(mine[0].source, face=face))
     return BoxFace(leg, size, shape, True)
+
+
+def _outlines(face: Face, own: Sequence[Cut]) -> list[Contour]:
+    """The outlines of a face; h is as v without one of its own, and the other way round.
+
+    DSTV, 7th edition, page 13: M has one contour of the web, that of v.
+    """
+    outer = [c for c in own if _is_outline(c)]
+    other = {"v": "h", "h": "v"}.get(face, "")
+    return [c for c in outer if c.face == face] or [c for c in outer if c.face == other]
+
+
+def _is_outline(feature: Cut) -> TypeGuard[Contour]:
+    return isinstance(feature, Contour) and feature.kind == "outer"
 
 
 # --- ends -----------------------------------------------------------------------------------------

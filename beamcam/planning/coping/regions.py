@@ -33,7 +33,7 @@ ALONG = 0.02  #: slope of a side that is an edge of its wall, at most
 MOST_ROUNDED = 1.65  #: radii that the rounding of a corner reaches along its sides, but for THIN
 THIN = 0.02  #: radii; so thin it ends along a side, and may go on along one that is nearly straight
 MOST_TURN_DEG = 125.0  #: of the sides of what is rounded in one; at 60 degrees it is 120
-STEP = 0.02  #: mm between radii that are tried where there is little room
+STEP = 0.005  #: mm between radii that are tried; where sides lean a disc lies 20 times that off
 AROUND = 4.0  #: radii that the rounding of a corner looks at, more than twice what it reaches
 CORNER_DEG = 20.0  #: a smaller turn belongs to a curve that is drawn by lines
 BEYOND = 1e4  #: mm, farther than any bar is wide
@@ -179,7 +179,7 @@ def _room(shape: Shape, corner: Point, radius: float) -> float:
     while high - low > 1:
         middle = (low + high) // 2
         low, high = (low, middle) if _filled(shape, [corner], middle * STEP)[2] else (middle, high)
-    return low * STEP
+    return low * STEP if low * STEP > SLIVER else 0.0
 
 
 def _filled(
@@ -199,7 +199,8 @@ def _filled(
     closed = shape.buffer(radius, ROUND).buffer(-radius, ROUND)
     each = np.array(places.geoms)
     added, found, narrow = [], dict[Point, float](), list[Point]()
-    for piece, core in _pieces(closed.difference(shape), THIN * radius / 2):
+    tip = (2 * THIN) ** 0.5 * radius  # from where a disc touches a side to where it is THIN off it
+    for piece, core in _pieces(closed.difference(shape), THIN * radius / 2, tip):
         mine = each[distance(piece, each) <= CHORD].tolist()
         if not mine:
             continue
@@ -215,16 +216,16 @@ def _filled(
     return added, found, narrow
 
 
-def _pieces(shape: Shape, half: float) -> Iterator[tuple[Shape, Shape]]:
+def _pieces(shape: Shape, half: float, tip: float) -> Iterator[tuple[Shape, Shape]]:
     """The pieces of a shape, also those that hang together by slivers, each with what of it is
-    thicker than twice `half`."""
+    thicker than twice `half`; beyond that they go on for `tip`."""
     from shapely import union_all
 
     for piece in _polygons(shape):
         cores = [*_polygons(piece.buffer(-half).buffer(half))] or [piece]
         for core in cores:
-            others = [one.buffer(4 * half) for one in cores if one is not core]  # to their tips
-            own = piece.difference(union_all(others)) if others else piece
+            others = [one.buffer(tip) for one in cores if one is not core]
+            own = union_all([piece.difference(union_all(others)), core]) if others else piece
             yield next((one for one in _polygons(own) if one.intersects(core)), own), core
 
 
