@@ -126,7 +126,10 @@ def with_corners_cut(drawn: Shape, corners: list[Point], radius: float, turn: fl
     """
     from shapely import box, union_all
 
-    cramped = _cramped(drawn, corners, radius)
+    if not (left := left_at(drawn, corners, radius)):
+        return drawn
+    if not (cramped := _cramped(drawn, left, corners, radius)):
+        return _with_what_is_left(drawn, left, corners, radius)
     whole = [with_round_corners(drawn, [one for one in corners if one not in cramped], radius)]
     rooms: dict[tuple[int, int], float] = {}
     for x, y in sorted(cramped, key=lambda one: abs(one[1] - turn / 2)):
@@ -145,25 +148,28 @@ def _room(near: Shape, corner: Point, radius: float) -> float:
     least, most = 0.0, radius
     while most - least > FINE / 10:  # between sides that lean a disc comes to lie much farther off
         middle = (least + most) / 2
-        if _cramped(near, [corner], middle):
+        if _cramped(near, left_at(near, [corner], middle), [corner], middle):
             most = middle
         else:
             least = middle
     return least if least > FINE else radius
 
 
-def _cramped(drawn: Shape, corners: list[Point], radius: float) -> list[Point]:
-    """The corners at which a disc leaves what reaches farther than a corner of 60 degrees has it,
+def _cramped(
+    drawn: Shape, left: Sequence[Shape], corners: list[Point], radius: float
+) -> list[Point]:
+    """The corners at which what a disc leaves reaches farther than a corner of 60 degrees has it,
     or lies between two sides that face each other."""
-    from shapely import MultiPoint, get_coordinates, points
+    from shapely import MultiPoint, distance, get_coordinates, points
 
-    found, slim = list[Point](), SLIM * radius / 2
-    for piece in left_at(drawn, corners, radius):
+    found, slim, places = list[Point](), SLIM * radius / 2, points(corners)
+    for piece in left:
         for core in pieces_of(piece.buffer(-slim).buffer(slim)):  # thin stretches join some
-            mine = [(x, y) for x, y in corners if core.distance(points(x, y)) <= 4 * slim]
+            near = distance(core, places) <= 4 * slim
+            mine = [corner for corner, is_near in zip(corners, near, strict=True) if is_near]
             if mine:
-                places = points(get_coordinates(core.segmentize(radius / 4)))
-                far = max(MultiPoint(mine).distance(place) for place in places)
+                border = points(get_coordinates(core.segmentize(radius / 4)))
+                far = distance(MultiPoint(mine), border).max()
                 if far > SHARPEST * radius or _turns_beside(core.buffer(slim), drawn) > FACING_DEG:
                     found += mine
     return found
@@ -204,16 +210,24 @@ def left_at(drawn: Shape, corners: list[Point], radius: float) -> list[Shape]:
 
 def with_round_corners(drawn: Shape, corners: list[Point], radius: float) -> Shape:
     """A region and the steel that a disc of a radius, rolled through the air, leaves at corners."""
+    return _with_what_is_left(drawn, left_at(drawn, corners, radius), corners, radius)
+
+
+def _with_what_is_left(
+    drawn: Shape, left: Sequence[Shape], corners: list[Point], radius: float
+) -> Shape:
     from shapely import union_all
 
-    left = [_at_corners(one, corners, radius) for one in left_at(drawn, corners, radius)]
-    return areas_of(union_all([drawn, *left], grid_size=NO_CRACK)) if left else drawn
+    if not left:
+        return drawn
+    own = [_at_corners(one, corners, radius) for one in left]
+    return areas_of(union_all([drawn, *own], grid_size=NO_CRACK))
 
 
 def _at_corners(piece: Shape, corners: list[Point], radius: float) -> Shape:
-    """What of a piece that a disc leaves is at corners: in a slot that narrows to its mouth the disc
-    touches both sides and leaves steel beyond it too, which hangs together with that at the floor
-    where it touches."""
+    """What of a piece that a disc leaves is at corners: in a slot that narrows to its mouth the
+    disc touches both sides and leaves steel beyond it too, which hangs together with that at the
+    floor where it touches."""
     from shapely import MultiPoint, union_all
 
     thin, places = TOUCH * radius, MultiPoint(corners)

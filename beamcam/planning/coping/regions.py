@@ -236,18 +236,19 @@ def _turn_in(piece: Shape, shape: Shape, closed: Shape) -> float:
     from shapely import distance, points
     from shapely.geometry.polygon import orient
 
-    total = 0.0
+    total, bounds, border = 0.0, np.reshape(piece.bounds, (2, 2)), closed.boundary
     for polygon in _polygons(shape):
         turned = orient(polygon)  # the steel on the left of its rings
         for ring in (turned.exterior, *turned.interiors):
             xy = np.array(ring.coords)[:-1]
-            way = np.roll(xy, -1, axis=0) - xy
-            before = np.roll(way, 1, axis=0)
+            near = (xy >= bounds[0] - CHORD) & (xy <= bounds[1] + CHORD)
+            beside = np.flatnonzero(near.all(axis=1))
+            each = points(xy[beside])
+            inside = (distance(piece, each) <= CHORD) & (distance(border, each) > SLIVER)
+            at = beside[inside]
+            before, way = xy[at] - xy[at - 1], xy[(at + 1) % len(xy)] - xy[at]
             cross = before[:, 0] * way[:, 1] - before[:, 1] * way[:, 0]
-            turns = np.degrees(np.arctan2(cross, (before * way).sum(axis=1)))
-            each = points(xy)
-            inside = (distance(piece, each) <= CHORD) & (distance(closed.boundary, each) > SLIVER)
-            total -= float(turns[inside].sum())
+            total -= float(np.degrees(np.arctan2(cross, (before * way).sum(axis=1))).sum())
     return total
 
 
