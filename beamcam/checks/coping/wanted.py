@@ -225,9 +225,11 @@ def _with_what_is_left(
 
 
 def _at_corners(piece: Shape, corners: list[Point], radius: float) -> Shape:
-    """What of a piece that a disc leaves is at corners: in a slot that narrows to its mouth the
-    disc touches both sides and leaves steel beyond it too, which hangs together with that at the
-    floor where it touches."""
+    """What of a piece that a disc leaves is at corners.
+
+    In a slot that narrows to its mouth the disc touches both sides and leaves steel beyond it too,
+    which hangs together with that at the floor where it touches.
+    """
     from shapely import MultiPoint, union_all
 
     thin, places = TOUCH * radius, MultiPoint(corners)

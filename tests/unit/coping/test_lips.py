@@ -22,12 +22,14 @@ from beamcam.machine.overlay import with_section
 from beamcam.model.part import Bevel, Contour, EndCuts, Hole, Part, Profile
 from beamcam.model.part_json import part_to_json
 from beamcam.model.plan import CopeCut
+from beamcam.model.request import Request
 from beamcam.planning.coping.plan import plan_coping
 from beamcam.planning.coping.walls import laid
 from beamcam.planning.left_out import manual_rows
 from beamcam.recovery.copers import recover_coped
 from beamcam.recovery.found import KnownStock
 from beamcam.solid.kernel import outline as outline_of
+from beamcam.solid.opinion import solid_faults
 from benchmarks import coping_faults
 from tests.conftest import SAMPLES, examples
 from tests.random_copes import CEES, random_lipped, random_mitre, random_slant
@@ -300,3 +302,22 @@ def test_a_flange_that_is_cut_square_at_a_skew_end_is_as_long_as_its_lip() -> No
     ahead = [far[face, True] - 1.5 - (far[face, False] - 1.1) for face in "ou"]
     assert ahead[1] == pytest.approx((20.0 - 10.05) * tan(radians(30.0)), abs=0.01)
     assert -0.1 < ahead[0] <= 0.0
+
+
+def test_the_solid_knows_how_far_in_a_lip_of_a_skew_end_may_be_cut() -> None:
+    """Planner and read-back go by the sharp corner of the section, 10 mm by 10 mm outside of its
+    round bend: a pass farther in by up to 10 (0.127 + 0.737 - 0.748) = 1.16 mm takes nothing."""
+    part = mitred(106)
+    plan = plan_coping((part,), COPER)
+    ends = [k for k, cut in enumerate(plan.operations) if (cut.kind, cut.face) == ("far", "o")]
+    (k,) = (k for k in ends if min(y for _, y in plan.operations[k].path) < 0.0)
+    cut = plan.operations[k]
+    codes = {}
+    for off in (-1.0, -3.0, 1.0):
+        other = replace(cut, path=tuple((x + off, y) for x, y in cut.path))
+        wrong = replace(plan, operations=(*plan.operations[:k], other, *plan.operations[k + 1 :]))
+        text = coping_faults.program_of(wrong, job_of(part, COPER))
+        said = errors_in(solid_faults(text, Request((part,), COPER)))
+        codes[off] = {d.code for d in said} - {"solid-size"}
+        assert found(text, part)
+    assert codes == {-1.0: set(), -3.0: {"solid-missing"}, 1.0: {"solid-extra"}}
