@@ -10,7 +10,7 @@ from math import atan2, cos, degrees, pi
 
 from msgspec.structs import replace
 
-from beamcam.geometry.curves import Line
+from beamcam.geometry.curves import Arc, Line
 from beamcam.geometry.plane import Point
 from beamcam.model.part import Contour, Face, Feature, Hole, Part, Slot, TextMark
 
@@ -24,7 +24,7 @@ PLANE = 0.3  #: mm that an outline may be off the plane of its end
 def as_seen(part: Part) -> Part:
     """A round part with its features on the faces they are seen on; any other as it is.
 
-    Those that no face shows stay as they are: `askew` has them.
+    Those that no face shows become cut-outs, which no bar line makes: `askew` has them.
     """
     if part.profile.code not in ("RO", "RU"):
         return part
@@ -33,7 +33,7 @@ def as_seen(part: Part) -> Part:
     wall = size.height if size.code == "RU" else wall
     return replace(
         part, profile=replace(size, flange_thickness=wall, web_thickness=wall),
-        features=tuple(_seen(f, part) or f for f in part.features),
+        features=tuple(_seen(f, part) or _cut_out(f) for f in part.features),
     )  # fmt: skip
 
 
@@ -50,11 +50,16 @@ def with_sawn_ends(part: Part) -> Part:
     square to it.
     """
     seen = as_seen(part)
+    holes = tuple(
+        _cut_out(f) if isinstance(f, Hole | Slot) and _seen(f, part) is None else f
+        for f in (part.features if seen is not part else ())
+    )
+    part = replace(part, features=holes) if holes else part
     outlines = [
         (f, seen.features[k]) for k, f in enumerate(part.features)
         if isinstance(f, Contour) and f.kind == "outer" and f.process == "cut"
     ]  # fmt: skip
-    if seen is part or len(outlines) != 1:
+    if len(outlines) != 1 or part.profile.code not in ("RO", "RU"):
         return part
     ((given, outline),) = outlines
     if not isinstance(outline, Contour) or len(outline.curves) != 4:
@@ -68,6 +73,16 @@ def with_sawn_ends(part: Part) -> Part:
     cuts = part.cuts
     cuts = replace(cuts, web_start=cuts.web_start or start, web_end=cuts.web_end or end)
     return replace(part, cuts=cuts, features=tuple(f for f in part.features if f is not given))
+
+
+def _cut_out(feature: Feature) -> Feature:
+    """A contour or hole that is not seen square, as a contour to be cut out."""
+    if isinstance(feature, Contour):
+        return replace(feature, kind="inner", process="cut")
+    if isinstance(feature, Hole | Slot):
+        circle = Arc((feature.x, feature.y), feature.diameter / 2, 0.0, 360.0)
+        return Contour(feature.face, "inner", (circle,), feature.source)
+    return feature
 
 
 def _seen(feature: Feature, part: Part) -> Feature | None:

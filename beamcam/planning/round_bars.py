@@ -1,6 +1,6 @@
 """Round bars and tubes on a bar line: plates that are pipes, and what no side of a round shows."""
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from math import pi, sqrt
 
 from beamcam.errors import Diagnostic, error, note
@@ -20,12 +20,19 @@ ASKEW = error("plan-round",
     "found {what}, which is the unrolled surface of a round bar; expected {expected}",
     "Face v of a round is its surface, unrolled: y counts the arc from its lowest line, and v is a "
     "quarter of the way round. A spindle drills square to the surface only in the middle of v, o, "
-    "h or u, and the saw cuts planes. A machine for tubes makes the others.")  # fmt: skip
+    "h or u, and the saw cuts planes. A machine for tubes makes the others; --allow-skips "
+    "cutout leaves them out.")  # fmt: skip
+LEFT_OUT_AS = "cutout"  #: name of what is not seen square for --allow-skips
 PLANE_ENDS = "one as wide as the round, of two plane ends that lean in the view of v alone"
 
 
-def told_of_round(given: Part, machine: Machine) -> Iterator[Diagnostic]:
-    """That a plate is sawn as a pipe, and errors for what spindles and saw cannot make of it."""
+def told_of_round(
+    given: Part, machine: Machine, skips: Collection[str] = ()
+) -> Iterator[Diagnostic]:
+    """That a plate is sawn as a pipe, and errors for what spindles and saw cannot make of it.
+
+    Where `skips` has cut-outs, what is not seen square is left out as one.
+    """
     part = rolled_on(machine, given)
     plate, diameter = given.profile, part.profile.height
     if part is not given:
@@ -49,7 +56,7 @@ def told_of_round(given: Part, machine: Machine) -> Iterator[Diagnostic]:
             if sag > deeper:
                 expected = f"one through a wall that curves by {deeper:g} mm, not {sag:.2f}"
                 yield ASKEW.at(hole.source, what=description(hole), expected=expected)
-    for feature in askew(part):
+    for feature in askew(part) if LEFT_OUT_AS not in skips else ():
         is_end = isinstance(feature, Contour) and feature.kind == "outer"
         expected = PLANE_ENDS if is_end else f"it in the middle of a face, at y {quarters}"
         yield ASKEW.at(feature.source, what=description(feature), expected=expected)
