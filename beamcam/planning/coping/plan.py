@@ -263,7 +263,9 @@ def _flanges_alone(part: Part, regions: Mapping[Face, WallRegion]) -> Iterator[D
         face: Face = "u" if root.low == 0.0 else "o"
         away = low > root.inner if face == "u" else high < root.inner
         if away and face in regions and face not in drawn:
-            yield rules.ALONE.at(part.source, face=face, found=part.length, expected=root.inner)
+            yield rules.FLANGE_ALONE.at(
+                part.source, face=face, found=part.length, expected=root.inner
+            )
 
 
 def _cuts(
