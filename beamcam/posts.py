@@ -12,7 +12,7 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.caches import cached
-from beamcam.errors import Diagnostic, PlanError, Source
+from beamcam.errors import Diagnostic, PlanError, Source, errors_in
 from beamcam.machine.machine import Machine
 from beamcam.model.plan import AnyPlan, CopePlan, Plan, SheetPlan, WorkTime
 from beamcam.model.program import Comment, Program, ToolOff, ToolOn
@@ -52,19 +52,27 @@ def _row(stock: str, controller: str) -> Post:
 
 def bar_post() -> Post:
     """Of a saw and drilling line."""
-    from beamcam.checks.bars import verify
+    from beamcam.checks.bars import unseen_faults, verify
     from beamcam.emitters import gcode
     from beamcam.motion.beam import beam_program
     from beamcam.planning.beam import plan_oriented
+    from beamcam.planning.round_bars import told_of_round
 
     def plan(job: Job) -> Plan:
         w = job.request
         _refuse_begun(job)
-        return plan_oriented(job.parts, w.machine, job.bar, w.skips, w.order, w.turn)
+        given = [w.parts[place] for place in dict.fromkeys(job.pieces)]
+        told = tuple(one for part in given for one in told_of_round(part, w.machine, w.skips))
+        if errors_in(told):
+            raise PlanError(told)
+        plan = plan_oriented(job.parts, w.machine, job.bar, w.skips, w.order, w.turn)
+        return replace(plan, remarks=(*told, *plan.remarks)) if told else plan
 
     def read_back(program: Written, job: Job) -> tuple[Diagnostic, ...]:
         w = job.request
-        return verify(
+        given = [w.parts[place] for place in dict.fromkeys(job.pieces)]
+        faults = () if "cutout" in w.skips else unseen_faults(given, w.machine)
+        return faults or verify(
             _text(program), job.parts, w.machine, w.skips, w.name, w.order, w.turn, job.bar
         )
 

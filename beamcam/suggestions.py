@@ -83,7 +83,7 @@ def reading_suggestions(
 
 
 #: What is refused for its size or place, which a turn may help.
-_SKIPPED = frozenset(f"plan-{name}" for name in SKIP_NAMES)  #: what --allow-skips may help
+_SKIPPED = frozenset(f"plan-{n}" for n in (*SKIP_NAMES, "round"))  #: what --allow-skips may help
 _OFF_SHEET = frozenset({"plan-sheet-size", "plan-sheet-place", "plan-sheet-full"})
 
 

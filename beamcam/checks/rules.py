@@ -8,6 +8,10 @@ from beamcam.errors import error, note, warning
 LIMIT = error("verify-limit",
     "found {axis} at {found}; expected {least} to {greatest}",
     "The axis cannot go there.")
+ROUND = error("verify-round",
+    "found {found} of {mark}; expected it seen square from v, o, h or u of the round bar",
+    "Face v of a round is its surface, unrolled. The spindles stand square to four lines of it, "
+    "and the saw cuts planes that lean in the view of v.")
 STOP_BACK = error("verify-stop-back",
     "found X {found} after X {before}; expected the stop never to move back",
     "The bar runs against the stop, which can only give way.")

@@ -33,6 +33,7 @@ from beamcam.errors import BeamcamError, Diagnostic, PlanError, Source
 from beamcam.files import FilesRead
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Contour, Feature, Hole, Slot, TextMark
+from beamcam.model.pipes import is_unrolled
 from beamcam.model.plan import AnyPlan, CopePlan, Order, SawOp, SheetPlan, clock
 from beamcam.model.request import Request
 from beamcam.pipeline import (
@@ -196,7 +197,11 @@ def _suggestion(
     known = {machine.name for machine in tried}
     others = [machine_asked(name, config) for name in shipped() if name not in known]
     stocks = {tried[0].stock, stock_of(request.parts)}
-    if all(p.profile.code == "B" and p.profile.height <= FLAT for p in request.parts):
+    flat_or_pipe = (
+        p.profile.code == "B" and (p.profile.height <= FLAT or is_unrolled(p.profile))
+        for p in request.parts
+    )
+    if all(flat_or_pipe):
         stocks.add("beam")
     if "beam" in stocks:
         stocks.add("profile")

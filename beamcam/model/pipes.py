@@ -7,7 +7,9 @@ Cut or sawn flat such a part is no pipe, so all machines have to know it.
 import re
 from math import pi
 
-from beamcam.model.part import Profile
+from msgspec.structs import replace
+
+from beamcam.model.part import Part, Profile
 
 #: Names that only a pipe has, whatever the width.
 _CALLED = re.compile(r"\s*(PIPE|CHS|TUBE)", re.IGNORECASE)
@@ -48,6 +50,18 @@ def is_unrolled(profile: Profile) -> bool:
         if off <= (SLACK if walled else _ALONE):
             return True
     return False
+
+
+def rolled(part: Part) -> Part:
+    """A plate that is the surface of a pipe as the tube whose circumference is its width.
+
+    Any other part comes back as it is. What is on face v stays unrolled, as of a tube.
+    """
+    plate = part.profile
+    if not is_unrolled(plate):
+        return part
+    across, wall = plate.height / pi, plate.web_thickness or 0.0
+    return replace(part, profile=Profile("RO", plate.name, across, across, wall, wall))
 
 
 def named_diameters(name: str) -> tuple[float, ...]:

@@ -17,7 +17,9 @@ from msgspec.structs import replace
 from beamcam.machine.machine import Machine
 from beamcam.machine.stations import Marks, Policy
 from beamcam.model.part import Bend, Camber, Contour, Feature, Hole, Part, TextMark
+from beamcam.model.pipes import rolled
 from beamcam.model.plan import Order
+from beamcam.model.rounds import as_seen
 
 ChosenBy = Literal["order", "time"]
 Quantity = Literal["file"] | int | None  #: as in the part's file, a number, or once as listed
@@ -81,12 +83,37 @@ class Job(Struct, frozen=True):
 
     @property
     def parts(self) -> tuple[Part, ...]:
-        """The part of each piece; where a quantity is asked for each is a piece by itself."""
-        parts = self.request.parts
-        if self.request.quantity is None:
-            return tuple([parts[place] for place in self.pieces])
-        single = {place: replace(parts[place], quantity=1) for place in dict.fromkeys(self.pieces)}
-        return tuple([single[place] for place in self.pieces])
+        """The part of each piece, as its machine takes it: see `taken_by`.
+
+        Where a quantity is asked for each is a piece by itself.
+        """
+        parts, single = self.request.parts, self.request.quantity is not None
+        taken = {}
+        for place in dict.fromkeys(self.pieces):
+            part = replace(parts[place], quantity=1) if single else parts[place]
+            taken[place] = taken_by(self.machine, part)
+        return tuple([taken[place] for place in self.pieces])
+
+
+def taken_by(machine: Machine, part: Part) -> Part:
+    """A part as a machine takes it: on a bar line rounds lie as they are seen, not unrolled.
+
+    Where it takes tubes, a plate that is the surface of one is the tube.
+    """
+    if machine.stock != "beam":
+        return part
+    return as_seen(rolled_on(machine, part))
+
+
+def rolled_on(machine: Machine, part: Part) -> Part:
+    """A plate that is the surface of a pipe as the tube, where a bar line takes such; else as it
+    is."""
+    layout = machine.layout
+    tubes = layout is not None and "RO" in layout.profiles and "RO" in machine.sections
+    if not tubes or machine.stock != "beam" or (tube := rolled(part)) is part:
+        return part
+    across = round(tube.profile.height, 2)  # as exact as the width is written
+    return replace(tube, profile=replace(tube.profile, height=across, width=across))
 
 
 Progress = Callable[[int, int], None]  #: members done, members in all

@@ -20,6 +20,7 @@ from beamcam.caches import cached
 from beamcam.geometry.curves import signed_area
 from beamcam.geometry.plane import join_boxes, unit_vector
 from beamcam.model.part import Contour, Face, Part, Profile, ProfileCode, SectionPoint
+from beamcam.model.pipes import is_unrolled
 
 ARC_STEP_RAD = radians(1.0)
 
@@ -195,7 +196,11 @@ def weight_of(part: Part) -> float | None:
     """
     if part.profile.code == "B":
         thickness = part.profile.web_thickness
-        return None if thickness is None else plate_area(part) * thickness * STEEL_KG_MM3
+        if thickness is None:
+            return None
+        # The inside of a pipe is less long round it than its surface, which is drawn.
+        less = pi * thickness / part.profile.height if is_unrolled(part.profile) else 0.0
+        return plate_area(part) * thickness * (1 - less) * STEEL_KG_MM3
     area = section_area(part.profile, part.section)
     if area is not None:
         return area * part.length * STEEL_KG_MM3

@@ -15,13 +15,14 @@ from beamcam.checks.coping.program import head_part, head_profile
 from beamcam.checks.coping.program import strokes_of as stroke_list
 from beamcam.checks.coping.section import lying
 from beamcam.checks.coping.strokes import TorchStroke
-from beamcam.checks.coping.tube import tube_section, unrolled_pipe
+from beamcam.checks.coping.tube import tube_section
 from beamcam.checks.head import head_of
 from beamcam.errors import Source, VerifyError, errors_in
 from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
 from beamcam.model.description import face_title, runs_down
 from beamcam.model.part import Face, Part
+from beamcam.model.pipes import rolled
 from beamcam.pictures import SECTION
 from beamcam.pictures.features import feature_shapes
 from beamcam.pictures.part import face_of
@@ -184,7 +185,7 @@ def _view(part: Part, face: Face, strokes: Sequence[TorchStroke]) -> View:
 
 def _unrolled(view: View, part: Part, coper: Coper) -> View:
     """The view of the whole surface of a tube, unrolled."""
-    section = tube_section(unrolled_pipe(part), coper)
+    section = tube_section(rolled(part), coper)
     title = "v   surface of the tube, unrolled, from outside; y = 0 is its lowest line"
     if part.profile.code == "M":
         title = ("u, v, o, h, u   surface of the tube, unrolled, from outside; y = 0 is the middle "

@@ -8,12 +8,13 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.checks.coping.strokes import TorchStroke
-from beamcam.checks.coping.tube import tube_section, unrolled_pipe
+from beamcam.checks.coping.tube import tube_section
 from beamcam.comparison.pairing import ThingPair
 from beamcam.comparison.statements import is_closed, stroke_pairs
 from beamcam.geometry.curves import join_boxes
 from beamcam.machine.coper import Coper
 from beamcam.model.part import Face, Part
+from beamcam.model.pipes import rolled
 from beamcam.pictures.coper import face_view, faces_of, on_views, part_of, strokes_of
 from beamcam.pictures.overlay import (
     Overlay,
@@ -76,7 +77,7 @@ def _side(program: ReadProgram) -> _Side:
     part = part_of(own)
     coper = program.machine.needed(program.machine.coper, "coper")
     is_tube = coper.unrolls(part.profile.code)
-    turn = tube_section(unrolled_pipe(part), coper).turn if is_tube else None
+    turn = tube_section(rolled(part), coper).turn if is_tube else None
     return _Side(part, on_views(strokes_of(own, part), is_tube), coper, turn)
 
 

@@ -14,7 +14,7 @@ from msgspec.structs import replace
 from beamcam.budget import check_pieces
 from beamcam.errors import Diagnostic, PlanError, Source, errors_in
 from beamcam.model.part import Part
-from beamcam.model.request import Quantity, Remnant, Request
+from beamcam.model.request import Quantity, Remnant, Request, taken_by
 from beamcam.planning import rules
 
 #: Of parts that share stock: machine, section (of plates the thickness), grade.
@@ -65,7 +65,7 @@ def shares_of(request: Request, together: bool = False) -> tuple[Share, ...]:
         return tuple(Share((place,), bars) for place in pieces)
     from beamcam.planning.stock import first_fit
 
-    single = [replace(part, quantity=1) for part in request.parts]
+    single = [taken_by(machine, replace(part, quantity=1)) for part in request.parts]
     nesting = first_fit(
         [single[place] for place in pieces], machine, request.stock, request.remnants
     )

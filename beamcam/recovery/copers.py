@@ -20,13 +20,14 @@ from beamcam.checks.coping.compare import taken_of
 from beamcam.checks.coping.program import head_part, head_profile, strokes_of
 from beamcam.checks.coping.section import CoperSection, as_drawn, kerf_of, lying, pieces_of
 from beamcam.checks.coping.strokes import TorchStroke
-from beamcam.checks.coping.tube import tube_section, unrolled_pipe
+from beamcam.checks.coping.tube import tube_section
 from beamcam.checks.head import head_of
 from beamcam.errors import Diagnostic, Source, errors_in
 from beamcam.geometry.plane import Point
 from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Contour, EndCuts, Face, Feature, Hole, Part, Slot
+from beamcam.model.pipes import rolled
 from beamcam.recovery.box_tube import Faces, corner_radius, faces_of
 from beamcam.recovery.found import (
     COMES_CUT,
@@ -94,7 +95,7 @@ def recover_coped(text: str, machine: Machine, name: str, stock: KnownStock) -> 
         turned = replace(profile, radius=corner_radius(text, machine, profile))
         bare = replace(bare, profile=turned)
     bare = lying(bare)
-    code = unrolled_pipe(bare).profile.code
+    code = rolled(bare).profile.code
     codes = codes_read(coper)
     if code not in codes:
         expected = ", ".join(codes)
@@ -122,7 +123,7 @@ def recover_coped(text: str, machine: Machine, name: str, stock: KnownStock) -> 
         find = _Features(part, None, coper.corner_radius, within)
         features = [*find.of_box(faces, walls[0].line)]
     else:
-        radius = unrolled_pipe(bare).profile.height / 2 if is_tube else None
+        radius = rolled(bare).profile.height / 2 if is_tube else None
         find = _Features(part, radius, coper.corner_radius, within)
         features = [feature for wall in walls for feature in find.on(wall)]
     part = as_drawn(replace(part, features=tuple(features)))
@@ -238,7 +239,7 @@ def _surface(part: Part, strokes: Sequence[TorchStroke], coper: Coper) -> _Wall:
     from shapely import box, union_all
     from shapely.affinity import translate
 
-    turn = tube_section(unrolled_pipe(part), coper).turn
+    turn = tube_section(rolled(part), coper).turn
     far = max((x for stroke in strokes for x, _ in stroke.points), default=0.0) + coper.trim
     kerfs, begins = [], []
     for stroke in strokes:

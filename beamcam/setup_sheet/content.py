@@ -16,11 +16,12 @@ import numpy as np
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.checks.coping.tube import tube_section, unrolled_pipe
+from beamcam.checks.coping.tube import tube_section
 from beamcam.errors import Diagnostic, Severity, errors_in
 from beamcam.geometry.array_types import Floats
 from beamcam.machine.coper import Coper
 from beamcam.model.part import Part
+from beamcam.model.pipes import rolled
 from beamcam.model.plan import AnyPlan, Plan, clock
 from beamcam.pictures.bar_made import BarMade
 from beamcam.pictures.coper import CoperProgram, part_of, strokes_of
@@ -44,7 +45,7 @@ def coper_made(program: CoperProgram, trace: Trace) -> TableMade:
     """
     machine = program.machine
     coper = machine.needed(machine.coper, "coper")
-    round_bar = _round(trace.positions, unrolled_pipe(part_of(program)), coper)
+    round_bar = _round(trace.positions, rolled(part_of(program)), coper)
     positions = np.insert(trace.positions, 1, round_bar, axis=1)
     axes = (trace.axes[0], ROUND, *trace.axes[1:])
     return TableMade(
@@ -83,7 +84,7 @@ def coper_operations(program: CoperProgram, made: TableMade) -> tuple[SheetOpera
     """The cuts with the faces that they are on; X is the machine's."""
     part = part_of(program)
     strokes = strokes_of(program, part)
-    is_round = part.profile.code == "RO" or unrolled_pipe(part) is not part
+    is_round = part.profile.code == "RO" or rolled(part) is not part
     return tuple(
         replace(op, what="cut" if is_round else f"cut on face {stroke.face}", y=None)
         for op, stroke in zip(table_operations(made), strokes, strict=True)

@@ -85,7 +85,7 @@ class Reach(Struct, frozen=True):
 
 def reaches(machine: Machine, profile: Profile) -> dict[int, tuple[Reach, ...]]:
     """The spindles that each number of the program chooses, where the section has their wall."""
-    sides = walls(profile)
+    sides = walls(profile) or _sides_of_round(profile)
     reaches_of: dict[str, Reach] = {
         s.face: _reach(s, machine, profile, sides[s.face])
         for s in machine.spindles
@@ -98,6 +98,17 @@ def reaches(machine: Machine, profile: Profile) -> dict[int, tuple[Reach, ...]]:
         if all(face in reaches_of for face in pair.faces):
             chosen[pair.number] = tuple(reaches_of[face] for face in pair.faces)
     return chosen
+
+
+def _sides_of_round(profile: Profile) -> dict[str, Wall]:
+    """The four lines of a round that spindles stand square to, as walls; none of others."""
+    if profile.code not in ("RO", "RU"):
+        return {}
+    d, thickness = profile.height, max(profile.flange_thickness, profile.web_thickness or 0.0)
+    return {
+        "v": Wall("z", d, -1, thickness, d), "h": Wall("z", 0.0, 1, thickness, d),
+        "o": Wall("y", d, -1, thickness, d), "u": Wall("y", 0.0, 1, thickness, d),
+    }  # fmt: skip
 
 
 def _reach(spindle: Spindle, machine: Machine, profile: Profile, wall: Wall) -> Reach:

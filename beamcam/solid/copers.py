@@ -15,7 +15,7 @@ The last two are told, by how much steel they leave.
 
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
-from math import asin, hypot, pi, radians
+from math import asin, hypot, radians
 from typing import TYPE_CHECKING
 
 from msgspec import Struct
@@ -28,7 +28,7 @@ from beamcam.geometry.curves import Line
 from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Contour, EndCuts, Face, Feature, Hole, Part, Profile
-from beamcam.model.pipes import is_unrolled
+from beamcam.model.pipes import is_unrolled, rolled
 from beamcam.model.request import Request
 from beamcam.solid import PIECES, ROUNDED, SQUARE
 from beamcam.solid.compare import (
@@ -122,8 +122,7 @@ def as_tube(part: Part, coper: Coper) -> Part:
     size = part.profile
     wall = max(size.flange_thickness, size.web_thickness or 0.0)
     if is_unrolled(size):
-        across = size.height / pi
-        size = replace(size, code="RO", height=across, width=across, flange_thickness=wall)
+        size = rolled(part).profile
     elif size.code == "M":
         size = replace(size, radius=coper.outer_radius(size.radius, wall))
         whole = tuple(_to_edges(f, size) if isinstance(f, Contour) else f for f in part.features)

@@ -12,7 +12,8 @@ from beamcam.controllers import cell_events
 from beamcam.errors import BeamcamError, Diagnostic, Source
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
-from beamcam.model.request import Request
+from beamcam.model.request import Request, rolled_on
+from beamcam.model.rounds import with_sawn_ends
 from beamcam.solid import NO_MACHINE, PIECES
 from beamcam.solid.bar_solid import bar_pieces, lying, points_of, said_of_section, work_of
 from beamcam.solid.compare import (
@@ -113,9 +114,11 @@ def solid_faults(
 def pieces_asked(request: Request) -> list[Part]:
     """The part of each piece: as often as the request or the part's file says, or once."""
     quantity = request.quantity
+    is_bar = request.machine.stock == "beam"
     return [
-        part
+        one
         for part in request.parts
+        for one in [with_sawn_ends(rolled_on(request.machine, part)) if is_bar else part]
         for _ in range(1 if quantity is None else part.quantity if quantity == "file" else quantity)
     ]
 

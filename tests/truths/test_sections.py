@@ -302,9 +302,7 @@ def test_lips_that_no_c_has(lip: float) -> None:
         ("D101.6*5", 101.6, 5.0, False),
     ],
 )  # fmt: skip
-def test_a_plate_that_is_an_unrolled_pipe(
-    name: str, width: float, thick: float, is_pipe: bool
-) -> None:
+def test_a_plate_that_is_an_rolled(name: str, width: float, thick: float, is_pipe: bool) -> None:
     """By the circumference: 88.9 pi = 279.29, 114.3 pi = 359.08, 141.3 pi = 443.91 mm."""
     assert is_unrolled(Profile("B", name, width, 0.0, 0.0, thick)) is is_pipe
     assert not is_unrolled(Profile("M", name, width, width, thick, thick))

@@ -7,6 +7,7 @@ missing, the read-back finds out from the program, the parts, the machine and wh
 """
 
 from collections.abc import Collection, Sequence
+from math import hypot
 from operator import attrgetter
 
 from msgspec import Struct
@@ -36,7 +37,10 @@ from beamcam.controllers.dialect import Dialect, dialect_of
 from beamcam.controllers.events import BarEvent, Switch
 from beamcam.errors import Diagnostic, Source, VerifyError, errors_in
 from beamcam.machine.machine import Machine, drill_of
-from beamcam.model.part import Part, Profile
+from beamcam.model.description import description
+from beamcam.model.part import Hole, Part, Profile, Slot
+from beamcam.model.request import rolled_on
+from beamcam.model.rounds import askew
 
 __all__ = [
     "BarRun", "Bore", "Cut", "FeatureRef", "MachinedFeatures", "MachinedPath", "interpret", "run",
@@ -199,6 +203,32 @@ def compared(
         *diagnostics, *stock_faults(head, parts, section_told(parts), machine, name),
         *part_faults(head, lie, machine.format.resolution, job.free, name),
     )  # fmt: skip
+
+
+def unseen_faults(parts: Sequence[Part], machine: Machine) -> tuple[Diagnostic, ...]:
+    """Faults of round parts, as they were read: what no spindle or saw of a bar line can make.
+
+    A drill goes `drill.breakthrough` beyond the wall in the middle of its hole. At its side the
+    inside of a tube lies deeper.
+    """
+    faults = []
+    for given in parts:
+        part = rolled_on(machine, given)
+        size, beyond = part.profile, drill_of(machine).breakthrough
+        wall = size.flange_thickness or size.web_thickness or 0.0
+        unmade = {id(feature): feature for feature in askew(part)}
+        for feature in part.features if size.code == "RO" and wall else ():
+            if not isinstance(feature, Hole | Slot) or feature.depth is not None:
+                continue
+            least = size.height / 2 - wall - beyond  # where the drill's edge ends, from the axis
+            edge = hypot(least, feature.diameter / 2)
+            if least > 0 and feature.kind != "mark" and edge > size.height / 2 - wall:
+                unmade[id(feature)] = feature
+        faults += [
+            rules.ROUND.at(feature.source, found=description(feature), mark=part.mark)
+            for feature in unmade.values()
+        ]
+    return tuple(faults)
 
 
 def section_of(text: str, machine: Machine, part: Part, turn: bool) -> Profile:

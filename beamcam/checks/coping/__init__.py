@@ -34,8 +34,9 @@ def verify_coping(
     """
     from beamcam.checks.coping import rules
     from beamcam.checks.coping.section import lying
-    from beamcam.checks.coping.tube import tube_faults, tube_section, unrolled_pipe
+    from beamcam.checks.coping.tube import tube_faults, tube_section
     from beamcam.checks.coping.wanted import may_be_left
+    from beamcam.model.pipes import rolled
 
     coper = machine.needed(machine.coper, "coper")
     events, diagnostics = cell_events(text, machine, name)
@@ -43,7 +44,7 @@ def verify_coping(
         return tuple(diagnostics)
     if len(parts) > 1:
         return (*diagnostics, rules.PARTS.at(Source(name), found=len(parts)))
-    part = unrolled_pipe(parts[0]) if coper.turns == "bar" else parts[0]
+    part = rolled(parts[0]) if coper.turns == "bar" else parts[0]
     code, codes = part.profile.code, codes_read(coper)
     if code not in codes:
         expected = ", ".join(codes)

@@ -5,7 +5,7 @@ import re
 from beamcam.checks.coping.profile_torch import ProfileTorch
 from beamcam.checks.coping.section import CoperSection
 from beamcam.checks.coping.strokes import TorchFollower, TorchStroke
-from beamcam.checks.coping.tube import TubeTorch, tube_section, unrolled_pipe
+from beamcam.checks.coping.tube import TubeTorch, tube_section
 from beamcam.checks.coping.turned import TurnedTorch
 from beamcam.checks.head import Head
 from beamcam.controllers import cell_events
@@ -14,6 +14,7 @@ from beamcam.errors import Diagnostic, Source, errors_in
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import is_row_for, material_said
 from beamcam.model.part import Part, Profile
+from beamcam.model.pipes import rolled
 from beamcam.model.section import measures_of
 
 #: A round tube, which its diameter and its wall say, in the catalogue or not.
@@ -64,7 +65,7 @@ def strokes_of(
     rows = [row for row in coper.rows if is_row_for(row.material, material)]
     torch: TorchFollower
     if coper.unrolls(part.profile.code):
-        section = tube_section(unrolled_pipe(part), coper)
+        section = tube_section(rolled(part), coper)
         events = in_degrees(events, coper, 2 * section.half_y)
         torch = TubeTorch(machine, coper, section, rows, name)
     else:

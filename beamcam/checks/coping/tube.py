@@ -41,7 +41,6 @@ from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import TorchRow
 from beamcam.model.part import Contour, EndPlane, Feature, Hole, Part, Slot
-from beamcam.model.pipes import is_unrolled
 
 Shape = Any  #: of shapely
 
@@ -142,17 +141,6 @@ def tube_section(part: Part, coper: Coper) -> TubeSection:
     profile = part.profile
     wall = max(profile.flange_thickness, profile.web_thickness or 0.0)
     return TubeSection(profile, coper.outer_radius(profile.radius, wall))
-
-
-def unrolled_pipe(part: Part) -> Part:
-    """A plate that is called a pipe as a tube whose circumference is its width; else the part."""
-    plate = part.profile
-    if not is_unrolled(plate):
-        return part
-    across, wall = plate.height / pi, plate.web_thickness or 0.0
-    return replace(part, profile=replace(
-        plate, code="RO", height=across, width=across, flange_thickness=wall,
-    ))  # fmt: skip
 
 
 def cut_square(feature: Feature, coper: Coper) -> bool:

@@ -249,7 +249,23 @@ def _regions(
             diagnostics.append(rules.OFF.at(part.source, what=f"all of face {face} cut away"))
         else:
             diagnostics += told_rounded(regions[face], part.source)
+    if not errors_in(diagnostics):
+        diagnostics += _flanges_alone(part, regions)
     return regions, diagnostics
+
+
+def _flanges_alone(part: Part, regions: Mapping[Face, WallRegion]) -> Iterator[Diagnostic]:
+    """An error for each flange without an outline, that no steel of the web joins."""
+    contours = [c for c in (*part.features, *(part.made or ())) if isinstance(c, Contour)]
+    drawn = {c.face for c in contours if c.kind == "outer" and c.process == "cut"}
+    for root in regions["v"].wall.roots if "v" in regions else ():
+        low, high = regions["v"].shape.bounds[1::2]
+        face: Face = "u" if root.low == 0.0 else "o"
+        away = low > root.inner if face == "u" else high < root.inner
+        if away and face in regions and face not in drawn:
+            yield rules.FLANGE_ALONE.at(
+                part.source, face=face, found=part.length, expected=root.inner
+            )
 
 
 def _cuts(

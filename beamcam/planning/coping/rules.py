@@ -20,6 +20,13 @@ ROOT = error("plan-coping-root",
     "Over the web the torch comes no nearer to a flange than its width and the root fillet allow. "
     "The rest of a cut is made from outside of the flange, which takes web and flange at one x. "
     "What would be cut otherwise there has to be made by hand.")
+FLANGE_ALONE = error("plan-coping-flange-alone",
+    "found no outline on face {face}, so that its flange is {found:g} mm long, and a web that is "
+    "cut away from it along all of that; expected an outline on face {face}, or a web up to y "
+    "{expected:g}",
+    "A wall without an outline is as long as the part. Some exporters leave out the outline of a "
+    "flange that is cut away: it has to be drawn, or the section to be a T, or the header's height "
+    "that of what stays.")
 LEDGE = warning("plan-coping-ledge",
     "found a hole of the web at x {x} right under face {face}; it is cut up to {found} mm off the "
     "flange",

@@ -11,8 +11,8 @@ from msgspec.structs import replace
 from beamcam.errors import Diagnostic, Source
 from beamcam.machine.coper import TUBES, Coper
 from beamcam.machine.machine import Machine
-from beamcam.model.part import Part, Profile
-from beamcam.model.pipes import SLACK, is_unrolled, named_diameters
+from beamcam.model.part import Part
+from beamcam.model.pipes import SLACK, is_unrolled, named_diameters, rolled
 from beamcam.model.section import section_fault
 from beamcam.planning import rules as bar_rules
 from beamcam.planning.coping import rules
@@ -38,10 +38,7 @@ def as_pipe(part: Part) -> tuple[Part, Diagnostic | None]:
         return part, rules.NO_PIPE.at(
             part.source, diameter=f"{nearest:g}", expected=expected, **values
         )
-    wall = profile.web_thickness or 0.0
-    pipe = Profile("RO", profile.name, diameter, diameter, wall, wall)
-    diagnostic = rules.PIPE.at(part.source, diameter=f"{diameter:.2f}", **values)
-    return replace(part, profile=pipe), diagnostic
+    return rolled(part), rules.PIPE.at(part.source, diameter=f"{diameter:.2f}", **values)
 
 
 def with_corners(part: Part, coper: Coper) -> tuple[Part, Diagnostic | None]:

@@ -47,6 +47,7 @@ from beamcam.readers.dstv.rows import (
     read_text,
     read_tolerance,
 )
+from beamcam.readers.dstv.tees import upright
 
 __all__ = ["Account", "looks_like", "read", "read_with_account"]
 
@@ -155,6 +156,10 @@ def read_with_account(data: bytes, name: str, asked: str | None = None) -> tuple
         made=None if made is None else made.parts[0].features if made.parts else (),
     )  # fmt: skip
     log.diagnostics += () if made is None else made.diagnostics
+    if (other := upright(data, part, head.numbers, log)) is not None:
+        told = log.diagnostics[-1]
+        reading, account = read_with_account(other, name, asked)
+        return replace(reading, diagnostics=(told, *reading.diagnostics)), account
     check(part, content.contours, head.numbers, log)
     data_lines = [*head.numbers]
     for block in blocks:

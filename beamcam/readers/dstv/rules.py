@@ -111,6 +111,16 @@ CORNER_WEIGHT = warning("dstv-corner-weight",
     "the weight of {weight:g} kg/m has",
     "Some programs write no radius for rectangular tubes, or that inside. The weight tells how "
     "much steel the corners lack. Line 14 of the header is their outer radius.")
+TEE_OUTLINE = warning("dstv-tee-outline",
+    "found height {height:g} and flange width {width:g} of the T {name}; expected them the other "
+    "way round, as its outlines are, and they are read so, with their thicknesses",
+    "The flange of a T lies along face v, so that line 10 of the header is how wide it is, line 11 "
+    "how high its stem is.")
+TEE_NAME = warning("dstv-tee-name",
+    "found height {height:g} and flange width {width:g} of the T {name}, whose name has the stem "
+    "{height:g} high; read as a flange {height:g} wide and a stem {width:g} high",
+    "The flange of a T lies along face v, so that line 10 of the header is how wide it is, line 11 "
+    "how high its stem is. Name and header contradict each other: correct one.")
 LIP_NAME = warning("dstv-lip-name",
     "found the name {found} of a C that is {sizes}; expected those figures in the name, and the "
     "length of its lips",

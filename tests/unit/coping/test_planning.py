@@ -198,6 +198,8 @@ REFUSED = [
     ("plan-coping-deep", part_of(profile=DEEP), COPER),
     ("plan-coping-deep", part_of(profile=Profile("T", "W", 390.0, 150.0, 10.0, 20.0, 15.0)), COPER),
     ("plan-coping-short", replace(part_of(outline("v", LONG)), made=()), COPER),
+    ("plan-coping-flange-alone", part_of(outline("v", [
+        (0.0, 0.0), (600.0, 0.0), (600.0, 90.0), (0.0, 250.0)])), COPER),
     ("plan-coping-root", part_of(RAT_HOLE), COPER),
     ("plan-coping-root", part_of(BACK), COPER),
     ("plan-coping-root", part_of(Hole("v", 300.0, 30.0, 22.0, AT)), COPER),

@@ -86,6 +86,8 @@ LINES = {
     "dstv-text-fields": 33,
     "dstv-lip-code": 10,
     "dstv-lip-name": 9,
+    "dstv-tee-name": 12,
+    "dstv-tee-outline": 12,
     "dstv-text-long": 2,
     "dstv-text-outside": 33,
     "dstv-tolerance-fields": 33,
