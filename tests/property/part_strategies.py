@@ -103,7 +103,8 @@ def contours(draw, face):
         if factor is None or chord < 0.1:
             curves.append(Line(start, end))
         else:
-            radius = round(chord / 2 * factor + 0.01, 2)
+            # what is nearer to a half circle is written as two arcs
+            radius = round(chord / 2 * factor + 0.04, 2)
             curves.append(arc_through(start, end, draw(st.sampled_from([radius, -radius]))))
     if closed:
         area = signed_area(tuple(curves))

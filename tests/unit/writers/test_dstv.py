@@ -89,6 +89,19 @@ def test_arcs_beyond_half_a_circle_become_several():
     assert [b.curve for b in found.bevels] == [0, 1]
 
 
+@pytest.mark.parametrize("sweep", [177.9, -179.5, 179.99])
+def test_an_arc_that_would_be_read_as_a_half_circle_becomes_two(sweep):
+    arc = Arc((50, 50), 50, 10, sweep)
+    (part,) = read(write(with_feature(contour(arc))).encode(), "p.nc1").parts
+    (found,) = part.contours
+    assert sum(c.sweep_deg for c in found.curves) == pytest.approx(sweep, abs=1e-4)
+    assert all(c.centre == pytest.approx((50, 50), abs=1e-4) for c in found.curves)
+    half = Arc((50, 50), 50, 10, 180)
+    (part,) = read(write(with_feature(contour(half))).encode(), "p.nc1").parts
+    (found,) = part.contours
+    assert len(found.curves) == 1
+
+
 @pytest.mark.parametrize("face", ["v", "h"])
 def test_contours_that_run_the_wrong_way_are_turned(face):
     corners = [(0.0, 0.0), (100.0, 0.0), (100.0, 50.0), (0.0, 50.0)]
