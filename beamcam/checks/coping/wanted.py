@@ -128,8 +128,10 @@ def with_corners_cut(drawn: Shape, corners: list[Point], radius: float, turn: fl
 
     if not (left := left_at(drawn, corners, radius)):
         return drawn
-    if not (cramped := _cramped(drawn, left, corners, radius)):
+    once = [one for one in left if not turn or 0.0 <= one.centroid.y < turn]
+    if not _cramped(drawn, once, corners, radius):
         return _with_what_is_left(drawn, left, corners, radius)
+    cramped = _cramped(drawn, left, corners, radius)
     whole = [with_round_corners(drawn, [one for one in corners if one not in cramped], radius)]
     rooms: dict[tuple[int, int], float] = {}
     for x, y in sorted(cramped, key=lambda one: abs(one[1] - turn / 2)):
@@ -216,12 +218,15 @@ def with_round_corners(drawn: Shape, corners: list[Point], radius: float) -> Sha
 def _with_what_is_left(
     drawn: Shape, left: Sequence[Shape], corners: list[Point], radius: float
 ) -> Shape:
-    from shapely import union_all
+    from shapely import GEOSException, union_all
 
     if not left:
         return drawn
-    own = [_at_corners(one, corners, radius) for one in left]
-    return areas_of(union_all([drawn, *own], grid_size=NO_CRACK))
+    every = [drawn, *(_at_corners(one, corners, radius) for one in left)]
+    try:
+        return areas_of(union_all(every, grid_size=NO_CRACK))
+    except GEOSException:  # on a grid GEOS joins not all that it joins without one
+        return areas_of(union_all(every))
 
 
 def _at_corners(piece: Shape, corners: list[Point], radius: float) -> Shape:

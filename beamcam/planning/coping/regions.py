@@ -4,6 +4,7 @@ Regions are polygons; their chords lie within CHORD of the curves of the part.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from math import atan2, degrees, inf
 from typing import Any
 
@@ -137,7 +138,7 @@ def rounded(
     What a ball of that radius does not reach from the scrap is added at each of them. A radius is a
     kerf at least, so that the torch turns with half a kerf about its path.
     """
-    from shapely import box, union_all
+    from shapely import GEOSException, box, union_all
 
     if not corners:
         return WallRegion(wall, shape, {}), diagnostics
@@ -165,10 +166,11 @@ def rounded(
         added += more
         found |= there
     whole = union_all([shape, *added]) if added else shape
-    # Beside a side that slants what is added may stand off by a crack of 1e-13 mm.
-    closed = union_all([shape, *added], grid_size=GRID) if added else shape
-    if whole.length > closed.length + SLIVER:
-        whole = closed
+    with suppress(GEOSException):  # on a grid GEOS joins not all that it joins without one
+        # Beside a side that slants what is added may stand off by a crack of 1e-13 mm.
+        closed = union_all([shape, *added], grid_size=GRID) if added else shape
+        if whole.length > closed.length + SLIVER:
+            whole = closed
     return WallRegion(wall, whole, found), diagnostics
 
 
