@@ -3,7 +3,7 @@
 import random
 import re
 from collections.abc import Callable
-from math import hypot, radians, tan
+from math import cos, hypot, radians, tan
 
 from msgspec.structs import replace
 
@@ -14,9 +14,9 @@ OfPlan = Callable[[CopePlan, random.Random], CopePlan | None]
 Turn = tuple[float, float]  #: A off its face and B
 
 
-#: Degrees that a torch may lean along its edge for the same wedge, which is t tan(b) (1 - cos 4)
-#: off: 0.01 mm of 8.5 mm at 27 degrees.
-ALONG_EDGE = 4.0
+#: A torch that leans along its edge makes a wedge that is t tan(b) (1 - cos along) off; so many mm,
+#: and degrees off its angle, are within what a sound program may be off.
+SAME_WEDGE, SAME_DEG = 0.1, 0.5
 
 
 def turned(cut: CopeCut, change: Callable[[Turn], Turn]) -> CopeCut:
@@ -60,7 +60,9 @@ def is_round(cut: CopeCut) -> bool:
 def _standing(cut: CopeCut, chance: random.Random) -> CopeCut | None:
     """A torch that does not turn along a curve, where that makes another wedge."""
     off, b_deg = only = chance.choice(cut.turns)
-    if max(hypot(a - off, b - b_deg) for a, b in cut.turns) < ALONG_EDGE:
+    along = max(abs(a - off) for a, _ in cut.turns)
+    wedge = cut.row.up_to * tan(radians(b_deg)) * (1.0 - cos(radians(along)))
+    if wedge < SAME_WEDGE and max(abs(b - b_deg) for _, b in cut.turns) < SAME_DEG:
         return None
     return replace(cut, turns=(only,) * len(cut.turns))
 
