@@ -15,8 +15,9 @@ from msgspec.structs import replace
 from beamcam.checks.bars.stations import lip_length
 from beamcam.errors import Source
 from beamcam.geometry.curves import Arc, Line
-from beamcam.model.part import FACES, MIRRORED_FACES, Contour, Part, Profile
+from beamcam.model.part import FACES, MIRRORED_FACES, Contour, Hole, Part, Profile
 from beamcam.model.pipes import is_unrolled
+from beamcam.model.rounds import as_seen
 from beamcam.model.section import (
     NO_PLATE,
     OTHER_SIDE,
@@ -302,7 +303,17 @@ def test_lips_that_no_c_has(lip: float) -> None:
         ("D101.6*5", 101.6, 5.0, False),
     ],
 )  # fmt: skip
-def test_a_plate_that_is_an_rolled(name: str, width: float, thick: float, is_pipe: bool) -> None:
+def test_a_plate_that_is_an_unrolled_pipe(
+    name: str, width: float, thick: float, is_pipe: bool
+) -> None:
     """By the circumference: 88.9 pi = 279.29, 114.3 pi = 359.08, 141.3 pi = 443.91 mm."""
     assert is_unrolled(Profile("B", name, width, 0.0, 0.0, thick)) is is_pipe
     assert not is_unrolled(Profile("M", name, width, width, thick, thick))
+
+
+def test_what_is_on_a_round_is_seen_from_four_faces() -> None:
+    """Page 14: y of v is the arc from the lowest line towards v; a quarter of it is 89.77 mm."""
+    arcs = {"u": 0.0, "v": 89.77, "o": 179.54, "h": 269.31}
+    holes = tuple(Hole("v", 100.0, y, 18.0, SOURCE) for y in arcs.values())
+    seen = as_seen(Part("M", RO114, 1000.0, SOURCE, features=holes)).holes
+    assert [(hole.face, hole.y) for hole in seen] == [(face, 57.15) for face in arcs]
