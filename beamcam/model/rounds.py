@@ -24,7 +24,7 @@ PLANE = 0.3  #: mm that an outline may be off the plane of its end
 def as_seen(part: Part) -> Part:
     """A round part with its features on the faces they are seen on; any other as it is.
 
-    Those that no face shows become cut-outs, which no bar line makes: `askew` has them.
+    Those that no face shows become cut-outs, which no bar line makes: `unseen` has them.
     """
     if part.profile.code not in ("RO", "RU"):
         return part
@@ -37,7 +37,7 @@ def as_seen(part: Part) -> Part:
     )  # fmt: skip
 
 
-def askew(part: Part) -> Iterator[Feature]:
+def unseen(part: Part) -> Iterator[Feature]:
     """What is seen square from no face of a round part, whose features are unrolled."""
     if part.profile.code in ("RO", "RU"):
         yield from (f for f in part.features if _seen(f, part) is None)

@@ -9,14 +9,14 @@ from beamcam.model.description import description
 from beamcam.model.part import Contour, Hole, Part, Slot
 from beamcam.model.pipes import SLACK, named_diameters
 from beamcam.model.request import rolled_on
-from beamcam.model.rounds import askew
+from beamcam.model.rounds import unseen
 from beamcam.planning import rules
 
 PIPE = note("plan-pipe",
     "found a plate {found} {height} mm wide; it is the unrolled surface of a pipe {diameter} mm in "
     "diameter, and is sawn as that pipe",
     "Some exporters write a pipe as a plate as wide as its circumference.")  # fmt: skip
-ASKEW = error("plan-round",
+ROUND = error("plan-round",
     "found {what}, which is the unrolled surface of a round bar; expected {expected}",
     "Face v of a round is its surface, unrolled: y counts the arc from its lowest line, and v is a "
     "quarter of the way round. A spindle drills square to the surface only in the middle of v, o, "
@@ -55,8 +55,8 @@ def told_of_round(
             sag = inner - sqrt(max(0.0, inner**2 - (hole.diameter / 2) ** 2))
             if sag > deeper:
                 expected = f"one through a wall that curves by {deeper:g} mm, not {sag:.2f}"
-                yield ASKEW.at(hole.source, what=description(hole), expected=expected)
-    for feature in askew(part) if LEFT_OUT_AS not in skips else ():
+                yield ROUND.at(hole.source, what=description(hole), expected=expected)
+    for feature in unseen(part) if LEFT_OUT_AS not in skips else ():
         is_end = isinstance(feature, Contour) and feature.kind == "outer"
         expected = PLANE_ENDS if is_end else f"it in the middle of a face, at y {quarters}"
-        yield ASKEW.at(feature.source, what=description(feature), expected=expected)
+        yield ROUND.at(feature.source, what=description(feature), expected=expected)

@@ -40,7 +40,7 @@ from beamcam.machine.machine import Machine, drill_of
 from beamcam.model.description import description
 from beamcam.model.part import Hole, Part, Profile, Slot
 from beamcam.model.request import rolled_on
-from beamcam.model.rounds import askew
+from beamcam.model.rounds import unseen
 
 __all__ = [
     "BarRun", "Bore", "Cut", "FeatureRef", "MachinedFeatures", "MachinedPath", "interpret", "run",
@@ -216,7 +216,7 @@ def unseen_faults(parts: Sequence[Part], machine: Machine) -> tuple[Diagnostic, 
         part = rolled_on(machine, given)
         size, beyond = part.profile, drill_of(machine).breakthrough
         wall = size.flange_thickness or size.web_thickness or 0.0
-        unmade = {id(feature): feature for feature in askew(part)}
+        unmade = {id(feature): feature for feature in unseen(part)}
         for feature in part.features if size.code == "RO" and wall else ():
             if not isinstance(feature, Hole | Slot) or feature.depth is not None:
                 continue

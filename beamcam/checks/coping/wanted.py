@@ -128,10 +128,8 @@ def with_corners_cut(drawn: Shape, corners: list[Point], radius: float, turn: fl
 
     if not (left := left_at(drawn, corners, radius)):
         return drawn
-    once = [one for one in left if not turn or 0.0 <= one.centroid.y < turn]
-    if not _cramped(drawn, once, corners, radius):
+    if not (cramped := _cramped(drawn, left, corners, radius)):
         return _with_what_is_left(drawn, left, corners, radius)
-    cramped = _cramped(drawn, left, corners, radius)
     whole = [with_round_corners(drawn, [one for one in corners if one not in cramped], radius)]
     rooms: dict[tuple[int, int], float] = {}
     for x, y in sorted(cramped, key=lambda one: abs(one[1] - turn / 2)):
@@ -233,7 +231,7 @@ def _at_corners(piece: Shape, corners: list[Point], radius: float) -> Shape:
     """What of a piece that a disc leaves is at corners.
 
     In a slot that narrows to its mouth the disc touches both sides and leaves steel beyond it too,
-    which hangs together with that at the floor where it touches.
+    joined where it touches to that at the floor.
     """
     from shapely import MultiPoint, union_all
 

@@ -219,7 +219,7 @@ def _filled(
 
 
 def _pieces(shape: Shape, half: float, tip: float) -> Iterator[tuple[Shape, Shape]]:
-    """The pieces of a shape, also those that hang together by slivers, each with what of it is
+    """The pieces of a shape, also those that slivers join, each with what of it is
     thicker than twice `half`; beyond that they go on for `tip`."""
     from shapely import union_all
 

@@ -82,7 +82,7 @@ HALF = [
     (0.0, 0.0), (3000.0, 0.0), (3000.0, ROUND), (1600.0, ROUND), (1600.0, ROUND / 2),
     (0.0, ROUND / 2),
 ]  # fmt: skip
-ASKEW = {
+UNSEEN = {
     "off the middle": (hole(500.0, D / 2), "y 0.00, 89.77, 179.54, 269.31"),
     "deeper than the drill": (hole(500.0, pi / 4 * D, 40.0), "curves by 2 mm, not 3.99"),
     "leaning to the side": (outline(3000.0, 0.0, 0.5, pi / 2), "lean in the view of v alone"),
@@ -91,9 +91,9 @@ ASKEW = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("name", ASKEW)
+@pytest.mark.parametrize("name", UNSEEN)
 def test_what_no_side_shows_is_refused_by_planner_and_read_back(name: str) -> None:
-    feature, expected = ASKEW[name]
+    feature, expected = UNSEEN[name]
     given = part(feature, profile=PLATE)
     with pytest.raises(PlanError) as caught:
         post([given], PUSHER)
