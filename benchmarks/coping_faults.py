@@ -74,8 +74,8 @@ def faults(part: Part, machine: Machine, chance: random.Random) -> Iterator[tupl
         if part.made is not None and of_plan is reordered:
             continue  # nothing is parted from a bar
         wrong = of_plan(plan, chance)
-        if wrong is not None:
-            yield name, program_of(wrong, job)
+        if wrong is not None and (text := program_of(wrong, job)) != right:
+            yield name, text
     coper = machine.coper
     assert coper is not None
     texts = TILT_TEXTS | BEVEL_TEXTS if coper.tilt else TEXTS
