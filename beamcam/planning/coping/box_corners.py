@@ -24,6 +24,7 @@ BESIDE_BEND = (-1e-5, 1e-5)  #: rad before and behind the place of a bend of a l
 STEP = 2.0  #: mm along the tube from place to place; a line with more goes along it there
 LEVELS = 33  #: places across a corner; a line that bends by its radius is 0.005 mm off its chords
 EDGE = 1e-6  #: mm inside of an edge, where a face is cut across
+THIN = 0.1  #: mm of the wall beside that a line along the tube may leave and mean its inside
 MEET = 1.0  #: mm that lines of two faces may be apart at their edge and mean the same place
 
 
@@ -122,7 +123,7 @@ def _lines_over(
     offs = [face.levels(high, r) for face, high in zip(faces, highs, strict=True)]
     bends: list[float] = []
     for deep in (r, r - wall):
-        of_a, of_b = ((r - off[r - off < deep]) / (deep or 1.0) for off in offs)
+        of_a, of_b = ((r - off[r - off <= deep]) / (deep or 1.0) for off in offs)
         bends += [*np.arcsin(of_a).tolist(), *np.arccos(of_b).tolist()]
     places = [(turn, turn) for turn in np.linspace(0.0, pi / 2, LEVELS).tolist()]
     places += [(turn + by, turn) for turn in bends for by in BESIDE_BEND]
@@ -142,7 +143,7 @@ def _lines_over(
     lines, deepest = out_a + out_b - edge, inside[0] + inside[1] - edge
     jumps = [(np.abs(np.diff(one, axis=0)) > STEP).any(axis=0) for one in (out_a, out_b)]
     if any(
-        jump.any() and (off < wall + CHORD).any() for jump, off in zip(jumps, offs, strict=True)
+        jump.any() and (off < wall - THIN).any() for jump, off in zip(jumps, offs, strict=True)
     ):
         return "a line along the tube nearer to its edge than the inside of the wall"
     for k in np.flatnonzero(jumps[0] | jumps[1]).tolist():
@@ -153,7 +154,7 @@ def _lines_over(
         (through,) = face.crossings((wall,), high)
         same = len(through) == len(edges)
         leaning.append(float(np.abs(through - edges)[~jump].max(initial=0.0)) if same else 0.0)
-    reaches = [r - float(off.min()) if jump.any() else 0.0
+    reaches = [min(r - float(off.min()), r - wall) if jump.any() else 0.0
                for jump, off in zip(jumps, offs, strict=True)]  # fmt: skip
     return at, lines, leaning, reaches
 
