@@ -101,7 +101,8 @@ CHOSEN = note("plan-machine",
     "Where no machine is named, those of the configuration, or else the shipped ones, are tried in "
     "their order. The first that makes all of a part takes it, under --by time the quickest of "
     "those that do; where none does, the one that leaves out fewest of the features that may be "
-    "left out. --machine names one.")  # fmt: skip
+    "left out. A torch round the profile takes what no line makes that saws and drills. --machine "
+    "names one.")  # fmt: skip
 NONE_MAKES_IT = error("plan-no-machine",
     "found no machine that makes the whole part ({found}); expected one",
     "Each machine that was tried is listed with the codes of what it cannot make. The messages "
@@ -160,9 +161,9 @@ class Able(Struct, Generic[Made]):
     seconds: float | None  #: of all programs; None where time does not count
 
     @property
-    def rank(self) -> tuple[int, float]:
-        """The less, the better."""
-        return self.left_out, self.seconds or 0.0
+    def rank(self) -> tuple[int, bool, float]:
+        """The less, the better: what a line saws and drills is not burnt for being quicker."""
+        return self.left_out, self.machine.stock == "profile", self.seconds or 0.0
 
     def __str__(self) -> str:
         """What it leaves out and how long it takes, as far as either counts."""
@@ -176,11 +177,12 @@ def on_best_machine(
 ) -> tuple[Sequence[Made], tuple[Diagnostic, ...]]:
     """What `attempt` gives on the machine that leaves out fewest features; a note of the choice.
 
-    Of equal ones that is the first in order, or the quickest where the request is `by` time. A
-    machine that makes all of the parts goes before one that leaves out what is allowed. In order
-    no machine behind the first that makes all is planned on, or loaded. Only what a machine cannot
-    make (PlanError) has another one taken. Where none makes it the PlanError has what the one said
-    that lacks least, and for each machine why.
+    Of equal ones that is the first in order, or the quickest where the request is `by` time, and a
+    line that saws and drills goes before a torch round the profile. A machine that makes all of
+    the parts goes before one that leaves out what is allowed. In order no machine behind the first
+    that makes all is planned on, or loaded. Only what a machine cannot make (PlanError) has another
+    one taken. Where none makes it the PlanError has what the one said that lacks least, and for
+    each machine why.
     """
     if request.skips and len(machines) > 1:
         with suppress(PlanError):
@@ -198,6 +200,8 @@ def _best(
     able: list[Able[Made]] = []
     refused: list[tuple[Machine, tuple[Diagnostic, ...]]] = []
     for machine in machines:
+        if machine.stock == "profile" and any(one.rank < (0, True) for one in able):
+            continue
         try:
             made = attempt(replace(request, machine=machine))
             seconds = sum(plan_seconds(one.plan, one.job) for one in made) if by_time else None

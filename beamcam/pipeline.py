@@ -22,6 +22,7 @@ from beamcam.emitters import head_lines
 from beamcam.errors import Diagnostic, PlanError, ReadError, Severity, VerifyError, errors_in
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
+from beamcam.model.pipes import is_unrolled
 from beamcam.model.plan import AnyPlan, Order, WorkTime
 from beamcam.model.program import Program
 from beamcam.model.request import Job, Request
@@ -105,9 +106,13 @@ def bytes_of(written: Written) -> Iterable[bytes]:
     return (written.encode(),) if isinstance(written, str) else written()
 
 
-def stock_of(parts: Sequence[Part]) -> Literal["beam", "sheet"]:
-    """The kind of stock that parts are made of: a sheet if all of them are plates."""
-    return "sheet" if parts and all(part.profile.code == "B" for part in parts) else "beam"
+def stock_of(parts: Sequence[Part], unrolled: bool = False) -> Literal["beam", "sheet"]:
+    """The kind of stock that parts are made of: a sheet if all of them are plates.
+
+    A pipe that is written as a plate is one where it is to be cut `unrolled`.
+    """
+    flat = (p.profile.code == "B" and (unrolled or not is_unrolled(p.profile)) for p in parts)
+    return "sheet" if parts and all(flat) else "beam"
 
 
 def read_file(path: str, strict: bool = False, **options: object) -> Reading:

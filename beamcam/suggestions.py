@@ -152,7 +152,7 @@ def _options(
         *_first(search.by_map(one) for one, codes in refused if UNMAPPED.code in codes),
         *_first(map(search.by_gap, open_ones)), *search.by_switch(touching, "common_cuts"),
         *_first(map(search.by_rotating, too_large)),
-        *search.by_switch((one for one, _ in refused), "unrolled"),
+        *search.by_switch((one for one, _ in (*refused, *answers)), "unrolled"),
         *(() if elsewhere else search.by_leave(may_leave, may_leave_too)),
         *_first(map(search.by_bar, on)), *_first(map(search.by_turning, on)),
         *search.one_by_one(on),

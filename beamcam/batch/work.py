@@ -95,7 +95,8 @@ class BatchSettings(Struct, frozen=True):
     def machines_for(self, part: Part) -> tuple[Machine, ...]:
         """The machines that may make a part, by its stock, in the order they are tried in."""
         first = self._first_for(part)
-        return (first, *(machine for machine in self.more if machine.stock == first.stock))
+        flat = first.stock == "sheet"
+        return (first, *(one for one in self.more if (one.stock == "sheet") is flat))
 
     @property
     def chain(self) -> tuple[Machine, ...]:
@@ -124,8 +125,10 @@ class BatchSettings(Struct, frozen=True):
         return next((machine for machine in known if machine.name == name), self.machine)
 
     def _first_for(self, part: Part) -> Machine:
-        if self.sheets is not None and stock_of((part,)) == "sheet":
-            return self.sheets
+        if self.sheets is not None:
+            torch = self.sheets.needed(self.sheets.torch, "torch")
+            if stock_of((part,), torch.unrolled) == "sheet":
+                return self.sheets
         return self.machine
 
 

@@ -174,7 +174,7 @@ def machines_in_shop(config: Config, name: str) -> Callable[[Part], Sequence[Mac
     of_stock: dict[Stock, Sequence[Machine]] = {}
 
     def machines_for(part: Part) -> Sequence[Machine]:
-        stock = stock_of((part,))
+        stock = stock_of((part,), bool(config.sheet.unrolled))
         if stock not in of_stock:
             of_stock[stock] = machines_of_stock(config, stock, name, is_one_of_two=True)
         return of_stock[stock]

@@ -101,7 +101,8 @@ def command(
     (first fit), a program each: NAME-1, NAME-2, and so on. Plates lie on a sheet (--sheet) in rows
     by their boxes, in the order given, on as many sheets as they need. Without --machine the first
     machine that makes all parts is taken, with --by time the quickest: for bars beamline, then
-    beamline-pusher; for sheets, by the suffix of the output, plate-linuxcnc, then plate-oxyfuel
+    beamline-pusher, and for what neither saws and drills coper-linuxcnc, coper-tilt-linuxcnc and
+    tube-linuxcnc; for sheets, by the suffix of the output, plate-linuxcnc, then plate-oxyfuel
     (.ngc), plate-codesys (.gcode), laser-grbl (.nc), plate-mach3 (.tap), table-simotion (.st) or
     laser-stepper (.steps, .csv, .bin, .h). Nothing is written unless everything can be made.
 
@@ -196,7 +197,7 @@ def _suggestion(
 
     known = {machine.name for machine in tried}
     others = [machine_asked(name, config) for name in shipped() if name not in known]
-    stocks = {tried[0].stock, stock_of(request.parts)}
+    stocks = {tried[0].stock, stock_of(request.parts, unrolled=True)}
     flat_or_pipe = (
         p.profile.code == "B" and (p.profile.height <= FLAT or is_unrolled(p.profile))
         for p in request.parts

@@ -144,7 +144,7 @@ def machines_for(config: Config, parts: Sequence[Part], output: str) -> Sequence
     and of sheets by the suffix of `output`. Raises MachineError, ConfigError and PlanError.
     """
     _agree_on_sheet(config, parts)
-    return machines_of_stock(config, stock_of(parts), output)
+    return machines_of_stock(config, stock_of(parts, bool(config.sheet.unrolled)), output)
 
 
 def _agree_on_sheet(config: Config, parts: Sequence[Part]) -> None:

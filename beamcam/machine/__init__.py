@@ -91,14 +91,19 @@ DEFAULTS: Mapping[tuple[Stock, str], tuple[str, ...]] = {
     ("sheet", ".nc"): ("laser-grbl",), ("sheet", ".ngc"): ("plate-linuxcnc", "plate-oxyfuel"),
     ("sheet", ".st"): ("table-simotion",), ("sheet", ".steps"): ("laser-stepper",),
     ("sheet", ".tap"): ("plate-mach3",),
+    ("profile", "*"): ("coper-linuxcnc", "coper-tilt-linuxcnc", "tube-linuxcnc"),
 }  # fmt: skip
 
 DEFAULT_MACHINE = DEFAULTS["beam", ANY_SUFFIX][0]
 
 
 def default_machines(stock: Stock, output: str = "") -> tuple[str, ...]:
-    """The machines for that stock where none is named, by the name of the output, in order."""
-    return DEFAULTS.get((stock, PurePath(output).suffix.lower()), DEFAULTS[stock, ANY_SUFFIX])
+    """The machines for that stock where none is named, by the name of the output, in order.
+
+    A torch that goes round profiles may make of bars what no line that saws and drills does.
+    """
+    found = DEFAULTS.get((stock, PurePath(output).suffix.lower()), DEFAULTS[stock, ANY_SUFFIX])
+    return (*found, *DEFAULTS["profile", ANY_SUFFIX]) if stock == "beam" else found
 
 
 def is_of_sheets(program: str) -> bool:

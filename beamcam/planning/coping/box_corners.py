@@ -142,9 +142,7 @@ def _lines_over(
     edge = (1 - share) * out_b[0] + share * out_a[-1]
     lines, deepest = out_a + out_b - edge, inside[0] + inside[1] - edge
     jumps = [(np.abs(np.diff(one, axis=0)) > STEP).any(axis=0) for one in (out_a, out_b)]
-    if any(
-        jump.any() and (off < wall - THIN).any() for jump, off in zip(jumps, offs, strict=True)
-    ):
+    if any(jump.any() and (off < wall - THIN).any() for jump, off in zip(jumps, offs, strict=True)):
         return "a line along the tube nearer to its edge than the inside of the wall"
     for k in np.flatnonzero(jumps[0] | jumps[1]).tolist():
         lines[:, k] = (np.maximum if k % 2 else np.minimum)(lines[:, k], deepest[:, k])
