@@ -42,6 +42,8 @@ from beamcam.reconcile import head_differences, other_than_planned
 Made = TypeVar("Made")
 Stage = Callable[[str], None]  #: callback with the finished stage
 
+FLAT = 150.0  #: mm that flats are wide at most (EN 10058)
+
 
 def untold(stage: str) -> None:
     """Default callback after a stage; does nothing."""
@@ -113,6 +115,14 @@ def stock_of(parts: Sequence[Part], unrolled: bool = False) -> Literal["beam", "
     """
     flat = (p.profile.code == "B" and (unrolled or not is_unrolled(p.profile)) for p in parts)
     return "sheet" if parts and all(flat) else "beam"
+
+
+def are_flats(parts: Sequence[Part]) -> bool:
+    """Whether all parts are plates that a saw may cut to length from flats."""
+    return bool(parts) and all(
+        part.profile.code == "B" and part.profile.height <= FLAT and not is_unrolled(part.profile)
+        for part in parts
+    )
 
 
 def read_file(path: str, strict: bool = False, **options: object) -> Reading:

@@ -210,6 +210,23 @@ def test_the_messages_are_those_of_what_stands_in_the_way() -> None:
         assert (tuple(first), last.code) == (coper, "plan-no-machine")
 
 
+@pytest.mark.parametrize(
+    ("path", "name"),
+    [
+        ("coping/coped.nc1", "coper-linuxcnc"), ("coping/girder.nc1", "coper-linuxcnc"),
+        ("coping/brace.nc1", "tube-linuxcnc"), ("coping/stub.nc1", "tube-linuxcnc"),
+        ("dstv/tube.nc1", "tube-linuxcnc"), ("dstv/channel.nc1", "beamline"),
+    ],
+)  # fmt: skip
+@pytest.mark.parametrize("by", ["order", "time"])
+def test_a_torch_takes_what_no_line_makes(path: str, name: str, by: str, tmp_path: Path) -> None:
+    """Profiles, tubes, and a pipe that is written as a plate; however quick it is."""
+    job = tmp_path / "job.gcode"
+    call("post", ROOT / "samples" / path, "-o", job, "--by", by, status=0)
+    (found,) = re.findall(r"MACHINE (\S+)", job.read_text("ascii"))
+    assert found == name if by == "order" else load(found).stock == load(name).stock
+
+
 def test_what_nobody_makes_says_why_of_each() -> None:
     done = call("post", BAD / "cope.nc1", "-o", "-")
     assert (done.exit_code, done.stdout) == (1, "")

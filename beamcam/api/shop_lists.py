@@ -23,7 +23,7 @@ from beamcam.machine_choice import InTurn, on_best_machine
 from beamcam.model.part import Part
 from beamcam.model.plan import stock_used
 from beamcam.model.request import ChosenBy, Quantity, Remnant, Request, remnant_of
-from beamcam.pipeline import Planned, plan_share, plans_of, stock_of
+from beamcam.pipeline import Planned, are_flats, plan_share, plans_of, stock_of
 from beamcam.planning import LotKey, Share, number_of, remnants_of, shares_of
 from beamcam.planning.left_out import MARK_ROWS, manual_rows, named_skips
 from beamcam.reports.part_list import (
@@ -80,7 +80,7 @@ def lists(
     def machines_for(part: Part) -> Sequence[Machine]:
         if named is not None:
             return (named,)
-        return InTurn(default_machines(stock_of((part,))), machine_of)
+        return InTurn(default_machines(stock_of((part,)), flats=are_flats((part,))), machine_of)
 
     counts = tuple(
         PartCount(part, count) for part, count in _counted(checked_parts(parts), quantity)

@@ -30,6 +30,7 @@ from beamcam.pipeline import (
     Begun,
     Posted,
     RefusedProgram,
+    are_flats,
     begin,
     counted,
     judged,
@@ -95,8 +96,12 @@ class BatchSettings(Struct, frozen=True):
     def machines_for(self, part: Part) -> tuple[Machine, ...]:
         """The machines that may make a part, by its stock, in the order they are tried in."""
         first = self._first_for(part)
-        flat = first.stock == "sheet"
-        return (first, *(one for one in self.more if (one.stock == "sheet") is flat))
+        is_sheet = first.stock == "sheet"
+        alike = (one for one in self.more if (one.stock == "sheet") is is_sheet)
+        if not (is_sheet and are_flats((part,))):
+            return first, *alike
+        lines = (one for one in (self.machine, *self.more) if one.stock == "beam")
+        return first, *alike, *lines
 
     @property
     def chain(self) -> tuple[Machine, ...]:

@@ -29,7 +29,7 @@ from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
 from beamcam.model.plan import Order
 from beamcam.model.request import Request, marked, remnant_of
-from beamcam.pipeline import counted, sound, stock_of
+from beamcam.pipeline import are_flats, counted, sound, stock_of
 from beamcam.plain_text import terminal_text
 from beamcam.planning import number_of
 from beamcam.planning.left_out import named_skips
@@ -171,13 +171,14 @@ def counted_parts(
 
 def machines_in_shop(config: Config, name: str) -> Callable[[Part], Sequence[Machine]]:
     """The machines that may make a part, as a batch whose programs are called `name` tries them."""
-    of_stock: dict[Stock, Sequence[Machine]] = {}
+    of_stock: dict[tuple[Stock, bool], Sequence[Machine]] = {}
 
     def machines_for(part: Part) -> Sequence[Machine]:
         stock = stock_of((part,), bool(config.sheet.unrolled))
-        if stock not in of_stock:
-            of_stock[stock] = machines_of_stock(config, stock, name, is_one_of_two=True)
-        return of_stock[stock]
+        key = stock, stock == "sheet" and are_flats((part,))
+        if key not in of_stock:
+            of_stock[key] = machines_of_stock(config, stock, name, True, key[1])
+        return of_stock[key]
 
     return machines_for
 

@@ -33,7 +33,6 @@ from beamcam.errors import BeamcamError, Diagnostic, PlanError, Source
 from beamcam.files import FilesRead
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Contour, Feature, Hole, Slot, TextMark
-from beamcam.model.pipes import is_unrolled
 from beamcam.model.plan import AnyPlan, CopePlan, Order, SawOp, SheetPlan, clock
 from beamcam.model.request import Request
 from beamcam.pipeline import (
@@ -41,15 +40,13 @@ from beamcam.pipeline import (
     Posted,
     RefusedProgram,
     StrictError,
+    are_flats,
     begin,
     finished,
     stock_of,
     untold,
 )
 from beamcam.planning.left_out import left_out_sources, manual_work_sources
-
-FLAT = 150.0  #: mm that flats are wide at most, which a saw may cut to length (EN 10058)
-
 
 OF_ONE = "--rest is for the programs of one part of a bar, as it was read: without --turn."
 NOT_WHOLE = "faces-dxf"  #: the format that holds no more than the faces of a part
@@ -104,7 +101,8 @@ def command(
     beamline-pusher, and for what neither saws and drills coper-linuxcnc, coper-tilt-linuxcnc and
     tube-linuxcnc; for sheets, by the suffix of the output, plate-linuxcnc, then plate-oxyfuel
     (.ngc), plate-codesys (.gcode), laser-grbl (.nc), plate-mach3 (.tap), table-simotion (.st) or
-    laser-stepper (.steps, .csv, .bin, .h). Nothing is written unless everything can be made.
+    laser-stepper (.steps, .csv, .bin, .h), and for flats that none of these cuts the lines. Nothing
+    is written unless everything can be made.
 
     After a stop in mid bar --from-operation writes the rest of the program: its head says in which
     state the machine has to be, and it is read back as the continuation of what was done. So does
@@ -197,12 +195,8 @@ def _suggestion(
 
     known = {machine.name for machine in tried}
     others = [machine_asked(name, config) for name in shipped() if name not in known]
-    stocks = {tried[0].stock, stock_of(request.parts, unrolled=True)}
-    flat_or_pipe = (
-        p.profile.code == "B" and (p.profile.height <= FLAT or is_unrolled(p.profile))
-        for p in request.parts
-    )
-    if all(flat_or_pipe):
+    stocks = {tried[0].stock, *(stock_of(request.parts, flat) for flat in (True, False))}
+    if are_flats(request.parts):
         stocks.add("beam")
     if "beam" in stocks:
         stocks.add("profile")

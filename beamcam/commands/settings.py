@@ -22,7 +22,7 @@ from beamcam.machine.overlay import with_section
 from beamcam.machine.words import UNKNOWN_MACHINE
 from beamcam.machine_choice import InTurn
 from beamcam.model.part import Part
-from beamcam.pipeline import stock_of
+from beamcam.pipeline import are_flats, stock_of
 from beamcam.readers import Reading
 
 #: Keys of a configuration that are options of their own, by the name of the option's value.
@@ -144,7 +144,8 @@ def machines_for(config: Config, parts: Sequence[Part], output: str) -> Sequence
     and of sheets by the suffix of `output`. Raises MachineError, ConfigError and PlanError.
     """
     _agree_on_sheet(config, parts)
-    return machines_of_stock(config, stock_of(parts, bool(config.sheet.unrolled)), output)
+    stock = stock_of(parts, bool(config.sheet.unrolled))
+    return machines_of_stock(config, stock, output, flats=stock == "sheet" and are_flats(parts))
 
 
 def _agree_on_sheet(config: Config, parts: Sequence[Part]) -> None:
@@ -268,17 +269,18 @@ def machine_of_stock(
 
 
 def machines_of_stock(
-    config: Config, stock: Stock, output: str, is_one_of_two: bool = False
+    config: Config, stock: Stock, output: str, is_one_of_two: bool = False, flats: bool = False
 ) -> Sequence[Machine]:
     """The machines for a kind of stock, as `machines_for`.
 
     `is_one_of_two` says that there are some for the other kind, which may be who can do what the
-    command line asks for.
+    command line asks for, and `flats` that the sheets are flats.
     """
     names = config.machine_names(stock)
     if not names:
+        is_one_of_two = is_one_of_two or flats
         return InTurn(
-            default_machines(stock, output),
+            default_machines(stock, output, flats),
             lambda name: _told(name, _as_asked(load_tested(name), config, is_one_of_two), config),
         )
     machines = [_named_machine(config, stock, name) for name in names]

@@ -97,13 +97,16 @@ DEFAULTS: Mapping[tuple[Stock, str], tuple[str, ...]] = {
 DEFAULT_MACHINE = DEFAULTS["beam", ANY_SUFFIX][0]
 
 
-def default_machines(stock: Stock, output: str = "") -> tuple[str, ...]:
+def default_machines(stock: Stock, output: str = "", flats: bool = False) -> tuple[str, ...]:
     """The machines for that stock where none is named, by the name of the output, in order.
 
-    A torch that goes round profiles may make of bars what no line that saws and drills does.
+    A torch that goes round profiles may make of bars what no line that saws and drills does, and
+    such a line `flats` that no table makes.
     """
     found = DEFAULTS.get((stock, PurePath(output).suffix.lower()), DEFAULTS[stock, ANY_SUFFIX])
-    return (*found, *DEFAULTS["profile", ANY_SUFFIX]) if stock == "beam" else found
+    if stock == "beam":
+        return (*found, *DEFAULTS["profile", ANY_SUFFIX])
+    return (*found, *DEFAULTS["beam", ANY_SUFFIX]) if flats else found
 
 
 def is_of_sheets(program: str) -> bool:
