@@ -77,9 +77,9 @@ DEEP = error("plan-coping-deep",
     "found the web {found} mm below the edges of the flanges; expected at most {expected} mm",
     "The torch is slim only from its tip to its holder (`coper.torch_length`).")
 THICK = error("plan-coping-thick",
-    "found {found} mm of {material} to cut on face {face}; expected at most {expected} mm",
-    "No row of the cut chart (`coper.rows`) is that deep. Through a root the flange, the root and "
-    "`coper.root_over` count together.")
+    "found {found} mm of {material} to cut on face {face}; expected {expected}",
+    "No row of the cut chart (`coper.rows`) is that deep, or for steel of that grade. Through a "
+    "root the flange, the root and `coper.root_over` count together.")
 ROUNDED = note("plan-coping-rounded",
     "found {count} sharp re-entrant corner(s) on face {face}, cut with a radius of {radius} mm",
     "A notch that ends in a sharp corner cracks there. `coper.corner_radius` says how round it is "
