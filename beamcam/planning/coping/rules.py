@@ -64,6 +64,11 @@ OPEN = warning("plan-coping-open",
     "A hole that is drilled into the corner of a cope before makes it round, but an arc may go out "
     "over it, and what lies behind it is not cut then. Stay beside the machine, or have the hole "
     "smaller than the arc bridges.")
+ORIGIN = error("plan-coping-origin",
+    "found a cut at x {x} on face {face}, before the bar, which begins {trim} mm before x 0; "
+    "expected the part from x 0 on",
+    "DSTV counts x from the leading end of the part. The outlines of such a file begin before it: "
+    "their x is wrong, or the bar is longer before it (coper.trim).")
 SUPPORT = error("plan-coping-support",
     "found a cut at X {x} on face {face}, over the support from X {least} to {most}; expected none "
     "there",
@@ -178,6 +183,6 @@ SLOW = warning("plan-coping-slow",
     "Round a corner the tube turns fast, and the torch follows it. The controller waits for the "
     "slowest axis, so that the cut gets wider there.")
 RULES = (PIPE, NO_PIPE, ALONE, CROSSED, BEYOND, ROOT, LEDGE, STEP, K_AREA, NARROW, OFF, SHORT,
-    TUBE_END, OPEN, SUPPORT, CHUCK, DEEP, THICK, ROUNDED, BAR, TEE, LIPS, NO_LIP, GIVEN_LIP,
+    TUBE_END, OPEN, ORIGIN, SUPPORT, CHUCK, DEEP, THICK, ROUNDED, BAR, TEE, LIPS, NO_LIP, GIVEN_LIP,
     INTO_LIP, PIECE, NO_RADIUS, GIVEN_RADIUS, SEAM, CORNER, TANGENTS, REACHES, SLANT, WEDGE, BEVEL,
     SLOW)
