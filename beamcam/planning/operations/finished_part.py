@@ -161,7 +161,8 @@ def _drawn_angles(part: Part, face: str) -> tuple[float, float] | None:
 def leaves_stock(contour: Contour, part: Part, ends: Ends) -> Point | None:
     """Where an outer contour is not what the stock and the end cuts alone give; None if it is.
 
-    Each vertex has to lie on a long edge or on an end, and each corner has to be a vertex.
+    Each vertex has to lie on a long edge or on an end, and so has the middle of each curve; each
+    corner has to be a vertex.
     """
     width = part.profile.face_width(contour.face)
     first, last = (wall_end(end, contour.face, part.profile) for end in ends)
@@ -225,11 +226,10 @@ def web_borders(profile: Profile, face: str) -> tuple[float, float]:
 
 
 def _vertices(contour: Contour) -> Iterator[Point]:
-    """Starts of the curves, and a point within every curve that is not straight."""
+    """Starts of the curves, and a point within every curve."""
     for curve in contour.curves:
         yield curve.start
-        if not isinstance(curve, Line):
-            yield curve.point(0.5)
+        yield curve.point(0.5)
     if not contour.closed:
         yield contour.curves[-1].end
 
