@@ -314,7 +314,7 @@ def _drilled(
         log.add(rules.HOLE_DIAMETER, line, diameter=diameter, depth=depth)
         return None
     source = Source(log.file, line)
-    if kind == "through" and _goes_through(place, depth):
+    if kind == "through" and depth and _goes_through(place, depth):
         wall = place.profile.thickness(cast("Face", place.face))
         log.add(rules.HOLE_THROUGH, line, depth=depth, wall=wall)
         depth = 0.0
