@@ -13,7 +13,6 @@ from beamcam.model.part import (
     Bend,
     Camber,
     EndPlane,
-    Face,
     Hole,
     HoleKind,
     Plane,
@@ -315,7 +314,7 @@ def _drilled(
         return None
     source = Source(log.file, line)
     if kind == "through" and depth and _goes_through(place, depth):
-        wall = place.profile.thickness(cast("Face", place.face))
+        wall = place.profile.thickness(place.face)
         log.add(rules.HOLE_THROUGH, line, depth=depth, wall=wall)
         depth = 0.0
         sizes = (diameter, depth, width, height, angle)
@@ -340,7 +339,7 @@ def _goes_through(place: RowPlace, depth: float) -> bool:
     is_edge = profile.code == "B" and place.face in "ou"
     if place.face not in FACE_LETTERS or profile.code in ("RU", "SO") or is_edge:
         return False
-    wall = profile.thickness(cast("Face", place.face))
+    wall = profile.thickness(place.face)
     across = profile.width if place.face in "vh" and profile.code == "M" else profile.height
     most = across - wall if profile.code in ("M", "RO") else inf
     return 0.0 < wall <= depth + WALL_NOISE and depth < most - WALL_NOISE
