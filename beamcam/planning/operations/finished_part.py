@@ -167,7 +167,8 @@ def leaves_stock(contour: Contour, part: Part, ends: Ends) -> Point | None:
     width = part.profile.face_width(contour.face)
     first, last = (wall_end(end, contour.face, part.profile) for end in ends)
     vertices = list(_vertices(contour))
-    for x, y in vertices:
+    middles = [curve.point(0.5) for curve in contour.curves]
+    for x, y in (*vertices, *middles):
         (start, inside), (outside, end) = first.reach(y), last.reach(y)
         on_edge = min(abs(y), abs(y - width)) <= CONTOUR_TOLERANCE
         if not start <= x <= end or not (on_edge or x <= inside or x >= outside):
@@ -226,10 +227,11 @@ def web_borders(profile: Profile, face: str) -> tuple[float, float]:
 
 
 def _vertices(contour: Contour) -> Iterator[Point]:
-    """Starts of the curves, and a point within every curve."""
+    """Starts of the curves, and a point within every curve that is not straight."""
     for curve in contour.curves:
         yield curve.start
-        yield curve.point(0.5)
+        if not isinstance(curve, Line):
+            yield curve.point(0.5)
     if not contour.closed:
         yield contour.curves[-1].end
 
