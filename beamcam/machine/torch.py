@@ -23,18 +23,21 @@ from beamcam.conversion import Count, Keys, NotNegative, Positive, PositiveCount
 
 MILD_STEEL, STAINLESS, ALUMINIUM = "mild steel", "stainless steel", "aluminium"
 
-#: By EN 10025, 10346, 10027-2, 10111, 10130, 10088 and 573, DIN 17100, ASTM, JIS, GB; spaces do not
-#: count.
+#: By EN 10025, 10346, 10027-2, 10111, 10130, 10088 and 573, DIN 17100, BS 4360, ASTM, CSA, JIS, KS,
+#: GB, GOST 27772, IS 2062 and AS/NZS 3678; spaces do not count.
 _GRADES = (
     (MILD_STEEL,
      r"(METAL)?(MILD|STRUCTURAL|CARBON)?STEEL(\d+MPA)?|STAHL|BAUSTAHL|MS|CS"
      r"|S(185|195|235|275|355|420|450|460)\D.*|S(185|195|235|275|355|420|450|460)"
      r"|S(220|250|280|320|350|390|550)GD.*|SSC400"
      r"|R?S?ST(33|37|44|50|52|60|70).*|(RST|UST)\d\d.*|FE(310|360|430|490|510).*|E(24|28|36).*"
-     r"|A(36|53|283|500|501|516|529|572|992|1011)(\D.*)?|A572(42|50|55|60|65)"
-     r"|Q(195|215|235|275|345|355|390|420|460).*"
-     r"|SS(330|400|490)|SM(400|490|520).*|P(235|265|355)GH|D[CD]0[1-6].*|1\.0\d{3}.*|C10|C15|C22"
-     r"|GR\.?(36|42|50).*|(300|350)(WT?|LA)?"),
+     r"|A(36|53|106|252|283|500|501|516|529|572|588|709|847|913|992|1011|1085)(\D.*)?"
+     r"|A(572|588|709|913)(36|42|50|55|60|65)W?|Q(195|215|235|275|345|355|390|420|460).*"
+     r"|(SS|SHN|SRT|SPSR|SM|SN|STKR?N?)(275|330|355|400|490|520).*|BC[RP]\d{3}"
+     r"|[CС](235|245|255|275|285|345|355|375|390|440)([KКBБПCС].*|\d?)|[CС][TТ]3.*|09[GГ]2[CСS].*"
+     r"|(C|E|G|GR|MR|AR|HA)?(250|300|350)(A|B|BR|C|[LS]\d+|PLUS.*|WT?|AT?|LA)?|C450(L0)?|E410|IS2062"
+     r"|YST(240|310|355)|(44|50|55)(W|A|WT|AT)|(GR)?(43|50)[A-D]|P(235|265|355)GH|D[CD]0[1-6].*"
+     r"|1\.0\d{3}.*|C10|C15|C22|GR\.?(36|42|50|B|C).*"),
     (STAINLESS,
      r"STAINLESS(STEEL)?|INOX|EDELSTAHL|V[24]A|1\.4\d{3}.*|X\d+CR.*|(AISI|SUS|TP|SS)?(3(01|03|04|09|10"
      r"|16|17|21|47)|4(09|10|20|30|40))(L|LN|H|TI|S)?"),
@@ -45,6 +48,7 @@ _GRADES = (
 _NOTHING = re.compile(
     r"N\.?/?A\.?|NONE|NIL|NULL|UNKNOWN|UNDEFINED|<?UNNAMED>?|DEFAULT|TBD|[?.X*/]*"
 )
+_STANDARDS = re.compile(r"[\s_-]|ASTM|CSA|G40\.2[01]M?|EN10025\d?|AS(/NZS)?367\d(\.1)?")
 _MATCHERS = tuple((name, re.compile(pattern)) for name, pattern in _GRADES)
 
 
@@ -60,7 +64,9 @@ def material_said(grade: str, otherwise: str) -> str:
 
 
 def _plain(grade: str) -> str:
-    return re.sub(r"[\s_-]|ASTM", "", grade.upper())
+    """A grade in capitals, without blanks and the standard that it is of."""
+    bare = _STANDARDS.sub("", grade.upper())
+    return bare.removeprefix("IS2062") or bare
 
 
 def is_row_for(material: str, grade: str) -> bool:

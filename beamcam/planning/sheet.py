@@ -37,6 +37,7 @@ from beamcam.planning.contours.join import Joined, join
 from beamcam.planning.contours.layout import box_of, refuse_large, refuse_size, shift_of, skew_ends
 from beamcam.planning.contours.material import SheetMaterial
 from beamcam.planning.contours.nest import nest
+from beamcam.planning.contours.off_plate import off_plate
 from beamcam.planning.contours.operations import operations_of
 from beamcam.planning.contours.order import PLAIN, refuse_order
 from beamcam.planning.contours.outline import Shape, points_of
@@ -58,6 +59,9 @@ def plan_sheet(parts: Sequence[Part], machine: Machine, skips: Collection[str] =
     """
     torch = machine.needed(machine.torch, "torch")
     _refuse_stock(parts, machine, torch)
+    own = {id(part): part for part in parts}
+    if off := [said for part in own.values() for said in off_plate(part, torch.tolerance)]:
+        raise PlanError(off)
     if len(parts) > 1:
         return _plan_of_several(parts, machine, torch, skips)
     (part,) = parts

@@ -106,7 +106,10 @@ def _rounds(
     from shapely import Point as Place
     from shapely import box
 
-    turns = [turn for contour in contours if is_cut(contour) for turn in _turns(contour)]
+    # A window that is drawn on both sides of a web has each of its corners twice.
+    every = [turn for contour in contours if is_cut(contour) for turn in _turns(contour)]
+    by_place = {(*(round(xy, 2) for xy in turn.place), turn.deg > 0.0): turn for turn in every}
+    turns = [*by_place.values()]
     whole = _filled(steel, turns, radius)
     for one in (turn for turn in turns if turn.deg > 0.0):
         room, filled = radius, whole

@@ -36,14 +36,29 @@ def without_places(part: Part) -> Part:
     )
 
 
+def through_of(lines: set[int]):
+    """What a feature that is read on one of these lines was: blind, and is through."""
+
+    def of(feature, again):
+        if again.source.line not in lines:
+            return feature
+        assert feature.kind == "blind"
+        return replace(feature, kind="through", depth=None)
+
+    return of
+
+
 @SETTINGS
 @given(parts())
 def test_reading_what_was_written_gives_the_part(part):
     text = dstv_writer.write(part)
     reading, account = read_with_account(text.encode(), "written.nc1")
     (again,) = reading.parts
+    deep = {d.source.line for d in reading.diagnostics if d.code == "dstv-hole-through"}
+    if deep:  # as deep as the wall is: a hole through it, and written as one from then on
+        part = replace(part, features=tuple(map(through_of(deep), part.features, again.features)))
     assert without_places(again) == without_places(part)
-    assert dstv_writer.write(again) == text
+    assert dstv_writer.write(again) == (dstv_writer.write(part) if deep else text)
     assert account.lost == []
 
 

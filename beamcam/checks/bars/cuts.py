@@ -1,6 +1,7 @@
 """The cuts of a bar: the end planes of its parts, what they account for, and what is wrong."""
 
 from collections.abc import Sequence
+from itertools import pairwise
 from math import atan, atan2, cos, degrees, hypot, radians, tan
 from operator import attrgetter
 from typing import Literal
@@ -150,7 +151,8 @@ def off_outline(
 
     Every point of it has to lie on a long edge or an end, and every corner of the sawn face has
     to be a point of it. A skew cut leaves a plate's end skew through its thickness, and either
-    surface may be drawn.
+    surface may be drawn. Its area is that of the sawn face, but for a strip along the outline: one
+    that runs across the face from corner to corner encloses less.
     """
     width = part.profile.face_width(contour.face)
     points = [c.start for c in contour.curves]
@@ -171,6 +173,13 @@ def off_outline(
                 least <= x <= greatest and abs(y - corner) <= OUTLINE_TOLERANCE for x, y in points
             ):
                 return (least + greatest) / 2, corner
+    starts = [c.start for c in contour.curves]
+    area = sum(a[0] * b[1] - b[0] * a[1] for a, b in pairwise([*starts, starts[0]])) / 2
+    first, last = (_span(end, contour.face, part.profile, width / 2) for end in ends)
+    strip = 2 * OUTLINE_TOLERANCE * (last[1] - first[0])
+    least, most = width * (last[0] - first[1]) - strip, width * (last[1] - first[0]) + strip
+    if not least <= abs(area) <= most:
+        return points[0]
     return None
 
 

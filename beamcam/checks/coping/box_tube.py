@@ -247,8 +247,12 @@ def _line(wall: _Wall, side: int) -> Iterator[tuple[float, float]]:
     ys = [wall.wide * k / 20 for k in range(1, 20)]
     across = [LineString([(-FAR, y), (FAR, y)]) for y in ys]
     xs = bounds(intersection(across, wall.steel))[:, 0 if side < 0 else 2].tolist()
-    # What has no steel there is on no plane.
-    return zip(ys, (FAR if isnan(x) else x for x in xs), strict=True)
+    # What has no steel there is on no plane, and neither is the floor of a slot from the end.
+    first, last = xs[0], xs[-1]
+    for y, x in zip(ys, xs, strict=True):
+        chord = first + (last - first) * (y - ys[0]) / (ys[-1] - ys[0])
+        if isnan(x) or side * (x - chord) >= -APART:
+            yield y, FAR if isnan(x) else x
 
 
 def _skew(end: End | None, section: TubeSection, face: str) -> float:
@@ -260,6 +264,7 @@ def _skew(end: End | None, section: TubeSection, face: str) -> float:
 def _ended(wall: _Wall, part: Part, ends: Sequence[End | None], section: TubeSection) -> Shape:
     """A face whose ends are where planes are to be cut."""
     from shapely import Polygon, box, union_all
+    from shapely.affinity import translate
 
     steel = wall.steel if wall.is_drawn else box(
         -FAR if ends[0] else 0.0, 0.0, FAR if ends[1] else part.length, wall.wide
@@ -277,7 +282,9 @@ def _ended(wall: _Wall, part: Part, ends: Sequence[End | None], section: TubeSec
         def quad(by: float, low: float = low, high: float = high, wide: float = wall.wide) -> Shape:
             return Polygon([(low, 0.0), (high, wide), (high + by, wide), (low + by, 0.0)])
 
-        whole = union_all([steel, quad(deep)]) if wall.is_drawn else steel
+        # Moved on along the tube, an outline keeps the slots that begin at its end.
+        further = quad(deep).intersection(translate(steel, -deep)) if wall.is_drawn else Polygon()
+        whole = union_all([steel, further])
         steel = whole.intersection(quad(-side * FAR))
     return steel
 

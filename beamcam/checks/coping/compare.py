@@ -23,7 +23,14 @@ from beamcam.checks.coping.left import (
     outline_of,
 )
 from beamcam.checks.coping.lips import lip_faults
-from beamcam.checks.coping.section import CoperSection, jet_of, line_of, narrowed, pieces_of
+from beamcam.checks.coping.section import (
+    CoperSection,
+    areas_of,
+    jet_of,
+    line_of,
+    narrowed,
+    pieces_of,
+)
 from beamcam.checks.coping.skew import EndOnWall, SkewEnd
 from beamcam.checks.coping.stock import FINE, WallStock
 from beamcam.checks.coping.strokes import TorchStroke
@@ -180,12 +187,13 @@ def _hurt(
 
     low, high = section.extent(face)
     kept = wanted.intersection(box(-1e6, low, 1e6, high))
-    inner = kept.buffer(-slack, join_style="mitre")
+    inner, border = kept.buffer(-slack, join_style="mitre"), kept.boundary
     for _, at_most in gone:
-        hurt = at_most.intersection(inner)
-        if hurt.area > 0.0:
+        # Offset inwards, an outline with tiny steps has slivers nearer to it, even outside of it.
+        hurt = areas_of(at_most.intersection(inner).intersection(kept))
+        deep = max((border.distance(line_of([p])) for p in outline_of(hurt)), default=0.0)
+        if deep > slack + 1e-6:
             x, y = hurt.representative_point().coords[0]
-            deep = slack + max(inner.boundary.distance(line_of([p])) for p in outline_of(hurt))
             yield rules.HURT.at(
                 Source(name), found=f"{deep:.2f}", face=face, x=f"{x:.1f}", y=f"{y:.1f}",
                 expected=f"{slack:.2f}",

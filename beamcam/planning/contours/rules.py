@@ -239,8 +239,13 @@ SKEW_END = error("plan-sheet-end",
     "found the {end} of a plate cut at {found} degrees through its thickness; expected 0",
     "A torch cuts square. Bevels stand in the rows of an outline, where the machine's file says "
     "what becomes of them; a saw line makes such ends of flats.")
+OFF = error("plan-sheet-off",
+    "found {what} at x {x}, y {y}, where the plate has no steel; expected it within the outline, "
+    "and in no other opening",
+    "It would be cut into the sheet beside the part, or into what falls out of it. A number of the "
+    "file is wrong, or its outline or a cut-out is.")
 RULES = (
-    CHAIN, SKEW_END,
+    CHAIN, SKEW_END, OFF,
     SHEETS, MIXED, SHEET_FULL, QUANTITY, NOTHING, UNMAPPED, MAP, OPTION,
     LOOK_SETTING, LOOK_OVERCUT, LOOK_ORDER, LAYOUT, HATCH, NO_PROCESS, NO_THICKNESS, THICKNESS,
     OTHER_THICKNESS, OTHER_MATERIAL, ASSUMED, SHEET_SIZE, SHEET_PLACE, JUNCTION, BRANCHED,

@@ -190,7 +190,9 @@ def _end(part: Part, faces: Mapping[Face, BoxFace], side: int) -> Plane | None:
         for face, (ys, xs) in lines.items():
             outside, inside = _traces(plane, part, face, ys)
             far = np.maximum(outside, inside) if side > 0 else np.minimum(outside, inside)
-            at.append(xs - (far if farthest else outside))
+            off = xs - (far if farthest else outside)
+            # A slot from the end leaves the plane between the edges of its face.
+            at.append(off[side * off >= min(side * off[0], side * off[-1]) - MEET])
         every = np.concatenate(at)
         best = min(best, (float(np.ptp(every)), float(np.median(every))))
     return Plane(side, best[1], by_y, by_z) if best[0] < MEET else None

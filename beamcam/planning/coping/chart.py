@@ -47,7 +47,8 @@ class Chart:
 
     def too_thick(self, thickness: float, face: Face, source: Source) -> Diagnostic:
         """The refusal of a wall that no row cuts through."""
+        known = ", ".join(sorted({row.material for row in self._coper.rows}))
         return rules.THICK.at(
             source, found=f"{thickness:.4g}", material=self.material or "steel", face=face,
-            expected=f"{self.deepest:g}",
+            expected=f"at most {self.deepest:g} mm" if self._rows else f"what has rows: {known}",
         )  # fmt: skip

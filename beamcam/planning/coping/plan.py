@@ -3,6 +3,7 @@
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from itertools import pairwise
 from math import cos, inf, radians
+from operator import itemgetter
 
 from msgspec.structs import replace
 
@@ -85,8 +86,9 @@ def plan_coping(
         plan = plan_tube(part, machine, coper, skips)
     else:
         plan = _plan_profile(part, machine, coper, skips)
-    if refusals := [*_over_supports(plan, coper), *_over_chuck(plan, coper)]:
-        raise PlanError(refusals)
+    off = [*_before_bar(plan), *_over_supports(plan, coper), *_over_chuck(plan, coper)]
+    if off:
+        raise PlanError(off)
     return replace(plan, remarks=(*diagnostics, *plan.remarks)) if diagnostics else plan
 
 
@@ -165,6 +167,14 @@ def _at_roots(
     more |= {face for face, mm in off.items() if mm >= LEAST_SLANT}
     faults = root_faults(regions, depths, coper, part.source)
     return regions, [*diagnostics, *steps, *faults, *lip_faults(regions, part.source)], more
+
+
+def _before_bar(plan: CopePlan) -> Iterator[Diagnostic]:
+    """An error where the steel of a part begins before the bar that it is cut from."""
+    (piece,) = plan.pieces
+    x, cut = min(((x, cut) for cut in plan.operations for x, _ in cut.path), key=itemgetter(0))
+    if piece.part.made is None and x < -piece.start:
+        yield rules.ORIGIN.at(cut.source, x=f"{x:.1f}", face=cut.face, trim=f"{piece.start:g}")
 
 
 def _over_supports(plan: CopePlan, coper: Coper) -> Iterator[Diagnostic]:

@@ -64,6 +64,11 @@ OPEN = warning("plan-coping-open",
     "A hole that is drilled into the corner of a cope before makes it round, but an arc may go out "
     "over it, and what lies behind it is not cut then. Stay beside the machine, or have the hole "
     "smaller than the arc bridges.")
+ORIGIN = error("plan-coping-origin",
+    "found a cut at x {x} on face {face}, before the bar, which begins {trim} mm before x 0; "
+    "expected the part from x 0 on",
+    "DSTV counts x from the leading end of the part. The outlines of such a file begin before it: "
+    "their x is wrong, or the bar is longer before it (coper.trim).")
 SUPPORT = error("plan-coping-support",
     "found a cut at X {x} on face {face}, over the support from X {least} to {most}; expected none "
     "there",
@@ -77,9 +82,9 @@ DEEP = error("plan-coping-deep",
     "found the web {found} mm below the edges of the flanges; expected at most {expected} mm",
     "The torch is slim only from its tip to its holder (`coper.torch_length`).")
 THICK = error("plan-coping-thick",
-    "found {found} mm of {material} to cut on face {face}; expected at most {expected} mm",
-    "No row of the cut chart (`coper.rows`) is that deep. Through a root the flange, the root and "
-    "`coper.root_over` count together.")
+    "found {found} mm of {material} to cut on face {face}; expected {expected}",
+    "No row of the cut chart (`coper.rows`) is that deep, or for steel of that grade. Through a "
+    "root the flange, the root and `coper.root_over` count together.")
 ROUNDED = note("plan-coping-rounded",
     "found {count} sharp re-entrant corner(s) on face {face}, cut with a radius of {radius} mm",
     "A notch that ends in a sharp corner cracks there. `coper.corner_radius` says how round it is "
@@ -178,6 +183,6 @@ SLOW = warning("plan-coping-slow",
     "Round a corner the tube turns fast, and the torch follows it. The controller waits for the "
     "slowest axis, so that the cut gets wider there.")
 RULES = (PIPE, NO_PIPE, ALONE, CROSSED, BEYOND, ROOT, LEDGE, STEP, K_AREA, NARROW, OFF, SHORT,
-    TUBE_END, OPEN, SUPPORT, CHUCK, DEEP, THICK, ROUNDED, BAR, TEE, LIPS, NO_LIP, GIVEN_LIP,
+    TUBE_END, OPEN, ORIGIN, SUPPORT, CHUCK, DEEP, THICK, ROUNDED, BAR, TEE, LIPS, NO_LIP, GIVEN_LIP,
     INTO_LIP, PIECE, NO_RADIUS, GIVEN_RADIUS, SEAM, CORNER, TANGENTS, REACHES, SLANT, WEDGE, BEVEL,
     SLOW)

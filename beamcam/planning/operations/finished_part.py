@@ -161,12 +161,14 @@ def _drawn_angles(part: Part, face: str) -> tuple[float, float] | None:
 def leaves_stock(contour: Contour, part: Part, ends: Ends) -> Point | None:
     """Where an outer contour is not what the stock and the end cuts alone give; None if it is.
 
-    Each vertex has to lie on a long edge or on an end, and each corner has to be a vertex.
+    Each vertex has to lie on a long edge or on an end, and so has the middle of each curve; each
+    corner has to be a vertex.
     """
     width = part.profile.face_width(contour.face)
     first, last = (wall_end(end, contour.face, part.profile) for end in ends)
     vertices = list(_vertices(contour))
-    for x, y in vertices:
+    middles = [curve.point(0.5) for curve in contour.curves]
+    for x, y in (*vertices, *middles):
         (start, inside), (outside, end) = first.reach(y), last.reach(y)
         on_edge = min(abs(y), abs(y - width)) <= CONTOUR_TOLERANCE
         if not start <= x <= end or not (on_edge or x <= inside or x >= outside):

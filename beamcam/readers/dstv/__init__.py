@@ -204,6 +204,10 @@ def _find_start(texts: list[str], log: Log) -> tuple[int | None, list[Placed]]:
     comments: list[Placed] = []
     data: list[tuple[int, str]] = []
     for index, text in enumerate(texts):
+        if text[:2] == "ST" and text[2:].lstrip()[:2] == "**":
+            log.add(rules.COMMENT_INLINE, index + 1)
+            comments.append((index + 1, "start", text[2:].lstrip()[2:]))
+            text = "ST"
         if text == "ST" or (text == "st" and not data):
             if data:
                 log.add(rules.BEFORE_ST, data[0][0], found=data[0][1], count=len(data))
@@ -223,7 +227,7 @@ def _find_start(texts: list[str], log: Log) -> tuple[int | None, list[Placed]]:
 def _read_block(block: Block, content: BlockContent, profile: Profile, log: Log) -> None:
     """Add what a block says to `content`."""
     code, plane = _code_and_plane(block, content, log)
-    place = RowPlace(log, profile.code == "B", plane)
+    place = RowPlace(log, profile, plane)
     if code in _FEATURES:
         content.features.extend(features_of(block, place, *_FEATURES[code]))
     elif code in _CONTOURS:

@@ -60,8 +60,8 @@ def split_lines(text: str) -> list[str]:
     """
     if "\x1a" in text:
         text = text.rstrip("\x1a\r\n")
-    if "\r" in text:
-        text = text.replace("\r\n", "\n").replace("\r", "\n")
+    if "\r" in text:  # twice before a line's end: sent twice as text
+        text = text.replace("\r\r\n", "\n").replace("\r\n", "\n").replace("\r", "\n")
     return text.split("\n")
 
 
@@ -125,6 +125,10 @@ def split_blocks(
         if text[:2] == "**":
             comments.append((number, text[2:]))
             continue
+        if text[2:].lstrip()[:2] == "**" and text[:2].upper() in CODES:
+            log.add(rules.COMMENT_INLINE, number)
+            comments.append((number - 1, text[2:].lstrip()[2:]))
+            text = text[:2]
         code = _code(text, lines[number - 1], number, log) if len(text) == 2 and not end else None
         if code == "EN":
             end = number

@@ -9,7 +9,15 @@ from msgspec.structs import replace
 from beamcam.caches import cached
 from beamcam.errors import Source
 from beamcam.model.part import ALONG_DEG, PROFILE_CODES, EndCuts, Part, Profile, ProfileCode
-from beamcam.model.section import LIP_SHARES, STEEL_KG_MM3, TOLERANCE, section_fault
+from beamcam.model.section import (
+    LIP_SHARES,
+    STEEL_KG_MM3,
+    TOLERANCE,
+    difference,
+    measures_of,
+    plain_name,
+    section_fault,
+)
 from beamcam.readers.dstv import rules
 from beamcam.readers.dstv.blocks import CODES, PLAIN_CODES, Log, number
 
@@ -118,6 +126,7 @@ def read_header(head: HeaderLines, source: Source, log: Log) -> Part | None:
         return None
     height, width, flange, web, radius, weight, surface, *cuts = dimensions
     profile, fault = _section(code, values[6], height, width, flange, web, radius)
+    _compare_name(profile, lines, log)
     if height <= 0:
         log.add(rules.HEIGHT, lines[9], found=height)
     elif fault is not None:
@@ -158,6 +167,31 @@ def _is_short(head: HeaderLines, log: Log) -> bool:
     return True
 
 
+#: Sections of ASTM A6 and A500 by code, named by their height in inches, and the greatest of it.
+_INCHES = {
+    "I": (re.compile(r"(?:W|S|M|HP)(\d+)X[\d.]+"), 44), "U": (re.compile(r"M?C(\d+)X[\d.]+"), 18),
+    "T": (re.compile(r"[WMS]T(\d+)X[\d.]+"), 22), "M": (re.compile(r"HSS(\d+)X.+/\d+"), 34),
+    "L": (re.compile(r"L(\d+)X.+/\d+"), 12),
+}  # fmt: skip
+
+
+def _compare_name(profile: Profile, lines: list[int], log: Log) -> None:
+    """Say so where a section that is known by its name has another size in the header."""
+    named, most = _INCHES.get(profile.code, (None, 0))
+    match = named.fullmatch(plain_name(profile.name)) if named else None
+    if match and int(match[1]) <= most and 0.0 < profile.height <= 1.5 * int(match[1]):
+        log.add(rules.INCHES, lines[9], height=profile.height, name=profile.name)
+    code, sizes = measures_of(profile.name) or ("", None)
+    given = (profile.height, profile.width, profile.flange_thickness, profile.web_thickness or 0.0)
+    if sizes is None or code != profile.code or min(given) <= 0.0:
+        return
+    turned = replace(profile, height=profile.width, width=profile.height)
+    ways = (profile, turned) if code in ("L", "M") else (profile,)
+    if min(difference(way, sizes) for way in ways) > MOST_OFF:
+        found, expected = (" x ".join(f"{size:g}" for size in one) for one in (given, sizes[:4]))
+        log.add(rules.NAME_SIZES, lines[9], sizes=found, name=profile.name, expected=expected)
+
+
 @cached("dstv.sections")
 def _section(
     code: ProfileCode, name: str, height: float, width: float, flange: float, web: float,
@@ -191,6 +225,7 @@ def lip_by_name(profile: Profile) -> float | None:
     return lip if lip and section_fault(replace(profile, lip=lip)) is None else None
 
 
+MOST_OFF = 0.5  #: mm that the sizes of a header may be off those of the section by its name
 MOST_CORNER = 3.5  #: walls that a corner is round at most; 3 by EN 10219-2, annex B
 
 

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Callable, Iterator
+from math import inf
 from typing import Literal, TypeVar, cast
 
 from msgspec import Struct
@@ -15,6 +16,7 @@ from beamcam.model.part import (
     Hole,
     HoleKind,
     Plane,
+    Profile,
     SectionPoint,
     Slot,
     TextMark,
@@ -40,9 +42,13 @@ class RowPlace(Struct):
     """Face and reference letter of the rows of a block, each inherited from the row before."""
 
     log: Log
-    plate: bool
+    profile: Profile
     face: str  #: "" where no row has named one; of a block on a plane its name, which stays
     edge: str = ""
+
+    @property
+    def plate(self) -> bool:
+        return self.profile.code == "B"
 
     def take(self, tokens: list[str], line: int) -> list[str]:
         """`tokens` without the face that they may begin with.
@@ -258,6 +264,7 @@ def read_info(block: Block, log: Log) -> list[tuple[str, str]]:
 
 Sizes = tuple[float, float, float, float, float]  #: diameter, depth, width, height, angle
 
+WALL_NOISE = 0.01  #: mm that a depth of a wall is rounded by
 # DSTV NC, page 10: the letter before the diameter.
 _KINDS: dict[str, HoleKind] = {
     "g": "thread", "l": "left-thread", "m": "mark", "s": "countersink",
@@ -306,6 +313,11 @@ def _drilled(
         log.add(rules.HOLE_DIAMETER, line, diameter=diameter, depth=depth)
         return None
     source = Source(log.file, line)
+    if kind == "through" and depth and _goes_through(place, depth):
+        wall = place.profile.thickness(place.face)
+        log.add(rules.HOLE_THROUGH, line, depth=depth, wall=wall)
+        depth = 0.0
+        sizes = (diameter, depth, width, height, angle)
     if width or height:
         if not slotted:
             log.add(rules.SLOT_LETTER, line, width=width, height=height)
@@ -319,6 +331,18 @@ def _drilled(
     if angle and not cone:
         log.add(rules.HOLE_ANGLE, line, angle=angle)
     return Hole(place.face, x, y, diameter, source, depth or None, kind, cone or None, place.edge)
+
+
+def _goes_through(place: RowPlace, depth: float) -> bool:
+    """Whether a depth is that of the wall or more, and ends before the next wall of a tube."""
+    profile = place.profile
+    is_edge = profile.code == "B" and place.face in "ou"
+    if place.face not in FACE_LETTERS or profile.code in ("RU", "SO") or is_edge:
+        return False
+    wall = profile.thickness(place.face)
+    across = profile.width if place.face in "vh" and profile.code == "M" else profile.height
+    most = across - wall if profile.code in ("M", "RO") else inf
+    return 0.0 < wall <= depth + WALL_NOISE and depth < most - WALL_NOISE
 
 
 def _slot(place: RowPlace, line: int, x: float, y: float, kind: HoleKind, sizes: Sizes) -> Slot:

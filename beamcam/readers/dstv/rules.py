@@ -126,6 +126,12 @@ LIP_NAME = warning("dstv-lip-name",
     "length of its lips",
     "No header line says how long the lips of a C are; the name of one with four figures does. "
     "Where they are not the header's, the lips are as not known.")
+NAME_SIZES = warning("dstv-name-sizes",
+    "found {sizes} in the header of {name}, which is {expected}; the header counts",
+    "The bar is taken by its name, the program is made by the header: one of them is wrong.")
+INCHES = error("dstv-inches",
+    "found a height of {height:g} for {name}, which is as high in inches; expected mm",
+    "DSTV counts in mm. All lengths of such a file are 25.4 times too small.")
 LIP_CODE = warning("dstv-lip-code",
     "found profile code {found} for {name}, whose name has lips of {lip:g} mm; expected C",
     "A U has no lips, so that tools and torches would meet them. Correct the code.")
@@ -261,6 +267,9 @@ TEXT_OUTSIDE = note("dstv-text-outside",
 HOLE_DUPLICATE = warning("dstv-hole-duplicate",
     "found the hole of line {first} again (x {x:g} y {y:g} diameter {diameter:g})",
     "The same hole twice is one hole, or one of them should be elsewhere.")
+HOLE_THROUGH = note("dstv-hole-through",
+    "found a depth of {depth:g} in a wall of {wall:g} mm, read as through",
+    "Some exporters write the thickness of the wall for a hole through it, for which DSTV has 0.")
 HOLE_SMALL = note("dstv-hole-small",
     "found diameter {diameter:g}, probably a punch mark",
     "Many shops write punch marks as holes of a diameter from 0 to 7.")

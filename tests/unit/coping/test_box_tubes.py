@@ -132,6 +132,29 @@ def test_a_mitre_that_is_drawn_is_the_same_and_on_the_list_of_manual_work() -> N
     program_of(drawn)  # the read-back has the same on its list
 
 
+@given(st.integers(-45, 45), st.booleans(), st.integers(25, 60), st.integers(12, 20))
+@settings(max_examples=examples(20), deadline=None)
+def test_a_slot_may_begin_at_a_skew_end(angle: int, by_web: bool, low: int, wide: int) -> None:
+    """For a gusset, in both webs: the end is cut in its plane, the slot is as long as drawn."""
+    drawn, y0, y1 = [], float(low), float(low + wide)
+    for one in mitred(SHS, 500.0, angle, by_web):
+        assert isinstance(one, Contour)
+        first, near, far, last = (curve.start for curve in one.curves)
+        slope = (far[0] - near[0]) / 100.0
+        mouth = [(near[0] + slope * y0, y0), (380.0, y0), (380.0, y1), (near[0] + slope * y1, y1)]
+        ring = [first, near, *(mouth if one.face in "vh" else []), far, last]
+        drawn.append(samples.outline(one.face, ring))
+    part = tube(*drawn)
+    whole = planned(tube(*mitred(SHS, 500.0, angle, by_web))).operations[-1].path
+    far_end = planned(part).operations[-1].path
+    assert max(x for x, _ in far_end) == pytest.approx(max(x for x, _ in whole), abs=0.05)
+    on_web = [
+        x for x, s in far_end if abs(s - around(SHS).on_face("v").s((y0 + y1) / 2)) < 0.4 * wide
+    ]
+    assert min(on_web) == pytest.approx(381.0, abs=0.1)
+    program_of(part)  # the read-back has the same
+
+
 def test_a_corner_between_a_slope_and_a_square_end_follows_the_slope() -> None:
     """A window that leans in the view of v: over the corner x goes as the view of v says."""
     part = tube(*over_corner(SHS, 1, 200.0, 60.0, 10.0))

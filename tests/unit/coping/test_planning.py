@@ -210,6 +210,10 @@ REFUSED = [
                                                  (300.0, 110.0)], "inner")), COPER),
     ("plan-coping-off", part_of(outline("v", CORNERED), BACK, Hole("v", 40.0, 280.0, 22.0, AT)),
      COPER),
+    ("plan-coping-origin", part_of(
+        outline("v", [(-50.0, 0.0), (550.0, 0.0), (550.0, 300.0), (-50.0, 300.0)]),
+        *(outline(f, [(-50.0, 0.0), (550.0, 0.0), (550.0, 150.0), (-50.0, 150.0)]) for f in "ou"),
+    ), COPER),
     ("plan-coping-support", part_of(Hole("v", 300.0, 100.0, 22.0, AT)),
      with_keys(supports=(SupportZone(300.0, 320.0),))),
     ("plan-coping-thick", part_of(profile=HEAVY), COPER),

@@ -210,6 +210,19 @@ def test_scrap_that_a_flange_holds() -> None:
     assert not list(holding_faults("u", web, flange, CoperSection(IPE300), 75.0, 0.2, "JOB"))
 
 
+def test_a_cope_whose_round_ends_by_a_chord_of_its_step_is_not_hurt() -> None:
+    """Offset inwards, the step at the root and the round that is 0.02 mm off it have slivers."""
+    beam = Profile("I", "W12X30", 314.32, 165.1, 11.11, 6.35, 17.46)
+    x, end, deep, r = 5371.31, 5453.86, 31.75, 12.7
+    web = [(0.0, 0.0), (x, 0.0), (x, deep - r), (x + r, deep), (end, deep), (end, 314.32),
+           (0.0, 314.32)]  # fmt: skip
+    cope = outline("v", web)
+    turn = Arc((x + r, deep - r), r, 180.0, -90.0)
+    cope = replace(cope, curves=(*cope.curves[:2], turn, *cope.curves[3:]))
+    flange = outline("u", [(0.0, 0.0), (x, 0.0), (x, 165.1), (0.0, 165.1)])
+    assert program_of(part_of(cope, flange, profile=beam, length=end))
+
+
 def test_every_rule_has_a_case() -> None:
     tested = {code for code, *_ in WRONG} | {"verify-coping-parts", "verify-coping-holds"}
     tested |= {"verify-coping-short", "verify-coping-zone"}  # in test_pieces.py, test_zones.py

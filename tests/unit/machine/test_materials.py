@@ -19,10 +19,23 @@ from tests.unit.sheets.parts import box, circle, contour, drawing, table
 MILD = ("S235JR", "S355J2+N", "S 355", "s275", "S460M", "ST 37-2", "RSt37-2", "Fe 360", "A36",
         "A992", "ASTM A992", "MS", "Metal - Steel - 345 MPa", "A572-50",
         "1.0038", "1.0577", "Q235B", "SS400", "DC01", "steel",
+        "C255", "C355-5", "С345-3", "Ст3сп5", "A588", "A709-50W", "G40.21-350W", "44W", "E250 BR",
+        "IS 2062", "AS3678-250", "C350L0", "300PLUS", "SN400B", "STKR400", "SM355A", "43A",
         "mild steel")  # fmt: skip
 STAINLESS = ("1.4301", "1.4571", "X5CrNi18-10", "304", "316L", "AISI 304", "stainless steel", "V2A")
 ALUMINIUM = ("EN AW-5754", "AlMg3", "6082-T6", "5083", "3.3535", "aluminium", "aluminum", "alu")
-OTHERS = ("wood", "acrylic", "copper", "HARDOX 400", "S690QL", "42CrMo4", "1.2379", "C45")
+OTHERS = (
+    "wood",
+    "acrylic",
+    "copper",
+    "HARDOX 400",
+    "S690QL",
+    "42CrMo4",
+    "1.2379",
+    "C45",
+    "E335",
+    "C60",
+)
 
 
 @pytest.mark.parametrize(

@@ -5,6 +5,8 @@ from math import cos, radians, sin, tan
 import pytest
 from msgspec.structs import replace
 
+from beamcam.checks.bars.cuts import ends_of as required_ends
+from beamcam.checks.bars.cuts import off_outline
 from beamcam.errors import PlanError
 from beamcam.geometry.curves import Line
 from beamcam.machine import load
@@ -152,6 +154,20 @@ def test_the_webs_contour_may_be_as_long_as_either_side_of_it_under_a_flange_cut
         assert leaves_stock(web, tilted, ends) is None
     wrong = outline("v", (0, 0), (2990, 0), (2990, 200), (0, 200))
     assert leaves_stock(wrong, tilted, ends) is not None
+
+
+@pytest.mark.parametrize("way", [(0, 2, 1, 3), (1, 0, 2, 3), (3, 1, 0, 2)])
+def test_an_outline_across_its_face_is_no_stock_though_its_corners_are(
+    way: tuple[int, ...],
+) -> None:
+    corners_of_web = ((0.0, 0.0), (3000.0, 0.0), (3000.0, 200.0), (0.0, 200.0))
+    flat = part(profile=CHANNEL)
+    crossed = outline("v", *(corners_of_web[k] for k in way))
+    assert leaves_stock(crossed, flat, ends_of(flat, SAW)[0]) is not None
+    assert off_outline(crossed, flat, required_ends(flat, SAW)) is not None
+    right = outline("v", *corners_of_web)
+    assert leaves_stock(right, flat, ends_of(flat, SAW)[0]) is None
+    assert off_outline(right, flat, required_ends(flat, SAW)) is None
 
 
 def test_a_bevel_that_the_flange_cut_leaves_on_the_web_is_no_weld_preparation() -> None:

@@ -219,7 +219,8 @@ def test_mark_in_another_field():
     [
         ("v 100.00u100.00 18.0 0.0", "through", None, None),
         ("v100.00u100.00 18.0", "through", None, None),
-        ("v100.00u100.00 18.0 12.0", "blind", 12, None),
+        ("v100.00u100.00 18.0 6.0", "blind", 6, None),
+        ("v100.00u100.00 18.0 7.1", "through", None, None),  # as deep as the web is thick
         ("v 100.00u100.00g18.0 0.0", "thread", None, None),
         ("v 100.00u100.00 l18.0 9.0", "left-thread", 9, None),
         ("v 100.00u100.00s18.0 12.0", "countersink", 12, None),
@@ -235,6 +236,35 @@ def test_hole_rows(row, kind, depth, angle):
     assert (hole.face, hole.x, hole.y, hole.diameter, hole.edge) == ("v", 100, 100, 18, "u")
     assert (hole.kind, hole.depth, hole.angle) == (kind, depth, angle)
     assert hole.source.line == 27
+
+
+@pytest.mark.parametrize(
+    ("code", "row", "kinds"),
+    [
+        ("I", "o 100.00s 40.00 18.00 {}", "bttt"), ("U", "u 100.00s 40.00 18.00 {}", "bttt"),
+        ("M", "v 100.00u 40.00 18.00 {}", "bttb"), ("RU", "v 100.00u 0.00 18.00 {}", "bbbb"),
+        ("B", "o 100.00u 3.00 8.00 {}", "bbbb"), ("I", "v 100.00u 90.00 18.00 {} l 20.00", "bttt"),
+    ],
+)  # fmt: skip
+def test_a_depth_of_the_wall_is_through(code, row, kinds):
+    """A wall of 10.7 mm all round: less is blind, and so is what may reach the next wall."""
+    for depth, kind in zip((5.0, 10.7, 20.0, 140.0), kinds, strict=True):
+        changes = {8: code, 13: "10.70"}
+        (feature,) = part_of("BO", f"  {row.format(depth)}", changes=changes).features
+        assert (feature.kind, feature.depth) == (
+            ("through", None) if kind == "t" else ("blind", depth)
+        )
+
+
+def test_names_and_sizes():
+    assert codes_of(changes={10: "270.00"}) == ["name-sizes"]
+    tube = {7: "SHS100*5", 8: "M", 10: "100", 11: "100", 12: "5", 13: "5", 15: "0"}
+    assert codes_of(changes=tube) == []
+    turned = {7: "L150*100*10", 8: "L", 10: "100", 11: "150", 12: "10", 13: "10", 14: "12", 15: "0"}
+    assert codes_of(changes=turned) == []
+    assert "inches" in codes_of(changes={7: "W8X21", 10: "8.28", 15: "0"})
+    assert codes_of(changes={7: "W200X31", 10: "210", 15: "0"}) == []
+    assert codes_of(changes={7: "C41X41", 8: "U", 10: "41", 15: "0"}) == []
 
 
 def test_marks():
