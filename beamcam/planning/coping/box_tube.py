@@ -55,6 +55,7 @@ from beamcam.planning.coping.tube_pieces import (
     EndLine,
     FaceEnds,
     farthest_beyond,
+    lies_beyond,
     opened,
 )
 from beamcam.planning.coping.walls import PlannedWall
@@ -105,10 +106,10 @@ def unrolled(
             for s in on_surface(one, y, part.profile.thickness(face))
         ]  # fmt: skip
         for feature in taken:
-            gone = shape_of(curves_of(feature))
-            if there:
-                gone = opened(gone, there[face].lines)
-            if not gone.intersects(shape):
+            lines = there[face].lines if there else ()
+            drawn = shape_of(curves_of(feature))
+            gone = opened(drawn, lines)
+            if not gone.intersects(shape) or lies_beyond(drawn, lines):
                 diagnostics.append(
                     rules.OFF.at(feature.source, what=f"a hole or cut-out of face {face}")
                 )

@@ -36,7 +36,13 @@ from beamcam.planning.coping.tube_ends import (
     several,
     within,
 )
-from beamcam.planning.coping.tube_pieces import BEYOND, EndLine, farthest_beyond, opened
+from beamcam.planning.coping.tube_pieces import (
+    BEYOND,
+    EndLine,
+    farthest_beyond,
+    lies_beyond,
+    opened,
+)
 from beamcam.planning.coping.walls import PlannedWall
 
 STEPS = 96  #: places round a hole
@@ -98,8 +104,9 @@ def once_round(
             corners += sharp_corners(feature)
             if feature.kind == "outer":
                 continue
-        gone = several(opened(taken_round(feature, part), there), round_it, (-1, 0, 1))
-        if not gone.intersects(whole):
+        drawn_once = taken_round(feature, part)
+        gone = several(opened(drawn_once, there), round_it, (-1, 0, 1))
+        if not gone.intersects(whole) or lies_beyond(drawn_once, there):
             diagnostics.append(rules.OFF.at(feature.source, what="a hole or cut-out"))
         shape = shape.difference(gone)
     return Unrolled(shape, tuple(corners), {"v": max(skew, default=0.0)}), diagnostics

@@ -73,7 +73,7 @@ def opened(shape: Shape, ends: Sequence[EndLine]) -> Shape:
     """A shape that goes on straight beyond the ends where its border lies on one of them."""
     from shapely import Polygon, make_valid, union_all
 
-    if shape.is_empty:
+    if shape.is_empty or not ends:
         return shape
     polygons = [one for one in getattr(shape, "geoms", (shape,)) if one.geom_type == "Polygon"]
     found = []
@@ -133,6 +133,14 @@ def farthest_beyond(shape: Shape, ends: Sequence[EndLine]) -> float:
 
     places = get_coordinates(shape)
     return max((float(np.min(end.off(places), axis=0).max()) for end in ends), default=0.0)
+
+
+def lies_beyond(shape: Shape, ends: Sequence[EndLine]) -> bool:
+    """Whether all of a shape lies beyond one of the ends."""
+    from shapely import get_coordinates
+
+    places = get_coordinates(shape)
+    return any(float(np.min(end.off(places), axis=0).min()) >= 0.0 for end in ends)
 
 
 # --- the piece ------------------------------------------------------------------------------------

@@ -177,6 +177,12 @@ def test_what_would_be_cut_beside_an_end_is_refused() -> None:
 
 
 @pytest.mark.parametrize("box", [True, False])
+def test_a_hole_beside_the_piece_is_refused(box: bool) -> None:
+    part = piece(HOLE, replace(HOLE, x=-14.0), box=box)
+    assert [code for code, _ in refused(part)] == ["plan-coping-off"]
+
+
+@pytest.mark.parametrize("box", [True, False])
 def test_an_outline_beyond_the_piece_is_refused(box: bool) -> None:
     wide = 100.0 if box else ROUND[1].height * pi
     ring = [(0.0, 0.0), (800.0, 0.0), (800.0, wide), (0.0, wide), (0.0, 80.0), (-5.0, 80.0),
