@@ -6,8 +6,8 @@ the row of the cut chart, the steps at roots), and what of a program's text (A, 
 heights, waits, switches, blending). So many random profiles are tried, as many with skew ends, for
 a torch that tilts and for one that does not, with copes near to the roots, C sections with lips of
 each of these kinds, pieces that come cut, which may also be taken for a bar or for a longer piece,
-tubes, round and rectangular, with narrow slots too, and profiles that turn, C sections and pieces
-that come cut among them:
+tubes, round and rectangular, with narrow slots too, tubes that come cut with what is open to their
+ends, and profiles that turn, C sections and pieces that come cut among them:
 
     python benchmarks/coping_faults.py 20
 """
@@ -16,6 +16,7 @@ import random
 import sys
 from collections import Counter
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from functools import partial
 from pathlib import Path
 
@@ -28,7 +29,7 @@ from beamcam.errors import PlanError, errors_in
 from beamcam.geometry.curves import Line
 from beamcam.machine import Machine, load
 from beamcam.model.part import Contour, Feature, Part
-from beamcam.model.plan import CopePlan
+from beamcam.model.plan import CopeCut, CopePlan
 from beamcam.model.request import Job, Request
 from beamcam.pipeline import RefusedProgram, post
 from beamcam.planning.coping import plan as planner
@@ -52,6 +53,7 @@ from tests.random_copes import (
     random_slant,
     random_tee,
 )  # fmt: skip
+from tests.random_pieces import random_open
 from tests.random_tubes import random_slotted, random_tube
 
 
@@ -89,6 +91,8 @@ def faults(part: Part, machine: Machine, chance: random.Random) -> Iterator[tupl
         yield "over the chuck", over_the_chuck(part, machine, right)
     if part.made is not None:
         yield from piece_faults(part, machine)
+        if coper.unrolls(plan.profile.code):
+            yield from open_faults(plan, job, chance)
     if part.profile.code == "C":
         yield from lip_faults(part, machine, right)
     if any(cut.lower for cut in plan.operations):
@@ -206,7 +210,8 @@ def piece_faults(part: Part, machine: Machine) -> Iterator[tuple[str, str]]:
     """Programs for other steel than the piece that comes."""
     job = Job(Request((part,), machine, name="JOB"), (0,))
     bar = replace(part, made=None)
-    yield "taken for a bar", program_of(planner.plan_coping((bar,), machine), job)
+    with suppress(PlanError):  # a header that the outlines of its bar would deny
+        yield "taken for a bar", program_of(planner.plan_coping((bar,), machine), job)
     if any(c.kind == "far" for c in planner.plan_coping((part,), machine).operations):
         longer = replace(part, length=part.length + 3.0)
         try:
@@ -214,6 +219,31 @@ def piece_faults(part: Part, machine: Machine) -> Iterator[tuple[str, str]]:
         except PlanError:
             return
         yield "taken for a longer piece", program_of(plan, job)
+
+
+def open_faults(plan: CopePlan, job: Job, chance: random.Random) -> Iterator[tuple[str, str]]:
+    """Cuts that are open to the end of a tube, elsewhere round it, begun in the air before it or
+    ended at it, and gone on along it."""
+    which = [k for k, cut in enumerate(plan.operations) if cut.kind != "inner"]
+    if not which:
+        return
+    k = chance.choice(which)
+    cut = plan.operations[k]
+    (x, u), (xb, ub) = cut.path[0], cut.path[-1]
+    back = cut.path[:1] + tuple(reversed(cut.path[1:]))
+    changed: dict[str, CopeCut] = {
+        "open cut moved round": _moved(cut, 0.0, chance.choice((-0.6, 0.6))),
+        "open cut in the air": replace(cut, path=((x - 9.0, u), *cut.path[1:])),
+        "open cut on along the end": replace(cut, path=(*cut.path, (xb, ub + 9.0), (xb, ub - 9.0))),
+        "open cut the other way round": replace(cut, path=back),
+    }
+    for name, wrong in changed.items():
+        ops = (*plan.operations[:k], wrong, *plan.operations[k + 1 :])
+        yield name, program_of(replace(plan, operations=ops), job)
+
+
+def _moved(cut: CopeCut, x: float, u: float) -> CopeCut:
+    return replace(cut, path=tuple((at + x, way + u) for at, way in cut.path))
 
 
 def survivors(count: int, seed: int = 0) -> tuple[Counter[str], list[tuple[int, str, str]], int]:
@@ -238,7 +268,7 @@ def survivors(count: int, seed: int = 0) -> tuple[Counter[str], list[tuple[int, 
         ("coper", partial(random_slant, sections=CEES)),
         ("tube", random_lipped), ("tube", partial(random_mitre, sections=CEES)),
         ("tube", partial(random_slant, sections=CEES)), ("tube", random_held),
-        ("tube", random_tube_piece), ("tube", random_slotted),
+        ("tube", random_tube_piece), ("tube", random_open), ("tube", random_slotted),
         ("coper-tilt", random_cut_out), ("coper-tilt", random_end),
         ("coper", partial(random_cope, near=True)), ("tube", partial(random_tee, near=True)),
         ("coper", partial(random_cope, sections=CEES, near=True)),

@@ -16,18 +16,19 @@ from msgspec import Struct
 
 from beamcam.geometry.curves import signed_area
 from beamcam.geometry.plane import Point
-from beamcam.model.part import Contour, Feature, Hole, Part, Slot
-from beamcam.solid.cutters import slot_shape
+from beamcam.model.part import Contour, Face, Feature, Hole, Part, Slot
+from beamcam.solid.cutters import slot_shape, through_wall
 from beamcam.solid.kernel import CHORD, FREE, Wall, circle, facets, kernel, walls
 from beamcam.solid.part_solid import part_solid
 from beamcam.solid.stock_solid import Margins, Shape, is_cut, shape_of, stock_solid
-from beamcam.solid.wrapped import all_round, outline_gone, rounds_on, skin_of, wrapped
+from beamcam.solid.wrapped import all_round, outline_gone, skin_of, wrapped
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
 
 CORNER_DEG = 20.0  #: what a corner turns more than
 SLIVER = 0.01  #: radii; half of what may lie along a side that leans
+CORNER_SLACK = 0.2  #: mm round what a corner on the round of a tube keeps
 FACING_DEG = 125.0  #: by which two sides turn that face each other
 
 
@@ -51,7 +52,7 @@ def rounded_corners(
         if face in sides:
             own = [c for c in part.contours if _wall_of(c.face, part) == face]
             for (x, q), room, one in _rounds(_steel_of(part, face, sides[face]), own, radius):
-                taken += rounds_on(face, (x, q), one, room, sides[face], part)
+                taken += _rounds_on(face, (x, q), one, room, sides[face], part)
                 rounds.append((face, one))
                 corners[face, x, q] = room
     whole = m.Manifold.batch_boolean([m.Manifold(), *taken], m.OpType.Add)
@@ -192,3 +193,24 @@ def _turns(contour: Contour) -> Iterator[_Turn]:
         turn = into * degrees(atan2(ax * by - ay * bx, ax * bx + ay * by))
         if abs(turn) > CORNER_DEG:
             yield _Turn(after.start, turn)
+
+
+def _rounds_on(
+    face: Face, at: Point, flat: Shape, radius: float, wall: Wall, part: Part
+) -> "Iterator[Manifold]":
+    """What a re-entrant corner keeps: `flat` of its wall, or on the round of a rectangular tube
+    that of 90 degrees on the surface, whatever way it is open."""
+    from shapely import Point as Place
+    from shapely import box, union_all
+
+    if part.profile.code == "M":
+        skin, thick = skin_of(part)
+        seen = [skin.seen(face, at[1], deep) for deep in (0.0, thick)]
+        if seen[0][2]:  # it is cut where the wall reaches farthest
+            for u, _, _ in seen:
+                ways = [(at[0] + a * radius, u + b * radius) for a in (-1, 1) for b in (-1, 1)]
+                discs = [Place(one).buffer(radius, facets(radius) // 4) for one in ways]
+                shape = box(*ways[0], *ways[3]).difference(union_all(discs))
+                yield wrapped(shape.buffer(CORNER_SLACK), skin, -FREE, thick + FREE)
+            return
+    yield from through_wall(flat, wall)

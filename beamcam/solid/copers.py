@@ -15,7 +15,7 @@ The last two are told, by how much steel they leave.
 
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
-from math import asin, hypot, radians
+from math import asin, ceil, hypot, radians
 from typing import TYPE_CHECKING
 
 from msgspec import Struct
@@ -47,11 +47,15 @@ from beamcam.solid.coper_roots import ledges_of, square_ends, steps_of
 from beamcam.solid.coper_solid import Burn, burns_of, pieces_of, stock_of
 from beamcam.solid.kernel import CHORD, FREE, circle, kernel, minus
 from beamcam.solid.part_solid import part_solid
-from beamcam.solid.stock_solid import Margins, is_cut, stock_solid
+from beamcam.solid.stock_solid import Margins, end_planes, is_cut, stock_solid
 from beamcam.solid.wrapped import (
     edges_on_rounds,
+    outline_gone,
     skew_ends,
+    skin_of,
     square_to_surface,
+    unrolled,
+    wrapped,
 )
 
 if TYPE_CHECKING:
@@ -110,15 +114,16 @@ def with_lip(part: Part, coper: Coper) -> Part:
     return replace(part, profile=replace(size, lip=coper.lip))
 
 
-def as_tube(part: Part, coper: Coper) -> Part:
+def as_tube(part: Part, coper: Coper, there: Sequence[Feature] = ()) -> Part:
     """A tube as it is turned: with the radius of its corners, and both of its webs outlined.
 
     A plate that is called a pipe is the tube that it is the unrolled surface of. DSTV, 7th edition,
-    page 13: M has one contour of the web.
+    page 13: M has one contour of the web; one that is `there` already has its own.
     """
     if part.made is not None:
-        there = as_tube(replace(part, features=part.made, made=None), coper)
-        return replace(as_tube(replace(part, made=None), coper), made=there.features)
+        begun = as_tube(replace(part, features=part.made, made=None), coper)
+        asked = as_tube(replace(part, made=None), coper, part.made)
+        return replace(asked, made=begun.features)
     size = part.profile
     wall = max(size.flange_thickness, size.web_thickness or 0.0)
     if is_unrolled(size):
@@ -128,8 +133,9 @@ def as_tube(part: Part, coper: Coper) -> Part:
         whole = tuple(_to_edges(f, size) if isinstance(f, Contour) else f for f in part.features)
         part = replace(part, features=whole)
         outer = [c for c in part.contours if c.kind == "outer" and is_cut(c)]
+        made = (f for f in there if isinstance(f, Contour) and f.kind == "outer" and is_cut(f))
         webs = {c.face for c in outer} & {"v", "h"}
-        if len(webs) == 1:
+        if len(webs | ({c.face for c in made} & {"v", "h"})) == 1 and webs:
             other: Face = "h" if "v" in webs else "v"
             twins = (replace(c, face=other, bevels=()) for c in outer if c.face in webs)
             part = replace(part, features=(*part.features, *twins))
@@ -172,17 +178,21 @@ def _asked(part: Part, machine: Machine, coper: Coper, burns: Sequence[Burn]) ->
     bodies = bodies_of(whole, wide, narrow, 2 * slack, slack)
     cut = part
     if part.made is not None:  # of a tube its ends are all there; outlines of others go with them
-        ends_there = coper.unrolls(part.profile.code)
-        cut = replace(part, made=None, cuts=EndCuts() if ends_there else part.cuts)
+        round_there = part.profile.code == "RO"
+        cut = replace(part, made=None, cuts=EndCuts() if round_there else part.cuts)
     as_cut, square = _cut_square(cut)
     corners, rounds, radii = rounded_corners(cut, narrow, coper.corner_radius)
     least = bodies.least if cut is part else part_solid(cut, wide)
     most = (bodies.most if as_cut == whole else part_solid(as_cut, narrow)) + corners
     if part.profile.code == "M" or (part.profile.code == "RO" and skew_ends(cut)):
         least, most = square_to_surface(least, most, cut, narrow)
+        most += corners ^ stock_solid(cut, replace(narrow, end=-FREE))
     if cut is not part:  # what is there was drawn so, whatever cut it
         there = replace(part, features=part.made or (), made=None)
-        least, most = least ^ part_solid(there, wide), most ^ part_solid(there, narrow)
+        most_there = part_solid(there, narrow)
+        least, most = least ^ part_solid(there, wide), most ^ most_there
+        if part.profile.code == "RO" and skew_ends(there):
+            most += _beside_ends(cut, there, slack) ^ most_there
     drawn = part_solid(as_cut) if square else bodies.drawn
     ends: list[Manifold] = list(square_ends(part, coper, burns, slack))
     ledges: list[Manifold] = []
@@ -203,6 +213,25 @@ def _asked(part: Part, machine: Machine, coper: Coper, burns: Sequence[Burn]) ->
         most = m.Manifold.batch_boolean([most, *more], m.OpType.Add)
     allowed = replace(bodies, least=least, most=most)
     return PartWithAllowance(allowed, bodies.most, corners, (*radii.values(),), square)
+
+
+def _beside_ends(part: Part, there: Part, slack: float) -> "Manifold":
+    """What the outline of a round piece leaves out beside a skew end that is there, and that end
+    has: it is drawn on one surface of the wall, which ends elsewhere on the other."""
+    from shapely import intersection_all, union_all
+    from shapely.affinity import translate
+
+    skin, wall = skin_of(part)
+    piece = unrolled(part_solid(there), skin, wall + FREE)
+    deep = OFF_TANGENT + wall * max(
+        hypot(*normal[1:]) / abs(normal[0]) for _, normal in end_planes(there)
+    )
+    ways = deep, -deep
+    inner = intersection_all([piece, *(translate(piece, way, 0.0) for way in ways)])
+    cut = outline_gone(part).intersection(inner)  # and so to the end, along the tube
+    steps = range(-ceil(2 * deep), ceil(2 * deep) + 1)
+    open_to_end = union_all([translate(cut, step / 2, 0.0) for step in steps]).buffer(-slack)
+    return wrapped(piece.difference(inner).difference(open_to_end), skin, -FREE, wall + FREE)
 
 
 def _known(

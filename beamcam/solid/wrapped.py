@@ -24,16 +24,14 @@ import numpy as np
 from msgspec.structs import replace
 
 from beamcam.geometry.array_types import Floats
-from beamcam.geometry.curves import Curve, Line, Point
+from beamcam.geometry.curves import Curve, Line
 from beamcam.model.part import Contour, EndPlane, Face, Hole, Part, Slot
-from beamcam.solid.cutters import OUTLINE_NOISE, slot_shape, through_wall
+from beamcam.solid.cutters import OUTLINE_NOISE, slot_shape
 from beamcam.solid.kernel import (
     CHORD,
     FREE,
-    Wall,
     circle,
     extruded,
-    facets,
     kernel,
     minus,
     no_solid,
@@ -244,7 +242,6 @@ def round_cutters(feature: Slot | Contour, part: Part, margins: Margins) -> Iter
 
 
 FAR = 1e4  #: mm beyond a part
-CORNER_SLACK = 0.2  #: mm round what a corner on the round of a tube keeps
 LEVELS = 33  #: places across a corner
 #: The faces beside each corner on the way round, and whether it is at the greatest y of each.
 CORNERS: tuple[tuple[Face, bool, Face, bool], ...] = (
@@ -290,12 +287,19 @@ def _leaning(part: Part, skin: Skin) -> Iterator[tuple[float, float, Shape, tupl
     r = skin.radius
     steel = {face: _steel(part, face) for face in ("u", "v", "o", "h")}
     turns = np.linspace(0.0, pi / 2, LEVELS)
-    is_plane = [bool(n[1] or n[2]) for _, n in end_planes(part, drawn=True)]
+    planes = [*end_planes(part, drawn=True)]
     for k, (a, a_high, b, b_high) in enumerate(CORNERS):
         of_a = _lines(steel[a], part.profile.face_width(a), a_high, r * (1 - np.sin(turns)))
         of_b = _lines(steel[b], part.profile.face_width(b), b_high, r * (1 - np.cos(turns)))
         if of_a is None or of_b is None or of_a.shape != of_b.shape:
             continue
+        # Where a cope has taken an end off, its line is no plane's.
+        edge = part.profile.height * ("o" in (a, b)), part.profile.width * ("v" in (a, b))
+        is_plane = [
+            bool(n[1] or n[2]) and min(abs(of_a[-1][j] - x), abs(of_b[0][j] - x)) <= OUTLINE_NOISE
+            for j, ((at, _, _), n) in zip((0, -1), planes, strict=True)
+            for x in (at - (n[1] * edge[0] + n[2] * edge[1]) / n[0],)
+        ]
         inner = slice(1 if is_plane[0] else 0, -1 if is_plane[1] else None)
         if max(_most_bent(one[:, inner]) for one in (of_a, of_b)) < CHORD:
             continue
@@ -336,27 +340,6 @@ def edges_on_rounds(part: Part, slack: float) -> "Iterator[Manifold]":
                 low, high = sorted(u for u, _, _ in seen)
                 area = box(min(x0, x1), low, max(x0, x1), high).buffer(slack)
                 yield wrapped(area, skin, -FREE, wall + FREE)
-
-
-def rounds_on(
-    face: Face, at: Point, flat: Shape, radius: float, wall: Wall, part: Part
-) -> "Iterator[Manifold]":
-    """What a re-entrant corner keeps: `flat` of its wall, or on the round of a rectangular tube
-    that of 90 degrees on the surface, whatever way it is open."""
-    from shapely import Point as Place
-    from shapely import box, union_all
-
-    if part.profile.code == "M":
-        skin, thick = skin_of(part)
-        seen = [skin.seen(face, at[1], deep) for deep in (0.0, thick)]
-        if seen[0][2]:  # it is cut where the wall reaches farthest
-            for u, _, _ in seen:
-                ways = [(at[0] + a * radius, u + b * radius) for a in (-1, 1) for b in (-1, 1)]
-                discs = [Place(one).buffer(radius, facets(radius) // 4) for one in ways]
-                shape = box(*ways[0], *ways[3]).difference(union_all(discs))
-                yield wrapped(shape.buffer(CORNER_SLACK), skin, -FREE, thick + FREE)
-            return
-    yield from through_wall(flat, wall)
 
 
 def _most_bent(lines: Floats) -> float:

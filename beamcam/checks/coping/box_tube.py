@@ -12,18 +12,39 @@ from typing import Any
 
 from msgspec import Struct
 
+from beamcam.checks.coping.box_faces import (
+    APART,
+    BoxWall,
+    outlined,
+    outlines_of,
+    short_face,
+    void_of,
+    voids_of,
+)
 from beamcam.checks.coping.section import TubeSection, areas_of, pieces_of
-from beamcam.checks.coping.stock import FINE, outline_ring, ring_of, slot_ring
-from beamcam.checks.coping.tube_planes import FAR, End, is_stated, kept, planes_of, round_corner
+from beamcam.checks.coping.stock import FINE
+from beamcam.checks.coping.tube_piece import (
+    FaceEnds,
+    PieceAsked,
+    Xs,
+    ends_of_shape,
+)
+from beamcam.checks.coping.tube_planes import (
+    FAR,
+    SQUARE_DEG,
+    End,
+    is_stated,
+    kept,
+    planes_of,
+    round_corner,
+)
 from beamcam.checks.coping.wanted import corners_of, with_corners_cut
 from beamcam.geometry.plane import Point
 from beamcam.machine.coper import Coper
-from beamcam.model.part import Contour, Hole, Part, Slot
+from beamcam.model.part import Contour, Part
 
 Shape = Any  #: of shapely
 
-APART = 1.0  #: mm that a drawing may be off and mean it
-SQUARE_DEG = 0.2  #: of an end; less is noise
 PLACES = 48  #: across a corner
 LEVEL = tan(radians(SQUARE_DEG))
 INSIDE = 1e-6  #: mm off the edges of a band
@@ -40,22 +61,20 @@ class TubeWanted(Struct, frozen=True):
     cut: Shape
     off: dict[str, float]  #: mm at the inside of the wall, by face
     lost: str = ""  #: the corner over which the contours do not go on
+    #: the face for which a piece that comes cut is too short, and by how much
+    short: tuple[str, float] = "", 0.0
 
 
-class _Wall(Struct, frozen=True):
-    face: str
-    wide: float
-    steel: Shape
-    is_drawn: bool
-
-
-def box_wanted(part: Part, coper: Coper, left: set[int], section: TubeSection) -> TubeWanted:
-    """What has to stay of a part; `left` are features that are not made."""
+def box_wanted(
+    part: Part, coper: Coper, left: set[int], section: TubeSection, piece: PieceAsked | None = None
+) -> TubeWanted:
+    """What has to stay of a part, or of a piece that comes cut; `left` are features that are not
+    made."""
     from shapely import union_all
     from shapely.affinity import translate
 
     features = [f for k, f in enumerate(part.features) if k not in left]
-    walls = {face: _outlined(part, face, features, section) for face in "uvoh"}
+    walls = {face: outlined(part, face, features, section, piece) for face in "uvoh"}
     ends = [_end(part, walls, section, side) for side in (-1, 1)]
     planes = [*planes_of(part, left, section)]
     skew = [*ends, *(end for _, end in planes)]
@@ -63,9 +82,9 @@ def box_wanted(part: Part, coper: Coper, left: set[int], section: TubeSection) -
     shapes, corners = [], list[Point]()
     ending: dict[str, list[Shape]] = {face: [] for face in walls}
     for face, wall in walls.items():
-        steel = _ended(wall, part, ends, section)
-        for feature in [*_outlines_of(face, features), *_voids_of(face, features)]:
-            void = _void(feature)
+        steel = _ended(wall, ends, section)
+        for feature in [*outlines_of(face, features), *voids_of(face, features)]:
+            void = void_of(feature, piece)
             if _into_corner(void, wall.wide, section.radius):
                 ending[face].append(void)
             else:
@@ -75,11 +94,12 @@ def box_wanted(part: Part, coper: Coper, left: set[int], section: TubeSection) -
                     (x, s)
                     for x, y in corners_of(feature.curves, steel)
                     if FINE < y < wall.wide - FINE
+                    and not (piece and piece.faces[face].is_mouth((x, y)))
                     for s in _on_surface(face, y, wall.wide, section)
                 ]
-        walls[face] = _Wall(face, wall.wide, steel, wall.is_drawn)
+        walls[face] = BoxWall(face, wall.wide, steel, wall.is_drawn)
         flat = steel.difference(union_all(ending[face])) if ending[face] else steel
-        shapes.append(_flat(_Wall(face, wall.wide, flat, wall.is_drawn), section))
+        shapes.append(_flat(BoxWall(face, wall.wide, flat, wall.is_drawn), section))
     for k, corner in enumerate(CORNERS):
         shape = _rounded(k, walls, ends, section, off)
         if shape is None:
@@ -95,9 +115,10 @@ def box_wanted(part: Part, coper: Coper, left: set[int], section: TubeSection) -
     for side, end in planes:
         drawn = kept(drawn, side, end, section)
     everywhere = [(x, s + k * turn) for x, s in corners for k in (-1, 0, 1)]
-    drawn = areas_of(drawn)
+    drawn = areas_of(drawn.intersection(piece.steel) if piece else drawn)
     cut = areas_of(with_corners_cut(drawn, everywhere, coper.corner_radius, turn))
-    return TubeWanted(drawn, cut, {f: mm for f, mm in off.items() if mm >= LEAST_OFF})
+    told = {f: mm for f, mm in off.items() if mm >= LEAST_OFF}
+    return TubeWanted(drawn, cut, told, short=short_face(part, features, section, piece))
 
 
 def box_outlines(part: Part, coper: Coper, section: TubeSection) -> Iterator[list[Point]]:
@@ -110,70 +131,38 @@ def box_outlines(part: Part, coper: Coper, section: TubeSection) -> Iterator[lis
             yield [(x, s) for x, s in ring.coords[:-1]]
 
 
-def _outlines_of(face: str, features: Sequence[Any]) -> list[Contour]:
-    """The outlines of a face; v and h have those of the other one if they have none."""
-    outer = [f for f in features if isinstance(f, Contour) and f.kind == "outer"]
-    own = [f for f in outer if f.face == face]
-    return own or [f for f in outer if face in "vh" and f.face in "vh"]
-
-
-def _voids_of(face: str, features: Sequence[Any]) -> Iterator[Any]:
-    """All else of a face."""
-    for feature in features:
-        if getattr(feature, "face", "") == face and getattr(feature, "kind", "") != "outer":
-            yield feature
-
-
-def _outlined(part: Part, face: str, features: Sequence[Any], section: TubeSection) -> _Wall:
-    """A face within its outline."""
-    from shapely import Polygon, box, make_valid, union_all
-
-    wide = part.profile.height if face in "vh" else part.profile.width
-    own = _outlines_of(face, features)
-    if not own:
-        return _Wall(face, wide, box(0.0, 0.0, part.length, wide), False)
-
-    rings = [
-        _gone_on(outline_ring(f.curves, (0.0, wide), lambda place: place), wide, section.radius)
-        for f in own
-    ]
-    steel = union_all([make_valid(Polygon(ring)) for ring in rings])
-    return _Wall(face, wide, steel.intersection(box(-FAR, 0.0, FAR, wide)), True)
-
-
-def _gone_on(ring: list[Point], wide: float, radius: float) -> list[Point]:
-    """A ring that goes straight on to the edges where all of it ends at the tangents."""
-    ys = [y for _, y in ring]
-    sides = [(0.0, radius)] if abs(min(ys) - radius) <= APART else []
-    sides += [(wide, wide - radius)] if abs(max(ys) - wide + radius) <= APART else []
-    found: list[Point] = []
-    for k, (x, y) in enumerate(ring):
-        before, after = ring[k - 1], ring[(k + 1) % len(ring)]
-        for edge, tangent in sides:
-            off = [abs(one - tangent) <= APART for one in (before[1], y, after[1])]
-            if off[1] and off[0] != off[2]:
-                xb, yb = before if off[2] else after
-                x, y = x + (edge - y) * (xb - x) / (yb - y), edge
-                break
-        found.append((x, y))
-    return found
-
-
-def _void(feature: Any) -> Shape:
-    """What a feature takes of its face; nothing where it is an outline."""
-    from shapely import Point as Place
-    from shapely import Polygon, make_valid
-
-    if isinstance(feature, Hole):
-        return Place(feature.x, feature.y).buffer(feature.diameter / 2, 64)
-    if isinstance(feature, Slot):
-        return make_valid(Polygon(list(slot_ring(feature)))).convex_hull
-    if isinstance(feature, Contour) and feature.kind == "inner":
-        return make_valid(Polygon(ring_of(feature.curves)))
-    return Polygon()
-
-
 # --- ends -----------------------------------------------------------------------------------------
+
+
+def box_ends(part: Part, section: TubeSection) -> tuple[dict[str, FaceEnds], float]:
+    """Where a piece ends on each of its faces, by its header and its outlines, and how far apart
+    the two surfaces of a wall end at most."""
+    walls = {face: outlined(part, face, part.features, section) for face in "uvoh"}
+    own = [*planes_of(part, (), section)]
+    found: dict[str, FaceEnds] = {}
+    apart = 0.0
+    for face, wall in walls.items():
+        rows = []
+        drawn = ends_of_shape(wall.steel, 0.0, wall.wide)
+        for side, as_drawn in zip((-1, 1), drawn, strict=True):
+            plane = _end(part, walls, section, side)
+            planes = [end for at, end in own if at == side]
+            planes += [] if plane is None else [plane]
+            apart = max(apart, *(section.wall * hypot(*end[1:]) for end in planes), 0.0)
+
+            def xs(y: float, side: int = side, planes: Sequence[End] = planes,
+                   face: str = face, as_drawn: Xs = as_drawn) -> tuple[float, ...]:  # fmt: skip
+                if not planes:
+                    return as_drawn(y)
+                return tuple(
+                    side * min(side * _x_on(end, face, at, y, section) for end in planes)
+                    for at in _surfaces(face, section)
+                )
+
+            rows.append(xs)
+        outlines = any(f.face == face for f in outlines_of(face, part.features))
+        found[face] = FaceEnds(rows[0], rows[1], part.length, outlines)
+    return found, apart
 
 
 def _surfaces(face: str, section: TubeSection) -> tuple[float, float]:
@@ -190,7 +179,7 @@ def _x_on(end: End, face: str, at: float, y: float, section: TubeSection) -> flo
     return end[0] - end[1] * at - end[2] * (y - section.half_z)
 
 
-def _end(part: Part, walls: Mapping[str, _Wall], section: TubeSection, side: int) -> End | None:
+def _end(part: Part, walls: Mapping[str, BoxWall], section: TubeSection, side: int) -> End | None:
     """The plane of a skew end; None of any other."""
     import numpy as np
 
@@ -240,7 +229,7 @@ def _end(part: Part, walls: Mapping[str, _Wall], section: TubeSection, side: int
     return best[1]
 
 
-def _line(wall: _Wall, side: int) -> Iterator[tuple[float, float]]:
+def _line(wall: BoxWall, side: int) -> Iterator[tuple[float, float]]:
     """y and x of places along the end of a face."""
     from shapely import LineString, bounds, intersection
 
@@ -261,13 +250,14 @@ def _skew(end: End | None, section: TubeSection, face: str) -> float:
     return section.wall * abs(end[1] if face in "ou" else end[2])
 
 
-def _ended(wall: _Wall, part: Part, ends: Sequence[End | None], section: TubeSection) -> Shape:
+def _ended(wall: BoxWall, ends: Sequence[End | None], section: TubeSection) -> Shape:
     """A face whose ends are where planes are to be cut."""
     from shapely import Polygon, box, union_all
     from shapely.affinity import translate
 
+    low, _, high, _ = wall.steel.bounds
     steel = wall.steel if wall.is_drawn else box(
-        -FAR if ends[0] else 0.0, 0.0, FAR if ends[1] else part.length, wall.wide
+        -FAR if ends[0] else low, 0.0, FAR if ends[1] else high, wall.wide
     )  # fmt: skip
     for side, end in zip((-1, 1), ends, strict=True):
         if end is None:
@@ -338,7 +328,7 @@ def _on_surface(face: str, y: float, wide: float, section: TubeSection) -> set[f
 # --- round ----------------------------------------------------------------------------------------
 
 
-def _flat(wall: _Wall, section: TubeSection) -> Shape:
+def _flat(wall: BoxWall, section: TubeSection) -> Shape:
     """The flat stretch of a face on the unrolled surface."""
     from shapely import box, transform
 
@@ -353,7 +343,7 @@ def _flat(wall: _Wall, section: TubeSection) -> Shape:
     return transform(flat, laid)
 
 
-def _lines(wall: _Wall, at_high: bool, radius: float) -> list[Any]:
+def _lines(wall: BoxWall, at_high: bool, radius: float) -> list[Any]:
     """The lines of a face beside an edge by their x there, each as distances from it and x."""
     import numpy as np
     from shapely import box, get_coordinates, line_merge
@@ -373,7 +363,7 @@ def _lines(wall: _Wall, at_high: bool, radius: float) -> list[Any]:
 
 def _rounded(
     k: int,
-    walls: Mapping[str, _Wall],
+    walls: Mapping[str, BoxWall],
     ends: Sequence[End | None],
     section: TubeSection,
     off: dict[str, float],

@@ -15,7 +15,7 @@ from beamcam.checks.coping.section import CoperSection
 from beamcam.geometry.curves import Arc, Curve, Line
 from beamcam.geometry.plane import Point
 from beamcam.machine.coper import Coper
-from beamcam.model.part import Contour, EndPlane, Feature, Hole, Part, Slot
+from beamcam.model.part import Contour, Hole, Part, Slot
 
 FINE = 0.02  #: mm between a curve and its chords, at most
 STEPS = 256  #: of a curve that is no arc
@@ -172,38 +172,3 @@ def _plane(
             xs = [[c - y * by_y - z * by_z for y in ys] for z in (0, 1)]
         plane[face] = (outer(xs[0]), outer(xs[1]), abs(xs[0][0] - xs[0][1]))
     return plane
-
-
-# --- tubes ----------------------------------------------------------------------------------------
-
-
-class TubeStock(Struct, frozen=True):
-    """What a program begins with, on turns of the unrolled surface."""
-
-    steel: Shape  #: with that where its holes are
-    solid: Shape
-    is_piece: bool
-
-
-def bar_of(part: Part, coper: Coper, turn: float) -> TubeStock:
-    """The bar that a tube is cut from, of which once round is `turn` mm."""
-    from shapely import box
-
-    bar = box(-coper.trim, -2 * turn, part.length + coper.trim, 3 * turn)
-    return TubeStock(bar, bar, False)
-
-
-def is_end(feature: Feature) -> bool:
-    """Whether it is an outline, or a plane that ends a part."""
-    return isinstance(feature, EndPlane) or (
-        isinstance(feature, Contour) and feature.kind == "outer"
-    )
-
-
-def goes_through(feature: Feature) -> bool:
-    """Whether what is made goes through the wall, or ends it."""
-    if isinstance(feature, Hole | Slot):
-        return feature.kind != "mark" and feature.depth is None
-    return is_end(feature) or (
-        isinstance(feature, Contour) and feature.kind == "inner" and feature.process == "cut"
-    )

@@ -6,30 +6,34 @@ surface is straight; of a round tube a place on top at A lies at u = R (90 - A) 
 """
 
 from collections.abc import Iterator, Sequence
-from math import asin, cos, dist, hypot, pi, radians, sin, tan
+from math import asin, dist, hypot, pi, radians, sin, tan
 from typing import Any
 
 import numpy as np
 from msgspec.structs import replace
 
 from beamcam.checks.coping import rules
-from beamcam.checks.coping.box_tube import LEAST_OFF, TubeWanted, box_wanted
+from beamcam.checks.coping.box_tube import LEAST_OFF, TubeWanted, box_ends, box_wanted
 from beamcam.checks.coping.chart import row_for
 from beamcam.checks.coping.collisions import collision_faults, turned_unseen
 from beamcam.checks.coping.left import kept_faults, outline_of, parted
 from beamcam.checks.coping.section import TubeSection, areas_of, kerf_of, line_of
-from beamcam.checks.coping.stock import (
-    FINE,
+from beamcam.checks.coping.stock import FINE, outline_ring, ring_of, slot_ring
+from beamcam.checks.coping.strokes import HEIGHT_SLACK, TipMove, TorchFollower, TorchStroke
+from beamcam.checks.coping.tube_piece import (
+    AIR,
+    PieceAsked,
     TubeStock,
     bar_of,
+    goes_out,
     goes_through,
     is_end,
-    outline_ring,
-    ring_of,
-    slot_ring,
+    piece_of,
+    round_ends,
+    short_by,
+    with_air,
 )
-from beamcam.checks.coping.strokes import HEIGHT_SLACK, TipMove, TorchFollower, TorchStroke
-from beamcam.checks.coping.tube_planes import kept, planes_of
+from beamcam.checks.coping.tube_planes import SQUARE_DEG, between_planes, kept, planes_of
 from beamcam.checks.coping.wanted import corners_of, with_corners_cut
 from beamcam.checks.coping.zones import chuck_faults, seam_faults, support_faults
 from beamcam.checks.request import manual_work
@@ -40,7 +44,7 @@ from beamcam.geometry.plane import Point
 from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import TorchRow
-from beamcam.model.part import Contour, EndPlane, Feature, Hole, Part, Slot
+from beamcam.model.part import Contour, EndCuts, EndPlane, Feature, Hole, Part, Slot
 
 Shape = Any  #: of shapely
 
@@ -48,8 +52,6 @@ SHARES = (0.25, 0.5, 0.75)  #: of a block, where the torch is looked at besides 
 MIDDLE_SLACK = 0.05  #: mm there, as on a corner the tip goes straight between two places
 SPEED_SHARE = 0.01  #: of a block's way that its time may be off by, besides how it is written
 HOLE_STEPS = 120
-END_STEPS = 1440  #: of a skew end
-SQUARE_DEG = 0.2  #: of an end; less is noise
 TWICE = 0.1  #: share of a stroke that is new at least, or it is cut twice
 
 
@@ -174,17 +176,17 @@ def tube_faults(
     if errors_in(said):
         return said
     slack = coper.tolerance + 2 * written_step(machine, section) + FINE
-    # Of a piece that comes cut the ends are there, as its header and what is made of it say.
-    ends = tuple(f for f in part.made or () if is_end(f))
-    whole = _wanted(replace(part, features=(*part.features, *ends)), coper, left, section)
+    stock = bar_of(coper.trim, part, section.turn)
+    if part.made is None:
+        whole = _wanted(part, coper, left, section)
+    else:
+        whole, stock = _piece_wanted(part, coper, left, section)
     if whole.lost:
         return [*said, rules.LOST.at(part.source, found=whole.lost)]
-    stock, off = bar_of(part, coper, section.turn), whole.off
-    if part.made is not None:
-        bare = _wanted(replace(part, features=ends), coper, set(), section).drawn
-        there = replace(part, features=tuple(filter(goes_through, part.made)))
-        stock, off = TubeStock(bare, _wanted(there, coper, set(), section).drawn, True), {}
-        whole = replace(whole, cut=whole.cut.intersection(bare))
+    if whole.short[1]:
+        face, far = whole.short
+        return [*said, rules.SHORT.at(Source(name), found=f"{far:.2f}", face=face)]
+    off = whole.off
     diagnostics = [
         *said,
         *_compared(torch.strokes, whole, stock, section, coper, rows, slack, name),
@@ -234,8 +236,9 @@ def _compared(
         if kept.intersects(burnt) and (hurt := burnt.intersection(kept)).area > 0.0:
             yield _hurt(hurt, kept, section, slack, source)
             return
-        lead = _lead_of(points, coper.lead + half, slack)
+        lead = _lead_of(points, coper.lead + half + stock.apart, slack)
         off = line_of(points[lead:]).difference(edges[stroke.row.kerf])
+        off = off.intersection(stock.steel) if stock.is_piece else off
         if off.length > slack:
             x, u = off.representative_point().coords[0]
             yield rules.EXTRA.at(source, x=f"{x:.1f}", y=f"{u:.1f}", face=stroke.face)
@@ -244,9 +247,9 @@ def _compared(
         if before and run.difference(union_all(before)).length < TWICE * run.length:
             x, u = points[0]
             yield rules.EXTRA.at(source, x=f"{x:.1f}", y=f"{u:.1f}", face=stroke.face)
-        # No arc starts over a hole that is there; none goes over an end of a piece that comes cut.
+        # No arc starts over a hole that is there, nor lives in the air beside an end that is there.
         if stock.solid.distance(Point(points[0])) > slack or (
-            stock.is_piece and run.difference(stock.steel.buffer(slack)).length > slack
+            stock.is_piece and goes_out(points, lead, stock, stroke.row, coper)
         ):
             yield rules.AIR.at(source, x=f"{points[0][0]:.1f}", y=f"{us[0]:.1f}", face=stroke.face)
         if fits is None or stroke.row.feed_mm_min != fits.feed_mm_min:
@@ -254,7 +257,7 @@ def _compared(
                 source, found=f"{stroke.row.feed_mm_min:g}", thickness=f"{wall:g}",
                 expected=f"{fits.feed_mm_min:g}" if fits else "none",
             )  # fmt: skip
-        is_far = max(x for x, _ in points) > drawn.bounds[2]
+        is_far = not stock.is_piece and max(x for x, _ in points) > drawn.bounds[2]
         if parting and not is_far:
             yield rules.ORDER.at(source, face=stroke.face)
         parting = parting or is_far
@@ -289,13 +292,37 @@ def _lead_of(points: Sequence[Point], most: float, slack: float) -> int:
     return lead
 
 
-def _wanted(part: Part, coper: Coper, left: set[int], section: TubeSection) -> TubeWanted:
-    """What has to stay of the surface on three turns, without and with its corners rounded."""
+def _piece_wanted(
+    part: Part, coper: Coper, left: set[int], section: TubeSection
+) -> tuple[TubeWanted, TubeStock]:
+    """What has to stay of a piece whose ends are there, as its header and what is made of it say,
+    and the piece."""
+    made = replace(part, features=tuple(filter(is_end, part.made or ())))
+    there = replace(part, features=tuple(filter(goes_through, part.made or ())))
+    bare, worn = (_wanted(one, coper, set(), section) for one in (made, there))
+    if worn.lost:
+        return worn, bar_of(coper.trim, part, section.turn)
+    if part.profile.code == "M":
+        faces, apart = box_ends(made, section)
+    else:
+        faces, apart = round_ends(made, bare.drawn, section)
+    asked = replace(part, cuts=EndCuts())
+    whole = _wanted(asked, coper, left, section, PieceAsked(bare.drawn, faces))
+    return whole, piece_of(bare.drawn, worn.drawn, apart)
+
+
+def _wanted(
+    part: Part, coper: Coper, left: set[int], section: TubeSection, piece: PieceAsked | None = None
+) -> TubeWanted:
+    """What has to stay of the surface on three turns, without and with its corners rounded.
+
+    `piece` is one that comes cut, whose features are asked of it.
+    """
     from shapely import Polygon, box, make_valid, union_all
     from shapely.affinity import translate
 
     if part.profile.code == "M":
-        return box_wanted(part, coper, left, section)
+        return box_wanted(part, coper, left, section, piece)
     cuts = part.cuts
     leans = [
         hypot(*(tan(radians(a)) if abs(a) > SQUARE_DEG else 0.0 for a in pair))
@@ -307,17 +334,22 @@ def _wanted(part: Part, coper: Coper, left: set[int], section: TubeSection) -> T
     # An outline says more of an end than the header.
     features = [f for k, f in enumerate(part.features) if k not in left]
     outlines = [f for f in features if isinstance(f, Contour) and f.kind == "outer"]
-    one: Shape = _between_planes(part)
+    one: Shape = between_planes(part)
+    ends, short = piece.faces["v"] if piece else None, 0.0
+    if piece:
+        one = box(-AIR, 0.0, part.length + AIR, turn)
     if outlines:
         rings = [
             outline_ring(c.curves, (0.0, turn), lambda place: place, part.length / 2)
             for c in outlines
         ]
-        one = union_all([make_valid(Polygon(ring)) for ring in rings])
+        short = max(short_by(ring, ends) for ring in rings)
+        one = union_all([with_air(ring, ends) for ring in rings])
         one = areas_of(one.intersection(box(-1e6, 0.0, 1e6, turn)))
     drawn = union_all([translate(one, 0.0, k * turn) for k in (-1, 0, 1)])
     for side, end in planes_of(part, left, section):
         drawn = kept(drawn, side, end, section)
+    drawn = areas_of(drawn.intersection(piece.steel)) if piece else drawn
     corners = [p for c in outlines for p in corners_of(c.curves, drawn)]
     radius = part.profile.height / 2
     for feature in features:
@@ -330,41 +362,16 @@ def _wanted(part: Part, coper: Coper, left: set[int], section: TubeSection) -> T
             corners += corners_of(feature.curves, drawn.difference(make_valid(Polygon(ring))))
         else:
             continue
-        gone = make_valid(Polygon(ring))
+        gone = with_air(ring, ends if isinstance(feature, Contour) else None)
         gone = gone.convex_hull if isinstance(feature, Slot) else gone
         drawn = drawn.difference(
             union_all([translate(gone, 0.0, k * turn) for k in (-2, -1, 0, 1, 2)])
         )
     drawn = areas_of(drawn)
-    everywhere = [(x, u + k * turn) for x, u in corners for k in (-1, 0, 1)]
-    return TubeWanted(drawn, with_corners_cut(drawn, everywhere, coper.corner_radius, turn), off)
-
-
-def _between_planes(part: Part) -> Shape:
-    """A tube without an outline on one turn, its ends where their planes meet the wall farthest."""
-    from shapely import Polygon
-
-    radius = part.profile.height / 2
-    inner = radius - max(part.profile.flange_thickness, part.profile.web_thickness or 0.0)
-    steps = [2 * pi * k / END_STEPS for k in range(END_STEPS + 1)]
-    ends = []
-    for side, web, flange in (
-        (-1, part.cuts.web_start, part.cuts.flange_start),
-        (1, part.cuts.web_end, part.cuts.flange_end),
-    ):
-        rise, lean = (tan(radians(a)) if abs(a) > SQUARE_DEG else 0.0 for a in (web, flange))
-        # The plane touches x 0 or the length at the outside; Y is -cos, Z sin of the way round.
-        if not (rise or lean):
-            x = part.length if side > 0 else 0.0
-            ends.append([(x, 0.0), (x, 2 * pi * radius)])
-            continue
-        middle = (part.length if side > 0 else 0.0) - side * radius * hypot(rise, lean)
-        xs = [[r * (rise * cos(t) - lean * sin(t)) for r in (radius, inner)] for t in steps]
-        ends.append([
-            (middle + (max(pair) if side > 0 else min(pair)), radius * t)
-            for pair, t in zip(xs, steps, strict=True)
-        ])  # fmt: skip
-    return Polygon([*ends[0], *reversed(ends[1])])
+    inner = [one for one in corners if ends is None or not ends.is_mouth(one)]
+    everywhere = [(x, u + k * turn) for x, u in inner for k in (-1, 0, 1)]
+    cut = with_corners_cut(drawn, everywhere, coper.corner_radius, turn)
+    return TubeWanted(drawn, cut, off, short=("v", short))
 
 
 def _drilled(hole: Hole, radius: float) -> Iterator[Point]:

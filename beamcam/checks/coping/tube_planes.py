@@ -1,10 +1,10 @@
-"""Planes of their own that end a tube, whatever way they lean, on three turns of its surface.
+"""Planes that end a tube: of their own, whatever way they lean, and those of a round one's header.
 
 A torch square to the surface cuts where the wall reaches farthest, at its outside or at its inside.
 """
 
 from collections.abc import Collection, Iterator
-from math import atan, degrees, pi
+from math import atan, cos, degrees, hypot, pi, radians, sin, tan
 from typing import Any
 
 from beamcam.checks.coping.section import TubeSection
@@ -17,6 +17,8 @@ PLACES = 240  #: of a plane across a corner, or a quarter of a round tube
 SAME_DEG = 0.2  #: by which a plane and the header may differ and mean the same end
 FAR = 1e5
 SAME = 1e-6  #: mm
+END_STEPS = 1440  #: of a skew end of a round tube
+SQUARE_DEG = 0.2  #: of an end; less is noise
 
 
 def planes_of(part: Part, left: Collection[int], section: TubeSection) -> Iterator[tuple[int, End]]:
@@ -75,3 +77,30 @@ def kept(shape: Shape, side: int, end: End, section: TubeSection) -> Shape:
     return shape.intersection(
         Polygon([(away, s[0]), *zip(x, s, strict=True), (away, s[-1])]).buffer(0)
     )
+
+
+def between_planes(part: Part) -> Shape:
+    """A tube without an outline on one turn, its ends where their planes meet the wall farthest."""
+    from shapely import Polygon
+
+    radius = part.profile.height / 2
+    inner = radius - max(part.profile.flange_thickness, part.profile.web_thickness or 0.0)
+    steps = [2 * pi * k / END_STEPS for k in range(END_STEPS + 1)]
+    ends = []
+    for side, web, flange in (
+        (-1, part.cuts.web_start, part.cuts.flange_start),
+        (1, part.cuts.web_end, part.cuts.flange_end),
+    ):
+        rise, lean = (tan(radians(a)) if abs(a) > SQUARE_DEG else 0.0 for a in (web, flange))
+        # The plane touches x 0 or the length at the outside; Y is -cos, Z sin of the way round.
+        if not (rise or lean):
+            x = part.length if side > 0 else 0.0
+            ends.append([(x, 0.0), (x, 2 * pi * radius)])
+            continue
+        middle = (part.length if side > 0 else 0.0) - side * radius * hypot(rise, lean)
+        xs = [[r * (rise * cos(t) - lean * sin(t)) for r in (radius, inner)] for t in steps]
+        ends.append([
+            (middle + (max(pair) if side > 0 else min(pair)), radius * t)
+            for pair, t in zip(xs, steps, strict=True)
+        ])  # fmt: skip
+    return Polygon([*ends[0], *reversed(ends[1])])

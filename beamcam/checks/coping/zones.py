@@ -35,7 +35,7 @@ def seam_faults(
     for stroke in strokes:
         us = [u for _, u in stroke.points]
         off = abs((us[0] - seam + turn / 2) % turn - turn / 2)
-        if max(us) - min(us) >= turn - ALL_ROUND and off > slack:
+        if abs(us[-1] - us[0]) >= turn - ALL_ROUND and off > slack:
             yield rules.ZONE.at(
                 Source(name, stroke.line), found=f"an end begun {off:.1f} mm off the seam",
                 expected=f"it at {coper.seam:g} of 360 round the tube, by coper.seam",

@@ -34,6 +34,7 @@ from beamcam.planning.coping.box_corners import (
 )
 from beamcam.planning.coping.regions import (
     CHORD,
+    OUTLINE_NOISE,
     Cut,
     Shape,
     curves_of,
@@ -49,9 +50,18 @@ from beamcam.planning.coping.tube_ends import (
     planes_of,
     within,
 )
+from beamcam.planning.coping.tube_pieces import (
+    BEYOND,
+    EndLine,
+    FaceEnds,
+    farthest_beyond,
+    lies_beyond,
+    opened,
+)
 from beamcam.planning.coping.walls import PlannedWall
 
 FACES: tuple[Face, ...] = ("u", "v", "o", "h")  #: on the way round
+PLACES = 65  #: across a face, where the end of a piece is looked at
 
 
 class Unrolled(Struct, frozen=True):
@@ -62,13 +72,21 @@ class Unrolled(Struct, frozen=True):
     slant: Mapping[Face, float]  #: mm that a square cut is off at the inside of each wall
 
 
-def unrolled(part: Part, features: Sequence[int], way: Around) -> tuple[Unrolled, list[Diagnostic]]:
-    """What stays of a rectangular tube, and what is wrong with its contours."""
+def unrolled(
+    part: Part, features: Sequence[int], way: Around, there: Mapping[Face, FaceEnds] | None = None
+) -> tuple[Unrolled, list[Diagnostic]]:
+    """What stays of a rectangular tube, and what is wrong with its contours.
+
+    `there` are the ends of a piece that comes cut, beyond which its faces go on.
+    """
     from shapely import box, transform, union_all
 
     own = [f for f in map(part.features.__getitem__, features) if isinstance(f, Cut)]
     diagnostics: list[Diagnostic] = []
-    faces = {face: _face(part, face, own, way.on_face(face), diagnostics) for face in FACES}
+    faces = {
+        face: _face(part, face, own, way.on_face(face), diagnostics, there[face] if there else None)
+        for face in FACES
+    }
     diagnostics += [d for side in (-1, 1) for d in _denied(part, faces, side)]
     ends = [_end(part, faces, side) for side in (-1, 1)]
     planes = [*filter(None, ends), *planes_of(part, features)]
@@ -88,8 +106,10 @@ def unrolled(part: Part, features: Sequence[int], way: Around) -> tuple[Unrolled
             for s in on_surface(one, y, part.profile.thickness(face))
         ]  # fmt: skip
         for feature in taken:
-            gone = shape_of(curves_of(feature))
-            if not gone.intersects(shape):
+            lines = there[face].lines if there else ()
+            drawn = shape_of(curves_of(feature))
+            gone = opened(drawn, lines)
+            if not gone.intersects(shape) or lies_beyond(drawn, lines):
                 diagnostics.append(
                     rules.OFF.at(feature.source, what=f"a hole or cut-out of face {face}")
                 )
@@ -123,21 +143,29 @@ def unrolled(part: Part, features: Sequence[int], way: Around) -> tuple[Unrolled
 
 
 def _face(
-    part: Part, face: Face, own: Sequence[Cut], leg: SurfacePatch, diagnostics: list[Diagnostic]
-) -> BoxFace:
-    """A face within its outlines."""
+    part: Part, face: Face, own: Sequence[Cut], leg: SurfacePatch, diagnostics: list[Diagnostic],
+    there: FaceEnds | None,
+) -> BoxFace:  # fmt: skip
+    """A face within its outlines; of a piece that comes cut it goes on beyond its ends."""
     from shapely import box, union_all
 
     size = part.profile.face_width(face)
     wall = PlannedWall(face, size, 0.0, 0.0, size, ())
     mine = _outlines(face, own)
+    if there and there.is_drawn and any(c.face != face for c in mine):
+        mine = []  # its own outline is there
     if not mine:
-        return BoxFace(leg, size, box(0.0, 0.0, part.length, size), False)
+        beyond = BEYOND if there else 0.0
+        return BoxFace(leg, size, box(-beyond, 0.0, part.length + beyond, size), False)
     strip = box(-part.length, 0.0, 2 * part.length, size)
     drawn = union_all([outline_on(wall, c.curves) for c in mine])
     shape = to_edges(drawn, size, part.profile.radius).intersection(strip)
     if shape.area > drawn.area + CHORD:
         diagnostics.append(rules.TANGENTS.at(mine[0].source, face=face))
+    if there:
+        if (far := farthest_beyond(shape, there.lines)) > OUTLINE_NOISE:
+            diagnostics.append(rules.SHORT.at(mine[0].source, face=face, found=f"{far:.3g}"))
+        shape = opened(shape, there.lines).intersection(strip)
     return BoxFace(leg, size, shape, True)
 
 
@@ -156,6 +184,34 @@ def _is_outline(feature: Cut) -> TypeGuard[Contour]:
 
 
 # --- ends -----------------------------------------------------------------------------------------
+
+
+def face_ends(part: Part, features: Sequence[int], way: Around) -> dict[Face, FaceEnds]:
+    """Where a piece that comes cut ends on each of its faces, by some of its features."""
+    own = [f for f in map(part.features.__getitem__, features) if isinstance(f, Cut)]
+    faces = {face: _face(part, face, own, way.on_face(face), [], None) for face in FACES}
+    found: dict[Face, FaceEnds] = {}
+    for face, one in faces.items():
+        ys = np.linspace(0.0, one.size, PLACES)
+        lines = []
+        for side in (-1, 1):
+            plane = _end(part, faces, side)
+            k = 0 if side < 0 else -1
+            other = 0.0 if side < 0 else part.length
+            drawn = np.array([row[k] if len(row) else other for row in one.crossings(ys, False)])
+            rows = [drawn, drawn] if plane is None else [*_traces(plane, part, face, ys)]
+            for own_plane in planes_of(part, features):
+                if own_plane.side == side:
+                    traces = _traces(own_plane, part, face, ys)
+                    rows = [side * np.minimum(side * a, side * b)
+                            for a, b in zip(rows, traces, strict=True)]  # fmt: skip
+            far = -BEYOND if side < 0 else part.length + BEYOND
+            surfaces = tuple(np.broadcast_to(row, ys.shape) for row in rows)
+            lines.append(EndLine(side, ys, surfaces, far))
+        found[face] = FaceEnds(
+            (lines[0], lines[1]), any(c.face == face for c in _outlines(face, own))
+        )
+    return found
 
 
 def _lines(faces: Mapping[Face, BoxFace], side: int) -> dict[Face, tuple[Floats, Floats]]:

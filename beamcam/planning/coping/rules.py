@@ -54,10 +54,9 @@ SHORT = error("plan-coping-short",
     "What the machine before has cut off cannot be made again. The ends of a piece stand in the "
     "header of its file.")
 TUBE_END = error("plan-coping-tube-end",
-    "found {what} of a tube that comes cut; expected holes, slots and cut-outs between its ends, "
-    "which are there",
-    "An end of a tube is cut all round, from a bar. What another machine has cut to length gets "
-    "what lies within it.")
+    "found {what} of a tube that comes cut; expected cuts that go from its end into the steel",
+    "Beside an end that is there an arc has steel on one side only, and goes out. An end that is "
+    "new all round is cut from a bar, with all of the part.")
 OPEN = warning("plan-coping-open",
     "found a hole that is there across a cut at x {x}, y {y} on face {face}; the torch goes over "
     "it with its arc on",

@@ -6,64 +6,46 @@ u  |   ( )     |  end    the middle of its lowest line towards v. What crosses u
 0  |___________|         taken once. The ends go all round, from the seam to the seam.
 """
 
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from math import asin, cos, degrees, hypot, inf, pi, radians, sin, tan
-from typing import Literal
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from math import degrees, hypot, inf, radians, tan
 
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, PlanError, errors_in
-from beamcam.geometry.curves import Line, Point
 from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import TorchRow
-from beamcam.model.part import Contour, EndPlane, Face, Feature, Hole, Part
+from beamcam.model.part import Contour, EndPlane, Face, Feature, Part
 from beamcam.model.plan import CopeCut, CopeKind, CopePlan, Outcome, Piece
 from beamcam.model.surface import Around, around
 from beamcam.planning import rules as bar_rules
 from beamcam.planning.coping import rules
-from beamcam.planning.coping.box_corners import MEET
-from beamcam.planning.coping.box_tube import Unrolled, unrolled
+from beamcam.planning.coping.box_tube import Unrolled, face_ends, unrolled
 from beamcam.planning.coping.chart import Chart
 from beamcam.planning.coping.cuts import ROUND, CutChain, borders_of, chains_of, led
 from beamcam.planning.coping.regions import (
     AROUND,
     CHORD,
-    OUTLINE_NOISE,
-    Cut,
     Shape,
     WallRegion,
-    curves_of,
-    off_edge,
-    outline_on,
     rounded,
-    shape_of,
-    sharp_corners,
     told_rounded,
 )
+from beamcam.planning.coping.round_tube import end_round, once_round
 from beamcam.planning.coping.stock import length_needed, told_of_stock
-from beamcam.planning.coping.tube_ends import (
-    Plane,
+from beamcam.planning.coping.tube_ends import several
+from beamcam.planning.coping.tube_pieces import (
+    TubePiece,
     ends_there,
-    header_slopes,
     holes_there,
-    line_of,
-    over_ends,
-    planes_of,
-    within,
+    led_from_air,
+    open_paths,
+    paths_round,
+    planes_asked,
+    without_ends,
 )
 from beamcam.planning.coping.walls import PlannedWall, Sorted, sorted_features
 from beamcam.planning.left_out import BEVEL
-
-
-def header_planes(part: Part) -> Iterator[Plane]:
-    """The skew ends of a round tube by its header: planes that touch x 0 or the length outside."""
-    radius = part.profile.height / 2
-    for side in (-1, 1):
-        web, flange = header_slopes(part, side)
-        if web or flange:
-            x = 0.0 if side < 0 else part.length
-            yield Plane(side, x + radius * (web + flange - side * hypot(web, flange)), web, flange)
 
 
 def wedge_of(contour: Contour, wall: float, least_deg: float) -> float:
@@ -78,28 +60,6 @@ def wedge_of(contour: Contour, wall: float, least_deg: float) -> float:
     )
 
 
-def denied_ends(part: Part, outline: Shape, way: Around) -> Iterator[Diagnostic]:
-    """Errors for ends that the header has otherwise than the outline, on one turn."""
-    from shapely import LineString
-
-    for plane in header_planes(part):
-        side, seen = plane.side, list[Point]()
-        for x, u in line_of(plane, way)[1:-1].tolist():
-            across = outline.intersection(LineString([(-2 * part.length, u), (3 * part.length, u)]))
-            if not across.is_empty:
-                seen.append((across.bounds[0 if side < 0 else 2], x))
-        off = max((abs(drawn - x) for drawn, x in seen), default=0.0)
-        if off > MEET + way.legs[0].patch.thickness * hypot(plane.by_y, plane.by_z):
-            at: Literal["start", "end"] = "start" if side < 0 else "end"
-            kind: Literal["web", "flange"] = "web" if plane.by_y else "flange"
-            angle = getattr(part.cuts, f"{kind}_{at}")
-            yield bar_rules.CUT_DENIED.at(
-                part.cut_source(kind, at), kind=kind, found=f"{angle:g}", end=at,
-                expected="another line",
-            )  # fmt: skip
-
-
-STEPS = 96  #: places round a hole
 LEAST = 1e-6  #: mm that a place may lie off a straight line and say nothing
 LEAST_SLANT = 0.5  #: mm that a square cut is off inside of a wall, and that are manual work
 
@@ -116,25 +76,17 @@ def plan_tube(part: Part, machine: Machine, coper: Coper, skips: Collection[str]
         raise PlanError(chart.too_thick(wall, "v", part.source))
     way = around(profile)
     surface = PlannedWall("v", way.turn, wall, -inf, inf, ())
-    # Of a piece that comes cut the ends are there, by what its file has of them as made.
-    ended = replace(part, features=(*part.features, *ends_there(part)))
-    ends = range(len(part.features), len(ended.features))
-    once, diagnostics = _once_round(ended, (*found.cut, *ends), way)
+    piece = None
+    if part.made is None:
+        once, diagnostics = _once_round(part, found.cut, way)
+    else:
+        once, piece, diagnostics = _left_of_piece(part, found.cut, way)
+        surface = replace(surface, open=piece.open)
     slant = {face: off for face, off in once.slant.items() if off >= LEAST_SLANT}
-    if part.made is not None:
-        bare, _ = _once_round(ended, ends, way)
-        worn, wrong = _once_round(*holes_there(part), way)
-        if errors_in(wrong):  # what the piece has is not known
-            raise PlanError(errors_in(wrong))
-        diagnostics += over_ends(part, once.shape, bare.shape, max(bare.slant.values()))
-        there = bare.shape.difference(worn.shape)
-        of_voids = tuple(place for place in once.corners if place not in bare.corners)
-        once = replace(once, corners=of_voids)
-        surface, slant = replace(surface, open=_several(there, way.turn, range(-1, 4))), {}
     region, diagnostics = _laid_out(surface, once, part, coper, diagnostics)
     cuts: list[CopeCut] = []
     if not errors_in(diagnostics):
-        cuts, more = _cuts(part, region, found, row, coper, way)
+        cuts, more = _cuts(part, region, found, row, coper, way, piece)
         diagnostics += more
     if errors_in(diagnostics):
         raise PlanError(errors_in(diagnostics))
@@ -155,9 +107,8 @@ def plan_tube(part: Part, machine: Machine, coper: Coper, skips: Collection[str]
         else o
         for o in outcomes_of(part, found, coper.min_bevel)
     )  # fmt: skip
-    piece = Piece(part, coper.trim)
     return CopePlan(
-        part.profile, (piece,), length_needed(part, coper), tuple(cuts), outcomes,
+        part.profile, (Piece(part, coper.trim),), length_needed(part, coper), tuple(cuts), outcomes,
         tuple(diagnostics), min_bevel=coper.min_bevel,
     )  # fmt: skip
 
@@ -206,14 +157,6 @@ def _slow_axes(part: Part, machine: Machine, row: TorchRow, way: Around) -> Iter
         )  # fmt: skip
 
 
-def _several(once: Shape, turn: float, which: Iterable[int]) -> Shape:
-    """What lies on one turn of the surface, on several."""
-    from shapely import union_all
-    from shapely.affinity import translate
-
-    return union_all([translate(once, 0.0, k * turn) for k in which])
-
-
 def _laid_out(
     surface: PlannedWall, once: Unrolled, part: Part, coper: Coper, diagnostics: list[Diagnostic]
 ) -> tuple[WallRegion, list[Diagnostic]]:
@@ -226,8 +169,8 @@ def _laid_out(
     turn = surface.width
     beside = min(AROUND * coper.corner_radius, turn)
     low, _, high, _ = once.shape.bounds
-    several = _several(once.shape, turn, range(-1, 3))
-    near = make_valid(several.intersection(box(low, -beside, high, turn + beside)))
+    turns = several(once.shape, turn, range(-1, 3))
+    near = make_valid(turns.intersection(box(low, -beside, high, turn + beside)))
     on_turn = [(x, u % turn) for x, u in once.corners]
     there = [
         (x, u + k * turn) for x, u in on_turn for k in (-1, 0, 1)
@@ -236,85 +179,59 @@ def _laid_out(
     region, diagnostics = rounded(surface, near, there, part, coper, diagnostics)
     whole = region.shape.intersection(box(low, 0.0, high, turn))
     # Without places of a straight line at u 0.
-    shape = make_valid(_several(whole, turn, range(3)).simplify(LEAST))
+    shape = make_valid(several(whole, turn, range(3)).simplify(LEAST))
     once_rounded = {at: r for at, r in region.rounded.items() if 0.0 <= at[1] < turn}
     return WallRegion(surface, shape, once_rounded), diagnostics
+
+
+def _left_of_piece(
+    part: Part, features: Sequence[int], way: Around
+) -> tuple[Unrolled, TubePiece, list[Diagnostic]]:
+    """What stays of a tube that comes cut, the piece that comes, and what is wrong.
+
+    Raises PlanError where what is there of it is not known.
+    """
+    from shapely import box
+
+    made = replace(part, features=ends_there(part))
+    ends = range(len(made.features))
+    bare, wrong = _once_round(made, ends, way)
+    worn, more = _once_round(*holes_there(part), way)
+    if found := errors_in((*wrong, *more)):
+        raise PlanError([*dict.fromkeys(found)])
+    slant = hypot(*(max(bare.slant.get(f, 0.0) for f in pair) for pair in ("vh", "ou")))
+    asked = without_ends(part)
+    if part.profile.code == "M":
+        once, diagnostics = unrolled(asked, features, way, face_ends(made, ends, way))
+    else:
+        lines = [end_round(made, bare.shape, side, way) for side in (-1, 1)]
+        once, diagnostics = once_round(asked, features, way, lines)
+    stays = replace(once, shape=once.shape.intersection(bare.shape))
+    low, _, high, _ = bare.shape.bounds
+    three = box(low, 0.0, high, 3 * way.turn)
+    steel = several(bare.shape, way.turn, range(-1, 4)).intersection(three)
+    gone = several(bare.shape.difference(worn.shape), way.turn, range(-1, 4))
+    return stays, TubePiece(steel, gone, slant), [*planes_asked(part), *diagnostics]
 
 
 def _once_round(
     part: Part, features: Sequence[int], way: Around
 ) -> tuple[Unrolled, list[Diagnostic]]:
     """What stays of the surface on one turn by some of a part's features, and what is wrong."""
-    from shapely import box, union_all
-
-    if part.profile.code == "M":
-        return unrolled(part, features, way)
-    round_it = way.turn
-    wall = max(part.profile.thickness("v"), part.profile.flange_thickness)
-    surface = PlannedWall("v", round_it, wall, -inf, inf, ())
-    own = [f for f in map(part.features.__getitem__, features) if isinstance(f, Cut)]
-    outer = [c for c in own if isinstance(c, Contour) and c.kind == "outer"]
-    whole: Shape = box(0.0, 0.0, part.length, round_it)
-    planes = planes_of(part, features)
-    skew = [wall * hypot(plane.by_y, plane.by_z) for plane in (*header_planes(part), *planes)]
-    diagnostics: list[Diagnostic] = []
-    if outer:
-        strip = box(-part.length, 0.0, 2 * part.length, round_it)
-        drawn = [outline_on(surface, c.curves, part.length / 2) for c in outer]
-        open_seams = [
-            off
-            for contour in outer for side in contour.curves for edge in (0.0, round_it)
-            if isinstance(side, Line)
-            and (off := off_edge(side, edge, part.length / 2)) is not None
-            and off > OUTLINE_NOISE
-        ]  # fmt: skip
-        if open_seams:
-            diagnostics.append(rules.SEAM.at(outer[0].source, found=f"{max(open_seams):.2f}"))
-        whole = union_all(drawn).intersection(strip)
-        diagnostics += denied_ends(part, whole, way)
-    else:
-        planes += header_planes(part)
-    shape = whole = within(whole, planes, way)
-    corners: list[Point] = []
-    for feature in own:
-        if isinstance(feature, Contour):
-            corners += sharp_corners(feature)
-            if feature.kind == "outer":
-                continue
-        gone = _several(_taken(feature, part), round_it, (-1, 0, 1))
-        if not gone.intersects(whole):
-            diagnostics.append(rules.OFF.at(feature.source, what="a hole or cut-out"))
-        shape = shape.difference(gone)
-    return Unrolled(shape, tuple(corners), {"v": max(skew, default=0.0)}), diagnostics
-
-
-def _taken(feature: Cut, part: Part) -> Shape:
-    """What a feature takes of the unrolled surface.
-
-    A hole is drawn as a drill makes it, square to the axis of the tube: at y from its middle along
-    the section it meets the outside at R asin(y / R) of arc.
-    """
-    from shapely import Polygon
-
-    radius = part.profile.height / 2
-    if not isinstance(feature, Hole):
-        return shape_of(curves_of(feature))
-    r = min(feature.diameter / 2, radius)
-    turns = [2 * pi * k / STEPS for k in range(STEPS)]
-    return Polygon(
-        [(feature.x + r * cos(t), feature.y + radius * asin(r * sin(t) / radius)) for t in turns]
-    )
+    of_section = unrolled if part.profile.code == "M" else once_round
+    return of_section(part, features, way)
 
 
 def _cuts(
-    part: Part, region: WallRegion, found: Sorted, row: TorchRow, coper: Coper, tube: Around
-) -> tuple[list[CopeCut], list[Diagnostic]]:
+    part: Part, region: WallRegion, found: Sorted, row: TorchRow, coper: Coper, tube: Around,
+    piece: TubePiece | None,
+) -> tuple[list[CopeCut], list[Diagnostic]]:  # fmt: skip
     """The cuts in order: what lies in the surface, the near end, the far end.
 
     A place in a message is u round the tube, on the face that it lies on.
     """
     wall, half = region.wall, row.kerf / 2
-    paths = region.shape.buffer(half, ROUND)
+    paths = paths_round(region.shape, half, piece) if piece else region.shape.buffer(half, ROUND)
     seam = wall.width + coper.seam * wall.width / 360.0
     cuts: list[CopeCut] = []
     diagnostics: list[Diagnostic] = []
@@ -322,13 +239,18 @@ def _cuts(
     source = part.features[found.cut[0]].source if found.cut else part.source
     end = region.shape.bounds[2]
     inside = replace(wall, low=0.0, high=3 * wall.width)
-    ends = _ends(paths, seam, wall) if part.made is None else ()
+    ends = [*_ends(paths, seam, wall)] if piece is None else []
+    if piece is not None:
+        ends, diagnostics = open_paths(paths, region.shape, piece, row, wall.width, source)
     for chain in (*_whole(paths, wall), *ends):
         xs = [x for x, _ in chain.points]
         kind: CopeKind = "inner"
         if chain.start:
             kind = "far" if max(xs) >= end else "near"
-        way = led(chain, inside, region.shape, row, coper)
+        if piece is not None and chain.start:
+            way = led_from_air(chain, region.shape, piece, row, coper)
+        else:
+            way = led(chain, inside, region.shape, row, coper)
         if way is None:
             x, u = chain.points[0]
             diagnostics.append(

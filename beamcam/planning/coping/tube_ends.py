@@ -7,21 +7,18 @@ ____|_ /  \ _____     inside along another: of a round tube sines of u, the inne
                       other, so that no steel is missing.
 """
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from math import atan2, ceil, hypot, pi, radians, sqrt, tan
 from typing import Any
 
 import numpy as np
 from msgspec import Struct
-from msgspec.structs import replace
 
-from beamcam.errors import Diagnostic
 from beamcam.geometry.array_types import Floats
 from beamcam.geometry.curves import Point
-from beamcam.model.part import Contour, EndPlane, Feature, Hole, Part, Slot
+from beamcam.model.part import EndPlane, Part
 from beamcam.model.surface import Around, Pair
-from beamcam.planning.coping import rules
-from beamcam.planning.coping.regions import CHORD, OUTLINE_NOISE, Shape
+from beamcam.planning.coping.regions import CHORD, Shape
 
 OVERLAP = 1e-4  #: mm by which patches overlap, so that they are one shape
 SKEW_DEG = 0.2  #: of an end; less is noise of a header
@@ -104,47 +101,9 @@ def header_slopes(part: Part, side: int) -> tuple[float, float]:
     return web, flange
 
 
-# --- tubes that come cut --------------------------------------------------------------------------
+def several(once: Shape, turn: float, which: Iterable[int]) -> Shape:
+    """What lies on one turn of the surface, on several."""
+    from shapely import union_all
+    from shapely.affinity import translate
 
-
-def ends_there(part: Part) -> tuple[Feature, ...]:
-    """What a file has as made of the ends of a tube that comes cut: outlines and planes."""
-    return tuple(f for f in part.made or () if _is_end(f))
-
-
-def _is_end(feature: Feature) -> bool:
-    is_outline = isinstance(feature, Contour) and feature.kind == "outer"
-    return is_outline or isinstance(feature, EndPlane)
-
-
-def holes_there(part: Part) -> tuple[Part, Sequence[int]]:
-    """A tube with what is made of it as its features, and which of them go through its wall."""
-    made = part.made or ()
-    through = [
-        k for k, f in enumerate(made)
-        if _is_end(f) or (isinstance(f, Hole | Slot) and f.kind != "mark" and f.depth is None)
-        or (isinstance(f, Contour) and f.kind == "inner" and f.process == "cut")
-    ]  # fmt: skip
-    return replace(part, features=made), through
-
-
-def over_ends(part: Part, stays: Shape, bare: Shape, slant: float) -> Iterator[Diagnostic]:
-    """Errors for what is asked of the ends of a tube that comes cut, or reaches them.
-
-    `stays` of the bare tube's surface, whose wall is skew by `slant` mm at its ends.
-    """
-    from shapely import get_coordinates
-
-    asked = [feature for feature in part.features if _is_end(feature)]
-    for feature in asked:
-        what = "an outline" if isinstance(feature, Contour) else "a plane that ends it"
-        yield rules.TUBE_END.at(feature.source, what=what)
-    if asked:
-        return
-    xs = get_coordinates(bare)[:, 0]
-    far = xs > part.length / 2
-    taken = bare.difference(stays).buffer(-CHORD)  # without what is thinner than both may be off
-    low, _, high, _ = taken.bounds
-    off = slant + OUTLINE_NOISE
-    if low < xs[~far].max() + off or high > xs[far].min() - off:
-        yield rules.TUBE_END.at(part.source, what=f"a cut-out from x {low:.1f} to {high:.1f}")
+    return union_all([translate(once, 0.0, k * turn) for k in which])

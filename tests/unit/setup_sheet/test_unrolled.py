@@ -89,7 +89,7 @@ SOLIDS = [
     ("hip", "tube-linuxcnc", "vouh"), ("trimmer", "tube-linuxcnc", "vouh"),
     ("hanger", "tube-linuxcnc", "vouh"), ("joist", "coper-linuxcnc", "vouh"),
     ("joist", "tube-linuxcnc", "vouh"), ("lintel-rest", "tube-linuxcnc", "vouh"),
-    ("mast-rest", "tube-linuxcnc", "vouh"),
+    ("mast-rest", "tube-linuxcnc", "vouh"), ("strut-rest", "tube-linuxcnc", "vouh"),
     ("stub", "tube-linuxcnc", "v"), ("stub", "tube-surface", "v"),
 ]  # fmt: skip
 

@@ -35,6 +35,7 @@ SAMPLES = (
     ("header-rest", COPER, ()), ("cleat", COPER, ()), ("header", COPER, ("tool",)),
     ("hanger", COPER, ()), ("leg", TUBE, ()), ("hip", TUBE, ()), ("joist", COPER, ()),
     ("joist", TUBE, ()), ("lintel-rest", TUBE, ()), ("mast-rest", TUBE, ()),
+    ("strut-rest", TUBE, ()),
 )  # fmt: skip
 
 

@@ -1,0 +1,214 @@
+"""A tube that comes cut, for the read-back alone: the steel there is, and what is open to its end.
+
+What is drawn on an end that is there is that end. A torch does not make it, so what is asked goes
+on beyond it: from where its sides meet the end straight on, and along the tube from there.
+
+    asked of a face   + air before the stretches of it that lie on the end
+    asked of all      = that on the surface, within the steel that comes
+"""
+
+from collections.abc import Callable, Sequence
+from math import cos, hypot, radians, sin, tan
+from typing import Any
+
+from msgspec import Struct
+
+from beamcam.checks.coping.section import TubeSection, line_of, pieces_of
+from beamcam.checks.coping.stock import DRAWN, FINE
+from beamcam.checks.coping.tube_planes import SQUARE_DEG, planes_of
+from beamcam.geometry.plane import Point
+from beamcam.machine.coper import Coper
+from beamcam.machine.torch import TorchRow
+from beamcam.model.part import Contour, EndPlane, Feature, Hole, Part, Slot
+
+Shape = Any  #: of shapely
+Xs = Callable[[float], tuple[float, ...]]  #: x of an end at a place across, on each surface
+
+AIR = 60.0  #: mm beyond an end
+PARALLEL = 0.02  #: mm along the tube by mm across it; what slopes more is a cut
+SHORTEST = 3.0  #: mm across, of what lies on an end; less is where a curve comes to it
+SAME = 1e-6  #: mm
+
+
+class TubeStock(Struct, frozen=True):
+    """What a program begins with, on turns of the unrolled surface."""
+
+    steel: Shape  #: with that where its holes are
+    solid: Shape
+    is_piece: bool
+    apart: float = 0.0  #: mm along it that both surfaces of a wall end from one another, at most
+
+
+def bar_of(trim: float, part: Part, turn: float) -> TubeStock:
+    """The bar that a tube is cut from, of which once round is `turn` mm."""
+    from shapely import box
+
+    bar = box(-trim, -2 * turn, part.length + trim, 3 * turn)
+    return TubeStock(bar, bar, False)
+
+
+def piece_of(bare: Shape, worn: Shape, apart: float) -> TubeStock:
+    """A piece whose ends are there, and its holes; an arc starts where all of its wall is, which at
+    a skew end is so far from where the last of it is."""
+    from shapely import intersection_all
+    from shapely.affinity import translate
+
+    whole = [bare, translate(bare, apart, 0.0), translate(bare, -apart, 0.0)] if apart else [bare]
+    return TubeStock(bare, worn.intersection(intersection_all(whole)), True, apart)
+
+
+def is_end(feature: Feature) -> bool:
+    """Whether it is an outline, or a plane that ends a part."""
+    return isinstance(feature, EndPlane) or (
+        isinstance(feature, Contour) and feature.kind == "outer"
+    )
+
+
+def goes_through(feature: Feature) -> bool:
+    """Whether what is made goes through the wall, or ends it."""
+    if isinstance(feature, Hole | Slot):
+        return feature.kind != "mark" and feature.depth is None
+    return is_end(feature) or (
+        isinstance(feature, Contour) and feature.kind == "inner" and feature.process == "cut"
+    )
+
+
+class FaceEnds(Struct, frozen=True):
+    """The ends of a face that are there, or of a round tube all round."""
+
+    start: Xs
+    end: Xs
+    length: float  #: of the part
+    has_outline: bool = False
+
+    @property
+    def sides(self) -> tuple[tuple[int, Xs, float], ...]:
+        """-1 and 1, where each end is, and an x in the air before it."""
+        return (-1, self.start, -AIR), (1, self.end, self.length + AIR)
+
+    def is_mouth(self, place: Point) -> bool:
+        """Whether a side of an outline that comes to a place meets an end there."""
+        x, y = place
+        return any(min(side * at for at in xs(y)) - DRAWN <= side * x for side, xs, _ in self.sides)
+
+
+class PieceAsked(Struct, frozen=True):
+    """What a face is asked beyond."""
+
+    steel: Shape  #: of the piece, on three turns
+    faces: dict[str, FaceEnds]
+
+
+def with_air(ring: Sequence[Point], ends: FaceEnds | None) -> Shape:
+    """The inside of a ring, and the air before what of it lies on an end that is there."""
+    from shapely import Polygon, make_valid, union_all
+
+    shape = make_valid(Polygon(ring))
+    if ends is None:
+        return shape
+    count, more = len(ring), []
+    for side, xs, air in ends.sides:
+        on = [_is_on(ring[k], ring[(k + 1) % count], xs) for k in range(count)]
+        for k in range(count):
+            if not on[k] or on[k - 1]:
+                continue
+            last = next(j for j in range(k, k + count) if not on[j % count])
+            run = [ring[j % count] for j in range(k, last + 1)]
+            if abs(run[-1][1] - run[0][1]) < SHORTEST:
+                continue
+            begin = _straight_on(ring[k - 1], run[0], side, xs)
+            end = _straight_on(ring[(last + 1) % count], run[-1], side, xs)
+            more.append(make_valid(Polygon([*run, end, (air, end[1]), (air, begin[1]), begin])))
+    return union_all([shape, *more])
+
+
+def _is_on(a: Point, b: Point, xs: Xs) -> bool:
+    """Whether a side lies on an end, where it may be drawn on either surface of the wall."""
+    return any(
+        max(abs(a[0] - at_a), abs(b[0] - at_b)) <= DRAWN
+        and abs((b[0] - at_b) - (a[0] - at_a)) <= PARALLEL * abs(b[1] - a[1])
+        for at_a, at_b in zip(xs(a[1]), xs(b[1]), strict=True)
+    )
+
+
+def _straight_on(before: Point, last: Point, side: int, xs: Xs) -> Point:
+    """Where a side that ends at `last` leaves the steel, as it goes straight on."""
+    dx, dy = last[0] - before[0], last[1] - before[1]
+
+    def lacks(place: Point) -> float:
+        return max(side * x for x in xs(place[1])) - side * place[0]
+
+    if lacks(last) <= SAME or side * dx <= PARALLEL * abs(dy):
+        return last
+    place, long = last, hypot(dx, dy)
+    for _ in range(8):
+        by = lacks(place) * long / abs(dx)
+        place = place[0] + by * dx / long, place[1] + by * dy / long
+    return place
+
+
+def short_by(ring: Sequence[Point], ends: FaceEnds | None) -> float:
+    """mm that a piece is too short for an outline; what a drawing may be off is nothing."""
+    if ends is None:
+        return 0.0
+    off = max(
+        side * x - max(side * at for at in xs(y)) for side, xs, _ in ends.sides for x, y in ring
+    )
+    return off if off > DRAWN else 0.0
+
+
+def ends_of_shape(shape: Shape, low: float, high: float) -> tuple[Xs, Xs]:
+    """Where a shape of one turn, or of a face, ends across it."""
+    import numpy as np
+    from shapely import LineString, bounds, intersection
+
+    places = np.linspace(low, high, 721)
+    lines = [LineString([(-1e5, at), (1e5, at)]) for at in places.tolist()]
+    found = bounds(intersection(lines, shape))
+    found = np.where(np.isnan(found), (-1e5, 0.0, 1e5, 0.0), found)
+
+    def start(at: float) -> tuple[float, ...]:
+        return (float(np.interp(at, places, found[:, 0])),)
+
+    def end(at: float) -> tuple[float, ...]:
+        return (float(np.interp(at, places, found[:, 2])),)
+
+    return start, end
+
+
+def round_ends(part: Part, bare: Shape, section: TubeSection) -> tuple[dict[str, FaceEnds], float]:
+    """Where a round piece ends, all round, and how far apart both surfaces of its wall end."""
+    cuts, radius = part.cuts, part.profile.height / 2
+    farthest, rows, apart = ends_of_shape(bare, 0.0, section.turn), [], 0.0
+    for k, side, degs in (
+        (0, -1, (cuts.web_start, cuts.flange_start)), (1, 1, (cuts.web_end, cuts.flange_end))
+    ):  # fmt: skip
+        rise, lean = (tan(radians(a)) if abs(a) > SQUARE_DEG else 0.0 for a in degs)
+        middle = (part.length if side > 0 else 0.0) - side * radius * hypot(rise, lean)
+        ends = [(middle, rise, lean)] if rise or lean else []
+        ends += [end for at, end in planes_of(part, (), section) if at == side]
+        apart = max(apart, *(section.wall * hypot(*end[1:]) for end in ends), 0.0)
+
+        def xs(
+            u: float, k: int = k, ends: Sequence[tuple[float, float, float]] = tuple(ends)
+        ) -> tuple[float, ...]:
+            y, z = -radius * cos(u / radius), radius * sin(u / radius)
+            return (*farthest[k](u), *(x - by_y * y - by_z * z for x, by_y, by_z in ends))
+
+        rows.append(xs)
+    return {"v": FaceEnds(rows[0], rows[1], part.length)}, apart
+
+
+def goes_out(
+    points: Sequence[Point], begin: int, stock: TubeStock, row: TorchRow, coper: Coper
+) -> bool:
+    """Whether an arc over a piece that comes cut has no steel for longer than it takes to be clear
+    of its end; its lead has `begin` blocks."""
+    lead, path = line_of(points[: begin + 1]), line_of(points[begin:])
+    if lead.difference(stock.steel.buffer(row.kerf / 2)).length > 0.0:
+        return True
+    air = path.difference(stock.steel.buffer(row.kerf / 4))
+    return any(
+        one.length > (coper.over + 3 * row.kerf if one.distance(path.boundary) < FINE else row.kerf)
+        for one in pieces_of(air)
+    )
