@@ -94,9 +94,8 @@ def box_wanted(part: Part, coper: Coper, left: set[int], section: TubeSection) -
     drawn = union_all([translate(one, 0.0, k * turn) for k in (-1, 0, 1)])
     for side, end in planes:
         drawn = kept(drawn, side, end, section)
-    everywhere = [(x, s + k * turn) for x, s in corners for k in (-1, 0, 1)]
     drawn = areas_of(drawn)
-    cut = areas_of(with_corners_cut(drawn, everywhere, coper.corner_radius, turn))
+    cut = with_corners_cut(drawn, corners, coper.corner_radius, turn)
     return TubeWanted(drawn, cut, {f: mm for f, mm in off.items() if mm >= LEAST_OFF})
 
 
@@ -242,10 +241,10 @@ def _end(part: Part, walls: Mapping[str, _Wall], section: TubeSection, side: int
 
 def _line(wall: _Wall, side: int) -> Iterator[tuple[float, float]]:
     """y and x of places along the end of a face."""
-    from shapely import LineString, bounds, intersection
+    from shapely import bounds, intersection, linestrings
 
     ys = [wall.wide * k / 20 for k in range(1, 20)]
-    across = [LineString([(-FAR, y), (FAR, y)]) for y in ys]
+    across = linestrings([((-FAR, y), (FAR, y)) for y in ys])
     xs = bounds(intersection(across, wall.steel))[:, 0 if side < 0 else 2].tolist()
     # What has no steel there is on no plane.
     return zip(ys, (FAR if isnan(x) else x for x in xs), strict=True)
@@ -411,7 +410,8 @@ def _rounded(
                 continue
             off[face] = max(off[face], abs(float(np.interp(section.wall, d, x)) - float(x[0])))
     ss = section.corner(k) + r * turns
+    sides = [np.column_stack((curve, ss)) for curve in curves]
     return union_all([
-        Polygon([*zip(low, ss, strict=True), *zip(high[::-1], ss[::-1], strict=True)])
-        for low, high in zip(curves[::2], curves[1::2], strict=True)
+        Polygon(np.concatenate((low, high[::-1])))
+        for low, high in zip(sides[::2], sides[1::2], strict=True)
     ])  # fmt: skip

@@ -336,8 +336,7 @@ def _wanted(part: Part, coper: Coper, left: set[int], section: TubeSection) -> T
             union_all([translate(gone, 0.0, k * turn) for k in (-2, -1, 0, 1, 2)])
         )
     drawn = areas_of(drawn)
-    everywhere = [(x, u + k * turn) for x, u in corners for k in (-1, 0, 1)]
-    return TubeWanted(drawn, with_corners_cut(drawn, everywhere, coper.corner_radius, turn), off)
+    return TubeWanted(drawn, with_corners_cut(drawn, corners, coper.corner_radius, turn), off)
 
 
 def _between_planes(part: Part) -> Shape:

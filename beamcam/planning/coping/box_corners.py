@@ -6,6 +6,7 @@ them.
 """
 
 from collections.abc import Iterator, Mapping
+from itertools import pairwise
 from math import asin, pi, sin
 from typing import Any
 
@@ -59,7 +60,8 @@ class BoxFace(Struct, frozen=True):
         order = np.lexsort((xs, level))
         pieces, of = xs[order].reshape(-1, 2), level[order][::2]
         met = pieces[:, 0] < pieces[:, 1]
-        return np.split(pieces[met].ravel(), 2 * np.searchsorted(of[met], np.arange(1, len(ys))))
+        found, ends = pieces[met].ravel(), 2 * np.searchsorted(of[met], np.arange(len(ys) + 1))
+        return [found[begin:end] for begin, end in pairwise(ends.tolist())]
 
 
 #: The faces beside a corner, and whether it lies at the greatest y of each.
