@@ -25,6 +25,7 @@ Shape = Any  #: of shapely
 APART = 1.0  #: mm that a drawing may be off and mean it
 SQUARE_DEG = 0.2  #: of an end; less is noise
 PLACES = 48  #: across a corner
+STRAIGHT = 0.001  #: mm that places across a corner are off a straight line, and are left out
 LEVEL = tan(radians(SQUARE_DEG))
 INSIDE = 1e-6  #: mm off the edges of a band
 LEAST_OFF = 0.5  #: mm that a square cut is off inside of a wall, and that are manual work
@@ -412,6 +413,6 @@ def _rounded(
     ss = section.corner(k) + r * turns
     sides = [np.column_stack((curve, ss)) for curve in curves]
     return union_all([
-        Polygon(np.concatenate((low, high[::-1])))
+        Polygon(np.concatenate((low, high[::-1]))).simplify(STRAIGHT, preserve_topology=False)
         for low, high in zip(sides[::2], sides[1::2], strict=True)
     ])  # fmt: skip

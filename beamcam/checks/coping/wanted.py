@@ -124,7 +124,7 @@ def with_corners_cut(drawn: Shape, corners: list[Point], radius: float, turn: fl
 
     That of a tube goes on for a turn behind its own and before it; `corners` are those of one turn.
     """
-    from shapely import box
+    from shapely import box, union_all
     from shapely.affinity import translate
 
     turns = (-turn, 0.0, turn) if turn else (0.0,)
@@ -144,7 +144,7 @@ def with_corners_cut(drawn: Shape, corners: list[Point], radius: float, turn: fl
             near = areas_of(drawn.intersection(box(x - far, y - far, x + far, y + far)))
             room = _room(near, (x, y), radius)
             added += _at_corners(left_at(near, [(x, y)], room), [(x, y)], room)
-    return _joined(drawn, [translate(one, 0.0, by) for one in added for by in turns])
+    return areas_of(union_all([drawn, *(translate(one, 0.0, by) for one in added for by in turns)]))
 
 
 def _room(near: Shape, corner: Point, radius: float) -> float:
@@ -216,11 +216,14 @@ def left_at(drawn: Shape, corners: list[Point], radius: float) -> list[Shape]:
 
 def with_round_corners(drawn: Shape, corners: list[Point], radius: float) -> Shape:
     """A region and the steel that a disc of a radius, rolled through the air, leaves at corners."""
-    return _joined(drawn, _at_corners(left_at(drawn, corners, radius), corners, radius))
+    from shapely import union_all
+
+    added = _at_corners(left_at(drawn, corners, radius), corners, radius)
+    return areas_of(union_all([drawn, *added])) if added else drawn
 
 
 def _at_corners(left: Sequence[Shape], corners: list[Point], radius: float) -> list[Shape]:
-    """What of the pieces that a disc leaves is at corners.
+    """What of the pieces that a disc leaves is at corners, without cracks beside what it joins.
 
     In a slot that narrows to its mouth the disc touches both sides and leaves steel beyond it too,
     joined where it touches to that at the floor.
@@ -232,16 +235,9 @@ def _at_corners(left: Sequence[Shape], corners: list[Point], radius: float) -> l
         cores = pieces_of(piece.buffer(-thin).buffer(thin))
         beyond = [one.buffer(2 * thin) for one in cores if one.distance(places) > 4 * thin]
         is_split = len(beyond) < len(cores)
-        found.append(areas_of(piece.difference(union_all(beyond))) if is_split else piece)
+        own = areas_of(piece.difference(union_all(beyond))) if is_split else piece
+        found.append(own.buffer(NO_CRACK, join_style="mitre"))
     return found
-
-
-def _joined(drawn: Shape, added: Sequence[Shape]) -> Shape:
-    """A region and what is added to it, without cracks beside sides that slant."""
-    from shapely import union_all
-
-    grown = [one.buffer(NO_CRACK, join_style="mitre") for one in added]
-    return areas_of(union_all([drawn, *grown])) if grown else drawn
 
 
 def corners_of(curves: tuple[Curve, ...], steel: Shape) -> list[Point]:

@@ -129,19 +129,17 @@ def _lines_over(
     places = [(turn, turn) for turn in np.linspace(0.0, pi / 2, LEVELS).tolist()]
     places += [(turn + by, turn) for turn in bends for by in BESIDE_BEND]
     turns, at = np.array(sorted(places)).T.round(9)
-    found = []
-    for deep in (r, r - wall):
-        views = (np.minimum(r - deep * way, r - EDGE) for way in (np.sin(turns), np.cos(turns)))
-        rows = [f.crossings(off, high) for f, off, high in zip(faces, views, highs, strict=True)]
-        if len({len(row) for of_one in rows for row in of_one}) > 1:
-            return "a line that ends in it"
-        found.append([np.array(of_one) for of_one in rows])
-    (out_a, out_b), inside = found
+    deep = np.repeat((r, r - wall), len(turns))  # outside of the wall, and inside
+    views = (np.minimum(r - deep * np.tile(way(turns), 2), r - EDGE) for way in (np.sin, np.cos))
+    rows = [f.crossings(view, high) for f, view, high in zip(faces, views, highs, strict=True)]
+    if len({len(row) for of_one in rows for row in of_one}) > 1:
+        return "a line that ends in it"
+    (out_a, in_a), (out_b, in_b) = (np.split(np.array(of_one), 2) for of_one in rows)
     if (apart := float(np.abs(out_a[-1] - out_b[0]).max(initial=0.0))) > MEET:
         return f"lines {apart:.3g} mm apart at its edge"
     share = (turns / (pi / 2))[:, None]
     edge = (1 - share) * out_b[0] + share * out_a[-1]
-    lines, deepest = out_a + out_b - edge, inside[0] + inside[1] - edge
+    lines, deepest = out_a + out_b - edge, in_a + in_b - edge
     jumps = [(np.abs(np.diff(one, axis=0)) > STEP).any(axis=0) for one in (out_a, out_b)]
     if any(
         jump.any() and (off < wall + CHORD).any() for jump, off in zip(jumps, offs, strict=True)
