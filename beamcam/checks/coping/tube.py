@@ -218,9 +218,9 @@ def _compared(
     turn, wall = section.turn, section.wall
     fits = row_for(rows, coper, wall)
     kept = expected.buffer(-slack, join_style="mitre")
-    prepare(kept)
     edges = {row.kerf: expected.boundary.buffer(row.kerf / 2 + slack)
              for row in {stroke.row for stroke in strokes}}  # fmt: skip
+    prepare([kept, *edges.values()])
     gone: list[Shape] = []
     bar = stock.steel.intersection(box(-1e6, -turn / 2, 1e6, 1.5 * turn))
     parting = False
@@ -235,8 +235,8 @@ def _compared(
             yield _hurt(hurt, kept, section, slack, source)
             return
         lead = _lead_of(points, coper.lead + half, slack)
-        off = line_of(points[lead:]).difference(edges[stroke.row.kerf])
-        if off.length > slack:
+        cut, near = line_of(points[lead:]), edges[stroke.row.kerf]
+        if not near.covers(cut) and (off := cut.difference(near)).length > slack:
             x, u = off.representative_point().coords[0]
             yield rules.EXTRA.at(source, x=f"{x:.1f}", y=f"{u:.1f}", face=stroke.face)
             return
