@@ -283,9 +283,8 @@ def lack_of(feature: Feature, torch: Torch, thickness: float) -> str | None:
 def _cuts(plane: EndPlane, part: Part, thickness: float) -> bool:
     """Whether some of a plate lies before a plane, by more than its edges may be off."""
     ways = np.array(plane.normal) / np.linalg.norm(plane.normal)
-    outlines = [c for f in part.contours if f.kind == "outer" for c in f.curves]
-    outlines = outlines or header_outline(part)
-    ends = [box for c in outlines for box in (c.bbox[:2], c.bbox[2:])]
+    own = [c for f in part.contours if f.kind == "outer" for c in f.curves]
+    ends = [at for c in own or header_outline(part) for at in (c.bbox[:2], c.bbox[2:])]
     low, high = (*np.min(ends, axis=0), 0.0), (*np.max(ends, axis=0), thickness)
     farthest = np.where(ways > 0.0, high, low)
     return bool(ways @ (farthest - plane.point) > PLANE_OFF)

@@ -129,8 +129,8 @@ def _lines_over(
     places = [(turn, turn) for turn in np.linspace(0.0, pi / 2, LEVELS).tolist()]
     places += [(turn + by, turn) for turn in bends for by in BESIDE_BEND]
     turns, at = np.array(sorted(places)).T.round(9)
-    deep = np.repeat((r, r - wall), len(turns))  # outside of the wall, and inside
-    views = (np.minimum(r - deep * np.tile(way(turns), 2), r - EDGE) for way in (np.sin, np.cos))
+    radii = np.repeat((r, r - wall), len(turns))  # outside of the wall, and inside
+    views = (np.minimum(r - radii * np.tile(way(turns), 2), r - EDGE) for way in (np.sin, np.cos))
     rows = [f.crossings(view, high) for f, view, high in zip(faces, views, highs, strict=True)]
     if len({len(row) for of_one in rows for row in of_one}) > 1:
         return "a line that ends in it"
