@@ -279,6 +279,8 @@ def _outcomes(
             yield Outcome((0, index), "made", made[index])
         elif index in assigned.filled:
             yield Outcome((0, index), "made", assigned.filled[index])
+        elif index in assigned.stated:
+            yield Outcome((0, index), "made", "cut")
         elif index in assigned.skipped:
             yield Outcome((0, index), "skipped", assigned.skipped[index])
         elif index in stands:

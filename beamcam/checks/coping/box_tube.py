@@ -46,6 +46,7 @@ from beamcam.model.part import Contour, Part
 Shape = Any  #: of shapely
 
 PLACES = 48  #: across a corner
+STRAIGHT = 0.001  #: mm that places across a corner are off a straight line, and are left out
 LEVEL = tan(radians(SQUARE_DEG))
 INSIDE = 1e-6  #: mm off the edges of a band
 LEAST_OFF = 0.5  #: mm that a square cut is off inside of a wall, and that are manual work
@@ -114,9 +115,8 @@ def box_wanted(
     drawn = union_all([translate(one, 0.0, k * turn) for k in (-1, 0, 1)])
     for side, end in planes:
         drawn = kept(drawn, side, end, section)
-    everywhere = [(x, s + k * turn) for x, s in corners for k in (-1, 0, 1)]
     drawn = areas_of(drawn.intersection(piece.steel) if piece else drawn)
-    cut = areas_of(with_corners_cut(drawn, everywhere, coper.corner_radius, turn))
+    cut = with_corners_cut(drawn, corners, coper.corner_radius, turn)
     told = {f: mm for f, mm in off.items() if mm >= LEAST_OFF}
     return TubeWanted(drawn, cut, told, short=short_face(part, features, section, piece))
 
@@ -231,10 +231,10 @@ def _end(part: Part, walls: Mapping[str, BoxWall], section: TubeSection, side: i
 
 def _line(wall: BoxWall, side: int) -> Iterator[tuple[float, float]]:
     """y and x of places along the end of a face."""
-    from shapely import LineString, bounds, intersection
+    from shapely import bounds, intersection, linestrings
 
     ys = [wall.wide * k / 20 for k in range(1, 20)]
-    across = [LineString([(-FAR, y), (FAR, y)]) for y in ys]
+    across = linestrings([((-FAR, y), (FAR, y)) for y in ys])
     xs = bounds(intersection(across, wall.steel))[:, 0 if side < 0 else 2].tolist()
     # What has no steel there is on no plane, and neither is the floor of a slot from the end.
     first, last = xs[0], xs[-1]
@@ -408,7 +408,8 @@ def _rounded(
                 continue
             off[face] = max(off[face], abs(float(np.interp(section.wall, d, x)) - float(x[0])))
     ss = section.corner(k) + r * turns
+    sides = [np.column_stack((curve, ss)) for curve in curves]
     return union_all([
-        Polygon([*zip(low, ss, strict=True), *zip(high[::-1], ss[::-1], strict=True)])
-        for low, high in zip(curves[::2], curves[1::2], strict=True)
+        Polygon(np.concatenate((low, high[::-1]))).simplify(STRAIGHT, preserve_topology=False)
+        for low, high in zip(sides[::2], sides[1::2], strict=True)
     ])  # fmt: skip

@@ -157,7 +157,10 @@ class TorchFollower(ABC):
         self._on_at: int | None = None  #: line of the word that started it
         self._waited = 0.0
         self._moves: list[Move[Place]] = []  #: since it was started
-        self._tip: Place | None = None
+        self._is_placed = False  #: whether any place of the tip is known yet
+        #: by the place of its figure among X, Y, Z, A and B
+        self._limited = [("XYZAB".index(axis.moves), *axis.limits, axis.name)
+                         for axis in machine.axes if axis.moves in "XYZAB"]  # fmt: skip
         self._a_deg: float | None = None
         self._tilts = coper.tilt > 0.0
         self._measuring = {name: _carriers(machine, name) for name in ("height", "width")}
@@ -213,7 +216,7 @@ class TorchFollower(ABC):
         if event.said in self._on_words:
             if self._on_at is not None:
                 self._wrong(event.line, "the torch started twice", "it off before")
-            if self._tip is None or self._a_deg is None:
+            if not self._is_placed or self._a_deg is None:
                 self._wrong(event.line, "the torch started nowhere", "a place and A before")
             self._on_at, self._waited, self._moves = event.line, 0.0, []
         elif event.said in self._off_words:
@@ -253,7 +256,7 @@ class TorchFollower(ABC):
         if not all(map(isfinite, (*move.end, a_deg, tilts[1]))):
             if is_on:
                 self._wrong(move.line, "a cut from or to nowhere", "X, Y, Z, A and B before")
-            elif self._tip is not None or all(map(isfinite, (*move.end, a_deg))):
+            elif self._is_placed or all(map(isfinite, (*move.end, a_deg))):
                 self._wrong(move.line, "a move of a torch that may be tilted", "B before")
             self._a_deg = a_deg if isfinite(a_deg) else None
             return
@@ -265,12 +268,11 @@ class TorchFollower(ABC):
             self._say(rules.TILT.at(
                 Source(self._name, move.line), found=found, expected=f"{self._coper.tilt:g}"
             ))  # fmt: skip
-        end = self._tip_of(move.end, a_deg, tilts[1])
-        if self._tip is not None and all(map(isfinite, (*move.start, move.a_deg[0], tilts[0]))):
+        if self._is_placed and all(map(isfinite, (*move.start, move.a_deg[0], tilts[0]))):
             self.ways.append(TipMove(move.line, move.start, move.end, move.a_deg, tilts))
         if is_on:
             self._moves.append(move)
-        self._tip, self._a_deg = end, a_deg
+        self._is_placed, self._a_deg = True, a_deg
 
     def _tip_of(self, place: Place, a_deg: float, b_deg: float = 0.0) -> Place:
         """Where the tip is: what the program says, or a pivot's length below the axes."""
@@ -281,18 +283,14 @@ class TorchFollower(ABC):
         return a_deg
 
     def _limits(self, move: Move[Place]) -> None:
-        turns = (self._as_written(move.a_deg[1]), move.b_deg[1])
-        values = dict(zip("XYZAB", (*move.end, *turns), strict=True))
-        for axis in self._machine.axes:
-            least, most = axis.limits
-            found = values.get(axis.moves, least)
+        figures = (*move.end, self._as_written(move.a_deg[1]), move.b_deg[1])
+        for place, least, most, axis in self._limited:
+            found = figures[place]
             if isfinite(found) and not least <= found <= most:
-                self._say(
-                    rules.LIMIT.at(
-                        Source(self._name, move.line), axis=axis.name, found=f"{found:g}",
-                        least=f"{least:g}", most=f"{most:g}",
-                    )
-                )  # fmt: skip
+                self._say(rules.LIMIT.at(
+                    Source(self._name, move.line), axis=axis, found=f"{found:g}",
+                    least=f"{least:g}", most=f"{most:g}",
+                ))  # fmt: skip
 
     def _end(self, line: int) -> None:
         """A stroke that is whole."""

@@ -220,9 +220,9 @@ def _compared(
     turn, wall = section.turn, section.wall
     fits = row_for(rows, coper, wall)
     kept = expected.buffer(-slack, join_style="mitre")
-    prepare(kept)
     edges = {row.kerf: expected.boundary.buffer(row.kerf / 2 + slack)
              for row in {stroke.row for stroke in strokes}}  # fmt: skip
+    prepare([kept, *edges.values()])
     gone: list[Shape] = []
     bar = stock.steel.intersection(box(-1e6, -turn / 2, 1e6, 1.5 * turn))
     parting = False
@@ -237,9 +237,9 @@ def _compared(
             yield _hurt(hurt, kept, section, slack, source)
             return
         lead = _lead_of(points, coper.lead + half + stock.apart, slack)
-        off = line_of(points[lead:]).difference(edges[stroke.row.kerf])
-        off = off.intersection(stock.steel) if stock.is_piece else off
-        if off.length > slack:
+        cut, near = line_of(points[lead:]), edges[stroke.row.kerf]
+        cut = cut.intersection(stock.steel) if stock.is_piece else cut
+        if not near.covers(cut) and (off := cut.difference(near)).length > slack:
             x, u = off.representative_point().coords[0]
             yield rules.EXTRA.at(source, x=f"{x:.1f}", y=f"{u:.1f}", face=stroke.face)
             return
@@ -369,8 +369,7 @@ def _wanted(
         )
     drawn = areas_of(drawn)
     inner = [one for one in corners if ends is None or not ends.is_mouth(one)]
-    everywhere = [(x, u + k * turn) for x, u in inner for k in (-1, 0, 1)]
-    cut = with_corners_cut(drawn, everywhere, coper.corner_radius, turn)
+    cut = with_corners_cut(drawn, inner, coper.corner_radius, turn)
     return TubeWanted(drawn, cut, off, short=("v", short))
 
 

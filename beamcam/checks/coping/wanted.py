@@ -3,7 +3,7 @@
 from collections.abc import Collection, Sequence
 from functools import partial
 from itertools import pairwise
-from math import atan2, degrees, dist, hypot, pi
+from math import atan2, degrees, dist, hypot, inf, pi
 from typing import Any
 
 from msgspec import Struct
@@ -30,7 +30,7 @@ Shape = Any  #: of shapely
 
 CORNER_DEG = 20.0  #: a contour that turns by more has a corner
 FAR = 1e4  #: mm beyond any end
-NO_CRACK = 1e-9  #: mm by which what stays at a corner may stand off a side that slants
+NO_CRACK = 1e-6  #: mm that what stays at a corner goes into its sides, so as not to stand off them
 #: Radii from a corner of 60 degrees to where a disc is SLIM off its sides, which it touches at 1.73
 SHARPEST = 1.65
 SLIM = 0.02  #: radii; so little may lie along a side that is nearly straight
@@ -122,24 +122,29 @@ def with_corners_cut(drawn: Shape, corners: list[Point], radius: float, turn: fl
     """A region whose corners are as round as a machine cuts them: by its radius, or where a disc of
     that does not come to both sides of one, by the largest that does.
 
-    Of a tube it is there again at each turn.
+    That of a tube goes on for a turn behind its own and before it; `corners` are those of one turn.
     """
     from shapely import box, union_all
+    from shapely.affinity import translate
 
-    if not (left := left_at(drawn, corners, radius)):
+    turns = (-turn, 0.0, turn) if turn else (0.0,)
+    beside = 2 * radius if turn else inf  # of its own turn; so far what a disc leaves reaches
+    there = [(x, y + by) for x, y in corners for by in turns if -beside <= y + by <= turn + beside]
+    if not (left := left_at(drawn, there, radius)):
         return drawn
-    if not (cramped := _cramped(drawn, left, corners, radius)):
-        return _with_what_is_left(drawn, left, corners, radius)
-    whole = [with_round_corners(drawn, [one for one in corners if one not in cramped], radius)]
-    rooms: dict[tuple[int, int], float] = {}
+    if cramped := set(_cramped(drawn, left, there, radius)):
+        there = [one for one in there if one not in cramped]
+        left = left_at(drawn, there, radius)
+    added, seen = _at_corners(left, there, radius), set[tuple[int, int]]()
     for x, y in sorted(cramped, key=lambda one: abs(one[1] - turn / 2)):
-        far = 5 * radius
-        near = areas_of(drawn.intersection(box(x - far, y - far, x + far, y + far)))
-        key = round(x / FINE), round((y % turn if turn else y) / FINE)
-        if key not in rooms:
-            rooms[key] = _room(near, (x, y), radius)
-        whole.append(with_round_corners(near, [(x, y)], rooms[key]))
-    return union_all(whole)
+        place = round(x / FINE), round((y % turn if turn else y) / FINE)
+        if place not in seen:
+            seen.add(place)
+            far = 5 * radius
+            near = areas_of(drawn.intersection(box(x - far, y - far, x + far, y + far)))
+            room = _room(near, (x, y), radius)
+            added += _at_corners(left_at(near, [(x, y)], room), [(x, y)], room)
+    return areas_of(union_all([drawn, *(translate(one, 0.0, by) for one in added for by in turns)]))
 
 
 def _room(near: Shape, corner: Point, radius: float) -> float:
@@ -163,25 +168,26 @@ def _cramped(
     from shapely import MultiPoint, distance, get_coordinates, points
 
     found, slim, places = list[Point](), SLIM * radius / 2, points(corners)
+    border = drawn.boundary
     for piece in left:
         for core in pieces_of(piece.buffer(-slim).buffer(slim)):  # thin stretches join some
             near = distance(core, places) <= 4 * slim
             mine = [corner for corner, is_near in zip(corners, near, strict=True) if is_near]
             if mine:
-                border = points(get_coordinates(core.segmentize(radius / 4)))
-                far = distance(MultiPoint(mine), border).max()
-                if far > SHARPEST * radius or _turns_beside(core.buffer(slim), drawn) > FACING_DEG:
+                round_it = points(get_coordinates(core.segmentize(radius / 4)))
+                far = distance(MultiPoint(mine), round_it).max()
+                if far > SHARPEST * radius or _turns_beside(core.buffer(slim), border) > FACING_DEG:
                     found += mine
     return found
 
 
-def _turns_beside(piece: Shape, drawn: Shape) -> float:
-    """Degrees that the steel beside a piece turns at most, from where that begins on."""
+def _turns_beside(piece: Shape, border: Shape) -> float:
+    """Degrees that a border turns at most beside a piece, from where that begins on."""
     from shapely import get_coordinates, line_merge
     from shapely.ops import substring
 
-    border, most = drawn.boundary.intersection(piece.buffer(FINE)), 0.0
-    for line in pieces_of(line_merge(border) if border.geom_type == "MultiLineString" else border):
+    beside, most = border.intersection(piece.buffer(FINE)), 0.0
+    for line in pieces_of(line_merge(beside) if beside.geom_type == "MultiLineString" else beside):
         # Without its ends, where it goes on round the corners on which the disc rests.
         inner = substring(line, 5 * FINE, line.length - 5 * FINE).simplify(FINE)
         xy = get_coordinates(inner).tolist()
@@ -210,35 +216,28 @@ def left_at(drawn: Shape, corners: list[Point], radius: float) -> list[Shape]:
 
 def with_round_corners(drawn: Shape, corners: list[Point], radius: float) -> Shape:
     """A region and the steel that a disc of a radius, rolled through the air, leaves at corners."""
-    return _with_what_is_left(drawn, left_at(drawn, corners, radius), corners, radius)
+    from shapely import union_all
+
+    added = _at_corners(left_at(drawn, corners, radius), corners, radius)
+    return areas_of(union_all([drawn, *added])) if added else drawn
 
 
-def _with_what_is_left(
-    drawn: Shape, left: Sequence[Shape], corners: list[Point], radius: float
-) -> Shape:
-    from shapely import GEOSException, union_all
-
-    if not left:
-        return drawn
-    every = [drawn, *(_at_corners(one, corners, radius) for one in left)]
-    try:
-        return areas_of(union_all(every, grid_size=NO_CRACK))
-    except GEOSException:  # on a grid GEOS joins not all that it joins without one
-        return areas_of(union_all(every))
-
-
-def _at_corners(piece: Shape, corners: list[Point], radius: float) -> Shape:
-    """What of a piece that a disc leaves is at corners.
+def _at_corners(left: Sequence[Shape], corners: list[Point], radius: float) -> list[Shape]:
+    """What of the pieces that a disc leaves is at corners, without cracks beside what it joins.
 
     In a slot that narrows to its mouth the disc touches both sides and leaves steel beyond it too,
     joined where it touches to that at the floor.
     """
     from shapely import MultiPoint, union_all
 
-    thin, places = TOUCH * radius, MultiPoint(corners)
-    cores = pieces_of(piece.buffer(-thin).buffer(thin))
-    beyond = [one.buffer(2 * thin) for one in cores if one.distance(places) > 4 * thin]
-    return areas_of(piece.difference(union_all(beyond))) if len(beyond) < len(cores) else piece
+    found, thin, places = list[Shape](), TOUCH * radius, MultiPoint(corners)
+    for piece in left:
+        cores = pieces_of(piece.buffer(-thin).buffer(thin))
+        beyond = [one.buffer(2 * thin) for one in cores if one.distance(places) > 4 * thin]
+        is_split = len(beyond) < len(cores)
+        own = areas_of(piece.difference(union_all(beyond))) if is_split else piece
+        found.append(own.buffer(NO_CRACK, join_style="mitre"))
+    return found
 
 
 def corners_of(curves: tuple[Curve, ...], steel: Shape) -> list[Point]:

@@ -21,6 +21,7 @@ from beamcam.model.colour import key_of, process_of
 from beamcam.model.part import (
     PLATE_FACES,
     Contour,
+    EndPlane,
     Feature,
     Hole,
     Part,
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
 
 Needs = dict[TorchProcess, list[Curve]]
 SAME_PLACE = 1e-5  #: mm between the centres of two features that are spotted once
+PLANE_OFF = 0.1  #: mm that an end plane may lie inside of a plate and take nothing
 OUTLINE = -1  #: in place of a feature, for the rectangle of a plate without a contour of its own
 
 
@@ -137,7 +139,7 @@ def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) 
             outlined = outlined or (
                 feature.kind == "outer" and feature.process == "cut" and feature.face in PLATE_FACES
             )
-        if hand[index]:
+        if hand[index] or (isinstance(feature, EndPlane) and not _cuts(feature, part, thickness)):
             continue
         policy = policy_on(feature, machine.marks)
         if policy == "make" and isinstance(feature, TextMark):
@@ -276,6 +278,16 @@ def lack_of(feature: Feature, torch: Torch, thickness: float) -> str | None:
             return "mark"
         case _:
             return "other"
+
+
+def _cuts(plane: EndPlane, part: Part, thickness: float) -> bool:
+    """Whether some of a plate lies before a plane, by more than its edges may be off."""
+    ways = np.array(plane.normal) / np.linalg.norm(plane.normal)
+    own = [c for f in part.contours if f.kind == "outer" for c in f.curves]
+    ends = [at for c in own or header_outline(part) for at in (c.bbox[:2], c.bbox[2:])]
+    low, high = (*np.min(ends, axis=0), 0.0), (*np.max(ends, axis=0), thickness)
+    farthest = np.where(ways > 0.0, high, low)
+    return bool(ways @ (farthest - plane.point) > PLANE_OFF)
 
 
 def _not_made(need: Need, part: Part, feature: Feature, lack: str) -> None:

@@ -1,5 +1,8 @@
 """Features of a plate that a torch can make, and those left for drill and grinder."""
 
+from itertools import product
+from math import hypot
+
 from beamcam.errors import Diagnostic
 from beamcam.machine.torch import Torch
 from beamcam.model.part import (
@@ -11,10 +14,14 @@ from beamcam.model.part import (
     EndPlane,
     Feature,
     Hole,
+    Part,
     Slot,
     TextMark,
+    extent,
 )
 from beamcam.planning import rules as bar_rules
+
+BESIDE = 0.1  #: mm that a plane may lie inside of the edge that it states once more
 
 
 def min_hole(torch: Torch, thickness: float) -> float:
@@ -36,6 +43,17 @@ def is_drilled(feature: Feature, torch: Torch, thickness: float) -> bool:
     if feature.kind == "mark" or feature.face not in PLATE_FACES:
         return False
     return refusal(feature, torch, thickness) is not None
+
+
+def takes_nothing(plane: EndPlane, part: Part, thickness: float) -> bool:
+    """Whether all of a plate lies behind a plane, as where that states a square end once more."""
+    outer = [curve for one in part.contours if one.kind == "outer" for curve in one.curves]
+    x0, y0, x1, y1 = extent(outer) or (0.0, 0.0, part.length, part.profile.height)
+    (px, py, pz), (a, b, c) = plane.point, plane.normal
+    return all(
+        a * (x - px) + b * (y - py) + c * (z - pz) <= BESIDE * hypot(a, b, c)
+        for x, y, z in product((x0, x1), (y0, y1), (0.0, thickness))
+    )
 
 
 def refusal(feature: Feature, torch: Torch, thickness: float) -> Diagnostic | None:

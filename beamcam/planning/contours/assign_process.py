@@ -17,6 +17,7 @@ from beamcam.model.colour import colour_name, key_of, process_of
 from beamcam.model.hatch import is_filled_only
 from beamcam.model.part import (
     Contour,
+    EndPlane,
     Feature,
     Hole,
     Part,
@@ -27,7 +28,7 @@ from beamcam.model.part import (
 from beamcam.model.request import policy_on
 from beamcam.planning import rules as bar_rules
 from beamcam.planning.contours import rules
-from beamcam.planning.contours.ability import is_drilled, refusal
+from beamcam.planning.contours.ability import is_drilled, refusal, takes_nothing
 from beamcam.planning.contours.layout import outline_of
 from beamcam.planning.left_out import (
     BEVEL,
@@ -71,6 +72,7 @@ class Assigned(Struct):
     rings: set[int] = field(default_factory=set)  #: features that are closed by what they say
     skipped: dict[int, str] = field(default_factory=dict)  #: feature: the code it is left out by
     filled: dict[int, str] = field(default_factory=dict)  #: hatched, not followed: the process
+    stated: set[int] = field(default_factory=set)  #: end planes that the outline makes
     listed: dict[int, str] = field(default_factory=dict)  #: marks left for manual work, and why
     #: places that the torch spots where it stands, and the features whose centres they are
     spots: dict[Point, list[int]] = field(default_factory=dict)
@@ -87,6 +89,9 @@ def assign_processes(
     meanings = _Meanings(torch)
     unmapped: dict[Look, list[Contour]] = defaultdict(list)
     for index, feature in enumerate(part.features):
+        if isinstance(feature, EndPlane) and takes_nothing(feature, part, thickness):
+            assigned.stated.add(index)
+            continue
         if _is_out(index, feature, torch, thickness, machine, skips, assigned):
             continue
         if isinstance(feature, Contour):

@@ -6,6 +6,7 @@ them.
 """
 
 from collections.abc import Iterator, Mapping
+from itertools import pairwise
 from math import asin, pi, sin
 from typing import Any
 
@@ -60,7 +61,8 @@ class BoxFace(Struct, frozen=True):
         order = np.lexsort((xs, level))
         pieces, of = xs[order].reshape(-1, 2), level[order][::2]
         met = pieces[:, 0] < pieces[:, 1]
-        return np.split(pieces[met].ravel(), 2 * np.searchsorted(of[met], np.arange(1, len(ys))))
+        found, ends = pieces[met].ravel(), 2 * np.searchsorted(of[met], np.arange(len(ys) + 1))
+        return [found[begin:end] for begin, end in pairwise(ends.tolist())]
 
 
 #: The faces beside a corner, and whether it lies at the greatest y of each.
@@ -128,19 +130,17 @@ def _lines_over(
     places = [(turn, turn) for turn in np.linspace(0.0, pi / 2, LEVELS).tolist()]
     places += [(turn + by, turn) for turn in bends for by in BESIDE_BEND]
     turns, at = np.array(sorted(places)).T.round(9)
-    found = []
-    for deep in (r, r - wall):
-        views = (np.minimum(r - deep * way, r - EDGE) for way in (np.sin(turns), np.cos(turns)))
-        rows = [f.crossings(off, high) for f, off, high in zip(faces, views, highs, strict=True)]
-        if len({len(row) for of_one in rows for row in of_one}) > 1:
-            return "a line that ends in it"
-        found.append([np.array(of_one) for of_one in rows])
-    (out_a, out_b), inside = found
+    radii = np.repeat((r, r - wall), len(turns))  # outside of the wall, and inside
+    views = (np.minimum(r - radii * np.tile(way(turns), 2), r - EDGE) for way in (np.sin, np.cos))
+    rows = [f.crossings(view, high) for f, view, high in zip(faces, views, highs, strict=True)]
+    if len({len(row) for of_one in rows for row in of_one}) > 1:
+        return "a line that ends in it"
+    (out_a, in_a), (out_b, in_b) = (np.split(np.array(of_one), 2) for of_one in rows)
     if (apart := float(np.abs(out_a[-1] - out_b[0]).max(initial=0.0))) > MEET:
         return f"lines {apart:.3g} mm apart at its edge"
     share = (turns / (pi / 2))[:, None]
     edge = (1 - share) * out_b[0] + share * out_a[-1]
-    lines, deepest = out_a + out_b - edge, inside[0] + inside[1] - edge
+    lines, deepest = out_a + out_b - edge, in_a + in_b - edge
     jumps = [(np.abs(np.diff(one, axis=0)) > STEP).any(axis=0) for one in (out_a, out_b)]
     if any(jump.any() and (off < wall - THIN).any() for jump, off in zip(jumps, offs, strict=True)):
         return "a line along the tube nearer to its edge than the inside of the wall"

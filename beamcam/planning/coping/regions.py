@@ -199,10 +199,11 @@ def _filled(
 
     places = MultiPoint(corners)
     closed = shape.buffer(radius, ROUND).buffer(-radius, ROUND)
+    filled = [one for one in _polygons(closed.difference(shape)) if one.distance(places) <= CHORD]
     each = np.array(places.geoms)
     added, found, narrow = [], dict[Point, float](), list[Point]()
     tip = (2 * THIN) ** 0.5 * radius  # from where a disc touches a side to where it is THIN off it
-    for piece, core in _pieces(closed.difference(shape), THIN * radius / 2, tip):
+    for piece, core in _pieces(filled, THIN * radius / 2, tip):
         mine = each[distance(piece, each) <= CHORD].tolist()
         if not mine:
             continue
@@ -218,12 +219,12 @@ def _filled(
     return added, found, narrow
 
 
-def _pieces(shape: Shape, half: float, tip: float) -> Iterator[tuple[Shape, Shape]]:
-    """The pieces of a shape, also those that slivers join, each with what of it is
-    thicker than twice `half`; beyond that they go on for `tip`."""
+def _pieces(joined: Sequence[Shape], half: float, tip: float) -> Iterator[tuple[Shape, Shape]]:
+    """Pieces, also those that slivers join, each with what of it is thicker than twice `half`;
+    beyond that they go on for `tip`."""
     from shapely import union_all
 
-    for piece in _polygons(shape):
+    for piece in joined:
         cores = [*_polygons(piece.buffer(-half).buffer(half))] or [piece]
         for core in cores:
             others = [one.buffer(tip) for one in cores if one is not core]

@@ -1,4 +1,5 @@
-"""A plate with bends: its flat is cut, and each bend stands on the list of manual work."""
+"""A plate with bends: its flat is cut, and each bend stands on the list of manual work; planes that
+take nothing of it."""
 
 import pytest
 from hypothesis import given
@@ -8,10 +9,10 @@ from msgspec.structs import replace
 from beamcam.checks.sheets import verify_sheet
 from beamcam.errors import PlanError
 from beamcam.machine import load
-from beamcam.model.part import Bend
+from beamcam.model.part import Bend, EndPlane
 from beamcam.pipeline import post
 from beamcam.planning.left_out import manual_rows
-from tests.unit.sheets.parts import S, box, contour, drawing
+from tests.unit.sheets.parts import S, box, contour, drawing, plate
 
 PLATE = load("plate-linuxcnc")
 OUTLINE = contour(box(0, 0, 200, 100), line=1)
@@ -51,3 +52,23 @@ def test_a_machine_that_lists_no_bends_refuses_them_by_name() -> None:
     assert [d.code for d in refused.value.diagnostics] == ["plan-other"]
     listed = post((part,), PLATE).text
     assert "verify-sheet-not-made" in {d.code for d in verify_sheet(listed, (part,), strict)}
+
+
+@given(st.tuples(*3 * [st.integers(-3, 3)]).filter(any), st.floats(-0.05, 30), st.floats(0.2, 5))
+def test_a_plane_that_takes_nothing_is_no_work_and_any_other_is_refused(
+    normal: tuple[int, int, int], off: float, deep: float
+) -> None:
+    bare = plate(OUTLINE)
+    plain, long = post((bare,), PLATE), sum(n * n for n in normal) ** 0.5
+    # The place of the plate that lies farthest along the normal, and places from there along it.
+    x, y, z = (size * (n > 0) for n, size in zip(normal, (200.0, 100.0, 6.0), strict=True))
+    beside, inside = (
+        replace(bare, features=(OUTLINE, EndPlane(
+            (x + by * normal[0], y + by * normal[1], z + by * normal[2]), normal, S)))
+        for by in (off / long, -deep / long)
+    )  # fmt: skip
+    assert post((beside,), PLATE).text == plain.text
+    with pytest.raises(PlanError) as refused:
+        post((inside,), PLATE)
+    assert [d.code for d in refused.value.diagnostics] == ["plan-other"]
+    assert [d.code for d in verify_sheet(plain.text, (inside,), PLATE)] == ["verify-sheet-not-made"]
