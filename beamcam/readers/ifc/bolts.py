@@ -50,8 +50,7 @@ def bolts_of(model: Model) -> tuple[list[Bolt], list[str]]:
 
     Those are nuts, washers and weld symbols, but also bolts of a form that is not understood.
     """
-    bolts: list[Bolt] = []
-    without: list[str] = []
+    bolts, without = list[Bolt](), list[str]()
     for element in model.file.by_type("IfcMechanicalFastener"):
         try:
             bolts.append(_bolt(model, element))
@@ -122,8 +121,7 @@ def drill_bolt_holes(
     A member with a bolt off square is not among them, unless it is forced.
     """
     bolts, without = bolts_of(model)
-    parts: list[Part] = []
-    diagnostics: list[Diagnostic] = []
+    parts, diagnostics = list[Part](), list[Diagnostic]()
     for element, part, shaped in members:
         said: list[Diagnostic] = []
         if bolts and walls_of(shaped.section) and not any((*part.holes, *part.slots)):
@@ -158,8 +156,7 @@ def _drilled(
 
     `world` is where its member's axes lie.
     """
-    holes: list[Hole] = []
-    diagnostics: list[Diagnostic] = []
+    holes, diagnostics = list[Hole](), list[Diagnostic]()
     for bolt, wall, (x, q), lean in _crossings(bolts, world, part, shaped):
         if lean > SQUARE_DEG:
             texts = {"angle": f"{lean:.1f}", "face": wall.face}

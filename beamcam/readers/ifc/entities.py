@@ -174,7 +174,7 @@ def square_to(v: Vec, axis: Vec) -> Vec:
 
 #: The relations by what they tie to elements, and which of their values that is; features are
 #: openings and what is added.
-_CLASSES = {
+RELATIONS = {
     "openings": (("IfcRelVoidsElement",), 5),
     "projections": (("IfcRelProjectsElement",), 5),
     "definitions": (("IfcRelDefinesByProperties",), 5),
@@ -195,7 +195,7 @@ def tied(element: Entity, what: str) -> list[Any]:
     known = element.file.tied.get(what)
     if known is None:
         known = defaultdict(list)
-        classes, place = _CLASSES[what]
+        classes, place = RELATIONS[what]
         for relation in chain.from_iterable(map(element.file.by_type, classes)):
             values = relation.values
             near = values[9 - place]

@@ -87,8 +87,7 @@ def read_shell(shell: Shell, source: Source, volume: float | None = None) -> Sha
 
     `volume` is that of the solid in mm3 where the shell only stands for it.
     """
-    shapes: list[Shaped] = []
-    faults: list[Unreadable] = []
+    shapes, faults = list[Shaped](), list[Unreadable]()
     for stock in _stocks(shell):
         try:
             shape = _member(shell, stock, source)

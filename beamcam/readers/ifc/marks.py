@@ -139,6 +139,8 @@ def material_of(model: Model, element: Entity) -> str:
 
 
 def _name_of(material: Entity) -> str:
+    if material.is_a() == "IfcMaterial":
+        return (material.Name or "").strip()
     for path in ("ForProfileSet", "ForLayerSet", "MaterialProfiles", "MaterialLayers", "Materials",
                  "MaterialConstituents", "Material"):  # fmt: skip
         inner = getattr(material, path, None)

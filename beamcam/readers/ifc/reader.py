@@ -14,7 +14,7 @@ from beamcam.model.request import Options, Progress, Selection
 from beamcam.processes import Died, Pool
 from beamcam.readers import Reading
 from beamcam.readers.ifc import member, rules
-from beamcam.readers.ifc.entities import Model, open_file
+from beamcam.readers.ifc.entities import NOT_WELL_FORMED, RELATIONS, Model, open_file, tied
 from beamcam.readers.ifc.member import KernelNeeded, Members, Taken
 from beamcam.readers.ifc.text import Malformed
 from beamcam.system import start_method
@@ -111,9 +111,12 @@ def _read(
 ) -> Reading:
     members = Members.of(model, name, selection, options)
     elements = members.elements
-    taken = Taken()
-    workers = workers_for(options, len(elements))
+    taken, workers = Taken(), workers_for(options, len(elements))
     members.may_build = not options.apart
+    if workers:  # relations are not for each process to find
+        with suppress(*NOT_WELL_FORMED):
+            for what in RELATIONS:
+                tied(elements[0], what)
     each = (members.share, members.died, len(elements), workers, options.kernel)
     for share in shares(*each, members.build_here):
         taken.add(share)

@@ -236,7 +236,9 @@ class File:
         """The values of a record."""
         if self._written:
             return Doubtful(self._as_written(self._written[number], held))
-        return tuple([self._value(self._read(held, k)) for k in range(len(known.places))])
+        read = self._read
+        found = (read(held, k) for k in range(len(known.places)))
+        return tuple([one if isinstance(one, _PLAIN) else self._value(one) for one in found])
 
     def _as_written(self, record: StepRecord, held: Any) -> Iterator[Any]:
         """The values that ifcopenshell has as they are written, references, and errors for others.

@@ -91,9 +91,7 @@ def cut(stock: Stock, cutters: Sequence[Cutter], source: Source) -> Shaped:
     section = stock.section
     corners = corner_points(section)
     walls = walls_of(section)
-    starts: list[HalfSpace] = []
-    ends: list[HalfSpace] = []
-    rest: list[Cutter] = []
+    starts, ends, rest = list[HalfSpace](), list[HalfSpace](), list[Cutter]()
     for cutter in cutters:
         is_hole = walls and isinstance(cutter, Prism) and cutter.shape is not None
         plane = None if is_hole else end_plane(cutter, stock, corners)
@@ -105,8 +103,7 @@ def cut(stock: Stock, cutters: Sequence[Cutter], source: Source) -> Shaped:
     end = trim(HalfSpace.at(1, stock.x1), ends, corners)
     if start.most + end.most < MIN_LENGTH:
         raise Unreadable("end cuts that leave nothing")
-    holes: list[Hole | Slot] = []
-    general: list[Cutter] = []
+    holes, general = list[Hole | Slot](), list[Cutter]()
     for cutter in rest:
         pierced = pierce(cutter, section, start, end, source)
         if pierced is None:

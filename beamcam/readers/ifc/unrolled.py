@@ -191,8 +191,7 @@ def _left(
 
 def _surface(rows: Floats, triangles: Any, radius: float) -> Surface:
     """The borders of the steel of a surface by the corners of its facets, steel on their left."""
-    ends: list[Floats] = []
-    windows, pieces = list[Floats](), 0
+    ends, windows, pieces = list[Floats](), list[Floats](), 0
     for corners in _loops(triangles):
         loop = rows[[*corners, corners[0]]].copy()
         loop[:, 1] = np.unwrap(loop[:, 1])
