@@ -47,7 +47,6 @@ CACHES = {
     "ifc.kernel": Bound(1, "ifcopenshell is loaded where a solid has to be built, 300 ms"),
     "ifc.section_name": Bound(4096, "the members of a model share the texts that name sections"),
     "ifc.said_measures": Bound(4096, "the members of a model share the names of their sections"),
-    "ifc.axes": Bound(4096, "the members of a model share their axes"),
     "ifc.spread": Bound(4096, "the holes of a model share size and axes"),
     "ifc.walls": Bound(4096, "each face of a member asks for the walls of its section"),
     "ifc.corners": Bound(4096, "each end of a member asks for the corners of its section"),

@@ -176,7 +176,7 @@ def counted(reading: Reading) -> Sequence[Part]:
     """The parts of a reading, equal members of a model as one with their number as quantity."""
     if reading.format != "ifc":
         return reading.parts
-    from beamcam.readers.ifc.reader import equal_parts
+    from beamcam.comparison.parts import equal_parts
 
     return equal_parts(reading.parts)
 

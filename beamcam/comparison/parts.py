@@ -1,8 +1,9 @@
-"""Two parts compared feature by feature, wherever those stand in their files."""
+"""Two parts compared feature by feature, wherever those stand in their files; equal ones as one."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
-from msgspec.structs import fields
+from msgspec import Struct
+from msgspec.structs import fields, replace
 
 from beamcam.comparison.pairing import (
     Difference,
@@ -137,3 +138,39 @@ def _key(curve: Curve, dx: float, dy: float) -> tuple[object, ...]:
     return type(curve).__name__, *(
         (round(x + dx, 3) + 0.0, round(y + dy, 3) + 0.0) for x, y in points
     )
+
+
+# --- quantities -----------------------------------------------------------------------------------
+
+GRAIN = 0.05  #: mm and degrees to which measures are compared
+
+
+def equal_parts(parts: Iterable[Part]) -> tuple[Part, ...]:
+    """The parts with those of one mark, grade and geometry as one, its quantity their sum.
+
+    They stand in the order in which each came first.
+    """
+    first: dict[object, Part] = {}
+    for part in parts:
+        profile = replace(part.profile, name="")
+        form = profile, part.section, part.length, part.cuts, part.features
+        key = part.mark, part.grade, part.drawing, _grained(form)
+        known = first.setdefault(key, part)
+        if known is not part:
+            first[key] = replace(known, quantity=known.quantity + part.quantity)
+    return tuple(first.values())
+
+
+def _grained(value: object) -> object:
+    """A key that equal values share, whatever the order of the features and curves among them."""
+    if isinstance(value, float):
+        return round(value / GRAIN)
+    if isinstance(value, Struct):
+        fields = (getattr(value, name) for name in value.__struct_fields__ if name != "source")
+        return (type(value).__name__, *map(_grained, fields))
+    if isinstance(value, tuple):
+        found = map(_grained, value)
+        return tuple(
+            sorted(found, key=repr) if all(isinstance(v, Struct) for v in value) else found
+        )
+    return value

@@ -7,13 +7,13 @@ from typing import Any
 
 import pytest
 
+from beamcam.comparison.parts import equal_parts
 from beamcam.errors import Severity
 from beamcam.machine import load
 from beamcam.model.part import Contour, Hole, Part, Slot
 from beamcam.pipeline import post
 from beamcam.readers import Reading, dstv
 from beamcam.readers.ifc import Options, Selection, read
-from beamcam.readers.ifc.reader import equal_parts
 from beamcam.writers.dstv import write
 from tests.conftest import CORPUS
 from tests.unit.readers.ifc.models import opened

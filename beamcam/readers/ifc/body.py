@@ -10,32 +10,23 @@ the building it is, and its large numbers are kept out.
 
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import chain
-from math import hypot
+from math import copysign, hypot
+from operator import itemgetter
 
 import numpy as np
 from msgspec import Struct
 
 from beamcam.geometry.curves import Arc
 from beamcam.readers.ifc import rules
-from beamcam.readers.ifc.curves2d import chain_of
 from beamcam.readers.ifc.cutters import Combined, Cutter, HalfSpace, Prism, hole_of
-from beamcam.readers.ifc.entities import (
-    Coordinates,
-    Entity,
-    Model,
-    Unreadable,
-    features_of,
-    ratios,
-)
-from beamcam.readers.ifc.profiles import Outline, definition, outline_of, rounded_box
+from beamcam.readers.ifc.entities import Coordinates, Entity, Model, Unreadable, features_of, ratios
+from beamcam.readers.ifc.profiles import Outline, chain_of, definition, outline_of, rounded_box
 from beamcam.readers.ifc.shell import Shell, moved, shell
-from beamcam.readers.ifc.space import IDENTITY, Frame, Vec, scale, unit
+from beamcam.readers.ifc.space import IDENTITY, Frame, Vec, cross, dot, scale, unit
 
 #: Identifiers of a representation that holds the solid, the best first.
 _BODIES = {"Body": 0, None: 1, "": 2, "Facetation": 3, "Body-FallBack": 4}
-_SKIPPED_REPRESENTATIONS = (
-    "Axis", "BoundingBox", "Box", "FootPrint", "Profile", "CoG", "Clearance",
-)  # fmt: skip
+_SKIPPED = ("Axis", "BoundingBox", "Box", "FootPrint", "Profile", "CoG", "Clearance")
 _FLAT_TYPES = ("Curve2D", "Curve3D", "Curve", "BoundingBox", "GeometricCurveSet", "Point")
 
 
@@ -86,28 +77,23 @@ def body_representation(element: Entity) -> Entity:
     shape = element.values[6]
     if shape is None:
         raise Unreadable("no geometry")
-    best: Entity | None = None
-    first = len(_BODIES) + 1
+    solid: list[tuple[int, Entity]] = []
     for one in shape.values[2]:
         _, identifier, kind, items, *_ = one.values
-        if identifier in _SKIPPED_REPRESENTATIONS or kind in _FLAT_TYPES or not items:
-            continue
-        place = _BODIES.get(identifier, len(_BODIES))
-        if place < first:
-            best, first = one, place
-    if best is None:
+        if items and identifier not in _SKIPPED and kind not in _FLAT_TYPES:
+            solid.append((_BODIES.get(identifier, len(_BODIES)), one))
+    if not solid:
         raise Unreadable("no solid geometry")
-    return best
+    return min(solid, key=itemgetter(0))[1]
 
 
 def relative_placement(model: Model, element: Entity, other: Entity) -> Frame:
     """Placement of `other` in the coordinates of `element`."""
     mine, its = element.values[5], other.values[5]
-    if its is not None and mine is not None and its.is_a("IfcLocalPlacement"):
-        relative = its.values[0]
-        # Directly below the element the world's large numbers never come in.
-        if relative is mine:
-            return model.axes(its.values[1])
+    # Directly below the element the world's large numbers never come in.
+    local = its is not None and mine is not None and its.is_a("IfcLocalPlacement")
+    if local and its.values[0] is mine:
+        return model.axes(its.values[1])
     return model.placement(mine).inverse().times(model.placement(its))
 
 
@@ -180,8 +166,7 @@ FACETED = frozenset((
     "IfcFacetedBrep", "IfcTessellatedFaceSet", "IfcFaceBasedSurfaceModel",
     "IfcShellBasedSurfaceModel",
 ))  # fmt: skip
-FAR = 1e6  #: mm; how far the prism of a bounded half-space reaches
-UPRIGHT = (0.0, 0.0, 1.0)
+FAR = 1e6  #: mm beyond any member; how far the prism of a bounded half-space reaches
 OFF_SQUARE = 2e-3  #: tangent of the angle by which a hole may be pushed off square
 
 
@@ -195,9 +180,7 @@ def mapping(model: Model, item: Entity, frame: Frame) -> tuple[Frame, tuple[Enti
 
 def pushed(model: Model, position: Frame, way: Coordinates | None, depth: float) -> Vec:
     """The vector along which a profile is pushed that lies in the plane of `position`."""
-    if way is None or way == UPRIGHT:
-        return scale(position.z, depth * model.mm)
-    return position.vector(scale(unit(ratios(way) or UPRIGHT), depth * model.mm))
+    return position.vector(scale(unit(ratios(way) or (0.0, 0.0, 1.0)), depth * model.mm))
 
 
 def solid_cutters(model: Model, item: Entity, frame: Frame, where: str | None) -> Sequence[Cutter]:
@@ -251,23 +234,23 @@ def _half_space(model: Model, item: Entity, frame: Frame, where: str | None) -> 
     surface, agreement, *_ = item.values
     if not surface.is_a("IfcPlane"):
         raise Unreadable(f"a cut by a half-space over {surface.is_a()}")
-    # AgreementFlag true: the half-space lies against the normal of its plane.
-    side = -1.0 if agreement else 1.0
-    return HalfSpace.of(frame.times(model.axes(surface.values[0])), side, where)
+    plane = frame.times(model.axes(surface.values[0]))
+    # It goes with the directions in the plane, so that scales and mirrors are right. AgreementFlag
+    # true: the half-space lies against the normal of its plane.
+    normal = cross(plane.x, plane.y)
+    side = copysign(1.0, dot(normal, plane.z)) * (-1.0 if agreement else 1.0)
+    return HalfSpace(plane.o, unit(scale(normal, side)), where)
 
 
 def _primitive(model: Model, item: Entity, frame: Frame, where: str | None) -> Prism:
-    position = frame.times(model.axes(item.Position))
-    mm = model.mm
+    at, mm = frame.times(model.axes(item.Position)), model.mm
     if item.is_a("IfcBlock"):
-        x, y = item.XLength * mm, item.YLength * mm
-        middle, up = position.point((x / 2, y / 2, 0.0)), scale(position.z, item.ZLength * mm)
-        block = Frame(middle, position.x, position.y, up)
+        x, y, up = item.XLength * mm, item.YLength * mm, scale(at.z, item.ZLength * mm)
+        block = Frame(at.point((x / 2, y / 2, 0.0)), at.x, at.y, up)
         return Prism(block, Outline(rounded_box(x, y, 0.0)), where)
-    radius = item.Radius * mm
-    outline = Outline((Arc((0.0, 0.0), radius, 0.0, 360.0),))
-    frame = Frame(position.o, position.x, position.y, scale(position.z, item.Height * mm))
-    return Prism(frame, outline, where, hole_of(outline) if position.even else None)
+    outline = Outline((Arc((0.0, 0.0), item.Radius * mm, 0.0, 360.0),))
+    column = Frame(at.o, at.x, at.y, scale(at.z, item.Height * mm))
+    return Prism(column, outline, where, hole_of(outline) if at.even else None)
 
 
 # --- facets ---------------------------------------------------------------------------------------
@@ -293,26 +276,22 @@ def _faces(model: Model, item: Entity) -> Iterator[list[Ring]]:
     if item.is_a("IfcFacetedBrepWithVoids"):
         raise Unreadable("a Brep with hidden voids")
     if item.is_a("IfcFacetedBrep"):
-        yield from _shell_faces(model, (item.Outer,))
-    elif item.is_a("IfcFaceBasedSurfaceModel"):
-        yield from _shell_faces(model, item.FbsmFaces)
-    elif item.is_a("IfcShellBasedSurfaceModel"):
-        yield from _shell_faces(model, item.SbsmBoundary)
-    elif item.is_a("IfcTriangulatedFaceSet"):
-        yield from _indexed_faces(model, item, ((triangle,) for triangle in item.CoordIndex))
-    elif item.is_a("IfcPolygonalFaceSet"):
+        return _shell_faces(model, (item.Outer,))
+    if not item.is_a("IfcTessellatedFaceSet"):  # surface models, by their only value
+        return _shell_faces(model, item.values[0])
+    if item.is_a("IfcTriangulatedFaceSet"):
+        return _indexed_faces(model, item, ((triangle,) for triangle in item.CoordIndex))
+    if item.is_a("IfcPolygonalFaceSet"):
         rings = ((f.CoordIndex, *getattr(f, "InnerCoordIndices", ())) for f in item.Faces)
-        yield from _indexed_faces(model, item, rings)
-    else:
-        raise Unreadable(f"a faceted solid by {item.is_a()}")
+        return _indexed_faces(model, item, rings)
+    raise Unreadable(f"a faceted solid by {item.is_a()}")
 
 
 def _indexed_faces(
     model: Model, item: Entity, faces: Iterable[tuple[tuple[int, ...], ...]]
 ) -> Iterator[list[Ring]]:
     """Faces whose rings are places in the list of points, or in a list of such places."""
-    mm = model.mm
-    points = [(x * mm, y * mm, z * mm) for x, y, z in item.Coordinates.CoordList]
+    points = [model.point((x, y, z)) for x, y, z in item.Coordinates.CoordList]
     table = getattr(item, "PnIndex", None)
     for rings in faces:
         yield [[points[(table[i - 1] if table else i) - 1] for i in ring] for ring in rings]
@@ -327,10 +306,7 @@ def _shell_faces(model: Model, shells: Iterable[Entity]) -> Iterator[list[Ring]]
             loop = bound.Bound
             if not loop.is_a("IfcPolyLoop"):
                 raise Unreadable(f"a face bounded by {loop.is_a()}")
-            ring = [model.point(p) for p in loop.Polygon]
-            if bound.is_a("IfcFaceOuterBound"):
-                rings.insert(0, ring)
-            else:
-                rings.append(ring)
+            place = 0 if bound.is_a("IfcFaceOuterBound") else len(rings)
+            rings.insert(place, [model.point(p) for p in loop.Polygon])
         if rings:
             yield rings

@@ -7,6 +7,7 @@ clearance of the bolt's standard.
 
 from collections.abc import Iterator, Sequence
 from math import acos, degrees
+from typing import Any
 
 from msgspec import Struct
 from msgspec.structs import replace
@@ -49,8 +50,7 @@ def bolts_of(model: Model) -> tuple[list[Bolt], list[str]]:
 
     Those are nuts, washers and weld symbols, but also bolts of a form that is not understood.
     """
-    bolts: list[Bolt] = []
-    without: list[str] = []
+    bolts, without = list[Bolt](), list[str]()
     for element in model.file.by_type("IfcMechanicalFastener"):
         try:
             bolts.append(_bolt(model, element))
@@ -121,8 +121,7 @@ def drill_bolt_holes(
     A member with a bolt off square is not among them, unless it is forced.
     """
     bolts, without = bolts_of(model)
-    parts: list[Part] = []
-    diagnostics: list[Diagnostic] = []
+    parts, diagnostics = list[Part](), list[Diagnostic]()
     for element, part, shaped in members:
         said: list[Diagnostic] = []
         if bolts and walls_of(shaped.section) and not any((*part.holes, *part.slots)):
@@ -157,8 +156,7 @@ def _drilled(
 
     `world` is where its member's axes lie.
     """
-    holes: list[Hole] = []
-    diagnostics: list[Diagnostic] = []
+    holes, diagnostics = list[Hole](), list[Diagnostic]()
     for bolt, wall, (x, q), lean in _crossings(bolts, world, part, shaped):
         if lean > SQUARE_DEG:
             texts = {"angle": f"{lean:.1f}", "face": wall.face}
@@ -169,7 +167,9 @@ def _drilled(
         if all(max(abs(x - h.x), abs(q - h.y)) >= IN_LINE for h in same):
             holes.append(Hole(wall.face, x, q, diameter, Source(name, where=bolt.guid)))
     skew = [*map(rules.forced, diagnostics)] if options.force else diagnostics
-    drilled, in_air = _in_steel(holes, part)
+    solid = part_solid(part) if holes else None
+    in_air = [hole for hole in holes if not _is_in(solid, hole, part)]
+    drilled = [hole for hole in holes if hole not in in_air]
     diagnostics = []
     for face in dict.fromkeys(h.face for h in in_air):
         places = [f"x {h.x:.1f} y {h.y:.1f}" for h in in_air if h.face == face]
@@ -209,16 +209,9 @@ def _crossings(
                 yield bolt, wall, (x, q), lean
 
 
-def _in_steel(holes: Sequence[Hole], part: Part) -> tuple[list[Hole], list[Hole]]:
-    """The holes whose circles lie within what the cuts leave of their walls, and the others."""
-    steel: list[Hole] = []
-    air: list[Hole] = []
-    if not holes:
-        return steel, air
-    solid, walls = part_solid(part), solid_walls(part.profile)
-    for hole in holes:
-        wall = walls[hole.face]
-        circle = ShapelyPoint(hole.x, hole.y).buffer(hole.diameter / 2 + NEAR)
-        bore = prism(circle, 0.0, wall.thickness, wall.frame)
-        (air if (bore - solid).volume() > AIR else steel).append(hole)
-    return steel, air
+def _is_in(solid: Any, hole: Hole, part: Part) -> bool:
+    """Whether a hole's circle lies within what the cuts leave of its wall."""
+    wall = solid_walls(part.profile)[hole.face]
+    circle = ShapelyPoint(hole.x, hole.y).buffer(hole.diameter / 2 + NEAR)
+    bore = prism(circle, 0.0, wall.thickness, wall.frame)
+    return bool((bore - solid).volume() <= AIR)

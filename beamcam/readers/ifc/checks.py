@@ -10,6 +10,7 @@ from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, Rule, Severity, Source
 from beamcam.model.part import EndCuts, Part
+from beamcam.model.section import STEEL_KG_MM3
 from beamcam.readers.ifc import kernel, rules
 from beamcam.readers.ifc.body import body_representation, relative_placement
 from beamcam.readers.ifc.entities import Entity, Model, Unreadable, features_of
@@ -23,7 +24,6 @@ from beamcam.readers.ifc.solid_body import across
 from beamcam.readers.ifc.space import Frame
 from beamcam.solid.kernel import outline
 
-STEEL = 7.85e-6  #: kg/mm3
 LENGTH_SLACK = 1.0  #: mm; property sets are rounded
 WEIGHT_SLACK = 0.06  #: share; of 177 real members all but two are within 0.03
 WEIGHT_NEAR = 0.03  #: deviation from which on a weight is reported
@@ -50,7 +50,7 @@ def check_data(part: Part, shaped: Shaped, data: Data, source: Source) -> Iterat
         yield contradiction(rules.LENGTH, length, part.length)
     where, weight = data.number("weight")
     if weight > SMALL_WEIGHT:
-        weights = [v * STEEL for v in (shaped.volume, shaped.section.area * shaped.gross)]
+        weights = [v * STEEL_KG_MM3 for v in (shaped.volume, shaped.section.area * shaped.gross)]
         near, far = (
             all(abs(weight - w) > SMALL_WEIGHT + share * w for w in weights)
             for share in (WEIGHT_NEAR, WEIGHT_SLACK)
@@ -85,9 +85,9 @@ class KernelVerdict(Struct, frozen=True):
         if self.disputed is None:
             return
         where, weight = data.number("weight")
-        own = shaped.volume * STEEL
+        own, its = (volume * STEEL_KG_MM3 for volume in (shaped.volume, self.volume))
         off = abs(weight - own)
-        if weight and off <= WITNESS_SLACK * own and off < abs(weight - self.volume * STEEL) / 3:
+        if weight and off <= WITNESS_SLACK * own and off < abs(weight - its) / 3:
             solid = rules.of_the_solid(self.disputed)
             yield rules.KERNEL_DENIED.at(source, found=solid, witness=where)
         else:
@@ -139,9 +139,8 @@ def section_said(
         area = expected + more - less
     if abs(area - expected) <= SECTION_SLACK * area:
         return ()
-    found, by_measures = (f"{v / 100:.2f}" for v in (area, expected))
     rule = rules.OUTLINE if swept and section.code == "SO" else rules.SECTION_AREA
-    return (rule.at(source, found=found, expected=by_measures),)
+    return (rule.at(source, found=f"{area / 100:.2f}", expected=f"{expected / 100:.2f}"),)
 
 
 def stock_of(model: Model, element: Entity, shaped: Shaped, profile: Entity) -> BareStock:

@@ -1,24 +1,31 @@
-"""Common queries of an IFC file: units, placements, curves' axes.
+"""A model: its file opened, and common queries of it: units, placements, relations.
 
 All lengths that leave this module are millimetres.
 """
 
+import io
+import re
+import struct
+import zipfile
+import zlib
 from collections import defaultdict
 from collections.abc import Callable
 from itertools import chain
+from math import pi
+from pathlib import PurePosixPath
 from typing import Any, TypeVar
 
 from msgspec import UNSET, Struct, UnsetType, field
+from msgspec.structs import replace
 
-from beamcam.caches import cached
-from beamcam.errors import Rule
+from beamcam.budget import limits
+from beamcam.errors import Diagnostic, Rule, Source
+from beamcam.plain_text import fault_text
 from beamcam.readers.ifc import rules
 from beamcam.readers.ifc.records import Entity as Entity
 from beamcam.readers.ifc.records import File, Missing
 from beamcam.readers.ifc.space import IDENTITY, Frame, Vec, across, cross, dot, scale, sub, unit
-
-# --- units ----------------------------------------------------------------------------------------
-# The units of a model: what its numbers are in metres, radians and kilograms.
+from beamcam.readers.ifc.text import Malformed
 
 _DEEPEST = 8  #: of units that are defined by others
 
@@ -33,9 +40,9 @@ def scale_of(file: File, kind: str) -> float:
     assignment = projects[0].UnitsInContext if projects else None
     units = assignment.Units if assignment is not None else ()
     named = (one for one in units if one.is_a("IfcNamedUnit") and one.UnitType == kind)
-    unit, by = next(named, None), 1.0
-    if unit is None:
-        return by
+    if (unit := next(named, None)) is None:
+        return 1.0
+    by = 1.0
     for _ in range(_DEEPEST):
         if unit.is_a("IfcSIUnit"):
             from ifcopenshell.util.unit import prefixes
@@ -91,8 +98,7 @@ class Model(Struct):
 
     def point(self, c: Coordinates) -> Vec:
         """An IfcCartesianPoint of two or three coordinates, in mm."""
-        mm = self.mm
-        return (c[0] * mm, c[1] * mm, c[2] * mm if len(c) > 2 else 0.0)
+        return (c[0] * self.mm, c[1] * self.mm, c[2] * self.mm if len(c) > 2 else 0.0)
 
     def axes(self, placement: Placement | None) -> Frame:
         """An IfcAxis2Placement2D or 3D, or the frame itself where there is none."""
@@ -103,11 +109,14 @@ class Model(Struct):
     def _axes(self, placement: Placement) -> Frame:
         origin, ways = self.point(placement[0]), placement[1:]
         if len(ways) == 1:
-            x, y, _ = ratios(ways[0]) or (1.0, 0.0, 0.0)
-            along = unit((x, y, 0.0))
-            axes: tuple[Vec, ...] = along, (-along[1], along[0], 0.0)
+            along = ratios(ways[0]) or (1.0, 0.0, 0.0)
+            x = unit((*along[:2], 0.0))
+            axes: tuple[Vec, ...] = x, (-x[1], x[0], 0.0)
         else:
-            axes = right_handed(*map(ratios, ways))
+            axis, reference = map(ratios, ways)
+            z = (0.0, 0.0, 1.0) if axis is None else unit(axis)
+            x = square_to((1.0, 0.0, 0.0) if reference is None else reference, z)
+            axes = x, cross(z, x), z
         frame = Frame(origin, *axes)
         return IDENTITY if frame == IDENTITY else frame  # which costs nothing to multiply with
 
@@ -146,9 +155,7 @@ class Model(Struct):
 
 def ratios(c: Coordinates | None) -> Vec | None:
     """The components of an IfcDirection; None where there is none."""
-    if c is None:
-        return None
-    return (c[0], c[1], c[2] if len(c) > 2 else 0.0)
+    return None if c is None else (c[0], c[1], c[2] if len(c) > 2 else 0.0)
 
 
 def square_to(v: Vec, axis: Vec) -> Vec:
@@ -159,14 +166,6 @@ def square_to(v: Vec, axis: Vec) -> Vec:
     return unit(rest)
 
 
-@cached("ifc.axes")
-def right_handed(axis: Vec | None, reference: Vec | None) -> tuple[Vec, Vec, Vec]:
-    """The axes of an IfcAxis2Placement3D by its Axis (z) and RefDirection (x)."""
-    z = (0.0, 0.0, 1.0) if axis is None else unit(axis)
-    x = square_to((1.0, 0.0, 0.0) if reference is None else reference, z)
-    return x, cross(z, x), z
-
-
 # --- relations ------------------------------------------------------------------------------------
 # Objects related to elements: property sets, types, materials, assemblies.
 #
@@ -175,7 +174,7 @@ def right_handed(axis: Vec | None, reference: Vec | None) -> tuple[Vec, Vec, Vec
 
 #: The relations by what they tie to elements, and which of their values that is; features are
 #: openings and what is added.
-_CLASSES = {
+RELATIONS = {
     "openings": (("IfcRelVoidsElement",), 5),
     "projections": (("IfcRelProjectsElement",), 5),
     "definitions": (("IfcRelDefinesByProperties",), 5),
@@ -196,7 +195,7 @@ def tied(element: Entity, what: str) -> list[Any]:
     known = element.file.tied.get(what)
     if known is None:
         known = defaultdict(list)
-        classes, place = _CLASSES[what]
+        classes, place = RELATIONS[what]
         for relation in chain.from_iterable(map(element.file.by_type, classes)):
             values = relation.values
             near = values[9 - place]
@@ -220,3 +219,84 @@ def features_of(element: Entity, what: str) -> list[Entity]:
     for host in hosts:
         hosts += [whole for whole in tied(host, "wholes") if whole not in hosts]
     return [feature for host in hosts for feature in tied(host, what)]
+
+
+# --- opening --------------------------------------------------------------------------------------
+
+_SCHEMA = re.compile(rb"FILE_SCHEMA\s*\(\s*\(\s*'([^']*)'", re.IGNORECASE)
+#: Bytes that an archive may unpack to whatever its size, and how many times its size beyond: STEP
+#: text packs to a tenth, a bomb to a thousandth.
+MAX_UNPACKED = 64_000_000
+MAX_RATIO = 50
+_PIECE = 1 << 20
+_PACKED = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
+_NO_MODEL = "an archive without a model"
+_KNOWN = re.compile(r"IFC(2X3(_TC1)?|4|4X3(_ADD[12]|_TC1)?)$", re.IGNORECASE)
+
+
+def open_file(data: bytes, source: Source) -> Model | Diagnostic:
+    """The model of its bytes, or what is wrong with them."""
+    if data.startswith(b"PK"):
+        unzipped = _unzip(data)
+        if isinstance(unzipped, str):
+            return rules.SYNTAX.at(source, found=unzipped)
+        data = unzipped
+    schema = _SCHEMA.search(data[:200_000])
+    if b"ISO-10303-21" not in data[:2000]:
+        pointer = data.startswith(b"version https://git-lfs")
+        return rules.SYNTAX.at(source, found="a Git LFS pointer" if pointer else "no STEP header")
+    if schema is None:
+        return rules.SYNTAX.at(source, found="no FILE_SCHEMA")
+    name = schema[1].decode("latin-1")
+    if not _KNOWN.match(name):
+        return rules.SCHEMA.at(source, found=name)
+    if re.search(rb"(?m)^\s*DATA\s*;", data) is None or b"END-ISO-10303-21" not in data[-4000:]:
+        return rules.SYNTAX.at(source, found="a file that is cut short")
+    try:  # STEP is plain ASCII, and exporters that are not write UTF-8 or Latin
+        text = data.decode("utf-8")
+    except UnicodeDecodeError:
+        text = data.decode("latin-1")
+    try:
+        file = File(text, name.upper().split("_")[0])
+        # A length unit that is not well formed makes all measures void.
+        units = [scale_of(file, kind) for kind in ("LENGTHUNIT", "PLANEANGLEUNIT", "MASSUNIT")]
+    except Malformed as fault:
+        return rules.SYNTAX.at(replace(source, line=fault.line), found=str(fault))
+    except RecursionError:
+        return rules.SYNTAX.at(source, found="values too deep inside one another")
+    except NOT_WELL_FORMED as fault:
+        return rules.SYNTAX.at(source, found=fault_text(fault))
+    metres, radians, kilograms = units
+    return Model(file, data, metres * 1000, radians if 0 < radians < pi else 1.0, kilograms)
+
+
+def _unzip(data: bytes) -> bytes | str:
+    """The model in an .ifczip, or why there is none.
+
+    Of two models one would be dropped. A Mac puts a file that begins with a dot beside each.
+    """
+    try:
+        with zipfile.ZipFile(io.BytesIO(data)) as archive:
+            names = [
+                name for name in archive.namelist()
+                if name.lower().endswith(".ifc") and not PurePosixPath(name).name.startswith(".")
+            ]  # fmt: skip
+            if len(names) != 1:
+                return f"an archive with {len(names)} models" if names else _NO_MODEL
+            one = archive.getinfo(names[0])
+            if (way := one.compress_type) not in _PACKED:
+                return f"an archive that cannot be unpacked, compression {way}, expected deflation"
+            size, packed = one.file_size, len(data)
+            if size > (most := max(MAX_UNPACKED, MAX_RATIO * packed)):
+                return f"{packed} bytes that unpack to {size}, expected at most {most}"
+            most, found = min(most, limits().bytes), bytearray()
+            with archive.open(one) as file:  # the size that the directory says may be a lie
+                while piece := file.read(_PIECE):
+                    found += piece
+                    if len(found) > most:
+                        return f"an archive that unpacks to more than {most} bytes"
+            return bytes(found)
+    except (zipfile.BadZipFile, zlib.error, struct.error, EOFError, OSError, ValueError) as fault:
+        return f"a damaged archive, {fault}"
+    except (RuntimeError, NotImplementedError) as fault:  # a password, an unknown compression
+        return f"an archive that cannot be unpacked, {fault}"

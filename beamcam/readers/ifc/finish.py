@@ -22,11 +22,9 @@ from beamcam.model.part import (
     Slot,
     moved_feature,
 )
-from beamcam.readers.ifc.curves2d import Chain
-from beamcam.readers.ifc.cutters import HalfSpace
-from beamcam.readers.ifc.ends import UNEXPLAINED, Level, bevels_of, end_of, reaches
+from beamcam.readers.ifc.cutters import UNEXPLAINED, HalfSpace, Level, bevels_of, end_of
 from beamcam.readers.ifc.entities import Unreadable
-from beamcam.readers.ifc.outline import Round, Slotted, shape_of
+from beamcam.readers.ifc.outline import Chain, Round, Slotted, shape_of
 from beamcam.readers.ifc.region import Circles, Shape, chains_of, cleaned, pieces_of
 from beamcam.readers.ifc.section import BareStock, Section, Wall, corner_points, walls_of
 from beamcam.readers.ifc.space import IDENTITY, Frame, add, scale
@@ -77,12 +75,6 @@ Levels = tuple[tuple[float, Shape], ...]  #: of a wall, from its lowest c to its
 Regions = dict[Wall, Levels]
 
 
-def reach(section: Section, start: HalfSpace, end: HalfSpace) -> tuple[float, float]:
-    """Minimum and maximum x of the stock between two end planes."""
-    corners = corner_points(section)
-    return -max(reaches(start, corners)), max(reaches(end, corners))
-
-
 def sawn(
     stock: Stock,
     ends: tuple[HalfSpace, HalfSpace],
@@ -93,7 +85,7 @@ def sawn(
 ) -> Shaped:
     """The member between two plane ends of a stock, counted from its start.
 
-    `span` is its least and greatest x, as of `reach`, `volume` that of its steel where the features
+    `span` is its least and greatest x, `volume` that of its steel where the features
     are not all holes. An end that is square within tolerance has angles of 0, one that leans both
     ways is a plane.
     """
@@ -229,9 +221,7 @@ def hole_volume(section: Section, features: Sequence[Cut]) -> float:
     """Volume removed by holes, for the weight."""
     by_face = {w.face: w.thickness for w in walls_of(section)}
     total = 0.0
-    for hole in features:
-        if isinstance(hole, Contour):
-            continue
+    for hole in (one for one in features if not isinstance(one, Contour)):
         area = pi * hole.diameter * hole.diameter / 4
         if isinstance(hole, Slot):
             area += hole.diameter * (hole.length + hole.height) + hole.length * hole.height
@@ -276,12 +266,10 @@ def in_order(features: Iterable[Cut]) -> list[Cut]:
     """Contours, then holes and slots, face by face along the part, each of these once."""
 
     def place(f: Cut) -> tuple[object, ...]:
-        if isinstance(f, Contour):
-            later, (x, y) = f.kind != "outer", f.curves[0].start
-        else:
-            later, x, y = isinstance(f, Slot), f.x, f.y
-        contour = isinstance(f, Contour)
-        return not contour, "vouh".index(f.face), later, round(x * 1000), round(y * 1000)
+        first = isinstance(f, Contour)
+        later = f.kind != "outer" if isinstance(f, Contour) else isinstance(f, Slot)
+        x, y = f.curves[0].start if isinstance(f, Contour) else (f.x, f.y)
+        return not first, "vouh".index(f.face), later, round(x * 1000), round(y * 1000)
 
     once: list[Cut] = []
     for feature in sorted(features, key=place):

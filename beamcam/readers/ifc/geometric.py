@@ -17,9 +17,9 @@ from beamcam.errors import Diagnostic, Source, errors_in
 from beamcam.model.part import Hole, Slot
 from beamcam.readers.ifc import kernel, rules
 from beamcam.readers.ifc.checks import section_said
-from beamcam.readers.ifc.cutters import HalfSpace, planes_of
+from beamcam.readers.ifc.cutters import HalfSpace, planes_of, reaches
 from beamcam.readers.ifc.entities import Entity, Model, Unreadable
-from beamcam.readers.ifc.finish import Regions, Shaped, from_regions, opening, reach, sawn
+from beamcam.readers.ifc.finish import Regions, Shaped, from_regions, opening, sawn
 from beamcam.readers.ifc.outline import with_arcs
 from beamcam.readers.ifc.profiles import Outline
 from beamcam.readers.ifc.region import (
@@ -33,14 +33,15 @@ from beamcam.readers.ifc.region import (
     pieces_of,
     with_circles,
 )
-from beamcam.readers.ifc.rolled import (
-    other_axes,
-    reference,
-    rolled_stock,
-    round_axis,
-)
 from beamcam.readers.ifc.same_solid import Fineness, differences
-from beamcam.readers.ifc.section import BareStock, Section, Wall, plain_stock, walls_of
+from beamcam.readers.ifc.section import (
+    BareStock,
+    Section,
+    Wall,
+    corner_points,
+    plain_stock,
+    walls_of,
+)
 from beamcam.readers.ifc.semantic import BETWEEN, cut, outer_level
 from beamcam.readers.ifc.shell import (
     ALONG,
@@ -52,8 +53,8 @@ from beamcam.readers.ifc.shell import (
     section,
 )
 from beamcam.readers.ifc.solid_body import section_area
-from beamcam.readers.ifc.space import Frame, cross, scale
-from beamcam.readers.ifc.stock import Stock, box_of, plate_stock
+from beamcam.readers.ifc.space import Frame, across, cross, dot, scale, unit
+from beamcam.readers.ifc.stock import Stock, plate_stock, reference, rolled_stock, round_axis
 
 PRISMATIC = 0.01  #: share by which a plate's volume may differ from outline times thickness
 SAME_HOLE = 2  #: decimals of a mm in which a hole lies alike at both levels
@@ -86,8 +87,7 @@ def read_shell(shell: Shell, source: Source, volume: float | None = None) -> Sha
 
     `volume` is that of the solid in mm3 where the shell only stands for it.
     """
-    shapes: list[Shaped] = []
-    faults: list[Unreadable] = []
+    shapes, faults = list[Shaped](), list[Unreadable]()
     for stock in _stocks(shell):
         try:
             shape = _member(shell, stock, source)
@@ -100,8 +100,7 @@ def read_shell(shell: Shell, source: Source, volume: float | None = None) -> Sha
         shapes.append(shape)
     if shapes:  # the likeliest of those that are not denied
         return min(shapes, key=lambda one: bool(errors_in(one.diagnostics)))
-    kink = kinked(shell)
-    if kink is not None:
+    if (kink := kinked(shell)) is not None:
         raise Unreadable(f"a member kinked by {kink:.1f} degrees", rules.KINKED, final=True)
     if faults:
         raise faults[0]
@@ -110,11 +109,13 @@ def read_shell(shell: Shell, source: Source, volume: float | None = None) -> Sha
 
 def _stocks(shell: Shell) -> Iterator[Stock]:
     """What a shell may have been cut from, the likeliest first."""
-    plate = _plate(shell)
-    if plate is not None:
+    if (plate := _plate(shell)) is not None:
         yield plate
-    along = longest_direction(shell)
-    for axis in (along, *other_axes(shell, along), round_axis(shell, along)):
+    along, normal = longest_direction(shell), broadest_normal(shell)
+    if abs(dot(normal, along)) > 0.05:
+        normal = across(along)
+    # Others square to it are of members shorter than their section is wide.
+    for axis in (along, unit(cross(along, normal)), normal, round_axis(shell, along)):
         stock = rolled_stock(shell, axis) if axis is not None else None
         if stock is None:
             continue
@@ -134,8 +135,7 @@ def _unexplained(
     theirs = volume or body.volume or section_area(body)
     if abs(theirs - shape.volume) > SURELY_OTHER * theirs:  # building the part again takes long
         raise _not_explained(theirs, shape.volume)
-    beyond = _beyond(body, shape.section)
-    if beyond is not None:
+    if (beyond := _beyond(body, shape.section)) is not None:
         if kinked(shell) is not None:
             raise Unreadable("a kinked member", rules.SECTION)
         return (rules.UNEXPLAINED.at(source, found=beyond),)
@@ -149,21 +149,17 @@ def _unexplained(
 
 def _beyond(body: Shell, section: Section) -> str | None:
     """What of a body, in the part's place, reaches out of its section's box; None if nothing."""
-    _, y, z = body.points.T
+    x, y, z = body.points.T
     far = np.maximum.reduce((-y, -z, y - section.height, z - section.width))
-    out = body.points[far > BEYOND, 0]
-    if not len(out):
+    if not len(out := x[far > BEYOND]):
         return None
     place = f"at x {out.min():.1f} to {out.max():.1f}"
     return f"more steel, up to {far.max():.1f} mm beyond the section {place},"
 
 
 def _not_explained(theirs: float, explained: float) -> Unreadable:
-    return Unreadable(
-        f"a shell of {theirs / 1e3:.1f} cm3 whose section and cuts explain "
-        f"{explained / 1e3:.1f} cm3",
-        rules.SECTION,
-    )
+    what, by = f"a shell of {theirs / 1e3:.1f} cm3", f"{explained / 1e3:.1f} cm3"
+    return Unreadable(f"{what} whose section and cuts explain {by}", rules.SECTION)
 
 
 def _member(shell: Shell, stock: Stock, source: Source) -> Shaped:
@@ -174,7 +170,8 @@ def _member(shell: Shell, stock: Stock, source: Source) -> Shaped:
     walls, flat = walls_of(stock.section), stock.section.is_plain_flat
     if not walls:  # a round or a special section: two plane ends, nothing else
         start, end = [_flat_end(local, stock.section, side) for side in (-1, 1)]
-        span = reach(stock.section, start, end)
+        corners = corner_points(stock.section)
+        span = -max(reaches(start, corners)), max(reaches(end, corners))
         return sawn(stock, (start, end), span, (), source)
     circles = Circles()
     regions: Regions = {}
@@ -260,20 +257,21 @@ def _plate(shell: Shell) -> Stock | None:
     spans = [extent(shell, d) for d in (u, v)]
     if thickness <= 0 or thickness > min(b - a for a, b in spans) * 0.999:
         return None
-    shape = section(shell, scale(normal, low + 0.5 * thickness), normal, u, v)
-    area = float(shape.area)
-    volume = shell.volume
+    shape, *others = (
+        section(shell, scale(normal, low + share * thickness), normal, u, v)
+        for share in (0.5, LEVEL_IN, 1 - LEVEL_IN)
+    )
+    area, volume = float(shape.area), shell.volume
     if len(pieces_of(shape)) != 1:
         return None
     if volume is not None and abs(area * thickness - volume) > PRISMATIC * volume:
         return None
-    for share in (LEVEL_IN, 1 - LEVEL_IN):
-        other = section(shell, scale(normal, low + share * thickness), normal, u, v)
-        if float(shape.symmetric_difference(other).area) > PRISMATIC * area:
-            return None
+    off = (float(shape.symmetric_difference(other).area) for other in others)
+    if any(one > PRISMATIC * area for one in off):
+        return None
     outline = Outline(*chains_of(pieces_of(shape)[0], circles_in(shell.cylinders, normal, u, v)))
     lies = Frame(scale(normal, low), u, v, normal)
-    return plate_stock(box_of(outline), lies, scale(normal, thickness))
+    return plate_stock(outline, lies, scale(normal, thickness))
 
 
 def _flat_end(local: Shell, section: Section, side: int) -> HalfSpace:

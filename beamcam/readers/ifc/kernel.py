@@ -9,10 +9,11 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.caches import cached
+from beamcam.geometry.array_types import Floats
 from beamcam.geometry.polylines import polylines
-from beamcam.readers.ifc.curves2d import spline_of
 from beamcam.readers.ifc.entities import Entity, Model, Unreadable, features_of
-from beamcam.readers.ifc.shell import Points, Shell, shell, vec
+from beamcam.readers.ifc.profiles import spline_of
+from beamcam.readers.ifc.shell import Shell, shell, vec
 from beamcam.readers.ifc.space import Cylinder, cross, size, sub
 from beamcam.system import interrupts_waiting
 
@@ -118,7 +119,7 @@ def built(model: Model, element: Entity, asked: Mapping[str, Any] = FINE) -> Bui
     return Built(replace(found, cylinders=cylinders), _error(), volume, others)
 
 
-def _cylinders(facets: Points, normals: Points) -> tuple[tuple[Cylinder, ...], tuple[str, ...]]:
+def _cylinders(facets: Floats, normals: Floats) -> tuple[tuple[Cylinder, ...], tuple[str, ...]]:
     """The cylinders that facets (n, 3, 3) lie on, and what is said of other curved surfaces.
 
     The kernel's normals are those of its surfaces. Two points of a cylinder and their normals tell
@@ -151,16 +152,12 @@ def _cylinders(facets: Points, normals: Points) -> tuple[tuple[Cylinder, ...], t
     along = np.abs((sides[bent] * axes[:, None]).sum(axis=2))
     lengths = np.linalg.norm(sides[bent], axis=2)
     cone = ((apart[bent] < BENT * BENT) & (along < (1.0 - BENT) * lengths)).any(axis=1)
-    others = ("a curved surface of another form",) if (~round_ & ~cone).any() else ()
-    return kept, others
+    return kept, ("a curved surface of another form",) if (~round_ & ~cone).any() else ()
 
 
 @cached("ifc.kernel")
 def _kernel() -> Any:
-    """The module of the geometry kernel.
-
-    An interrupt waits until it is loaded: ifcopenshell's own code would swallow it.
-    """
+    """ifcopenshell with its geometry kernel. An interrupt waits, as in `parser`."""
     with interrupts_waiting():
         import ifcopenshell.geom
     return ifcopenshell
@@ -182,8 +179,14 @@ def _solid(model: Model, element: Entity, asked: Mapping[str, Any]) -> Any:
     settings.set("weld-vertices", False)  # which would leave out the normals
     for name, value in asked.items():
         settings.set(name, value)
-    file = load(model)
-    instances = [_instance(file, each) for each in (element, *openings)]
+    file = model.file.opened
+    try:
+        instances = [file.by_id(each.number) for each in (element, *openings)]
+    except RuntimeError as fault:
+        raise Unreadable(f"no element by the kernel ({fault})") from fault
+    for root in (root for one in instances for root in (one.Representation, one.ObjectPlacement)):
+        if root is not None and (broken := broken_reference(file, root)) is not None:
+            raise Unreadable(f"a broken reference ({broken})")
     if _is_in_itself(instances[0]):
         raise Unreadable("an assembly that contains itself")
     _make_buildable(model, file, used)
@@ -192,19 +195,6 @@ def _solid(model: Model, element: Entity, asked: Mapping[str, Any]) -> Any:
         return geom.create_shape(settings, instances[0], geometry_library="opencascade")
     except RuntimeError as fault:
         raise Unreadable(f"no solid by the kernel ({fault})") from fault
-
-
-def _instance(file: Any, element: Entity) -> Any:
-    """The kernel's own of an element. Raises Unreadable if it cannot follow its references."""
-    try:
-        instance = file.by_id(element.id())
-    except RuntimeError as fault:
-        raise Unreadable(f"no element by the kernel ({fault})") from fault
-    for root in (instance.Representation, instance.ObjectPlacement):
-        broken = None if root is None else broken_reference(file, root)
-        if broken is not None:
-            raise Unreadable(f"a broken reference ({broken})")
-    return instance
 
 
 def _is_in_itself(instance: Any) -> bool:
@@ -221,12 +211,6 @@ def _error() -> str | None:
     """The first error that the kernel wrote since the last call."""
     lines = str(_kernel().get_log()).splitlines()
     return next((line[:160] for line in lines if "[error]" in line.lower()), None)
-
-
-def load(model: Model) -> Any:
-    """The file as ifcopenshell has it open, with its geometry kernel at hand."""
-    _kernel()
-    return model.file.opened
 
 
 def _blunted(a: Cylinder, b: Cylinder) -> bool:
@@ -249,15 +233,14 @@ def _make_buildable(model: Model, file: Any, entities: Iterable[Entity]) -> None
     """
     for entity in entities:
         if entity.is_a("IfcRoundedRectangleProfileDef"):
-            profile = file.by_id(entity.id())
+            profile = file.by_id(entity.number)
             most = min(profile.XDim, profile.YDim) / 2 * ROUNDER
-            if profile.RoundingRadius > most:
-                profile.RoundingRadius = most
+            profile.RoundingRadius = min(profile.RoundingRadius, most)
         elif entity.is_a("IfcZShapeProfileDef"):
-            wide = entity.FlangeWidth - entity.WebThickness / 2
-            file.by_id(entity.id()).FlangeWidth = wide
+            profile = file.by_id(entity.number)
+            profile.FlangeWidth = entity.FlangeWidth - entity.WebThickness / 2
         elif entity.is_a("IfcBSplineCurve") and len(entity.values[1][0]) == 2:
-            spline = file.by_id(entity.id())
+            spline = file.by_id(entity.number)
             points = polylines((spline_of(model, entity),), SPLINE_CHORD).points / model.mm
             line = file.create_entity("IfcPolyline", [
                 file.create_entity("IfcCartesianPoint", tuple(p)) for p in points.tolist()

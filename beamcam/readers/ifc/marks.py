@@ -30,7 +30,7 @@ _NAMES = {
     "phase": ("Phase",),
 }  # fmt: skip
 _WANTED = frozenset(name for names in _NAMES.values() for name in names)
-_NOT_STEEL = (
+NOT_STEEL = (
     ("concrete", re.compile(r"concrete|beton|b[ée]ton|hormig|\bC\d\d/\d\d|precast", re.IGNORECASE)),
     ("timber", re.compile(r"timber|wood|holz|glulam|lumber|\bGL\d\d|bois|plywood", re.IGNORECASE)),
     ("masonry", re.compile(r"masonry|brick|mauerwerk", re.IGNORECASE)),
@@ -47,15 +47,19 @@ _PROFILE = re.compile(r"^[A-Za-z]{1,8}[ _.\-]?\d|^\d[\d./xX*]*[ ]?[A-Za-z]{1,4}"
 
 
 class Data(Struct, frozen=True, gc=False):
-    """The properties of a member that matter here, and of which set each is."""
+    """The properties of a member that matter here."""
 
-    rows: dict[str, list[tuple[str, Value]]] = field(default_factory=dict)  #: set, value; by name
-    cutouts: str | None = None  #: the property set that lists copes and mitres
+    sets: dict[str, dict[str, Value]] = field(default_factory=dict)  #: values by set and name
+
+    @property
+    def cutouts(self) -> str | None:
+        """The property set that lists copes and mitres."""
+        return next((of for of in self.sets if _CUTOUTS in of.lower()), None)
 
     def _said(self, what: str) -> Iterator[tuple[str, Value]]:
         """The sources and the values of a row of `_NAMES`."""
         for name in _NAMES[what]:
-            yield from ((f"{of}.{name}", value) for of, value in self.rows.get(name, ()))
+            yield from ((f"{of}.{name}", v[name]) for of, v in self.sets.items() if name in v)
 
     def text(self, what: str) -> str:
         """What the sets say of a row of `_NAMES`; empty if they say nothing."""
@@ -74,11 +78,7 @@ def data_of(model: Model, element: Entity) -> Data:
         of, values = model.once("set", definition, _set_of, model, definition)
         if values or _CUTOUTS in of.lower():
             sets.setdefault(of, values)
-    rows: dict[str, list[tuple[str, Value]]] = {}
-    for of, values in sets.items():
-        for name, value in values.items():
-            rows.setdefault(name, []).append((of, value))
-    return Data(rows, next((of for of in sets if _CUTOUTS in of.lower()), None))
+    return Data(sets)
 
 
 def _set_of(model: Model, definition: Entity) -> tuple[str, dict[str, Value]]:
@@ -111,8 +111,7 @@ def mark_of(element: Entity, data: Data) -> str:
     Fabrication sets come first, then a Tag that is not a database key, a Reference that is not a
     section, and the Name.
     """
-    mark = data.text("mark")
-    if mark:
+    if mark := data.text("mark"):
         return mark
     tag = (getattr(element, "Tag", None) or "").strip()
     if tag and not _GUID_TAG.search(tag) and tag != element.guid:
@@ -135,7 +134,7 @@ def material_of(model: Model, element: Entity) -> str:
     """The name of an element's material, or of its type's; empty if it has none."""
     for one in (element, *tied(element, "types")):
         for material in tied(one, "materials"):
-            return model.once("material", material, _name_of, material)
+            return _name_of(material)
     return ""
 
 
@@ -148,11 +147,6 @@ def _name_of(material: Entity) -> str:
         if inner:
             return _name_of(inner[0] if isinstance(inner, tuple) else inner)
     return (getattr(material, "Name", None) or "").strip()
-
-
-def not_steel(material: str) -> str | None:
-    """Kind of a non-steel material: concrete, timber, masonry."""
-    return next((what for what, words in _NOT_STEEL if words.search(material)), None)
 
 
 def grade_of(material: str, data: Data) -> tuple[str, str | None]:
@@ -177,7 +171,7 @@ def labels_of(model: Model, element: Entity, profile: Entity | None, data: Data)
     texts = own, data.text("profile"), element.ObjectType, element.Description, element.Name
     first = next(filter(None, (_section_name(text or "") for text in texts)), own)
     for material in tied(element, "materials"):
-        return first, *model.once("profile set", material, _profile_names, material)
+        return first, *_profile_names(material)
     return (first,)
 
 

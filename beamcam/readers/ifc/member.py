@@ -2,7 +2,6 @@
 
 from collections import Counter
 from collections.abc import Iterable
-from contextlib import suppress
 from typing import Any
 
 from msgspec import Struct, field
@@ -14,19 +13,20 @@ from beamcam.errors import Diagnostic, Source, errors_in
 from beamcam.geometry.plane import MAX_COORDINATE
 from beamcam.model.part import Part
 from beamcam.model.request import Options, Selection
+from beamcam.model.section import STEEL_KG_MM3
 from beamcam.readers.ifc import marks, rules
 from beamcam.readers.ifc.body import Body, Swept, body_of
-from beamcam.readers.ifc.checks import (
-    STEEL,
-    check_data,
-    check_kernel,
-    form_of,
+from beamcam.readers.ifc.checks import check_data, check_kernel, form_of
+from beamcam.readers.ifc.entities import (
+    NOT_WELL_FORMED,
+    Entity,
+    Model,
+    Unreadable,
+    features_of,
+    open_file,
 )
-from beamcam.readers.ifc.entities import NOT_WELL_FORMED, Entity, Model, Unreadable, features_of
-from beamcam.readers.ifc.finish import Shaped
+from beamcam.readers.ifc.finish import Shaped, part_of
 from beamcam.readers.ifc.geometric import read_kernel, read_shell
-from beamcam.readers.ifc.kernel import load
-from beamcam.readers.ifc.opening import open_file
 from beamcam.readers.ifc.semantic import read_swept
 from beamcam.readers.ifc.shell import Shell
 
@@ -109,15 +109,6 @@ class Members(Struct):
         """How another process has them: it opens the model again."""
         return Members.opened, (self.model.data, self.name, self.selection, self.options)
 
-    def prepare(self) -> None:
-        """Work out what the members have in common, so that processes need not each do so."""
-        if self.options.kernel:
-            load(self.model)
-        first = replace(self, options=replace(self.options, kernel=False), taken=Taken())
-        first.may_build = False
-        with suppress(KernelNeeded):
-            first.share(range(min(1, len(self.elements))))
-
     def build_here(self) -> None:
         """Let the kernel build in this process: it is one of those that end when time is up."""
         self.may_build = True
@@ -193,7 +184,7 @@ class Members(Struct):
         if not self._is_selected(member):
             raise LeftOut
         material = marks.material_of(self.model, element)
-        what = marks.not_steel(material)
+        what = next((one for one, words in marks.NOT_STEEL if words.search(material)), None)
         if what is None and element.Representation is None:
             accessory = element.is_a("IfcDiscreteAccessory")
             what = f"{'accessories' if accessory else 'elements'} without geometry"
@@ -276,7 +267,7 @@ class Members(Struct):
 
     def _part(self, member: Member, material: str, shaped: Shaped, profile: Entity | None) -> Part:
         section, source, data = shaped.section, member.source, member.data
-        bare, flat = section.profile(""), section.code == "B"  # whose weight is in kg/m2
+        bare = section.profile("")
         label, wrong = marks.named(bare, marks.labels_of(self.model, member.element, profile, data))
         size = f"{bare.height:.1f} x {bare.width:.1f} mm"
         self.taken.diagnostics += (
@@ -289,20 +280,13 @@ class Members(Struct):
         if section.lips and section.lip is None:
             areas = f"{section.area / 100:.2f}", f"{(section.area - section.lips) / 100:.2f}"
             self.taken.diagnostics.append(rules.LIPS.at(source, found=areas[0], expected=areas[1]))
-        return Part(
-            mark=member.mark,
-            profile=replace(bare, name=label),
-            length=shaped.length,
-            source=source,
-            drawing=member.assembly,
-            phase=data.text("phase"),
-            grade=grade,
-            cuts=shaped.cuts,
-            features=shaped.features,
-            weight=STEEL * (1e6 * section.width if flat else 1e3 * section.area),
+        # Of a plate it is in kg/m2.
+        weight = STEEL_KG_MM3 * (1e6 * section.width if bare.code == "B" else 1e3 * section.area)
+        return replace(
+            part_of(shaped), mark=member.mark, profile=replace(bare, name=label), source=source,
+            drawing=member.assembly, phase=data.text("phase"), grade=grade, weight=weight,
             guid=member.element.guid,
-            section=section.points,
-        )
+        )  # fmt: skip
 
 
 def plain_class(name: str) -> str:

@@ -11,8 +11,9 @@ from msgspec import Struct
 
 from beamcam.geometry.conics import arc_by_points
 from beamcam.geometry.curves import Arc, Curve, Line, Point, circle_of, slot_of
-from beamcam.geometry.plane import cross, dot
-from beamcam.readers.ifc.curves2d import Chain
+from beamcam.geometry.plane import Box, cross, dot
+
+Chain = tuple[Curve, ...]
 
 MIN_CORNERS = 12  #: of a polygon that stands for a circle; fewer are meant as they are
 MIN_RUN = 3  #: chords of a polygon that stand for an arc
@@ -46,6 +47,12 @@ class Slotted(Struct, frozen=True, gc=False, cache_hash=True):
     diameter: float
     length: float  #: centre to centre, along `angle`
     angle: float  #: degrees, from 0 to below 180
+
+
+def box_around(chain: Chain) -> Box:
+    """The bounding box of a chain that is not empty."""
+    x0, y0, x1, y1 = zip(*(curve.bbox for curve in chain), strict=True)
+    return min(x0), min(y0), max(x1), max(y1)
 
 
 def with_arcs(chain: Chain) -> Chain:
@@ -133,10 +140,8 @@ def _regular(lines: Chain) -> Chain | None:
     if len(lines) < MIN_CORNERS:
         return None
     points, n = [c.start for c in lines], len(lines)
-    third = _through(points, 0, n // 3, 2 * n // 3)
-    if third is None:
-        return None
-    if max(c.length for c in lines) > 2 * third.radius * sin(pi / MIN_CORNERS) + ON_CIRCLE:
+    third, longest = _through(points, 0, n // 3, 2 * n // 3), max(c.length for c in lines)
+    if third is None or longest > 2 * third.radius * sin(pi / MIN_CORNERS) + ON_CIRCLE:
         return None
     return (Arc(third.centre, third.radius, third.start_deg, copysign(360.0, third.sweep_deg)),)
 

@@ -1,22 +1,28 @@
-"""Profile definitions of IFC as sections: parameterised ones by their numbers, others by form."""
+"""Profile definitions of IFC as sections: parameterised ones by their numbers, others by form.
+
+Their curves are exact: lines and arcs in mm.
+"""
 
 from collections.abc import Sequence
 from functools import partial
+from itertools import pairwise
+from math import atan2, degrees, dist, hypot, pi
 from typing import Any
 
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.geometry.conics import arc_between
-from beamcam.geometry.curves import Arc, Curve, Line, Point, signed_area
+from beamcam.geometry.arc_fitting import fit_chains
+from beamcam.geometry.conics import arc_between, arc_by_points
+from beamcam.geometry.curves import Arc, BSpline, Curve, Line, Point, signed_area
 from beamcam.geometry.plane import MAX_COORDINATE, cross, normalized
 from beamcam.model.part import ProfileCode
 from beamcam.model.section import section_fault
 from beamcam.readers.ifc import rules
-from beamcam.readers.ifc.classify import classify
-from beamcam.readers.ifc.curves2d import Chain, chain_of, points_chain
 from beamcam.readers.ifc.entities import Entity, Model, Unreadable
-from beamcam.readers.ifc.section import FORMS, Section, area_by_measures, placed
+from beamcam.readers.ifc.outline import Chain
+from beamcam.readers.ifc.records import Typed
+from beamcam.readers.ifc.section import FORMS, Section, area_by_measures, classify, placed
 from beamcam.readers.ifc.space import IDENTITY, Frame
 
 #: Code of a parameterised profile, and the names of its height, width, flange, web and radius.
@@ -33,6 +39,8 @@ MEASURES: dict[str, tuple[ProfileCode, str]] = {
     "IfcCircleHollowProfileDef": ("RO", "Radius Radius WallThickness WallThickness -"),
     "IfcCircleProfileDef": ("RU", "Radius Radius - Radius -"),
 }  # fmt: skip
+SPLINE_FIT = 0.005  #: mm that the arcs which stand for a spline may lie off it
+SAME_POINT = 1e-4  #: mm between the end of a curve and the start of the next
 FLANGES = ("BottomFlangeThickness", "FlangeThickness")
 FILLETS = ("BottomFlangeFilletRadius", "FilletRadius")
 
@@ -152,10 +160,10 @@ def rounded_box(x: float, y: float, radius: float) -> Chain:
     return (*rest, first)
 
 
-def _circle(radius: float) -> Chain:
+def _circle(radius: float, centre: Point = (0.0, 0.0), start_deg: float = 0.0) -> Chain:
     if not radius > 0.0:
         raise Unreadable(f"a circle of radius {radius:g}")
-    return (Arc((0.0, 0.0), radius, 0.0, 360.0),)
+    return (Arc(centre, radius, start_deg, 360.0),)
 
 
 def moved(chain: Chain, by: Frame) -> Chain:
@@ -210,3 +218,125 @@ def rounded_chain(corners: Sequence[Point], radii: Sequence[float]) -> Chain:
         if side.length > 1e-9:
             out.append(side)
     return tuple(out)
+
+
+# --- curves ---------------------------------------------------------------------------------------
+
+
+def chain_of(model: Model, entity: Entity) -> Chain:
+    """A closed chain of lines and arcs of an IFC curve. Raises Unreadable for other curves."""
+    chain = tuple(c for c in _curve(model, entity) if c.length > SAME_POINT)
+    if not chain:
+        raise Unreadable(f"an empty {entity.is_a()}")
+    first, last = chain[0].start, chain[-1].end
+    is_open = dist(first, last) > SAME_POINT and len(chain) > 1
+    return (*chain, Line(last, first)) if is_open else chain
+
+
+def points_chain(points: list[Point]) -> Chain:
+    """The polygon of `points`, closed."""
+    return tuple(_polyline([*points, points[0]]))
+
+
+def _curve(model: Model, entity: Entity) -> list[Curve]:
+    """The curves of an entity."""
+    kind, kinds = entity.type.name, entity.type.kinds
+    if kind == "IfcPolyline":
+        return _polyline([model.point(c)[:2] for c in entity.values[0]])
+    if "IfcCompositeCurve" in kinds:
+        chain: list[Curve] = []
+        for segment in entity.values[0]:
+            if segment.type.name != "IfcCompositeCurveSegment":
+                raise Unreadable(f"a curve segment {segment.is_a()}")
+            _, forward, parent, *_ = segment.values
+            pieces = _curve(model, parent)
+            chain += pieces if forward else [c.reversed() for c in reversed(pieces)]
+        return chain
+    if kind == "IfcIndexedPolyCurve":
+        return _indexed(model, entity)
+    if kind == "IfcTrimmedCurve":
+        return [_trimmed(model, entity)]
+    if kind == "IfcCircle":
+        (x, y, _), o = model.axes(entity.Position).x, model.axes(entity.Position).o
+        return [*_circle(entity.Radius * model.mm, o[:2], degrees(atan2(y, x)))]
+    if "IfcBSplineCurve" in kinds:
+        (arcs,) = fit_chains([[spline_of(model, entity)]], SPLINE_FIT)
+        return [*arcs]
+    raise Unreadable(f"an outline by {kind}")
+
+
+def spline_of(model: Model, entity: Entity) -> BSpline:
+    """An IfcBSplineCurve in a plane. Raises Unreadable for one that is not well formed."""
+    degree, listed, *_ = entity.values
+    control = tuple((c[0] * model.mm, c[1] * model.mm) for c in listed)
+    if entity.is_a("IfcBSplineCurveWithKnots"):
+        rows = zip(entity.Knots, entity.KnotMultiplicities, strict=True)
+        knots = tuple(float(knot) for knot, often in rows for _ in range(often))
+    else:  # Bezier curves, one behind the other
+        pieces = (len(control) - 1) // degree
+        inner = (float(k) for k in range(1, pieces) for _ in range(degree))
+        knots = (*(degree + 1) * (0.0,), *inner, *(degree + 1) * (float(pieces),))
+    weights = entity.WeightsData if "WeightsData" in entity.type.places else None
+    try:
+        return BSpline(degree, control, knots, weights and tuple(map(float, weights)))
+    except ValueError as fault:
+        raise Unreadable(f"an outline by a spline that is not well formed ({fault})") from fault
+
+
+def _polyline(points: list[Point]) -> list[Curve]:
+    return [Line(a, b) for a, b in pairwise(points) if dist(a, b) > SAME_POINT]
+
+
+def _indexed(model: Model, entity: Entity) -> list[Curve]:
+    points = [model.point(c)[:2] for c in entity.Points.CoordList]
+    if entity.Segments is None:
+        return _polyline(points)
+    chain: list[Curve] = []
+    for segment in entity.Segments:
+        run = [points[i - 1] for i in segment.value]
+        if segment.is_a("IfcArcIndex"):
+            chain.append(arc_by_points(run[0], run[1], run[2]) or Line(run[0], run[2]))
+        else:
+            chain += _polyline(run)
+    return chain
+
+
+def _trimmed(model: Model, entity: Entity) -> Curve:
+    basis = entity.values[0]
+    ends = [_trim(model, entity, trim) for trim in (entity.values[1], entity.values[2])]
+    if basis.is_a("IfcLine"):
+        x, y, _ = model.point(basis.Pnt)
+        dx, dy = basis.Dir.Orientation[:2]
+        by = basis.Dir.Magnitude * model.mm / hypot(dx, dy)
+        start, end = (
+            (x + dx * by * one, y + dy * by * one) if isinstance(one, float) else one
+            for one in ends
+        )
+        return Line(start, end)
+    if not basis.is_a("IfcCircle"):
+        raise Unreadable(f"an outline by a trimmed {basis.is_a()}")
+    frame = model.axes(basis.values[0])
+    (ox, oy, _), (ax, ay, _), (bx, by, _) = frame.o, frame.x, frame.y
+    start_rad, end_rad = (
+        one * model.radians
+        if isinstance(one, float)
+        else atan2((one[0] - ox) * bx + (one[1] - oy) * by, (one[0] - ox) * ax + (one[1] - oy) * ay)
+        for one in ends
+    )
+    way = 1 if entity.values[3] else -1
+    turn = way * (end_rad - start_rad) % (2 * pi)
+    if turn < 1e-9:
+        turn = 2 * pi
+    start_deg = degrees(start_rad + atan2(ay, ax))
+    return Arc((ox, oy), basis.values[1] * model.mm, start_deg, degrees(way * turn))
+
+
+def _trim(model: Model, entity: Entity, trim: tuple[Any, ...]) -> Point | float:
+    """Trimming point of a curve: a parameter, or a point if the file has one."""
+    points = [model.point(t)[:2] for t in trim if isinstance(t, tuple)]
+    values = [float(t.value) for t in trim if isinstance(t, Typed)]
+    if values and (entity.MasterRepresentation != "CARTESIAN" or not points):
+        return values[0]
+    if not points:
+        raise Unreadable("a trimmed curve without trims")
+    return points[0]

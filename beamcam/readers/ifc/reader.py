@@ -1,11 +1,10 @@
 """From a model's bytes to parts: candidates, shares of members, bolts, ledger."""
 
 from collections import Counter, deque
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from typing import TypeVar
 
-from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.budget import limits
@@ -15,9 +14,8 @@ from beamcam.model.request import Options, Progress, Selection
 from beamcam.processes import Died, Pool
 from beamcam.readers import Reading
 from beamcam.readers.ifc import member, rules
-from beamcam.readers.ifc.entities import Model
+from beamcam.readers.ifc.entities import NOT_WELL_FORMED, RELATIONS, Model, open_file, tied
 from beamcam.readers.ifc.member import KernelNeeded, Members, Taken
-from beamcam.readers.ifc.opening import open_file
 from beamcam.readers.ifc.text import Malformed
 from beamcam.system import start_method
 
@@ -113,11 +111,12 @@ def _read(
 ) -> Reading:
     members = Members.of(model, name, selection, options)
     elements = members.elements
-    taken = Taken()
-    workers = workers_for(options, len(elements))
-    if workers and start_method() == "fork":
-        members.prepare()
+    taken, workers = Taken(), workers_for(options, len(elements))
     members.may_build = not options.apart
+    if workers:  # relations are not for each process to find
+        with suppress(*NOT_WELL_FORMED):
+            for what in RELATIONS:
+                tied(elements[0], what)
     each = (members.share, members.died, len(elements), workers, options.kernel)
     for share in shares(*each, members.build_here):
         taken.add(share)
@@ -174,10 +173,9 @@ def _account(members: Members, taken: Taken) -> Iterator[Diagnostic]:
         del others[kind]
     if others:
         yield rules.OTHER_CLASSES.at(source, found=others.total(), classes=_told(others))
-    file = members.model.file
-    if unknown := file.unknown_classes():
-        found, classes = unknown.total(), _told(unknown)
-        yield rules.UNKNOWN_CLASS.at(source, found=found, classes=classes, expected=file.schema)
+    if unknown := members.model.file.unknown_classes():
+        said = {"found": unknown.total(), "classes": _told(unknown)}
+        yield rules.UNKNOWN_CLASS.at(source, **said, expected=members.model.file.schema)
     if verdicts.total() != len(members.elements):
         raise AssertionError("the ledger of the model does not balance")
     numbers = {verdict: verdicts[verdict] for verdict in member.VERDICTS}
@@ -190,39 +188,3 @@ def _told(counts: Counter[str]) -> str:
     """IfcBeam 3, IfcColumn 1"""
     rows = sorted(counts.items(), key=lambda row: (-row[1], row[0]))
     return ", ".join(f"{kind} {count}" for kind, count in rows)
-
-
-# --- quantities -----------------------------------------------------------------------------------
-
-GRAIN = 0.05  #: mm and degrees to which measures are compared
-
-
-def equal_parts(parts: Iterable[Part]) -> tuple[Part, ...]:
-    """The parts with those of one mark, grade and geometry as one, its quantity their sum.
-
-    They stand in the order in which each came first.
-    """
-    first: dict[object, Part] = {}
-    for part in parts:
-        profile = replace(part.profile, name="")
-        form = profile, part.section, part.length, part.cuts, part.features
-        key = part.mark, part.grade, part.drawing, _grained(form)
-        known = first.setdefault(key, part)
-        if known is not part:
-            first[key] = replace(known, quantity=known.quantity + part.quantity)
-    return tuple(first.values())
-
-
-def _grained(value: object) -> object:
-    """A key that equal values share, whatever the order of the features and curves among them."""
-    if isinstance(value, float):
-        return round(value / GRAIN)
-    if isinstance(value, Struct):
-        fields = (getattr(value, name) for name in value.__struct_fields__ if name != "source")
-        return (type(value).__name__, *map(_grained, fields))
-    if isinstance(value, tuple):
-        found = map(_grained, value)
-        return tuple(
-            sorted(found, key=repr) if all(isinstance(v, Struct) for v in value) else found
-        )
-    return value

@@ -80,7 +80,7 @@ class Entity(Struct, eq=False, gc=False):
     """
 
     file: "File"
-    number: int
+    number: int  #: by which the geometry kernel knows it too
     type: EntityType  #: what the schema says of it; of an entity that it does not know, its name
     held: Any  #: ifcopenshell's instance; None of a record that it does not have
     values: Values = ()  #: none until they are asked for: deleted, so that `__getattr__` reads them
@@ -89,10 +89,6 @@ class Entity(Struct, eq=False, gc=False):
     def name(self) -> str:
         """#12"""
         return f"#{self.number}"
-
-    def id(self) -> int:
-        """Its number, by which the geometry kernel knows it."""
-        return self.number
 
     def is_a(self, name: str | None = None) -> Any:
         """The entity's class; or whether it is of a class, be it as a subtype."""
@@ -240,11 +236,9 @@ class File:
         """The values of a record."""
         if self._written:
             return Doubtful(self._as_written(self._written[number], held))
-        read, values = self._read, []
-        for place in range(len(known.places)):
-            value = read(held, place)
-            values.append(value if isinstance(value, _PLAIN) else self._value(value))
-        return tuple(values)
+        read = self._read
+        found = (read(held, k) for k in range(len(known.places)))
+        return tuple([one if isinstance(one, _PLAIN) else self._value(one) for one in found])
 
     def _as_written(self, record: StepRecord, held: Any) -> Iterator[Any]:
         """The values that ifcopenshell has as they are written, references, and errors for others.

@@ -13,14 +13,13 @@ from typing import Any
 import numpy as np
 import shapely
 from msgspec import Struct, field
-from numpy.typing import NDArray
 
 from beamcam.budget import check_member
+from beamcam.geometry.array_types import Floats
 from beamcam.geometry.curves import Arc, Curve, Line, Point
 from beamcam.geometry.plane import cross
-from beamcam.readers.ifc.curves2d import Chain
 from beamcam.readers.ifc.entities import Unreadable
-from beamcam.readers.ifc.outline import joined, with_arcs
+from beamcam.readers.ifc.outline import Chain, joined, with_arcs
 from beamcam.readers.ifc.space import Cylinder, Vec, dot
 
 SAGITTA = 5e-4  #: mm between an arc and its polygon
@@ -38,7 +37,6 @@ TINY_AREA = 0.01  #: mm2 of a scrap that cutting leaves
 
 Shape = Any  #: a shapely polygon or a collection of them
 Circle = tuple[Point, float]
-Segments = NDArray[np.float64]  #: (n, 2, 2): start and end, each by its two coordinates
 
 
 class Circles(Struct):
@@ -182,8 +180,8 @@ def circles_in(cylinders: Sequence[Cylinder], normal: Vec, u: Vec, v: Vec) -> Ci
     return found
 
 
-def region_within(segments: Segments) -> Shape:
-    """The region that segments enclose, each of which may be there more than once.
+def region_within(segments: Floats) -> Shape:
+    """The region that segments (n, 2, 2) enclose, each of which may be there more than once.
 
     Inside is what a ray leaves through an odd number of them. Cracks narrower than the grid are
     closed if there are any.
@@ -202,7 +200,7 @@ def region_within(segments: Segments) -> Shape:
     return cleaned(shapely.union_all(inside))
 
 
-def _within(segments: Segments, point: Any) -> bool:
+def _within(segments: Floats, point: Any) -> bool:
     """Whether a ray from a point to the right crosses an odd number of segments."""
     x, y = float(point.x), float(point.y)
     crossed = segments[(segments[:, 0, 1] > y) != (segments[:, 1, 1] > y)]

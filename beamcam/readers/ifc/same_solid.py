@@ -9,7 +9,8 @@ small (`most`):
 What sticks out on either side is named by face and x.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import chain
 from math import cos, inf, radians, tan
 from typing import TYPE_CHECKING
 
@@ -28,11 +29,16 @@ from beamcam.readers.ifc.finish import Shaped, part_of
 from beamcam.readers.ifc.region import Shape
 from beamcam.readers.ifc.section import BareStock, Section, Wall, walls_of
 from beamcam.readers.ifc.shell import Shell
-from beamcam.readers.ifc.solid_body import by_stations, section_area, solid_of
+from beamcam.readers.ifc.solid_body import (
+    beside_contours,
+    by_stations,
+    section_area,
+    solid_less,
+    solid_of,
+)
 from beamcam.readers.ifc.space import cross, dot
-from beamcam.readers.ifc.tube_solid import beside_contours, solid_less
 from beamcam.solid.cutters import slot_corners
-from beamcam.solid.kernel import FREE, kernel, prism, walls
+from beamcam.solid.kernel import FREE, prism, walls
 from beamcam.solid.part_solid import part_solid
 from beamcam.solid.stock_solid import ALONG as SECTIONS
 from beamcam.solid.stock_solid import Margins, shape_of
@@ -57,8 +63,6 @@ ROUND = 64  #: chords of a quarter of a circle
 SHOWN = 3  #: lumps that a message names
 FILLET = "the root fillet"
 
-
-#: The axis that an arc lies across (1 is y), its centre (x, q) and its radius.
 ArcAt = tuple[int, float, float, float]
 
 
@@ -68,6 +72,10 @@ class Fineness(Struct, frozen=True):
     slack: float  #: mm that surfaces may be off
     facet_rad: float  #: between two corners of a mesh on one arc, at most
     chord: float = inf  #: mm between an arc and a chord, at most
+
+    def rise(self, radius: float) -> float:
+        """mm between an arc and the longest chord that a mesh has for it."""
+        return min(self.chord, radius * (1.0 - cos(self.facet_rad / 2)))
 
 
 class Lump(Struct, frozen=True):
@@ -98,7 +106,6 @@ class Differences(Struct, frozen=True):
     expected: float = 0.0  #: mm3 of the part
 
     def said(self, source: Source) -> tuple[Diagnostic, ...]:
-        """The diagnostics of it."""
         if self.lumps:
             return (rules.UNEXPLAINED.at(source, found=_told(self.lumps)),)
         if sum(one.volume for one in self.fillets) > GROSS * self.volume > 0.0:
@@ -128,56 +135,48 @@ def differences(
         solid = solid_of(body)
         theirs = section_area(body) if solid is None else volume or float(solid.volume())
         if solid is not None:
-            plain = None
-            if not shaped.cutters:
-                plain = _plainly_drilled(solid, part, shaped.section, stock, by)
+            plain = None if shaped.cutters else _plainly_drilled(solid, part, shaped, stock, by)
             if plain is not None and abs(theirs - plain) <= max(BOUND, SPREAD * theirs):
                 return Differences((), (), (), theirs, plain)
         drawn = _drawn(part, stock, shaped)
         if solid is None:
-            rise = max((_rise(radius, by) for *_, radius in _arcs(part)), default=0.0)
+            rise = max((by.rise(radius) for *_, radius in _arcs(part)), default=0.0)
             pieces = [*by_stations(body, drawn, by.slack + rise)]
         else:
-            # Surfaces that lie in one another are dear to cut, so that they come last.
-            pieces = [
-                (more, _grown(one, exact, by.slack))
-                for more, cores in _cores(solid, part, stock, by, shaped)
-                for exact in ([solid - drawn if more else drawn - solid] if cores else [])
-                for one in cores
-            ]
+            # Surfaces that lie in one another are dear to cut: only where there is a core.
+            exact = {True: solid - drawn, False: drawn - solid}
+            cores = _cores(solid, part, stock, by, shaped)
+            pieces = [(k, _grown(one, exact[k], by.slack)) for k, found in cores for one in found]
     except BeamcamError as reason:
         raise Unreadable(str(reason.diagnostics[0])) from reason
     check_member()
-    lumps = [
-        lump for more, one in pieces for lump in _by_face(one, more, part, shaped.section, by.slack)
-    ]
-    lumps = sorted(_joined(lumps), key=lambda one: -one.volume)
+    by_face = (_by_face(one, more, part, shaped.section, by.slack) for more, one in pieces)
+    lumps = sorted(_joined(chain.from_iterable(by_face)), key=lambda one: -one.volume)
     fillets = tuple(one for one in lumps if one.face == FILLET)
     leaning = tuple(one for one in lumps if one.leans)
     if sum(one.volume for one in leaning) > GROSS * theirs:
         leaning = ()  # too much for a cut whose edge leans
     rest = tuple(one for one in lumps if one not in fillets and one not in leaning)
-    rest, fillets, leaning = (
-        kind if sum(one.volume for one in kind) > BOUND else () for kind in (rest, fillets, leaning)
-    )
-    if shaped.cutters:
-        rest += tuple(_skin_lumps(part, shaped))
+    kinds = rest, fillets, leaning
+    rest, fillets, leaning = (k if sum(one.volume for one in k) > BOUND else () for k in kinds)
+    if shaped.cutters:  # where the outside of a tube lies beside its contours
+        rest += tuple(_lump(one, more, "v", v) for more, one, v in beside_contours(part, shaped))
     expected = float(drawn.volume()) * stock.area / float(stock.shape.area)
     if part.profile.code == "C" or stock.rough is not None:
         expected = theirs  # cuts of lips are not known, nor what slanted facets take
     return Differences(rest, fillets, leaning, theirs, expected)
 
 
-def _drawn(part: Part, stock: BareStock, shaped: Shaped | None = None) -> "Manifold":
+def _drawn(part: Part, stock: BareStock, shaped: Shaped) -> "Manifold":
     return _solid(part, Margins(section=stock.shape, square_below=0.0), shaped)
 
 
-def _solid(part: Part, margins: Margins, shaped: Shaped | None) -> "Manifold":
+def _solid(part: Part, margins: Margins, shaped: Shaped) -> "Manifold":
     """The solid of a part; a channel's lips, which no contour describes, go with their flanges.
 
     The wall of a tube is cut as its cutters lie, where its contours stand for these.
     """
-    if shaped is not None and shaped.cutters:
+    if shaped.cutters:
         return solid_less(part, shaped, margins)
     solid, p = part_solid(part, margins), part.profile
     for face, wall in walls(p).items():
@@ -190,10 +189,10 @@ def _solid(part: Part, margins: Margins, shaped: Shaped | None) -> "Manifold":
 
 
 def _cores(
-    solid: "Manifold", part: Part, stock: BareStock, by: Fineness, shaped: Shaped | None = None
+    solid: "Manifold", part: Part, stock: BareStock, by: Fineness, shaped: Shaped
 ) -> "Iterator[tuple[bool, list[Manifold]]]":
     """What sticks out of the margins of a part: of more steel, and of less."""
-    least, most = (_solid(part, one, shaped) for one in _margins(part, stock, by.slack))
+    least, most = (_solid(part, one, shaped) for one in _margins(stock, by.slack))
     arcs = _arcs(part)
     for more, rest in ((True, solid - most), (False, least - solid)):
         cores = [one for one in rest.decompose() if one.volume() > MIN_CORE]
@@ -201,7 +200,7 @@ def _cores(
 
 
 def _plainly_drilled(
-    solid: "Manifold", part: Part, section: Section, stock: BareStock, by: Fineness
+    solid: "Manifold", part: Part, shaped: Shaped, stock: BareStock, by: Fineness
 ) -> float | None:
     """The volume in mm3 of a part that differs from its body by facets only; None if in doubt.
 
@@ -210,13 +209,13 @@ def _plainly_drilled(
     to be their plugs then: one of each, which is no further from their outline than facets are, and
     as deep as the wall.
     """
-    walls = {wall.face: wall for wall in walls_of(section)}
+    walls = {wall.face: wall for wall in walls_of(shaped.section)}
     round_ones = [f for f in part.features if isinstance(f, (Hole, Slot)) and f.face in walls]
     bare = replace(part, features=tuple(f for f in part.features if f not in round_ones))
-    (_, more), (_, plugs) = _cores(solid, bare, stock, by)
+    (_, more), (_, plugs) = _cores(solid, bare, stock, by, shaped)
     if more or len(plugs) != len(round_ones):
         return None
-    volume = float(_drawn(bare, stock).volume()) * stock.area / float(stock.shape.area)
+    volume = float(_drawn(bare, stock, shaped).volume()) * stock.area / float(stock.shape.area)
     for f in round_ones:
         wall, radius = walls[f.face], f.diameter / 2
         centres = slot_corners(f) if isinstance(f, Slot) else [(f.x, f.y)]
@@ -239,69 +238,58 @@ def _is_plug(one: "Manifold", spine: Shape, radius: float, wall: Wall, by: Finen
     off = shapely.distance(spine, shapely.points(corners[:, 0], corners[:, 3 - axis]))
     if np.abs(off - radius).max() > by.slack or one.hull().volume() - one.volume() > MIN_CORE:
         return False
-    inside = spine.buffer(radius - _rise(radius, by), ROUND).area * (wall.thickness - 2 * by.slack)
+    inside = spine.buffer(radius - by.rise(radius), ROUND).area * (wall.thickness - 2 * by.slack)
     return bool(one.volume() > inside - MIN_CORE)
-
-
-def _skin_lumps(part: Part, shaped: Shaped) -> Iterator[Lump]:
-    """Where the outside of a tube lies beside its contours."""
-    for more, piece, volume in beside_contours(part, shaped):
-        box = piece.bounding_box()
-        yield Lump("v", float(box[0]), float(box[3]), volume, more, False)
 
 
 def _grown(piece: "Manifold", exact: "Manifold", slack: float) -> "Manifold":
     """All of a lump of which only the core is known, that sticks out of the margins."""
-    box, by = piece.bounding_box(), slack + ROUNDING
-    size = [box[k + 3] - box[k] + 2 * by for k in range(3)]
-    near = kernel().Manifold.cube(size).translate([box[k] - by for k in range(3)])
+    (x0, y0, z0, x1, y1, z1), by = piece.bounding_box(), slack + ROUNDING
+    near = prism(shapely.box(y0 - by, z0 - by, y1 + by, z1 + by), x0 - by, x1 + by, SECTIONS)
     parts = [one for one in (exact ^ near).decompose() if not (one ^ piece).is_empty()]
     return max(parts, key=lambda one: one.volume(), default=piece)
 
 
-def _margins(part: Part, stock: BareStock, slack: float) -> tuple[Margins, Margins]:
+def _margins(stock: BareStock, slack: float) -> tuple[Margins, Margins]:
     """Of the least steel and of the most."""
-    sections = stock.shape, stock.shape
+    least, most = stock.shape, stock.shape
     if stock.rough is not None:
-        sections = sections[0].difference(stock.rough), sections[1].union(stock.rough)
+        least, most = least.difference(stock.rough), most.union(stock.rough)
 
     def by(off: float, section: Shape) -> Margins:
-        return Margins(
-            lambda _: off, depth=off, end=off, outline=off, skin=off, section=section,
-            square_below=0.0,
-        )  # fmt: skip
+        return Margins(lambda _: off, off, off, off, skin=off, section=section, square_below=0.0)
 
-    return by(slack, sections[0]), by(-slack, sections[1])
+    return by(slack, least), by(-slack, most)
+
+
+def _lump(steel: "Manifold", more: bool, face: str, volume: float, leans: bool = False) -> Lump:
+    box = steel.bounding_box()
+    return Lump(face, float(box[0]), float(box[3]), volume, more, leans)
 
 
 def _by_face(
     piece: "Manifold", more: bool, part: Part, of: Section, slack: float
 ) -> Iterator[Lump]:
     """The steel of a lump by the walls that it lies in, and beside them."""
-
-    def lump(steel: "Manifold", face: str, leans: bool) -> Lump:
-        box = steel.bounding_box()
-        return Lump(face, float(box[0]), float(box[3]), float(steel.volume()), more, leans)
-
     walls = sorted(walls_of(of), key=lambda wall: wall.normal == "z")
     for wall in walls:
         inside, rest = piece.split(_box_of(wall, WALL_SLACK))
         if (inside ^ _box_of(wall, -slack)).volume() > MIN_CORE:  # or it only grazes the wall
             piece = rest
             if inside.volume() > MIN_LUMP:
-                one = lump(inside, wall.face, _leans(inside, more, wall, part))
+                leans = _leans(inside, more, wall, part)
                 box, k = inside.bounding_box(), 1 if wall.normal == "y" else 2
                 deep = min(box[k + 3], wall.high) - max(box[k], wall.low)
-                thin = not (more or one.leans) and deep < wall.thickness - 2 * slack
+                thin = not (more or leans) and deep < wall.thickness - 2 * slack
                 off = f" ({deep:.1f} mm off its {wall.thickness:g} mm)" if thin else ""
+                one = _lump(inside, more, wall.face, float(inside.volume()), leans)
                 yield replace(one, off=off)
-    if piece.volume() > MIN_LUMP:
+    if (volume := float(piece.volume())) > MIN_LUMP:
         bare = "the section" if of.code == "SO" else "v"
-        yield lump(piece, _face_beside(piece, walls, of) if walls else bare, False)
+        yield _lump(piece, more, _face_beside(piece, walls, of) if walls else bare, volume)
 
 
 def _box_of(wall: Wall, larger: float) -> "Manifold":
-    """All of a wall, larger on every side."""
     return _through(wall, shapely.box(-FAR, -larger, FAR, wall.width + larger), larger)
 
 
@@ -319,8 +307,7 @@ def _face_beside(piece: "Manifold", walls: Sequence[Wall], of: Section) -> str:
 
 def _through(wall: Wall, shape: Shape, over: float) -> "Manifold":
     """All through a wall and over its surfaces, by a shape in (x, q)."""
-    along, first, second = (1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0)
-    frame = (along, second, first) if wall.normal == "y" else (along, first, second)
+    frame = (1.0, 0.0, 0.0, 0.0), (0.0, *wall.across[1:], 0.0), (0.0, *wall.direction[1:], 0.0)
     return prism(shape, wall.low - over, wall.high + over, frame)
 
 
@@ -367,7 +354,7 @@ def _cuts_of(wall: Wall, part: Part) -> list[Shape]:
 
 
 def _arcs(part: Part) -> list[ArcAt]:
-    """The arcs of a part's holes, slots and contours."""
+    """The arcs of a part's holes, slots and contours: across which axis, centre (x, q), radius."""
     arcs: list[ArcAt] = []
     for f in part.features:
         axis = 1 if getattr(f, "face", "v") in ("o", "u") else 2
@@ -385,7 +372,7 @@ def _is_of_facets(piece: "Manifold", arcs: Sequence[ArcAt], by: Fineness) -> boo
     points = piece.to_mesh64().vert_properties
     thin = 2.0 * float(piece.volume()) / float(piece.surface_area())
     for axis, x, q, radius in arcs:
-        rise = _rise(radius, by)
+        rise = by.rise(radius)
         if thin < rise:
             off = np.hypot(points[:, 0] - x, points[:, 3 - axis] - q)
             if off.min() > radius - rise - TOUCHING and off.max() < radius + TOUCHING:
@@ -393,12 +380,7 @@ def _is_of_facets(piece: "Manifold", arcs: Sequence[ArcAt], by: Fineness) -> boo
     return False
 
 
-def _rise(radius: float, by: Fineness) -> float:
-    """mm between an arc and the longest chord that a mesh has for it."""
-    return min(by.chord, radius * (1.0 - cos(by.facet_rad / 2)))
-
-
-def _joined(lumps: Sequence[Lump]) -> list[Lump]:
+def _joined(lumps: Iterable[Lump]) -> list[Lump]:
     """The lumps with those joined that follow one another on a face."""
     out: list[Lump] = []
     for one in sorted(lumps, key=lambda lump: lump.x0):

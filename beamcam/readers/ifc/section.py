@@ -11,7 +11,9 @@ which way Y (height) and Z (across) run:
     +---Z     +---Z      +---Z      +---Z
 """
 
+from collections.abc import Sequence
 from math import pi
+from statistics import fmean
 from typing import Any, Literal
 
 from msgspec import Struct
@@ -19,14 +21,24 @@ from msgspec.structs import replace
 from shapely import box
 
 from beamcam.caches import cached
+from beamcam.geometry import plane
 from beamcam.geometry.curves import Arc, Point, signed_area
-from beamcam.geometry.plane import cross
+from beamcam.geometry.plane import cross, distance, dot, normalized
 from beamcam.model.part import Face, Profile, ProfileCode, SectionPoint
 from beamcam.model.section import corners, section_area
-from beamcam.readers.ifc.curves2d import Chain, box_around
-from beamcam.readers.ifc.outline import reflex
+from beamcam.readers.ifc.outline import (
+    Chain,
+    Corner,
+    Round,
+    box_around,
+    corners_of,
+    reflex,
+    shape_of,
+    with_arcs,
+)
 from beamcam.readers.ifc.space import Vec
 
+Sizes = tuple[float, float, float, float, float]  #: height, width, flange, web, radius
 SQUARE = 0.02  #: sine of the angle by which a side of a section may be off square; more is a slope
 
 
@@ -53,21 +65,13 @@ class Section(Struct, frozen=True, gc=False, cache_hash=True):
 
     def profile(self, name: str) -> Profile:
         """The model's profile of that name."""
-        flat = self.code == "B"
-        return Profile(
-            self.code,
-            name,
-            self.height,
-            0.0 if flat else self.width,
-            0.0 if flat else self.flange_thickness,
-            self.web_thickness,
-            self.radius,
-            self.lip,
-        )
+        h, b, tf, tw, r = self.sizes
+        if self.code == "B":
+            b = tf = 0.0
+        return Profile(self.code, name, h, b, tf, tw, r, self.lip)
 
     @property
-    def sizes(self) -> tuple[float, float, float, float, float]:
-        """Height, width, flange, web and radius."""
+    def sizes(self) -> Sizes:
         return self.height, self.width, self.flange_thickness, self.web_thickness, self.radius
 
     @property
@@ -78,7 +82,7 @@ class Section(Struct, frozen=True, gc=False, cache_hash=True):
     @property
     def points(self) -> tuple[SectionPoint, ...]:
         """The corners of a special section's outline, from its zero point (PR)."""
-        section_points = []
+        points = []
         (ox, oy), (yx, yy), (zx, zy) = self.origin, self.y, self.z
         turned = yx * zy - yy * zx  # Y x Z as drawn; the arcs' sense is that of (Y, Z)
         for curve in self.outline:
@@ -86,8 +90,8 @@ class Section(Struct, frozen=True, gc=False, cache_hash=True):
             radius = 0.0
             if isinstance(curve, Arc):
                 radius = curve.radius if (curve.sweep_deg > 0) == (turned > 0) else -curve.radius
-            section_points.append(SectionPoint("+", x * yx + y * yy, x * zx + y * zy, radius))
-        return tuple(section_points)
+            points.append(SectionPoint("+", x * yx + y * yy, x * zx + y * zy, radius))
+        return tuple(points)
 
     def turned(self) -> "Section":
         """The section turned back to front or upside down, if its form is the same then."""
@@ -102,10 +106,8 @@ class Section(Struct, frozen=True, gc=False, cache_hash=True):
         """The section with all its measures so many times as large, where it lies."""
         h, b, tf, tw, r = (size * by for size in self.sizes)
         lip = self.lip and self.lip * by
-        return replace(
-            self, height=h, width=b, flange_thickness=tf, web_thickness=tw, radius=r,
-            area=self.area * by * by, lip=lip,
-        )  # fmt: skip
+        at, area = (self.origin, self.y, self.z), self.area * by * by
+        return Section(self.code, h, b, tf, tw, r, *at, area, self.outline, lip)
 
 
 class BareStock(Struct, frozen=True, eq=False):
@@ -119,8 +121,8 @@ class BareStock(Struct, frozen=True, eq=False):
 
 def plain_stock(section: Section) -> BareStock:
     """That of a flat bar or a plate."""
-    height, thickness = section.height, section.width
-    return BareStock(box(0.0, 0.0, height, thickness), height * thickness)
+    h, t = section.height, section.width
+    return BareStock(box(0.0, 0.0, h, t), h * t)
 
 
 Names = tuple[tuple[str, str], ...]
@@ -189,12 +191,7 @@ def area_by_measures(
 
 
 def placed(
-    code: ProfileCode,
-    sizes: tuple[float, float, float, float, float],
-    centre: Point,
-    y: Point,
-    z: Point,
-    area: float,
+    code: ProfileCode, sizes: Sizes, centre: Point, y: Point, z: Point, area: float
 ) -> Section:
     """The section of height, width, flange, web and radius `sizes` centred on `centre`.
 
@@ -202,11 +199,11 @@ def placed(
     """
     h, b, tf, tw, r = sizes
     origin = (centre[0] - y[0] * h / 2 - z[0] * b / 2, centre[1] - y[1] * h / 2 - z[1] * b / 2)
-    if cross(y, z) > 0:
-        return Section(code, h, b, tf, tw, r, origin, y, z, area)
-    if code == "L" and abs(h - b) < 0.01:  # its legs are exchanged
+    turned = cross(y, z) <= 0
+    if turned and code == "L" and abs(h - b) < 0.01:  # its legs are exchanged
         return Section(code, b, h, tf, tw, r, origin, z, y, area)
-    return Section(code, h, b, tf, tw, r, origin, y, z, area).turned()
+    section = Section(code, h, b, tf, tw, r, origin, y, z, area)
+    return section.turned() if turned else section
 
 
 def special(outer: Chain, area: float) -> Section:
@@ -252,12 +249,12 @@ class Wall(Struct, frozen=True, gc=False):
     @property
     def direction(self) -> Vec:
         """The unit vector along c."""
-        return (0.0, 1.0, 0.0) if self.normal == "y" else (0.0, 0.0, 1.0)
+        return self.point(0.0, 0.0, 1.0)
 
     @property
     def across(self) -> Vec:
         """The unit vector along q."""
-        return (0.0, 0.0, 1.0) if self.normal == "y" else (0.0, 1.0, 0.0)
+        return self.point(0.0, 1.0, 0.0)
 
 
 @cached("ifc.walls")
@@ -279,3 +276,125 @@ def walls_of(section: Section) -> tuple[Wall, ...]:
 def corner_points(section: Section) -> tuple[tuple[float, float], ...]:
     """(Y, Z) of the outermost points of a section, in which the end cuts reach furthest."""
     return corners(section.profile(""), section.points)
+
+
+# --- recognition ----------------------------------------------------------------------------------
+# Section of an outline, by its geometry alone: the form of FORMS whose corners it has.
+
+ALIKE = 0.2  #: mm between what a form has alike: flanges, tips, a web and the middle
+WALLS_ALIKE = 0.3  #: mm between the walls of a tube
+SAME_SIDES = 0.01  #: mm between the sides of a square
+MIDDLE = (("a", "A"), ("s", "S"))  #: walls that stand in the middle of a section
+ROUND_ALIKE = 0.1  #: share between the roundings of a flat bar, which others are bevels of
+
+
+def classify(outer: Chain, inner: Sequence[Chain] = ()) -> Section | None:
+    """The section of an outline by its geometry alone; a special one (SO) if its form is unknown.
+
+    None where it has more than one hollow, or a hollow that is not a wall's.
+    """
+    area = abs(signed_area(outer)) - sum(abs(signed_area(c)) for c in inner)
+    if len(inner) > 1:
+        return None
+    curves = with_arcs(outer)
+    shape = shape_of(curves)
+    if isinstance(shape, Round):
+        return _round(shape, inner, area)
+    corners = corners_of(curves) or ()
+    if inner:
+        return _tube(corners, corners_of(with_arcs(inner[0])) or (), area)
+    known = (_measured(code, corners, area) for code in FORMS if code != "M")
+    return next((section for section in known if section is not None), None) or special(outer, area)
+
+
+def _round(shape: Round, inner: Sequence[Chain], area: float) -> Section | None:
+    d, lies = shape.diameter, (shape.centre, (0.0, 1.0), (1.0, 0.0), area)
+    if not inner:
+        return placed("RU", (d, d, 0.0, d, 0.0), *lies)
+    bore = shape_of(inner[0])
+    wall = (d - bore.diameter) / 2 if isinstance(bore, Round) else 0.0
+    if bore is None or wall <= 0 or distance(bore.centre, shape.centre) > 0.1 * wall:
+        return None
+    return placed("RO", (d, d, wall, wall, 0.0), *lies)
+
+
+def _tube(outer: Sequence[Corner], inner: Sequence[Corner], area: float) -> Section | None:
+    outside, inside = (_measured("B", ring, area) for ring in (outer, inner))
+    if outside is None or inside is None:
+        return None
+    sides = inside.height, inside.width
+    if abs(cross(outside.y, inside.y)) > SQUARE:
+        sides = inside.width, inside.height
+    walls = (outside.height - sides[0]) / 2, (outside.width - sides[1]) / 2
+    if min(walls) <= 0 or abs(walls[0] - walls[1]) > WALLS_ALIKE:
+        return None
+    radius = max(c.radius for c in outer)
+    tf, tw = walls
+    return replace(outside, code="M", flange_thickness=tf, web_thickness=tw, radius=radius)
+
+
+def _measured(code: ProfileCode, corners: Sequence[Corner], area: float) -> Section | None:
+    """The section whose corners are those of a form; None if they are not.
+
+    Of the ways in which a form lies, the one with the greater side upright.
+    """
+    bends, reflex = tuple(corner.reflex for corner in corners), FORMS[code].reflex
+    turns = [k for k in range(len(bends)) if bends[k:] + bends[:k] == reflex]
+    ways = (_sized(code, (*corners[k:], *corners[:k]), area) for k in turns)
+    known = [section for section in ways if section is not None]
+    least = max((section.height for section in known), default=0.0) - SAME_SIDES
+    tall = [section for section in known if section.height >= least]
+    return max(tall, key=lambda section: (round(section.y[1], 9), section.y[0]), default=None)
+
+
+def _sized(code: ProfileCode, corners: Sequence[Corner], area: float) -> Section | None:
+    """The section of corners that follow one another as a form's; None if they contradict it."""
+    form = FORMS[code]
+    a, b = (corners[k].at for k in form.upright)
+    y = normalized((b[0] - a[0], b[1] - a[1]))
+    z = y[1], -y[0]
+    points = [(dot(c.at, z), dot(c.at, y)) for c in corners]
+    x0, y0, x1, y1 = plane.box_around(points)
+    edges = {"0": x0, "b": x1}, {"0": y0, "h": y1}
+    pairs = [*zip(form.corners, points, strict=True)]
+    if any(abs(edges[k].get(at[k], p[k]) - p[k]) > ALIKE for at, p in pairs for k in (0, 1)):
+        return None
+
+    def level(axis: int, name: str, share: float) -> float:
+        """Where a surface is, so much of the way from its roots to its tips."""
+        if name in edges[axis]:
+            return edges[axis][name]
+        tips, roots = (
+            [p[axis] for (at, p), c in zip(pairs, corners, strict=True)
+             if at[axis] == name and c.reflex == inner] for inner in (False, True)
+        )  # fmt: skip
+        root = fmean(roots)
+        return root + share * (fmean(tips) - root) if tips else root
+
+    def thickness(axis: int, walls: Names, share: float) -> float:
+        """That of the walls across an axis; 0 where they differ or lie off the middle."""
+        pairs = [(level(axis, low, share), level(axis, high, share)) for low, high in walls]
+        sizes = [high - low for low, high in pairs]
+        off = sum(pairs[0]) - sum(edges[axis].values()) if walls[0] in MIDDLE else 0.0
+        same = max(sizes) - min(sizes) <= ALIKE and abs(off) <= 2 * ALIKE
+        return fmean(sizes) if same else 0.0
+
+    height, width = y1 - y0, x1 - x0
+    u, v = (x0 + x1) / 2, (y0 + y1) / 2
+    centre = z[0] * u + y[0] * v, z[1] * u + y[1] * v
+    radius = max(c.radius for c in corners if c.reflex or code == "B")
+    if code == "B" and radius - min(c.radius for c in corners) > ROUND_ALIKE * radius:
+        radius = 0.0
+    web, share = thickness(0, form.webs, 0.0), form.share
+    if share is None:  # half way from the back to the tips (DIN 1026)
+        share = (width / 2 - web) / (width - web) if width > web else 0.5
+    flange = thickness(1, form.flanges, share) if form.flanges else 0.0
+    if web <= 0 or web > width or flange > height or (form.flanges and flange <= 0):
+        return None
+    if code == "L" and width > height:
+        height, width, flange, web, y, z = width, height, web, flange, z, y
+    section = placed(code, (height, width, flange, web, radius), centre, y, z, area)
+    if code != "C":
+        return section
+    lips = [abs(p[1] - edges[1]["0" if at[1] == "g" else "h"]) for at, p in pairs if at[1] in "gG"]
+    return replace(section, lip=fmean(lips) if max(lips) - min(lips) <= ALIKE else None)

@@ -9,17 +9,10 @@ from collections.abc import Sequence
 import numpy as np
 from msgspec import Struct
 from msgspec.structs import replace
-from numpy.typing import NDArray
 
 from beamcam.budget import check_member
-from beamcam.readers.ifc.region import (
-    Circles,
-    Segments,
-    Shape,
-    circles_in,
-    region_within,
-    with_circles,
-)
+from beamcam.geometry.array_types import Counts, Flags, Floats
+from beamcam.readers.ifc.region import Circles, Shape, circles_in, region_within, with_circles
 from beamcam.readers.ifc.section import Wall
 from beamcam.readers.ifc.space import ORIGIN, Cylinder, Frame, Vec, cross, scale
 
@@ -34,10 +27,6 @@ MIN_AREA = 1e-9  #: mm2 of a face
 NEARLY, EXACTLY = 1 - 1e-7, 1 - 1e-13  #: cosines between edges that run one way
 MIN_EDGE = 1e-6  #: mm of an edge that has a direction
 
-Points = NDArray[np.float64]  #: (n, 3)
-Numbers = NDArray[np.float64]  #: (n,)
-Places = NDArray[np.intp]  #: (n,), of what stands in other arrays
-
 
 class Shell(Struct, frozen=True, eq=False):
     """A solid by its faces, each of them by rings of corners; also a cutter.
@@ -46,25 +35,24 @@ class Shell(Struct, frozen=True, eq=False):
     are hollows.
     """
 
-    points: Points  #: the corners of all rings
-    before: Places  #: of each corner the one before it in its ring
-    face: Places  #: of each corner
-    area_normals: Points  #: of each face its normal times its area
+    points: Floats  #: (n, 3), the corners of all rings
+    before: Counts  #: of each corner the one before it in its ring
+    face: Counts  #: of each corner
+    area_normals: Floats  #: (m, 3), of each face its normal times its area
     where: str | None = None
     cylinders: tuple[Cylinder, ...] = ()  #: that its facets stand for, where they are known
 
     @property
     def count(self) -> int:
-        """Number of faces."""
         return len(self.area_normals)
 
     @property
-    def firsts(self) -> Points:
+    def firsts(self) -> Floats:
         """The first corner of each face's border."""
         return self.points[np.flatnonzero(np.diff(self.face, prepend=-1))]
 
     @property
-    def areas(self) -> Numbers:
+    def areas(self) -> Floats:
         return lengths(self.area_normals)
 
     @property
@@ -117,7 +105,7 @@ class Shell(Struct, frozen=True, eq=False):
 
 
 def shell(
-    points: Points, sizes: Sequence[int], faces: Sequence[int], where: str | None = None
+    points: Floats, sizes: Sequence[int], faces: Sequence[int], where: str | None = None
 ) -> Shell:
     """The shell of rings that stand one after another: how many corners each has, and its face.
 
@@ -143,7 +131,7 @@ def shell(
     return Shell(points[there], _before(ring[there]), numbers[face[there]], normals[solid], where)
 
 
-def _before(ring: Places) -> Places:
+def _before(ring: Counts) -> Counts:
     """Of each corner the one before it, by the ring of each."""
     before = np.arange(-1, len(ring) - 1)
     starts = np.flatnonzero(np.diff(ring, prepend=-1))
@@ -151,37 +139,37 @@ def _before(ring: Places) -> Places:
     return before
 
 
-def moved(points: Points, by: Frame) -> Points:
+def moved(points: Floats, by: Frame) -> Floats:
     """Points of a frame in the frame that it stands in."""
     u, v, w = points.T
     columns = zip(by.o, by.x, by.y, by.z, strict=True)
     return np.column_stack([o + (x * u + y * v + z * w) for o, x, y, z in columns])
 
 
-def vec(row: Numbers) -> Vec:
+def vec(row: Floats) -> Vec:
     """A row of an array as the plain vector that it is."""
     x, y, z = row.tolist()
     return x, y, z
 
 
-def coordinates(points: Points, way: Vec) -> Numbers:
+def coordinates(points: Floats, way: Vec) -> Floats:
     """The coordinates of points along a vector, the same for the same point wherever it stands.
 
     A matrix product would not do: its last digits depend on the place in the array.
     """
     x, y, z = points.T
-    found: Numbers = x * way[0] + y * way[1] + z * way[2]
+    found: Floats = x * way[0] + y * way[1] + z * way[2]
     return found
 
 
-def dots(a: Points, b: Points) -> Numbers:
+def dots(a: Floats, b: Floats) -> Floats:
     (ax, ay, az), (bx, by, bz) = a.T, b.T
-    found: Numbers = ax * bx + ay * by + az * bz
+    found: Floats = ax * bx + ay * by + az * bz
     return found
 
 
-def lengths(vectors: Points) -> Numbers:
-    found: Numbers = np.linalg.norm(vectors, axis=1)
+def lengths(vectors: Floats) -> Floats:
+    found: Floats = np.linalg.norm(vectors, axis=1)
     return found
 
 
@@ -190,7 +178,7 @@ def section(shell: Shell, at: Vec, normal: Vec, u: Vec, v: Vec) -> Shape:
     return region_within(segments(shell, at, normal, u, v))
 
 
-def segments(shell: Shell, at: Vec, normal: Vec, u: Vec, v: Vec) -> Segments:
+def segments(shell: Shell, at: Vec, normal: Vec, u: Vec, v: Vec) -> Floats:
     """Where a plane cuts the faces; a vertex on the plane counts as just above it."""
     points = shell.points
     heights = coordinates(points - np.array(at), normal)
@@ -206,8 +194,8 @@ def segments(shell: Shell, at: Vec, normal: Vec, u: Vec, v: Vec) -> Segments:
     ways = np.cross(shell.area_normals[face], np.broadcast_to(np.array(normal), hits.shape))
     order = np.lexsort((dots(hits, ways), face))
     flat = np.column_stack((coordinates(hits, u), coordinates(hits, v)))[order] + 0.0
-    lines: Segments = flat.reshape(-1, 2, 2)
-    found: Segments = lines[(lines[:, 0] != lines[:, 1]).any(axis=1)]
+    lines: Floats = flat.reshape(-1, 2, 2)
+    found: Floats = lines[(lines[:, 0] != lines[:, 1]).any(axis=1)]
     return found
 
 
@@ -250,7 +238,7 @@ def kinked(shell: Shell) -> float | None:
     return angle if bent and shares[1] >= MIN_KINK * shares[0] else None
 
 
-def _edges(shell: Shell) -> tuple[Points, Numbers, NDArray[np.bool_]]:
+def _edges(shell: Shell) -> tuple[Floats, Floats, Flags]:
     """The directions and the lengths of a shell's edges, and which of them are to be counted.
 
     Those between two faces of one plane, as in a mesh of triangles, are not.
@@ -274,7 +262,7 @@ def broadest_normal(shell: Shell) -> Vec:
     return heaviest(ways, areas, 1 - 1e-6, len(ways)) or ALONG
 
 
-def heaviest(ways: Points, weights: Numbers, near: float, most: int) -> Vec | None:
+def heaviest(ways: Floats, weights: Floats, near: float, most: int) -> Vec | None:
     """The unit vector about which most of the weight lies, either way; None if there are none.
 
     Vectors whose cosine is above `near` go with the first of them that stands alone. Of such

@@ -4,7 +4,8 @@ from math import sqrt
 
 import numpy as np
 from msgspec import Struct
-from numpy.typing import NDArray
+
+from beamcam.geometry.array_types import Floats
 
 Vec = tuple[float, float, float]
 
@@ -39,12 +40,9 @@ def size(a: Vec) -> float:
 
 def unit(a: Vec) -> Vec:
     """The vector of length 1 along `a`. Raises ValueError for the zero vector."""
-    x, y, z = a
-    length = sqrt(x * x + y * y + z * z)
-    if length == 0.0:
+    if (length := size(a)) == 0.0:
         raise ValueError("the zero vector has no direction")
-    by = 1 / length
-    return x * by, y * by, z * by
+    return scale(a, 1 / length)
 
 
 def across(a: Vec) -> Vec:
@@ -82,20 +80,8 @@ class Frame(Struct, frozen=True, gc=False):
         """`inner`, which stands in this frame, in the frame that this one stands in."""
         if self is IDENTITY or inner is IDENTITY:
             return inner if self is IDENTITY else self
-        # Most of a model's arithmetic is here, and calls cost more than sums.
-        (ax, ay, az), (bx, by, bz), (cx, cy, cz), (ox, oy, oz) = self.x, self.y, self.z, self.o
-        (xu, xv, xw), (yu, yv, yw), (zu, zv, zw) = inner.x, inner.y, inner.z
-        u, v, w = inner.o
-        return Frame(
-            (
-                ox + (ax * u + bx * v + cx * w),
-                oy + (ay * u + by * v + cy * w),
-                oz + (az * u + bz * v + cz * w),
-            ),
-            (ax * xu + bx * xv + cx * xw, ay * xu + by * xv + cy * xw, az * xu + bz * xv + cz * xw),
-            (ax * yu + bx * yv + cx * yw, ay * yu + by * yv + cy * yw, az * yu + bz * yv + cz * yw),
-            (ax * zu + bx * zv + cx * zw, ay * zu + by * zv + cy * zw, az * zu + bz * zv + cz * zw),
-        )
+        x, y, z = map(self.vector, (inner.x, inner.y, inner.z))
+        return Frame(self.point(inner.o), x, y, z)
 
     @property
     def even(self) -> bool:
@@ -126,10 +112,10 @@ class Cylinder(Struct, frozen=True):
     axis: Vec
     radius: float
 
-    def off(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+    def off(self, points: Floats) -> Floats:
         """How many mm points (n, 3) lie off it."""
         across = np.cross(points - np.array(self.point), np.array(self.axis))
-        off: NDArray[np.float64] = np.abs(np.linalg.norm(across, axis=1) - self.radius)
+        off: Floats = np.abs(np.linalg.norm(across, axis=1) - self.radius)
         return off
 
     def moved(self, by: Frame) -> "Cylinder":

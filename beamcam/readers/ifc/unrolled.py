@@ -19,20 +19,21 @@ from msgspec.structs import replace
 from shapely import Polygon
 from shapely.geometry.polygon import orient
 
-from beamcam.errors import BeamcamError, Diagnostic, Source
+from beamcam.errors import BeamcamError, Source
 from beamcam.geometry.array_types import Floats
 from beamcam.model.part import Contour, Hole, Slot
 from beamcam.readers.ifc import rules
-from beamcam.readers.ifc.curves2d import points_chain
-from beamcam.readers.ifc.cutters import Cutter, HalfSpace
-from beamcam.readers.ifc.ends import Trim
+from beamcam.readers.ifc.body import FAR
+from beamcam.readers.ifc.cutters import Cutter, HalfSpace, Trim
 from beamcam.readers.ifc.entities import Unreadable
 from beamcam.readers.ifc.finish import Shaped, contour, hole_volume, sawn
+from beamcam.readers.ifc.profiles import points_chain
 from beamcam.readers.ifc.region import Shape, pieces_of
 from beamcam.readers.ifc.section import Section
+from beamcam.readers.ifc.solid_body import SAGITTA, cutter_solid, round_bar
 from beamcam.readers.ifc.space import Frame, add, scale, sub
 from beamcam.readers.ifc.stock import Stock
-from beamcam.readers.ifc.tube_solid import facets_of, less, round_bar
+from beamcam.solid.kernel import facets, minus
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
@@ -42,7 +43,6 @@ LEAST_OFF = 0.05  #: mm that the inside of a cut is off and say nothing
 STEEPEST = 6.0  #: thicknesses of its wall that a cut goes on inside, at most: 80 degrees
 NOISE = 0.02  #: mm; what is thinner is none of a wedge
 TINY = 0.01  #: mm2 of a border round nothing
-FAR = 1e6  #: mm beyond any member
 ALONG_SEAM = 0.02  #: slope of a side that may mean the seam
 BESIDE_SEAM = 3.0  #: mm off it at which it may
 ON_SEAM = 1e-6  #: mm
@@ -80,7 +80,7 @@ class Surface(Struct, frozen=True):
     def open(self, radius: float, turns: Sequence[int]) -> Shape:
         """The windows on some turns."""
         scale, turn = (1.0, radius), 2 * pi * radius
-        rows = [one * scale + (0.0, k * turn) for one in self.windows for k in turns]
+        rows = (one * scale + (0.0, k * turn) for one in self.windows for k in turns)
         return shapely.union_all([Polygon(row).buffer(0) for row in rows])
 
 
@@ -120,15 +120,13 @@ def cut_tube(
         _look_at_seam(contours, radius)
     there = outside.steel(radius, (-1, 0, 1))
     holes = [h for h in holes if there.distance(shapely.Point(h.x, h.y)) < h.diameter / 2]
-    n = facets_of(radius)
+    n = facets(radius, SAGITTA)
     volume = float(solid.volume()) * (2 * pi / n) / sin(2 * pi / n) - hole_volume(section, holes)
     found = sawn(stock, (planes[0], planes[1]), (span[0], span[1]), [*contours, *holes], source,
                  volume)  # fmt: skip
-    said: tuple[Diagnostic, ...] = ()
-    if max(off) >= LEAST_OFF:
-        stays, takes = (f"{one:.2f}" for one in off)
-        said = (rules.SQUARE_CUT.at(source, stays=stays, takes=takes),)
-    return replace(found, cutters=cutters, diagnostics=said)
+    stays, takes = (f"{one:.2f}" for one in off)
+    said = rules.SQUARE_CUT.at(source, stays=stays, takes=takes)
+    return replace(found, cutters=cutters, diagnostics=(said,) if max(off) >= LEAST_OFF else ())
 
 
 def _look_at_seam(contours: Sequence[Contour], radius: float) -> None:
@@ -150,25 +148,20 @@ def _look_at_seam(contours: Sequence[Contour], radius: float) -> None:
 
 def turned(stock: Stock, at_rad: float) -> Stock:
     """The stock of a tube with its seam elsewhere: it has no side that would be its lowest."""
-    c, s, r, of, f = cos(at_rad), sin(at_rad), stock.section.height / 2, stock.section, stock.frame
-    (yx, yy), (zx, zy), (ox, oy) = of.y, of.z, of.origin
-    y, z = (c * yx - s * zx, c * yy - s * zy), (s * yx + c * zx, s * yy + c * zy)
-    origin = (ox + r * (yx + zx - y[0] - z[0]), oy + r * (yy + zy - y[1] - z[1]))
-    fy = sub(scale(f.y, c), scale(f.z, s))
-    fz = add(scale(f.y, s), scale(f.z, c))
-    o = add(f.o, scale(sub(add(f.y, f.z), add(fy, fz)), r))
-    section = replace(of, origin=origin, y=y, z=z)
-    return replace(stock, section=section, frame=Frame(o, f.x, fy, fz))
+    c, s, f = cos(at_rad), sin(at_rad), stock.frame
+    y, z = sub(scale(f.y, c), scale(f.z, s)), add(scale(f.y, s), scale(f.z, c))
+    off = scale(sub(add(f.y, f.z), add(y, z)), stock.section.height / 2)
+    return replace(stock, frame=Frame(add(f.o, off), f.x, y, z))
 
 
 def _plane(end: Trim, loop: Floats, section: Section) -> HalfSpace | None:
     """The one plane that an end lies in."""
     if end.sole is None:
         return None
-    radius, turned, sole = section.height / 2, loop[:, 1], end.sole
-    (a, b), c = sole.slopes, sole.x(0.0, 0.0)
+    radius, turned = section.height / 2, loop[:, 1]
+    (a, b), c = end.sole.slopes, end.sole.x(0.0, 0.0)
     x = a * radius * (1 - np.cos(turned)) + b * radius * (1 + np.sin(turned)) + c
-    return sole if np.abs(loop[:, 0] - x).max() < ON_PLANE else None
+    return end.sole if np.abs(loop[:, 0] - x).max() < ON_PLANE else None
 
 
 # --- borders --------------------------------------------------------------------------------------
@@ -178,13 +171,13 @@ def _left(
     section: Section, span: tuple[float, float], cutters: Sequence[Cutter]
 ) -> "tuple[Manifold, Surface, Surface]":
     """What cutters leave of a tube, and the steel of its outside and inside."""
-    radius, n = section.height / 2, facets_of(section.height / 2)
+    radius, n = section.height / 2, facets(section.height / 2, SAGITTA)
     radii = radius, radius - section.web_thickness
     bars = [
         round_bar(one, radius, n, span[0] - over, span[1] + over).as_original()
         for one, over in zip(radii, (1.0, 2.0), strict=True)
     ]
-    solid = less(bars[0] - bars[1], cutters, radius, 0.0)
+    solid = minus(bars[0] - bars[1], map(cutter_solid, cutters))
     mesh = solid.to_mesh64()
     ids = np.repeat(mesh.run_original_id, np.diff(mesh.run_index) // 3)
     places = mesh.vert_properties[:, :3]
@@ -196,11 +189,10 @@ def _left(
     return solid, outside, inside
 
 
-def _surface(rows: Floats, facets: Any, radius: float) -> Surface:
+def _surface(rows: Floats, triangles: Any, radius: float) -> Surface:
     """The borders of the steel of a surface by the corners of its facets, steel on their left."""
-    ends: list[Floats] = []
-    windows, pieces = list[Floats](), 0
-    for corners in _loops(facets):
+    ends, windows, pieces = list[Floats](), list[Floats](), 0
+    for corners in _loops(triangles):
         loop = rows[[*corners, corners[0]]].copy()
         loop[:, 1] = np.unwrap(loop[:, 1])
         if abs(loop[-1, 1] - loop[0, 1]) > pi:
@@ -231,9 +223,9 @@ def _simple(line: Floats, radius: float) -> Floats:
     return found
 
 
-def _loops(facets: Any) -> Iterator[list[int]]:
+def _loops(triangles: Any) -> Iterator[list[int]]:
     """The borders of triangles as rings of corners."""
-    sides = np.concatenate([facets[:, [k, (k + 1) % 3]] for k in range(3)]).tolist()
+    sides = np.concatenate([triangles[:, [k, (k + 1) % 3]] for k in range(3)]).tolist()
     there = {(a, b) for a, b in sides}
     following: dict[int, list[int]] = {}
     for a, b in sides:
@@ -274,15 +266,12 @@ def _inside_off(
     radius, wall = section.height / 2, section.web_thickness
     inner = radius - wall
     turn, longest = 2 * pi * inner, max(sqrt(radius**2 - inner**2), STEEPEST * wall)
-    pairs = outside.open(inner, (-1, 0, 1)), inside.open(inner, (-1, 0, 1))
-    for these, those, what in (
-        (outside, pairs[1], "a cut that does not go through the wall"),
-        (inside, pairs[0], "a cut into the wall from inside"),
-    ):
+    whats = "a cut into the wall from inside", "a cut that does not go through the wall"
+    for these, other, what in ((outside, inside, whats[1]), (inside, outside, whats[0])):
+        those = other.open(inner, (-1, 0, 1))
         for one in these.windows:
-            met = [
-                p for p in pieces_of(those) if p.intersects(Polygon(one * (1.0, inner)).buffer(0))
-            ]
+            window = Polygon(one * (1.0, inner)).buffer(0)
+            met = [p for p in pieces_of(those) if p.intersects(window)]
             if len(met) != 1:
                 found = "a cut-out that is one outside and several inside" if met else what
                 raise Unreadable(found, rules.ODD_CUT, final=True)
@@ -293,8 +282,7 @@ def _inside_off(
     once = shapely.box(low - FAR, 0.0, high + FAR, turn)
     shapely.prepare([*steel, *gone])
     off = []
-    for k, what in ((0, "a cut into the wall from inside"),
-                    (1, "a cut that does not go through the wall")):  # fmt: skip
+    for k, what in enumerate(whats):
         wedge = steel[k].difference(steel[1 - k]).intersection(once)
         wedge = wedge.buffer(-NOISE / 2).buffer(NOISE / 2)
         places = shapely.points(shapely.get_coordinates(wedge))

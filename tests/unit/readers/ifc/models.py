@@ -1,8 +1,7 @@
 """Small models for the tests: one element from a body, with what is said of it."""
 
 from beamcam.errors import Source
-from beamcam.readers.ifc.entities import Model
-from beamcam.readers.ifc.opening import open_file
+from beamcam.readers.ifc.entities import Model, open_file
 from tests.property.ifc_builder import Step, Vec
 
 ORIGIN: Vec = (0.0, 0.0, 0.0)

@@ -5,8 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from beamcam.readers.ifc import Options, read
-from beamcam.readers.ifc.cutters import HalfSpace
-from beamcam.readers.ifc.ends import trim
+from beamcam.readers.ifc.cutters import HalfSpace, trim
 from tests.property.ifc_cuts import Bar, Half, model_of
 from tests.property.ifc_kernel import facets
 from tests.unit.readers.ifc.models import Small

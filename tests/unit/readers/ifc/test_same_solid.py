@@ -227,8 +227,8 @@ def test_the_plain_look_passes_no_other_hole(hole: Hole | Slot) -> None:
     stock = plain_stock(flat())
 
     def plain(*features: Hole | Slot) -> float | None:
-        part = part_of(plate(*features))
-        return same_solid._plainly_drilled(solid, part, flat(), stock, FACES)
+        shaped = plate(*features)
+        return same_solid._plainly_drilled(solid, part_of(shaped), shaped, stock, FACES)
 
     right = Hole("v", 200.0, 50.0, 22.0, SOURCE)
     assert plain(right) == pytest.approx(400.0 * 1000.0 - 10.0 * np.pi * 11.0**2, rel=1e-4)

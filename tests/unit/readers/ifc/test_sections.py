@@ -11,11 +11,10 @@ from beamcam.errors import Severity
 from beamcam.model.part import Profile
 from beamcam.model.section import name_of, plain_name, sections
 from beamcam.readers.ifc import Options, read
-from beamcam.readers.ifc.classify import classify
-from beamcam.readers.ifc.curves2d import Chain, points_chain
 from beamcam.readers.ifc.marks import named
-from beamcam.readers.ifc.outline import Round, Slotted, shape_of, with_arcs
-from beamcam.readers.ifc.profiles import rounded_box
+from beamcam.readers.ifc.outline import Chain, Round, Slotted, shape_of, with_arcs
+from beamcam.readers.ifc.profiles import points_chain, rounded_box
+from beamcam.readers.ifc.section import classify
 from tests.conftest import examples
 from tests.property.ifc_builder import Member, bore_polygon, section_polygon
 from tests.property.ifc_cuts import Bar, angle_corners
