@@ -23,14 +23,7 @@ from beamcam.checks.coping.left import (
     outline_of,
 )
 from beamcam.checks.coping.lips import lip_faults
-from beamcam.checks.coping.section import (
-    CoperSection,
-    areas_of,
-    jet_of,
-    line_of,
-    narrowed,
-    pieces_of,
-)
+from beamcam.checks.coping.section import CoperSection, jet_of, line_of, narrowed, pieces_of
 from beamcam.checks.coping.skew import EndOnWall, SkewEnd
 from beamcam.checks.coping.stock import FINE, WallStock
 from beamcam.checks.coping.strokes import TorchStroke
@@ -43,6 +36,7 @@ Shape = Any  #: of shapely
 Surface = tuple[str, float]  #: a face, and how far below it
 SLANTED = 2.0  #: mm along the bar by mm across it that a cut through a root goes, at most
 TWICE = 0.1  #: share of a stroke that is new at least, or it is cut twice
+SLIVER = 1e-3  #: mm2 that the offset of an outline with steps of microns may lie outside of it
 SURE = 0.01  #: mm that figures of a thickness may be off
 
 
@@ -187,13 +181,12 @@ def _hurt(
 
     low, high = section.extent(face)
     kept = wanted.intersection(box(-1e6, low, 1e6, high))
-    inner, border = kept.buffer(-slack, join_style="mitre"), kept.boundary
+    inner = kept.buffer(-slack, join_style="mitre")
     for _, at_most in gone:
-        # Offset inwards, an outline with tiny steps has slivers nearer to it, even outside of it.
-        hurt = areas_of(at_most.intersection(inner).intersection(kept))
-        deep = max((border.distance(line_of([p])) for p in outline_of(hurt)), default=0.0)
-        if deep > slack + 1e-6:
+        hurt = at_most.intersection(inner)
+        if hurt.area > SLIVER:
             x, y = hurt.representative_point().coords[0]
+            deep = slack + max(inner.boundary.distance(line_of([p])) for p in outline_of(hurt))
             yield rules.HURT.at(
                 Source(name), found=f"{deep:.2f}", face=face, x=f"{x:.1f}", y=f"{y:.1f}",
                 expected=f"{slack:.2f}",
