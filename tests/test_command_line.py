@@ -17,7 +17,7 @@ from beamcam.cli import COMMANDS, main
 from beamcam.commands import common
 from beamcam.commands.common import FIRST, GROUPS, MOST_SHOWN, OTHER, Grouped, heading_of
 from beamcam.commands.outputs import KINDS, NO_PROGRAMS
-from beamcam.machine import DEFAULTS
+from beamcam.machine.machine import DEFAULTS
 from tests.conftest import ROOT, SAMPLES
 from tests.runs import call, part
 from tests.test_docs import WORDS

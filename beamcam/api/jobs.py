@@ -23,11 +23,11 @@ from beamcam.arguments import (
     machine_of,
 )
 from beamcam.errors import Diagnostic, PlanError, ReadError, Source
-from beamcam.machine import DEFAULT_MACHINE, Machine
-from beamcam.machine.faults import TABLE_CONTROLLERS
+from beamcam.machine import Machine
+from beamcam.machine.machine import DEFAULT_MACHINE
 from beamcam.machine.overlay import with_section
 from beamcam.machine.runtime import STYLES
-from beamcam.machine.tables import DIALECTS, STEP_FORMS
+from beamcam.machine.tables import DIALECTS, STEP_FORMS, TABLE_CONTROLLERS
 from beamcam.model.part import Part
 from beamcam.model.plan import AnyPlan, Order
 from beamcam.model.request import Request, marked

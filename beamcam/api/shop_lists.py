@@ -17,8 +17,7 @@ from beamcam.arguments import (
 )
 from beamcam.budget import check_pieces
 from beamcam.errors import Diagnostic, PlanError
-from beamcam.machine import default_machines
-from beamcam.machine.machine import Machine
+from beamcam.machine.machine import Machine, default_machines
 from beamcam.machine_choice import InTurn, on_best_machine
 from beamcam.model.part import Part
 from beamcam.model.plan import stock_used

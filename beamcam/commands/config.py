@@ -86,7 +86,7 @@ def command(
 def _used(config: Config, console: Console) -> str:
     """Whose configuration it is, and the machines for bars and sheets with their checksums."""
     from beamcam.commands.configuration import settings_line
-    from beamcam.machine import default_machines
+    from beamcam.machine.machine import default_machines
 
     stocks: tuple[Stock, ...] = ("beam", "sheet")
     names = [

@@ -14,18 +14,10 @@ from beamcam.commands.outputs import picture, picture_suffix
 from beamcam.config.places import own_files
 from beamcam.errors import BeamcamError, Diagnostic, Source
 from beamcam.files import FilesRead, write_whole
-from beamcam.machine import (
-    Machine,
-    load,
-    machine_folders,
-    own_machines,
-    resolved,
-    settings,
-    shipped,
-)
+from beamcam.machine import Machine, load, shipped
 from beamcam.machine.chart_file import chart_rows
-from beamcam.machine.keys import starting_file
-from beamcam.machine.load import files_of
+from beamcam.machine.keys import settings, starting_file
+from beamcam.machine.load import files_of, machine_folders, own_machines, resolved
 
 MAX_CHART_BYTES = 10_000_000
 

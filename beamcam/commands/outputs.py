@@ -8,8 +8,7 @@ import click
 
 from beamcam.commands.common import STANDARD, Console, write
 from beamcam.files import FilesRead, remove_made
-from beamcam.machine.faults import TABLE_CONTROLLERS
-from beamcam.machine.tables import DIALECTS
+from beamcam.machine.tables import DIALECTS, TABLE_CONTROLLERS
 
 if TYPE_CHECKING:
     from beamcam.config.values import Config

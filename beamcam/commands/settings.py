@@ -17,8 +17,8 @@ from beamcam.config.places import ConfigFiles, config_files, own_files
 from beamcam.config.values import COMMAND_LINE, Config, Stock, over
 from beamcam.errors import BeamcamError, Diagnostic, MachineError, PlanError, Source
 from beamcam.files import FilesRead
-from beamcam.machine import Machine, default_machines, is_of_sheets
-from beamcam.machine.overlay import with_section
+from beamcam.machine import Machine
+from beamcam.machine.machine import default_machines, is_of_sheets
 from beamcam.machine.words import UNKNOWN_MACHINE
 from beamcam.machine_choice import InTurn
 from beamcam.model.part import Part
@@ -92,7 +92,7 @@ def _with_own_machines(config: Config) -> Config:
     """
     if config.machine is None and not config.machines and not config.split:
         return config
-    from beamcam.machine import resolved
+    from beamcam.machine.load import resolved
 
     machine = config.machine and resolved(config.machine, config.own)
     machines = {
@@ -235,7 +235,7 @@ def machine_for_program(
         allowed = machines_for(config, parts, program)
     else:
         allowed = machines_of_stock(config, "sheet" if is_of_sheets(program) else "beam", program)
-    from beamcam.machine import is_file_name
+    from beamcam.machine.load import is_file_name
 
     named = _machine_in_head(data)
     if named is None:
@@ -343,7 +343,10 @@ def _as_asked(machine: Machine, config: Config, is_one_of_two: bool) -> Machine:
         from beamcam.config.values import with_tolerances
 
         machine = with_tolerances(machine, config)
-    machine = with_section(machine, config.corner, config.lip)
+    if config.corner or config.lip:
+        from beamcam.machine.overlay import with_section
+
+        machine = with_section(machine, config.corner, config.lip)
     if not (config.sheet.given() or config.map) or (machine.torch is None and is_one_of_two):
         return machine
     return _with_sheet(machine, config)

@@ -24,8 +24,8 @@ from beamcam.conversion import (
     converted,
 )
 from beamcam.errors import BeamcamError, Diagnostic, Source
+from beamcam.machine.faults import slack_faults
 from beamcam.machine.machine import Machine
-from beamcam.machine.range_faults import slack_faults
 from beamcam.machine.toml import MAX_TOML_BYTES, TomlError, TomlFile, TomlPlace, toml_text
 from beamcam.machine.torch import Degrees, LayerSettings
 from beamcam.system import beginning_of, portable_path

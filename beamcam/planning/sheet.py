@@ -18,8 +18,8 @@ from beamcam.geometry.arrays import table_of
 from beamcam.geometry.chord_runs import refit_runs
 from beamcam.geometry.curves import Line
 from beamcam.geometry.plane import join_boxes
-from beamcam.machine.faults import TABLE_CONTROLLERS
 from beamcam.machine.machine import Machine
+from beamcam.machine.tables import TABLE_CONTROLLERS
 from beamcam.machine.torch import Torch, TorchProcess
 from beamcam.model.part import Hole, Part, Slot
 from beamcam.model.pipes import is_unrolled
