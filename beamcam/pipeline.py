@@ -18,7 +18,7 @@ from beamcam.budget import check_pieces
 from beamcam.checks.head import head_of, other_bar
 from beamcam.checks.request import job_faults, pieces_asked
 from beamcam.checks.rules import BAR_NEEDED
-from beamcam.emitters import head_lines
+from beamcam.emitters.gcode import head_lines
 from beamcam.errors import Diagnostic, PlanError, ReadError, Severity, VerifyError, errors_in
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part

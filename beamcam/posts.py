@@ -56,7 +56,7 @@ def bar_post() -> Post:
     from beamcam.emitters import gcode
     from beamcam.motion.beam import beam_program
     from beamcam.planning.beam import plan_oriented
-    from beamcam.planning.round_bars import told_of_round
+    from beamcam.planning.operations.work import told_of_round
 
     def plan(job: Job) -> Plan:
         w = job.request

@@ -33,9 +33,9 @@ from beamcam.errors import BeamcamError, Diagnostic, PlanError, Source
 from beamcam.files import FilesRead
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Contour, Feature, Hole, Slot, TextMark
-from beamcam.model.pipes import is_unrolled
 from beamcam.model.plan import AnyPlan, CopePlan, Order, SawOp, SheetPlan, clock
 from beamcam.model.request import Request
+from beamcam.model.rounds import is_unrolled
 from beamcam.pipeline import (
     Begun,
     Posted,

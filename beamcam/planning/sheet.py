@@ -22,8 +22,8 @@ from beamcam.machine.machine import Machine
 from beamcam.machine.tables import TABLE_CONTROLLERS
 from beamcam.machine.torch import Torch, TorchProcess
 from beamcam.model.part import Hole, Part, Slot
-from beamcam.model.pipes import is_unrolled
 from beamcam.model.plan import ContourOp, Outcome, Piece, SheetPlan
+from beamcam.model.rounds import is_unrolled
 from beamcam.planning import rules as bar_rules
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.assign_process import (

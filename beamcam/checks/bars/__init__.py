@@ -214,6 +214,8 @@ def unseen_faults(parts: Sequence[Part], machine: Machine) -> tuple[Diagnostic, 
     faults = []
     for given in parts:
         part = rolled_on(machine, given)
+        if not part.profile.is_round:
+            continue
         size, beyond = part.profile, drill_of(machine).breakthrough
         wall = size.flange_thickness or size.web_thickness or 0.0
         unmade = {id(feature): feature for feature in unseen(part)}

@@ -7,13 +7,16 @@ ends -> each feature by itself: what it needs, and its place on the finished par
 """
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from math import pi, sqrt
 
 from msgspec import Struct
 
-from beamcam.errors import Diagnostic, PlanError, Source, errors_in
+from beamcam.errors import Diagnostic, PlanError, Source, error, errors_in, note
+from beamcam.machine.machine import Machine
+from beamcam.model.description import description
 from beamcam.model.part import Bend, Camber, Contour, EndPlane, Feature, Hole, Part, Slot, TextMark
-from beamcam.model.pipes import is_unrolled
-from beamcam.model.request import policy_on
+from beamcam.model.request import policy_on, rolled_on
+from beamcam.model.rounds import SLACK, is_unrolled, named_diameters, unseen
 from beamcam.model.section import section_fault
 from beamcam.planning import rules
 from beamcam.planning.axis_limits import refuse_steps
@@ -75,7 +78,7 @@ def refuse_stock(parts: Sequence[Part], line: BarLine) -> None:
             refusals.append(
                 rules.MIXED_PROFILES.at(part.source, found=mine.name, expected=profile.name)
             )
-        if is_unrolled(mine):
+        if mine.code == "B" and is_unrolled(mine):
             refusals.append(rules.UNROLLED.at(
                 part.source, found=mine.name, expected="a flat bar, or a pipe of profile code RO",
             ))  # fmt: skip
@@ -178,3 +181,60 @@ def _is_made(f: int, mark: Feature, planner: PartPlanner) -> bool:
     elif diagnostic is not None:
         planner.refused[f] = diagnostic
     return why is None and diagnostic is None
+
+
+# --- rounds ---------------------------------------------------------------------------------------
+
+# Plates that are sawn as pipes, and what no side of a round shows.
+
+
+PIPE = note("plan-pipe",
+    "found a plate {found} {height} mm wide; it is the unrolled surface of a pipe {diameter} mm in "
+    "diameter, and is sawn as that pipe",
+    "Some exporters write a pipe as a plate as wide as its circumference.")  # fmt: skip
+ROUND = error("plan-round",
+    "found {what}, which is the unrolled surface of a round bar; expected {expected}",
+    "Face v of a round is its surface, unrolled: y counts the arc from its lowest line, and v is a "
+    "quarter of the way round. A spindle drills square to the surface only in the middle of v, o, "
+    "h or u, and the saw cuts planes. A machine for tubes makes the others; --allow-skips "
+    "cutout leaves them out.")  # fmt: skip
+LEFT_OUT_AS = "cutout"  #: name of what is not seen square for --allow-skips
+PLANE_ENDS = "one as wide as the round, of two plane ends that lean in the view of v alone"
+
+
+def told_of_round(
+    given: Part, machine: Machine, skips: Collection[str] = ()
+) -> Iterator[Diagnostic]:
+    """That a plate is sawn as a pipe, and errors for what spindles and saw cannot make of it.
+
+    Where `skips` has cut-outs, what is not seen square is left out as one.
+    """
+    part = rolled_on(machine, given)
+    plate, diameter = given.profile, part.profile.height
+    if part is not given:
+        named_mm = named_diameters(plate.name)
+        if named_mm and min(abs(one - diameter) for one in named_mm) > SLACK:
+            nearest = min(named_mm, key=lambda one: abs(one - diameter))
+            expected = f"{pi * nearest:.2f} mm of width, the circumference that its name has"
+            yield rules.UNROLLED.at(given.source, found=plate.name, expected=expected)
+            return
+        yield PIPE.at(
+            given.source, found=plate.name, height=f"{plate.height:g}", diameter=f"{diameter:.2f}"
+        )
+    if not part.profile.is_round:
+        return
+    quarters = ", ".join(f"{k * pi / 4 * diameter:.2f}" for k in range(4))
+    wall = max(part.profile.flange_thickness, part.profile.web_thickness or 0.0)
+    deeper = machine.drill.breakthrough if machine.drill else 0.0
+    for hole in part.features if part.profile.code == "RO" and wall else ():
+        if isinstance(hole, Hole | Slot) and hole.depth is None and hole.kind != "mark":
+            # Beside its middle the wall curves away from the drill.
+            inner = diameter / 2 - wall
+            sag = inner - sqrt(max(0.0, inner**2 - (hole.diameter / 2) ** 2))
+            if sag > deeper:
+                expected = f"one through a wall that curves by {deeper:g} mm, not {sag:.2f}"
+                yield ROUND.at(hole.source, what=description(hole), expected=expected)
+    for feature in unseen(part) if LEFT_OUT_AS not in skips else ():
+        is_end = isinstance(feature, Contour) and feature.kind == "outer"
+        expected = PLANE_ENDS if is_end else f"it in the middle of a face, at y {quarters}"
+        yield ROUND.at(feature.source, what=description(feature), expected=expected)

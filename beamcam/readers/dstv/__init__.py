@@ -30,7 +30,7 @@ from beamcam.readers.dstv.blocks import (
     split_lines,
 )
 from beamcam.readers.dstv.contours import ContourRows, build_contour, is_mirrored, read_contour_rows
-from beamcam.readers.dstv.header import header_lines, read_header
+from beamcam.readers.dstv.header import header_lines, read_header, upright
 from beamcam.readers.dstv.lint import check
 from beamcam.readers.dstv.rows import (
     FACE_LETTERS,
@@ -47,7 +47,6 @@ from beamcam.readers.dstv.rows import (
     read_text,
     read_tolerance,
 )
-from beamcam.readers.dstv.tees import upright
 
 __all__ = ["Account", "looks_like", "read", "read_with_account"]
 
