@@ -69,7 +69,7 @@ def load(
         loaded.name, sheet=settings.sheet, map=settings.map, tolerances=settings.tolerances
     )
     if config.tolerances:
-        from beamcam.config.values import with_tolerances
+        from beamcam.config.load import with_tolerances
 
         loaded = with_tolerances(loaded, config)
     loaded = with_section(loaded, settings.corner, settings.lip)

@@ -105,7 +105,8 @@ def _remember(folders: tuple[str, ...], console: Console) -> None:
     for folder in folders:
         if not os.path.isdir(folder):
             raise click.UsageError(f"found no folder {folder!r}; expected one that is there.")
-    from beamcam.config.places import CONFIG_NAME, remember
+    from beamcam.config.load import remember
+    from beamcam.config.values import CONFIG_NAME
     from beamcam.system import user_folder
 
     try:

@@ -11,7 +11,7 @@ from beamcam.batch.names import cleaned
 from beamcam.commands import options
 from beamcam.commands.common import Console, cannot_write, say_json, say_lines, write
 from beamcam.commands.outputs import picture, picture_suffix
-from beamcam.config.places import own_files
+from beamcam.config.values import own_files
 from beamcam.errors import BeamcamError, Diagnostic, Source
 from beamcam.files import FilesRead, write_whole
 from beamcam.machine import Machine, load, shipped

@@ -123,7 +123,7 @@ class SkipNames(click.Choice):  # type: ignore[type-arg]  # older versions take 
 
 
 def machine_names(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[str]:
-    from beamcam.config.places import own_files
+    from beamcam.config.values import own_files
     from beamcam.machine import shipped
     from beamcam.machine.load import own_machines
 

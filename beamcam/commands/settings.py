@@ -13,8 +13,15 @@ from msgspec.structs import replace
 from beamcam.arguments import load_tested
 from beamcam.budget import set_limits
 from beamcam.commands.common import remark, running_console
-from beamcam.config.places import ConfigFiles, config_files, own_files
-from beamcam.config.values import COMMAND_LINE, Config, Stock, over
+from beamcam.config.values import (
+    COMMAND_LINE,
+    Config,
+    ConfigFiles,
+    Stock,
+    config_files,
+    over,
+    own_files,
+)
 from beamcam.errors import BeamcamError, Diagnostic, MachineError, PlanError, Source
 from beamcam.files import FilesRead
 from beamcam.machine import Machine
@@ -340,7 +347,7 @@ def _as_asked(machine: Machine, config: Config, is_one_of_two: bool) -> Machine:
     """A machine with the tolerances, the map and the sheet of the job."""
     remark(machine.remarks)
     if config.tolerances:
-        from beamcam.config.values import with_tolerances
+        from beamcam.config.load import with_tolerances
 
         machine = with_tolerances(machine, config)
     if config.corner or config.lip:
@@ -366,7 +373,7 @@ def _named_machine(config: Config, of: Stock | Literal["split"], named: str) -> 
         if source in (None, COMMAND_LINE) or error.diagnostics[0].code != UNKNOWN_MACHINE.code:
             raise
         from beamcam.config import WRONG_VALUE
-        from beamcam.config.values import ConfigError
+        from beamcam.config.load import ConfigError
 
         expected = error.diagnostics[0]["expected"]
         raise ConfigError(
