@@ -8,10 +8,10 @@ from typing import Any
 import click
 
 from beamcam.commands import options
-from beamcam.commands.common import Console, Grouped, write
+from beamcam.commands.common import Console, write
 from beamcam.commands.common import as_json as json_of
 from beamcam.commands.outputs import of_kind
-from beamcam.commands.parts import looking_options, read_parts, request_of
+from beamcam.commands.parts import Grouped, looking_options, read_parts, request_of
 from beamcam.commands.settings import files_read, machines_for, settled
 from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Diagnostic

@@ -9,7 +9,19 @@ import click
 from msgspec.structs import replace
 
 from beamcam.commands import options
-from beamcam.commands.common import STANDARD, Console, Grouped, keep_apart, keep_refused, write
+from beamcam.commands.common import (
+    STANDARD,
+    Console,
+    is_coded_sheet,
+    job_name,
+    keep_apart,
+    keep_refused,
+    outputs,
+    program,
+    table_style,
+    write,
+    write_list,
+)
 from beamcam.commands.options import (
     ONE_BAR,
     ONE_SHEET,
@@ -18,15 +30,7 @@ from beamcam.commands.options import (
     program_names,
     quantity,
 )
-from beamcam.commands.outputs import (
-    is_coded_sheet,
-    job_name,
-    outputs,
-    program,
-    table_style,
-    write_list,
-)
-from beamcam.commands.parts import part_options, read_parts, request_of
+from beamcam.commands.parts import Grouped, part_options, read_parts, request_of
 from beamcam.commands.settings import files_read, machine_asked, machines_for, map_remarks, settled
 from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Diagnostic, PlanError, Source

@@ -139,11 +139,6 @@ def _wanted(options: Mapping[str, Any]) -> dict[str, Any]:
     return given
 
 
-def machine_for(config: Config, parts: Sequence[Part], output: str) -> Machine:
-    """The first of `machines_for`."""
-    return machines_for(config, parts, output)[0]
-
-
 def machines_for(config: Config, parts: Sequence[Part], output: str) -> Sequence[Machine]:
     """The machines that may make `parts`, as the job wants them, in the order they are tried in.
 
@@ -265,13 +260,6 @@ def _machine_in_head(data: bytes | str) -> str | None:
 
     head = head_of(data.decode("utf-8", "replace") if isinstance(data, bytes) else data)
     return None if head is None else head.machine
-
-
-def machine_of_stock(
-    config: Config, stock: Stock, output: str, is_one_of_two: bool = False
-) -> Machine:
-    """The first of `machines_of_stock`."""
-    return machines_of_stock(config, stock, output, is_one_of_two)[0]
 
 
 def machines_of_stock(
