@@ -1,22 +1,36 @@
-"""Checks of a request and its machine before any work, for library and command line alike."""
+"""What is asked for, checked before any work, for library and command line alike; and the machine
+that makes it: the one that is named, or of those in a shop the one that leaves out fewest features.
+"""
 
 import os
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from contextlib import suppress
 from math import isfinite
-from typing import Any, TypeVar
+from typing import Generic, Protocol, TypeVar, overload
 
-import msgspec
 from msgspec import Struct
+from msgspec.structs import replace
 
 from beamcam.controllers.machine_words import known_faults
 from beamcam.conversion import nearest
-from beamcam.errors import BeamcamError, Diagnostic, MachineError, Source, error
+from beamcam.errors import (
+    BeamcamError,
+    Diagnostic,
+    MachineError,
+    PlanError,
+    Source,
+    error,
+    errors_in,
+    note,
+)
 from beamcam.machine.load import load, shipped, source_in
 from beamcam.machine.machine import Machine
 from beamcam.machine.words import WORD
-from beamcam.model.part import Part
+from beamcam.model.plan import AnyPlan, clock
+from beamcam.model.request import Job, Request
 from beamcam.plain_text import MAX_COMMENT, terminal_text
 from beamcam.planning.left_out import ALL_SKIPS, SKIP_NAMES
+from beamcam.posts import plan_seconds
 
 ASK_TYPE = error("ask-type",
     "found {found} for {name}; expected {expected}",
@@ -31,20 +45,11 @@ ASK_JOB = error("ask-job",
 ASK_SKIP = error("ask-skip",
     "found {found!r} among the skips; expected {expected}",
     "A misspelt name would leave out nothing, or another kind than was meant.")  # fmt: skip
-ASK_NUMBER = error("ask-number",
-    "found {found} as {name} of the part; expected a finite number",
-    "A part that was put together by a program may hold nan or inf, which no axis can move "
-    "to.")  # fmt: skip
 
-ASK_VALUE = error("ask-value",
-    "found a wrong value of {name} ({fault}); expected one that the option of that name takes",
-    "The options of the library are those of the command line and of beamcam.toml, by their "
-    "names.")  # fmt: skip
 
-_HERE = Source("beamcam")
+HERE = Source("beamcam")
 
 AnyMachine = str | os.PathLike[str] | Machine  #: how a caller may say which machine is meant
-Asked = TypeVar("Asked")
 
 
 class AskError(BeamcamError):
@@ -70,53 +75,18 @@ def _faults(job: object, bar: object, skips: object) -> Iterator[Diagnostic]:
     elif expected := expected_job(job):
         from beamcam.conversion import shown
 
-        yield ASK_JOB.at(_HERE, found=shown(job), expected=expected)
+        yield ASK_JOB.at(HERE, found=shown(job), expected=expected)
     if bar is not None:
         if isinstance(bar, bool | str | bytes) or not hasattr(bar, "__float__"):
             yield ask_type("bar", bar, "a number, or None")
         elif not (isfinite(bar) and bar > 0):  # type: ignore[operator]
-            yield ASK_BAR.at(_HERE, found=f"{bar}")
+            yield ASK_BAR.at(HERE, found=f"{bar}")
     if isinstance(skips, str | bytes) or not isinstance(skips, Collection):
         yield ask_type("skips", skips, "a list of names")
         return
     for name in skips:
         if name not in SKIP_NAMES and name != ALL_SKIPS:
-            yield ASK_SKIP.at(_HERE, found=name, expected=nearest(str(name), SKIP_NAMES))
-
-
-def check_flags(**flags: object) -> None:
-    """Raise AskError for what is neither True nor False."""
-    for name, flag in flags.items():
-        if not isinstance(flag, bool):
-            raise AskError(ask_type(name, flag, "True or False"))
-
-
-def check_choice(name: str, value: object, choices: Collection[str]) -> None:
-    """Raise AskError for what is not one of the choices."""
-    if value not in choices:
-        raise AskError(ask_type(name, value, " or ".join(map(repr, choices))))
-
-
-def check_text(name: str, value: object, *others: type) -> None:
-    """Raise AskError for what is neither text nor one of `others`."""
-    if not isinstance(value, (str, *others)):
-        raise AskError(
-            ask_type(name, value, " or ".join(("a text", *(t.__name__ for t in others))))
-        )
-
-
-def checked_parts(parts: Part | Iterable[Part]) -> tuple[Part, ...]:
-    """The parts that are meant. Raises AskError for anything else, and for nan and inf."""
-    if isinstance(parts, Part):
-        parts = (parts,)
-    if isinstance(parts, str | bytes) or not isinstance(parts, Iterable):
-        raise AskError(ask_type("parts", parts, "a Part, or several"))
-    all_parts = tuple(parts)
-    for part in all_parts:
-        if not isinstance(part, Part):
-            raise AskError(ask_type("parts", part, "a Part, or several"))
-        _check_numbers(part)
-    return all_parts
+            yield ASK_SKIP.at(HERE, found=name, expected=nearest(str(name), SKIP_NAMES))
 
 
 def machine_of(machine: AnyMachine) -> Machine:
@@ -165,32 +135,155 @@ def load_machine(name: str) -> Machine:
     return machine
 
 
-def converted(value: object, kind: type[Asked], name: str = "") -> Asked:
-    """A value as one of a `kind`. Raises AskError that names the part of it which is not."""
-    try:
-        return msgspec.convert(value, kind)
-    except msgspec.ValidationError as error:
-        fault, _, where = str(error).partition(" - at `$")
-        place = where.rstrip("`").lstrip(".") or name
-        raise AskError(ASK_VALUE.at(_HERE, name=place or "the options", fault=fault)) from error
-
-
 def ask_type(name: str, value: object, expected: str) -> Diagnostic:
     """What is said of a value of another type than the call takes."""
     found = f"{type(value).__name__} {value!r:.60}" if value is not None else "None"
-    return ASK_TYPE.at(_HERE, name=name, found=found, expected=expected)
+    return ASK_TYPE.at(HERE, name=name, found=found, expected=expected)
 
 
-def _check_numbers(part: Part) -> None:
-    """Raise AskError for the first number of a part that is not finite."""
-    waiting: list[tuple[str, Any]] = [("", part)]
-    while waiting:
-        name, value = waiting.pop()
-        if isinstance(value, float):
-            if not isfinite(value):
-                raise AskError(ASK_NUMBER.at(part.source, found=value, name=name))
-        elif isinstance(value, Struct):
-            fields = ((field, getattr(value, field)) for field in value.__struct_fields__)
-            waiting += ((f"{name}.{f}".lstrip("."), inner) for f, inner in fields)
-        elif isinstance(value, tuple):
-            waiting += ((name, inner) for inner in value)
+# --- choice ---------------------------------------------------------------------------------------
+
+# Of several machines the one that makes all of the parts, or leaves out fewest features.
+
+
+CHOSEN = note("plan-machine",
+    "made on {found}; {others}",
+    "Where no machine is named, those of the configuration, or else the shipped ones, are tried in "
+    "their order. The first that makes all of a part takes it, under --by time the quickest of "
+    "those that do; where none does, the one that leaves out fewest of the features that may be "
+    "left out. --machine names one.")  # fmt: skip
+NONE_MAKES_IT = error("plan-no-machine",
+    "found no machine that makes the whole part ({found}); expected one",
+    "Each machine that was tried is listed with the codes of what it cannot make. The messages "
+    "above are those of one that takes the section, and of these of one that refuses more than "
+    "what it has no tool for, as that is what stands in the way of all. `beamcam codes CODE` "
+    "explains a code and the ways out.")  # fmt: skip
+#: What a machine says of a part that is not for it at all.
+NOT_FOR_IT = ("plan-stock", "plan-section", "plan-section-shape", "plan-unrolled")
+FOR_ANOTHER = frozenset(f"plan-{name}" for name in SKIP_NAMES)  #: what another machine may make
+
+
+class InTurn(Sequence[Machine]):
+    """Machines in the order they are tried, each loaded when its turn comes."""
+
+    def __init__(self, names: Sequence[str], load: Callable[[str], Machine]) -> None:
+        self._names, self._load = names, load
+        self._loaded: dict[str, Machine] = {}
+
+    def __len__(self) -> int:
+        return len(self._names)
+
+    @overload
+    def __getitem__(self, index: int) -> Machine: ...
+    @overload
+    def __getitem__(self, index: slice) -> Sequence[Machine]: ...
+    def __getitem__(self, index: int | slice) -> Machine | Sequence[Machine]:
+        if isinstance(index, slice):
+            return InTurn(self._names[index], self._load)
+        name = self._names[index]
+        if name not in self._loaded:
+            self._loaded[name] = self._load(name)
+        return self._loaded[name]
+
+
+class PlannedProgram(Protocol):
+    """A program as it is planned."""
+
+    @property
+    def job(self) -> Job:
+        """What it makes, and on which machine."""
+
+    @property
+    def plan(self) -> AnyPlan:
+        """How it does."""
+
+
+Made = TypeVar("Made", bound=PlannedProgram)
+
+
+class Able(Struct, Generic[Made]):
+    """A machine that is not refused what is asked for, and the programs that it makes of it."""
+
+    machine: Machine
+    made: Sequence[Made]
+    left_out: int  #: features, as is allowed
+    seconds: float | None  #: of all programs; None where time does not count
+
+    @property
+    def rank(self) -> tuple[int, float]:
+        """The less, the better."""
+        return self.left_out, self.seconds or 0.0
+
+    def __str__(self) -> str:
+        """What it leaves out and how long it takes, as far as either counts."""
+        words = [f"leaves out {self.left_out}"] if self.left_out else []
+        words += [] if self.seconds is None else [clock(self.seconds)]
+        return f"{self.machine.name} ({', '.join(words)})" if words else self.machine.name
+
+
+def on_best_machine(
+    request: Request, machines: Sequence[Machine], attempt: Callable[[Request], Sequence[Made]]
+) -> tuple[Sequence[Made], tuple[Diagnostic, ...]]:
+    """What `attempt` gives on the machine that leaves out fewest features; a note of the choice.
+
+    Of equal ones that is the first in order, or the quickest where the request is `by` time. A
+    machine that makes all of the parts goes before one that leaves out what is allowed. In order
+    no machine behind the first that makes all is planned on, or loaded. Only what a machine cannot
+    make (PlanError) has another one taken. Where none makes it the PlanError has what the one said
+    that lacks least, and for each machine why.
+    """
+    if request.skips and len(machines) > 1:
+        with suppress(PlanError):
+            best, diagnostics = _best(replace(request, skips=()), machines, attempt)
+            return attempt(replace(request, machine=best.machine)), diagnostics
+    best, diagnostics = _best(request, machines, attempt)
+    return best.made, diagnostics
+
+
+def _best(
+    request: Request, machines: Sequence[Machine], attempt: Callable[[Request], Sequence[Made]]
+) -> tuple[Able[Made], tuple[Diagnostic, ...]]:
+    source = request.parts[0].source if request.parts else Source("beamcam")
+    by_time = request.by == "time" and len(machines) > 1
+    able: list[Able[Made]] = []
+    refused: list[tuple[Machine, tuple[Diagnostic, ...]]] = []
+    for machine in machines:
+        try:
+            made = attempt(replace(request, machine=machine))
+            seconds = sum(plan_seconds(one.plan, one.job) for one in made) if by_time else None
+        except PlanError as error:
+            refused.append((machine, tuple(error.diagnostics)))
+            continue
+        if not (by_time or request.skips):
+            able.append(Able(machine, made, 0, None))
+            break
+        left_out = sum(o.how == "skipped" for one in made for o in one.plan.outcomes)
+        able.append(Able(machine, made, left_out, seconds))
+    if not able:
+        raise PlanError(none_makes_it(refused, source))
+    best = min(able, key=lambda one: one.rank)  # the first of equal ones
+    others = [str(one) for one in able if one is not best]
+    others += [f"{machine.name} cannot: {_codes(diagnostics)}" for machine, diagnostics in refused]
+    return best, (CHOSEN.at(source, found=best, others="; ".join(others)),) if others else ()
+
+
+def none_makes_it(
+    refused: Sequence[tuple[Machine, Sequence[Diagnostic]]], source: Source
+) -> tuple[Diagnostic, ...]:
+    """Messages where every machine refuses: those of a single machine, or a summary of several."""
+    least = min(refused, key=lambda one: _distance(one[1]))[1]
+    if len(refused) == 1:
+        return tuple(least)
+    found = "; ".join(f"{machine.name}: {_codes(diagnostics)}" for machine, diagnostics in refused)
+    return (*least, NONE_MAKES_IT.at(source, found=found))
+
+
+def _distance(diagnostics: Iterable[Diagnostic]) -> tuple[bool, bool, int]:
+    """How little the messages of a machine say of why none makes a part."""
+    codes = [one.code for one in errors_in(diagnostics)]
+    not_for_it = any(code in NOT_FOR_IT for code in codes)
+    return not_for_it, FOR_ANOTHER.issuperset(codes), len(codes)
+
+
+def _codes(diagnostics: Iterable[Diagnostic]) -> str:
+    return ", ".join(dict.fromkeys(one.code for one in errors_in(diagnostics)))

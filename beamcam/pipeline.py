@@ -34,9 +34,8 @@ from beamcam.planning.left_out import (
     named_skips,
     told,
 )
-from beamcam.posts import Written, beginning, post_of
+from beamcam.posts import Written, beginning, head_differences, other_than_planned, post_of
 from beamcam.readers import Reading, content, read, shown_name
-from beamcam.reconcile import head_differences, other_than_planned
 
 Made = TypeVar("Made")
 Stage = Callable[[str], None]  #: callback with the finished stage

@@ -7,21 +7,19 @@ from typing import Any, Literal, Unpack, get_args
 
 from msgspec.structs import replace
 
-from beamcam.api.inputs import CheckedReadOptions, FileInput, ReadOptions, SheetOptions
-from beamcam.arguments import (
-    ASK_TYPE,
+from beamcam.api.inputs import (
     ASK_VALUE,
-    AnyMachine,
-    AskError,
-    ask_type,
-    check_arguments,
+    CheckedReadOptions,
+    FileInput,
+    ReadOptions,
+    SheetOptions,
     check_choice,
     check_flags,
     check_text,
     checked_parts,
     converted,
-    machine_of,
 )
+from beamcam.arguments import ASK_TYPE, AnyMachine, AskError, ask_type, check_arguments, machine_of
 from beamcam.errors import Diagnostic, PlanError, ReadError, Source
 from beamcam.machine import Machine
 from beamcam.machine.machine import DEFAULT_MACHINE

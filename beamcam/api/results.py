@@ -8,18 +8,9 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.api.inputs import FileInput
+from beamcam.api.inputs import FileInput, check_choice, check_text, checked_parts
 from beamcam.api.jobs import post, program_bytes
-from beamcam.arguments import (
-    ASK_TYPE,
-    AnyMachine,
-    AskError,
-    ask_type,
-    check_choice,
-    check_text,
-    checked_parts,
-    machine_of,
-)
+from beamcam.arguments import ASK_TYPE, AnyMachine, AskError, ask_type, machine_of
 from beamcam.checks.head import head_of
 from beamcam.comparison.pairing import Difference
 from beamcam.comparison.statements import ProgramText, diff_texts
