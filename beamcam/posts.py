@@ -1,5 +1,5 @@
-"""Stages of each kind of machine: planner, motion, emitter and read-back; and what the last may find
-beside the plan.
+"""Stages of each kind of machine (planner, motion, emitter, read-back), and what the read-back has
+to find as planned.
 
 `post_of` gives the row of a machine. Its functions load what they need when they are called, so
 that a bar never loads what only a sheet needs.
