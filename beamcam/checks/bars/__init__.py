@@ -19,7 +19,7 @@ from beamcam.checks.bars.ability import FeatureRef, skippable
 from beamcam.checks.bars.cell import Cell
 from beamcam.checks.bars.compare import Comparison, RequiredParts
 from beamcam.checks.bars.machine_limits import bar_faults, bore_faults, reach_faults, size_faults
-from beamcam.checks.bars.pieces import orientations
+from beamcam.checks.bars.orientations import orientations
 from beamcam.checks.bars.sequence import comment_faults, place_faults, stop_comments
 from beamcam.checks.bars.stations import (
     Bore,

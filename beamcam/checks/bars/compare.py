@@ -12,15 +12,17 @@ from msgspec import Struct, field
 
 from beamcam.checks import rules
 from beamcam.checks.bars.ability import FeatureRef, may_be_missing, repeats
-from beamcam.checks.bars.cuts import CutFaults, RequiredEnd, ends_of
+from beamcam.checks.bars.cuts import CutFaults
 from beamcam.checks.bars.holes import HoleCheck, RequiredHole
 from beamcam.checks.bars.machine_limits import reach_faults, section_faults, shape_of, steel_faults
+from beamcam.checks.bars.orientations import orientations
 from beamcam.checks.bars.paths import PathsAlong, RequiredPath, check_paths, is_led
 from beamcam.checks.bars.pieces import (
     Candidate,
     LaidPart,
+    RequiredEnd,
+    ends_of,
     lay_out,
-    orientations,
     overlapping,
     pieces,
     planes,

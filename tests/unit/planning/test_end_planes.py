@@ -5,8 +5,8 @@ from math import radians, tan
 import pytest
 from msgspec.structs import replace
 
-from beamcam.checks.bars.cuts import ends_of
-from beamcam.checks.bars.pieces import orientations
+from beamcam.checks.bars.orientations import orientations
+from beamcam.checks.bars.pieces import ends_of
 from beamcam.errors import Diagnostic, PlanError
 from beamcam.machine import load
 from beamcam.machine.machine import saw_of
