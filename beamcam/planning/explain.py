@@ -18,6 +18,7 @@ from beamcam.model.plan import (
     ToolLoad,
     WorkOp,
 )
+from beamcam.planning.nesting import CUT_REASONS
 from beamcam.planning.operations.hole import alike, partner_faces
 from beamcam.planning.operations.part_planner import ROUNDING
 from beamcam.planning.operations.tools import ToolLibrary, library_of
@@ -32,7 +33,7 @@ PLACES = {
     "place-after": "at the same X, and made in the hole that comes before",
     "place-changes": "at the same X, in the order of fewest changes of spindle and tool",
 }
-SAID = REASONS | PLACES
+SAID = REASONS | CUT_REASONS | PLACES
 
 
 class ExplainedOperation(Struct, frozen=True):
