@@ -19,8 +19,8 @@ from beamcam.checks.bars.ability import FeatureRef, skippable
 from beamcam.checks.bars.cell import Cell
 from beamcam.checks.bars.compare import Comparison, RequiredParts
 from beamcam.checks.bars.machine_limits import bar_faults, bore_faults, reach_faults, size_faults
+from beamcam.checks.bars.magazine import Changed, Chosen, comment_faults, stop_comments
 from beamcam.checks.bars.orientations import orientations
-from beamcam.checks.bars.sequence import comment_faults, place_faults, stop_comments
 from beamcam.checks.bars.stations import (
     Bore,
     Choice,
@@ -30,7 +30,7 @@ from beamcam.checks.bars.stations import (
     choices_of,
     lip_length,
 )
-from beamcam.checks.bars.tools import Changed, Chosen, CuttingData, ToolCatalogue
+from beamcam.checks.bars.tools import CuttingData, ToolCatalogue, place_faults
 from beamcam.checks.head import Head, head_of, part_faults, section_told, stock_faults
 from beamcam.controllers import cell_events
 from beamcam.controllers.dialect import Dialect, dialect_of
@@ -101,8 +101,10 @@ def run(
     if profile is None and known.dialect.section_fields:
         profile = section_said(events, known.dialect, machine)
     done = run_of_events(events, machine, profile, name, grades, lip)
-    comments = comment_faults(stop_comments(text), done.tools, machine, name)
-    return replace(done, diagnostics=(*diagnostics, *done.diagnostics, *comments))
+    diagnostics += done.diagnostics
+    if "station" in text.lower():  # of which operators are told at stops
+        diagnostics += comment_faults(stop_comments(text), done.tools, machine, name)
+    return replace(done, diagnostics=tuple(diagnostics))
 
 
 def run_of_events(
