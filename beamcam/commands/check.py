@@ -29,7 +29,7 @@ from beamcam.errors import BeamcamError, Severity, Source
 from beamcam.files import REFUSED_SUFFIX
 from beamcam.machine import Machine, shipped
 from beamcam.pipeline import begin, finished, parts_of, read_file
-from beamcam.planning.left_out import is_manual_work_list, manual_rows
+from beamcam.planning.left_out import LIST_SUFFIX, manual_rows
 from beamcam.readers import is_of_programs
 from beamcam.reports.run import as_message, message_line
 
@@ -185,7 +185,7 @@ def _programs(folder: Path, machine: str | None) -> list[tuple[Path, str | None]
 
 def _is_program(path: Path, machine: str | None) -> bool:
     """Whether a file is one, in the folder of a machine, or is called as programs are."""
-    if not path.is_file() or path.name.startswith(".") or is_manual_work_list(path.name):
+    if not path.is_file() or path.name.startswith(".") or path.name.lower().endswith(LIST_SUFFIX):
         return False
     if is_stock_list(str(path)):
         return False

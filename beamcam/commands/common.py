@@ -50,7 +50,9 @@ class Console:
 
     def say(self, diagnostics: Iterable[Diagnostic]) -> None:
         """Say messages. As JSON they are one list with what was done, so this is said once."""
-        diagnostics = (*self._new_remarks(), *diagnostics)
+        new = [one for one, is_said in self._remarks.items() if not is_said]
+        self._remarks |= dict.fromkeys(new, True)
+        diagnostics = (*new, *diagnostics)
         shown = [d for d in first_of_each_kind(diagnostics) if self.wants(d.severity)]
         if self.as_json:
             from beamcam.reports.run import as_message
@@ -70,12 +72,6 @@ class Console:
         """Keep messages to be said with the next ones; what was said once is not said again."""
         for one in diagnostics:
             self._remarks.setdefault(one, False)
-
-    def _new_remarks(self) -> Iterator[Diagnostic]:
-        for one, is_said in self._remarks.items():
-            if not is_said:
-                self._remarks[one] = True
-                yield one
 
     def did(self, what: str) -> None:
         """Tell a step that is done, and the time since the one before."""

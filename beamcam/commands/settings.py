@@ -209,18 +209,14 @@ def map_remarks(config: Config, parts: Sequence[Part], machine: Machine) -> tupl
         return ()
     from beamcam.planning.map_keys import curves_by_key, idle, unmatched
 
-    here = {k: v for k, v in config.meanings.items() if _is_asked(config, k)}
+    asked = {key for key, source in config.sources.items() if source == COMMAND_LINE}
+    here = {k: v for k, v in config.meanings.items() if f"map.{k}" in asked}
     table = machine.torch.colours
     if refused := tuple(unmatched(here, parts, table)):
         raise PlanError(refused)
     configured = [key for key in config.map if key not in here]
     used = curves_by_key(parts, table) if configured else ()
     return tuple(idle(configured, used, config.place("map")))
-
-
-def _is_asked(config: Config, key: str) -> bool:
-    """Whether the command line has that key of the map."""
-    return config.sources.get(f"map.{key}") == COMMAND_LINE
 
 
 def machine_for_program(

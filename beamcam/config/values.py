@@ -270,15 +270,14 @@ def own_files() -> tuple[str, ...]:
 
     In a folder that anybody may write to one has to belong to the user, or to the system's owner.
     """
-    paths = [path for path in _upwards("") if path != CONFIG_NAME or _is_safe_here()]
+    paths = [
+        path for path in _upwards("")
+        if path != CONFIG_NAME or not is_open_to_all(os.curdir) or is_ones_own(path)
+    ]  # fmt: skip
     users = os.path.join(user_folder(), CONFIG_NAME)
     if os.path.isfile(users):
         paths.append(users)
     return tuple({os.path.realpath(path): path for path in reversed(paths)}.values())[::-1]
-
-
-def _is_safe_here() -> bool:
-    return not is_open_to_all(os.curdir) or is_ones_own(CONFIG_NAME)
 
 
 def _upwards(folder: str) -> Iterator[str]:

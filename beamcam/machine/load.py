@@ -135,7 +135,10 @@ def _is_of_shipped_base(source: Source, files: tuple[TomlFile, ...]) -> bool:
 
 def _described(files: tuple[TomlFile, ...], but: Sequence[str] = ()) -> Machine:
     """The machine of `_machine`, its faults where the values stand; without a key of its file."""
-    remarks = tuple(diagnostic for file in files for diagnostic in _renamed(file))
+    remarks = tuple(
+        FORMER_KEY.at(Source(file.shown, line_of(file.text, key)), found=key, expected=present)
+        for file in files for key, present in _present(file)[1]
+    )  # fmt: skip
     table, places = merged(files, but)
     place = TomlPlace(places)
     _refuse_shipped_name(files[0], table["name"], place)
@@ -166,13 +169,6 @@ def _left_behind(files: tuple[TomlFile, ...]) -> frozenset[str]:
         return next((k for k, file in enumerate(files) if key in file.table), len(files))
 
     return frozenset(key for key in ("spindles", "saw") if first(key) < first("axes"))
-
-
-def _renamed(file: TomlFile) -> Iterator[Diagnostic]:
-    """A warning for each key of a file that has another name today."""
-    for key, present in _present(file)[1]:
-        source = Source(file.shown, line_of(file.text, key))
-        yield FORMER_KEY.at(source, found=key, expected=present)
 
 
 def _present(file: TomlFile) -> tuple[dict[str, Any], list[tuple[str, str]]]:

@@ -15,23 +15,19 @@ from msgspec.structs import replace
 
 from beamcam.caches import BoundedCache, PerObject
 from beamcam.checks import rules
-from beamcam.checks.bars.ability import FeatureRef, skippable
 from beamcam.checks.bars.cell import Cell
 from beamcam.checks.bars.compare import Comparison, RequiredParts
 from beamcam.checks.bars.machine_limits import bar_faults, bore_faults, reach_faults, size_faults
 from beamcam.checks.bars.magazine import Changed, Chosen, comment_faults, stop_comments
 from beamcam.checks.bars.orientations import orientations
 from beamcam.checks.bars.stations import (
-    Bore,
     Choice,
-    Cut,
     MachinedFeatures,
-    MachinedPath,
     choices_of,
     lip_length,
 )
 from beamcam.checks.bars.tools import CuttingData, ToolCatalogue, place_faults
-from beamcam.checks.head import Head, head_of, part_faults, section_told, stock_faults
+from beamcam.checks.head import Head, head_of, part_faults, stock_faults
 from beamcam.controllers import cell_events
 from beamcam.controllers.dialect import Dialect, dialect_of
 from beamcam.controllers.events import BarEvent, Switch
@@ -41,11 +37,6 @@ from beamcam.model.description import description
 from beamcam.model.part import Hole, Part, Profile, Slot
 from beamcam.model.request import rolled_on
 from beamcam.model.rounds import unseen
-
-__all__ = [
-    "BarRun", "Bore", "Cut", "FeatureRef", "MachinedFeatures", "MachinedPath", "interpret", "run",
-    "skippable", "verify",
-]  # fmt: skip
 
 
 class BarRun(Struct, frozen=True):
@@ -202,7 +193,7 @@ def compared(
     laid = sorted(comparison.laid, key=attrgetter("start"))
     lie = [(one.part, (one.start,)) for one in laid]
     return (
-        *diagnostics, *stock_faults(head, parts, section_told(parts), machine, name),
+        *diagnostics, *stock_faults(head, parts, None, machine, name),
         *part_faults(head, lie, machine.format.resolution, job.free, name),
     )  # fmt: skip
 

@@ -216,7 +216,8 @@ class CellLimits(Struct, frozen=True):
 
 
 def _limits(machine: Machine) -> CellLimits:
-    form, layout = machine.format, machine.layout
+    form, layout, words = machine.format, machine.layout, machine.words
+    templates = (getattr(words, name) for name in words.__struct_fields__)
     return CellLimits(
         _max_pecks(machine),
         limits_of(machine, "X"),
@@ -228,15 +229,8 @@ def _limits(machine: Machine) -> CellLimits:
             for kind in {tools.kind for tools in machine.tools}
         },
         "drill-cycle-dwell" in machine.codes.values()
-        or any(_DWELL.search(t) for t in _lines(machine)),
+        or any(_DWELL.search("\n".join(t)) for t in templates if isinstance(t, tuple)),
     )
-
-
-def _lines(machine: Machine) -> Iterator[str]:
-    """The lines of all templates of work."""
-    for name in machine.words.__struct_fields__:
-        template = getattr(machine.words, name)
-        yield from template if isinstance(template, tuple) else ()
 
 
 limits_of_cell = PerObject("verify.cells", _limits)

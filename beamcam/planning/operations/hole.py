@@ -123,16 +123,12 @@ def _is_same(a: Hole, b: Hole, limit: float) -> bool:
 
 def alike(a: Hole, b: Hole, limit: float) -> bool:
     """Whether two holes are the same but for face and place."""
-    return (
-        a.kind == b.kind
-        and abs(a.diameter - b.diameter) <= limit
-        and (a.depth == b.depth or _near(a.depth, b.depth, limit))
-        and (a.angle or 0.0) == (b.angle or 0.0)
-    )
-
-
-def _near(a: float | None, b: float | None, limit: float) -> bool:
-    return a is not None and b is not None and abs(a - b) <= limit
+    if a.depth is None or b.depth is None:
+        deep = a.depth is b.depth
+    else:
+        deep = abs(a.depth - b.depth) <= limit
+    same = a.kind == b.kind and (a.angle or 0.0) == (b.angle or 0.0)
+    return deep and same and abs(a.diameter - b.diameter) <= limit
 
 
 def merge_pairs(holes: Group, partners: Mapping[Face, Face], drill: Drill) -> Iterator[Group]:
