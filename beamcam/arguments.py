@@ -6,13 +6,13 @@ import os
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from contextlib import suppress
 from math import isfinite
-from typing import Generic, Protocol, TypeVar, overload
+from typing import Generic, TypeVar, overload
 
 from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.controllers.machine_words import known_faults
-from beamcam.conversion import nearest
+from beamcam.conversion import nearest, shown
 from beamcam.errors import (
     BeamcamError,
     Diagnostic,
@@ -26,11 +26,11 @@ from beamcam.errors import (
 from beamcam.machine.load import load, shipped, source_in
 from beamcam.machine.machine import Machine
 from beamcam.machine.words import WORD
-from beamcam.model.plan import AnyPlan, clock
-from beamcam.model.request import Job, Request
+from beamcam.model.plan import clock
+from beamcam.model.request import Request
 from beamcam.plain_text import MAX_COMMENT, terminal_text
 from beamcam.planning.left_out import ALL_SKIPS, SKIP_NAMES
-from beamcam.posts import plan_seconds
+from beamcam.posts import Planned, plan_seconds
 
 ASK_TYPE = error("ask-type",
     "found {found} for {name}; expected {expected}",
@@ -73,8 +73,6 @@ def _faults(job: object, bar: object, skips: object) -> Iterator[Diagnostic]:
     if not isinstance(job, str):
         yield ask_type("job", job, "a text")
     elif expected := expected_job(job):
-        from beamcam.conversion import shown
-
         yield ASK_JOB.at(HERE, found=shown(job), expected=expected)
     if bar is not None:
         if isinstance(bar, bool | str | bytes) or not hasattr(bar, "__float__"):
@@ -186,19 +184,7 @@ class InTurn(Sequence[Machine]):
         return self._loaded[name]
 
 
-class PlannedProgram(Protocol):
-    """A program as it is planned."""
-
-    @property
-    def job(self) -> Job:
-        """What it makes, and on which machine."""
-
-    @property
-    def plan(self) -> AnyPlan:
-        """How it does."""
-
-
-Made = TypeVar("Made", bound=PlannedProgram)
+Made = TypeVar("Made", bound=Planned)
 
 
 class Able(Struct, Generic[Made]):

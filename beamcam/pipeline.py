@@ -34,7 +34,7 @@ from beamcam.planning.left_out import (
     named_skips,
     told,
 )
-from beamcam.posts import Written, beginning, head_differences, other_than_planned, post_of
+from beamcam.posts import Planned, Written, beginning, head_differences, other_than_planned, post_of
 from beamcam.readers import Reading, content, read, shown_name
 
 Made = TypeVar("Made")
@@ -236,13 +236,6 @@ def post(
     )  # fmt: skip
     (begun,) = begin(request, together=True)
     return finished(begun)
-
-
-class Planned(Struct, frozen=True):
-    """One program of a request as it is planned."""
-
-    job: Job
-    plan: AnyPlan
 
 
 class Begun(Planned, frozen=True):

@@ -203,6 +203,13 @@ def coping_post() -> Post:
     return Post(plan, coping_program, emit, read_back, _with_comments, coping_time)
 
 
+class Planned(Struct, frozen=True):
+    """One program of a request as it is planned."""
+
+    job: Job
+    plan: AnyPlan
+
+
 #: By the kind of stock and the family of the controller.
 POSTS = {
     ("beam", "codesys"): bar_post, ("beam", "linuxcnc"): bar_post,

@@ -23,12 +23,12 @@ from beamcam.arguments import ASK_TYPE, AnyMachine, AskError, ask_type, check_ar
 from beamcam.errors import Diagnostic, PlanError, ReadError, Source
 from beamcam.machine import Machine
 from beamcam.machine.machine import DEFAULT_MACHINE
-from beamcam.machine.overlay import with_section
+from beamcam.machine.overlay import with_section, with_torch
 from beamcam.machine.runtime import STYLES
 from beamcam.machine.tables import DIALECTS, STEP_FORMS, TABLE_CONTROLLERS
 from beamcam.model.part import Part
 from beamcam.model.plan import AnyPlan, Order
-from beamcam.model.request import Request, marked
+from beamcam.model.request import Options, Request, Selection, marked
 from beamcam.pipeline import Posted, judged, read_file, remarks_on, whole_job
 from beamcam.pipeline import post as post_bar
 from beamcam.pipeline import read_back as read_program_back
@@ -73,8 +73,6 @@ def load(
     loaded = with_section(loaded, settings.corner, settings.lip)
     if not (config.map or sheet):
         return loaded
-    from beamcam.machine.overlay import with_torch
-
     try:
         return with_torch(
             loaded, config.meanings, settings=config.layer_settings, **config.sheet.given()
@@ -119,8 +117,6 @@ def _reader_options(asked: ReadOptions) -> dict[str, object]:
             raise AskError(diagnostic) from error
     names = ("units", "width", "encoding", "layers", "letters", "fit", "wrap")
     given = {name: value for name in names if (value := getattr(values, name)) not in (None, ())}
-    from beamcam.model.request import Options, Selection
-
     members = (values.marks, values.guids, values.classes, values.assemblies)
     options = Options(
         values.force, values.check, letter=values.letter == "mark", workers=values.workers

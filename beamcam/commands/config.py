@@ -11,7 +11,7 @@ from msgspec import Struct
 from beamcam.commands import options
 from beamcam.commands.common import Console, cannot_write, say_json, say_lines
 from beamcam.commands.settings import settled
-from beamcam.config.values import Config, ConfigFile, Setting, Stock
+from beamcam.config.values import CONFIG_NAME, Config, ConfigFile, Setting, Stock
 from beamcam.errors import BeamcamError
 
 
@@ -106,7 +106,6 @@ def _remember(folders: tuple[str, ...], console: Console) -> None:
         if not os.path.isdir(folder):
             raise click.UsageError(f"found no folder {folder!r}; expected one that is there.")
     from beamcam.config.load import remember
-    from beamcam.config.values import CONFIG_NAME
     from beamcam.system import user_folder
 
     try:

@@ -35,12 +35,12 @@ from beamcam.model.plan import (
 )
 from beamcam.model.request import Request
 from beamcam.motion.coping import NAMES
-from beamcam.pipeline import Planned, remarks_on, whole_job
+from beamcam.pipeline import remarks_on, whole_job
 from beamcam.plain_text import terminal_text
 from beamcam.planning import from_store
 from beamcam.planning.beam import Trial, try_turns
 from beamcam.planning.explain import Explanation, explain
-from beamcam.posts import post_of
+from beamcam.posts import Planned, post_of
 from beamcam.reports.run import as_message, ledger_of
 
 

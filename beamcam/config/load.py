@@ -28,7 +28,7 @@ from beamcam.config.values import (
     is_table,
     laid_over,
 )
-from beamcam.conversion import Fault, converted
+from beamcam.conversion import Fault, converted, shown
 from beamcam.errors import BeamcamError, Diagnostic, Source
 from beamcam.files import write_whole
 from beamcam.machine.faults import slack_faults
@@ -109,8 +109,6 @@ def _check_colours(colours: Mapping[str, object]) -> None:
 
 def _said(fault: Fault, place: TomlPlace) -> Diagnostic:
     """The message for an invalid key of a configuration."""
-    from beamcam.conversion import shown
-
     at = place.child(*fault.path)
     if fault.kind == "unknown":
         tables = {"sheet": Sheet, "dask": Dask, "limits": Limits}

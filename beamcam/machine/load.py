@@ -12,7 +12,7 @@ from zlib import crc32
 from msgspec import json, structs
 
 from beamcam.caches import cached
-from beamcam.conversion import Fault, converted, nearest
+from beamcam.conversion import Fault, converted, nearest, shown
 from beamcam.errors import Diagnostic, MachineError, Source
 from beamcam.machine.faults import (
     leaves,
@@ -193,8 +193,6 @@ def _checksum(table: dict[str, Any]) -> str:
 
 def _said(fault: Fault, place: TomlPlace) -> Diagnostic:
     """The message for an invalid key of a machine file."""
-    from beamcam.conversion import shown
-
     at = place.child(*fault.path)
     if fault.kind == "unknown":
         return UNKNOWN_KEY.at(at.source, found=at.key, expected=fault.expected)
