@@ -48,9 +48,6 @@ from beamcam.readers.dstv.rows import (
     read_tolerance,
 )
 
-__all__ = ["Account", "looks_like", "read", "read_with_account"]
-
-
 #: What stands before the rows of features that are there, and what says that the ends are.
 MADE, MADE_ENDS = "**BEAMCAM MADE ", "ENDS"
 #: Blocks of a feature a row: what reads a row, and the rule for one that nothing explains.
@@ -396,9 +393,8 @@ def _row_stops(rows: ContourRows, feature: int) -> list[Stop]:
     A comment stands between two rows, so that turning round puts it before the other one.
     """
     lines = sorted({*rows.lines, *rows.notch_lines})
-    count = len(lines)
     return [
-        (line, f"feature:{feature}:{count - row if rows.turned else row}")
+        (line, f"feature:{feature}:{len(lines) - row if rows.turned else row}")
         for row, line in enumerate(lines)
         if row
     ]
