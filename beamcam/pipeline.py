@@ -18,14 +18,14 @@ from beamcam.budget import check_pieces
 from beamcam.checks.head import head_of, other_bar
 from beamcam.checks.request import job_faults, pieces_asked
 from beamcam.checks.rules import BAR_NEEDED
-from beamcam.emitters import head_lines
+from beamcam.emitters.gcode import head_lines
 from beamcam.errors import Diagnostic, PlanError, ReadError, Severity, VerifyError, errors_in
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
-from beamcam.model.pipes import is_unrolled
 from beamcam.model.plan import AnyPlan, Order, WorkTime
 from beamcam.model.program import Program
 from beamcam.model.request import Job, Request
+from beamcam.model.rounds import is_unrolled
 from beamcam.planning import Share, from_store, shares_of
 from beamcam.planning.left_out import (
     LEFT_OUT,
@@ -35,9 +35,8 @@ from beamcam.planning.left_out import (
     named_skips,
     told,
 )
-from beamcam.posts import Written, beginning, post_of
+from beamcam.posts import Planned, Written, beginning, head_differences, other_than_planned, post_of
 from beamcam.readers import Reading, content, read, shown_name
-from beamcam.reconcile import head_differences, other_than_planned
 
 Made = TypeVar("Made")
 Stage = Callable[[str], None]  #: callback with the finished stage
@@ -252,13 +251,6 @@ def post(
     )  # fmt: skip
     (begun,) = begin(request, together=True)
     return finished(begun)
-
-
-class Planned(Struct, frozen=True):
-    """One program of a request as it is planned."""
-
-    job: Job
-    plan: AnyPlan
 
 
 class Begun(Planned, frozen=True):

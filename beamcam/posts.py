@@ -1,10 +1,12 @@
-"""Stages of each kind of machine: planner, motion, emitter and read-back.
+"""Stages of each kind of machine (planner, motion, emitter, read-back), and what the read-back has
+to find as planned.
 
 `post_of` gives the row of a machine. Its functions load what they need when they are called, so
 that a bar never loads what only a sheet needs.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from typing import Any
 
@@ -12,11 +14,19 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.caches import cached
-from beamcam.errors import Diagnostic, PlanError, Source, errors_in
+from beamcam.checks.head import HEAD_TEXT, head_faults, head_of
+from beamcam.checks.request import LEDGER, UNCUT, UNCUT_TOLD
+from beamcam.checks.request import LEFT_OUT as MISSING
+from beamcam.checks.request import MANUAL_WORK as FOR_MANUAL_WORK
+from beamcam.checks.request import TEXT_MOVED as MOVED
+from beamcam.checks.rules import BAR_NEEDED, BAR_TOLD
+from beamcam.errors import Diagnostic, PlanError, Severity, Source, errors_in
 from beamcam.machine.machine import Machine
 from beamcam.model.plan import AnyPlan, CopePlan, Plan, SheetPlan, WorkTime
 from beamcam.model.program import Comment, Program, ToolOff, ToolOn
 from beamcam.model.request import Job
+from beamcam.planning.left_out import TEXT_MOVED, left_out_sources, manual_work_sources
+from beamcam.reconcile import other_places, stand_ins
 
 #: A program as it is written: its text, or bytes piece by piece where it may be of any length.
 Written = str | Callable[[], Iterable[bytes]]
@@ -56,7 +66,7 @@ def bar_post() -> Post:
     from beamcam.emitters import gcode
     from beamcam.motion.beam import beam_program
     from beamcam.planning.beam import plan_oriented
-    from beamcam.planning.round_bars import told_of_round
+    from beamcam.planning.operations.work import told_of_round
 
     def plan(job: Job) -> Plan:
         w = job.request
@@ -193,6 +203,13 @@ def coping_post() -> Post:
     return Post(plan, coping_program, emit, read_back, _with_comments, coping_time)
 
 
+class Planned(Struct, frozen=True):
+    """One program of a request as it is planned."""
+
+    job: Job
+    plan: AnyPlan
+
+
 #: By the kind of stock and the family of the controller.
 POSTS = {
     ("beam", "codesys"): bar_post, ("beam", "linuxcnc"): bar_post,
@@ -266,3 +283,93 @@ def _with_remarks(program: Any, lines: Sequence[str]) -> Any:
 def _text(program: Written) -> str:
     """A program as text; each byte that is not text becomes `\\ufffd`."""
     return program if isinstance(program, str) else b"".join(program()).decode("utf-8", "replace")
+
+
+# --- beside the plan ------------------------------------------------------------------------------
+
+# What the read-back found, beside what the plan and the job say.
+#
+# What is left out, moved or for manual work has to be the same in both.
+
+
+TOLD_BAR = 0.001  #: mm that lengths of bars in messages are rounded to
+
+
+def other_than_planned(
+    plan: AnyPlan, diagnostics: Iterable[Diagnostic], job: Job
+) -> Iterator[Diagnostic]:
+    """What the read-back found; what is not made only where the plan says otherwise.
+
+    The features that it found missing, and that may be, are those that the plan left out by name;
+    the marks that it found to be manual work are those on the plan's list; the contours with waste
+    that no beam reaches are those that the plan reports; the bar that it needs where nobody gave
+    its length is no longer than the plan's.
+    """
+    missing: list[tuple[str, Source]] = []
+    refused = False
+    moved: list[Diagnostic] = []
+    for diagnostic in diagnostics:
+        if diagnostic.code in (MISSING.code, FOR_MANUAL_WORK.code):
+            missing.append((diagnostic.code, diagnostic.source))
+        elif diagnostic.code == MOVED.code:
+            moved.append(diagnostic)
+        elif diagnostic.code == UNCUT.code:
+            yield from _untold(plan, diagnostic)
+        elif diagnostic.code == HEAD_TEXT.code:  # which was written for these very parts
+            refused = True
+            yield replace(diagnostic, severity=Severity.ERROR)
+        elif diagnostic.code == BAR_NEEDED.code and isinstance(plan, Plan):
+            if (
+                float(diagnostic["found"])
+                > plan.bar.length + job.machine.format.resolution + TOLD_BAR
+            ):
+                expected = f"{plan.bar.length:.3f}"
+                yield BAR_TOLD.at(diagnostic.source, found=diagnostic["found"], expected=expected)
+        else:
+            refused = refused or diagnostic.severity is Severity.ERROR
+            yield diagnostic
+    if refused:  # what is missing may not have been looked for
+        return
+    hand = [*manual_work_sources(plan)]
+    remarks = [diagnostic for diagnostic in plan.remarks if diagnostic.code == TEXT_MOVED.code]
+    named = [(MISSING.code, source) for source in left_out_sources(plan)]
+    named += [(FOR_MANUAL_WORK.code, source) for source in hand]
+    if not (remarks or moved or missing or named):  # as of nearly every plan
+        return
+    alike = stand_ins(job.parts)
+    yield from other_places(remarks, moved, alike, hand)
+    lacking, planned = _of_the_first(missing, alike), _of_the_first(named, alike)
+    for code, source in (lacking - planned) + (planned - lacking):
+        one = code, source
+        yield LEDGER.at(source, found=lacking[one], expected=planned[one])
+
+
+def _of_the_first(
+    missing: Iterable[tuple[str, Source]], alike: Mapping[Source, Source]
+) -> Counter[tuple[str, Source]]:
+    """What is missing, each text by the first of those that are alike."""
+    return Counter((code, alike.get(source, source)) for code, source in missing)
+
+
+def _untold(plan: AnyPlan, uncut: Diagnostic) -> Iterator[Diagnostic]:
+    """An error for waste that stays in a corner of a contour, unless the plan reports it."""
+    from beamcam.planning.contours.rules import LEFT
+
+    diagnostics = [d for d in plan.remarks if d.code == LEFT.code]
+    place = uncut["x"], uncut["y"]
+    if not any(d.source == uncut.source or (d["x"], d["y"]) == place for d in diagnostics):
+        yield UNCUT_TOLD.at(uncut.source, **dict(uncut.values))
+
+
+def head_differences(
+    job: Job, plan: AnyPlan, written: Written, diagnostics: Sequence[Diagnostic]
+) -> Iterable[Diagnostic]:
+    """Differences of a program's head from the job and from what its read-back said."""
+    if not carries_head(job):
+        return ()
+    told_bar = isinstance(plan, Plan) and job.machine.saw is not None
+    bar = plan.bar.length if isinstance(plan, Plan) and told_bar else None
+    missing, manual_work = (
+        sum(one.code == of.code for one in diagnostics) for of in (MISSING, FOR_MANUAL_WORK)
+    )
+    return head_faults(head_of(beginning(written)), job, bar, missing, manual_work)

@@ -1,4 +1,5 @@
-"""What a program leaves of its part, as the file that the next machine gets.
+"""What a program leaves of its part, as the file that the next machine gets; and which machines
+make a part one after the other.
 
     part  ->  program 1              what it leaves out, or leaves for manual work
           ->  rest of the part  ->  program 2
@@ -16,13 +17,14 @@ from msgspec.structs import replace
 from beamcam.checks.request import rest_faults
 from beamcam.errors import Diagnostic, PlanError, ReadError, VerifyError, errors_in, note
 from beamcam.machine.machine import Machine
-from beamcam.machine_choice import ChainLink, chain_of, none_makes_it
+from beamcam.machine_choice import none_makes_it
 from beamcam.model.part import Feature, Part, Plane
 from beamcam.model.plan import NOT_MADE, AnyPlan, unfinished
-from beamcam.model.request import Request
+from beamcam.model.request import Job, Request
 from beamcam.pipeline import Posted, begin, finished
 from beamcam.planning.begun import begun_part
 from beamcam.planning.left_out import LEFT_OUT, MANUAL_WORK, SKIP_NAMES
+from beamcam.posts import plan_seconds, post_of
 from beamcam.readers import read
 from beamcam.writers import Target
 
@@ -85,6 +87,87 @@ def _placed(again: Part, part: Part) -> Part:
     made = None if part.made is None else placed(again.made or (), part.made)
     features = placed(again.features, part.features)
     return replace(again, source=part.source, features=features, made=made)
+
+
+# --- chains ---------------------------------------------------------------------------------------
+
+# Machines one after the other, where none makes all of a part: each gets what the others leave.
+#
+# part -> the machine that leaves least -> rest -> the next one ... -> the one that makes the rest
+
+
+LONGEST = 3  #: machines of a chain
+
+
+class ChainLink(Struct, frozen=True):
+    """A machine of a chain, and what it is asked for."""
+
+    machine: Machine
+    part: Part  #: as this machine gets it
+    skips: tuple[str, ...]  #: kinds that it leaves to the next one; of the last, those asked for
+
+
+def chain_of(request: Request, machines: Sequence[Machine]) -> tuple[ChainLink, ...]:
+    """The shortest chain that makes the only part of a request, of 3 machines at most, or none.
+
+    The last one leaves out only what the request allows. Of machines that leave equally many
+    features the first in order is taken, or the quickest where the request is `by` time, and none
+    twice.
+    """
+    (part,) = request.parts
+    for count in range(1, min(len(machines), LONGEST) + 1):
+        links = next(_chains(request, part, machines, count), ())
+        if links:
+            return links
+    return ()
+
+
+def _chains(
+    request: Request, part: Part, machines: Sequence[Machine], count: int
+) -> Iterator[tuple[ChainLink, ...]]:
+    """The chains of so many machines.
+
+    In order none is planned on behind the first that by itself leaves nothing.
+    """
+    plans: list[tuple[int, float, Machine, AnyPlan]] = []
+    for machine in machines:
+        skips = request.skips if count == 1 else SKIP_NAMES
+        planned = _planned(request, part, machine, skips)
+        if planned is not None:
+            plan, seconds = planned
+            left = sum(outcome.how in NOT_MADE for outcome in plan.outcomes)
+            plans.append((left, seconds, machine, plan))
+            if not left and count == 1 and request.by == "order":
+                break
+    plans.sort(key=lambda one: one[:2])
+    for left, _, machine, plan in plans:
+        if count == 1:
+            yield (ChainLink(machine, part, request.skips),)
+            continue
+        kinds = {o.by.removeprefix("plan-") for o in plan.outcomes if o.how == "skipped"}
+        skips = tuple(sorted(kinds & {*SKIP_NAMES}))
+        makes_nothing = part.made is not None and left == len(part.features)
+        if makes_nothing or _planned(request, part, machine, skips) is None:
+            continue
+        others = [one for one in machines if one is not machine]
+        for rest in _chains(request, begun_part(part, plan, machine), others, count - 1):
+            yield (ChainLink(machine, part, skips), *rest)
+
+
+def _planned(
+    request: Request, part: Part, machine: Machine, skips: Sequence[str]
+) -> tuple[AnyPlan, float] | None:
+    """The plan of one such part and its seconds, 0 where time does not count.
+
+    None where the machine refuses it.
+    """
+    trial = replace(request, parts=(part,), machine=machine, skips=tuple(skips), quantity=None)
+    job = Job(trial, (0,), max(request.stock, default=None))
+    try:
+        plan = post_of(machine).plan(job)
+        return plan, plan_seconds(plan, job) if request.by == "time" else 0.0
+    except PlanError:
+        return None
 
 
 class Stage(Struct, frozen=True):

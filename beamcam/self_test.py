@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from beamcam.caches import PerObject
 from beamcam.checks.head import head_of
 from beamcam.controllers.machine_words import WordFault, fault_in
-from beamcam.emitters import head_lines
+from beamcam.emitters.gcode import head_lines
 from beamcam.errors import Diagnostic, PlanError, Source, errors_in
 from beamcam.geometry.curves import Arc, Bezier, Curve, Line
 from beamcam.machine.coper import Coper

@@ -8,7 +8,6 @@ from msgspec.structs import replace
 from beamcam.errors import BeamcamError, Diagnostic, PlanError, Source, errors_in, note
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import OTHERS, Torch
-from beamcam.machine_choice import chain_of
 from beamcam.model.part import Contour, TextMark
 from beamcam.model.plan import AnyPlan
 from beamcam.model.request import Job, Request
@@ -17,6 +16,7 @@ from beamcam.planning.contours.rules import SHARED, UNMAPPED
 from beamcam.planning.left_out import SKIP_NAMES
 from beamcam.posts import post_of
 from beamcam.readers import Reading
+from beamcam.rest_part import chain_of
 
 LONG_BARS = (6000.0, 12000.0, 15000.0, 18000.0)  #: mm that mills roll and stockists keep
 GAPS = (0.05, 0.1, 0.2, 0.5, 1.0, 2.0)  #: mm between ends that may be meant to meet

@@ -24,7 +24,7 @@ from msgspec.structs import replace
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from beamcam.emitters import head_lines
+from beamcam.emitters.gcode import head_lines
 from beamcam.errors import PlanError, errors_in
 from beamcam.geometry.curves import Line
 from beamcam.machine import Machine, load

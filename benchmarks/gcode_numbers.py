@@ -12,8 +12,8 @@ from time import process_time
 import numpy as np
 from script import arguments, at_least, start
 
-from beamcam.emitters import number
 from beamcam.emitters.columns import lines
+from beamcam.emitters.gcode import number
 
 RUNS = 5
 DECIMALS = 3

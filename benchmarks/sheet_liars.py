@@ -20,8 +20,8 @@ from beamcam import pipeline
 from beamcam.errors import PlanError, Source, VerifyError
 from beamcam.geometry.curves import Arc, Curve, Line
 from beamcam.machine import Machine, load
-from beamcam.machine.faults import TABLE_CONTROLLERS
 from beamcam.machine.overlay import with_torch
+from beamcam.machine.tables import TABLE_CONTROLLERS
 from beamcam.machine.torch import LayerSettings, Torch
 from beamcam.model.part import Contour, Hole, Measures, Part, Process, Profile, Slot, TextMark
 from beamcam.model.plan import ContourOp, Outcome, Pass, SheetPlan

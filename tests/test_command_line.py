@@ -15,9 +15,10 @@ from click.testing import CliRunner, Result
 
 from beamcam.cli import COMMANDS, main
 from beamcam.commands import common
-from beamcam.commands.common import FIRST, GROUPS, MOST_SHOWN, OTHER, Grouped, heading_of
-from beamcam.commands.outputs import KINDS, NO_PROGRAMS
-from beamcam.machine import DEFAULTS
+from beamcam.commands.common import NO_PROGRAMS
+from beamcam.commands.outputs import KINDS
+from beamcam.commands.parts import FIRST, GROUPS, MOST_SHOWN, OTHER, Grouped, heading_of
+from beamcam.machine.machine import DEFAULTS
 from tests.conftest import ROOT, SAMPLES
 from tests.runs import call, part
 from tests.test_docs import WORDS
@@ -29,7 +30,7 @@ from tests.test_docs import WORDS
 def test_every_option_stands_in_a_group(words: str) -> None:
     options = [p for p in WORDS[words].params if isinstance(p, click.Option)]
     others = [o.name for o in options if heading_of(str(o.name)) == OTHER]
-    assert not others, f"give them a heading in commands/common.py: {others}"
+    assert not others, f"give them a heading in commands/parts.py: {others}"
     few = len(options) + 1 <= MOST_SHOWN
     said = call(words, "--help" if few else "--help-all").stdout
     assert "\nOptions:" not in said

@@ -8,9 +8,9 @@ import pytest
 from click.testing import Result
 
 from beamcam import system
-from beamcam.config import places
-from beamcam.config.places import ConfigFiles, config_files
-from beamcam.config.values import Config, ConfigError, ConfigFile, load, over, with_tolerances
+from beamcam.config import values
+from beamcam.config.load import ConfigError, load, with_tolerances
+from beamcam.config.values import Config, ConfigFile, ConfigFiles, config_files, over
 from beamcam.machine import load as load_machine
 from beamcam.machine.torch import LayerSettings
 from beamcam.system import is_windows
@@ -200,7 +200,7 @@ def test_a_folder_above_in_which_anybody_may_write_is_passed_over(
     assert config_files(("a.nc1",)).own == ("beamcam.toml",)
     monkeypatch.setattr("os.getuid", lambda: 12345)
     os.chown(path, 54321, -1) if os.geteuid() == 0 else monkeypatch.setattr(
-        places, "is_ones_own", lambda _: False
+        values, "is_ones_own", lambda _: False
     )
     assert config_files(("a.nc1",)) == ConfigFiles(("beamcam.toml",))
     assert config_files(("in/a.nc1",)) == ConfigFiles()

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from beamcam.checks.sheets.remainder import frame_faults
 from beamcam.machine import load
-from beamcam.machine.faults import torch_faults
 from beamcam.machine.overlay import with_torch
+from beamcam.machine.torch_faults import torch_faults
 from beamcam.pipeline import Posted, post
 from beamcam.remainder import frame_of
 from tests.conftest import SAMPLES, examples

@@ -11,7 +11,7 @@ from msgspec.structs import replace
 from beamcam.arguments import expected_job
 from beamcam.checks.head import Head, head_of
 from beamcam.controllers import longest_line
-from beamcam.emitters import MAX_TEXT, comment_room
+from beamcam.emitters.gcode import MAX_TEXT, comment_room
 from beamcam.errors import MachineError, errors_in
 from beamcam.machine import load
 from beamcam.model.description import PART_DATA, part_data

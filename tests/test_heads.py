@@ -9,7 +9,7 @@ from msgspec.structs import replace
 
 from beamcam import pipeline
 from beamcam.checks.head import VERSION, head_of
-from beamcam.emitters import FORM
+from beamcam.emitters.gcode import FORM
 from beamcam.machine import load, shipped
 from beamcam.model.request import Job
 from beamcam.pipeline import RefusedProgram, parts_of, post, read_file

@@ -16,12 +16,14 @@ from beamcam import machine_choice
 from beamcam.api import lists
 from beamcam.arguments import AskError
 from beamcam.errors import Diagnostic, PlanError, Severity, Source
-from beamcam.machine import default_machines, load
+from beamcam.machine import load
+from beamcam.machine.machine import default_machines
 from beamcam.machine_choice import none_makes_it, on_best_machine
 from beamcam.model.plan import Outcome, clock
 from beamcam.model.request import ChosenBy, Job, Request
-from beamcam.pipeline import Planned, plans_of, post, read_file, stock_of
+from beamcam.pipeline import plans_of, post, read_file, stock_of
 from beamcam.planning.rules import BAR_FULL
+from beamcam.posts import Planned
 from tests.conftest import ROOT, rules_of
 from tests.runs import call
 

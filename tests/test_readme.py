@@ -200,7 +200,8 @@ def test_both_shells_are_told_the_same() -> None:
 
 
 def test_configurations_in_the_documentation_are_read(tmp_path: Path) -> None:
-    from beamcam.config.values import ConfigFile, load
+    from beamcam.config.load import load
+    from beamcam.config.values import ConfigFile
 
     path = tmp_path / "beamcam.toml"
     (example,) = blocks((ROOT / "docs" / "config.md").read_text(encoding="utf-8"), "toml")

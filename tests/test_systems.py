@@ -21,7 +21,7 @@ from beamcam.batch import find
 from beamcam.batch.names import check_template
 from beamcam.cli import main
 from beamcam.commands.common import Console, stop_without_output, write
-from beamcam.config.values import load as load_config
+from beamcam.config.load import load as load_config
 from beamcam.files import FilesRead, write_whole
 from beamcam.machine import load
 from beamcam.system import asked_to_end

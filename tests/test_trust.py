@@ -13,7 +13,7 @@ import pytest
 
 from beamcam.batch.record import RECORD_NAME
 from beamcam.config import NOT_FOLLOWED, NOT_REPEATED
-from beamcam.config.places import HARMLESS
+from beamcam.config.load import HARMLESS
 from beamcam.machine.load import SHIPPED
 from tests.runs import BAD, call, fill, part, report
 

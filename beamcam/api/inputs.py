@@ -1,12 +1,19 @@
-"""What a caller may give: a file by its path, its bytes or open; options of files and sheets."""
+"""What a caller may give, and checks of it: a file by its path, its bytes or open; options of files
+and sheets; parts.
+"""
 
 import os
-from collections.abc import Sequence
-from typing import IO, Literal, TypedDict
+from collections.abc import Collection, Iterable, Sequence
+from math import isfinite
+from typing import IO, Any, Literal, TypedDict, TypeVar
 
+import msgspec
 from msgspec import Struct
 
+from beamcam.arguments import HERE, AskError, ask_type
 from beamcam.conversion import PositiveCount
+from beamcam.errors import error
+from beamcam.model.part import Part
 from beamcam.model.request import MarkFrom
 
 #: The content of a file, or where it is.
@@ -84,3 +91,77 @@ class ReadOptions(TypedDict, total=False):
     mark_from: MarkFrom  #: where marks stand: "mark", "drawing", "file" or "position"
     check: bool  #: whether their cuts are checked by the geometry kernel; True
     workers: int  #: processes that read a large model; 1
+
+
+ASK_NUMBER = error("ask-number",
+    "found {found} as {name} of the part; expected a finite number",
+    "A part that was put together by a program may hold nan or inf, which no axis can move "
+    "to.")  # fmt: skip
+
+ASK_VALUE = error("ask-value",
+    "found a wrong value of {name} ({fault}); expected one that the option of that name takes",
+    "The options of the library are those of the command line and of beamcam.toml, by their "
+    "names.")  # fmt: skip
+
+
+Asked = TypeVar("Asked")
+
+
+def check_flags(**flags: object) -> None:
+    """Raise AskError for what is neither True nor False."""
+    for name, flag in flags.items():
+        if not isinstance(flag, bool):
+            raise AskError(ask_type(name, flag, "True or False"))
+
+
+def check_choice(name: str, value: object, choices: Collection[str]) -> None:
+    """Raise AskError for what is not one of the choices."""
+    if value not in choices:
+        raise AskError(ask_type(name, value, " or ".join(map(repr, choices))))
+
+
+def check_text(name: str, value: object, *others: type) -> None:
+    """Raise AskError for what is neither text nor one of `others`."""
+    if not isinstance(value, (str, *others)):
+        raise AskError(
+            ask_type(name, value, " or ".join(("a text", *(t.__name__ for t in others))))
+        )
+
+
+def checked_parts(parts: Part | Iterable[Part]) -> tuple[Part, ...]:
+    """The parts that are meant. Raises AskError for anything else, and for nan and inf."""
+    if isinstance(parts, Part):
+        parts = (parts,)
+    if isinstance(parts, str | bytes) or not isinstance(parts, Iterable):
+        raise AskError(ask_type("parts", parts, "a Part, or several"))
+    all_parts = tuple(parts)
+    for part in all_parts:
+        if not isinstance(part, Part):
+            raise AskError(ask_type("parts", part, "a Part, or several"))
+        _check_numbers(part)
+    return all_parts
+
+
+def converted(value: object, kind: type[Asked], name: str = "") -> Asked:
+    """A value as one of a `kind`. Raises AskError that names the part of it which is not."""
+    try:
+        return msgspec.convert(value, kind)
+    except msgspec.ValidationError as error:
+        fault, _, where = str(error).partition(" - at `$")
+        place = where.rstrip("`").lstrip(".") or name
+        raise AskError(ASK_VALUE.at(HERE, name=place or "the options", fault=fault)) from error
+
+
+def _check_numbers(part: Part) -> None:
+    """Raise AskError for the first number of a part that is not finite."""
+    waiting: list[tuple[str, Any]] = [("", part)]
+    while waiting:
+        name, value = waiting.pop()
+        if isinstance(value, float):
+            if not isfinite(value):
+                raise AskError(ASK_NUMBER.at(part.source, found=value, name=name))
+        elif isinstance(value, Struct):
+            fields = ((field, getattr(value, field)) for field in value.__struct_fields__)
+            waiting += ((f"{name}.{f}".lstrip("."), inner) for f, inner in fields)
+        elif isinstance(value, tuple):
+            waiting += ((name, inner) for inner in value)

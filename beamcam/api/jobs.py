@@ -7,30 +7,28 @@ from typing import Any, Literal, Unpack, get_args
 
 from msgspec.structs import replace
 
-from beamcam.api.inputs import CheckedReadOptions, FileInput, ReadOptions, SheetOptions
-from beamcam.arguments import (
-    ASK_TYPE,
+from beamcam.api.inputs import (
     ASK_VALUE,
-    AnyMachine,
-    AskError,
-    ask_type,
-    check_arguments,
+    CheckedReadOptions,
+    FileInput,
+    ReadOptions,
+    SheetOptions,
     check_choice,
     check_flags,
     check_text,
     checked_parts,
     converted,
-    machine_of,
 )
+from beamcam.arguments import ASK_TYPE, AnyMachine, AskError, ask_type, check_arguments, machine_of
 from beamcam.errors import Diagnostic, PlanError, ReadError, Source
-from beamcam.machine import DEFAULT_MACHINE, Machine
-from beamcam.machine.faults import TABLE_CONTROLLERS
-from beamcam.machine.overlay import with_section
+from beamcam.machine import Machine
+from beamcam.machine.machine import DEFAULT_MACHINE
+from beamcam.machine.overlay import with_section, with_torch
 from beamcam.machine.runtime import STYLES
-from beamcam.machine.tables import DIALECTS, STEP_FORMS
+from beamcam.machine.tables import DIALECTS, STEP_FORMS, TABLE_CONTROLLERS
 from beamcam.model.part import Part
 from beamcam.model.plan import AnyPlan, Order
-from beamcam.model.request import Request, marked
+from beamcam.model.request import Options, Request, Selection, marked
 from beamcam.pipeline import Posted, judged, read_file, remarks_on, whole_job
 from beamcam.pipeline import post as post_bar
 from beamcam.pipeline import read_back as read_program_back
@@ -69,14 +67,12 @@ def load(
         loaded.name, sheet=settings.sheet, map=settings.map, tolerances=settings.tolerances
     )
     if config.tolerances:
-        from beamcam.config.values import with_tolerances
+        from beamcam.config.load import with_tolerances
 
         loaded = with_tolerances(loaded, config)
     loaded = with_section(loaded, settings.corner, settings.lip)
     if not (config.map or sheet):
         return loaded
-    from beamcam.machine.overlay import with_torch
-
     try:
         return with_torch(
             loaded, config.meanings, settings=config.layer_settings, **config.sheet.given()
@@ -121,8 +117,6 @@ def _reader_options(asked: ReadOptions) -> dict[str, object]:
             raise AskError(diagnostic) from error
     names = ("units", "width", "encoding", "layers", "letters", "fit", "wrap")
     given = {name: value for name in names if (value := getattr(values, name)) not in (None, ())}
-    from beamcam.model.request import Options, Selection
-
     members = (values.marks, values.guids, values.classes, values.assemblies)
     options = Options(
         values.force, values.check, letter=values.letter == "mark", workers=values.workers

@@ -8,24 +8,16 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.api.inputs import FileInput
+from beamcam.api.inputs import FileInput, check_choice, check_text, checked_parts
 from beamcam.api.jobs import post, program_bytes
-from beamcam.arguments import (
-    ASK_TYPE,
-    AnyMachine,
-    AskError,
-    ask_type,
-    check_choice,
-    check_text,
-    checked_parts,
-    machine_of,
-)
+from beamcam.arguments import ASK_TYPE, AnyMachine, AskError, ask_type, machine_of
 from beamcam.checks.head import head_of
 from beamcam.comparison.pairing import Difference
 from beamcam.comparison.statements import ProgramText, diff_texts
 from beamcam.controllers.dialect import ARC, SYNTAX, WORD
 from beamcam.errors import Diagnostic, Severity, Source, VerifyError, errors_in
-from beamcam.machine import DEFAULT_MACHINE, Machine
+from beamcam.machine import Machine
+from beamcam.machine.machine import DEFAULT_MACHINE
 from beamcam.model.part import Part, Profile
 from beamcam.model.plan import Plan
 from beamcam.model.request import Request
@@ -154,7 +146,7 @@ def recover(
     `profile` is the section of the bar: a name such as "IPE200", or a part that has it. The program
     was read back against what was found.
     """
-    from beamcam.machine.faults import TABLE_CONTROLLERS
+    from beamcam.machine.tables import TABLE_CONTROLLERS
     from beamcam.model.section import measures_of
     from beamcam.recovery import KnownStock
     from beamcam.recovery import recover as recover_parts

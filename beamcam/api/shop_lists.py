@@ -6,26 +6,19 @@ from typing import TYPE_CHECKING, Literal, get_args
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.arguments import (
-    AnyMachine,
-    AskError,
-    ask_type,
-    check_arguments,
-    check_choice,
-    checked_parts,
-    machine_of,
-)
+from beamcam.api.inputs import check_choice, checked_parts
+from beamcam.arguments import AnyMachine, AskError, ask_type, check_arguments, machine_of
 from beamcam.budget import check_pieces
 from beamcam.errors import Diagnostic, PlanError
-from beamcam.machine import default_machines
-from beamcam.machine.machine import Machine
+from beamcam.machine.machine import Machine, default_machines
 from beamcam.machine_choice import InTurn, on_best_machine
 from beamcam.model.part import Part
 from beamcam.model.plan import stock_used
 from beamcam.model.request import ChosenBy, Quantity, Remnant, Request, remnant_of
-from beamcam.pipeline import Planned, are_flats, plan_share, plans_of, stock_of
+from beamcam.pipeline import are_flats, plan_share, plans_of, stock_of
 from beamcam.planning import LotKey, Share, number_of, remnants_of, shares_of
 from beamcam.planning.left_out import MARK_ROWS, manual_rows, named_skips
+from beamcam.posts import Planned
 from beamcam.reports.part_list import (
     CutBar,
     CutPiece,

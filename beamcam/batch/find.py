@@ -14,7 +14,7 @@ from collections.abc import Collection, Iterable, Iterator, Sequence
 from msgspec import Struct
 
 from beamcam.batch import FOLDER, LOOP, NOTHING
-from beamcam.config.places import CONFIG_NAME
+from beamcam.config.values import CONFIG_NAME
 from beamcam.errors import Diagnostic, Source
 from beamcam.readers import FORMATS, STANDARD_INPUT, UNREADABLE, content
 

@@ -11,8 +11,7 @@ from typing import Any
 
 from msgspec import Struct, field
 
-from beamcam.config.places import ConfigFiles
-from beamcam.config.values import Config
+from beamcam.config.values import Config, ConfigFiles
 from beamcam.reports.run import dumped
 from beamcam.system import portable_path
 

@@ -218,28 +218,23 @@ def other_bar(head: Head | None, bar: float | None, name: str) -> Iterator[Diagn
 
 
 def stock_faults(
-    head: Head, parts: Sequence[Part], stock: str | float, machine: Machine, name: str
+    head: Head, parts: Sequence[Part], sheet: float | None, machine: Machine, name: str
 ) -> Iterator[Diagnostic]:
-    """What a head says otherwise of the stock: a section, or the thickness of a sheet in mm."""
+    """What a head says otherwise of the stock: the section, or the thickness of a sheet in mm."""
     if head.version < STOCK_FORM:
         return
     source = Source(name)
     if machine.saw is not None and machine.stock == "beam" and head.bar is None:
         yield HEAD.at(source, found="no bar", expected="the length of the bar")
-    if isinstance(stock, float):
-        if not head.stock.replace(".", "", 1).isdigit() or abs(float(head.stock) - stock) > TOLD:
-            yield HEAD.at(source, found=f"a sheet of {head.stock or 'nothing'}", expected=stock)
-    elif head.stock != stock:
-        yield HEAD_TEXT.at(source, found=f"the section {head.stock or 'none'}", expected=stock)
+    if sheet is not None:
+        if not head.stock.replace(".", "", 1).isdigit() or abs(float(head.stock) - sheet) > TOLD:
+            yield HEAD.at(source, found=f"a sheet of {head.stock or 'nothing'}", expected=sheet)
+    elif head.stock != (of := _joined(part.profile.name or part.profile.code for part in parts)):
+        yield HEAD_TEXT.at(source, found=f"the section {head.stock or 'none'}", expected=of)
     grades = _joined(part.grade for part in parts)
     if head.grade != grades:
         found = f"the grade {head.grade or 'none'}"
         yield HEAD_TEXT.at(source, found=found, expected=grades or "none")
-
-
-def section_told(parts: Sequence[Part]) -> str:
-    """What a head has to say of the section of the parts on a bar."""
-    return _joined(part.profile.name or part.profile.code for part in parts)
 
 
 def _joined(texts: Iterable[str]) -> str:

@@ -11,18 +11,25 @@ from msgspec.structs import replace
 
 from beamcam.commands import NO_SAMPLE, NOTHING, UNKNOWN, options
 from beamcam.commands.batch import is_stock_list
-from beamcam.commands.common import REFUSED, Console, cannot_write, say_json, say_lines
+from beamcam.commands.common import (
+    REFUSED,
+    Console,
+    cannot_write,
+    outputs,
+    say_json,
+    say_lines,
+    table_style,
+)
 from beamcam.commands.golden import Checked, compared, named, records, sample_of, told
-from beamcam.commands.outputs import outputs, table_style
 from beamcam.commands.parts import program_text, request_of
 from beamcam.commands.recorded import DEFAULT_SAMPLES, Recorded, accept, record_folders
-from beamcam.commands.settings import machine_for, settled
+from beamcam.commands.settings import machines_for, settled
 from beamcam.config.values import Config, over
 from beamcam.errors import BeamcamError, Severity, Source
 from beamcam.files import REFUSED_SUFFIX
 from beamcam.machine import Machine, shipped
 from beamcam.pipeline import begin, finished, parts_of, read_file
-from beamcam.planning.left_out import is_manual_work_list, manual_rows
+from beamcam.planning.left_out import LIST_SUFFIX, manual_rows
 from beamcam.readers import is_of_programs
 from beamcam.reports.run import as_message, message_line
 
@@ -178,7 +185,7 @@ def _programs(folder: Path, machine: str | None) -> list[tuple[Path, str | None]
 
 def _is_program(path: Path, machine: str | None) -> bool:
     """Whether a file is one, in the folder of a machine, or is called as programs are."""
-    if not path.is_file() or path.name.startswith(".") or is_manual_work_list(path.name):
+    if not path.is_file() or path.name.startswith(".") or path.name.lower().endswith(LIST_SUFFIX):
         return False
     if is_stock_list(str(path)):
         return False
@@ -190,7 +197,7 @@ def _check(path: Path, samples: Path, config: Config) -> Checked:
         old = program_text(str(path))
         sources = (str(sample_of(samples, name, str(path))) for name in path.stem.split("+"))
         parts, _ = parts_of(read_file(sample, config.strict) for sample in sources)
-        machine = machine_for(config, parts, str(path))
+        machine = machines_for(config, parts, str(path))[0]
         style = table_style(machine, str(path), None)
         request = request_of(parts, config, machine, None)
         named_so = replace(request, name=_job(old, machine), style=style)

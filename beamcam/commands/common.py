@@ -3,8 +3,9 @@
 import os
 import re
 import sys
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
+from pathlib import PurePath
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, NoReturn
 
@@ -12,11 +13,15 @@ import click
 
 from beamcam.commands import ACCOUNT, CANNOT_WRITE, OVER_INPUT
 from beamcam.errors import Diagnostic, Severity, Source, errors_in, first_of_each_kind
-from beamcam.files import REFUSED_SUFFIX, FilesRead, write_whole
+from beamcam.files import REFUSED_SUFFIX, FilesRead, remove_made, write_whole
+from beamcam.machine.tables import DIALECTS, TABLE_CONTROLLERS
 from beamcam.plain_text import json_text, terminal_text
 from beamcam.system import is_reader_gone, is_unicode, taken_back
 
 if TYPE_CHECKING:
+    from beamcam.config.values import Config
+    from beamcam.machine.machine import Machine
+    from beamcam.pipeline import Posted
     from beamcam.readers import Reading
 
 REFUSED = 1  #: exit status if an input was refused
@@ -45,7 +50,9 @@ class Console:
 
     def say(self, diagnostics: Iterable[Diagnostic]) -> None:
         """Say messages. As JSON they are one list with what was done, so this is said once."""
-        diagnostics = (*self._new_remarks(), *diagnostics)
+        new = [one for one, is_said in self._remarks.items() if not is_said]
+        self._remarks |= dict.fromkeys(new, True)
+        diagnostics = (*new, *diagnostics)
         shown = [d for d in first_of_each_kind(diagnostics) if self.wants(d.severity)]
         if self.as_json:
             from beamcam.reports.run import as_message
@@ -65,12 +72,6 @@ class Console:
         """Keep messages to be said with the next ones; what was said once is not said again."""
         for one in diagnostics:
             self._remarks.setdefault(one, False)
-
-    def _new_remarks(self) -> Iterator[Diagnostic]:
-        for one, is_said in self._remarks.items():
-            if not is_said:
-                self._remarks[one] = True
-                yield one
 
     def did(self, what: str) -> None:
         """Tell a step that is done, and the time since the one before."""
@@ -290,95 +291,98 @@ def stop_without_output(error: OSError) -> NoReturn:
     Console().stop([cannot_write("stdout", error)])
 
 
-# --- grouped --------------------------------------------------------------------------------------
+# --- programs -------------------------------------------------------------------------------------
 
-# A command whose options stand in groups in its help.
-
-
-SAID = "What is said"
-OTHER = "Other"
-#: Heading -> the options below it, by the names of their values, in this order.
-GROUPS: Mapping[str, tuple[str, ...]] = {
-    "Job": (
-        "output", "folder", "machine", "by", "machines", "config_file", "trust", "job", "bar",
-        "bars", "remnants", "nest", "order", "turn", "style", "corner", "lip",
-        "show", "to", "table", "quantity", "against", "mark_from", "first", "contour", "after",
-        "date", "frame", "rest_name", "rest_as", "size", "code", "profile", "solid",
-    ),
-    "Names and folders": ("name", "flat", "done", "refused", "samples"),
-    "What may be left out": ("skips", "exit_left_out", "strict", "no_verify"),
-    "Members of a building model": (
-        "marks", "guids", "classes", "assemblies", "force", "letter", "check"
-    ),
-    "How files are read": ("units", "width", "layers", "fit", "wrap", "encoding"),
-    "How sheets are cut": (
-        "colours", "thickness", "material", "amps", "nozzle", "kerf", "kerf_by", "lead",
-        "lead_in", "lead_out", "tabs", "tab_width",
-        "inner_tabs", "overcut", "gap", "allow_open", "place", "origin", "mirror", "rotate",
-        "copies", "spacing", "common_cuts", "chain_cuts", "skeleton_cuts", "sheet_size", "unrolled",
-    ),
-    "How the work is done": (
-        "jobs", "scheduler", "redo", "dry", "settle", "end_wait", "every", "encoder", "modbus",
-        "serve", "pace", "once", "update",
-    ),
-    SAID: ("as_json", "report", "unit", "paper", "quiet", "verbose", "schema"),
-}  # fmt: skip
+# The files of a program: how it may be called, its form, and what goes with it.
 
 
-#: What matters most, in the order of use; `--help` of a command with many options shows these.
-FIRST = (
-    "output", "to", "machine", "machines", "folder", "against", "bar", "bars", "quantity",
-    "sheet_size", "marks", "thickness", "colours", "skips", "as_json",
-)  # fmt: skip
-MOST_SHOWN = 20  #: options of a command whose help shows all of them
+PICTURES = (".svg", ".png", ".pdf")
 
 
-class Grouped(click.Command):
-    """A command that prints its options by `GROUPS`; those of no group come last.
+#: Suffixes that are never programs, whatever suffix a machine uses.
+NO_PROGRAMS = (*PICTURES, ".html", ".json", ".dxf", ".nc1", ".ifc", ".ifczip", ".toml")
 
-    Of many options `--help` shows those of `FIRST`, and `--help-all` all.
+
+def program(ctx: click.Context, param: click.Parameter, value: str | None) -> str | None:
+    """Refuses an output that is called as a picture, a report or a part is."""
+    if value is not None and suffix_of(value) in NO_PROGRAMS:
+        who = {".json": "convert", ".dxf": "convert", ".nc1": "convert", ".html": "report"}
+        command = "plot" if suffix_of(value) in PICTURES else who.get(suffix_of(value), "")
+        hint = f" (`beamcam {command}` writes such)" if command else ""
+        raise click.BadParameter(f"found {value!r}; expected the name of a program{hint}")
+    return value
+
+
+def suffix_of(name: str) -> str:
+    """The suffix of a file's name, in small letters."""
+    return PurePath(name).suffix.lower()
+
+
+def table_style(machine: "Machine", output: str, style: str | None) -> str | None:
+    """The form of the program: the style of a trigger program, the form of a step table.
+
+    Raises click.UsageError where the machine has no styles, or no form of that suffix.
     """
+    if style is not None and machine.controller not in DIALECTS:
+        raise click.UsageError(f"--style is not for {machine.name}.")
+    if machine.controller != "stepper":
+        return style
+    if output == STANDARD:
+        return machine.suffix
+    from beamcam.emitters.step_table import FORMS
 
-    def get_params(self, ctx: click.Context) -> list[click.Parameter]:
-        """The parameters, with --help-all where there are many."""
-        params = super().get_params(ctx)
-        if sum(isinstance(p, click.Option) for p in params) > MOST_SHOWN:
-            text = "Show all options, in groups, and exit."
-            more = click.Option(["--help-all"], is_flag=True, expose_value=False, is_eager=True,
-                                help=text, callback=_show_all)  # fmt: skip
-            params.append(more)
-        return params
-
-    def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """Write each group of options under its heading, or the first of them."""
-        params = [p for p in self.get_params(ctx) if isinstance(p, click.Option)]
-        helps = [p for p in params if {"--help", "--help-all"} & {*p.opts}]
-        headings: dict[str, list[click.Option]] = {heading: [] for heading in (*GROUPS, OTHER)}
-        if len(helps) == 2 and not ctx.meta.get(ALL):
-            first = [p for p in params if p.name in FIRST]
-            headings = {
-                "Options": [*sorted(first, key=lambda p: FIRST.index(p.name or "")), *helps]
-            }
-        else:
-            for param in params:
-                headings[SAID if param in helps else heading_of(param.name or "")].append(param)
-        for heading, options in headings.items():
-            records = [r for r in (p.get_help_record(ctx) for p in options) if r is not None]
-            if records:
-                with formatter.section(heading):
-                    formatter.write_dl(records)
+    suffix = suffix_of(output)
+    if suffix not in FORMS:
+        raise click.UsageError(f"found {output!r}; expected a name in {', '.join(FORMS)}, or -")
+    return suffix
 
 
-ALL = "beamcam: all options"
+def is_coded_sheet(machine: "Machine") -> bool:
+    """Whether a machine cuts sheets by a program of contours."""
+    return machine.stock == "sheet" and machine.controller not in TABLE_CONTROLLERS
 
 
-def _show_all(ctx: click.Context, param: click.Parameter, value: bool) -> None:
-    if value and not ctx.resilient_parsing:
-        ctx.meta[ALL] = True
-        click.echo(ctx.get_help(), color=ctx.color)
-        ctx.exit()
+def job_name(config: "Config", machine: "Machine", output: str) -> str:
+    """The name of a job: of a trigger program that was given none that of its file.
+
+    Its units are files and variables of one project, and would be taken for those of another job.
+    """
+    if machine.controller in DIALECTS and "job" not in config.sources and output != STANDARD:
+        return PurePath(output).stem
+    return config.job
 
 
-def heading_of(name: str) -> str:
-    """The heading of an option, by the name of its value."""
-    return next((heading for heading, names in GROUPS.items() if name in names), OTHER)
+def outputs(
+    posted: "Posted", machine: "Machine", output: str
+) -> Iterator[tuple[str, str | Iterable[bytes]]]:
+    """Each file with what is to be written to it.
+
+    A trigger program of several units becomes a file a unit, the set-points beside the main one
+    and before it, so that it never stands there without them.
+    """
+    if machine.controller in DIALECTS and output != STANDARD:
+        from beamcam.emitters.simotion import split_units
+
+        (_, main), *more = split_units(posted.text)
+        folder = PurePath(output).parent
+        for name, text in more:
+            yield str(folder / f"{name}{machine.suffix}"), text
+        yield output, main
+        return
+    yield output, posted.pieces()
+
+
+def write_list(posted: "Posted", output: str, console: Console, read: FilesRead) -> None:
+    """Write the list of manual work beside a program, or take away an older one.
+
+    Of a program on standard output the messages alone say what is left for manual work.
+    """
+    if output == STANDARD:
+        return
+    from beamcam.planning.left_out import LIST_BEGIN, LIST_SUFFIX, as_csv, manual_rows
+
+    path = output + LIST_SUFFIX
+    if rows := manual_rows(posted.plan):
+        write(path, as_csv(rows), console, read)
+    else:
+        remove_made(path, LIST_BEGIN)

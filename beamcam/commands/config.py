@@ -11,7 +11,7 @@ from msgspec import Struct
 from beamcam.commands import options
 from beamcam.commands.common import Console, cannot_write, say_json, say_lines
 from beamcam.commands.settings import settled
-from beamcam.config.values import Config, ConfigFile, Setting, Stock
+from beamcam.config.values import CONFIG_NAME, Config, ConfigFile, Setting, Stock
 from beamcam.errors import BeamcamError
 
 
@@ -86,7 +86,7 @@ def command(
 def _used(config: Config, console: Console) -> str:
     """Whose configuration it is, and the machines for bars and sheets with their checksums."""
     from beamcam.commands.configuration import settings_line
-    from beamcam.machine import default_machines
+    from beamcam.machine.machine import default_machines
 
     stocks: tuple[Stock, ...] = ("beam", "sheet")
     names = [
@@ -105,7 +105,7 @@ def _remember(folders: tuple[str, ...], console: Console) -> None:
     for folder in folders:
         if not os.path.isdir(folder):
             raise click.UsageError(f"found no folder {folder!r}; expected one that is there.")
-    from beamcam.config.places import CONFIG_NAME, remember
+    from beamcam.config.load import remember
     from beamcam.system import user_folder
 
     try:

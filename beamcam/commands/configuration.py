@@ -14,15 +14,16 @@ from msgspec.structs import replace
 from beamcam.arguments import expected_job
 from beamcam.commands import MACHINE_ELSEWHERE
 from beamcam.config import NOT_REPEATED, TWO, WRONG_VALUE
-from beamcam.config.places import (
-    CONFIG_NAME,
-    ConfigFiles,
+from beamcam.config.load import (
+    ConfigError,
     harmless,
     is_in,
     is_ones_own_place,
+    load,
+    merged,
     not_followed,
 )
-from beamcam.config.values import Config, ConfigError, load, merged
+from beamcam.config.values import CONFIG_NAME, Config, ConfigFiles
 from beamcam.errors import Diagnostic, Source
 from beamcam.machine.load import SHIPPED, files_of_machine
 from beamcam.machine.machine import Machine

@@ -13,7 +13,7 @@ from beamcam.batch.record import RECORD_NAME
 from beamcam.commands import options
 from beamcam.commands.common import REFUSED, STANDARD, Console, say_json, say_lines, write
 from beamcam.commands.golden import Checked, Result, records, told
-from beamcam.commands.outputs import KINDS, expected
+from beamcam.commands.outputs import KINDS, expected, picture
 from beamcam.commands.parts import input_bytes
 from beamcam.commands.recorded import Recorded
 from beamcam.commands.settings import files_read, machine_for_program, settled
@@ -68,7 +68,6 @@ def drawn_over(
 
     Raises ReadError, VerifyError and PictureError; UsageError for another format.
     """
-    from beamcam.commands.outputs import picture
     from beamcam.pictures.comparison import compared_parts, compared_programs
     from beamcam.pictures.program import ReadProgram
 

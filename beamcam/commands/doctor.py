@@ -13,7 +13,7 @@ from msgspec.structs import asdict
 
 from beamcam.commands import options
 from beamcam.commands.common import REFUSED, say_json, say_lines
-from beamcam.config.places import CONFIG_NAME, own_files
+from beamcam.config.values import CONFIG_NAME, own_files
 from beamcam.errors import BeamcamError
 from beamcam.machine import shipped
 from beamcam.system import user_folder
@@ -127,7 +127,7 @@ def _version(package: str) -> str:
 def _configuration() -> Finding:
     files = own_files()
     if files:
-        from beamcam.config.values import load
+        from beamcam.config.load import load
 
         try:
             for path in files:

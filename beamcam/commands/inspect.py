@@ -6,8 +6,9 @@ from typing import Any
 import click
 
 from beamcam.commands import options
-from beamcam.commands.common import REFUSED, Console, Grouped, followed, say_json, say_lines
+from beamcam.commands.common import REFUSED, Console, followed, say_json, say_lines
 from beamcam.commands.parts import (
+    Grouped,
     drawing_choice,
     drawing_options,
     member_choice,

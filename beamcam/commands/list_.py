@@ -13,12 +13,11 @@ from beamcam.batch.find import FoundInputs, find_inputs
 from beamcam.batch.names import other_content
 from beamcam.budget import refused_pieces
 from beamcam.commands import MISSING_EXTRA, options
-from beamcam.commands.common import STANDARD, Console, Grouped, read_all, shows_colour, write
+from beamcam.commands.common import STANDARD, Console, read_all, shows_colour, write
 from beamcam.commands.options import quantity
-from beamcam.commands.parts import drawing_choice, list_options, member_choice
+from beamcam.commands.parts import Grouped, drawing_choice, list_options, member_choice
 from beamcam.commands.settings import (
     files_read,
-    machine_of_stock,
     machines_of_stock,
     settled,
     with_thickness,
@@ -106,7 +105,7 @@ def command(
 
 def _asked(config: Config, lengths: Sequence[float], order: Order, turn: bool) -> Request:
     """What is asked for, whichever the parts and the machine are."""
-    machine = machine_of_stock(config, "beam", "", is_one_of_two=True)
+    machine = machines_of_stock(config, "beam", "", is_one_of_two=True)[0]
     return Request(
         (), machine, named_skips(config.allow_skips), config.job, order, turn, tuple(lengths),
         strict=config.strict, by=config.by,

@@ -11,21 +11,13 @@ from beamcam.batch.names import cleaned
 from beamcam.commands import options
 from beamcam.commands.common import Console, cannot_write, say_json, say_lines, write
 from beamcam.commands.outputs import picture, picture_suffix
-from beamcam.config.places import own_files
+from beamcam.config.values import own_files
 from beamcam.errors import BeamcamError, Diagnostic, Source
 from beamcam.files import FilesRead, write_whole
-from beamcam.machine import (
-    Machine,
-    load,
-    machine_folders,
-    own_machines,
-    resolved,
-    settings,
-    shipped,
-)
+from beamcam.machine import Machine, load, shipped
 from beamcam.machine.chart_file import chart_rows
-from beamcam.machine.keys import starting_file
-from beamcam.machine.load import files_of
+from beamcam.machine.keys import machine_keys, machine_schema, settings, starting_file
+from beamcam.machine.load import files_of, machine_folders, own_machines, resolved
 
 MAX_CHART_BYTES = 10_000_000
 
@@ -232,8 +224,6 @@ def keys(markdown: bool) -> None:
     beamcam machines keys
     beamcam machines keys --markdown > docs/machine-keys.md
     """
-    from beamcam.machine.keys import machine_keys
-
     if markdown:
         click.echo("# Keys of a machine file\n\nMade by `beamcam machines keys --markdown`.\n")
         click.echo("| key | value | default | meaning |\n| --- | --- | --- | --- |")
@@ -252,6 +242,4 @@ def schema() -> None:
     \b
     beamcam machines schema > machine.schema.json
     """
-    from beamcam.machine.keys import machine_schema
-
     click.echo(json.dumps(machine_schema(), indent=1))

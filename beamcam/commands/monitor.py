@@ -15,7 +15,7 @@ from beamcam.commands.common import Console, say_lines
 from beamcam.commands.jobs import read_program
 from beamcam.commands.options import MODBUS_PORT, Address
 from beamcam.commands.parts import input_bytes
-from beamcam.commands.settings import machine_of_stock, settled
+from beamcam.commands.settings import machines_of_stock, settled
 from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Source, VerifyError
 from beamcam.machine.machine import Machine
@@ -226,7 +226,7 @@ def _work(
         read = read_program(input_bytes(program), program, config)
         machine, work = read.machine, KnownWork(program=replace(read, parts=parts))
     else:
-        machine = machine_of_stock(config, "beam", "")
+        machine = machines_of_stock(config, "beam", "")[0]
         work = KnownWork(parts[0].profile if parts else None)
     if parts and stock_of(parts) != machine.stock:
         raise click.UsageError(f"Found {paths[0]!r}; expected a part for {machine.name}.")

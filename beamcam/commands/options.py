@@ -123,8 +123,9 @@ class SkipNames(click.Choice):  # type: ignore[type-arg]  # older versions take 
 
 
 def machine_names(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[str]:
-    from beamcam.config.places import own_files
-    from beamcam.machine import own_machines, shipped
+    from beamcam.config.values import own_files
+    from beamcam.machine import shipped
+    from beamcam.machine.load import own_machines
 
     own = own_machines(own_files())
     return [name for name in (*shipped(), *own) if name.startswith(incomplete)]

@@ -6,12 +6,12 @@ from typing import Any
 import click
 
 from beamcam.commands import options
-from beamcam.commands.common import Console, Grouped, write
+from beamcam.commands.common import Console, write
 from beamcam.commands.jobs import one_program, posted_job, read_program
 from beamcam.commands.options import quantity
 from beamcam.commands.outputs import check_paper, paper, picture, picture_suffix, unit
-from beamcam.commands.parts import job_options, read_parts
-from beamcam.commands.settings import files_read, machine_for, settled
+from beamcam.commands.parts import Grouped, job_options, read_parts
+from beamcam.commands.settings import files_read, machines_for, settled
 from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Diagnostic
 from beamcam.model.part import Part
@@ -86,5 +86,5 @@ def _processes(config: Config, parts: Sequence[Part], output: str) -> Mapping[st
     """Processes of the colours and layers of drawings on the machine; None without drawings."""
     if all(part.measures is None for part in parts):
         return None
-    torch = machine_for(config, parts, output).torch
+    torch = machines_for(config, parts, output)[0].torch
     return None if torch is None else torch.colours

@@ -9,7 +9,19 @@ import click
 from msgspec.structs import replace
 
 from beamcam.commands import options
-from beamcam.commands.common import STANDARD, Console, Grouped, keep_apart, keep_refused, write
+from beamcam.commands.common import (
+    STANDARD,
+    Console,
+    is_coded_sheet,
+    job_name,
+    keep_apart,
+    keep_refused,
+    outputs,
+    program,
+    table_style,
+    write,
+    write_list,
+)
 from beamcam.commands.options import (
     ONE_BAR,
     ONE_SHEET,
@@ -18,15 +30,7 @@ from beamcam.commands.options import (
     program_names,
     quantity,
 )
-from beamcam.commands.outputs import (
-    is_coded_sheet,
-    job_name,
-    outputs,
-    program,
-    table_style,
-    write_list,
-)
-from beamcam.commands.parts import part_options, read_parts, request_of
+from beamcam.commands.parts import Grouped, drawing_choice, part_options, read_parts, request_of
 from beamcam.commands.settings import files_read, machine_asked, machines_for, map_remarks, settled
 from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Diagnostic, PlanError, Source
@@ -43,6 +47,7 @@ from beamcam.pipeline import (
     are_flats,
     begin,
     finished,
+    read_file,
     stock_of,
     untold,
 )
@@ -170,7 +175,6 @@ def command(
         way = () if request is None else (_suggestion(request, machines, config, values),)
         console.stop((*diagnostics, *error.diagnostics, *way))
     except BeamcamError as error:
-        from beamcam.pipeline import read_file
         from beamcam.suggestions import reading_suggestions
 
         ways = tuple(reading_suggestions(error.diagnostics, read_file, strict))
@@ -188,9 +192,7 @@ def _suggestion(
     request: Request, tried: Sequence[Machine], config: Config, options: Mapping[str, Any]
 ) -> Diagnostic:
     """What could be asked for instead, of the machines that are shipped for such stock."""
-    from beamcam.commands.parts import drawing_choice
     from beamcam.machine import shipped
-    from beamcam.pipeline import read_file
     from beamcam.suggestions import suggestions
 
     known = {machine.name for machine in tried}

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import click
 
 from beamcam.commands import options
-from beamcam.commands.common import Console, write
-from beamcam.commands.outputs import KINDS, PICTURES, expected, picture
+from beamcam.commands.common import PICTURES, Console, write
+from beamcam.commands.outputs import KINDS, expected, picture
 from beamcam.errors import BeamcamError
 from beamcam.files import FilesRead
 

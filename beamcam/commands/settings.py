@@ -13,12 +13,19 @@ from msgspec.structs import replace
 from beamcam.arguments import load_tested
 from beamcam.budget import set_limits
 from beamcam.commands.common import remark, running_console
-from beamcam.config.places import ConfigFiles, config_files, own_files
-from beamcam.config.values import COMMAND_LINE, Config, Stock, over
+from beamcam.config.values import (
+    COMMAND_LINE,
+    Config,
+    ConfigFiles,
+    Stock,
+    config_files,
+    over,
+    own_files,
+)
 from beamcam.errors import BeamcamError, Diagnostic, MachineError, PlanError, Source
 from beamcam.files import FilesRead
-from beamcam.machine import Machine, default_machines, is_of_sheets
-from beamcam.machine.overlay import with_section
+from beamcam.machine import Machine
+from beamcam.machine.machine import default_machines, is_of_sheets
 from beamcam.machine.words import UNKNOWN_MACHINE
 from beamcam.machine_choice import InTurn
 from beamcam.model.part import Part
@@ -92,7 +99,7 @@ def _with_own_machines(config: Config) -> Config:
     """
     if config.machine is None and not config.machines and not config.split:
         return config
-    from beamcam.machine import resolved
+    from beamcam.machine.load import resolved
 
     machine = config.machine and resolved(config.machine, config.own)
     machines = {
@@ -130,11 +137,6 @@ def _wanted(options: Mapping[str, Any]) -> dict[str, Any]:
     if options.get("scheduler") is not None:
         given["dask"] = {"scheduler": options["scheduler"]}
     return given
-
-
-def machine_for(config: Config, parts: Sequence[Part], output: str) -> Machine:
-    """The first of `machines_for`."""
-    return machines_for(config, parts, output)[0]
 
 
 def machines_for(config: Config, parts: Sequence[Part], output: str) -> Sequence[Machine]:
@@ -209,18 +211,14 @@ def map_remarks(config: Config, parts: Sequence[Part], machine: Machine) -> tupl
         return ()
     from beamcam.planning.map_keys import curves_by_key, idle, unmatched
 
-    here = {k: v for k, v in config.meanings.items() if _is_asked(config, k)}
+    asked = {key for key, source in config.sources.items() if source == COMMAND_LINE}
+    here = {k: v for k, v in config.meanings.items() if f"map.{k}" in asked}
     table = machine.torch.colours
     if refused := tuple(unmatched(here, parts, table)):
         raise PlanError(refused)
     configured = [key for key in config.map if key not in here]
     used = curves_by_key(parts, table) if configured else ()
     return tuple(idle(configured, used, config.place("map")))
-
-
-def _is_asked(config: Config, key: str) -> bool:
-    """Whether the command line has that key of the map."""
-    return config.sources.get(f"map.{key}") == COMMAND_LINE
 
 
 def machine_for_program(
@@ -236,7 +234,7 @@ def machine_for_program(
         allowed = machines_for(config, parts, program)
     else:
         allowed = machines_of_stock(config, "sheet" if is_of_sheets(program) else "beam", program)
-    from beamcam.machine import is_file_name
+    from beamcam.machine.load import is_file_name
 
     named = _machine_in_head(data)
     if named is None:
@@ -259,13 +257,6 @@ def _machine_in_head(data: bytes | str) -> str | None:
 
     head = head_of(data.decode("utf-8", "replace") if isinstance(data, bytes) else data)
     return None if head is None else head.machine
-
-
-def machine_of_stock(
-    config: Config, stock: Stock, output: str, is_one_of_two: bool = False
-) -> Machine:
-    """The first of `machines_of_stock`."""
-    return machines_of_stock(config, stock, output, is_one_of_two)[0]
 
 
 def machines_of_stock(
@@ -342,10 +333,13 @@ def _as_asked(machine: Machine, config: Config, is_one_of_two: bool) -> Machine:
     """A machine with the tolerances, the map and the sheet of the job."""
     remark(machine.remarks)
     if config.tolerances:
-        from beamcam.config.values import with_tolerances
+        from beamcam.config.load import with_tolerances
 
         machine = with_tolerances(machine, config)
-    machine = with_section(machine, config.corner, config.lip)
+    if config.corner or config.lip:
+        from beamcam.machine.overlay import with_section
+
+        machine = with_section(machine, config.corner, config.lip)
     if not (config.sheet.given() or config.map) or (machine.torch is None and is_one_of_two):
         return machine
     return _with_sheet(machine, config)
@@ -365,7 +359,7 @@ def _named_machine(config: Config, of: Stock | Literal["split"], named: str) -> 
         if source in (None, COMMAND_LINE) or error.diagnostics[0].code != UNKNOWN_MACHINE.code:
             raise
         from beamcam.config import WRONG_VALUE
-        from beamcam.config.values import ConfigError
+        from beamcam.config.load import ConfigError
 
         expected = error.diagnostics[0]["expected"]
         raise ConfigError(

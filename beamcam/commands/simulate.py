@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any, Literal
 import click
 
 from beamcam.commands import options
-from beamcam.commands.common import STANDARD, Console, Grouped, say_lines, write
+from beamcam.commands.common import PICTURES, STANDARD, Console, say_lines, write
 from beamcam.commands.jobs import against, asked_program
 from beamcam.commands.options import Address, quantity
-from beamcam.commands.outputs import PICTURES, of_kind, picture
-from beamcam.commands.parts import job_options
+from beamcam.commands.outputs import of_kind, picture
+from beamcam.commands.parts import Grouped, job_options
 from beamcam.commands.settings import files_read, settled
 from beamcam.errors import BeamcamError, Diagnostic, Source, VerifyError, errors_in
 from beamcam.model.plan import Order

@@ -24,7 +24,8 @@ from beamcam.batch.recipe import recipe_of
 from beamcam.batch.record import claims_of
 from beamcam.batch.run import BatchError, run
 from beamcam.commands import options
-from beamcam.commands.common import Console, Grouped, say_lines
+from beamcam.commands.common import Console, say_lines
+from beamcam.commands.parts import Grouped
 from beamcam.commands.running import (
     Progress,
     batch_settings,

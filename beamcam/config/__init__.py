@@ -16,8 +16,8 @@
     "ENGRAVE" = "engrave"
 
 Every key has a default, an unknown one is an error, and each value knows where it was set.
-`values` is what a configuration holds and how one is laid over another, `places` where they are
-looked for and what is taken of a stranger's; here are the rules of both.
+`values` is what a configuration holds and where one lies, `load` reads it and says what is taken of
+a stranger's; here are the rules of both.
 """
 
 from beamcam.errors import error, warning

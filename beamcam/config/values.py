@@ -1,34 +1,28 @@
-"""The values of a configuration, and how one is laid over another.
+"""The values of a configuration, what the command line lays over them, and where they lie.
 
 Every command comes by here, so that this module needs next to nothing; `config.load` reads the
-file if there is one.
+files, if there are any.
 """
 
-from collections.abc import Mapping
-from pathlib import Path
-from typing import Annotated, Any, Literal, get_args
+import os
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Annotated, Any, Literal
 
 from msgspec import Meta, Struct, field
 from msgspec.structs import asdict, replace
 
 from beamcam.budget import Limits
-from beamcam.config import NO_DRILL, NOT_TOML, UNKNOWN_KEY, UNREADABLE, WRONG_VALUE
 from beamcam.conversion import (
     Count,
-    Fault,
     Keys,
     NotNegative,
     Positive,
     PositiveCount,
     Text,
-    converted,
 )
-from beamcam.errors import BeamcamError, Diagnostic, Source
-from beamcam.machine.machine import Machine
-from beamcam.machine.range_faults import slack_faults
-from beamcam.machine.toml import MAX_TOML_BYTES, TomlError, TomlFile, TomlPlace, toml_text
+from beamcam.errors import Diagnostic, Source
 from beamcam.machine.torch import Degrees, LayerSettings
-from beamcam.system import beginning_of, portable_path
+from beamcam.system import is_ones_own, is_open_to_all, user_folder
 
 COMMAND_LINE = Source("command line")
 
@@ -203,26 +197,7 @@ def over(config: Config, options: Mapping[str, Any]) -> Config:
         if isinstance(value, Mapping):
             sources |= {f"{key}.{name}": COMMAND_LINE for name in value}
             del sources[key]
-    return _laid_over(config, given, sources)
-
-
-def merged(far: Config, near: Config) -> Config:
-    """Two configurations as one: what the nearer sets goes over the same of the farther.
-
-    A machine of the nearer one is that of every kind of stock for which it names no other.
-    """
-    keys = [key for key in ConfigFile.__struct_fields__ if key in near.sources]
-    given = {
-        key: {row: v for row, v in near.rows(key).items() if f"{key}.{row}" in near.sources}
-        if is_table(getattr(near, key))
-        else getattr(near, key)
-        for key in keys
-    }
-    both = _laid_over(far, given, near.sources)
-    return replace(
-        both, files=(*near.files, *far.files), own=(*near.own, *far.own),
-        trust=(*near.trust, *far.trust), remarks=(*near.remarks, *far.remarks),
-    )  # fmt: skip
+    return laid_over(config, given, sources)
 
 
 def is_table(value: object) -> bool:
@@ -230,7 +205,7 @@ def is_table(value: object) -> bool:
     return isinstance(value, Mapping | Sheet | Dask | Limits)
 
 
-def _laid_over(config: Config, given: Mapping[str, Any], sources: Mapping[str, Source]) -> Config:
+def laid_over(config: Config, given: Mapping[str, Any], sources: Mapping[str, Source]) -> Config:
     """The configuration with what is given in place of its own; tables row by row."""
     if not given:
         return config
@@ -251,122 +226,81 @@ def _laid_over(config: Config, given: Mapping[str, Any], sources: Mapping[str, S
     return replace(config, **changed, sources={**kept, **sources})
 
 
-class ConfigError(BeamcamError):
-    """A configuration that cannot be used."""
+# --- places ---------------------------------------------------------------------------------------
+
+# Where the configurations of a job are looked for, and whose they are.
+#
+#     shop/beamcam.toml         here, where the command is called, or above: one's own
+#     shop/jobs/beamcam.toml    beside the inputs, further down or elsewhere: came with the parts
+#     ~/.config/beamcam/        the user's own, the farthest of all
 
 
-def load(path: str | Path) -> Config:
-    """The configuration in a file. Raises ConfigError."""
-    file = Path(path)
-    try:
-        text = toml_text(beginning_of(file, MAX_TOML_BYTES + 1))
-        table = TomlFile(file, str(path), text).table
-    except OSError as error:
-        diagnostic = UNREADABLE.at(Source(str(path)), found=error.strerror or error)
-        raise ConfigError(diagnostic) from error
-    except TomlError as error:
-        raise ConfigError(NOT_TOML.at(Source(str(path), error.line), found=error)) from error
-    place = TomlPlace({"": (str(path), text)})
-    try:
-        read = converted(table, ConfigFile)
-        _check_colours(read.map)
-    except Fault as fault:
-        raise ConfigError(_said(fault, place)) from None
-    folder = file.resolve().parent
-    values: dict[str, Any] = {name: getattr(read, name) for name in table}
-    if read.machine:
-        values["machine"] = _from(folder, read.machine)
-    if read.machines:
-        values["machines"] = {
-            stock: _from(folder, named)
-            if isinstance(named, str)
-            else tuple(_from(folder, name) for name in named)
-            for stock, named in read.machines.items()
-        }
-    values["split"] = tuple(_from(folder, name) for name in read.split)
-    values["trust"] = tuple(str(folder / portable_path(place)) for place in read.trust)
-    values["stock_lengths"] = tuple(sorted(set(read.stock_lengths)))
-    return Config(**values, files=(str(path),), own=(str(path),), sources=_sources(table, place))
+CONFIG_NAME = "beamcam.toml"
+_MAGIC = frozenset("*?[")
 
 
-def _from(folder: Path, machine: str) -> str:
-    """A machine's name, or its path as it holds wherever the command is called from."""
-    return str(folder / machine.replace("\\", "/")) if machine.endswith(".toml") else machine
+class ConfigFiles(Struct, frozen=True):
+    """The configurations of a job, each list with the nearest first."""
+
+    beside: tuple[str, ...] = ()  #: of the folders of the inputs and those above
+    own: tuple[str, ...] = ()  #: of the folder of the command, those above, and the user
+    #: the nearest of two inputs of the job, where these are different ones
+    two: tuple[str, str] | None = None
 
 
-def _sources(table: Mapping[str, Any], place: TomlPlace) -> dict[str, Source]:
-    """Source of each key, and of each row of a table."""
-    rows = [f"{key}.{row}" for key in table if isinstance(table[key], dict) for row in table[key]]
-    return {key: place.child(key).source for key in (*table, *rows)}
+def config_files(inputs: Iterable[str]) -> ConfigFiles:
+    """The configurations that hold for a job on `inputs`. It costs a look at each folder.
 
-
-def _check_colours(colours: Mapping[str, object]) -> None:
-    """Raises Fault for a key of the map that starts like a colour and is not one."""
-    if not colours:
-        return
-    from beamcam.model.colour import parse_colour
-
-    for key in colours:
-        if key.startswith(("#", "rgb(", "rgba(")):
-            try:
-                parse_colour(key)
-            except ValueError as error:
-                raise Fault("value", ("map", key), key, "a colour such as '#ff0000'") from error
-
-
-def _said(fault: Fault, place: TomlPlace) -> Diagnostic:
-    """The message for an invalid key of a configuration."""
-    from beamcam.conversion import shown
-
-    at = place.child(*fault.path)
-    if fault.kind == "unknown":
-        tables = {"sheet": Sheet, "dask": Dask, "limits": Limits}
-        of = next((t for t, kind in tables.items() if at.key in kind.__struct_fields__), None)
-        expected = fault.expected if of is None else f"it below [{of}], as {of}.{at.key}"
-        return UNKNOWN_KEY.at(at.source, found=at.key, expected=expected)
-    if fault.kind == "missing":  # of a row of the map, the only table with a key that it needs
-        expected = f"one of {', '.join(map(repr, get_args(Meaning)))}"
-        return WRONG_VALUE.at(at.source, key=at.key, found="nothing", expected=expected)
-    found = shown(fault.found)
-    return WRONG_VALUE.at(at.source, key=at.key, found=found, expected=fault.expected)
-
-
-# --- apply ----------------------------------------------------------------------------------------
-
-# Changes of a drilling machine by a configuration: its tolerances.
-
-
-#: Key below `[tolerances]` -> field of the machine's drill that it stands for.
-TOLERANCES = {
-    "merge": "merge_tolerance", "duplicate": "duplicate_tolerance", "sink": "sink_tolerance",
-    "path": "path_tolerance", "same_tool": "same_tool_tolerance",
-}  # fmt: skip
-
-
-def with_tolerances(machine: Machine, config: Config) -> Machine:
-    """The machine with the configuration's tolerances in place of its own; itself if none.
-
-    One configuration serves machines of all kinds, so that one that does not drill is left as it
-    is. Raises ConfigError where that is the one that the configuration names for all its jobs, and
-    for a tolerance that no machine file may have.
+    Each stands once, and what is one's own is not beside. Standard input lies in the folder that
+    the command is called in.
     """
-    if not config.tolerances:
-        return machine
-    if machine.drill is None:
-        if config.machine is None or config.sources.get("machine") == COMMAND_LINE:
-            return machine
-        key = f"tolerances.{next(iter(config.tolerances))}"
-        source = config.place(key)
-        raise ConfigError(NO_DRILL.at(source, key=key, machine=machine.name))
-    changed = {TOLERANCES[name]: value for name, value in config.tolerances.items()}
-    # The names are those of TOLERANCES, so that they are fields of a drill.
-    drill = replace(machine.drill, **changed)
-    wrong = {name: rest for name, *rest in slack_faults(drill)}
-    for name in config.tolerances:
-        if TOLERANCES[name] in wrong:
-            found, expected = wrong[TOLERANCES[name]]
-            key = f"tolerances.{name}"
-            source = config.place(key)
-            diagnostic = WRONG_VALUE.at(source, key=key, found=f"{found:g}", expected=expected)
-            raise ConfigError(diagnostic)
-    return replace(machine, drill=drill)
+    own = own_files()
+    known = {os.path.realpath(path): path for path in own}
+    near: dict[str, tuple[str, ...]] = {}
+    for folder in dict.fromkeys(map(_folder, inputs)):
+        if chain := tuple(_upwards(folder)):
+            near.setdefault(os.path.realpath(chain[0]), chain)
+    first, *others = near.values() or [()]
+    beside = {real: path for path in first if (real := os.path.realpath(path)) not in known}
+    return ConfigFiles(tuple(beside.values()), own, (first[0], others[0][0]) if others else None)
+
+
+def own_files() -> tuple[str, ...]:
+    """The configurations here, in the folders above, and the user's own, the nearest first.
+
+    In a folder that anybody may write to one has to belong to the user, or to the system's owner.
+    """
+    paths = [
+        path for path in _upwards("")
+        if path != CONFIG_NAME or not is_open_to_all(os.curdir) or is_ones_own(path)
+    ]  # fmt: skip
+    users = os.path.join(user_folder(), CONFIG_NAME)
+    if os.path.isfile(users):
+        paths.append(users)
+    return tuple({os.path.realpath(path): path for path in reversed(paths)}.values())[::-1]
+
+
+def _upwards(folder: str) -> Iterator[str]:
+    """The configurations in a folder and in those above it.
+
+    A folder above in which anybody may put a file is passed over.
+    """
+    path = os.path.join(folder, CONFIG_NAME)
+    if os.path.isfile(path):
+        yield path
+    below, here = os.path.abspath(folder), os.path.abspath("")
+    while (above := os.path.dirname(below)) != below:
+        path = os.path.join(above, CONFIG_NAME)
+        if os.path.isfile(path) and not is_open_to_all(above):
+            yield CONFIG_NAME if above == here else path
+        below = above
+
+
+def _folder(name: str) -> str:
+    """The folder of an input: itself if it is one; of a pattern as far as it has no magic."""
+    if os.path.isdir(name):
+        return name
+    folder = os.path.dirname(name)
+    while not _MAGIC.isdisjoint(folder) and not os.path.isdir(folder):
+        folder = os.path.dirname(folder)
+    return folder

@@ -14,7 +14,7 @@ M7         codes.M7 = "torch on"           a Switch, which starts the tool
 
 import re
 from bisect import bisect_left
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from typing import Literal, get_args
 
 from msgspec import Struct
@@ -247,7 +247,10 @@ def _own_words(machine: Machine) -> tuple[dict[int, MWord], frozenset[str], bool
     letters = set(LETTERS)
     feeding = False
     cycles: dict[str, Cycle] = {}
-    for name, lines in _templates(machine):
+    for name in machine.words.__struct_fields__:
+        lines = getattr(machine.words, name)
+        if not isinstance(lines, tuple):
+            continue  # the form of a comment
         cycle = cycles[name] = _cycle(name, lines)
         for line in lines:
             if TELLS in line:
@@ -282,14 +285,6 @@ def role_of(line: str, changes: bool = False) -> tuple[int | None, Role]:
     carried = (field for _, field in FIELD.findall(line))
     role = next((_SAYS[field] for field in carried if field in _SAYS), documented)
     return number, "change" if changes else role
-
-
-def _templates(machine: Machine) -> Iterator[tuple[str, tuple[str, ...]]]:
-    """Name and lines of every template but the comment."""
-    for name in machine.words.__struct_fields__:
-        value = getattr(machine.words, name)
-        if isinstance(value, tuple):
-            yield name, value
 
 
 def _cycle(name: str, lines: tuple[str, ...]) -> Cycle:

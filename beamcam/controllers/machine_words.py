@@ -26,9 +26,9 @@ from beamcam.controllers.dialect import (
     tool_words,
 )
 from beamcam.controllers.events import BarEvent, Lettering, Move, Place, Switch
-from beamcam.machine.faults import TABLE_CONTROLLERS, words_of
+from beamcam.machine.faults import words_of
 from beamcam.machine.machine import Machine, key_for, plain_code
-from beamcam.machine.tables import DIALECTS
+from beamcam.machine.tables import DIALECTS, TABLE_CONTROLLERS
 from beamcam.model.description import PART_DATA
 
 #: Of the tools of a bar; `scribe` and `punch` do not turn.

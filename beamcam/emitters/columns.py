@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from beamcam.caches import cached
-from beamcam.emitters import number
+from beamcam.emitters.gcode import number
 from beamcam.geometry.array_types import Counts, Floats
 
 Groups = NDArray[np.void]

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 
-from beamcam.emitters import number
+from beamcam.emitters.gcode import number
 from beamcam.machine.machine import Machine
 from beamcam.model.description import PART_DATA
 from beamcam.model.program import (

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from msgspec.structs import astuple
 
-from beamcam.emitters import comment_room, number, numbered
 from beamcam.emitters.columns import lines
+from beamcam.emitters.gcode import comment_room, number, numbered
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import TorchRow
 from beamcam.model.description import PART_DATA

@@ -4,8 +4,8 @@ from collections.abc import Iterator
 from math import hypot
 
 from beamcam.machine.coper import TUBES, Coper
+from beamcam.machine.faults import Fault
 from beamcam.machine.machine import Machine
-from beamcam.machine.range_faults import Fault
 from beamcam.machine.torch import TorchRow
 
 MOST_TILT_DEG = 60.0  #: farther over, the torch lies on the steel

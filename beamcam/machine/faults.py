@@ -1,15 +1,30 @@
-"""Checks of a machine's stations and tools that involve several keys."""
+"""Checks of a machine's stations, tools and templates: keys that contradict each other, and those
+out of the range in which programs can be written and read back.
+"""
 
+import re
 from collections.abc import Iterator
-from math import sqrt
+from string import Formatter
+from typing import Any
 
+from msgspec import Struct
+
+from beamcam.conversion import nearest
+from beamcam.geometry.plane import MAX_COORDINATE
 from beamcam.machine.machine import Machine
-from beamcam.machine.range_faults import Fault, trigger_faults
-from beamcam.machine.stations import FLAT_DEG, Saw, Spindle, ToolSet, inch_size
-from beamcam.machine.tables import DIALECTS, STEP_FORMS
-from beamcam.machine.torch import Torch
-from beamcam.machine.words import body_faults
+from beamcam.machine.stations import FLAT_DEG, Drill, Saw, Spindle, ToolSet, inch_size
+from beamcam.machine.words import PART_NAMES, WORD_NAMES, body_faults
 
+Fault = tuple[str, object, str]  #: dotted key, what was found, what was expected
+
+#: mm that ends may gape, a path be off and two holes lie apart that are one: beyond that a hole is
+#: no hole any more.
+MAX_SLACK = 1.0
+#: mm/min; feeds are written to 0.001 mm/s or mm/min, so that each is within 3 % of the machine's.
+MIN_FEED_MM_MIN = 1.0
+MIN_FEED_PER_TURN = 0.001  #: mm
+MIN_PATH_TOLERANCE = 0.001  #: mm of chords from their curve, finer than a mill cuts
+MIN_SPEED_RPM = 1.0  #: which programs say to 1
 #: Kinds of tools whose speed or feed comes from `drill.cutting`.
 TURNING = ("drill", "tap", "countersink", "mill", "punch", "scribe")
 #: Kinds of tools that follow a path, for which the bar has to move forward and back.
@@ -28,7 +43,7 @@ def tool_faults(machine: Machine) -> Iterator[Fault]:
         yield "saw.min_angle", saw.min_angle, "at most saw.max_angle"
     if saw and saw.min_tilt > saw.max_tilt:
         yield "saw.min_tilt", saw.min_tilt, "at most saw.max_tilt"
-    if saw and saw.min_tilt != saw.max_tilt and not _names(machine.words.saw, "tilt"):
+    if saw and saw.min_tilt != saw.max_tilt and not carries(machine.words.saw, "tilt"):
         yield "words.saw", list(machine.words.saw), "a word with {tilt}, since the blade tilts"
     if saw:
         yield from _square_faults(saw, machine)
@@ -84,7 +99,7 @@ def number_faults(machine: Machine) -> Iterator[Fault]:
         key = f"tools.{index}.numbers"
         if tools.numbers and len(tools.numbers) != len(tools.sizes):
             yield key, list(tools.numbers), f"{len(tools.sizes)}, one for each diameter"
-        if not tools.numbers and _names(getattr(machine.words, tools.kind), "tool"):
+        if not tools.numbers and carries(getattr(machine.words, tools.kind), "tool"):
             yield key, [], f"one for each diameter, since words.{tools.kind} has {{tool}}"
         yield from _peck_faults(f"tools.{index}.max_peck", tools, machine)
     numbers = [number for tools in machine.tools for number in tools.numbers]
@@ -94,7 +109,7 @@ def number_faults(machine: Machine) -> Iterator[Fault]:
 
 def _peck_faults(key: str, tools: ToolSet, machine: Machine) -> Iterator[Fault]:
     """A depth fed at a time that the words do not write, and one that they lack."""
-    pecks = _names(getattr(machine.words, tools.kind), "peck")
+    pecks = carries(getattr(machine.words, tools.kind), "peck")
     if tools.max_peck and tools.kind != "drill":
         yield key, tools.max_peck, "no such key, only drills are drawn back on their way"
     elif tools.max_peck and not pecks:
@@ -104,7 +119,8 @@ def _peck_faults(key: str, tools: ToolSet, machine: Machine) -> Iterator[Fault]:
         yield key, tools.max_peck, f"a depth above 0, since words.{tools.kind} has {{peck}}"
 
 
-def _names(template: tuple[str, ...], name: str) -> bool:
+def carries(template: tuple[str, ...], name: str) -> bool:
+    """Whether a template says a value."""
     return any("{" + name + "}" in line for line in template)
 
 
@@ -135,148 +151,6 @@ def _set_faults(key: str, tools: ToolSet) -> Iterator[Fault]:
         for size, before in zip(tools.sizes, tools.pre_drills, strict=False):
             if before >= size:
                 yield f"{key}.pre_drills", before, f"less than the thread's {size:g}"
-
-
-#: of a program's numbers that a kerf takes at least, so that half of it is a figure
-KERF_STEPS = 10
-#: Words that a machine with a torch cannot do without.
-_TORCH_WORDS = ("traverse", "feed", "cut_on", "cut_off")
-
-
-#: Controllers driven by a table or a chain of triggers, which have no words.
-TABLE_CONTROLLERS = (*DIALECTS, "stepper")
-
-
-def torch_faults(machine: Machine) -> Iterator[Fault]:
-    """Each key of a torch that contradicts another."""
-    torch, words = machine.torch, machine.words
-    if torch is None:
-        return
-    yield from table_faults(machine)
-    yield from _height_faults(machine, torch)
-    yield from path_faults(machine, torch)
-    worded = machine.controller not in TABLE_CONTROLLERS
-    for name in _TORCH_WORDS if worded else ():
-        if not getattr(words, name):
-            yield f"words.{name}", [], "a template, since there is a torch"
-    for one, other in (
-        ("slow", "full"),
-        ("arc_cw", "arc_ccw"),
-        ("ellipse_cw", "ellipse_ccw"),
-        ("left", "right"),
-    ):
-        if bool(getattr(words, one)) != bool(getattr(words, other)):
-            yield f"words.{one}", list(getattr(words, one)), f"both {one} and {other}, or neither"
-    step = machine.format.resolution
-    if torch.tolerance < step:
-        expected = f"at least {step:g}, the step of its numbers"
-        yield "torch.tolerance", torch.tolerance, expected
-    yield from _row_faults(machine, torch, worded)
-    if torch.kerf_by == "machine" and not words.left:
-        yield "torch.kerf_by", torch.kerf_by, "none or offset, as there are no words for left"
-    if torch.bevel == "head":
-        expected = "refuse or square, since no torch that tilts is known yet"
-        yield "torch.bevel", torch.bevel, expected
-    if torch.drilled == "mark" and not torch.cross:
-        yield "torch.cross", torch.cross, "the size of the cross that marks a centre for the drill"
-    if torch.drilled == "mark" and not any(row.process == "mark" for row in torch.rows):
-        yield "torch.drilled", torch.drilled, "refuse, as no row marks"
-    if torch.drilled == "spot" and not (worded and words.spot_on and words.spot_off):
-        yield "torch.drilled", torch.drilled, "refuse or mark, as there are no words of spot_on"
-    if torch.origin != "table" and not worded:
-        yield "torch.origin", torch.origin, "table, from whose corner the controller counts"
-    if torch.overscan and not (torch.laser_mode and _names(words.power, "power")):
-        expected = "0, or laser_mode and {power} in words.power"
-        yield "torch.overscan", torch.overscan, expected
-    for key, asked in (("hole_overcut", torch.hole_overcut), ("hole_lead", torch.hole_lead)):
-        if asked not in (None, "lead") and not worded:
-            yield f"torch.{key}", asked, "nothing, as the table does not run G-code"
-    least = min((row.power for row in torch.rows), default=0.0)
-    if torch.frame_power and not (torch.laser_mode and torch.frame_power < least):
-        expected = f"0, or less than the {least:g} of its rows, in laser_mode"
-        yield "torch.frame_power", torch.frame_power, expected
-    if torch.lead != "none" and not torch.lead_in:
-        yield "torch.lead_in", torch.lead_in, "a length, since there is a lead"
-
-
-def _row_faults(machine: Machine, torch: Torch, worded: bool) -> Iterator[Fault]:
-    """Rows of a cut chart without their words, and processes without a row."""
-    words, step = machine.words, machine.format.resolution
-    for index, row in enumerate(torch.rows):
-        if 0.0 < row.kerf < KERF_STEPS * step:
-            expected = f"0, or at least {KERF_STEPS} steps of {step:g} mm, as programs are written"
-            yield f"torch.rows.{index}.kerf", row.kerf, expected
-        slow = "hole_feed_share" if row.slows_holes else "corner_share" if row.slows_corners else ""
-        paces = words.pace or (words.slow and words.full) or _names(words.modal, "feed")
-        if slow and not (worded and paces):
-            expected = "1, as there are no words for another feed in a contour (`words.pace`)"
-            yield f"torch.rows.{index}.{slow}", getattr(row, slow), expected
-    if not torch.rows:
-        yield "torch.rows", [], "a row for each process"
-    for process in {row.process for row in torch.rows}:
-        for name in (f"{process}_on", f"{process}_off") if worded else ():
-            if not getattr(words, name):
-                yield f"words.{name}", [], f"a template, since there is a row for {process}"
-    if not any(row.process == "cut" for row in torch.rows):
-        yield "torch.rows", [row.process for row in torch.rows], "a row for cut"
-    for colour, meaning in torch.colours.items():
-        if meaning != "ignore" and not any(row.process == meaning for row in torch.rows):
-            yield f"torch.colours.{colour}", meaning, "ignore, or what has a row in torch.rows"
-
-
-_LIFTING = ("linuxcnc", "grbl", "mach3")  #: controllers whose Z a table's program may move
-
-
-def _height_faults(machine: Machine, torch: Torch) -> Iterator[Fault]:
-    """Keys of a torch's height that contradict each other, or that nothing can keep."""
-    meanings = set(machine.codes.values())
-    by_program = torch.z == "program"
-    if by_program and machine.controller not in _LIFTING:
-        expected = f"controller; {machine.controller} is not followed in Z"
-        yield "torch.z", torch.z, expected
-    if by_program and not torch.clearance:
-        yield "torch.clearance", torch.clearance, "a height for traverses, as the program moves Z"
-    if not by_program and torch.touch != "none":
-        yield "torch.touch", torch.touch, "none, as the controller moves Z"
-    if by_program and torch.touch != "none" and torch.top is None:
-        expected = "Z of the machine at the top, as nothing else is known before the first touch"
-        yield "torch.top", torch.top, expected
-    if not torch.thc_slow and not (machine.words.slow and machine.words.full):
-        expected = "true, as no words of slow and full switch the height control"
-        yield "torch.thc_slow", torch.thc_slow, expected
-    if torch.thc == "program" and not meanings >= {"thc on", "thc off"}:
-        expected = "controller, or words of codes that are thc on and thc off"
-        yield "torch.thc", torch.thc, expected
-    for index, row in enumerate(torch.rows):
-        key = f"torch.rows.{index}"
-        if by_program and row.process == "cut":
-            if not row.cut_height:
-                yield f"{key}.cut_height", row.cut_height, "a height, as the program moves Z"
-            elif row.cut_height >= torch.clearance or row.pierce_height > torch.clearance:
-                found = max(row.cut_height, row.pierce_height)
-                yield "torch.clearance", torch.clearance, f"more than {found:g} of {key}"
-        if row.preheat_s and not meanings >= {"preheat on", "preheat off"}:
-            expected = "0, or words of codes that are preheat on and preheat off"
-            yield f"{key}.preheat_s", row.preheat_s, expected
-
-
-def path_faults(machine: Machine, torch: Torch) -> Iterator[Fault]:
-    """Each limit along a path that the axes contradict."""
-    axes = {axis.moves: axis for axis in machine.axes}
-    if ("X" in axes) != ("Y" in axes):
-        yield "axes", [axis.name for axis in machine.axes], "an axis for X and one for Y"
-    if torch.z == "program" and "X" in axes and "Z" not in axes:
-        names = [axis.name for axis in machine.axes]
-        yield "axes", names, "an axis for Z, as the program moves it (torch.z)"
-    for name in ("X", "Y"):
-        axis = axes.get(name)
-        if axis is not None and torch.acceleration >= axis.acceleration:
-            expected = f"less than the {axis.acceleration:g} of {axis.name}, for the curves"
-            yield "torch.acceleration", torch.acceleration, expected
-    needs = _names(machine.words.modal, "acceleration")
-    if needs and not (torch.acceleration and "X" in axes):
-        names = list(machine.words.modal)
-        yield "words.modal", names, "torch.acceleration and axes X and Y for {acceleration}"
 
 
 def spindle_faults(machine: Machine) -> Iterator[Fault]:
@@ -348,26 +222,6 @@ def _moved_by(spindle: Spindle) -> dict[str, str]:
     }  # fmt: skip
 
 
-def table_faults(machine: Machine) -> Iterator[Fault]:
-    """Each key of a trigger program or a stepper table that cannot be."""
-    triggers, stepper = machine.triggers, machine.stepper
-    if machine.controller in DIALECTS and triggers is None:
-        yield "triggers", None, f"a table, since the controller is {machine.controller}"
-    if machine.controller == "stepper" and stepper is None:
-        yield "stepper", None, "a table, since the controller is stepper"
-    if triggers is not None:
-        yield from trigger_faults(triggers, machine)
-    if stepper is not None and sorted(stepper.sequence) != ["00", "01", "10", "11"]:
-        yield "stepper.sequence", list(stepper.sequence), "each of 00, 01, 10, 11 once"
-    if machine.controller == "stepper" and machine.suffix not in STEP_FORMS:
-        yield "suffix", machine.suffix, f"one of {', '.join(STEP_FORMS)}, the forms of its tables"
-    torch = machine.torch
-    # A curve that is longer moves an axis by a step at least, in either direction.
-    if stepper is not None and torch is not None and torch.gap < (least := sqrt(2) * stepper.step):
-        expected = f"{least:.4f} or more: the laser would be on while no motor makes a step"
-        yield "torch.gap", torch.gap, f"{expected} of {stepper.step:g} mm"
-
-
 def view_faults(machine: Machine) -> Iterator[Fault]:
     """Keys of what is seen of a machine, its bodies and its registers, that contradict others."""
     names = frozenset(axis.name for axis in machine.axes)
@@ -381,3 +235,134 @@ def view_faults(machine: Machine) -> Iterator[Fault]:
         yield "modbus.scales", len(modbus.scales), f"{count}, one for each axis"
     if modbus.first + count * modbus.words + 6 > 65536:
         yield "modbus.first", modbus.first, "an address whose registers end by 65535"
+
+
+# --- ranges ---------------------------------------------------------------------------------------
+
+# Numbers with which a program would be one that the read-back refuses: a feed that rounds to 0, or
+# a hole that is no hole any more.
+
+
+def range_faults(machine: Machine) -> Iterator[Fault]:
+    """Each number that programs cannot say, or that leaves nothing of the work."""
+    if machine.saw is not None:
+        yield from feed_faults("saw.feed_mm_min", machine.saw.feed_mm_min)
+    if machine.drill is not None:
+        yield from _of_drill(machine.drill)
+        for name, found, expected in slack_faults(machine.drill):
+            yield f"drill.{name}", found, expected
+
+
+def feed_faults(key: str, found: float) -> Iterator[Fault]:
+    """That a feed is slower than programs can say, if it is."""
+    if found < MIN_FEED_MM_MIN:
+        yield key, found, f"at least {MIN_FEED_MM_MIN:g} mm/min"
+
+
+def _of_drill(drill: Drill) -> Iterator[Fault]:
+    if drill.min_speed_rpm < MIN_SPEED_RPM:
+        yield "drill.min_speed_rpm", drill.min_speed_rpm, f"at least {MIN_SPEED_RPM:g}"
+    if drill.max_speed_rpm < drill.min_speed_rpm:
+        yield "drill.max_speed_rpm", drill.max_speed_rpm, "at least drill.min_speed_rpm"
+    yield from feed_faults("drill.max_feed_mm_min", drill.max_feed_mm_min)
+    for index, row in enumerate(drill.cutting):
+        key = f"drill.cutting.{index}.feed_per_turn"
+        if row.feed_per_turn < MIN_FEED_PER_TURN:
+            yield key, row.feed_per_turn, f"at least {MIN_FEED_PER_TURN:g} mm"
+        if row.feed_per_turn * drill.min_speed_rpm < MIN_FEED_MM_MIN:
+            expected = f"{MIN_FEED_MM_MIN / row.feed_per_turn:.3g} or more, for a feed of 1 mm/min"
+            yield "drill.min_speed_rpm", drill.min_speed_rpm, f"{expected} by {key}"
+
+
+def slack_faults(drill: Drill) -> Iterator[Fault]:
+    """Each tolerance with which a hole would be no hole any more, by its name in a drill."""
+    for name in (
+        "merge_tolerance", "same_tool_tolerance", "duplicate_tolerance", "sink_tolerance",
+        "path_tolerance",
+    ):  # fmt: skip
+        if (found := getattr(drill, name)) > MAX_SLACK:
+            yield name, found, f"at most {MAX_SLACK:g} mm"
+    if drill.path_tolerance < MIN_PATH_TOLERANCE:
+        yield "path_tolerance", drill.path_tolerance, f"at least {MIN_PATH_TOLERANCE:g} mm"
+
+
+# --- templates ------------------------------------------------------------------------------------
+
+# Checks of the templates of a program's blocks.
+
+
+#: How a value may be set in a template; a greater width would fill the memory with blanks.
+_FIELD_FORM = re.compile(r"[^{}]?[<>^]?[0-9]{0,2}")
+_COMMENT = re.compile(r"\([^()]*\)")
+#: What the head of a program cannot say, by what it is for.
+_NOT_SAID = {
+    "beam": frozenset[str](),
+    "sheet": frozenset({"section", "width", "height"}),
+    "profile": frozenset({"section"}),
+}
+
+
+def template_faults(machine: Machine) -> Iterator[Fault]:
+    """Each template that names what it cannot, or gives a value a form that it must not have.
+
+    Decimals are those of [format], so that a program is read back as it was rounded.
+    """
+    for key, names in WORD_NAMES.items():
+        if key == "header":
+            names = names - _NOT_SAID[machine.stock]
+        elif machine.stock == "sheet":
+            names = names - {"z", "a", "inverse"} if key in ("traverse", "feed") else names
+        template = getattr(machine.words, key)
+        for line in (template,) if isinstance(template, str) else template:
+            for found, expected in _line_faults(line, names):
+                yield f"words.{key}", found, expected
+            if machine.stock != "beam" and key != "header":
+                yield from _outside_comments(f"words.{key}", line)
+
+
+def _outside_comments(key: str, line: str) -> Iterator[Fault]:
+    """Data of a part that would be a figure of a table's program: nothing says which is right."""
+    for _, name, _, _ in Formatter().parse(_COMMENT.sub("", line)):
+        if name in PART_NAMES:
+            yield key, "{" + name + "}", "it in a comment, between ( and )"
+
+
+def _line_faults(line: str, names: frozenset[str]) -> Iterator[tuple[str, str]]:
+    try:
+        fields = [field for field in Formatter().parse(line) if field[1] is not None]
+    except ValueError as error:
+        yield line, f"a template: {error}"
+        return
+    for _, name, form, conversion in fields:
+        if name not in names:
+            yield "{" + str(name) + "}", nearest(str(name), names)
+        elif conversion or not _FIELD_FORM.fullmatch(form or ""):
+            yield line, "{" + name + "}, or with a width of two digits, such as {" + name + ":>8}"
+
+
+MIN_NUMBER = 1e-6  #: that a key may have, if it is not 0
+
+
+def leaves(record: Any, key: str = "") -> Iterator[tuple[str, object]]:
+    """Dotted key and value of every plain value in a record."""
+    if isinstance(record, Struct):
+        for name in record.__struct_fields__:
+            yield from leaves(getattr(record, name), f"{key}.{name}" if key else name)
+    elif isinstance(record, dict):
+        for name, value in record.items():
+            yield from leaves(value, f"{key}.{name}")
+    elif isinstance(record, tuple) and record and not isinstance(record[0], str | float | int):
+        for index, value in enumerate(record):
+            yield from leaves(value, f"{key}.{index}")
+    elif record is not None:
+        yield key, list(record) if isinstance(record, tuple) else record
+
+
+def size_faults(machine: Machine) -> Iterator[tuple[str, object, str]]:
+    """Each number that no machine has, and that arithmetic with others would not stand."""
+    for key, value in leaves(machine):
+        for number in value if isinstance(value, list) else (value,):
+            if isinstance(number, int | float) and abs(number) > MAX_COORDINATE:
+                yield key, value, f"a number between -{MAX_COORDINATE:g} and {MAX_COORDINATE:g}"
+            if isinstance(number, float) and 0.0 < abs(number) < MIN_NUMBER:
+                yield key, value, f"0, or a number of at least {MIN_NUMBER:g}"

@@ -9,11 +9,14 @@ from collections.abc import Iterator, Mapping, Sequence
 from types import UnionType
 from typing import Any, Literal, NamedTuple, Union, get_args, get_origin
 
-from msgspec import Meta
+from msgspec import Meta, Struct
 
 from beamcam.conversion.schema import Schema, documented, schema_of
-from beamcam.machine.load import files_of_machine, merged
+from beamcam.errors import Source
+from beamcam.machine.faults import leaves
+from beamcam.machine.load import files_of_machine, load, merged
 from beamcam.machine.machine import MachineFile
+from beamcam.machine.toml import TomlPlace
 from beamcam.machine.words import Formula
 
 
@@ -214,3 +217,38 @@ def _toml(value: object) -> str:
         return "[" + ", ".join(map(_toml, value)) + "]"
     # Texts, numbers and truth values of JSON are those of TOML.
     return json.dumps(value, ensure_ascii=False)
+
+
+class MachineSetting(Struct, frozen=True):
+    """One value of a machine and the place that it comes from."""
+
+    key: str  #: dotted
+    value: object
+    source: Source | None  #: None for a default
+
+
+def settings(name: str) -> tuple[MachineSetting, ...]:
+    """Every value of a machine, the defaults included, each with where it was set.
+
+    The last one is its checksum, as in the heads of its programs.
+    """
+    files = files_of_machine(name)
+    table, places = merged(files)
+    place = TomlPlace(places)
+    return tuple(
+        MachineSetting(key, value, place.child(key).source if _is_set(table, key) else None)
+        for key, value in leaves(load(name))
+        if not key.startswith("remarks")
+    )
+
+
+def _is_set(table: Any, key: str) -> bool:
+    """Whether a dotted key stands in the table, and not only in the defaults."""
+    for word in key.split("."):
+        if isinstance(table, list):
+            table = table[int(word)]
+        elif isinstance(table, dict) and word in table:
+            table = table[word]
+        else:
+            return False
+    return True

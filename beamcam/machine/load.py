@@ -1,5 +1,6 @@
 """Machine files: found by name or path, laid over their bases, checked, and explained."""
 
+import os
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from os.path import isfile
@@ -8,32 +9,35 @@ from typing import Any
 from unicodedata import normalize
 from zlib import crc32
 
-from msgspec import Struct, json, structs
+from msgspec import json, structs
 
 from beamcam.caches import cached
-from beamcam.conversion import Fault, converted, nearest
+from beamcam.conversion import Fault, converted, nearest, shown
 from beamcam.errors import Diagnostic, MachineError, Source
-from beamcam.geometry.plane import MAX_COORDINATE
 from beamcam.machine.faults import (
+    leaves,
     number_faults,
     pair_faults,
+    range_faults,
+    size_faults,
     spindle_faults,
+    template_faults,
     tool_faults,
-    torch_faults,
     view_faults,
 )
 from beamcam.machine.machine import Machine, MachineFile
-from beamcam.machine.overlay import KeyTwice, with_more_rows, with_present_keys
-from beamcam.machine.range_faults import range_faults, template_faults
 from beamcam.machine.references import code_faults, marking_faults, name_faults, reference_faults
 from beamcam.machine.toml import (
     MAX_TOML_BYTES,
+    KeyTwice,
     TomlError,
     TomlFile,
     TomlPlace,
     keys_of,
     line_of,
     toml_text,
+    with_more_rows,
+    with_present_keys,
     without,
 )
 from beamcam.machine.words import (
@@ -49,9 +53,8 @@ from beamcam.machine.words import (
     NoValueError,
     as_formula,
 )
-from beamcam.system import beginning_of, portable_path
+from beamcam.system import beginning_of, portable_path, user_folder
 
-MIN_NUMBER = 1e-6  #: that a key may have, if it is not 0
 MAX_BASES = 8  #: machine files laid over each other
 #: Keys that say how a file is found, and nothing of the machine.
 _NOT_INHERITED = ("name", "default_for", "choice")
@@ -59,14 +62,6 @@ _NOT_INHERITED = ("name", "default_for", "choice")
 _BY_AXES = ("bodies", "modbus")
 _NOT_OF_PROGRAMS = (*_NOT_INHERITED, *_BY_AXES)
 SHIPPED = Path(__file__).resolve().parent.parent / "machines"
-
-
-class MachineSetting(Struct, frozen=True):
-    """One value of a machine and the place that it comes from."""
-
-    key: str  #: dotted
-    value: object
-    source: Source | None  #: None for a default
 
 
 def shipped() -> tuple[str, ...]:
@@ -140,7 +135,10 @@ def _is_of_shipped_base(source: Source, files: tuple[TomlFile, ...]) -> bool:
 
 def _described(files: tuple[TomlFile, ...], but: Sequence[str] = ()) -> Machine:
     """The machine of `_machine`, its faults where the values stand; without a key of its file."""
-    remarks = tuple(diagnostic for file in files for diagnostic in _renamed(file))
+    remarks = tuple(
+        FORMER_KEY.at(Source(file.shown, line_of(file.text, key)), found=key, expected=present)
+        for file in files for key, present in _present(file)[1]
+    )  # fmt: skip
     table, places = merged(files, but)
     place = TomlPlace(places)
     _refuse_shipped_name(files[0], table["name"], place)
@@ -173,13 +171,6 @@ def _left_behind(files: tuple[TomlFile, ...]) -> frozenset[str]:
     return frozenset(key for key in ("spindles", "saw") if first(key) < first("axes"))
 
 
-def _renamed(file: TomlFile) -> Iterator[Diagnostic]:
-    """A warning for each key of a file that has another name today."""
-    for key, present in _present(file)[1]:
-        source = Source(file.shown, line_of(file.text, key))
-        yield FORMER_KEY.at(source, found=key, expected=present)
-
-
 def _present(file: TomlFile) -> tuple[dict[str, Any], list[tuple[str, str]]]:
     """A file's table as this version names its keys, and its renamed keys. Raises MachineError."""
     try:
@@ -202,8 +193,6 @@ def _checksum(table: dict[str, Any]) -> str:
 
 def _said(fault: Fault, place: TomlPlace) -> Diagnostic:
     """The message for an invalid key of a machine file."""
-    from beamcam.conversion import shown
-
     at = place.child(*fault.path)
     if fault.kind == "unknown":
         return UNKNOWN_KEY.at(at.source, found=at.key, expected=fault.expected)
@@ -211,48 +200,6 @@ def _said(fault: Fault, place: TomlPlace) -> Diagnostic:
         return MISSING_KEY.at(at.source, expected=at.key)
     found = shown(fault.found)
     return WRONG_VALUE.at(at.source, key=at.key, found=found, expected=fault.expected)
-
-
-def settings(name: str) -> tuple[MachineSetting, ...]:
-    """Every value of a machine, the defaults included, each with where it was set.
-
-    The last one is its checksum, as in the heads of its programs.
-    """
-    files = files_of_machine(name)
-    table, places = merged(files)
-    place = TomlPlace(places)
-    return tuple(
-        MachineSetting(key, value, place.child(key).source if _is_set(table, key) else None)
-        for key, value in _leaves(_machine(files))
-        if not key.startswith("remarks")
-    )
-
-
-def _is_set(table: Any, key: str) -> bool:
-    """Whether a dotted key stands in the table, and not only in the defaults."""
-    for word in key.split("."):
-        if isinstance(table, list):
-            table = table[int(word)]
-        elif isinstance(table, dict) and word in table:
-            table = table[word]
-        else:
-            return False
-    return True
-
-
-def _leaves(record: Any, key: str = "") -> Iterator[tuple[str, object]]:
-    """Dotted key and value of every plain value in a record."""
-    if isinstance(record, Struct):
-        for name in record.__struct_fields__:
-            yield from _leaves(getattr(record, name), f"{key}.{name}" if key else name)
-    elif isinstance(record, dict):
-        for name, value in record.items():
-            yield from _leaves(value, f"{key}.{name}")
-    elif isinstance(record, tuple) and record and not isinstance(record[0], str | float | int):
-        for index, value in enumerate(record):
-            yield from _leaves(value, f"{key}.{index}")
-    elif record is not None:
-        yield key, list(record) if isinstance(record, tuple) else record
 
 
 def files_of_machine(name: str) -> tuple[TomlFile, ...]:
@@ -355,22 +302,12 @@ def _find(name: str, over: TomlFile | None) -> Path:
     raise MachineError(UNKNOWN_MACHINE.at(source, found=name, expected=expected))
 
 
-def _size_faults(machine: Machine) -> Iterator[tuple[str, object, str]]:
-    """Each number that no machine has, and that arithmetic with others would not stand."""
-    for key, value in _leaves(machine):
-        for number in value if isinstance(value, list) else (value,):
-            if isinstance(number, int | float) and abs(number) > MAX_COORDINATE:
-                yield key, value, f"a number between -{MAX_COORDINATE:g} and {MAX_COORDINATE:g}"
-            if isinstance(number, float) and 0.0 < abs(number) < MIN_NUMBER:
-                yield key, value, f"0, or a number of at least {MIN_NUMBER:g}"
-
-
 def _check(machine: Machine, place: TomlPlace, left_behind: frozenset[str]) -> None:
     """Raise MachineError where keys contradict each other."""
     try:
         _check_keys(machine, place, left_behind)
     except NoValueError as error:
-        key = next(key for key, value in _leaves(machine) if value == error.formula)
+        key = next(key for key, value in leaves(machine) if value == error.formula)
         diagnostic = WRONG_VALUE.at(
             place.child(key).source, key=key, found=repr(error.formula), expected=error.expected
         )
@@ -379,10 +316,15 @@ def _check(machine: Machine, place: TomlPlace, left_behind: frozenset[str]) -> N
 
 def _check_keys(machine: Machine, place: TomlPlace, left_behind: frozenset[str]) -> None:
     checks: list[Callable[[Machine], Iterator[tuple[str, object, str]]]] = [
-        _size_faults, template_faults, code_faults, number_faults, name_faults,
+        size_faults, template_faults, code_faults, number_faults, name_faults,
         partial(reference_faults, left_behind=left_behind), spindle_faults, tool_faults,
-        pair_faults, torch_faults, view_faults, marking_faults, range_faults,
+        pair_faults, view_faults, marking_faults, range_faults,
     ]  # fmt: skip
+    if machine.torch is not None or machine.stepper is not None:
+        from beamcam.machine.torch_faults import table_range_faults, torch_faults
+
+        checks.insert(checks.index(view_faults), torch_faults)
+        checks.append(table_range_faults)
     if machine.coper is not None:
         from beamcam.machine.coper_faults import coper_faults
 
@@ -397,3 +339,57 @@ def _check_keys(machine: Machine, place: TomlPlace, left_behind: frozenset[str])
         raise MachineError(MISSING_KEY.at(place.child(table).source, expected=table))
     if machine.stock == "beam" and machine.saw is None and machine.drill is None:
         raise MachineError(MISSING_KEY.at(place.child("saw").source, expected="saw"))
+
+
+# --- machines of one's own ------------------------------------------------------------------------
+
+# They are known by name: the files in folders that are called `machines`.
+#
+# machines/ beside the configuration   before   machines/ in this folder   before   the user's own
+
+
+FOLDER = "machines"
+
+
+def machine_folders(configurations: Sequence[str]) -> tuple[str, ...]:
+    """Folders searched for the user's machines, the nearest first; they need not exist.
+
+    `configurations` are those that are one's own, the nearest first. A link to one of them does not
+    bring the machines that lie beside the link.
+    """
+    files = (os.path.realpath(path) if os.path.islink(path) else path for path in configurations)
+    beside = (os.path.join(os.path.dirname(path), FOLDER) for path in files)
+    last = os.path.join(user_folder(), FOLDER)
+    return (*dict.fromkeys(f for f in (*beside, FOLDER) if f != last), last)
+
+
+def own_machines(configurations: Sequence[str]) -> dict[str, str]:
+    """Name -> path of each machine of one's own; of two with one name the nearest."""
+    files: dict[str, str] = {}
+    for folder in machine_folders(configurations):
+        for entry in sorted(os.listdir(folder)) if os.path.isdir(folder) else ():
+            name, suffix = os.path.splitext(entry)
+            if suffix == ".toml":
+                files.setdefault(name, os.path.join(folder, entry))
+    return dict(sorted(files.items()))
+
+
+def is_file_name(name: str) -> bool:
+    """Whether a machine that is called so is meant as a file, not as one that is known."""
+    return name.endswith(".toml") or os.path.basename(name) != name
+
+
+def resolved(name: str, configurations: Sequence[str]) -> str:
+    """The path of a machine of one's own that is called so; the name as it is of any other.
+
+    Raises MachineError where a shipped machine has the name too.
+    """
+    if is_file_name(name):
+        return name
+    for folder in machine_folders(configurations):
+        path = os.path.join(folder, f"{name}.toml")
+        if os.path.isfile(path):
+            if (SHIPPED / f"{name}.toml").is_file():
+                raise MachineError(NAME_TWICE.at(Source(path), found=name))
+            return path
+    return name

@@ -7,6 +7,7 @@ so that where a station measures from is a line of the machine file and not of t
 import re
 from collections.abc import Mapping
 from math import inf, sqrt
+from pathlib import PurePath
 from typing import Annotated, Literal, TypeVar
 
 from msgspec import Meta, Struct, field
@@ -324,3 +325,48 @@ def key_for(code: str, values: Mapping[str, float]) -> str:
 def shown_code(code: str) -> str:
     """A plain word as programs have it, `G1` as `G01`."""
     return f"{code[0]}0{code[1:]}" if len(code.partition(".")[0]) == 2 else code
+
+
+# --- defaults -------------------------------------------------------------------------------------
+
+# Which shipped machine is meant where none is named.
+
+
+Stock = Literal["beam", "sheet", "profile"]
+
+ANY_SUFFIX = "*"
+
+#: Stock and suffix of the output -> machines in the order in which they are tried, from the keys
+#: `default_for` and `choice` of the shipped files. It stands here since reading all of them takes
+#: longer than posting a small part; a test compares.
+DEFAULTS: Mapping[tuple[Stock, str], tuple[str, ...]] = {
+    ("beam", "*"): ("beamline", "beamline-pusher"),
+    ("beam", ".gcode"): ("beamline", "beamline-pusher"),
+    ("sheet", "*"): ("plate-linuxcnc", "plate-codesys", "plate-oxyfuel"),
+    ("sheet", ".bin"): ("laser-stepper",), ("sheet", ".csv"): ("laser-stepper",),
+    ("sheet", ".gcode"): ("plate-codesys",), ("sheet", ".h"): ("laser-stepper",),
+    ("sheet", ".nc"): ("laser-grbl",), ("sheet", ".ngc"): ("plate-linuxcnc", "plate-oxyfuel"),
+    ("sheet", ".st"): ("table-simotion",), ("sheet", ".steps"): ("laser-stepper",),
+    ("sheet", ".tap"): ("plate-mach3",),
+    ("profile", "*"): ("coper-linuxcnc", "coper-tilt-linuxcnc", "tube-linuxcnc"),
+}  # fmt: skip
+
+DEFAULT_MACHINE = DEFAULTS["beam", ANY_SUFFIX][0]
+
+
+def default_machines(stock: Stock, output: str = "", flats: bool = False) -> tuple[str, ...]:
+    """The machines for that stock where none is named, by the name of the output, in order.
+
+    A torch that goes round profiles may make of bars what no line that saws and drills does, and
+    such a line `flats` that no table makes.
+    """
+    found = DEFAULTS.get((stock, PurePath(output).suffix.lower()), DEFAULTS[stock, ANY_SUFFIX])
+    if stock == "beam":
+        return (*found, *DEFAULTS["profile", ANY_SUFFIX])
+    return (*found, *DEFAULTS["beam", ANY_SUFFIX]) if flats else found
+
+
+def is_of_sheets(program: str) -> bool:
+    """Whether programs with that suffix are always of sheets."""
+    suffix = PurePath(program).suffix.lower()
+    return ("sheet", suffix) in DEFAULTS and ("beam", suffix) not in DEFAULTS

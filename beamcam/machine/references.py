@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterator, Set
 from typing import Literal, get_args
 
+from beamcam.machine.faults import Fault
 from beamcam.machine.machine import (
     CARRYING,
     CARRYING_CODE,
@@ -15,7 +16,6 @@ from beamcam.machine.machine import (
     TableMeaning,
     plain_code,
 )
-from beamcam.machine.range_faults import Fault
 from beamcam.machine.stations import Pair, Spindle
 from beamcam.machine.torch import TorchProcess
 from beamcam.machine.words import signed

@@ -297,15 +297,11 @@ def cutting_row(tool: Tool, drill: Drill, grade: str) -> Cutting:
     The last row of the kind counts for anything beyond.
     """
     rows = [row for row in drill.cutting if row.kind == tool.kind]
-    return next((r for r in rows if _fits(r, tool, grade)), rows[-1])
-
-
-def _fits(row: Cutting, tool: Tool, grade: str) -> bool:
-    return (
-        tool.diameter <= row.up_to
-        and row.tool_material in ("*", tool.tool_material)
-        and names_grade(row, grade)
-    )
+    for row in rows:
+        fits = tool.diameter <= row.up_to and row.tool_material in ("*", tool.tool_material)
+        if fits and names_grade(row, grade):
+            return row
+    return rows[-1]
 
 
 def names_grade(row: Cutting, grade: str) -> bool:

@@ -214,3 +214,7 @@ class Stepper(Keys, frozen=True):
     def step(self) -> float:
         """Travel of one step."""
         return self.pitch / self.steps_per_turn
+
+
+#: Controllers driven by a table or a chain of triggers, which have no words.
+TABLE_CONTROLLERS = (*DIALECTS, "stepper")

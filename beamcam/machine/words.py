@@ -178,18 +178,11 @@ def body_faults(
 
 
 def _is_of_section(formula: Formula) -> bool:
-    from beamcam.geometry.expression import compile_expression
-
     try:
         compile_expression(formula, SECTION_NAMES)
     except ValueError:
         return False
     return True
-
-
-def section_values(section: Mapping[str, float]) -> dict[str, float]:
-    """The figures that a body may depend on; 0 for what is not known."""
-    return {name: section.get(name, 0.0) for name in SECTION_NAMES}
 
 
 class Words(Keys, frozen=True):

@@ -17,7 +17,7 @@ from typing import Any, TypeVar
 
 from msgspec import Struct
 
-from beamcam.conversion import Fault, converted
+from beamcam.conversion import Fault, converted, shown
 from beamcam.errors import Diagnostic, ReadError, Rule, Source, error
 from beamcam.geometry.approximation import Approximation, curves_of_function, curves_of_way
 from beamcam.geometry.curves import (
@@ -72,8 +72,6 @@ _SHOWN = 60  #: characters of a value that a message shows
 
 def show(value: object) -> str:
     """`value` for a message, cut to a length that can be read."""
-    from beamcam.conversion import shown
-
     text = shown(value)
     return text if len(text) <= _SHOWN else text[: _SHOWN - 3] + "..."
 

@@ -177,7 +177,7 @@ def _rise_and_depth(profile: Profile, face: Face, y: float) -> Point:
     """Place in the section of a point of a face: up from the lower edge, and across."""
     if face in ("v", "h"):
         wall = profile.web_thickness or 0.0
-        if profile.code in ("RO", "RU"):
+        if profile.is_round:
             return y, profile.width / 2
         if profile.code == "M":
             return y, profile.width if face == "v" else 0.0

@@ -54,6 +54,11 @@ class Profile(Struct, frozen=True, cache_hash=True):
     #: of a C how long its lips are, from the outside of the flange; None where it is not known
     lip: float | None = None
 
+    @property
+    def is_round(self) -> bool:
+        """Whether it is a round bar or tube."""
+        return self.code in ("RO", "RU")
+
     def face_width(self, face: Face) -> float:
         """Extent of `face` across the part: the height on v and h, the flange width on o and u."""
         return self.height if face in ("v", "h") else self.width

@@ -17,9 +17,8 @@ from msgspec.structs import replace
 from beamcam.machine.machine import Machine
 from beamcam.machine.stations import Marks, Policy
 from beamcam.model.part import Bend, Camber, Contour, Feature, Hole, Part, TextMark
-from beamcam.model.pipes import rolled
 from beamcam.model.plan import Order
-from beamcam.model.rounds import as_seen
+from beamcam.model.rounds import as_seen, rolled
 
 ChosenBy = Literal["order", "time"]
 Quantity = Literal["file"] | int | None  #: as in the part's file, a number, or once as listed
@@ -102,7 +101,8 @@ def taken_by(machine: Machine, part: Part) -> Part:
     """
     if machine.stock != "beam":
         return part
-    return as_seen(rolled_on(machine, part))
+    part = rolled_on(machine, part)
+    return as_seen(part) if part.profile.is_round else part
 
 
 def rolled_on(machine: Machine, part: Part) -> Part:

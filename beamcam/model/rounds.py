@@ -1,9 +1,11 @@
-"""Round bars and tubes as spindles and a saw see them: from v, o, h and u, not unrolled.
+"""Round bars and tubes as spindles and a saw see them: from v, o, h and u, not unrolled; and the
+plates that are pipes, unrolled.
 
 DSTV, 7th edition, page 14: all of a round section is in v, unrolled from its lowest line: y counts
 the arc. A quarter of the way round is the middle of v, half of it that of o.
 """
 
+import re
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from math import atan2, cos, degrees, pi
@@ -12,7 +14,7 @@ from msgspec.structs import replace
 
 from beamcam.geometry.curves import Arc, Line
 from beamcam.geometry.plane import Point
-from beamcam.model.part import Contour, Face, Feature, Hole, Part, Slot, TextMark
+from beamcam.model.part import Contour, Face, Feature, Hole, Part, Profile, Slot, TextMark
 
 #: Middles of the faces by quarters of the way round.
 QUARTERS: tuple[Face, ...] = ("u", "v", "o", "h")
@@ -22,12 +24,10 @@ PLANE = 0.3  #: mm that an outline may be off the plane of its end
 
 
 def as_seen(part: Part) -> Part:
-    """A round part with its features on the faces they are seen on; any other as it is.
+    """A round part with its features on the faces they are seen on.
 
     Those that no face shows become cut-outs, which no bar line makes: `unseen` has them.
     """
-    if part.profile.code not in ("RO", "RU"):
-        return part
     size = part.profile
     wall = max(size.flange_thickness, size.web_thickness or 0.0)
     wall = size.height if size.code == "RU" else wall
@@ -39,27 +39,29 @@ def as_seen(part: Part) -> Part:
 
 def unseen(part: Part) -> Iterator[Feature]:
     """What is seen square from no face of a round part, whose features are unrolled."""
-    if part.profile.code in ("RO", "RU"):
-        yield from (f for f in part.features if _seen(f, part) is None)
+    yield from (f for f in part.features if _seen(f, part) is None)
 
 
 def with_sawn_ends(part: Part) -> Part:
-    """A round part with what its outline says of plane ends as the angles of its ends.
+    """A round part with what its outline says of plane ends as the angles of its ends; any other
+    as it is.
 
     An outline of the unrolled surface says where its outside ends, and not that its wall is cut
     square to it.
     """
+    if not part.profile.is_round:
+        return part
     seen = as_seen(part)
     holes = tuple(
         _cut_out(f) if isinstance(f, Hole | Slot) and _seen(f, part) is None else f
-        for f in (part.features if seen is not part else ())
+        for f in part.features
     )
     part = replace(part, features=holes) if holes else part
     outlines = [
         (f, seen.features[k]) for k, f in enumerate(part.features)
         if isinstance(f, Contour) and f.kind == "outer" and f.process == "cut"
     ]  # fmt: skip
-    if len(outlines) != 1 or part.profile.code not in ("RO", "RU"):
+    if len(outlines) != 1:
         return part
     ((given, outline),) = outlines
     if not isinstance(outline, Contour) or len(outline.curves) != 4:
@@ -160,3 +162,86 @@ def _plane(rising: Sequence[Point], drawn: Sequence[Point], across: float) -> Po
     if any(abs(x - low - (top - low) * (1 - cos(y / share)) / 2) > PLANE for x, y in places):
         return None
     return low, top
+
+
+# --- pipes ----------------------------------------------------------------------------------------
+
+# Pipes that are written as plates: the unrolled surface, as wide as the pipe is round.
+#
+# Exporters of DSTV do so (Tekla: "Unroll round tubes"), with the pipe's name: CHS88.9*5, O76.1*4.
+# Cut or sawn flat such a part is no pipe, so all machines have to know it.
+
+
+#: Names that only a pipe has, whatever the width.
+_CALLED = re.compile(r"\s*(PIPE|CHS|TUBE)", re.IGNORECASE)
+#: A size in a name: 168.3, 6, .25, 1-1/2 or 3/4.
+_SIZE = re.compile(r"(?:([0-9]+)[- ])?([0-9]+)/([0-9]+)|([0-9]+(?:\.[0-9]+)?|\.[0-9]+)")
+SLACK = 0.5  #: mm between a diameter in a name and that of the width
+#: mm where the name has no wall: widths have two decimals, and no flat is a diameter in its name
+#: times pi wide.
+_ALONE = 0.03
+_WALL = 0.1  #: share of the wall by which that of the name is off: US tubes are drawn 7 % thinner
+INCH = 25.4
+#: Outside diameter of pipes by their nominal size, both in inches (ASME B36.10M, table 1).
+NOMINAL = {
+    0.125: 0.405, 0.25: 0.54, 0.375: 0.675, 0.5: 0.84, 0.75: 1.05, 1.0: 1.315, 1.25: 1.66,
+    1.5: 1.9, 2.0: 2.375, 2.5: 2.875, 3.0: 3.5, 3.5: 4.0, 4.0: 4.5, 5.0: 5.563, 6.0: 6.625,
+    8.0: 8.625, 10.0: 10.75, 12.0: 12.75,
+}  # fmt: skip
+
+
+def is_unrolled(profile: Profile) -> bool:
+    """Whether a plate is the surface of a pipe: by its name, or by the name's sizes and its width.
+
+    Of any other name the first size is a diameter whose circumference the plate is wide, and the
+    second, where there is one, the wall (mm or inches). A flat is never so wide as pi times a size
+    in its name: that is its own width or its thickness.
+    """
+    if profile.code != "B":
+        return False
+    if _CALLED.match(profile.name):
+        return True
+    sizes, wall = _sizes(profile.name), profile.web_thickness or 0.0
+    across = profile.height / pi
+    if not sizes or not 2.0 * wall < across:
+        return False
+    for unit in (1.0, INCH):
+        off = abs(unit * sizes[0] - across)
+        walled = len(sizes) > 1 and abs(unit * sizes[1] - wall) <= _WALL * wall
+        if off <= (SLACK if walled else _ALONE):
+            return True
+    return False
+
+
+def rolled(part: Part) -> Part:
+    """A plate that is the surface of a pipe as the tube whose circumference is its width.
+
+    Any other part comes back as it is. What is on face v stays unrolled, as of a tube.
+    """
+    plate = part.profile
+    if not is_unrolled(plate):
+        return part
+    across, wall = plate.height / pi, plate.web_thickness or 0.0
+    return replace(part, profile=Profile("RO", plate.name, across, across, wall, wall))
+
+
+def named_diameters(name: str) -> tuple[float, ...]:
+    """The diameters that a pipe's name may mean, in mm; none where it has no size.
+
+    The first size is a diameter in mm or in inches, or a nominal one: PIPE1-1/2SCH40 is 1.9 inches
+    wide.
+    """
+    sizes = _sizes(name)
+    if not sizes or not sizes[0]:
+        return ()
+    inches = (sizes[0], NOMINAL.get(sizes[0], sizes[0]))
+    return (sizes[0], *(INCH * one for one in inches))
+
+
+def _sizes(name: str) -> list[float]:
+    """The sizes in a name, a mixed number as one."""
+    return [
+        float(whole) if whole else float(more or 0) + float(over) / float(under)
+        for more, over, under, whole in _SIZE.findall(name)
+        if whole or float(under)
+    ]

@@ -20,7 +20,7 @@ from beamcam.caches import cached
 from beamcam.geometry.curves import signed_area
 from beamcam.geometry.plane import join_boxes, unit_vector
 from beamcam.model.part import Contour, Face, Part, Profile, ProfileCode, SectionPoint
-from beamcam.model.pipes import is_unrolled
+from beamcam.model.rounds import is_unrolled
 
 ARC_STEP_RAD = radians(1.0)
 

@@ -22,7 +22,7 @@ from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
 from beamcam.model.description import face_title, runs_down
 from beamcam.model.part import Face, Part
-from beamcam.model.pipes import rolled
+from beamcam.model.rounds import rolled
 from beamcam.pictures import SECTION
 from beamcam.pictures.features import feature_shapes
 from beamcam.pictures.part import face_of

@@ -14,7 +14,7 @@ from beamcam.comparison.statements import is_closed, stroke_pairs
 from beamcam.geometry.curves import join_boxes
 from beamcam.machine.coper import Coper
 from beamcam.model.part import Face, Part
-from beamcam.model.pipes import rolled
+from beamcam.model.rounds import rolled
 from beamcam.pictures.coper import face_view, faces_of, on_views, part_of, strokes_of
 from beamcam.pictures.overlay import (
     Overlay,

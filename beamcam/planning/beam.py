@@ -32,9 +32,8 @@ from beamcam.model.plan import (
 )
 from beamcam.planning import is_too_short, rules
 from beamcam.planning.axis_limits import refuse_bar
-from beamcam.planning.nesting import LaidParts, lay
+from beamcam.planning.nesting import LaidParts, cuts_of, lay
 from beamcam.planning.operations.part_planner import BarLine, line_of
-from beamcam.planning.operations.saw_cut import cuts_of
 from beamcam.planning.operations.tools import ROUNDING, Tooling, Tools
 from beamcam.planning.operations.work import PartWork, refuse_stock, works_on
 from beamcam.planning.order import cutting_remarks, reloads, sort_along_x

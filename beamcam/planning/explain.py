@@ -5,8 +5,24 @@ from collections.abc import Iterator
 from msgspec import Struct
 
 from beamcam.machine.machine import Machine
-from beamcam.model.plan import Operation, PathOp, Plan, SawOp, TextOp, ToolLoad
-from beamcam.planning.operations.work import REASONS, kind_of
+from beamcam.machine.stations import Drill
+from beamcam.model.part import Hole
+from beamcam.model.plan import (
+    DrillOp,
+    FeatureRef,
+    Operation,
+    PathOp,
+    Plan,
+    SawOp,
+    TextOp,
+    ToolLoad,
+    WorkOp,
+)
+from beamcam.planning.nesting import CUT_REASONS
+from beamcam.planning.operations.hole import alike, partner_faces
+from beamcam.planning.operations.part_planner import ROUNDING
+from beamcam.planning.operations.tools import ToolLibrary, library_of
+from beamcam.planning.operations.work import REASONS
 from beamcam.planning.order import changes, setup_of, tool_loads, travel, waits_for
 from beamcam.planning.times import work_time
 
@@ -17,7 +33,7 @@ PLACES = {
     "place-after": "at the same X, and made in the hole that comes before",
     "place-changes": "at the same X, in the order of fewest changes of spindle and tool",
 }
-SAID = REASONS | PLACES
+SAID = REASONS | CUT_REASONS | PLACES
 
 
 class ExplainedOperation(Struct, frozen=True):
@@ -102,7 +118,77 @@ def _sources(op: Operation, plan: Plan) -> Iterator[str]:
 
 
 def _rejected(op: Operation, plan: Plan, machine: Machine) -> Iterator[str]:
-    if isinstance(op, SawOp):
-        return iter(())
-    piece, f = op.features[0]
-    return kind_of(plan.pieces[piece].part.features[f]).rejected(op, plan, machine)
+    """The drills that would do too, and why a hole is not made together with one beside it."""
+    if isinstance(op, DrillOp):
+        p, f = op.features[0]
+        if isinstance(plan.pieces[p].part.features[f], Hole):
+            library = library_of(machine)
+            yield from _other_drills(op, plan, library)
+            yield from _missed_merges(op, plan, machine, library)
+
+
+def unmerged_because(hole: Hole, other: Hole, drill: Drill) -> str | None:
+    """Why two nearby holes on the faces of a pair are not one stroke.
+
+    None if nothing does, or if they are too far apart for the question.
+    """
+    if abs(hole.x - other.x) > NEAR_MISS or abs(hole.y - other.y) > NEAR_MISS:
+        return None
+    for name in ("x", "y"):
+        mine, theirs = getattr(hole, name), getattr(other, name)
+        if abs(mine - theirs) > drill.merge_tolerance + ROUNDING:
+            return f"{name} {mine:g} and {theirs:g}"
+    if hole.kind != other.kind:
+        return f"kind {hole.kind} and {other.kind}"
+    if abs(hole.diameter - other.diameter) > drill.same_tool_tolerance + ROUNDING:
+        return f"diameter {hole.diameter:g} and {other.diameter:g}"
+    if not alike(hole, other, drill.same_tool_tolerance + ROUNDING):
+        return f"depth {_shown(hole.depth)} and {_shown(other.depth)}"
+    return None
+
+
+NEAR_MISS = 10.0  #: mm; holes further apart than this are not expected to merge
+
+
+def _shown(depth: float | None) -> str:
+    return "through" if depth is None else f"{depth:g}"
+
+
+DRILL_REASONS = ("drill-exact", "drill-nearest", "drill-twin")
+
+
+def _holes(op: WorkOp, plan: Plan) -> Iterator[tuple[FeatureRef, Hole]]:
+    for p, f in op.features:
+        feature = plan.pieces[p].part.features[f]
+        if isinstance(feature, Hole):
+            yield (p, f), feature
+
+
+def _other_drills(op: DrillOp, plan: Plan, library: ToolLibrary) -> Iterator[str]:
+    """The drills that are within the tolerance too."""
+    diameters = tuple(hole.diameter for _, hole in _holes(op, plan))
+    if op.tool.kind != "drill" or op.reasons[0] not in DRILL_REASONS:
+        return
+    for tool in library.fitting(diameters, op.faces):
+        if tool != op.tool:
+            off = max(abs(tool.diameter - d) for d in diameters)
+            used = max(abs(op.tool.diameter - d) for d in diameters)
+            because = (
+                "no nearer"
+                if off - used <= library.drill.same_tool_tolerance + 1e-9
+                else "further off"
+            )
+            yield f"{tool.name}: {off:g} mm off, {because}"
+
+
+def _missed_merges(
+    op: DrillOp, plan: Plan, machine: Machine, library: ToolLibrary
+) -> Iterator[str]:
+    """Holes on the opposite flange that are nearly the same."""
+    for ref, hole in _holes(op, plan) if len(op.faces) == 1 else ():
+        partner = partner_faces(machine).get(hole.face)
+        for f, other in enumerate(plan.pieces[ref[0]].part.features):
+            if isinstance(other, Hole) and other.face == partner:
+                because = unmerged_because(hole, other, library.drill)
+                if because is not None:
+                    yield f"both flanges at once ({other.source}, feature {f + 1}): {because}"

@@ -222,11 +222,6 @@ class ManualRow(TypedDict):
 HEAD = tuple(ManualRow.__annotations__)
 
 
-def is_manual_work_list(name: str) -> bool:
-    """Whether a file is such a list by its name."""
-    return name.lower().endswith(LIST_SUFFIX)
-
-
 LIST_BEGIN = (",".join(HEAD) + "\n").encode()  #: of every list that was written here
 
 

@@ -26,20 +26,21 @@ known, so the best order is the path through all parts that saves most: exact fo
 greedy path, part by part.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from itertools import pairwise
+from typing import Literal
 
 from msgspec import Struct
 
 from beamcam.errors import Diagnostic, PlanError, Rule, Source
 from beamcam.machine.machine import Layout
 from beamcam.machine.stations import Saw
-from beamcam.model.part import Part
-from beamcam.model.plan import Bar, Order, Piece
+from beamcam.model.part import Part, Profile
+from beamcam.model.plan import Bar, Order, Piece, SawOp
 from beamcam.planning import rules
 from beamcam.planning.operations.finished_part import Ends, SawnEnd
 from beamcam.planning.operations.part_planner import BarLine
-from beamcam.planning.operations.work import PartWork
+from beamcam.planning.operations.work import PartWork, saw_angles
 
 EXACT_ORDER = 9  #: parts whose best order is searched for among all
 SAME_ANGLE_DEG = 0.01  #: ends that differ by no more share a cut
@@ -208,6 +209,76 @@ def _bar_length(
     if layout.max_bar is not None and whole > layout.max_bar:
         raise refused(rules.BAR_LONG, whole, f"{layout.max_bar:g}")
     return whole
+
+
+NOTHING_LEFT = 1e-6  #: mm
+#: Explanations of cuts: stable code and text.
+CUT_REASONS = {
+    "cut-trim": "the bar's front is sawn square, since no cut comes before it",
+    "cut-mitre-start": "the part starts skew",
+    "cut-mitre-end": "the part ends skew",
+    "cut-common": "two parts share the angle, so one cut ends the one and starts the other",
+    "cut-parting": "parts the piece from the bar, behind its square end",
+    "cut-parting-both": "parts the piece from the bar and gives the next one its square start",
+    "cut-wedge": "takes the wedge of the mitre off the bar",
+}
+
+
+def cuts_of(
+    pieces: Sequence[Piece], ends: Sequence[Ends], shared: Sequence[bool], saw: Saw, bar: Bar
+) -> Iterator[SawOp]:
+    """The cuts that give every piece its ends, the blade always on the waste side.
+
+    `shared` says of each piece but the last whether one cut ends it and starts the next. Behind a
+    skew end at the end of the bar nothing is left to be squared.
+    """
+    common = (False, *shared, False)
+    for index, (piece, (start, end)) in enumerate(zip(pieces, ends, strict=True)):
+        source, shares_start, shares_end = piece.part.source, common[index], common[index + 1]
+        if index == 0 and start.is_square:
+            x = saw.x + piece.start - saw.kerf / 2
+            yield SawOp(x, saw.zero_angle, "trim", (0,), source, 0.0, "start", ("cut-trim",))
+        elif not start.is_square and not shares_start:
+            yield _skew(piece, (index,), start, saw, "mitre")
+        following = ends[index + 1][0] if index + 1 < len(pieces) else None
+        if shares_end:
+            yield _skew(piece, (index, index + 1), end, saw, "common")
+            continue
+        if not end.is_square:
+            yield _skew(piece, (index,), end, saw, "mitre")
+        if following is not None and following.is_square:
+            # It makes the next part's square start too, which lies further on behind a mitre.
+            x = saw.x + pieces[index + 1].start - saw.kerf / 2
+            both = (index, index + 1)
+            yield SawOp(
+                x, saw.zero_angle, "parting", both, source, 0.0, "end", ("cut-parting-both",)
+            )
+        elif end.is_square or following is not None or bar.left > NOTHING_LEFT:
+            x = saw.x + piece.end + end.kerf / 2
+            reason = "cut-parting" if end.is_square else "cut-wedge"
+            yield SawOp(x, saw.zero_angle, "parting", (index,), source, 0.0, "end", (reason,))
+
+
+def _skew(
+    piece: Piece,
+    pieces: tuple[int, ...],
+    end: SawnEnd,
+    saw: Saw,
+    purpose: Literal["mitre", "common"],
+) -> SawOp:
+    """The cut of a skew end, half a kerf on the waste side of it."""
+    profile = piece.part.profile
+    edge = end.x(*pivot_edge(saw, profile))
+    side = -0.5 if end.at == "start" else 0.5
+    x = saw.x + piece.start + edge + side * end.kerf
+    angle, tilt = saw_angles(end, saw)
+    reason = "cut-common" if purpose == "common" else f"cut-mitre-{end.at}"
+    return SawOp(x, angle, purpose, pieces, piece.part.source, tilt, end.at, (reason,))
+
+
+def pivot_edge(saw: Saw, profile: Profile) -> tuple[float, float]:
+    """y and z of the line on which the machine counts a cut's X: on the side the bar lies on."""
+    return (profile.height if saw.pivot == "o" else 0.0), 0.0
 
 
 def best_order(

@@ -189,7 +189,10 @@ def _cheapest(stations: Collection[Station], times: Times) -> list[Setup]:
     """The setups of all X, one X after another, in the order that takes least for changes."""
     paths = [_Path((0.0, 0), 0, 0, frozenset())]
     worked = {setup: works[0] for station in stations for setup, works in station.items()}
-    holding_of = {setup: _holding(setup, op) for setup, op in worked.items()}
+    holding_of = {  # what the spindles hold that work with a setup
+        (stage, spindle, tool): frozenset((face, (stage, tool)) for face in op.faces)
+        for (stage, spindle, tool), op in worked.items()
+    }
     for station in stations:
         setups = [(1 << i, setup, holding_of[setup]) for i, setup in enumerate(station)]
         waiting = _prerequisites(station)
@@ -217,12 +220,6 @@ def _cheapest(stations: Collection[Station], times: Times) -> list[Setup]:
 
 
 _cost = attrgetter("cost")
-
-
-def _holding(setup: Setup, op: WorkOp) -> Held:
-    """What the spindles hold that work with a setup, by one of its operations."""
-    stage, _, tool = setup
-    return frozenset([(face, (stage, tool)) for face in op.faces])
 
 
 def _step(path: _Path, done: int, setup: Setup, holding: Held, times: Times) -> _Path:

@@ -18,12 +18,12 @@ from beamcam.geometry.arrays import table_of
 from beamcam.geometry.chord_runs import refit_runs
 from beamcam.geometry.curves import Line
 from beamcam.geometry.plane import join_boxes
-from beamcam.machine.faults import TABLE_CONTROLLERS
 from beamcam.machine.machine import Machine
+from beamcam.machine.tables import TABLE_CONTROLLERS
 from beamcam.machine.torch import Torch, TorchProcess
 from beamcam.model.part import Hole, Part, Slot
-from beamcam.model.pipes import is_unrolled
 from beamcam.model.plan import ContourOp, Outcome, Piece, SheetPlan
+from beamcam.model.rounds import is_unrolled
 from beamcam.planning import rules as bar_rules
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.assign_process import (

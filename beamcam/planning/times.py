@@ -75,14 +75,9 @@ def blocks_of(template: Sequence[str]) -> tuple[TemplateLine, ...]:
 
 def work_time(plan: Plan, machine: Machine) -> WorkTime:
     """Work time of a plan on its machine."""
-    return time_of(plan.operations, plan.pieces, machine)
-
-
-def time_of(operations: Sequence[Operation], pieces: Sequence[Piece], machine: Machine) -> WorkTime:
-    """Work time of the operations on the pieces of one bar."""
-    clock = _CellClock(pieces, machine)
-    seconds = tuple(clock.seconds(op) for op in operations)
-    reloads = sum(load.out is not None for load in tool_loads(operations, machine))
+    clock = _CellClock(plan.pieces, machine)
+    seconds = tuple(clock.seconds(op) for op in plan.operations)
+    reloads = sum(load.out is not None for load in tool_loads(plan.operations, machine))
     return WorkTime(seconds, reloads * machine.times.manual_change_s)
 
 

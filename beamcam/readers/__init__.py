@@ -28,7 +28,7 @@ from msgspec import Struct
 from beamcam.budget import BYTES, limits
 from beamcam.caches import cached
 from beamcam.errors import Diagnostic, Source, error, errors_in
-from beamcam.machine import DEFAULTS
+from beamcam.machine.machine import DEFAULTS
 from beamcam.model.part import Part
 from beamcam.system import NotAFile, open_file
 

@@ -27,7 +27,7 @@ from beamcam.geometry.plane import Point
 from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Contour, EndCuts, Face, Feature, Hole, Part, Slot
-from beamcam.model.pipes import rolled
+from beamcam.model.rounds import rolled
 from beamcam.recovery.box_tube import Faces, corner_radius, faces_of
 from beamcam.recovery.found import (
     COMES_CUT,

@@ -21,8 +21,8 @@ from beamcam.errors import Diagnostic, Severity, errors_in
 from beamcam.geometry.array_types import Floats
 from beamcam.machine.coper import Coper
 from beamcam.model.part import Part
-from beamcam.model.pipes import rolled
 from beamcam.model.plan import AnyPlan, Plan, clock
+from beamcam.model.rounds import rolled
 from beamcam.pictures.bar_made import BarMade
 from beamcam.pictures.coper import CoperProgram, part_of, strokes_of
 from beamcam.pictures.program import ReadProgram

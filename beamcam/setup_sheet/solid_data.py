@@ -25,8 +25,8 @@ from beamcam.controllers import cell_events, table_events
 from beamcam.controllers.events import HeadMove, Switch, in_degrees
 from beamcam.errors import BeamcamError, Source
 from beamcam.geometry.array_types import Counts, Floats
-from beamcam.machine.faults import TABLE_CONTROLLERS
 from beamcam.machine.machine import Machine
+from beamcam.machine.tables import TABLE_CONTROLLERS
 from beamcam.machine.torch import material_said
 from beamcam.model.part import Part, Profile
 from beamcam.pictures.bar_made import BarMade

@@ -11,7 +11,7 @@ from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.array_types import Counts, Floats
 from beamcam.machine.machine import Machine
 from beamcam.machine.stations import Saw
-from beamcam.machine.words import MachineBox, section_values, signed
+from beamcam.machine.words import SECTION_NAMES, MachineBox, signed
 from beamcam.model.part import Profile
 from beamcam.simulation import COLLISION, LIMIT, REACH, TIPS
 from beamcam.simulation.trace import Trace
@@ -68,7 +68,7 @@ def strikes(trace: Trace, machine: Machine, section: Mapping[str, float]) -> tup
     ]
     if not pairs:
         return ()
-    values = section_values(section)
+    values = {name: section.get(name, 0.0) for name in SECTION_NAMES}
     times = looks(trace)
     depths = np.empty((len(pairs), len(times)))
     for first in range(0, len(times), CHUNK):

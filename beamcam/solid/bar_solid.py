@@ -102,7 +102,7 @@ def reaches(machine: Machine, profile: Profile) -> dict[int, tuple[Reach, ...]]:
 
 def _sides_of_round(profile: Profile) -> dict[str, Wall]:
     """The four lines of a round that spindles stand square to, as walls; none of others."""
-    if profile.code not in ("RO", "RU"):
+    if not profile.is_round:
         return {}
     d, thickness = profile.height, max(profile.flange_thickness, profile.web_thickness or 0.0)
     return {

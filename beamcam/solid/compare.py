@@ -255,7 +255,7 @@ def where(lump: "Manifold", bodies: Bodies) -> str:
         if away < off:
             face, off = name, away
     q = z if face in ("o", "u") else y
-    if bodies.part.profile.code in ("RO", "RU"):  # the arc from the lowest line towards v
+    if bodies.part.profile.is_round:  # the arc from the lowest line towards v
         radius = bodies.part.profile.height / 2
         q = atan2(z - radius, radius - y) % (2 * pi) * radius
     return f"on face {face} at x {x:.1f}, y {q:.1f}{end}"

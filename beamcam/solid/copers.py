@@ -28,8 +28,8 @@ from beamcam.geometry.curves import Line
 from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Contour, EndCuts, Face, Feature, Hole, Part, Profile
-from beamcam.model.pipes import is_unrolled, rolled
 from beamcam.model.request import Request
+from beamcam.model.rounds import is_unrolled, rolled
 from beamcam.solid import PIECES, ROUNDED, SQUARE
 from beamcam.solid.compare import (
     ALIKE,

@@ -49,7 +49,7 @@ def voids(part: Part, margins: Margins = AS_DRAWN) -> Iterator[Void]:
                 continue
             if isinstance(feature, Contour) and not is_cut(feature):
                 continue
-            if part.profile.code in ("RO", "RU"):
+            if part.profile.is_round:
                 if isinstance(feature, Hole):
                     yield feature, radial_cutter(feature, part, margins)
                 else:

@@ -21,14 +21,9 @@ from beamcam.machine.stations import Drill
 from beamcam.model.part import Contour, Hole, Part, Profile, Slot
 from beamcam.pipeline import post
 from beamcam.planning.beam import MOST_TRIED
-from beamcam.planning.operations import hole_pairs, slot
-from beamcam.planning.operations.hole_pairs import (
-    ROUNDING,
-    Group,
-    Placed,
-    _is_same,
-    drop_duplicates,
-)
+from beamcam.planning.operations import part_planner, slot
+from beamcam.planning.operations.hole import _is_same, drop_duplicates
+from beamcam.planning.operations.part_planner import ROUNDING, Group, Placed
 from beamcam.suggestions import MOST_CURVES, suggestions
 from tests.conftest import ROOT, examples
 from tests.runs import call
@@ -144,18 +139,18 @@ def test_a_crowd_of_holes_is_counted_and_not_compared() -> None:
         Hole("v", 100 + 100 * chance.random(), 100 + 50 * chance.random(), 18.0, SOURCE)
         for _ in range(9000)
     ]
-    assert refused(part_of(holes)) == [hole_pairs.MANY_PAIRS.code]
+    assert refused(part_of(holes)) == [part_planner.MANY_PAIRS.code]
     assert refused(part_of(holes[:300]))[0] == "plan-hole-overlap"
 
 
 def test_the_crowd_counts_the_pairs_that_would_be_compared() -> None:
     holes = tuple((k * 0.011, k, Hole("v", k * 0.011, 50.0, 18.0, SOURCE)) for k in range(2500))
     drill = drill_of("beamline")
-    ((_, said),) = hole_pairs.refuse_many_pairs(holes, drill)
+    ((_, said),) = part_planner.refuse_many_pairs(holes, drill)
     reach = 18.0 + drill.min_edge_distance
     pairs = sum(b[0] - a[0] <= reach for a, b in combinations(holes, 2))
     assert f"found {pairs} pairs of holes that stand within {reach:g} mm" in said.message
-    assert not list(hole_pairs.refuse_many_pairs(holes[:2000], drill))
+    assert not list(part_planner.refuse_many_pairs(holes[:2000], drill))
 
 
 def test_a_crowd_of_slots_is_counted_and_not_compared() -> None:

@@ -14,9 +14,8 @@ from beamcam.model.part import EndCuts, Part, Profile
 from beamcam.model.plan import Plan, SawOp
 from beamcam.model.section import corners
 from beamcam.planning.beam import plan_bar
-from beamcam.planning.nesting import best_order, lay_on_bar
+from beamcam.planning.nesting import best_order, lay_on_bar, pivot_edge
 from beamcam.planning.operations.finished_part import ends_of
-from beamcam.planning.operations.saw_cut import pivot_edge
 from tests.conftest import examples
 
 SOURCE = Source("a.nc1", 1)

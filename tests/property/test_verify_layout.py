@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from beamcam.checks.bars import verify
-from beamcam.checks.bars.pieces import ROTATIONS, orientations, rotated
+from beamcam.checks.bars.orientations import ROTATIONS, orientations, rotated
 from beamcam.errors import PlanError
 from beamcam.machine import load
 from beamcam.model.part import EndCuts, Hole, Part

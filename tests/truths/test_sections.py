@@ -16,8 +16,7 @@ from beamcam.checks.bars.stations import lip_length
 from beamcam.errors import Source
 from beamcam.geometry.curves import Arc, Line
 from beamcam.model.part import FACES, MIRRORED_FACES, Contour, Hole, Part, Profile
-from beamcam.model.pipes import is_unrolled
-from beamcam.model.rounds import as_seen
+from beamcam.model.rounds import as_seen, is_unrolled
 from beamcam.model.section import (
     NO_PLATE,
     OTHER_SIDE,

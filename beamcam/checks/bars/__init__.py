@@ -15,23 +15,19 @@ from msgspec.structs import replace
 
 from beamcam.caches import BoundedCache, PerObject
 from beamcam.checks import rules
-from beamcam.checks.bars.ability import FeatureRef, skippable
 from beamcam.checks.bars.cell import Cell
 from beamcam.checks.bars.compare import Comparison, RequiredParts
 from beamcam.checks.bars.machine_limits import bar_faults, bore_faults, reach_faults, size_faults
-from beamcam.checks.bars.pieces import orientations
-from beamcam.checks.bars.sequence import comment_faults, place_faults, stop_comments
+from beamcam.checks.bars.magazine import Changed, Chosen, comment_faults, stop_comments
+from beamcam.checks.bars.orientations import orientations
 from beamcam.checks.bars.stations import (
-    Bore,
     Choice,
-    Cut,
     MachinedFeatures,
-    MachinedPath,
     choices_of,
     lip_length,
 )
-from beamcam.checks.bars.tools import Changed, Chosen, CuttingData, ToolCatalogue
-from beamcam.checks.head import Head, head_of, part_faults, section_told, stock_faults
+from beamcam.checks.bars.tools import CuttingData, ToolCatalogue, place_faults
+from beamcam.checks.head import Head, head_of, part_faults, stock_faults
 from beamcam.controllers import cell_events
 from beamcam.controllers.dialect import Dialect, dialect_of
 from beamcam.controllers.events import BarEvent, Switch
@@ -41,11 +37,6 @@ from beamcam.model.description import description
 from beamcam.model.part import Hole, Part, Profile, Slot
 from beamcam.model.request import rolled_on
 from beamcam.model.rounds import unseen
-
-__all__ = [
-    "BarRun", "Bore", "Cut", "FeatureRef", "MachinedFeatures", "MachinedPath", "interpret", "run",
-    "skippable", "verify",
-]  # fmt: skip
 
 
 class BarRun(Struct, frozen=True):
@@ -101,8 +92,10 @@ def run(
     if profile is None and known.dialect.section_fields:
         profile = section_said(events, known.dialect, machine)
     done = run_of_events(events, machine, profile, name, grades, lip)
-    comments = comment_faults(stop_comments(text), done.tools, machine, name)
-    return replace(done, diagnostics=(*diagnostics, *done.diagnostics, *comments))
+    diagnostics += done.diagnostics
+    if "station" in text.lower():  # of which operators are told at stops
+        diagnostics += comment_faults(stop_comments(text), done.tools, machine, name)
+    return replace(done, diagnostics=tuple(diagnostics))
 
 
 def run_of_events(
@@ -200,7 +193,7 @@ def compared(
     laid = sorted(comparison.laid, key=attrgetter("start"))
     lie = [(one.part, (one.start,)) for one in laid]
     return (
-        *diagnostics, *stock_faults(head, parts, section_told(parts), machine, name),
+        *diagnostics, *stock_faults(head, parts, None, machine, name),
         *part_faults(head, lie, machine.format.resolution, job.free, name),
     )  # fmt: skip
 
@@ -214,6 +207,8 @@ def unseen_faults(parts: Sequence[Part], machine: Machine) -> tuple[Diagnostic, 
     faults = []
     for given in parts:
         part = rolled_on(machine, given)
+        if not part.profile.is_round:
+            continue
         size, beyond = part.profile, drill_of(machine).breakthrough
         wall = size.flange_thickness or size.web_thickness or 0.0
         unmade = {id(feature): feature for feature in unseen(part)}

@@ -9,8 +9,8 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from math import cos, radians, sin
 from operator import attrgetter
 
-from beamcam.checks.bars.cuts import ends_of
 from beamcam.checks.bars.holes import REACHES
+from beamcam.checks.bars.pieces import ends_of
 from beamcam.checks.bars.stations import (
     Station,
     choices_of,

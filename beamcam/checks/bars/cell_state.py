@@ -13,6 +13,7 @@ from collections.abc import Callable
 from math import isnan, nan
 
 from beamcam.checks import rules
+from beamcam.checks.bars.magazine import Changed, Chosen, wrong_changes
 from beamcam.checks.bars.stations import (
     NOWHERE,
     Choice,
@@ -24,15 +25,7 @@ from beamcam.checks.bars.stations import (
     limits_of,
     tilts_of,
 )
-from beamcam.checks.bars.tools import (
-    EPSILON,
-    LEAST,
-    Changed,
-    Chosen,
-    CuttingData,
-    limits_of_cell,
-    wrong_changes,
-)
+from beamcam.checks.bars.tools import EPSILON, LEAST, CuttingData, limits_of_cell
 from beamcam.controllers.dialect import WORD, Cycle, Dialect, MWord, Role
 from beamcam.controllers.events import Lettering, Switch
 from beamcam.errors import Diagnostic, Rule, Source

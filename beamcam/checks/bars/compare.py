@@ -12,21 +12,22 @@ from msgspec import Struct, field
 
 from beamcam.checks import rules
 from beamcam.checks.bars.ability import FeatureRef, may_be_missing, repeats
-from beamcam.checks.bars.cuts import CutFaults, RequiredEnd, ends_of
+from beamcam.checks.bars.cuts import CutFaults
 from beamcam.checks.bars.holes import HoleCheck, RequiredHole
 from beamcam.checks.bars.machine_limits import reach_faults, section_faults, shape_of, steel_faults
-from beamcam.checks.bars.paths import PathsAlong, RequiredPath, check_paths, is_led
+from beamcam.checks.bars.orientations import orientations
+from beamcam.checks.bars.paths import PathsAlong, RequiredPath, check_paths, entry_faults, is_led
 from beamcam.checks.bars.pieces import (
     Candidate,
     LaidPart,
+    RequiredEnd,
+    ends_of,
     lay_out,
-    orientations,
     overlapping,
     pieces,
     planes,
     wedge_cuts,
 )
-from beamcam.checks.bars.sequence import Done, entry_faults, parting_faults
 from beamcam.checks.bars.stations import Choice, MachinedFeatures
 from beamcam.checks.bars.targets import (
     RequiredPocket,
@@ -35,7 +36,7 @@ from beamcam.checks.bars.targets import (
     Unmakeable,
     targets_of,
 )
-from beamcam.checks.bars.tools import ToolCatalogue
+from beamcam.checks.bars.tools import Done, ToolCatalogue, parting_faults
 from beamcam.checks.request import left_out, left_to_manual_work
 from beamcam.errors import Diagnostic, Source
 from beamcam.machine.machine import Machine, saw_of

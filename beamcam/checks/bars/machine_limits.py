@@ -11,8 +11,7 @@ from math import dist, hypot, inf
 from msgspec import Struct
 
 from beamcam.checks import rules
-from beamcam.checks.bars.cuts import RequiredEnd
-from beamcam.checks.bars.pieces import LaidPart
+from beamcam.checks.bars.pieces import LaidPart, RequiredEnd
 from beamcam.checks.bars.stations import Cut, MachinedFeatures, MachinedPath, lip_length
 from beamcam.checks.bars.targets import (
     PLAIN_KINDS,

@@ -14,12 +14,18 @@ from msgspec import Struct
 
 from beamcam.checks import rules
 from beamcam.checks.bars.holes import NEAR, DepthRange, path_reach, wrong_depth
-from beamcam.checks.bars.stations import MachinedPath, in_stem, wall_thickness
+from beamcam.checks.bars.stations import (
+    Bore,
+    MachinedFeatures,
+    MachinedPath,
+    in_stem,
+    wall_thickness,
+)
 from beamcam.checks.bars.targets import MarkingPath, RequiredPocket
-from beamcam.checks.bars.tools import ToolCatalogue
+from beamcam.checks.bars.tools import ToolCatalogue, too_early
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Curve, Point
-from beamcam.model.part import Part, Profile
+from beamcam.model.part import Part, Profile, Slot
 
 STEP = 1.0  #: mm between the points that are measured, where a line is not too tight for it
 FLAT = 0.001  #: mm between a line and the chords that it is measured by
@@ -322,3 +328,38 @@ def _tool_and_depth(
     depths = path.min_depth, path.max_depth
     if depths[0] < reach.least - slack or depths[1] > reach.greatest + slack:
         yield wrong_depth(depths, reach, 0.0, slack, source, described)
+
+
+# --- entries --------------------------------------------------------------------------------------
+
+
+def entry_faults(
+    made: MachinedFeatures,
+    milled: Iterable[tuple[MachinedPath, RequiredPocket]],
+    catalogue: ToolCatalogue,
+    name: str,
+) -> Iterator[Diagnostic]:
+    """Slots whose mill goes down into the full steel, where the machine drills their ends."""
+    slack = 2 * catalogue.machine.format.resolution + 1e-6
+    for path, target in milled:
+        if not _is_drilled_first(target, catalogue):
+            continue
+        before = made.order[: made.order.index(path)]
+        free = path.diameter / 2 - slack
+        if not any(
+            isinstance(bore, Bore) and bore.kind == "drill" and bore.face == path.face
+            and dist(path.points[0], (bore.x, bore.y)) + free <= bore.diameter / 2
+            for bore in before
+        ):  # fmt: skip
+            yield too_early(path, "into the full steel", "the hole at its end first", name)
+
+
+def _is_drilled_first(target: RequiredPocket, catalogue: ToolCatalogue) -> bool:
+    """Whether the machine's file has the ends of a slot drilled before it is milled."""
+    slot = target.source
+    return (
+        isinstance(slot, Slot)
+        and not slot.height
+        and catalogue.drill.slots == "drill-mill"
+        and bool(catalogue.fits("drill", slot.diameter, target.face))
+    )

@@ -1,4 +1,4 @@
-"""The pieces of a bar between its cuts.
+"""The ends of parts, the pieces of a bar between its cuts, and which part each of them is.
 
     | trim |# piece 1 ######/ wedge | piece 2 ####|  rest
 
@@ -7,32 +7,154 @@ a piece of steel, which is a part if both its ends are those of the part. X coun
 edge of the saw; the plane of a cut is x = x_0 - y tan(web) - z tan(flange), in DSTV's angles.
 """
 
-from collections.abc import Callable, Iterator, Sequence
-from itertools import pairwise, product
-from math import atan, atan2, cos, degrees, hypot, nan, radians, sin, tan
+from collections.abc import Callable, Sequence
+from itertools import pairwise
+from math import atan, atan2, cos, degrees, hypot, nan, radians, tan
+from typing import Literal
 
 from msgspec import Struct
-from msgspec.structs import replace
 
-from beamcam.checks.bars.cuts import RequiredEnd, ends_of
+from beamcam.checks.bars.orientations import orientations
 from beamcam.checks.bars.stations import Cut
-from beamcam.geometry.curves import Matrix, Point
-from beamcam.geometry.plane import mapped
+from beamcam.geometry.curves import Line
 from beamcam.machine.machine import Machine
 from beamcam.machine.stations import Saw
 from beamcam.model.part import (
     Contour,
-    EndCuts,
-    EndPlane,
     Face,
-    Feature,
-    Hole,
     Part,
     Profile,
-    Slot,
-    TextMark,
-    Vector,
 )
+from beamcam.model.section import corners
+
+# --- part ends ------------------------------------------------------------------------------------
+
+# End planes of a part, and the outlines that they account for.
+#
+# Computed from the part alone, and not by the planner. Both ends follow DSTV's formula, of the web
+# in y and of the flange in z (across, from the h side):
+#
+#     angle = atan2(x(lowest) - x(highest), height)      so      x = c - y tan(web) - z tan(flange)
+#
+# and touch x = 0 and x = length at their furthest points.
+
+
+OUTLINE_TOLERANCE = 1.0  #: mm that exporters leave between outline and header
+ANGLE_TOLERANCE_DEG = 0.2  #: between header and outline, and between a bevel and its mitre
+
+
+class RequiredEnd(Struct, frozen=True, gc=False):
+    """The plane of one end of a part."""
+
+    side: int  #: -1 start, +1 end: on which side of it the waste lies
+    web: float  #: degrees, DSTV's web angle
+    flange: float  #: and its flange angle; both 0 is square
+    x_0: float  #: x on the part at y = 0, z = 0
+    tan_web: float = 0.0
+    tan_flange: float = 0.0
+
+    @property
+    def name(self) -> Literal["start", "end"]:
+        return "start" if self.side < 0 else "end"
+
+    @property
+    def square(self) -> bool:
+        return not self.web and not self.flange
+
+    def x(self, y: float, z: float = 0.0) -> float:
+        return self.x_0 - y * self.tan_web - z * self.tan_flange
+
+    def kerf(self, saw: Saw) -> float:
+        """Length of bar that its cut takes: the blade's thickness, along the bar if it is so."""
+        if self.square or saw.kerf_along != "normal":
+            return saw.kerf
+        return saw.kerf * hypot(1.0, self.tan_web, self.tan_flange)
+
+    def blade(self, saw: Saw, height: float) -> float:
+        """The part's x of the blade's centre, on the saw's pivot edge."""
+        return self.x(height if saw.pivot == "o" else 0.0) + self.side * self.kerf(saw) / 2
+
+    def saw_angles(self, saw: Saw) -> tuple[float, float]:
+        """Angle and tilt in the machine's counting.
+
+        A blade turned by w and then tilted by t has the normal (cos t cos w, cos t sin w, sin t),
+        which has to be along (1, tan w, tan f), so tan t = tan f cos w.
+        """
+        if not self.flange:
+            return saw.zero_angle + saw.angle_sign * self.web, 0.0
+        tilt = degrees(atan(self.tan_flange * cos(radians(self.web))))
+        return saw.zero_angle + saw.angle_sign * self.web, saw.tilt_sign * tilt + 0.0
+
+
+def ends_of(part: Part, saw: Saw) -> tuple[RequiredEnd, RequiredEnd]:
+    """Start and end of a part: by the header's angles, by the outlines where they are 0."""
+    cuts, least = part.cuts, saw.min_mitre
+    webs, flanges = (cuts.web_start, cuts.web_end), (cuts.flange_start, cuts.flange_end)
+    if Contour in map(type, part.features):
+        if abs(webs[0]) < least or abs(webs[1]) < least:
+            webs = _instead(webs, _drawn(part, "v"), least)
+        if abs(flanges[0]) < least or abs(flanges[1]) < least:
+            seen = [_drawn(part, face) for face in ("u" if part.profile.code == "L" else "ou")]
+            agreed = (
+                seen[0][i] if all(abs(s[i] - seen[0][i]) <= ANGLE_TOLERANCE_DEG for s in seen)
+                else 0.0
+                for i in (0, 1)
+            )  # fmt: skip
+            start, end = agreed
+            flanges = _instead(flanges, (start, end), least)
+    ends = []
+    for side, web, flange in ((-1, webs[0], flanges[0]), (1, webs[1], flanges[1])):
+        web = web if abs(web) >= least else 0.0
+        flange = flange if abs(flange) >= least else 0.0
+        x_0, t, s = 0.0 if side < 0 else part.length, 0.0, 0.0
+        if web or flange:
+            # x(y, z) runs through the outermost corner, which lies on x = 0 or x = length.
+            t, s = tan(radians(web)), tan(radians(flange))
+            leans = [y * t + z * s for y, z in corners(part.profile, part.section)]
+            x_0 += max(leans) if side < 0 else min(leans)
+        ends.append(RequiredEnd(side, web, flange, x_0, t, s))
+    return ends[0], ends[1]
+
+
+def _instead(
+    angles: tuple[float, float], drawn: tuple[float, float], least: float
+) -> tuple[float, float]:
+    """The header's angles, and what is drawn where they are 0."""
+    start, end = (a if abs(a) >= least else d for a, d in zip(angles, drawn, strict=True))
+    return start, end
+
+
+def _drawn(part: Part, face: Face) -> tuple[float, float]:
+    """Angles of start and end as an outline has them; 0 where either is not a straight line."""
+    outlines = [
+        f for f in part.features if isinstance(f, Contour) and f.face == face and f.kind == "outer"
+    ]
+    if len(outlines) != 1 or not all(isinstance(c, Line) for c in outlines[0].curves):
+        return 0.0, 0.0
+    points = [c.start for c in outlines[0].curves]
+    ys = [y for _, y in points]
+    low, high = min(ys), max(ys)
+    if high - low < OUTLINE_TOLERANCE:
+        return 0.0, 0.0
+    bottom = [x for x, y in points if y <= low + OUTLINE_TOLERANCE]
+    top = [x for x, y in points if y >= high - OUTLINE_TOLERANCE]
+    within = [p for p in points if low + OUTLINE_TOLERANCE < p[1] < high - OUTLINE_TOLERANCE]
+    ends = (
+        (min(bottom), min(top), [p for p in within if p[0] < part.length / 2]),
+        (max(bottom), max(top), [p for p in within if p[0] > part.length / 2]),
+    )
+    for x_low, x_high, between in ends:
+        for x, y in between:
+            if abs(x - x_low - (x_high - x_low) * (y - low) / (high - low)) > OUTLINE_TOLERANCE:
+                return 0.0, 0.0  # what is not sawn says nothing of the saw
+    start, end = (degrees(atan2(a - b, high - low)) for a, b, _ in ends)
+    return (
+        start if abs(start) > ANGLE_TOLERANCE_DEG else 0.0,
+        end if abs(end) > ANGLE_TOLERANCE_DEG else 0.0,
+    )
+
+
+# --- pieces ---------------------------------------------------------------------------------------
 
 
 class CutPlane(Struct, frozen=True, gc=False):
@@ -249,147 +371,3 @@ def wedge_cuts(
 def _ends_with(bar: float | None, x: float, last: LaidPart, machine: Machine, saw: Saw) -> bool:
     """Whether nothing of a bar is left behind its last cut; of one of unknown length it may be."""
     return bar is None or bar <= x + last.ends[1].kerf(saw) / 2 + machine.format.resolution
-
-
-# --- orientations ---------------------------------------------------------------------------------
-
-# A part in the machine's axes, in each possible orientation on the rollers.
-#
-# Section axes are DSTV's (7th edition, page 7): X along the part, Y up the web from the u side, Z
-# across from the h side. Eight rotations keep the bar along X: the signed exchanges of Y and Z, X
-# reversed where the exchange alone would mirror the part. Every place is put into these axes,
-# rotated about the middle of the section's box, and read off the face that it comes to lie on.
-
-Rotation = tuple[Vector, Vector, Vector]  #: rows of the matrix
-
-AS_IT_IS: Rotation = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
-
-#: Normals of the faces that look out of a part, in section axes.
-NORMALS: dict[Face, Vector] = {
-    "v": (0.0, 0.0, 1.0), "h": (0.0, 0.0, -1.0), "o": (0.0, 1.0, 0.0), "u": (0.0, -1.0, 0.0),
-}  # fmt: skip
-_FACES = {normal: face for face, normal in NORMALS.items()}
-
-
-def rotations() -> Iterator[Rotation]:
-    """The eight rotations that map the bar's axis to itself."""
-    for swap, y, z in product((False, True), (1.0, -1.0), (1.0, -1.0)):
-        x = y * z * (-1.0 if swap else 1.0)  # so that the determinant is +1
-        if swap:
-            yield (x, 0.0, 0.0), (0.0, 0.0, y), (0.0, z, 0.0)
-        else:
-            yield (x, 0.0, 0.0), (0.0, y, 0.0), (0.0, 0.0, z)
-
-
-ROTATIONS = tuple(rotations())
-
-
-def orientations(part: Part) -> Iterator[Part]:
-    """The part as given, and in every other orientation that its section allows."""
-    yield part
-    for rotation in ROTATIONS:
-        if rotation != AS_IT_IS and _lies_alike(part.profile, rotation):
-            yield rotated(part, rotation)
-
-
-def _lies_alike(profile: Profile, rotation: Rotation) -> bool:
-    """Whether a section rests on the rollers as its kind does, after a rotation.
-
-    A U or C lies on its web, its trough up, a T on its flange, an angle on its two legs.
-    """
-    _, (_, y, _), (_, _, z) = rotation
-    swapped = y == 0.0
-    match profile.code:
-        case "M":
-            return True
-        case "I" | "B":
-            return not swapped
-        case "U" | "C" | "T" | "RO" | "RU":
-            return z == 1.0
-        case "L":
-            return swapped and rotation[1][2] == rotation[2][1] == 1.0
-    return False
-
-
-def rotated(part: Part, rotation: Rotation) -> Part:
-    """The part after a rotation; bends and cambers, which no bar's program makes, as they are."""
-    return replace(
-        part,
-        profile=_profile(part.profile, rotation),
-        cuts=_cuts(part.cuts, rotation),
-        features=tuple(_feature(f, part, rotation) for f in part.features),
-    )
-
-
-def _profile(profile: Profile, rotation: Rotation) -> Profile:
-    if rotation[1][1] != 0.0:
-        return profile
-    web = profile.web_thickness
-    return replace(
-        profile,
-        height=profile.width,
-        width=profile.height,
-        flange_thickness=profile.flange_thickness if web is None else web,
-        web_thickness=None if web is None else profile.flange_thickness,
-    )
-
-
-def _cuts(cuts: EndCuts, rotation: Rotation) -> EndCuts:
-    """The angles of the end planes, whose normals are (1, tan web, tan flange)."""
-    ends: dict[bool, tuple[float, float]] = {}
-    for at_start, web, flange in (
-        (True, cuts.web_start, cuts.flange_start),
-        (False, cuts.web_end, cuts.flange_end),
-    ):
-        x, y, z = _apply(rotation, (1.0, tan(radians(web)), tan(radians(flange))))
-        # A leading end that looks back afterwards is the trailing one.
-        ends[at_start ^ (x < 0)] = (degrees(atan2(y / x, 1.0)), degrees(atan2(z / x, 1.0)))
-    (web_start, flange_start), (web_end, flange_end) = ends[True], ends[False]
-    return EndCuts(web_start + 0.0, web_end + 0.0, flange_start + 0.0, flange_end + 0.0)
-
-
-def _feature(feature: Feature, part: Part, rotation: Rotation) -> Feature:
-    if isinstance(feature, EndPlane):
-        normal = _apply(rotation, feature.normal)
-        return replace(feature, point=_point(feature.point, part, rotation), normal=normal)
-    if not isinstance(feature, Hole | Slot | Contour | TextMark) or feature.face not in NORMALS:
-        return feature
-    face, matrix = _map(feature.face, part, rotation)
-    if isinstance(feature, Contour):
-        return replace(
-            feature, face=face, curves=tuple(c.transformed(matrix) for c in feature.curves)
-        )
-    x, y = mapped(matrix, (feature.x, feature.y))
-    if isinstance(feature, Hole):
-        return replace(feature, face=face, x=x, y=y)
-    turn = radians(feature.angle)
-    (a, b, _), (d, e, _) = matrix
-    along = a * cos(turn) + b * sin(turn), d * cos(turn) + e * sin(turn)
-    return replace(feature, face=face, x=x, y=y, angle=degrees(atan2(along[1], along[0])))
-
-
-def _map(face: Face, part: Part, rotation: Rotation) -> tuple[Face, Matrix]:
-    """The face after the rotation, and the map of the coordinates to that face."""
-    after = _FACES[_apply(rotation, NORMALS[face])]
-
-    def place(x: float, y: float) -> Point:
-        at = (x, y, 0.0) if face in ("v", "h") else (x, 0.0, y)
-        px, py, pz = _point(at, part, rotation)
-        return px, py if after in ("v", "h") else pz
-
-    (x0, y0), (x1, y1), (x2, y2) = place(0.0, 0.0), place(1.0, 0.0), place(0.0, 1.0)
-    return after, ((round(x1 - x0), round(x2 - x0), x0), (round(y1 - y0), round(y2 - y0), y0))
-
-
-def _point(at: Vector, part: Part, rotation: Rotation) -> Vector:
-    """Where a place of the part is after the rotation about the middle of its box."""
-    profile = part.profile
-    middle = (part.length / 2, profile.height / 2, profile.width / 2)
-    (mx, my, mz), (dx, dy, dz) = middle, (abs(c) for c in _apply(rotation, middle))
-    x, y, z = _apply(rotation, (at[0] - mx, at[1] - my, at[2] - mz))
-    return x + dx, y + dy, z + dz
-
-
-def _apply(rotation: Rotation, v: Vector) -> Vector:
-    x, y, z = (r[0] * v[0] + r[1] * v[1] + r[2] * v[2] + 0.0 for r in rotation)
-    return x, y, z

@@ -14,7 +14,7 @@ from math import isnan
 from msgspec.structs import replace
 
 from beamcam.checks.bars import BarRun, compared, run, run_of_events, section_of
-from beamcam.checks.bars.sequence import comment_faults, stop_comments
+from beamcam.checks.bars.magazine import comment_faults, stop_comments
 from beamcam.checks.bars.stations import MachinedFeatures
 from beamcam.checks.rules import NO_OPERATION, STOP_COMMENT, TOOL_CHANGE, WORK_ORDER
 from beamcam.controllers import cell_events

@@ -19,7 +19,8 @@ from typing import TypeVar
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.checks.bars.cuts import ANGLE_TOLERANCE_DEG, RequiredEnd, off_outline
+from beamcam.checks.bars.cuts import off_outline
+from beamcam.checks.bars.pieces import ANGLE_TOLERANCE_DEG, RequiredEnd
 from beamcam.checks.bars.stations import wall_thickness
 from beamcam.checks.bars.tools import ToolCatalogue
 from beamcam.checks.request import is_manual_work

@@ -7,7 +7,7 @@ from math import cos, pi, sin
 from msgspec.structs import replace
 
 from beamcam.checks.bars.ability import is_within
-from beamcam.checks.bars.cuts import RequiredEnd
+from beamcam.checks.bars.pieces import RequiredEnd
 from beamcam.checks.bars.stations import (
     MachinedPath,
     StampedText,

@@ -1,17 +1,28 @@
-"""The tools that a shop has: what fits a hole, what a spindle can hold, how fast each runs."""
+"""The tools that a shop has: what fits a hole, how fast each runs, in which order they work."""
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from fnmatch import fnmatchcase
 from math import inf, pi, radians, tan
 
 from msgspec import Struct
 
 from beamcam.caches import PerObject, cached
-from beamcam.checks.bars.stations import limits_of
+from beamcam.checks import rules
+from beamcam.checks.bars.pieces import CutPlane, LaidPart
+from beamcam.checks.bars.stations import (
+    Bore,
+    Cut,
+    MachinedFeatures,
+    MachinedPath,
+    StampedText,
+    Thing,
+    limits_of,
+)
+from beamcam.errors import Diagnostic, Source
 from beamcam.machine.machine import Machine
 from beamcam.machine.stations import FLAT_DEG, Cutting, Drill, ToolSet
-from beamcam.model.part import Face, Hole, Part
+from beamcam.model.part import Face, Hole, Part, Profile
 from beamcam.model.section import NO_PLATE
 
 # --- shop -----------------------------------------------------------------------------------------
@@ -94,83 +105,6 @@ class ToolCatalogue:
     def works_on(self, face: Face, part: Part) -> bool:
         """Whether a spindle works on a face of a part."""
         return face in self.faces and face not in NO_PLATE.get(part.profile.code, ())
-
-
-# --- magazine -------------------------------------------------------------------------------------
-
-# Tools available to a spindle: limited by its stations, and changed at stops.
-#
-# What is put in before the program starts is not written down; it is taken to be the tools that the
-# program needs first. At each stop a tool comes in, for one that is needed last of all: if even so
-# a tool is chosen that cannot be there, the program has forgotten to stop for it.
-
-
-Tool = tuple[str, float]  #: kind and diameter
-
-
-class Chosen(Struct, frozen=True, gc=False):
-    """A tool selected for a spindle."""
-
-    line: int
-    spindle: int  #: or the number of a pair of them
-    tool: Tool
-
-
-class Changed(Struct, frozen=True, gc=False):
-    """A stop for a manual tool change; None where the word does not name the tool."""
-
-    line: int
-    spindle: int | None
-    diameter: float | None
-
-
-def wrong_changes(own: Sequence[Chosen | Changed], stations: int) -> Iterator[Chosen | Changed]:
-    """Selections of tools that cannot be in a spindle's stations yet, and stops without need.
-
-    `own` are the tools that the spindle is commanded to take and the stops for them,
-    in their order.
-    """
-    loaded: set[Tool] = set()
-    started = False  #: whether all stations have had their first tool
-    for at, one in enumerate(own):
-        if isinstance(one, Chosen):
-            if one.tool in loaded:
-                continue
-            if started or len(loaded) >= stations:
-                yield one
-                started = True
-                _make_room(loaded, own[at:], stations)
-            loaded.add(one.tool)
-            continue
-        new = _meant(one, own[at:], loaded)
-        if new is None:
-            if one.spindle is not None:
-                yield one
-            continue
-        started = started or len(loaded) >= stations
-        _make_room(loaded, own[at:], stations)
-        loaded.add(new)
-
-
-def _meant(change: Changed, rest: Sequence[Chosen | Changed], loaded: set[Tool]) -> Tool | None:
-    """The tool that a stop brings: the next one that is needed and not there."""
-    for one in rest:
-        if isinstance(one, Changed) or one.tool in loaded:
-            continue
-        if change.diameter is None or abs(one.tool[1] - change.diameter) < 0.001:
-            return one.tool
-    return None
-
-
-def _make_room(loaded: set[Tool], rest: Sequence[Chosen | Changed], stations: int) -> None:
-    """Take out what is needed last of all, if every station is taken."""
-    if len(loaded) < stations:
-        return
-    next_use: dict[Tool, int] = {}
-    for at, one in enumerate(rest):
-        if isinstance(one, Chosen):
-            next_use.setdefault(one.tool, at)
-    loaded.discard(max(sorted(loaded), key=lambda tool: next_use.get(tool, len(rest))))
 
 
 # --- cutting data ---------------------------------------------------------------------------------
@@ -282,7 +216,8 @@ class CellLimits(Struct, frozen=True):
 
 
 def _limits(machine: Machine) -> CellLimits:
-    form, layout = machine.format, machine.layout
+    form, layout, words = machine.format, machine.layout, machine.words
+    templates = (getattr(words, name) for name in words.__struct_fields__)
     return CellLimits(
         _max_pecks(machine),
         limits_of(machine, "X"),
@@ -294,15 +229,8 @@ def _limits(machine: Machine) -> CellLimits:
             for kind in {tools.kind for tools in machine.tools}
         },
         "drill-cycle-dwell" in machine.codes.values()
-        or any(_DWELL.search(t) for t in _lines(machine)),
+        or any(_DWELL.search("\n".join(t)) for t in templates if isinstance(t, tuple)),
     )
-
-
-def _lines(machine: Machine) -> Iterator[str]:
-    """The lines of all templates of work."""
-    for name in machine.words.__struct_fields__:
-        template = getattr(machine.words, name)
-        yield from template if isinstance(template, tuple) else ()
 
 
 limits_of_cell = PerObject("verify.cells", _limits)
@@ -316,3 +244,105 @@ def _max_pecks(machine: Machine) -> dict[float, float]:
             for size in tools.sizes:
                 pecks[size] = max(pecks.get(size, 0.0), tools.max_peck or inf)
     return {size: peck for size, peck in pecks.items() if peck < inf}
+
+
+# --- order of work --------------------------------------------------------------------------------
+
+# Place by place and part by part:
+#
+#     drill -> tap         a tap cuts its thread into a hole
+#     drill -> countersink a countersink widens a hole, be it drilled or milled
+#     entry -> mill        where slots are drilled first the mill goes down into a hole (`paths`)
+#     work  -> cut         where the drills come first a part is lost to them once it is cut off
+#
+# An arrow is asked about wherever its right side stands in the program. That what stands on its
+# left is there at all, in its size and place, is asked elsewhere.
+
+
+NOUNS = {"drill": "hole", "tap": "thread", "punch": "punch mark", "mill": "slot", "scribe": "line"}
+
+
+class Done(Struct, frozen=True, gc=False):
+    """Work that was found to be of a part on the bar."""
+
+    part: int
+    work: Bore | MachinedPath | StampedText
+
+
+def place_faults(made: MachinedFeatures, machine: Machine, name: str) -> Iterator[Diagnostic]:
+    """Threads and sinks of a program that come before the hole that they need."""
+    if all(bore.kind not in ("tap", "countersink") for bore in made.bores):
+        return
+    near = machine.format.resolution + (machine.drill.merge_tolerance if machine.drill else 0.0)
+    for index, work in enumerate(made.order):
+        if not isinstance(work, Bore) or work.kind not in ("tap", "countersink"):
+            continue
+        if not any(_is_hole_of(work, other, near) for other in made.order[:index]):
+            hole = "the drill" if work.kind == "tap" else "its hole"
+            yield too_early(work, f"before {hole}", f"{hole} first", name)
+
+
+def parting_faults(
+    made: MachinedFeatures, laid: Sequence[LaidPart], done: Iterable[Done],
+    cuts: Sequence[CutPlane], machine: Machine, profile: Profile, name: str,
+) -> Iterator[Diagnostic]:  # fmt: skip
+    """Work on a part that is cut off already, where the bar comes to the drills before the saw."""
+    if machine.layout is None or machine.layout.order != "drill-saw":
+        return
+    place: dict[int, int] = {}  #: line of some work -> its place in the order of work
+    for index, work in enumerate(made.order):
+        place.setdefault(work.line, index)
+    freed = [None if one.piece is None else one.piece.end.cut.line for one in laid]
+    for one in sorted(done, key=lambda one: one.work.line):
+        cut = freed[one.part]
+        if cut and place[one.work.line] > place[cut]:
+            yield _cut_off(one.work, cut, name)
+    rise = (-1.0 if machine.saw is not None and machine.saw.pivot == "o" else 1.0) * profile.height
+    spans = {cut.cut.line: _span(cut, rise, profile.width) for cut in cuts}
+    reached: tuple[float, int] | None = None  #: how far the bar is cut off, and by which line
+    for line, (least, greatest) in sorted(spans.items(), key=lambda span: place[span[0]]):
+        if reached is not None and greatest < reached[0]:
+            cut_off = next(cut.cut for cut in cuts if cut.cut.line == line)
+            yield _cut_off(cut_off, reached[1], name)
+        elif reached is None or least > reached[0]:
+            reached = least, line
+
+
+def _span(cut: CutPlane, rise: float, width: float) -> tuple[float, float]:
+    """Between which bar x a cut lies."""
+    xs = [cut.along(y, z) for y in (0.0, rise) for z in (0.0, width)]
+    return min(xs), max(xs)
+
+
+def _is_hole_of(work: Bore, other: Thing, near: float) -> bool:
+    """Whether a tap or countersink goes into what was made before."""
+    if isinstance(other, Bore):
+        return (
+            other.kind in ("drill", "tap")
+            and other.kind != work.kind
+            and other.face == work.face
+            and abs(other.x - work.x) <= near
+            and abs(other.y - work.y) <= near
+        )
+    if work.kind == "tap" or not isinstance(other, MachinedPath) or other.face != work.face:
+        return False
+    xs, ys = [x for x, _ in other.points], [y for _, y in other.points]
+    return other.kind == "mill" and (
+        min(xs) - near <= work.x <= max(xs) + near and min(ys) - near <= work.y <= max(ys) + near
+    )
+
+
+def too_early(work: Bore | MachinedPath, found: str, expected: str, name: str) -> Diagnostic:
+    x, y = work.points[0] if isinstance(work, MachinedPath) else (work.x, work.y)
+    return rules.WORK_ORDER.at(
+        Source(name, work.line), what=f"a {work.kind} {work.diameter:g}", face=work.face,
+        x=f"{x:g}", y=f"{y:g}", found=found, expected=expected,
+    )  # fmt: skip
+
+
+def _cut_off(work: Thing, cut: int, name: str) -> Diagnostic:
+    what = "a cut" if isinstance(work, Cut) else "a text"
+    if isinstance(work, Bore | MachinedPath):
+        what = f"a {NOUNS.get(work.kind, work.kind)}"
+    x = work.points[0][0] if isinstance(work, MachinedPath) else work.x
+    return rules.CUT_OFF.at(Source(name, work.line), what=what, found=f"{x:g}", cut=cut)

@@ -36,7 +36,7 @@ def verify_coping(
     from beamcam.checks.coping.section import lying
     from beamcam.checks.coping.tube import tube_faults, tube_section
     from beamcam.checks.coping.wanted import may_be_left
-    from beamcam.model.pipes import rolled
+    from beamcam.model.rounds import rolled
 
     coper = machine.needed(machine.coper, "coper")
     events, diagnostics = cell_events(text, machine, name)

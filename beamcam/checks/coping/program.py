@@ -14,7 +14,7 @@ from beamcam.errors import Diagnostic, Source, errors_in
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import is_row_for, material_said
 from beamcam.model.part import Part, Profile
-from beamcam.model.pipes import rolled
+from beamcam.model.rounds import rolled
 from beamcam.model.section import measures_of
 
 #: A round tube, which its diameter and its wall say, in the catalogue or not.

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from msgspec.structs import replace
 
-from beamcam.checks.bars.pieces import Rotation, rotated
+from beamcam.checks.bars.orientations import Rotation, rotated
 from beamcam.machine.coper import Coper
 from beamcam.model.part import Bevel, Contour, Feature, Part, Profile
 

@@ -12,7 +12,7 @@ from beamcam.errors import Diagnostic, Source
 from beamcam.machine.coper import TUBES, Coper
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
-from beamcam.model.pipes import SLACK, is_unrolled, named_diameters, rolled
+from beamcam.model.rounds import SLACK, is_unrolled, named_diameters, rolled
 from beamcam.model.section import section_fault
 from beamcam.planning import rules as bar_rules
 from beamcam.planning.coping import rules

@@ -5,7 +5,10 @@ since each stands on the hole that it sinks.
 """
 
 from bisect import bisect_left, bisect_right
-from collections.abc import Iterable, Iterator, Sequence
+from collections import defaultdict
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from math import floor
+from operator import itemgetter
 
 from beamcam.caches import PerObject
 from beamcam.errors import Diagnostic, warning
@@ -14,25 +17,20 @@ from beamcam.machine.machine import Machine
 from beamcam.machine.stations import Drill
 from beamcam.model.description import named
 from beamcam.model.part import Face, Hole
-from beamcam.model.plan import DrillOp, FeatureRef, Plan, WorkOp
 from beamcam.planning.axis_limits import refuse_steps
 from beamcam.planning.operations.finished_part import TOLERANCE
-from beamcam.planning.operations.hole_pairs import (
+from beamcam.planning.operations.part_planner import (
     ROUNDING,
     Group,
-    Placed,
-    drop_duplicates,
-    judge_pairs,
-    merge_pairs,
-    refuse_many_pairs,
-    refuse_too_near,
-    unmerged_because,
-)
-from beamcam.planning.operations.part_planner import (
     PartPlanner,
+    Placed,
     WorkKind,
+    judge_pairs,
     refuse_face,
+    refuse_many_pairs,
     refuse_place,
+    refuse_too_near,
+    runs,
 )
 from beamcam.planning.operations.slot import pocket_path
 from beamcam.planning.operations.tools import (
@@ -40,9 +38,7 @@ from beamcam.planning.operations.tools import (
     HoleWork,
     Settled,
     Tooling,
-    ToolLibrary,
     WorkingStep,
-    library_of,
     toolings_of,
 )
 
@@ -69,9 +65,116 @@ REASONS = {
     "merge-pair": "the same hole on both flanges: both spindles at once",
     "from-behind": "through the one plate that the face behind shares",
 }
-DRILL_REASONS = ("drill-exact", "drill-nearest", "drill-twin")
 _NO_REASONS: tuple[str, ...] = ()
 SUNK = ("through", "blind", "thread", "left-thread")  #: kinds of holes that a sink stands on
+
+
+# --- merging --------------------------------------------------------------------------------------
+
+# Duplicate holes, and flange holes that two spindles drill in one stroke.
+#
+# Two holes of one face that are the same in every figure are one hole that was written twice; it
+# is drilled once, and the second is listed. Two holes on the two faces of a pair of spindles are
+# one stroke if both are there with the same x, y, diameter, depth, kind and cone: 49.95 and 50.00
+# are the same place, since that is what two exports of one model leave (`merge_tolerance`).
+#
+# The holes are walked in order of x, so that each looks only at those a tolerance further on.
+
+
+_NEAR = (-1, 0, 1)
+
+
+def drop_duplicates(holes: Group, tolerance: float) -> tuple[Group, dict[int, Placed]]:
+    """Of `holes`, sorted, each once; and for the index of each dropped one which it repeats.
+
+    Of holes that are the same the first of the part's features stays.
+    """
+    repeats: dict[int, Placed] = {}
+    limit = tolerance + ROUNDING
+    width = 2 * limit  # of a cell: holes that are the same lie in neighbours
+    kept: defaultdict[tuple[int, int], list[Placed]] = defaultdict(list)
+    for run in runs(holes, limit):
+        if len(run) == 1:
+            continue
+        for placed in sorted(run, key=itemgetter(1)):
+            x, f, hole = placed
+            column, row = floor(x / width), floor(hole.y / width)
+            near = [cell for i in _NEAR for j in _NEAR if (cell := kept.get((column + i, row + j)))]
+            like = [p for cell in near for p in cell if _is_same(p[2], hole, limit)]
+            if like:
+                repeats[f] = min(like, key=itemgetter(1))
+            else:
+                kept[column, row].append(placed)
+    if not repeats:
+        return holes, repeats
+    return tuple([p for p in holes if p[1] not in repeats]), dict(sorted(repeats.items()))
+
+
+def _is_same(a: Hole, b: Hole, limit: float) -> bool:
+    """Whether two holes are on one face and the same in every figure."""
+    return (
+        a.face == b.face
+        and abs(a.y - b.y) <= limit
+        and abs(a.x - b.x) <= limit
+        and a.diameter == b.diameter
+        and (a.kind, a.depth, a.angle) == (b.kind, b.depth, b.angle)
+    )
+
+
+def alike(a: Hole, b: Hole, limit: float) -> bool:
+    """Whether two holes are the same but for face and place."""
+    if a.depth is None or b.depth is None:
+        deep = a.depth is b.depth
+    else:
+        deep = abs(a.depth - b.depth) <= limit
+    same = a.kind == b.kind and (a.angle or 0.0) == (b.angle or 0.0)
+    return deep and same and abs(a.diameter - b.diameter) <= limit
+
+
+def merge_pairs(holes: Group, partners: Mapping[Face, Face], drill: Drill) -> Iterator[Group]:
+    """The holes, sorted, one by one, or two that are the same on a face and its partner.
+
+    Each hole finds at most one partner, the nearest.
+    """
+    for run in runs(holes, drill.merge_tolerance + ROUNDING):
+        if len(run) == 1:
+            yield run
+            continue
+        taken: set[int] = set()
+        for i, placed in enumerate(run):
+            _, f, hole = placed
+            if f in taken:
+                continue
+            face = partners.get(hole.face)
+            found = None if face is None else _partner(run, i, face, taken, drill)
+            if found is None:
+                yield (placed,)
+            else:
+                taken.add(found[1])
+                yield (placed, found) if hole.face < found[2].face else (found, placed)
+
+
+def _partner(
+    holes: Group, i: int, face: Face, taken: Collection[int], drill: Drill
+) -> Placed | None:
+    """The nearest hole behind `holes[i]` that is the same on `face` and has no partner yet."""
+    reach, limit = drill.merge_tolerance + ROUNDING, drill.same_tool_tolerance + ROUNDING
+    x, _, hole = holes[i]
+    best: tuple[float, int] | None = None
+    partner: Placed | None = None
+    for j in range(i + 1, len(holes)):
+        other_x, f, other = holes[j]
+        dx = other_x - x
+        if dx > reach:
+            break
+        if other.face != face or f in taken:
+            continue
+        dy = abs(other.y - hole.y)
+        if dy <= reach and alike(hole, other, limit):
+            rank = dx + dy, f
+            if best is None or rank < best:
+                best, partner = rank, holes[j]
+    return partner
 
 
 def _needs(hole: Hole, planner: PartPlanner) -> Diagnostic | None:
@@ -249,49 +352,4 @@ def _sinks(
                 yield from _make((placed,), planner, size, place)
 
 
-def _rejected(op: WorkOp, plan: Plan, machine: Machine) -> Iterator[str]:
-    """The drills that would do too, and why a hole is not made together with one beside it."""
-    if isinstance(op, DrillOp):
-        library = library_of(machine)
-        yield from _other_drills(op, plan, library)
-        yield from _missed_merges(op, plan, machine, library)
-
-
-def _holes(op: WorkOp, plan: Plan) -> Iterator[tuple[FeatureRef, Hole]]:
-    for p, f in op.features:
-        feature = plan.pieces[p].part.features[f]
-        if isinstance(feature, Hole):
-            yield (p, f), feature
-
-
-def _other_drills(op: DrillOp, plan: Plan, library: ToolLibrary) -> Iterator[str]:
-    """The drills that are within the tolerance too."""
-    diameters = tuple(hole.diameter for _, hole in _holes(op, plan))
-    if op.tool.kind != "drill" or op.reasons[0] not in DRILL_REASONS:
-        return
-    for tool in library.fitting(diameters, op.faces):
-        if tool != op.tool:
-            off = max(abs(tool.diameter - d) for d in diameters)
-            used = max(abs(op.tool.diameter - d) for d in diameters)
-            because = (
-                "no nearer"
-                if off - used <= library.drill.same_tool_tolerance + 1e-9
-                else "further off"
-            )
-            yield f"{tool.name}: {off:g} mm off, {because}"
-
-
-def _missed_merges(
-    op: DrillOp, plan: Plan, machine: Machine, library: ToolLibrary
-) -> Iterator[str]:
-    """Holes on the opposite flange that are nearly the same."""
-    for ref, hole in _holes(op, plan) if len(op.faces) == 1 else ():
-        partner = partner_faces(machine).get(hole.face)
-        for f, other in enumerate(plan.pieces[ref[0]].part.features):
-            if isinstance(other, Hole) and other.face == partner:
-                because = unmerged_because(hole, other, library.drill)
-                if because is not None:
-                    yield f"both flanges at once ({other.source}, feature {f + 1}): {because}"
-
-
-HOLE = WorkKind("hole", _needs, _refusals, _steps, REASONS, _rejected)
+HOLE = WorkKind("hole", _needs, _refusals, _steps, REASONS)

@@ -146,10 +146,6 @@ class ToolLibrary:
         limit = diameter + self.drill.same_tool_tolerance
         return tuple(t for t in self.of_kind("mill", faces) if t.diameter <= limit)[-1:]
 
-    def largest_drill(self, faces: tuple[Face, ...]) -> float:
-        """Diameter of the largest drill; 0 if there is none."""
-        return max((t.diameter for t in self.of_kind("drill", faces)), default=0.0)
-
 
 #: The tools of a machine; none of one that does not drill.
 library_of: PerObject[Machine, ToolLibrary] = PerObject(
@@ -284,7 +280,8 @@ def _plain(library: ToolLibrary, hole: HoleWork) -> tuple[Tooling, ...] | Refusa
     if drills:
         return (Tooling(spindle, drills, faces, depth, hole.why, diameter=hole.diameters[0]),)
     diameter = max(hole.diameters)
-    if len(faces) == 1 and diameter > library.largest_drill(faces):
+    largest = max((drill.diameter for drill in library.of_kind("drill", faces)), default=0.0)
+    if len(faces) == 1 and diameter > largest:
         mills = library.ring_mill(diameter, faces)
         if mills:
             reasons = ("mill-circle", *hole.why)

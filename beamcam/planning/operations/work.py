@@ -1,28 +1,34 @@
 """The work of each part, independent of its place on a bar.
 
-ends -> each feature by itself: what it needs, and its place on the finished part
+ends, as far as a saw makes them
+     -> each feature by itself: what it needs, and its place on the finished part
      -> the steps of each kind of work
      -> steps that no axis comes to
      -> refused, or left out where that is allowed
 """
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from math import atan, cos, degrees, pi, radians, sqrt, tan
 
 from msgspec import Struct
+from msgspec.structs import replace
 
-from beamcam.errors import Diagnostic, PlanError, Source, errors_in
+from beamcam.errors import Diagnostic, PlanError, Source, error, errors_in, note
+from beamcam.machine.machine import Machine
+from beamcam.machine.stations import Saw, SawSection
+from beamcam.model.description import description
 from beamcam.model.part import Bend, Camber, Contour, EndPlane, Feature, Hole, Part, Slot, TextMark
-from beamcam.model.pipes import is_unrolled
-from beamcam.model.request import policy_on
-from beamcam.model.section import section_fault
+from beamcam.model.request import policy_on, rolled_on
+from beamcam.model.rounds import SLACK, is_unrolled, named_diameters, unseen
+from beamcam.model.section import corners, section_fault
 from beamcam.planning import rules
 from beamcam.planning.axis_limits import refuse_steps
 from beamcam.planning.left_out import listed_by, refuse_mark
-from beamcam.planning.operations.finished_part import SQUARE, Ends, ends_of
+from beamcam.planning.operations.finished_part import SQUARE, Ends, SawnEnd, ends_of
 from beamcam.planning.operations.hole import HOLE
 from beamcam.planning.operations.marks import LINE, TEXT
+from beamcam.planning.operations.outlines import CONTOUR, OTHER
 from beamcam.planning.operations.part_planner import BarLine, PartPlanner, WorkKind
-from beamcam.planning.operations.saw_cut import CONTOUR, OTHER, SAW_CUT
 from beamcam.planning.operations.slot import SLOT
 from beamcam.planning.operations.tools import Settled, WorkingStep
 
@@ -31,7 +37,7 @@ from beamcam.planning.operations.tools import Settled, WorkingStep
 # The kinds of work on a bar, in the order in which a part gets their steps.
 
 
-KINDS = (HOLE, SLOT, LINE, CONTOUR, TEXT, OTHER, SAW_CUT)
+KINDS = (HOLE, SLOT, LINE, CONTOUR, TEXT, OTHER)
 REASONS = {code: said for kind in KINDS for code, said in kind.reasons.items()}
 KIND_OF = {
     Hole: HOLE, Slot: SLOT, Contour: CONTOUR, TextMark: TEXT,
@@ -75,7 +81,7 @@ def refuse_stock(parts: Sequence[Part], line: BarLine) -> None:
             refusals.append(
                 rules.MIXED_PROFILES.at(part.source, found=mine.name, expected=profile.name)
             )
-        if is_unrolled(mine):
+        if mine.code == "B" and is_unrolled(mine):
             refusals.append(rules.UNROLLED.at(
                 part.source, found=mine.name, expected="a flat bar, or a pipe of profile code RO",
             ))  # fmt: skip
@@ -127,8 +133,11 @@ def _work_on(part: Part, line: BarLine, skips: Collection[str]) -> PartWork:
     except PlanError as error:
         return PartWork(part, SQUARE, error.diagnostics)
     planner = PartPlanner(part, ends, line)
-    of_ends = [diagnostic for end in ends if (diagnostic := SAW_CUT.needs(end, planner))]
-    of_ends += SAW_CUT.refusals(ends, planner)
+    of_ends: list[Diagnostic] = []
+    for end in ends:
+        if not end.is_square and (lacking := _refuse_cut(end, _turning_saw(line), part)):
+            of_ends.append(lacking)
+    of_ends += _judge_ends(ends, part, line.saw)
     _put_features(planner)
     for kind in KINDS:
         if accepted := planner.accepted[kind.name]:
@@ -178,3 +187,175 @@ def _is_made(f: int, mark: Feature, planner: PartPlanner) -> bool:
     elif diagnostic is not None:
         planner.refused[f] = diagnostic
     return why is None and diagnostic is None
+
+
+# --- ends -----------------------------------------------------------------------------------------
+
+# Whether the saw makes the ends of a part, which is said of the part alone.
+
+
+SAW_ANGLE = error("plan-saw-angle",
+    "found a cut of {found} degrees at the {end}; expected one from {least} to {greatest}, as far "
+    "as the saw turns",
+    "The mitre is outside the saw's range. Angles are given as in the input.")  # fmt: skip
+FLANGE_CUT = error("plan-flange-cut",
+    "found a flange cut of {found} degrees at the {end}; expected {expected}",
+    "The blade does not tilt, or it tilts one way only; a part that is turned may need that "
+    "way.")  # fmt: skip
+COMPOUND = error("plan-compound",
+    "found a cut of {web} degrees on the web and {flange} on the flange at the {end}; expected one "
+    "of them, the saw cannot turn and tilt at once",
+    "A compound mitre needs a saw whose blade tilts while the saw is turned.")  # fmt: skip
+CUTS_CROSS = error("plan-cuts-cross",
+    "found end cuts that cross by {found} mm at y {y}, z {z}; expected the part to be longer than "
+    "both mitres there",
+    "Nothing is left of the part where its two end cuts meet.")  # fmt: skip
+CUTS_TOUCH = note("plan-cuts-touch",
+    "the end cuts meet in a point at y {y}, z {z}",
+    "The part is as long as its two mitres, and ends there in an edge.")  # fmt: skip
+SAW_REACH = error("plan-saw-reach",
+    "found a section of {found} mm at a cut of {angle} degrees at the {end}; expected at most "
+    "{expected} mm (height x width), as the blade reaches at that angle",
+    "A blade that is turned reaches less far across. `saw.max_sections` of the machine file says "
+    "how far at which angle.")  # fmt: skip
+TOUCH = 0.01  #: mm; ends that are as near meet in a point
+
+
+def _refuse_cut(end: SawnEnd, saw: Saw, part: Part) -> Diagnostic | None:
+    """Why the saw cannot make a skew end; None if it can."""
+    angle, tilt = saw_angles(end, saw)
+    if end.web_deg and not saw.min_angle <= angle <= saw.max_angle:
+        least, greatest = sorted(
+            (limit - saw.zero_angle) * saw.angle_sign for limit in (saw.min_angle, saw.max_angle)
+        )
+        return SAW_ANGLE.at(
+            part.cut_source("web", end.at), found=f"{end.web_deg:g}", end=end.at,
+            least=f"{least:g}", greatest=f"{greatest:g}",
+        )  # fmt: skip
+    if end.flange_deg and not saw.min_tilt <= tilt <= saw.max_tilt:
+        expected = "0, the blade does not tilt"
+        if saw.min_tilt != saw.max_tilt:
+            least, greatest = sorted(saw.tilt_sign * t for t in (saw.min_tilt, saw.max_tilt))
+            expected = f"one from {least + 0.0:g} to {greatest + 0.0:g}"
+        source = part.cut_source("flange", end.at)
+        return FLANGE_CUT.at(source, found=f"{end.flange_deg:g}", end=end.at, expected=expected)
+    if end.web_deg and end.flange_deg and not saw.compound:
+        source = part.cut_source("flange", end.at)
+        return COMPOUND.at(source, web=f"{end.web_deg:g}", flange=f"{end.flange_deg:g}", end=end.at)
+    return None
+
+
+def _turning_saw(line: BarLine) -> Saw:
+    """The saw with those of its angles that its axis turns to."""
+    saw = line.saw
+    for axis in line.machine.axes:
+        if axis.moves == "angle" and axis.spindle is None:
+            least, greatest = axis.limits
+            if least > saw.min_angle or greatest < saw.max_angle:
+                least, greatest = max(least, saw.min_angle), min(greatest, saw.max_angle)
+                return replace(saw, min_angle=least, max_angle=greatest)
+    return saw
+
+
+def _judge_ends(ends: Ends, part: Part, saw: Saw) -> Iterator[Diagnostic]:
+    """Errors and remarks on the two ends of a part, together and one by one."""
+    start, end = ends
+    at_end = part.cut_source("web" if end.web_deg else "flange", "end")
+    if not (start.is_square and end.is_square):
+        left, y, z = min(
+            (end.x(y, z) - start.x(y, z), y, z) for y, z in corners(part.profile, part.section)
+        )
+        if left < -TOUCH:
+            yield CUTS_CROSS.at(at_end, found=f"{-left:.3f}", y=f"{y:g}", z=f"{z:g}")
+        elif left <= TOUCH:
+            yield CUTS_TOUCH.at(at_end, y=f"{y:g}", z=f"{z:g}")
+    if not saw.max_sections:
+        return
+    height, width = part.profile.height, part.profile.width
+    for each in ends:
+        angle = saw_angles(each, saw)[0]
+        reach = _reach_at(abs(angle - saw.zero_angle), saw)
+        if reach is None or (height <= reach.max_height and width <= reach.max_width):
+            continue
+        yield SAW_REACH.at(
+            part.cut_source("web", each.at), found=f"{height:g} x {width:g}",
+            angle=f"{each.web_deg:g}", end=each.at,
+            expected=f"{reach.max_height:g} x {reach.max_width:g}",
+        )  # fmt: skip
+
+
+def _reach_at(off_square_deg: float, saw: Saw) -> SawSection | None:
+    """The row of the machine for an angle; the last one beyond all of them."""
+    rows = sorted(saw.max_sections, key=lambda row: row.max_angle)
+    fitting = (row for row in rows if off_square_deg <= row.max_angle + 1e-9)
+    return next(fitting, rows[-1] if rows else None)
+
+
+def saw_angles(end: SawnEnd, saw: Saw) -> tuple[float, float]:
+    """Angle and tilt of the blade for an end, in the machine's counting.
+
+    The blade turned by w and tilted by t has the normal (cos t cos w, cos t sin w, sin t), which
+    is along (1, tan w, tan f) of the end if tan t = tan f cos w.
+    """
+    angle = saw.zero_angle + saw.angle_sign * end.web_deg
+    if not end.flange_deg:
+        return angle, 0.0
+    tilt = degrees(atan(tan(radians(end.flange_deg)) * cos(radians(end.web_deg))))
+    return angle, saw.tilt_sign * tilt
+
+
+# --- rounds ---------------------------------------------------------------------------------------
+
+# Plates that are sawn as pipes, and what no side of a round shows.
+
+
+PIPE = note("plan-pipe",
+    "found a plate {found} {height} mm wide; it is the unrolled surface of a pipe {diameter} mm in "
+    "diameter, and is sawn as that pipe",
+    "Some exporters write a pipe as a plate as wide as its circumference.")  # fmt: skip
+ROUND = error("plan-round",
+    "found {what}, which is the unrolled surface of a round bar; expected {expected}",
+    "Face v of a round is its surface, unrolled: y counts the arc from its lowest line, and v is a "
+    "quarter of the way round. A spindle drills square to the surface only in the middle of v, o, "
+    "h or u, and the saw cuts planes. A machine for tubes makes the others; --allow-skips "
+    "cutout leaves them out.")  # fmt: skip
+LEFT_OUT_AS = "cutout"  #: name of what is not seen square for --allow-skips
+PLANE_ENDS = "one as wide as the round, of two plane ends that lean in the view of v alone"
+
+
+def told_of_round(
+    given: Part, machine: Machine, skips: Collection[str] = ()
+) -> Iterator[Diagnostic]:
+    """That a plate is sawn as a pipe, and errors for what spindles and saw cannot make of it.
+
+    Where `skips` has cut-outs, what is not seen square is left out as one.
+    """
+    part = rolled_on(machine, given)
+    plate, diameter = given.profile, part.profile.height
+    if part is not given:
+        named_mm = named_diameters(plate.name)
+        if named_mm and min(abs(one - diameter) for one in named_mm) > SLACK:
+            nearest = min(named_mm, key=lambda one: abs(one - diameter))
+            expected = f"{pi * nearest:.2f} mm of width, the circumference that its name has"
+            yield rules.UNROLLED.at(given.source, found=plate.name, expected=expected)
+            return
+        yield PIPE.at(
+            given.source, found=plate.name, height=f"{plate.height:g}", diameter=f"{diameter:.2f}"
+        )
+    if not part.profile.is_round:
+        return
+    quarters = ", ".join(f"{k * pi / 4 * diameter:.2f}" for k in range(4))
+    wall = max(part.profile.flange_thickness, part.profile.web_thickness or 0.0)
+    deeper = machine.drill.breakthrough if machine.drill else 0.0
+    for hole in part.features if part.profile.code == "RO" and wall else ():
+        if isinstance(hole, Hole | Slot) and hole.depth is None and hole.kind != "mark":
+            # Beside its middle the wall curves away from the drill.
+            inner = diameter / 2 - wall
+            sag = inner - sqrt(max(0.0, inner**2 - (hole.diameter / 2) ** 2))
+            if sag > deeper:
+                expected = f"one through a wall that curves by {deeper:g} mm, not {sag:.2f}"
+                yield ROUND.at(hole.source, what=description(hole), expected=expected)
+    for feature in unseen(part) if LEFT_OUT_AS not in skips else ():
+        is_end = isinstance(feature, Contour) and feature.kind == "outer"
+        expected = PLANE_ENDS if is_end else f"it in the middle of a face, at y {quarters}"
+        yield ROUND.at(feature.source, what=description(feature), expected=expected)

@@ -30,7 +30,7 @@ from beamcam.readers.dstv.blocks import (
     split_lines,
 )
 from beamcam.readers.dstv.contours import ContourRows, build_contour, is_mirrored, read_contour_rows
-from beamcam.readers.dstv.header import header_lines, read_header
+from beamcam.readers.dstv.header import header_lines, read_header, upright
 from beamcam.readers.dstv.lint import check
 from beamcam.readers.dstv.rows import (
     FACE_LETTERS,
@@ -47,10 +47,6 @@ from beamcam.readers.dstv.rows import (
     read_text,
     read_tolerance,
 )
-from beamcam.readers.dstv.tees import upright
-
-__all__ = ["Account", "looks_like", "read", "read_with_account"]
-
 
 #: What stands before the rows of features that are there, and what says that the ends are.
 MADE, MADE_ENDS = "**BEAMCAM MADE ", "ENDS"
@@ -401,9 +397,8 @@ def _row_stops(rows: ContourRows, feature: int) -> list[Stop]:
     A comment stands between two rows, so that turning round puts it before the other one.
     """
     lines = sorted({*rows.lines, *rows.notch_lines})
-    count = len(lines)
     return [
-        (line, f"feature:{feature}:{count - row if rows.turned else row}")
+        (line, f"feature:{feature}:{len(lines) - row if rows.turned else row}")
         for row, line in enumerate(lines)
         if row
     ]

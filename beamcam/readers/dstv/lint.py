@@ -22,7 +22,7 @@ from beamcam.model.part import (
     Slot,
     TextMark,
 )
-from beamcam.model.pipes import is_unrolled
+from beamcam.model.rounds import is_unrolled
 from beamcam.model.section import STEEL_KG_MM3, WALLED, section_area, section_fault
 from beamcam.readers.dstv import rules
 from beamcam.readers.dstv.blocks import Log
@@ -259,7 +259,7 @@ def _region(part: Part, outlines: list[_Outline] | None, face: str) -> _Region:
 
 def _face_width(profile: Profile, face: str) -> float:
     """Extent of a face across the part; round sections are unrolled in v (page 14)."""
-    if profile.code in ("RO", "RU"):
+    if profile.is_round:
         return pi * profile.height
     width = profile.face_width(face)
     if profile.code == "B" and face in ("o", "u"):  # the edge of a plate; its width is often 0

@@ -17,7 +17,7 @@ from beamcam.model.part import EndCuts, Feature, Hole, Part, Profile, Slot
 from beamcam.pipeline import parts_of, post, read_file
 from beamcam.planning import beam
 from beamcam.planning.operations import hole as hole_kind
-from beamcam.planning.operations import saw_cut, slot
+from beamcam.planning.operations import slot, work
 from beamcam.planning.operations.finished_part import FinishedPart
 from beamcam.readers import read
 from tests.conftest import GOLDEN, SAMPLES, examples
@@ -137,7 +137,7 @@ def test_sections_that_the_machine_does_not_take(
     what: str, profile: Profile, machine: Machine, said: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(beam, "refuse_stock", lambda *_: [])
-    monkeypatch.setattr(saw_cut, "_reach_at", lambda *_: None)
+    monkeypatch.setattr(work, "_reach_at", lambda *_: None)
     machine = replace(machine, sections={**machine.sections, profile.code: 9})
     assert any(said in one for one in refused(part(profile=profile), machine))
 
@@ -153,7 +153,7 @@ def test_sections_that_the_machine_does_not_take(
 def test_a_turned_blade_reaches_less_far(
     profile: Profile, mitre: float, said: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(saw_cut, "_reach_at", lambda *_: None)
+    monkeypatch.setattr(work, "_reach_at", lambda *_: None)
     found = refused(part(profile=profile, mitre=mitre))
     assert found == [] if not said else said in found[0]
 

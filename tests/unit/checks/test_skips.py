@@ -4,8 +4,7 @@ import pytest
 from hypothesis import event, given, settings
 from hypothesis import strategies as st
 
-from beamcam.checks.bars import skippable
-from beamcam.checks.bars.ability import repeats
+from beamcam.checks.bars.ability import repeats, skippable
 from beamcam.checks.bars.targets import is_same
 from beamcam.checks.bars.tools import ToolCatalogue
 from beamcam.errors import PlanError, Source

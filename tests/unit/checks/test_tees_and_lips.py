@@ -6,7 +6,8 @@ from collections import Counter
 import pytest
 from msgspec.structs import replace
 
-from beamcam.checks.bars import skippable, verify
+from beamcam.checks.bars import verify
+from beamcam.checks.bars.ability import skippable
 from beamcam.errors import Diagnostic, PlanError, errors_in
 from beamcam.geometry.curves import Line
 from beamcam.machine import load

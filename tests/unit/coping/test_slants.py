@@ -12,11 +12,11 @@ from msgspec.structs import replace
 from beamcam.checks.coping import verify_coping
 from beamcam.errors import PlanError, errors_in
 from beamcam.machine import load
-from beamcam.machine_choice import chain_of
 from beamcam.model.part import Contour, EndCuts, Hole, Part
 from beamcam.model.request import Request
 from beamcam.planning.coping.plan import plan_coping
 from beamcam.planning.left_out import manual_rows
+from beamcam.rest_part import chain_of
 from beamcam.solid.opinion import solid_faults
 from beamcam.solid.part_solid import part_solid
 from tests.conftest import examples

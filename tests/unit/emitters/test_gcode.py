@@ -6,8 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from beamcam.emitters import numbered
-from beamcam.emitters.gcode import emit
+from beamcam.emitters.gcode import emit, numbered
 from beamcam.errors import Source
 from beamcam.machine import load
 from beamcam.machine.machine import Machine

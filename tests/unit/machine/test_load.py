@@ -9,7 +9,8 @@ import pytest
 from beamcam.arguments import load_tested
 from beamcam.conversion import Fault, converted
 from beamcam.errors import MachineError
-from beamcam.machine import load, settings, shipped, words
+from beamcam.machine import load, shipped, words
+from beamcam.machine.keys import settings
 from beamcam.machine.load import files_of_machine, merged
 from beamcam.machine.machine import MachineFile
 from beamcam.machine.toml import line_of

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from beamcam.checks.sheets.chart_rows import rows_on
 from beamcam.errors import MachineError, PlanError
 from beamcam.machine import load, shipped
-from beamcam.machine.load import settings
-from beamcam.machine.overlay import with_more_rows
+from beamcam.machine.keys import settings
+from beamcam.machine.toml import with_more_rows
 from beamcam.machine.torch import TorchRow, is_row_for, material_of, material_said
 from beamcam.model.part import Part
 from beamcam.pipeline import post

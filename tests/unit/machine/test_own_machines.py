@@ -8,19 +8,10 @@ import pytest
 
 from beamcam.arguments import load_machine
 from beamcam.errors import MachineError
-from beamcam.machine import (
-    DEFAULT_MACHINE,
-    DEFAULTS,
-    default_machines,
-    is_of_sheets,
-    load,
-    machine_folders,
-    own_machines,
-    resolved,
-    shipped,
-)
+from beamcam.machine import load, shipped
 from beamcam.machine.keys import machine_keys, starting_file
-from beamcam.machine.load import files_of_machine, merged
+from beamcam.machine.load import files_of_machine, machine_folders, merged, own_machines, resolved
+from beamcam.machine.machine import DEFAULT_MACHINE, DEFAULTS, default_machines, is_of_sheets
 from beamcam.machine.words import WORD_NAMES
 from beamcam.readers import is_of_programs
 from tests.conftest import ROOT, SAMPLES, sampled

@@ -10,7 +10,7 @@ from beamcam.arguments import load_machine
 from beamcam.errors import MachineError
 from beamcam.machine import load, shipped
 from beamcam.machine.keys import machine_keys
-from beamcam.machine.overlay import former_name, with_present_keys
+from beamcam.machine.toml import former_name, with_present_keys
 from tests.conftest import SAMPLES
 from tests.runs import call
 

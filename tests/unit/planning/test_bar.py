@@ -17,7 +17,7 @@ from beamcam.model.section import corners
 from beamcam.planning import from_store
 from beamcam.planning.beam import plan_bar
 from beamcam.planning.operations.finished_part import SawnEnd, ends_of, leaves_stock, web_borders
-from beamcam.planning.operations.saw_cut import saw_angles
+from beamcam.planning.operations.work import saw_angles
 from beamcam.solid.kernel import outline as outline_of_section
 from tests.unit.planning.shop import ANGLE, BEAM, CHANNEL, SOURCE, TUBE, part, plan
 

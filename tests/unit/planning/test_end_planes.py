@@ -5,8 +5,8 @@ from math import radians, tan
 import pytest
 from msgspec.structs import replace
 
-from beamcam.checks.bars.cuts import ends_of
-from beamcam.checks.bars.pieces import orientations
+from beamcam.checks.bars.orientations import orientations
+from beamcam.checks.bars.pieces import ends_of
 from beamcam.errors import Diagnostic, PlanError
 from beamcam.machine import load
 from beamcam.machine.machine import saw_of
@@ -14,7 +14,7 @@ from beamcam.model.part import EndCuts, EndPlane, Part, Profile
 from beamcam.model.section import corners
 from beamcam.pipeline import RefusedProgram, post
 from beamcam.planning.beam import plan_bar
-from beamcam.planning.operations import saw_cut
+from beamcam.planning.operations import outlines
 from beamcam.planning.turning import TURNS, turned
 from beamcam.readers import read
 from tests.runs import part as dstv
@@ -55,7 +55,7 @@ def test_a_plane_elsewhere_is_refused(off: float, at: str) -> None:
 def test_the_read_back_finds_a_plane_that_the_planner_takes_for_the_end(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(saw_cut, "SAME_PLANE", 1.0)
+    monkeypatch.setattr(outlines, "SAME_PLANE", 1.0)
     with pytest.raises(RefusedProgram, match="the end plane"):
         post([leaned(BEAM, "end", 0.3)], PUSHER)
 

@@ -5,7 +5,8 @@ from hypothesis import event, given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from beamcam.checks.bars import skippable, verify
+from beamcam.checks.bars import verify
+from beamcam.checks.bars.ability import skippable
 from beamcam.errors import PlanError
 from beamcam.geometry.curves import Arc, Line
 from beamcam.machine import load

@@ -13,12 +13,9 @@ from beamcam.model.part import Part
 from beamcam.model.plan import DrillOp
 from beamcam.pipeline import post
 from beamcam.planning.beam import plan_bar
-from beamcam.planning.operations.hole_pairs import (
-    drop_duplicates,
-    merge_pairs,
-    refuse_too_near,
-    unmerged_because,
-)
+from beamcam.planning.explain import unmerged_because
+from beamcam.planning.operations.hole import drop_duplicates, merge_pairs
+from beamcam.planning.operations.part_planner import refuse_too_near
 from tests.conftest import examples
 from tests.unit.planning.shop import hole, part, plan
 

@@ -16,7 +16,7 @@ from beamcam.model.part import Bend, Bevel, Contour, EndCuts, Part, Profile, Slo
 from beamcam.planning import lettering, lettering_room
 from beamcam.planning.beam import plan_bar, plan_oriented
 from beamcam.planning.left_out import SKIP_NAMES
-from beamcam.planning.operations import hole_pairs, slot
+from beamcam.planning.operations import part_planner, slot
 from tests.conftest import SAMPLES, rules_of
 from tests.unit.planning.shop import ANGLE, BEAM, CHANNEL, SOURCE, TUBE, hole, part
 
@@ -333,7 +333,7 @@ def said(case: Case) -> list[tuple[str, str]]:
         with (
             patch.object(lettering_room, "MOST_SQUARES", squares),
             patch.object(lettering, "MOST_SQUARES", squares),
-            patch.object(hole_pairs, "MOST_PAIRS", 2 if name == "crowded" else 10**6),
+            patch.object(part_planner, "MOST_PAIRS", 2 if name == "crowded" else 10**6),
             patch.object(slot, "MOST_PAIRS", 2 if name == "crowded" else 10**6),
         ):
             found = plan_oriented(parts, machine, **options).remarks  # type: ignore[arg-type]

@@ -15,8 +15,8 @@ from beamcam.model.request import Request
 from beamcam.pipeline import post, read_back
 from beamcam.planning import rules
 from beamcam.planning.beam import settle
-from beamcam.planning.operations.saw_cut import SAW_ANGLE
 from beamcam.planning.operations.tools import Tools, library_of
+from beamcam.planning.operations.work import SAW_ANGLE
 from tests.conftest import examples
 from tests.unit.planning.shop import SOURCE, hole, part, plan, pusher
 

@@ -12,8 +12,8 @@ from msgspec.structs import replace
 from beamcam.checks.sheets import verify_sheet
 from beamcam.geometry.curves import Arc, Curve, Line
 from beamcam.machine import Machine, load
-from beamcam.machine.faults import torch_faults
 from beamcam.machine.overlay import with_torch
+from beamcam.machine.torch_faults import torch_faults
 from beamcam.pipeline import post
 from tests.conftest import examples, sampled
 from tests.unit.sheets.parts import box, circle, contour, drawing, lines

@@ -12,7 +12,7 @@ from beamcam.checks.sheets import verify_sheet
 from beamcam.checks.sheets.required_layout import laid_out
 from beamcam.errors import PlanError
 from beamcam.machine import Machine
-from beamcam.machine.faults import torch_faults
+from beamcam.machine.torch_faults import torch_faults
 from beamcam.pipeline import post
 from tests.conftest import examples
 from tests.unit.sheets.parts import box, circle, contour, drawing

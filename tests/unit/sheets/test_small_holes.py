@@ -12,7 +12,7 @@ from beamcam.checks.sheets import verify_sheet
 from beamcam.errors import VerifyError
 from beamcam.geometry.curves import Arc
 from beamcam.machine import Machine, load
-from beamcam.machine.faults import torch_faults
+from beamcam.machine.torch_faults import torch_faults
 from beamcam.pipeline import post
 from beamcam.planning.contours import kerf
 from tests.conftest import examples

@@ -10,8 +10,8 @@ from msgspec.structs import replace
 
 from beamcam.checks.sheets import verify_sheet
 from beamcam.machine import Machine, load
-from beamcam.machine.faults import torch_faults
 from beamcam.machine.overlay import with_torch
+from beamcam.machine.torch_faults import torch_faults
 from beamcam.model.part import Hole, Part, Slot
 from beamcam.model.plan import SheetPlan
 from beamcam.pipeline import post

@@ -12,10 +12,10 @@ from beamcam.controllers.simotion import read_program
 from beamcam.emitters import simotion
 from beamcam.errors import PlanError
 from beamcam.machine import load
-from beamcam.machine.faults import table_faults
 from beamcam.machine.machine import Machine
 from beamcam.machine.runtime import shipped
 from beamcam.machine.torch import TorchRow
+from beamcam.machine.torch_faults import table_faults
 from beamcam.model.program import LiftTorch, SwitchTool, TriggerTable
 from beamcam.motion.triggers import trigger_table, trigger_time
 from beamcam.planning.sheet import plan_sheet

@@ -18,8 +18,8 @@ from beamcam.controllers.simotion.trial import project_objects
 from beamcam.emitters import step_table as forms
 from beamcam.errors import Diagnostic
 from beamcam.machine import load
-from beamcam.machine.faults import table_faults
 from beamcam.machine.machine import Machine
+from beamcam.machine.torch_faults import table_faults
 from beamcam.motion.steps import step_table
 from tests.conftest import rules_of
 

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from beamcam.checks.st import verify_triggers
 from beamcam.controllers.simotion import read_program
 from beamcam.emitters import simotion
-from beamcam.machine.faults import table_faults
 from beamcam.machine.runtime import runtime_of
+from beamcam.machine.torch_faults import table_faults
 from tests.conftest import examples, sampled
 
 from . import test_simotion as forms

@@ -17,9 +17,9 @@ from beamcam.controllers.simotion import trial as trials
 from beamcam.controllers.simotion.trial import trial
 from beamcam.emitters import simotion
 from beamcam.geometry.curves import Line
-from beamcam.machine.faults import table_faults
 from beamcam.machine.machine import Machine
 from beamcam.machine.runtime import runtime_of
+from beamcam.machine.torch_faults import table_faults
 from beamcam.model.program import SwitchTool, Travel
 from beamcam.motion.triggers import trigger_table
 from beamcam.planning.sheet import plan_sheet

@@ -1,0 +1,208 @@
+"""The tools in the stations of spindles: changed at stops, and what operators are told of them.
+
+What is put in before the program starts is not written down; it is taken to be the tools that the
+program needs first. At each stop a tool comes in, for one that is needed last of all: if even so
+a tool is chosen that cannot be there, the program has forgotten to stop for it.
+"""
+
+import re
+from collections.abc import Iterator, Sequence
+
+from msgspec import Struct
+
+from beamcam.checks import rules
+from beamcam.errors import Diagnostic, Source
+from beamcam.machine.machine import Machine
+from beamcam.machine.stations import Spindle
+
+Tool = tuple[str, float]  #: kind and diameter
+
+
+class Chosen(Struct, frozen=True, gc=False):
+    """A tool selected for a spindle."""
+
+    line: int
+    spindle: int  #: or the number of a pair of them
+    tool: Tool
+
+
+class Changed(Struct, frozen=True, gc=False):
+    """A stop for a manual tool change; None where the word does not name the tool."""
+
+    line: int
+    spindle: int | None
+    diameter: float | None
+
+
+def wrong_changes(own: Sequence[Chosen | Changed], stations: int) -> Iterator[Chosen | Changed]:
+    """Selections of tools that cannot be in a spindle's stations yet, and stops without need.
+
+    `own` are the tools that the spindle is commanded to take and the stops for them,
+    in their order.
+    """
+    loaded: set[Tool] = set()
+    started = False  #: whether all stations have had their first tool
+    for at, one in enumerate(own):
+        if isinstance(one, Chosen):
+            if one.tool in loaded:
+                continue
+            if started or len(loaded) >= stations:
+                yield one
+                started = True
+                _make_room(loaded, own[at:], stations)
+            loaded.add(one.tool)
+            continue
+        new = _meant(one, own[at:], loaded)
+        if new is None:
+            if one.spindle is not None:
+                yield one
+            continue
+        started = started or len(loaded) >= stations
+        _make_room(loaded, own[at:], stations)
+        loaded.add(new)
+
+
+def _meant(change: Changed, rest: Sequence[Chosen | Changed], loaded: set[Tool]) -> Tool | None:
+    """The tool that a stop brings: the next one that is needed and not there."""
+    for one in rest:
+        if isinstance(one, Changed) or one.tool in loaded:
+            continue
+        if change.diameter is None or abs(one.tool[1] - change.diameter) < 0.001:
+            return one.tool
+    return None
+
+
+def _make_room(loaded: set[Tool], rest: Sequence[Chosen | Changed], stations: int) -> None:
+    """Take out what is needed last of all, if every station is taken."""
+    if len(loaded) < stations:
+        return
+    next_use: dict[Tool, int] = {}
+    for at, one in enumerate(rest):
+        if isinstance(one, Chosen):
+            next_use.setdefault(one.tool, at)
+    loaded.discard(max(sorted(loaded), key=lambda tool: next_use.get(tool, len(rest))))
+
+
+# --- stop comments --------------------------------------------------------------------------------
+
+# What a program tells the operator at a stop for a tool, held against what it then does.
+#
+#     (web station 3: mill 16 for drill 18)        station 3 of that spindle holds the drill 18, and
+#     N113 M06 K2 L16                              from here on the mill 16
+#
+# The comment is what the operator goes by: where it names another tool than the program works with
+# next, another spindle, a station that holds something else, or sends away a tool that is still
+# needed, the work goes on with the wrong tool. What stands in a station before its first stop no
+# program says.
+
+
+_TOOL = r"([a-z]+)\s+m?([0-9.]+)\b[^()]*?"
+_STOP = re.compile(
+    rf"(\S[^():]*?)\s+station\s+([0-9]+)\s*:\s*{_TOOL}(?:\s+for\s+{_TOOL})?\s*(?:[)\]]|$)"
+)
+
+
+class StopComment(Struct, frozen=True):
+    """What the operator is told to do."""
+
+    line: int
+    spindle: str  #: its name
+    station: int
+    new: Tool
+    old: Tool | None
+
+    def __str__(self) -> str:
+        out = f" for {_shown(self.old)}" if self.old else ""
+        return f"{self.spindle} station {self.station}: {_shown(self.new)}{out}"
+
+
+def stop_comments(text: str) -> tuple[StopComment, ...]:
+    """What a program tells the operator about tools, in its order."""
+    comments = []
+    for number, line in enumerate(text.splitlines(), 1):
+        match = _STOP.search(line.lower()) if "station" in line.lower() else None
+        if match is not None:
+            spindle, station, kind, size, old_kind, old_size = match.groups()
+            old = (old_kind, float(old_size)) if old_kind else None
+            name = " ".join(spindle.split()).lstrip("([;")
+            comments.append(StopComment(number, name, int(station), (kind, float(size)), old))
+    return tuple(comments)
+
+
+def comment_faults(
+    comments: Sequence[StopComment], tools: Sequence[Chosen | Changed], machine: Machine, name: str
+) -> Iterator[Diagnostic]:
+    """What of the comments is not so. `tools` are the choices and the stops of the program."""
+    stated: dict[int, StopComment] = {}  #: by the line of their stop
+    stops = [one.line for one in tools if isinstance(one, Changed)]
+    for comment in comments:
+        line = next((line for line in stops if line >= comment.line), None)
+        if line is None or line in stated:
+            yield _wrong(comment, "no stop behind it", "a stop of its own", name)
+        else:
+            stated[line] = comment
+    for line in stops if stated else ():
+        if line not in stated:
+            expected = "a comment that says which tool goes where, as others have"
+            yield rules.STOP_COMMENT.at(Source(name, line), found="a stop", expected=expected)
+    for spindle in machine.spindles:
+        yield from _of_spindle(spindle, stated, tools, machine, name)
+
+
+def _of_spindle(
+    spindle: Spindle, comments: dict[int, StopComment], tools: Sequence[Chosen | Changed],
+    machine: Machine, name: str,
+) -> Iterator[Diagnostic]:  # fmt: skip
+    """Faults of what is said of the stations of one spindle."""
+    numbers = {p.number for p in machine.pairs if spindle.face in p.faces} | {spindle.number}
+    stations: dict[int, Tool] = {}
+    held: set[Tool] = set()  #: that the program worked with, or that were put in
+    gone: dict[Tool, StopComment] = {}
+    for index, one in enumerate(tools):
+        if isinstance(one, Chosen):
+            if one.spindle in numbers:
+                if one.tool in gone:
+                    said_before = gone[one.tool]
+                    yield rules.STOP_COMMENT.at(
+                        Source(name, one.line), found=f"a {_shown(one.tool)} chosen",
+                        expected=f"another tool, line {said_before.line} says '{said_before}'",
+                    )  # fmt: skip
+                held.add(one.tool)
+            continue
+        comment = comments.get(one.line)
+        is_of = one.spindle == spindle.number
+        if one.spindle is None:
+            is_of = comment is not None and comment.spindle == spindle.name.lower()
+        if comment is None or not is_of:
+            continue
+        new, old = comment.new, comment.old
+        later = [t.tool for t in tools[index:] if isinstance(t, Chosen) and t.spindle in numbers]
+        if comment.spindle != spindle.name.lower():
+            yield _wrong(comment, f"a stop for spindle {spindle.number}", spindle.name, name)
+        if one.diameter is not None and abs(one.diameter - new[1]) > 0.0006:
+            yield _wrong(comment, f"a stop for a tool of {one.diameter:g}", _shown(new), name)
+        if new not in later:
+            yield _wrong(comment, f"no work with {_shown(new)} behind it", "some", name)
+        if not 1 <= comment.station <= spindle.stations:
+            expected = f"a station from 1 to {spindle.stations}"
+            yield _wrong(comment, f"station {comment.station}", expected, name)
+        there = stations.get(comment.station)
+        if old is not None and (old != there if there else old not in held):
+            found = f"{_shown(there)} in the station" if there else f"no {_shown(old)} before"
+            yield _wrong(comment, found, _shown(old), name)
+        if old is not None:
+            gone[old] = comment
+            held.discard(old)
+        gone.pop(new, None)
+        held.add(new)
+        stations[comment.station] = new
+
+
+def _shown(tool: Tool) -> str:
+    return f"{tool[0]} {tool[1]:g}"
+
+
+def _wrong(comment: StopComment, found: str, expected: str, name: str) -> Diagnostic:
+    return rules.STOP_COMMENT.at(
+        Source(name, comment.line), found=f"'{comment}' and {found}", expected=expected
+    )

@@ -1,0 +1,89 @@
+"""Outlines, which the saw cuts make or nothing, and what no line makes: bends, planes, cambers.
+
+The saw makes the end plane that the angles and the length of the part give: it is one of its cuts.
+"""
+
+from collections.abc import Iterator, Sequence
+
+from beamcam.errors import Diagnostic, error
+from beamcam.model.part import Bend, Camber, Contour, EndPlane, Face
+from beamcam.model.section import corners
+from beamcam.planning import rules
+from beamcam.planning.operations.finished_part import Ends, leaves_stock
+from beamcam.planning.operations.part_planner import Numbered, PartPlanner, WorkKind
+from beamcam.planning.operations.tools import Found, Settled
+from beamcam.planning.rules import BEVEL, BEVEL_NOISE
+
+COPE = error("plan-cope",
+    "found a contour on face {face} that leaves the straight stock at x {x}, y {y}; expected "
+    "straight edges and saw cuts",
+    "A saw cannot make a cope or a notch. `--allow-skips cope` leaves it to another "
+    "machine.")  # fmt: skip
+CUTOUT = error("plan-cutout",
+    "found a cut-out of {found} mm on face {face}; expected none, the machine has no torch",
+    "A drill cannot make a cut-out. `--allow-skips cutout` leaves it to another "
+    "machine.")  # fmt: skip
+BEVEL_TOLERANCE_DEG = 0.2  #: between a bevel and the end cut that leaves it
+
+
+def _cut_out(contour: Contour, _: PartPlanner) -> Diagnostic | None:
+    """A torch, unless the contour is the outer one."""
+    if contour.kind == "outer":
+        return None
+    boxes = [curve.bbox for curve in contour.curves]
+    size = (
+        f"{max(b[2] for b in boxes) - min(b[0] for b in boxes):g} x "
+        f"{max(b[3] for b in boxes) - min(b[1] for b in boxes):g}"
+    )
+    return CUTOUT.at(contour.source, found=size, face=contour.face)
+
+
+def _unsawn(contour: Contour, planner: PartPlanner) -> Iterator[Diagnostic]:
+    """Parts of the contour that the saw cuts do not produce."""
+    corner = leaves_stock(contour, planner.part, planner.ends)
+    if corner is not None:
+        x, y = corner
+        yield COPE.at(contour.source, face=contour.face, x=f"{x:g}", y=f"{y:g}")
+    least = planner.line.saw.min_mitre
+    noise = [abs(bevel.angle) for bevel in contour.bevels if abs(bevel.angle) < least]
+    if noise:
+        yield BEVEL_NOISE.at(
+            contour.source, count=len(noise), found=f"{max(noise):g}", expected=f"{least:g}"
+        )
+    for bevel in contour.bevels:
+        if abs(bevel.angle) >= least and not _leaves_bevel(bevel.angle, contour.face, planner.ends):
+            yield BEVEL.at(contour.source, found=f"{bevel.angle:g}", face=contour.face)
+
+
+def _leaves_bevel(bevel_deg: float, face: Face, ends: Ends) -> bool:
+    """Whether an end cut leaves this bevel: a web's mitre on the flanges, a flange's on the web."""
+    on_web = face in ("v", "h")
+    leaves = (end.flange_deg if on_web else end.web_deg for end in ends)
+    return any(
+        angle and abs(abs(bevel_deg) - abs(angle)) <= BEVEL_TOLERANCE_DEG for angle in leaves
+    )
+
+
+def _sawn(features: Sequence[Numbered], _: PartPlanner) -> Iterator[Found]:
+    """None: the cuts at the ends make them all."""
+    return (Settled(f, "made", "saw") for f, _ in features)
+
+
+CONTOUR = WorkKind("contour", _cut_out, _unsawn, _sawn)
+
+
+NAMES = {Bend: "a bend", EndPlane: "an end plane", Camber: "a camber"}
+SAME_PLANE = 0.1  #: mm between a plane and the end that it states once more, at any corner
+
+
+def _beyond_saw(feature: Bend | EndPlane | Camber, planner: PartPlanner) -> Diagnostic | None:
+    """What no saw makes; a plane that is that of the part's start or end is made."""
+    if isinstance(feature, EndPlane):
+        end = planner.ends[feature.normal[0] > 0]
+        places = corners(planner.part.profile, planner.part.section)
+        if all(abs(feature.x(y, z) - end.x(y, z)) <= SAME_PLANE for y, z in places):
+            return None
+    return rules.OTHER.at(feature.source, found=NAMES[type(feature)])
+
+
+OTHER = WorkKind("other", _beyond_saw, steps=_sawn)
