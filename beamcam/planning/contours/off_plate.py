@@ -19,9 +19,10 @@ from beamcam.planning.contours.outline import invalid, outlines, valid
 
 
 def off_plate(part: Part, tolerance: float) -> Iterator[Diagnostic]:
-    """An error for each hole and slot that lies off the plate, or wholly in another opening.
+    """An error for each hole and slot that lies off the plate, or wholly in a cut-out.
 
-    What crosses an edge is told where contours cross. Drawings have contours alone, which nest.
+    What crosses an edge is told where contours cross, a hole in a larger one goes with that.
+    Drawings have contours alone, which nest.
     """
     import shapely
 
@@ -36,17 +37,15 @@ def off_plate(part: Part, tolerance: float) -> Iterator[Diagnostic]:
     around += [own] if (own := outline_of(part)) else []
     gone = [c.curves for c in cut if c.kind == "inner" and c.closed]
     every = [curves_of(opening, 0.0) for opening in openings]
-    through = [k for k, o in enumerate(openings) if o.kind == "through" and o.depth is None]
     chains = [*around, *gone, *every]
     rings = outlines(chains, tolerance / 4)
     rings = valid(rings, invalid(rings))
     first = len(around) + len(gone)
     plate, voids, holes = rings[: len(around)], rings[len(around) : first], rings[first:]
     on_plate = {*shapely.STRtree(plate).query(holes, predicate="intersects")[0].tolist()}
-    larger = [*voids, *holes[through]]
-    inner, outer = shapely.STRtree(larger).query(holes, predicate="within")
-    areas, sizes = shapely.area(holes)[inner], shapely.area(larger)[outer]
-    lost = {*inner[sizes > areas * (1.0 + tolerance) + tolerance].tolist()}
+    inner, outer = shapely.STRtree(voids).query(holes, predicate="within")
+    more = shapely.area(voids)[outer] - shapely.area(holes)[inner]  # none where it is drawn twice
+    lost = {*inner[more > tolerance * shapely.length(holes)[inner]].tolist()}
     for k, opening in enumerate(openings):
         if k not in on_plate or k in lost:
             yield rules.OFF.at(

@@ -241,7 +241,7 @@ SKEW_END = error("plan-sheet-end",
     "what becomes of them; a saw line makes such ends of flats.")
 OFF = error("plan-sheet-off",
     "found {what} at x {x}, y {y}, where the plate has no steel; expected it within the outline, "
-    "and in no other opening",
+    "and in no cut-out",
     "It would be cut into the sheet beside the part, or into what falls out of it. A number of the "
     "file is wrong, or its outline or a cut-out is.")
 RULES = (

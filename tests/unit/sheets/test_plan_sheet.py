@@ -192,15 +192,11 @@ OTHERS: list[tuple[tuple[Part, ...], dict[str, object], str, str]] = [
     ((plate(CENTRE),), {"cross": 0.0}, "plan-tool", "the size of a cross in the machine file"),
     ((plate(replace(CENTRE, depth=1.0)),), {}, "plan-tool", "marked by a cross of 5"),
     ((plate(replace(CENTRE, face="o")),), {}, "plan-face", "mark hole"),
-    # Beside the plate, in a cut-out, in a larger hole, in a slot; a plate is by itself on a sheet.
+    # Beside the plate, and in a cut-out; a plate is by itself on a sheet.
     ((plate(Hole("v", 300, 50, 18.0, S)),), {}, "plan-sheet-off", "diameter 18 at x 300, y 50"),
     ((plate(Slot("v", -60, 50, 18.0, 20.0, 0.0, 0.0, S)),), {}, "plan-sheet-off", "width 18 at"),
     ((plate(replace(contour(box(40, 20, 80, 60)), kind="inner"), Hole("v", 70, 50, 18.0, S)),), {},
      "plan-sheet-off", "at x 70, y 50"),
-    ((plate(Hole("v", 70, 50, 18.0, S), Hole("v", 71, 50, 22.0, S)),), {}, "plan-sheet-off",
-     "a hole of diameter 18"),
-    ((plate(Hole("h", 70, 50, 18.0, S), Slot("v", 75, 50, 20.0, 30.0, 0.0, 0.0, S)),), {},
-     "plan-sheet-off", "a hole of diameter 18"),
     ((plate(Hole("v", 300, 50, 18.0, S)), plate()), {}, "plan-sheet-off", "at x 300, y 50"),
     ((drawing(),), {}, "plan-sheet-empty", "the sheet is empty"),
     ((drawing(contour(box(0, 0, 9, 9), "#00ff00")),), {}, "plan-unmapped", "4 curves of colour"),
@@ -402,6 +398,11 @@ def test_an_outline_that_is_open_by_a_hair_is_refused_or_joined(gap: float) -> N
     assert {c.radius for c in hole.passes[0].curves if isinstance(c, Arc)} == {8.0 - 1.5 / 2}
     opened = post((part,), table(allow_open=True))
     assert {one.code for one in opened.remarks} >= {"plan-open-cut"}
+
+
+def test_a_hole_that_is_drawn_as_a_cut_out_too_is_cut_once() -> None:
+    twice = (replace(contour(circle(60, 50, 18)), kind="inner"), Hole("v", 60, 50, 18.0, S))
+    assert post((plate(*twice),), table()).text
 
 
 def test_every_rule_has_a_case() -> None:
