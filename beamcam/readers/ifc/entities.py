@@ -98,7 +98,8 @@ class Model(Struct):
 
     def point(self, c: Coordinates) -> Vec:
         """An IfcCartesianPoint of two or three coordinates, in mm."""
-        return (c[0] * self.mm, c[1] * self.mm, c[2] * self.mm if len(c) > 2 else 0.0)
+        mm = self.mm
+        return (c[0] * mm, c[1] * mm, c[2] * mm if len(c) > 2 else 0.0)
 
     def axes(self, placement: Placement | None) -> Frame:
         """An IfcAxis2Placement2D or 3D, or the frame itself where there is none."""

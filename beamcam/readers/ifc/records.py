@@ -236,9 +236,11 @@ class File:
         """The values of a record."""
         if self._written:
             return Doubtful(self._as_written(self._written[number], held))
-        read = self._read
-        found = (read(held, k) for k in range(len(known.places)))
-        return tuple([one if isinstance(one, _PLAIN) else self._value(one) for one in found])
+        read, values = self._read, []
+        for place in range(len(known.places)):
+            value = read(held, place)
+            values.append(value if isinstance(value, _PLAIN) else self._value(value))
+        return tuple(values)
 
     def _as_written(self, record: StepRecord, held: Any) -> Iterator[Any]:
         """The values that ifcopenshell has as they are written, references, and errors for others.
