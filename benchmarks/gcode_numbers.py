@@ -13,7 +13,7 @@ import numpy as np
 from script import arguments, at_least, start
 
 from beamcam.emitters import number
-from beamcam.emitters.columns import lines
+from beamcam.emitters.cutting import lines
 
 RUNS = 5
 DECIMALS = 3

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from beamcam.emitters import number
-from beamcam.emitters.columns import DIGITS
+from beamcam.emitters.cutting import DIGITS
 from beamcam.machine.machine import Machine
 from beamcam.model.program import LASER_BIT, StepRows, StepTable
 from beamcam.plain_text import comment_text, one_word

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from beamcam.controllers.interpreter import arc_of
 from beamcam.emitters import number
-from beamcam.emitters.columns import lines
+from beamcam.emitters.cutting import lines
 from beamcam.geometry.curves import Arc, Curve, Line
 from beamcam.machine import load
 from beamcam.machine.machine import Machine
