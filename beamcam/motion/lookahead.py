@@ -36,7 +36,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from beamcam.geometry.array_types import Counts, Floats
 from beamcam.geometry.ramps import ramp_seconds
-from beamcam.motion.profile import AxisLimits, peak_rises, ramp_phases, reachable_speed
+from beamcam.geometry.velocity_profile import AxisLimits
+from beamcam.motion.speeds import peak_rises, ramp_phases, reachable_speed
 
 #: A tower is worth climbing if the speed rises by this share of its foot in half its width.
 WORTH_RISE = 0.1

@@ -54,7 +54,7 @@ from beamcam.motion.arcs import (
     parabola_feed,
     paths_along,
 )
-from beamcam.motion.feed_limits import paced
+from beamcam.motion.speeds import paced
 
 SHORT = 0.05  #: mm of a curve that is part of a corner
 #: mm: no move is made shorter than this by where it begins to be near a corner.

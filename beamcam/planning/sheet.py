@@ -17,9 +17,9 @@ from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, PlanError, Source, errors_in
 from beamcam.geometry.arrays import table_of
-from beamcam.geometry.chord_runs import refit_runs
 from beamcam.geometry.curves import Line
 from beamcam.geometry.plane import Point, between, distance, dot, join_boxes
+from beamcam.geometry.polylines import refit_runs
 from beamcam.machine.faults import TABLE_CONTROLLERS
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch, TorchProcess

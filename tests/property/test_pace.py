@@ -14,7 +14,7 @@ from beamcam.geometry.curves import Arc, Bezier, EllipseArc
 from beamcam.geometry.plane import cross
 from beamcam.machine.machine import PathLimits
 from beamcam.model.program import ArcFeed, EllipseFeed, Feed, ParabolaFeed, SetFeed
-from beamcam.motion.feed_limits import (
+from beamcam.motion.speeds import (
     SECONDS_PER_MINUTE,
     calm_radius,
     min_radius_of_ellipse,

@@ -27,8 +27,8 @@ from beamcam.controllers.events import HeadMove, Move, Side
 from beamcam.controllers.moves import Moves, moves_of
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Arc, Line
+from beamcam.geometry.offset import intersections
 from beamcam.geometry.plane import Point
-from beamcam.geometry.raw_offset import intersections
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch
 

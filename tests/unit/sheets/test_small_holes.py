@@ -148,7 +148,7 @@ def test_tables_without_words_have_no_leads_of_holes() -> None:
 
 def test_half_a_circle_is_tangent() -> None:
     """By hand: a circle of 10 mm about 0, 0 begun at 10, 0 counter-clockwise heads up there."""
-    from beamcam.planning.contours.entry import from_middle
+    from beamcam.planning.contours.kerf import from_middle
 
     (half,) = from_middle((Arc((0.0, 0.0), 10.0, 0.0, 360.0),))
     assert half.start == pytest.approx((0.0, 0.0), abs=1e-9)
