@@ -1,6 +1,6 @@
 """The strokes of one process and the curves that they should follow."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from math import inf, pi
 
@@ -247,44 +247,3 @@ def _settled(
     if away.get(nearest, inf) > stroke.row.kerf + 8 * torch.tolerance:
         nearest = next((process for process in options if process != "cut"), stroke.process)
     return replace(stroke, row=options[nearest])
-
-
-# --- contour names --------------------------------------------------------------------------------
-
-# Messages about a block of a program, with the contour of the input that the block is beside.
-
-
-#: Rules that know a line of the program only.
-NAMELESS = {
-    rule.code
-    for rule in (
-        rules.FEED, rules.RAMP, rules.TOOL, rules.RAPID, rules.IDLE, rules.AREA,
-        rules.COMPENSATION,
-    )
-}  # fmt: skip
-
-
-def with_contours(
-    said: Iterable[Diagnostic], moves: Moves, need: Need, shift: tuple[float, float], fine: float
-) -> list[Diagnostic]:
-    """The messages; to those of `NAMELESS` the nearest contour is added.
-
-    The place of a block that does not move is the end of the next move.
-    """
-    diagnostics = list(said)
-    which = [
-        (k, one.source.line)
-        for k, one in enumerate(diagnostics)
-        if one.code in NAMELESS and one.source.line is not None
-    ]
-    if not which or not need.curves or not len(moves):
-        return diagnostics
-    toolpaths = {process: need.toolpaths(process, fine) for process in need.curves}
-    lines = np.maximum.accumulate(moves.line)
-    for k, line in which:
-        row = min(int(np.searchsorted(lines, line)), len(lines) - 1)
-        place = moves.end[row] - np.array(shift)
-        _, way, process = min((*toolpaths[p].nearest_to(place), p) for p in toolpaths)
-        contour = f", beside the contour of {need.source(process, way)}"
-        diagnostics[k] = replace(diagnostics[k], message=diagnostics[k].message + contour)
-    return diagnostics

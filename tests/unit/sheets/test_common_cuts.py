@@ -9,7 +9,7 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from beamcam.checks.sheets import verify_sheet
+from beamcam.checks.sheets.compare import verify_sheet
 from beamcam.checks.sheets.required_layout import pulled_apart
 from beamcam.errors import PlanError, Source
 from beamcam.geometry.curves import Arc, Curve
