@@ -14,8 +14,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from beamcam.geometry.array_types import Counts, Floats
-from beamcam.geometry.arrays import CurveTable
-from beamcam.geometry.biarcs import cubics_of
+from beamcam.geometry.arrays import CurveTable, cubics_of
 from beamcam.geometry.conics import arc_by_points
 from beamcam.geometry.curves import Arc, Bezier, BSpline, Curve, EllipseArc, Line, NewtonCurve
 from beamcam.geometry.plane import Point

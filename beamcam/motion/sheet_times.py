@@ -37,8 +37,15 @@ from beamcam.model.program import (
     ToolOn,
     Traverse,
 )
-from beamcam.motion.lookahead import SpeedSection, join_segments, joint_speeds
-from beamcam.motion.speeds import min_radius, straight_mm_s, stretch_seconds, turning_mm_s
+from beamcam.motion.speeds import (
+    SpeedSection,
+    join_segments,
+    joint_speeds,
+    min_radius,
+    straight_mm_s,
+    stretch_seconds,
+    turning_mm_s,
+)
 
 SECONDS_PER_MINUTE = 60.0
 HOME: Point = (0.0, 0.0)

@@ -1,4 +1,4 @@
-"""Speeds that the axes of a table can follow: the feed of each move, and ramps between speeds.
+"""Speeds that the axes of a table can follow: along lines and curves, ramps, stretches of a path.
 
 A controller that is given accelerations takes the feed for granted: it turns the head on the
 smallest arc as fast as commanded. So the feed is lowered where a move asks for too much:
@@ -7,18 +7,17 @@ smallest arc as fast as commanded. So the feed is lowered where a move asks for 
     around a radius r  v^2 / r <= acceleration across, v^3 / r^2 <= jerk, v <= both speeds
 """
 
-from collections.abc import Iterator, Sequence
-from itertools import groupby, repeat
 from math import cbrt, cos, hypot, inf, radians, sin, sqrt
-from operator import itemgetter
 
 import numpy as np
+from msgspec import Struct
 from numpy.typing import NDArray
 
+from beamcam.geometry import ramps
 from beamcam.geometry.array_types import Floats
 from beamcam.geometry.plane import Point, cross
 from beamcam.machine.machine import PathLimits
-from beamcam.model.program import ArcFeed, EllipseFeed, Feed, Movement, ParabolaFeed, SetFeed
+from beamcam.model.program import ArcFeed, EllipseFeed, ParabolaFeed
 
 # --- bending --------------------------------------------------------------------------------------
 
@@ -52,54 +51,7 @@ def min_radius_of_ellipse(on_it: Point, angle_deg: float, ratio: float) -> float
     return major * ratio * ratio
 
 
-SECONDS_PER_MINUTE = 60.0
-
 TINY = 1e-300  #: in place of a length that is divided by
-
-#: A feed is not lowered by less than this share: no machine shows it.
-WORTH_LOWERING = 1e-3
-
-
-def paced(
-    start: Point, moves: Sequence[Movement], feed_mm_min: float, shares: Sequence[float],
-    limits: PathLimits | None,
-) -> Iterator[Movement | SetFeed]:  # fmt: skip
-    """The moves from `start`, and before each whose feed differs from the last one its own.
-
-    `shares` are those of the feed that are asked of each move; without `limits` that is its feed.
-    """
-    now = feed_mm_min / SECONDS_PER_MINUTE
-    for share, group in groupby(zip(moves, shares, strict=True), key=itemgetter(1)):
-        stretch = [move for move, _ in group]
-        feed_mm_s = feed_mm_min * share / SECONDS_PER_MINUTE
-        feeds = repeat(feed_mm_s) if limits is None else _feeds(start, stretch, feed_mm_s, limits)
-        for move, feed in zip(stretch, feeds, strict=False):
-            if feed != now:
-                yield SetFeed(feed * SECONDS_PER_MINUTE)
-                now = feed
-            yield move
-        start = stretch[-1].x, stretch[-1].y
-
-
-def _feeds(
-    start: Point, moves: Sequence[Movement], feed_mm_s: float, limits: PathLimits
-) -> Iterator[float]:
-    """The speed of each move, at most what is asked."""
-    worth = feed_mm_s * (1.0 - WORTH_LOWERING)
-    calm = calm_radius(feed_mm_s, limits)
-    unbounded = feed_mm_s <= limits.speed_mm_s
-    here = start
-    for move in moves:
-        if unbounded and (
-            type(move) is Feed
-            or (type(move) is ArcFeed and move.i * move.i + move.j * move.j >= calm * calm)
-        ):
-            feed = feed_mm_s
-        else:
-            feed = min(feed_mm_s, _feasible_mm_s(here, move, limits))
-            feed = feed_mm_s if feed > worth else feed
-        yield feed
-        here = move.x, move.y
 
 
 def calm_radius(speed_mm_s: float, limits: PathLimits) -> float:
@@ -121,14 +73,6 @@ def turning_mm_s(radii: Floats, limits: PathLimits) -> Floats:
     by_acceleration = np.sqrt(limits.across_mm_s2 * radii)
     speeds: Floats = np.minimum(limits.speed_mm_s, np.minimum(by_acceleration, by_jerk))
     return speeds
-
-
-def _feasible_mm_s(here: Point, move: Movement, limits: PathLimits) -> float:
-    """The maximum speed at which the axes can follow a move that starts `here`."""
-    if isinstance(move, Feed):
-        steps = np.array([(move.x - here[0], move.y - here[1])])
-        return float(straight_mm_s(steps, limits)[0])
-    return float(turning_mm_s(np.array(min_radius(here, move)), limits))
 
 
 def min_radius(here: Point, move: ArcFeed | ParabolaFeed | EllipseFeed) -> float:
@@ -257,3 +201,147 @@ def ramp_phases(
     starts = np.column_stack((zero, sign * peak, sign * peak))
     held = sign * np.where(np.isinf(jerk), 0.0, jerk)
     return durations, starts, np.column_stack((held, zero, -held))
+
+
+# --- stretches ------------------------------------------------------------------------------------
+
+# Segments of a path joined to stretches that are passed with one rise and one fall of speed.
+#
+# At the joints of stretches the acceleration is 0, so a ramp cannot reach across them. A curve
+# that was cut in short chords would therefore never gain speed if every chord were a stretch of
+# its own:
+#
+#     speed limit   ____      ____________      The limits of segments and of the junctions
+#                  |    |_ _ |            |     between them are a skyline. A tower that is too
+#                  |      | |             |     narrow to be climbed is levelled with its higher
+#               ___|      |_|             |__   neighbour; small steps in one direction are taken
+#                    narrow    worth it         together.
+
+
+#: A tower is worth climbing if the speed rises by this share of its foot in half its width.
+WORTH_RISE = 0.1
+
+#: Limits nearer to each other than this share are one.
+SAME_SPEED = 1e-3
+
+#: Short steps of a stair are one stretch while their limits lie within this ratio.
+STAIR_RATIO = 1.25
+
+
+class SpeedSection(Struct, gc=False):
+    """Segments `first` to `last` (excluded) under one limit; a junction has none."""
+
+    limit: float
+    length: float
+    first: int
+    last: int
+    acceleration: float
+    jerk: float
+
+
+def _is_worth(tower: SpeedSection, foot: float) -> bool:
+    """Whether a stretch is long enough to rise above `foot` and come down again."""
+    gain = tower.limit - foot
+    if gain <= SAME_SPEED * foot:
+        return False
+    change = min(gain, WORTH_RISE * foot)
+    ramp_s = ramps.ramp_seconds(change, tower.acceleration, tower.jerk)
+    return tower.length >= 2 * (foot + change / 2) * ramp_s
+
+
+def _absorb(into: SpeedSection, other: SpeedSection) -> None:
+    into.length += other.length
+    into.first, into.last = min(into.first, other.first), max(into.last, other.last)
+    into.acceleration = min(into.acceleration, other.acceleration)
+    into.jerk = min(into.jerk, other.jerk)
+
+
+def join_segments(
+    lengths: Floats, limits: Floats, junctions: Floats, accelerations: Floats, jerks: Floats
+) -> list[SpeedSection]:
+    """The stretches of a path with n segments and n + 1 junctions, its ends included.
+
+    Stretches without length are junctions whose limit stands for itself. Each segment is looked
+    at a bounded number of times on average: a level tower is never looked at again.
+    """
+    count = len(junctions)
+    # Junctions and segments in turns; those of one limit that follow one another are one.
+    skyline_limits = _in_turns(junctions, limits)
+    begins = np.flatnonzero(np.append(True, skyline_limits[1:] != skyline_limits[:-1]))
+    behind = np.append(begins[1:], 2 * count - 1)
+    level = zip(
+        skyline_limits[begins].tolist(),
+        np.add.reduceat(_in_turns(np.zeros(count), lengths), begins).tolist(),
+        (begins // 2).tolist(),
+        (behind // 2).tolist(),
+        np.minimum.reduceat(_in_turns(np.full(count, inf), accelerations), begins).tolist(),
+        np.minimum.reduceat(_in_turns(np.full(count, inf), jerks), begins).tolist(),
+        strict=True,
+    )
+    skyline: list[SpeedSection] = []
+    for section in level:
+        _add(skyline, SpeedSection(*section))
+    return _join_stairs(skyline)
+
+
+def _in_turns(junctions: Floats, segments: Floats) -> Floats:
+    """Numbers of n + 1 junctions and of the n segments between them, in turns."""
+    both = np.empty(len(junctions) + len(segments))
+    both[::2], both[1::2] = junctions, segments
+    return both
+
+
+def _add(skyline: list[SpeedSection], new: SpeedSection) -> None:
+    """Puts a stretch at the end, after levelling towers that it leaves too narrow."""
+    while len(skyline) > 1 and skyline[-1].limit > new.limit:
+        before, tower = skyline[-2], skyline[-1]
+        if before.limit >= tower.limit or _is_worth(tower, max(before.limit, new.limit)):
+            break
+        skyline.pop()
+        _absorb(before if before.limit >= new.limit else new, tower)
+    if skyline and skyline[-1].limit == new.limit:
+        _absorb(skyline[-1], new)
+    else:
+        skyline.append(new)
+
+
+def _join_stairs(skyline: list[SpeedSection]) -> list[SpeedSection]:
+    """Joins neighbours too short for a rise of their own while their limits are near."""
+    speed_sections: list[SpeedSection] = []
+    lowest = highest = 0.0
+    for new in skyline:
+        is_short = new.length > 0.0 and not _is_worth(new, new.limit / STAIR_RATIO)
+        if is_short and lowest > 0.0:
+            low, high = min(lowest, new.limit), max(highest, new.limit)
+            if high <= STAIR_RATIO * low:
+                _absorb(speed_sections[-1], new)
+                speed_sections[-1].limit = lowest = low
+                highest = high
+                continue
+        speed_sections.append(new)
+        lowest, highest = (new.limit, new.limit) if is_short else (0.0, 0.0)
+    return speed_sections
+
+
+def joint_speeds(stretches: list[SpeedSection]) -> tuple[list[SpeedSection], list[float]]:
+    """The stretches that have a length, and the speeds at their n + 1 joints."""
+    moving: list[SpeedSection] = []
+    speeds: list[float] = []
+    limit = stretches[0].limit
+    for stretch in stretches:
+        limit = min(limit, stretch.limit)
+        if stretch.length > 0.0:
+            moving.append(stretch)
+            speeds.append(limit)
+            limit = stretch.limit
+    speeds.append(limit)
+    for k in range(len(moving) - 1, -1, -1):
+        s = moving[k]
+        if speeds[k] > speeds[k + 1]:
+            reach = reachable_speed(speeds[k + 1], s.length, s.acceleration, s.jerk)
+            speeds[k] = min(speeds[k], reach)
+    for k, s in enumerate(moving):
+        if speeds[k + 1] > speeds[k]:
+            reach = reachable_speed(speeds[k], s.length, s.acceleration, s.jerk)
+            speeds[k + 1] = min(speeds[k + 1], reach)
+    return moving, speeds

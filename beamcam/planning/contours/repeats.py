@@ -15,8 +15,7 @@ from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.array_types import Counts, Flags, Floats
-from beamcam.geometry.arrays import SAME_PLACE, CurveTable, overlapping
-from beamcam.geometry.biarcs import cubics_of
+from beamcam.geometry.arrays import SAME_PLACE, CurveTable, cubics_of, overlapping
 from beamcam.geometry.curves import Curve, signed_area
 from beamcam.geometry.plane import Point
 from beamcam.geometry.polylines import polylines
