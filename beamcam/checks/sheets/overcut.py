@@ -258,7 +258,7 @@ def end_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
     ways = np.array([way for t in opened for way in (t.first, t.last - 1)])
     stops = np.tile([False, True], len(opened))
     places = np.where(stops[:, None], path.ends[ways], path.starts[ways])
-    touching = _touching(work, opened, ways, places)
+    touching = _touching(work, ways, places)
     once = work.process == "cut" and not work.bridged
     asked = np.array([not t.half_kerf for t in opened for _ in range(2)])
     counts = np.full(len(ways), 2)
@@ -282,9 +282,7 @@ def end_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
     return diagnostics[:SHOWN]
 
 
-def _touching(
-    work: Work, opened: Sequence[Traced], ways: Counts, places: Floats
-) -> list[set[tuple[int, bool]]]:
+def _touching(work: Work, ways: Counts, places: Floats) -> list[set[tuple[int, bool]]]:
     """Other strokes at each end of some, and whether these end there; its own too, if elsewhere."""
     path, reach = work.path, 2 * work.tolerance
     low, high = np.full(len(work.strokes), -np.inf), np.full(len(work.strokes), np.inf)

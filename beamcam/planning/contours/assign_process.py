@@ -90,7 +90,7 @@ def assign_processes(
                 unmapped[feature.layer, feature.colour].append(feature)
             elif meaning == "ignore":
                 assigned.skipped[index] = IGNORED
-            elif is_filled_only(feature, torch):
+            elif torch.settings and is_filled_only(feature, torch):
                 assigned.filled[index] = meaning
             else:
                 if feature.closed:

@@ -10,7 +10,17 @@ from msgspec import Struct
 
 from beamcam.errors import Diagnostic, ReadError, Source
 from beamcam.readers.dxf import rules
-from beamcam.readers.dxf.layers import Attributes, Document, Tables, tables_by_rows, tables_of
+from beamcam.readers.dxf.layers import (
+    HANDLE,
+    SUBCLASS,
+    Attributes,
+    Document,
+    Rows,
+    Tables,
+    rows_of,
+    tables_by_rows,
+    tables_of,
+)
 from beamcam.readers.dxf.plain import (
     BEYOND,
     NOT_SAID,
@@ -22,8 +32,7 @@ from beamcam.readers.dxf.plain import (
     attributes_from,
     plan_of,
 )
-from beamcam.readers.dxf.repair import VERSION, recovered, said, with_subclasses
-from beamcam.readers.dxf.rows import HANDLE, SUBCLASS, Rows, is_sound, rows_of
+from beamcam.readers.dxf.repair import VERSION, is_sound, recovered, said, with_subclasses
 
 UTF8 = 1021  #: and above: files in UTF-8, whatever code page they name
 #: Without a handler, Python would print what ezdxf logs.
