@@ -22,10 +22,9 @@ from msgspec import Struct
 from numpy.typing import NDArray
 
 from beamcam.checks.request import UNCUT
-from beamcam.checks.sheets.region import left_of, sides_at
 from beamcam.checks.sheets.toolpaths import Samples, kept_samples
 from beamcam.checks.sheets.tracing import Traced
-from beamcam.checks.sheets.work import Work
+from beamcam.checks.sheets.work import Work, left_of, sides_at
 from beamcam.errors import Diagnostic
 from beamcam.geometry.array_types import Counts, Flags, Floats
 

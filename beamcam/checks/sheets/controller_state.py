@@ -13,9 +13,9 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.checks.sheets import rules
-from beamcam.checks.sheets.chart_rows import rows_on, thickness_of
+from beamcam.checks.sheets.chart_rows import thickness_of
 from beamcam.checks.sheets.need import OUTLINE, Need, need_of
-from beamcam.checks.sheets.required_layout import between, skew_ends
+from beamcam.checks.sheets.required_layout import between, kerf_on, skew_ends
 from beamcam.controllers.events import Acceleration, Blending, Compensation, Side
 from beamcam.controllers.moves import Moves
 from beamcam.errors import Diagnostic, Rule, Source
@@ -231,7 +231,7 @@ def as_one(parts: Sequence[Part], machine: Machine, skips: Collection[str]) -> S
                            if f == OUTLINE])
         ]  # fmt: skip
     half = between(parts[0], torch) / 2
-    if torch.skeleton_cuts and half > _kerf(parts[0], torch):
+    if torch.skeleton_cuts and half > kerf_on(parts[0], torch):
         for y in (t + half for t in tops.values() if t + half < torch.width - torch.margin / 2):
             line = Line((torch.length, y), (0.0, y))
             source = replace(parts[0].source, where=SKELETON, line=None)
@@ -263,11 +263,6 @@ def _places(
 
 def _box(need: Need) -> tuple[float, float, float, float]:
     return extent(c for some in need.curves.values() for c in some) or (0.0, 0.0, 0.0, 0.0)
-
-
-def _kerf(part: Part, torch: Torch) -> float:
-    taken = [row.kerf for row in rows_on(part, torch) if row.process == "cut"]
-    return taken[0] if taken and torch.kerf_by != "none" else 0.0
 
 
 def _shown(part: Part, torch: Torch) -> str:

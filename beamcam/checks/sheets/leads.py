@@ -7,8 +7,8 @@ import numpy as np
 import shapely
 
 from beamcam.checks.sheets import rules
-from beamcam.checks.sheets.joining import Chain
 from beamcam.checks.sheets.region import signed_areas
+from beamcam.checks.sheets.toolpaths import Chain
 from beamcam.checks.sheets.tracing import Traced, is_in_kerf, on_contour
 from beamcam.checks.sheets.work import SHOWN, Work
 from beamcam.errors import Diagnostic, Source

@@ -5,6 +5,7 @@ from functools import cached_property
 from math import inf, pi
 
 import numpy as np
+import shapely
 from msgspec import Struct
 from msgspec.structs import replace
 from numpy.typing import NDArray
@@ -12,7 +13,7 @@ from numpy.typing import NDArray
 from beamcam.checks.sheets import rules
 from beamcam.checks.sheets.grid import widest_gap
 from beamcam.checks.sheets.need import Need
-from beamcam.checks.sheets.region import Region, holes_of, small_ways, waste_sides
+from beamcam.checks.sheets.region import Region, Rings, small_ways
 from beamcam.checks.sheets.strokes import HeadStroke, Strokes
 from beamcam.checks.sheets.toolpaths import Toolpaths
 from beamcam.controllers.moves import Moves
@@ -247,3 +248,86 @@ def _settled(
     if away.get(nearest, inf) > stroke.row.kerf + 8 * torch.tolerance:
         nearest = next((process for process in options if process != "cut"), stroke.process)
     return replace(stroke, row=options[nearest])
+
+
+# --- sides ----------------------------------------------------------------------------------------
+
+# The part is known by chords for all but lines, so that it is asked a little off a curve.
+
+
+LINE = 0
+BESIDE_LINE = 2e-4  #: mm off a line, where it is asked on which side of it the part is
+
+
+def off_surely(toolpaths: Toolpaths, way: Counts, fine: float) -> Floats:
+    """How far off some ways it is sure what is part; chords are at most `fine` off."""
+    return np.where(toolpaths.kinds[way] == LINE, BESIDE_LINE, 2 * fine)
+
+
+def left_of(toolpaths: Toolpaths, element: Counts, share: Floats) -> Floats:
+    """The directions square to elements, to their left, (n, 2)."""
+    ahead = toolpaths.elements.directions(element, share)
+    return np.column_stack((-ahead[:, 1], ahead[:, 0]))
+
+
+def sides_at(
+    region: Region, toolpaths: Toolpaths, element: Counts, share: Floats, fine: float
+) -> Floats:
+    """Of places of elements 1 where the waste lies left of them, -1 where the part does."""
+    return np.where(_part_beside(region, toolpaths, element, share, fine)[0], -1.0, 1.0)
+
+
+def _part_beside(
+    region: Region, toolpaths: Toolpaths, element: Counts, share: Floats, fine: float
+) -> Flags:
+    """Of places of elements whether the part lies left of them, and right of them, (2, n)."""
+    off = off_surely(toolpaths, toolpaths.owner[element], fine)[:, None]
+    places, aside = toolpaths.elements.places(element, share), left_of(toolpaths, element, share)
+    return region.in_part(np.concatenate((places + off * aside, places - off * aside))).reshape(
+        2, -1
+    )
+
+
+def waste_sides(region: Region, toolpaths: Toolpaths, fine: float) -> Floats:
+    """Of each way 1 if the waste lies left of it, -1 right of it, 0 if it bounds no part.
+
+    Where the longest way of a ring has the part on both sides, it is another's too, and it is
+    counted which rings are round it.
+    """
+    sides = np.zeros(toolpaths.count)
+    if not region.rings:
+        return sides
+    rings = Rings.of(region.rings)
+    longest = np.lexsort((toolpaths.lengths[rings.ways], rings.ring))[rings.begins[1:] - 1]
+    middle = np.full(len(longest), 0.5)
+    on_left, on_right = _part_beside(
+        region, toolpaths, toolpaths.first(rings.ways[longest]), middle, fine
+    )
+    along = np.where(on_left != rings.turned[longest], -1.0, 1.0)
+    if len(shared := np.flatnonzero(on_left == on_right)):
+        points = shapely.point_on_surface(region.polygons[shared])
+        own, around = shapely.STRtree(region.polygons).query(points, "within")
+        areas = shapely.area(region.polygons)
+        is_round = areas[around] > areas[shared[own]]
+        is_hole = np.bincount(own[is_round], minlength=len(shared)) % 2 == 1
+        along[shared] = np.where(is_hole == region.anticlockwise[shared], 1.0, -1.0)
+    sides[rings.ways] = np.where(rings.turned, -along[rings.ring], along[rings.ring])
+    return sides
+
+
+def holes_of(region: Region, sides: Floats) -> list[bool | None]:
+    """Whether the waste lies inside of each ring; None of those that cross themselves or others."""
+    polygons = region.polygons
+    clear = shapely.is_valid(polygons)
+    one, other = np.flatnonzero(clear)[shapely.STRtree(polygons[clear]).query(polygons[clear])]
+    one, other = one[one < other], other[one < other]
+    crossing = shapely.intersects(*(shapely.get_exterior_ring(polygons[k]) for k in (one, other)))
+    one, other = one[crossing], other[crossing]
+    crossing = shapely.overlaps(polygons[one], polygons[other])
+    clear[one[crossing]] = clear[other[crossing]] = False
+    firsts = [ring[0] for ring in region.rings]
+    rows = zip(firsts, region.anticlockwise.tolist(), clear.tolist(), strict=True)
+    return [
+        ((sides[way] > 0.0) != back) == turned if is_clear and sides[way] else None
+        for (way, back), turned, is_clear in rows
+    ]
