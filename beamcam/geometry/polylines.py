@@ -1,4 +1,4 @@
-"""Many curves as polylines at once, each within a tolerance of its curve.
+"""Many curves as polylines at once, each within a tolerance of its curve; chords as curves again.
 
 A drawing has tens of thousands of curves, most of them lines, arcs and cubics; these are drawn
 together, in arrays, and only what is left one by one.
