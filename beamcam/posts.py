@@ -99,7 +99,7 @@ def bar_post() -> Post:
 
 def sheet_post() -> Post:
     """Of a torch or laser that runs G-code."""
-    from beamcam.checks.sheets import verify_sheet
+    from beamcam.checks.sheets.compare import verify_sheet
     from beamcam.emitters import cutting
     from beamcam.motion.sheet import sheet_program
 

@@ -28,7 +28,7 @@ from typing import TypeVar
 import make_drawing
 from script import arguments, start
 
-from beamcam.checks.sheets import verify_sheet
+from beamcam.checks.sheets.compare import verify_sheet
 from beamcam.emitters import cutting
 from beamcam.machine import load
 from beamcam.machine.machine import Machine

@@ -12,7 +12,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from beamcam.checks.sheets import verify_sheet
+from beamcam.checks.sheets.compare import verify_sheet
 from beamcam.errors import Severity
 from beamcam.geometry.curves import Arc
 from beamcam.machine import Machine, load

@@ -12,7 +12,7 @@ from time import process_time
 import numpy as np
 from script import arguments, at_least, start
 
-from beamcam.emitters.columns import lines
+from beamcam.emitters.cutting import lines
 from beamcam.emitters.gcode import number
 
 RUNS = 5

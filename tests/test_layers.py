@@ -36,7 +36,7 @@ STEPS = (
     ("reconcile",),
     ("posts", "comparison", "recovery", "simulation", "reports"),
     ("self_test",),
-    ("arguments",),
+    ("arguments", "machine_choice"),
     ("pictures",),
     ("setup_sheet",),
     ("pipeline",),

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from beamcam.checks.sheets import verify_sheet
+from beamcam.checks.sheets.compare import verify_sheet
 from beamcam.machine import load
 from beamcam.pipeline import post
 from tests.conftest import SAMPLES, sampled

@@ -12,7 +12,7 @@ from itertools import groupby
 import pytest
 from msgspec import Struct
 
-from beamcam.checks.sheets import verify_sheet
+from beamcam.checks.sheets.compare import verify_sheet
 from beamcam.checks.sheets.owners import OWNERS
 from beamcam.controllers import interpreter_of, table_events
 from beamcam.controllers.events import Compensation, Lift, Move, Output, Pause, Switch, ToolOffset

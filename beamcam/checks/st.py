@@ -356,7 +356,8 @@ def verify_triggers(
     if errors_in(diagnostics):
         return tuple(with_contours(diagnostics, job.operations, parts[0], machine, skips))
     from beamcam.checks.polylines import compare_polylines
-    from beamcam.checks.sheets.controller_state import as_one, with_told
+    from beamcam.checks.sheets.compare import with_told
+    from beamcam.checks.sheets.controller_state import as_one
 
     sheet = as_one(parts, machine, skips)
     ways = _ways(execution.strokes, any(row.passes > 1 for row in rows_of(sheet.part, torch)))

@@ -82,7 +82,7 @@ def wanted_profile(
     jerk: float, cruise: float, points: tuple[tuple[float, float], ...], max_jerk: float | None,
 ) -> "VelocityProfile":  # fmt: skip
     """The profile that the options ask for. Raises ValueError where they do not fit together."""
-    from beamcam.motion import profile as profiles
+    from beamcam.geometry import velocity_profile as profiles
 
     if points:
         return profiles.profile_through(points, jerk)

@@ -20,7 +20,6 @@ from typing import Literal, get_args
 from msgspec import Struct
 
 from beamcam.caches import PerObject
-from beamcam.controllers.codesys import LETTERS, NUMBER
 from beamcam.controllers.events import FeedShare, Material, Other, Output, Switch
 from beamcam.errors import Rule, Severity, error
 from beamcam.machine.machine import (
@@ -33,6 +32,10 @@ from beamcam.machine.machine import (
 )
 from beamcam.machine.stations import tool_numbers
 from beamcam.machine.torch import Torch, TorchProcess
+
+#: Letters that the help of CODESYS describes; a machine file may use more in its templates.
+LETTERS = frozenset("NGMXYZABCPQUVWDEFHIJKLORT")
+NUMBER = r"[+-]?(?:[0-9]{1,15}(?:\.[0-9]{0,15})?|\.[0-9]{1,15})"  # no controller counts further
 
 # fmt: off
 

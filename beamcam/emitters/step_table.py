@@ -10,7 +10,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from beamcam.emitters.columns import DIGITS
+from beamcam.emitters.cutting import DIGITS
 from beamcam.emitters.gcode import number
 from beamcam.machine.machine import Machine
 from beamcam.model.program import LASER_BIT, StepRows, StepTable

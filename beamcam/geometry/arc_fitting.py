@@ -14,8 +14,8 @@ from typing import cast
 import numpy as np
 from msgspec import Struct
 
-from beamcam.geometry.arrays import rows
-from beamcam.geometry.biarcs import BASIS, MARGIN, MAX_HALVINGS, allowed_off, cubics_of, fit_cubics
+from beamcam.geometry.arrays import cubics_of, rows
+from beamcam.geometry.biarcs import BASIS, MARGIN, MAX_HALVINGS, allowed_off, fit_cubics
 from beamcam.geometry.conics import arc_by_points
 from beamcam.geometry.curves import Arc, Bezier, Curve, EllipseArc, Line, bezier_pieces
 from beamcam.geometry.plane import Point, distance

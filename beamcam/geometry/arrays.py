@@ -1,15 +1,17 @@
-"""Numeric data of many curves, as float64 arrays: ends, hulls, areas, what is near or equal.
+"""Numeric data of many curves, as float64 arrays: ends, hulls, areas, what is near, cubics.
 
 A drawing has tens of thousands of curves. Questions about all of them at once (which ends meet,
 which lie outermost) are asked of these arrays; the curves stay what they are.
 """
 
+from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from functools import cached_property
 from itertools import chain, compress
 from typing import Any
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from beamcam.caches import PerMembers
@@ -24,7 +26,7 @@ from beamcam.geometry.curves import (
     NewtonCurve,
     signed_area,
 )
-from beamcam.geometry.plane import Box, box_around, join_boxes
+from beamcam.geometry.plane import Box, Point, box_around, join_boxes
 
 
 def rows(values: Sequence[Sequence[float]], width: int) -> Floats:
@@ -304,3 +306,76 @@ def _collinear(ends: NDArray[np.float64]) -> tuple[Counts, Counts]:
     shared = np.minimum(np.maximum(*along), lengths[long]) - np.maximum(np.minimum(*along), 0.0)
     same = (np.maximum(*away) <= SAME_PLACE) & (shared > SAME_PLACE)
     return long[same], short[same]
+
+
+# --- cubics ---------------------------------------------------------------------------------------
+
+# Free curves as cubics without weights, splines with equally many control points together.
+
+
+def cubics_of(curves: Sequence[Curve]) -> tuple[Floats, Counts, list[int]]:
+    """The control points (n, 4, 2) of all cubics without weights, and the curve of each (n,).
+
+    They come in the order of the curves, those of a spline from its start to its end, and are the
+    same numbers as `bezier_pieces` gives. The third value names the curves that are not cubics.
+    """
+    plain: list[int] = []
+    splines: defaultdict[int, list[int]] = defaultdict(list)  #: by how many control points
+    others: list[int] = []
+    points: list[Point] = []
+    for k, curve in enumerate(curves):
+        piece = curve.as_bezier() if isinstance(curve, NewtonCurve) else curve
+        if not isinstance(piece, Bezier | BSpline) or piece.weights or piece.degree != 3:
+            others.append(k)
+        elif isinstance(piece, BSpline):
+            splines[len(piece.control)].append(k)
+        else:
+            plain.append(k)
+            points += piece.points
+    alike = [([curves[k] for k in some], some) for some in splines.values()]
+    found = [_spline_cubics(*some) for some in alike]  # type: ignore[arg-type]
+    control = np.concatenate([rows(points, 2).reshape(-1, 4, 2), *(part for part, _ in found)])
+    owners = np.concatenate([np.array(plain, dtype=np.int64), *(owner for _, owner in found)])
+    order = np.argsort(owners, kind="stable")
+    return control[order], owners[order], others
+
+
+def _spline_cubics(splines: Sequence[BSpline], names: Sequence[int]) -> tuple[Floats, Counts]:
+    """All spans of all splines at once; `names` come back for the splines.
+
+    Control point j of the span [a, b] is the blossom of (a, ..., b, ...) with b taken j times.
+    """
+    points = np.array([s.control for s in splines], dtype=np.float64)  # (n, size, 2)
+    knots = np.array([s.knots for s in splines], dtype=np.float64)
+    owner, span = np.nonzero(knots[:, 3:-4] < knots[:, 4:-3])
+    around = sliding_window_view(knots[:, 1:-1], 6, axis=1)[owner, span]
+    control = sliding_window_view(points, 4, axis=1)[owner, span].transpose(0, 2, 1)
+    a, b = around[:, 2], around[:, 3]
+    cubics = np.stack(
+        [_blossoms(control, around, us) for us in ((a, a, a), (a, a, b), (a, b, b), (b, b, b))],
+        axis=1,
+    )
+    # Each piece begins where the one before it ended; a clamped spline begins and ends on its
+    # control points.
+    first = np.diff(owner, prepend=-1) > 0
+    last = np.append(first[1:], True)
+    cubics[1:, 0] = np.where(first[1:, None], cubics[1:, 0], cubics[:-1, 3])
+    begins, ends = (knots[:, k] == knots[:, k + 2] for k in (1, -4))
+    cubics[first & begins[owner], 0] = points[begins, 0]
+    cubics[last & ends[owner], 3] = points[ends, -1]
+    return cubics, np.array(names, dtype=np.int64)[owner]
+
+
+def _blossoms(points: Floats, knots: Floats, arguments: Sequence[Floats]) -> Floats:
+    """The blossom of each spline in a span of its knots: an array (n, 2).
+
+    `points` (n, 4, 2) are the control points of the span, `knots` (n, 6) its ends and two more on
+    each side.
+    """
+    row = points.copy()
+    for r, u in enumerate(arguments, start=1):
+        for i in range(3, r - 1, -1):
+            low, high = knots[:, i - 1], knots[:, i - r + 3]
+            share = ((u - low) / (high - low))[:, None]
+            row[:, i] = row[:, i - 1] + share * (row[:, i] - row[:, i - 1])
+    return row[:, 3]

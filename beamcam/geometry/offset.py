@@ -21,200 +21,29 @@ itself. tests/property/test_offset_laws.py measures the distance of every place 
 compares the covered area with shapely's.
 """
 
-import itertools
-from collections.abc import Callable, Sequence
-from math import degrees, hypot, sqrt
-from typing import Any, TypeVar
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import chain as chained
+from math import hypot, sqrt
 
 import numpy as np
 from msgspec import Struct
 from numpy.typing import NDArray
 
-from beamcam.geometry.array_types import Floats
-from beamcam.geometry.arrays import CurveTable, signed_areas
-from beamcam.geometry.conics import arc_by_points
-from beamcam.geometry.curves import Arc, Curve, Line, signed_area
+from beamcam.geometry.array_types import Counts, Flags, Floats
+from beamcam.geometry.arrays import CurveTable, arc_ends, signed_areas, unit_vectors
+from beamcam.geometry.conics import arc_between, direction_deg
+from beamcam.geometry.curves import Arc, Curve, Line
+from beamcam.geometry.flat_offset import flat_offset
 from beamcam.geometry.plane import Point, cross, distance, dot
-from beamcam.geometry.polylines import points_at, polylines
-from beamcam.geometry.raw_offset import MITRE_LIMIT, Ring, raw_offsets
+from beamcam.geometry.polylines import polylines
 
-# --- refit ----------------------------------------------------------------------------------------
+Ring = tuple[Line | Arc, ...]
 
-# Lines and arcs found again in the corners of a polygon.
-
-
-Corners = TypeVar("Corners", list[Point], Floats)
-
-#: So many corners, at least, make an arc.
-MIN_CORNERS = 5
-
-#: No chord of an arc turns it by more than this: a square is not a circle.
-MOST_SWEEP_DEG = 350.0
-
-
-def refit_ring(points: Sequence[Point], tolerance: float) -> tuple[Line | Arc, ...]:
-    """A closed chain of lines and arcs through some of the corners of a polygon, which no
-    corner and no side's middle lies farther from than `tolerance` (and the sagitta of a chord).
-
-    Greedy: from each corner the longest arc, or else the longest line. It starts at the corner
-    with the sharpest turn, so that an arc is not cut in two where it needs not be.
-    """
-    count = len(points)
-    start = max(range(count), key=lambda k: (_turn(points, k), -k))
-    ring = [points[(start + k) % count] for k in range(count)] + [points[start]]
-    curves: list[Line | Arc] = []
-    at = 0
-    while at < count:
-        arc, reach = longest_arc(ring, at, MIN_CORNERS - 1, lambda run: _arc_over(run, tolerance))
-        if arc is None:
-            reach = longest_line(ring, at, lambda run: _is_straight(run, tolerance / 4))
-            curves.append(Line(ring[at], ring[reach]))
-        else:
-            curves.append(arc)
-        at = reach
-    return tuple(curves)
-
-
-def _turn(points: Sequence[Point], k: int) -> float:
-    """1 - cosine of the turn at a corner."""
-    a, b, c = points[k - 1], points[k], points[(k + 1) % len(points)]
-    u, v = (b[0] - a[0], b[1] - a[1]), (c[0] - b[0], c[1] - b[1])
-    size = hypot(*u) * hypot(*v)
-    return 1.0 - dot(u, v) / size if size else 0.0
-
-
-def longest_arc(
-    points: Corners, at: int, least: int, arc_over: Callable[[Corners], Arc | None]
-) -> tuple[Arc | None, int]:
-    """The arc from corner `at` over the most corners; doubles its reach, then halves the step.
-
-    It goes over `least` chords or more. Without one None, and `at`.
-    """
-    best: Arc | None = None
-    reach, step, growing = at, least, True
-    while step >= 1:
-        wished = reach + step
-        arc = arc_over(points[at : wished + 1]) if wished < len(points) else None
-        if arc is not None:
-            best, reach = arc, wished
-            step = step * 2 if growing else step
-        elif best is None:
-            break
-        else:
-            growing = False
-            step //= 2
-    return best, reach
-
-
-def longest_line(points: Corners, at: int, is_straight: Callable[[Corners], bool]) -> int:
-    """The last corner that a line from corner `at` may end at."""
-    reach = at + 1
-    while reach + 1 < len(points) and is_straight(points[at : reach + 2]):
-        reach += 1
-    return reach
-
-
-def _arc_over(points: list[Point], tolerance: float) -> Arc | None:
-    arc = arc_by_points(points[0], points[len(points) // 2], points[-1])
-    if arc is None or abs(arc.sweep_deg) > MOST_SWEEP_DEG:
-        return None
-    centre, side = arc.centre, 1.0 if arc.sweep_deg > 0 else -1.0
-    for p, q in itertools.pairwise(points):
-        middle = ((p[0] + q[0]) / 2, (p[1] + q[1]) / 2)
-        if (
-            abs(distance(q, centre) - arc.radius) > tolerance
-            or arc.radius - distance(middle, centre) > 4 * tolerance
-        ):
-            return None
-        # Corners follow one another round the centre, never back.
-        from_centre = (p[0] - centre[0], p[1] - centre[1])
-        if side * cross(from_centre, (q[0] - p[0], q[1] - p[1])) <= 0.0:
-            return None
-    return arc
-
-
-def _is_straight(points: list[Point], tolerance: float) -> bool:
-    a, b = points[0], points[-1]
-    chord = (b[0] - a[0], b[1] - a[1])
-    size = hypot(*chord)
-    return size > 0.0 and all(
-        abs(cross(chord, (p[0] - a[0], p[1] - a[1]))) <= tolerance * size
-        and dot(chord, (p[0] - a[0], p[1] - a[1])) >= 0.0
-        for p in points
-    )
-
-
-# --- flat offset ----------------------------------------------------------------------------------
-
-# Closed chains moved outwards or inwards as polygons, and their arcs found again.
-#
-# It replaces the exact form where parts of a moved chain run into each other.
-
-
-def flat_offset(
-    curves: tuple[Curve, ...], amount: float, tolerance: float
-) -> tuple[tuple[Curve, ...], ...]:
-    """The rings of a chain moved by `amount` mm, outwards if above 0; none if it vanishes.
-
-    They are lines and arcs within `tolerance`, and run as the chain does, holes the other way.
-    Corners that open are rounded: a mitre would close places where there is room.
-    """
-
-    ring = np.concatenate([_flat(curve, tolerance / 8) for curve in curves])
-    quarter = max(8, int(90 / max(1.0, degrees(2 * sqrt(tolerance / 4 / abs(amount))))))
-    moved = _moved(ring, amount, quarter, tolerance)
-    parts = [p for p in getattr(moved, "geoms", [moved]) if p.area > tolerance * tolerance]
-    turned = signed_area(curves) < 0
-    chains = []
-    for part in parts:
-        for place, loop in enumerate((part.exterior, *part.interiors)):
-            points = [(float(x), float(y)) for x, y in loop.coords[:-1]]
-            fitted = refit_ring(points, tolerance / 4)
-            backwards = (signed_area(fitted) < 0) != (turned != (place > 0))
-            chains.append(tuple(c.reversed() for c in reversed(fitted)) if backwards else fitted)
-    return tuple(chains)
-
-
-def _moved(ring: NDArray[np.float64], amount: float, quarter: int, tolerance: float) -> Any:
-    """The inside of a ring moved by `amount` mm, with so many chords to a quarter of a circle.
-
-    In a corner that closes, made of sides much shorter than the amount, GEOS leaves out where the
-    long sides beside them meet, and may be off by a sixth of the amount. Then every side is moved
-    by itself.
-    """
-    import shapely
-
-    inside = shapely.make_valid(shapely.Polygon(ring))
-    moved = inside.buffer(amount, quad_segs=quarter)
-    edge = shapely.linearrings(ring)
-    shapely.prepare(edge)
-    places = shapely.get_coordinates(shapely.segmentize(moved.boundary, abs(amount) / 4))
-    if shapely.dwithin(edge, shapely.points(places), abs(amount) + tolerance).all():
-        return moved
-    corners = shapely.get_coordinates(edge)
-    sides = shapely.linestrings(np.stack((corners[:-1], corners[1:]), axis=1))
-    band = shapely.union_all(shapely.buffer(sides, abs(amount), quad_segs=quarter))
-    whole = inside.buffer(0.0)  # without lines
-    return whole.union(band) if amount > 0.0 else whole.difference(band)
-
-
-def _flat(curve: Curve, tolerance: float) -> NDArray[np.float64]:
-    """Points of a curve without its end; chords within `tolerance`, measured by doubling."""
-    count = 1
-    if not isinstance(curve, Line):
-        count = 8
-        while count < 4096:
-            fine = points_at(curve, np.linspace(0.0, 1.0, 2 * count + 1))
-            sag = fine[1::2] - (fine[:-1:2] + fine[2::2]) / 2
-            if np.max(np.hypot(sag[:, 0], sag[:, 1])) <= tolerance:
-                break
-            count *= 2
-    return points_at(curve, np.linspace(0.0, 1.0, count + 1))[:-1]
-
-
-#: Distance from the original within which the flattened form replaces the exact one.
-DEFAULT_TOLERANCE = 0.005
-
+#: Corners sharper than this are rounded; their mitre would stand out by more than 2.5 times
+#: the offset.
+MITRE_LIMIT = 2.5
+DEFAULT_TOLERANCE = 0.005  #: mm that the flattened form may be off where it replaces the exact one
 #: Rings are looked at as polygons so near to them, as a share of the tolerance: two stretches
 #: that cross unseen lie too near to the chain by twice that at most.
 LOOK_SHARE = 1 / 20
@@ -233,9 +62,6 @@ class Vanished(Struct, frozen=True):
 
     area: float  #: of the chain that was
     amount: float
-
-    def __str__(self) -> str:
-        return f"a contour of {self.area:.3f} mm2 vanishes when moved in by {-self.amount:g}"
 
 
 def offset_chains(
@@ -288,33 +114,23 @@ def _right_ones(
     asked: Sequence[int], rings: Sequence[Ring | None], areas: NDArray[np.float64],
     rights: NDArray[np.float64], tolerance: float,
 ) -> dict[int, Offset]:  # fmt: skip
-    """The rings that are right, by the chains (of all `areas`) that were `asked` for."""
+    """The rings that are right, by the chains (of all `areas`) that were `asked` for: they are
+    simple, run as the chains do, and grew or shrank as they should."""
     made = [(k, ring) for k, ring in zip(asked, rings, strict=True) if ring is not None]
     which, candidates = [k for k, _ in made], [ring for _, ring in made]
-    after = signed_areas(candidates)
-    right = _are_right(areas[which], after, candidates, rights[which], tolerance)
+    before, after = areas[which], signed_areas(candidates)
+    grows = np.abs(after) > np.abs(before)
+    right = ((after * before > 0.0) & (grows == (rights[which] * before > 0.0))).tolist()
+    # A circle is simple; the others are looked at.
+    looked = [k for k, ring in enumerate(candidates) if right[k] and len(ring) > 1]
+    simple = _are_simple([candidates[k] for k in looked], tolerance)
+    for k, is_simple in zip(looked, simple, strict=True):
+        right[k] = is_simple
     return {
         k: Offset((ring,), (area,), True)
         for (k, ring), area, is_right in zip(made, after.tolist(), right, strict=True)
         if is_right
     }
-
-
-def _are_right(
-    areas: NDArray[np.float64], after: NDArray[np.float64], rings: Sequence[tuple[Curve, ...]],
-    rights: NDArray[np.float64], tolerance: float,
-) -> list[bool]:  # fmt: skip
-    """Which moved rings are simple, run as before, and grew or shrank as they should.
-
-    `areas` are those of the chains, `after` those of the rings.
-    """
-    grows = np.abs(after) > np.abs(areas)
-    good: list[bool] = ((after * areas > 0.0) & (grows == (rights * areas > 0.0))).tolist()
-    # A circle is simple; the others are looked at.
-    which = [k for k, ring in enumerate(rings) if good[k] and len(ring) > 1]
-    for k, simple in zip(which, _are_simple([rings[k] for k in which], tolerance), strict=True):
-        good[k] = simple
-    return good
 
 
 def _are_simple(rings: Sequence[tuple[Curve, ...]], tolerance: float) -> list[bool]:
@@ -334,5 +150,249 @@ def _are_simple(rings: Sequence[tuple[Curve, ...]], tolerance: float) -> list[bo
     _, owner = np.unique(owner[of_simple], return_inverse=True)
     polygons = shapely.polygons(shapely.linearrings(drawn.points[kept][of_simple], indices=owner))
     simple[simple] = shapely.is_valid(polygons)
-    flags: list[bool] = simple.tolist()
-    return flags
+    return [bool(one) for one in simple]
+
+
+# --- moved and joined -----------------------------------------------------------------------------
+
+# Lines and arcs moved to their right, cut and joined at their corners: all chains together, in
+# arrays. Only where an arc is cut at a corner that closes are both curves looked at by themselves.
+
+
+BEYOND = 1e-9  #: mm beyond its end that a line may reach by the last digits
+
+
+def meeting(a: Line | Arc, b: Line | Arc, corner: Point) -> Point | None:
+    """Where two curves meet, nearest to the corner that both are cut at."""
+    points = [p for p in intersections(a, b) if between(a, a.start, p) and between(b, p, b.end)]
+    return min(points, key=lambda p: distance(p, corner), default=None)
+
+
+def intersections(a: Line | Arc, b: Line | Arc) -> list[Point]:
+    """Points where the whole lines or circles of two curves meet."""
+    if isinstance(a, Line) and isinstance(b, Line):
+        (ux, uy), (vx, vy) = a.tangent(0.0), b.tangent(0.0)
+        det = cross((ux, uy), (vx, vy))
+        if abs(det) < 1e-12:
+            return []
+        s = cross((b.start[0] - a.start[0], b.start[1] - a.start[1]), (vx, vy)) / det
+        return [(a.start[0] + s * ux, a.start[1] + s * uy)]
+    if isinstance(a, Arc) and isinstance(b, Line):
+        a, b = b, a
+    if isinstance(a, Line) and isinstance(b, Arc):
+        ux, uy = a.tangent(0.0)
+        to = (b.centre[0] - a.start[0], b.centre[1] - a.start[1])
+        foot, away = dot((ux, uy), to), cross((ux, uy), to)
+        if abs(away) > b.radius:
+            return []
+        half = sqrt(b.radius**2 - away**2)
+        return [(a.start[0] + s * ux, a.start[1] + s * uy) for s in (foot - half, foot + half)]
+    assert isinstance(a, Arc)
+    assert isinstance(b, Arc)
+    d = (b.centre[0] - a.centre[0], b.centre[1] - a.centre[1])
+    gap = hypot(*d)
+    if gap < 1e-12 or gap > a.radius + b.radius or gap < abs(a.radius - b.radius):
+        return []
+    along = (gap * gap + a.radius**2 - b.radius**2) / (2 * gap)
+    height = sqrt(max(0.0, a.radius**2 - along**2))
+    ux, uy = d[0] / gap, d[1] / gap
+    x, y = a.centre[0] + along * ux, a.centre[1] + along * uy
+    return [(x - h * uy, y + h * ux) for h in (height, -height)]
+
+
+def between(part: Line | Arc, start: Point, end: Point) -> Line | Arc | None:
+    """The stretch of a line or circle between two of its points.
+
+    None if it would run back, or reach beyond either end: cutting shortens.
+    """
+    if part.start == start and part.end == end:
+        return part
+    if isinstance(part, Line):
+        ahead = part.tangent(0.0)
+        first, last, length = (
+            dot((p[0] - part.start[0], p[1] - part.start[1]), ahead) for p in (start, end, part.end)
+        )
+        is_on = first >= -BEYOND and last <= length + BEYOND
+        return Line(start, end) if is_on and first < last else None
+    sign = 1.0 if part.sweep_deg > 0 else -1.0
+    angles = [direction_deg((p[0] - part.centre[0], p[1] - part.centre[1])) for p in (start, end)]
+    sweep = (angles[1] - angles[0]) * sign % 360.0
+    # What sweeps further has turned inside out.
+    if sweep > abs(part.sweep_deg) + 1e-6 or sweep == 0.0:
+        return None
+    return Arc(part.centre, part.radius, angles[0], sign * sweep)
+
+
+#: Moved neighbours whose ends are nearer than this (mm for a move of 1 mm, no controller tells so
+#: little) follow one another: coordinates rounded to 1e-6 make such corners of smooth joints.
+SMOOTH = 1e-5
+GONE = 1e-9  #: share of its radius below which an arc is gone
+PARALLEL = 1e-12  #: below this the directions of two lines are one
+
+
+@dataclass(slots=True)
+class _Moved:
+    """The curves of all chains, moved but not yet cut, one a row."""
+
+    is_line: Flags
+    bad: Flags  #: neither line nor arc, or nothing is left of it
+    ends: Floats  #: (n, 4); cut at corners they change
+    tangents: Floats  #: (n, 4) at start and end
+    arcs: Floats  #: (n, 5) centre, radius, start and sweep in degrees, of the arcs
+
+
+def raw_offsets(
+    chains: Sequence[Sequence[Curve]],
+    rights: Floats,
+    table: CurveTable,
+    mitre_limit: float = MITRE_LIMIT,
+) -> list[Ring | None]:
+    """Each chain moved to its right by so much (n,), to its left if below 0.
+
+    `table` holds the curves of all chains. Mitres stand out by no more than `mitre_limit` times
+    the move; corners that are sharper get arcs, with 0 all of them.
+    None where that cannot be: for a chain with other curves than lines and arcs, where an arc
+    would vanish, and where two curves do not meet or would run backwards. The rings may cross
+    themselves.
+    """
+    sizes = np.array([len(chain) for chain in chains], dtype=np.int64)
+    begins = np.cumsum(sizes) - sizes
+    chain_of = np.repeat(np.arange(len(chains)), sizes)
+    right = rights[chain_of]
+    following = np.arange(len(table.curves)) + 1
+    following[begins + sizes - 1] = begins
+    moved, corners = _beside(table, right)
+    lonely = (sizes == 1)[chain_of]
+    moved.bad |= lonely & (np.abs(moved.arcs[:, 4]) != 360.0)
+    step = moved.ends[following, :2] - moved.ends[:, 2:]
+    apart = np.hypot(step[:, 0], step[:, 1]) > SMOOTH * (1 + np.abs(right))
+    smooth = np.flatnonzero(~apart & moved.is_line[following])
+    moved.ends[following[smooth], :2] = moved.ends[smooth, 2:]
+    joints, pieces = _cornered(moved, corners, following, right, apart & ~lonely, mitre_limit)
+    failed = np.zeros(len(chains), dtype=bool)
+    failed[chain_of[moved.bad]] = True
+    records = list(map(_record, moved.is_line.tolist(), moved.ends.tolist(), moved.arcs.tolist()))
+    for k, piece in pieces.items():
+        records[k] = piece
+    joined = [(one, joints[k]) if k in joints else (one,) for k, one in enumerate(records)]
+    bounds = zip(begins.tolist(), (begins + sizes).tolist(), failed.tolist(), strict=True)
+    return [
+        None if has_failed else tuple(chained.from_iterable(joined[begin:end]))
+        for begin, end, has_failed in bounds
+    ]
+
+
+def _beside(table: CurveTable, right: Floats) -> tuple[_Moved, Floats]:
+    """The curves beside themselves, and the corners (n, 2) in which they ended."""
+    count = len(table.curves)
+    lines, arcs = table.where(Line), table.where(Arc)
+    is_line, bad = np.zeros(count, dtype=bool), np.ones(count, dtype=bool)
+    ends, tangents = np.zeros((count, 4)), np.zeros((count, 4))
+    corners, all_arcs = np.zeros((count, 2)), np.zeros((count, 5))
+    is_line[lines] = True
+    before = table.lines
+    step = before[:, 2:] - before[:, :2]
+    length = np.hypot(step[:, 0], step[:, 1])
+    unit = step / np.where(length > 0.0, length, 1.0)[:, None]
+    aside = right[lines, None] * np.column_stack((unit[:, 1], -unit[:, 0]))
+    ends[lines] = before + np.hstack((aside, aside))
+    tangents[lines] = np.hstack((unit, unit))
+    corners[lines] = before[:, 2:]
+    bad[lines] = length == 0.0
+    rows = table.arcs.copy()
+    turn = np.where(rows[:, 4] > 0, 1.0, -1.0)
+    radius = rows[:, 2] + turn * right[arcs]
+    corners[arcs] = arc_ends(rows)[:, 2:]
+    bad[arcs] = radius <= GONE * rows[:, 2]
+    rows[:, 2] = radius
+    all_arcs[arcs] = rows
+    ends[arcs] = arc_ends(rows)
+    for place, angle in ((0, rows[:, 3]), (2, rows[:, 3] + rows[:, 4])):
+        out = unit_vectors(angle)
+        tangents[arcs, place : place + 2] = turn[:, None] * np.column_stack((-out[:, 1], out[:, 0]))
+    return _Moved(is_line, bad, ends, tangents, all_arcs), corners
+
+
+def _cornered(
+    moved: _Moved, corners: Floats, following: Counts, right: Floats, apart: Flags,
+    mitre_limit: float,
+) -> tuple[dict[int, Arc], dict[int, Line | Arc]]:  # fmt: skip
+    """Trim or extend the moved curves at corners (`apart`); mark those that cannot meet as bad.
+
+    Gives the arcs about corners that open, by the curve before them, and the arcs that were cut.
+    """
+    k = np.flatnonzero(apart & ~moved.bad & ~moved.bad[following])
+    n = following[k]
+    a, b = moved.tangents[k, 2:], moved.tangents[n, :2]
+    turn = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+    along = np.sum(a * b, axis=1)
+    opens = (turn * right[k] > 0) | ((turn == 0) & (along < 0))
+    straight = moved.is_line[k] & moved.is_line[n]
+    # The mitre of two lines stands out by 1 / cos(turn / 2) of the move.
+    blunt = (1 + along) * mitre_limit**2 >= 2
+    before = moved.ends.copy()
+    joints = {
+        i: _joint(before[i], before[j], corners[i], right[i])
+        for i, j in zip(*(v[opens & ~(straight & blunt)].tolist() for v in (k, n)), strict=True)
+    }
+    meet = straight & (~opens | blunt)
+    i, j = k[meet], n[meet]
+    gap = before[j, :2] - before[i, :2]
+    parallel = np.abs(turn[meet]) < PARALLEL
+    reach = (gap[:, 0] * b[meet, 1] - gap[:, 1] * b[meet, 0]) / np.where(parallel, 1.0, turn[meet])
+    points = before[i, :2] + reach[:, None] * a[meet]
+    # At a corner that closes both have to reach the point.
+    rest = np.sum((before[j, 2:] - points) * b[meet], axis=1)
+    moved.bad[i[parallel | (~opens[meet] & ((reach <= 0.0) | (rest <= 0.0)))]] = True
+    moved.ends[i, 2:] = points
+    moved.ends[j, :2] = points
+    closing = zip(*(v[~straight & ~opens].tolist() for v in (k, n)), strict=True)
+    pieces = _cut_arcs(moved, before, corners, list(closing))
+    # What was cut at both ends may have turned round.
+    run = moved.ends[:, 2:] - moved.ends[:, :2]
+    moved.bad |= moved.is_line & (np.sum(run * moved.tangents[:, :2], axis=1) <= 0.0)
+    return joints, pieces
+
+
+def _joint(before: Floats, after: Floats, corner: Floats, right: float) -> Arc:
+    """The arc about a corner from the end of one curve to the start of the next."""
+    (x0, y0), (x1, y1), (x, y) = before[2:].tolist(), after[:2].tolist(), corner.tolist()
+    return arc_between((x0, y0), (x1, y1), (x, y), float(right))
+
+
+def _cut_arcs(
+    moved: _Moved, before: Floats, corners: Floats, closing: Sequence[tuple[int, int]]
+) -> dict[int, Line | Arc]:
+    """The arcs that meet a neighbour at a corner that closes, cut there."""
+    touched: set[int] = set()
+    for i, j in closing:
+        a, b = (
+            _record(moved.is_line[k], before[k].tolist(), moved.arcs[k].tolist()) for k in (i, j)
+        )
+        x, y = corners[i].tolist()
+        point = meeting(a, b, (x, y))
+        if point is None:
+            moved.bad[i] = True
+            continue
+        moved.ends[i, 2:] = point
+        moved.ends[j, :2] = point
+        touched |= {i, j}
+    found: dict[int, Line | Arc] = {}
+    for k in sorted(touched):
+        if not moved.is_line[k]:
+            x0, y0, x1, y1 = moved.ends[k].tolist()
+            whole = _record(False, before[k].tolist(), moved.arcs[k].tolist())
+            piece = between(whole, (x0, y0), (x1, y1))
+            if piece is None:
+                moved.bad[k] = True
+            else:
+                found[k] = piece
+    return found
+
+
+def _record(is_line: bool, ends: Sequence[float], arc: Sequence[float]) -> Line | Arc:
+    if is_line:
+        x0, y0, x1, y1 = ends
+        return Line((x0, y0), (x1, y1))
+    x, y, radius, start_deg, sweep_deg = arc
+    return Arc((x, y), radius, start_deg, sweep_deg)

@@ -5,11 +5,6 @@ speed        ______________          the acceleration grows by the jerk, stays, 
         /                    \      that is a trapezoid, and a triangle where the way is short.
  _____.'                      '.__
  jerk steady jerk   cruise   jerk ...
-
-Velocity over time as phases of constant jerk, and its position, velocity and acceleration.
-
-Units are the caller's: mm and mm/s; or rpm, whose positions are then sixtieths of revolutions.
-Time is seconds.
 """
 
 from math import cbrt, inf, sqrt

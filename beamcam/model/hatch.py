@@ -59,8 +59,8 @@ def _hatched_looks(part: Part, torch: Torch) -> dict[str, list[Contour]]:
 
 
 def is_filled_only(contour: Contour, torch: Torch) -> bool:
-    """Whether a contour is filled and not followed."""
-    key = key_of(contour, torch.colours) if torch.settings else None
+    """Whether a contour is filled and not followed, on a machine with settings of its colours."""
+    key = key_of(contour, torch.colours)
     own = torch.settings.get(key) if key is not None else None
     return own is not None and bool(own.hatch) and not own.hatch_outline and is_closed(contour)
 

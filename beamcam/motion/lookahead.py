@@ -4,7 +4,7 @@
        it is passed at the speed at which a circle that stays within `deviation` of the corner
        keeps the acceleration (grbl), and at which the turn, spread over half of both segments,
        keeps acceleration (Klipper) and jerk: that is what limits a curve of short chords.
-    2  Segments are joined to stretches (`stretches`), between which the acceleration is 0.
+    2  Segments are joined to stretches (`speeds`), between which the acceleration is 0.
     3  Backward, then forward: no joint is passed faster than a jerk-limited ramp over the next,
        the last stretch allows. A ramp that fits still fits if its faster end gets slower, so
        two passes are enough and no stretch is left without room.
@@ -13,135 +13,24 @@
 On a curve acceleration along the path and across it add up, so they share the limit as in
 LinuxCNC's planner: 1/2 along, sqrt(3)/2 across.
 Sources: grbl, planner.c; Klipper, toolhead.py; LinuxCNC, tp.c.
-
-Segments of a path joined to stretches that are passed with one rise and one fall of speed.
-
-At the joints of stretches the acceleration is 0, so a ramp cannot reach across them. A curve
-that was cut in short chords would therefore never gain speed if every chord were a stretch of
-its own:
-
-    speed limit   ____      ____________      The limits of segments and of the junctions
-                 |    |_ _ |            |     between them are a skyline. A tower that is too
-                 |      | |             |     narrow to be climbed is levelled with its higher
-              ___|      |_|             |__   neighbour; small steps in one direction are taken
-                   narrow    worth it         together.
 """
 
 from collections.abc import Sequence
-from math import cos, inf, radians, sqrt
+from math import cos, radians, sqrt
 
 import numpy as np
 from msgspec import Struct
 from numpy.typing import ArrayLike, NDArray
 
 from beamcam.geometry.array_types import Counts, Floats
-from beamcam.geometry.ramps import ramp_seconds
-from beamcam.motion.profile import AxisLimits, peak_rises, ramp_phases, reachable_speed
-
-#: A tower is worth climbing if the speed rises by this share of its foot in half its width.
-WORTH_RISE = 0.1
-
-#: Limits nearer to each other than this share are one.
-SAME_SPEED = 1e-3
-
-#: Short steps of a stair are one stretch while their limits lie within this ratio.
-STAIR_RATIO = 1.25
-
-
-class SpeedSection(Struct, gc=False):
-    """Segments `first` to `last` (excluded) under one limit; a junction has none."""
-
-    limit: float
-    length: float
-    first: int
-    last: int
-    acceleration: float
-    jerk: float
-
-
-def _is_worth(tower: SpeedSection, foot: float) -> bool:
-    """Whether a stretch is long enough to rise above `foot` and come down again."""
-    gain = tower.limit - foot
-    if gain <= SAME_SPEED * foot:
-        return False
-    change = min(gain, WORTH_RISE * foot)
-    ramp_s = ramp_seconds(change, tower.acceleration, tower.jerk)
-    return tower.length >= 2 * (foot + change / 2) * ramp_s
-
-
-def _absorb(into: SpeedSection, other: SpeedSection) -> None:
-    into.length += other.length
-    into.first, into.last = min(into.first, other.first), max(into.last, other.last)
-    into.acceleration = min(into.acceleration, other.acceleration)
-    into.jerk = min(into.jerk, other.jerk)
-
-
-def join_segments(
-    lengths: Floats, limits: Floats, junctions: Floats, accelerations: Floats, jerks: Floats
-) -> list[SpeedSection]:
-    """The stretches of a path with n segments and n + 1 junctions, its ends included.
-
-    Stretches without length are junctions whose limit stands for itself. Each segment is looked
-    at a bounded number of times on average: a level tower is never looked at again.
-    """
-    count = len(junctions)
-    # Junctions and segments in turns; those of one limit that follow one another are one.
-    skyline_limits = _in_turns(junctions, limits)
-    begins = np.flatnonzero(np.append(True, skyline_limits[1:] != skyline_limits[:-1]))
-    behind = np.append(begins[1:], 2 * count - 1)
-    level = zip(
-        skyline_limits[begins].tolist(),
-        np.add.reduceat(_in_turns(np.zeros(count), lengths), begins).tolist(),
-        (begins // 2).tolist(),
-        (behind // 2).tolist(),
-        np.minimum.reduceat(_in_turns(np.full(count, inf), accelerations), begins).tolist(),
-        np.minimum.reduceat(_in_turns(np.full(count, inf), jerks), begins).tolist(),
-        strict=True,
-    )
-    skyline: list[SpeedSection] = []
-    for section in level:
-        _add(skyline, SpeedSection(*section))
-    return _join_stairs(skyline)
-
-
-def _in_turns(junctions: Floats, segments: Floats) -> Floats:
-    """Numbers of n + 1 junctions and of the n segments between them, in turns."""
-    both = np.empty(len(junctions) + len(segments))
-    both[::2], both[1::2] = junctions, segments
-    return both
-
-
-def _add(skyline: list[SpeedSection], new: SpeedSection) -> None:
-    """Puts a stretch at the end, after levelling towers that it leaves too narrow."""
-    while len(skyline) > 1 and skyline[-1].limit > new.limit:
-        before, tower = skyline[-2], skyline[-1]
-        if before.limit >= tower.limit or _is_worth(tower, max(before.limit, new.limit)):
-            break
-        skyline.pop()
-        _absorb(before if before.limit >= new.limit else new, tower)
-    if skyline and skyline[-1].limit == new.limit:
-        _absorb(skyline[-1], new)
-    else:
-        skyline.append(new)
-
-
-def _join_stairs(skyline: list[SpeedSection]) -> list[SpeedSection]:
-    """Joins neighbours too short for a rise of their own while their limits are near."""
-    speed_sections: list[SpeedSection] = []
-    lowest = highest = 0.0
-    for new in skyline:
-        is_short = new.length > 0.0 and not _is_worth(new, new.limit / STAIR_RATIO)
-        if is_short and lowest > 0.0:
-            low, high = min(lowest, new.limit), max(highest, new.limit)
-            if high <= STAIR_RATIO * low:
-                _absorb(speed_sections[-1], new)
-                speed_sections[-1].limit = lowest = low
-                highest = high
-                continue
-        speed_sections.append(new)
-        lowest, highest = (new.limit, new.limit) if is_short else (0.0, 0.0)
-    return speed_sections
-
+from beamcam.geometry.velocity_profile import AxisLimits
+from beamcam.motion.speeds import (
+    SpeedSection,
+    join_segments,
+    joint_speeds,
+    peak_rises,
+    ramp_phases,
+)
 
 # --- planned --------------------------------------------------------------------------------------
 
@@ -364,27 +253,3 @@ def _junction_limits(
     by_jerk = np.cbrt(jerk * (short / (2 * half_cosine)) ** 2)
     limit = np.where(straight, np.inf, np.minimum(np.sqrt(squared), by_jerk))
     return limit, ~straight & (cosine > CURVE_TURN_COS)
-
-
-def joint_speeds(stretches: list[SpeedSection]) -> tuple[list[SpeedSection], list[float]]:
-    """The stretches that have a length, and the speeds at their n + 1 joints."""
-    moving: list[SpeedSection] = []
-    speeds: list[float] = []
-    limit = stretches[0].limit
-    for stretch in stretches:
-        limit = min(limit, stretch.limit)
-        if stretch.length > 0.0:
-            moving.append(stretch)
-            speeds.append(limit)
-            limit = stretch.limit
-    speeds.append(limit)
-    for k in range(len(moving) - 1, -1, -1):
-        s = moving[k]
-        if speeds[k] > speeds[k + 1]:
-            reach = reachable_speed(speeds[k + 1], s.length, s.acceleration, s.jerk)
-            speeds[k] = min(speeds[k], reach)
-    for k, s in enumerate(moving):
-        if speeds[k + 1] > speeds[k]:
-            reach = reachable_speed(speeds[k], s.length, s.acceleration, s.jerk)
-            speeds[k + 1] = min(speeds[k + 1], reach)
-    return moving, speeds

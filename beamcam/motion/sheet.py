@@ -16,9 +16,12 @@ Where a path is near a corner, so that the tool moves slower there.
 """
 
 from collections.abc import Iterator, Sequence
-from itertools import accumulate, groupby, pairwise
+from itertools import accumulate, groupby, pairwise, repeat
 from math import acos, degrees, dist, hypot
+from operator import itemgetter
 from typing import NamedTuple
+
+import numpy as np
 
 from beamcam.geometry.curves import Arc, Curve, EllipseArc, Line, bezier_pieces, parameter_at
 from beamcam.geometry.plane import Point, dot
@@ -28,6 +31,7 @@ from beamcam.machine.words import PART_NAMES, WORK_WORDS, names_in
 from beamcam.model.description import part_data
 from beamcam.model.plan import ContourOp, SheetPlan
 from beamcam.model.program import (
+    ArcFeed,
     ChooseMaterial,
     ChooseTool,
     CloseCut,
@@ -40,6 +44,7 @@ from beamcam.model.program import (
     PassEnd,
     Power,
     Program,
+    SetFeed,
     StartSheet,
     ToolOff,
     ToolOn,
@@ -54,7 +59,7 @@ from beamcam.motion.arcs import (
     parabola_feed,
     paths_along,
 )
-from beamcam.motion.feed_limits import paced
+from beamcam.motion.speeds import calm_radius, min_radius, straight_mm_s, turning_mm_s
 
 SHORT = 0.05  #: mm of a curve that is part of a corner
 #: mm: no move is made shorter than this by where it begins to be near a corner.
@@ -96,16 +101,13 @@ def _corners(
     corners: list[float] = []
     before = None
     for k, curve in enumerate(chain):
-        if before is not None and _turn_deg(chain[before], curve) > angle:
-            corners.append(begins[before + 1])
+        if before is not None:
+            turn = dot(chain[before].tangent(1.0), curve.tangent(0.0))
+            if degrees(acos(max(-1.0, min(1.0, turn)))) > angle:
+                corners.append(begins[before + 1])
         if before is None or lengths[k] >= SHORT:
             before = k
     return corners
-
-
-def _turn_deg(one: Curve, other: Curve) -> float:
-    turn = dot(one.tangent(1.0), other.tangent(0.0))
-    return degrees(acos(max(-1.0, min(1.0, turn))))
 
 
 def _part(curve: Curve, first: float, last: float) -> Curve:
@@ -252,6 +254,57 @@ def _fed(op: ContourOp, path: WrittenPass, limits: PathLimits | None) -> Iterato
     near = min(op.feed_share, row.corner_share)
     shares = [near if path.near[k] else op.feed_share for k in path.moves.curve]
     yield from paced(path.moves.start, moves, row.feed_mm_min, shares, limits)
+
+
+SECONDS_PER_MINUTE = 60.0
+WORTH_LOWERING = 1e-3  #: a feed is not lowered by less than this share: no machine shows it
+
+
+def paced(
+    start: Point, moves: Sequence[Movement], feed_mm_min: float, shares: Sequence[float],
+    limits: PathLimits | None,
+) -> Iterator[Movement | SetFeed]:  # fmt: skip
+    """The moves from `start`, and before each whose feed differs from the last one its own.
+
+    `shares` are those of the feed that are asked of each move; without `limits` that is its feed.
+    """
+    now = feed_mm_min / SECONDS_PER_MINUTE
+    for share, group in groupby(zip(moves, shares, strict=True), key=itemgetter(1)):
+        stretch = [move for move, _ in group]
+        feed_mm_s = feed_mm_min * share / SECONDS_PER_MINUTE
+        feeds = repeat(feed_mm_s) if limits is None else _feeds(start, stretch, feed_mm_s, limits)
+        for move, feed in zip(stretch, feeds, strict=False):
+            if feed != now:
+                yield SetFeed(feed * SECONDS_PER_MINUTE)
+                now = feed
+            yield move
+        start = stretch[-1].x, stretch[-1].y
+
+
+def _feeds(
+    start: Point, moves: Sequence[Movement], feed_mm_s: float, limits: PathLimits
+) -> Iterator[float]:
+    """The speed of each move, at most what is asked."""
+    worth = feed_mm_s * (1.0 - WORTH_LOWERING)
+    calm = calm_radius(feed_mm_s, limits)
+    unbounded = feed_mm_s <= limits.speed_mm_s
+    here = start
+    for move in moves:
+        if unbounded and (
+            type(move) is Feed
+            or (type(move) is ArcFeed and move.i * move.i + move.j * move.j >= calm * calm)
+        ):
+            feed = feed_mm_s
+        else:
+            if isinstance(move, Feed):
+                ways = np.array([(move.x - here[0], move.y - here[1])])
+                feasible = float(straight_mm_s(ways, limits)[0])
+            else:
+                feasible = float(turning_mm_s(np.array(min_radius(here, move)), limits))
+            feed = min(feed_mm_s, feasible)
+            feed = feed_mm_s if feed > worth else feed
+        yield feed
+        here = move.x, move.y
 
 
 class Pen:

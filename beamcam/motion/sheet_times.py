@@ -37,9 +37,15 @@ from beamcam.model.program import (
     ToolOn,
     Traverse,
 )
-from beamcam.motion.feed_limits import min_radius, straight_mm_s, turning_mm_s
-from beamcam.motion.lookahead import SpeedSection, join_segments, joint_speeds
-from beamcam.motion.profile import stretch_seconds
+from beamcam.motion.speeds import (
+    SpeedSection,
+    join_segments,
+    joint_speeds,
+    min_radius,
+    straight_mm_s,
+    stretch_seconds,
+    turning_mm_s,
+)
 
 SECONDS_PER_MINUTE = 60.0
 HOME: Point = (0.0, 0.0)
@@ -72,19 +78,6 @@ def program_time(
     `standing` says how long the head stands while a tool is started and stopped, where that is more
     than its waits to preheat and to pierce.
     """
-    return by_operation(plan, iter(_passes(program, machine, standing)))
-
-
-def by_operation(plan: SheetPlan, passes: Iterator[float]) -> WorkTime:
-    """Run time of a plan by the seconds of its passes, and of what comes behind them."""
-    operations = tuple(sum(next(passes) for _ in op.passes) for op in plan.operations)
-    return WorkTime(operations, 0.0, sum(passes))
-
-
-def _passes(
-    program: Program, machine: Machine, standing: Callable[[ToolOn], float] | None
-) -> list[float]:
-    """Seconds of each pass with the traverse before it, and of the return home."""
     here, feed = HOME, 0.0
     waits = [0.0]  # the last pass is the one that goes on
     starts: list[Point] = []
@@ -121,8 +114,13 @@ def _passes(
     seconds = np.array(waits)
     for owners, spent in times:
         seconds += np.bincount(owners, spent, len(waits))
-    together: list[float] = seconds.tolist()
-    return together
+    return by_operation(plan, iter(seconds.tolist()))
+
+
+def by_operation(plan: SheetPlan, passes: Iterator[float]) -> WorkTime:
+    """Run time of a plan by the seconds of its passes, and of what comes behind them."""
+    operations = tuple(sum(next(passes) for _ in op.passes) for op in plan.operations)
+    return WorkTime(operations, 0.0, sum(passes))
 
 
 def _traverse_seconds(

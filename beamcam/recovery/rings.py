@@ -15,10 +15,10 @@ import numpy as np
 from msgspec import Struct
 
 from beamcam.checks.coping.stock import EDGE_NOISE
-from beamcam.geometry.chord_runs import arcs_and_lines
 from beamcam.geometry.conics import arc_by_points
 from beamcam.geometry.curves import Arc, Curve, Line
 from beamcam.geometry.plane import Point
+from beamcam.geometry.polylines import arcs_and_lines
 from beamcam.recovery.found import plain
 
 Shape = Any  #: of shapely

@@ -21,7 +21,7 @@ from beamcam.machine.runtime import PROCESSES
 from beamcam.machine.tables import Stepper
 from beamcam.model.part import Part
 from beamcam.model.program import ArcTravel, LiftTorch, SwitchTool, Travel, TriggerOp
-from beamcam.motion.lookahead import SpeedSection
+from beamcam.motion.speeds import SpeedSection
 from beamcam.motion.triggers import operation_seconds, place_behind
 from beamcam.simulation import ENDLESS
 from beamcam.simulation.course import ramp_intervals

@@ -19,7 +19,6 @@ from beamcam.geometry.plane import Point
 from beamcam.geometry.polylines import polylines
 from beamcam.machine.machine import Machine, PathLimits, path_limits
 from beamcam.model.program import ArcFeed, EllipseFeed, Feed, Movement, ParabolaFeed
-from beamcam.motion.lookahead import SpeedSection
 from beamcam.motion.sheet_times import (
     SECONDS_PER_MINUTE,
     LiftTimes,
@@ -27,6 +26,7 @@ from beamcam.motion.sheet_times import (
     segments_of,
     speeds_along,
 )
+from beamcam.motion.speeds import SpeedSection
 from beamcam.simulation.trace import (
     UNIFORM,
     Chords,

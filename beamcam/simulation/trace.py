@@ -19,7 +19,8 @@ from numpy.typing import ArrayLike
 
 from beamcam.geometry.array_types import Counts, Floats
 from beamcam.machine.machine import Machine
-from beamcam.motion.lookahead import SpeedSection, cut_phases
+from beamcam.motion.lookahead import cut_phases
+from beamcam.motion.speeds import SpeedSection
 
 # --- phases ---------------------------------------------------------------------------------------
 

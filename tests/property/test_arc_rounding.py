@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from beamcam.controllers import table_run
-from beamcam.controllers.codesys.curves import arc_fault as codesys_fault
+from beamcam.controllers.codesys import arc_fault as codesys_fault
 from beamcam.controllers.interpreter import arc_of
 from beamcam.controllers.rs274.variants import VARIANTS
 from beamcam.geometry.curves import Arc, Bezier, EllipseArc

@@ -9,10 +9,17 @@ import shapely
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from beamcam.geometry import chord_runs
-from beamcam.geometry.chord_runs import LEAST_ARC, LEAST_RUN, LONGEST, kept_chords, refit_runs
+from beamcam.geometry import polylines
 from beamcam.geometry.curves import Arc, Curve
-from beamcam.geometry.offset import longest_arc, longest_line
+from beamcam.geometry.polylines import (
+    LEAST_ARC,
+    LEAST_RUN,
+    LONGEST,
+    kept_chords,
+    longest_arc,
+    longest_line,
+    refit_runs,
+)
 from beamcam.machine import load
 from beamcam.machine.overlay import with_torch
 from beamcam.model.request import Request
@@ -110,10 +117,8 @@ def test_where_a_chord_is_known_to_stay_nothing_longer_begins(
     assume(len(points) > LEAST_RUN)
     places = np.array(points)
     for at, stays in enumerate(*kept_chords([places], tolerance)):
-        arc, _ = longest_arc(
-            places, at, LEAST_ARC, lambda run: chord_runs._arc_over(run, tolerance)
-        )
-        line = longest_line(places, at, lambda run: chord_runs._is_straight(run, tolerance))
+        arc, _ = longest_arc(places, at, LEAST_ARC, lambda run: polylines._arc_over(run, tolerance))
+        line = longest_line(places, at, lambda run: polylines._is_straight(run, tolerance))
         assert not stays or (arc is None and line == at + 1)
 
 

@@ -7,8 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from beamcam.geometry.arrays import CurveTable, first_equal, near_pairs
-from beamcam.geometry.biarcs import cubics_of
+from beamcam.geometry.arrays import CurveTable, cubics_of, first_equal, near_pairs
 from beamcam.geometry.curves import Arc, Bezier, BSpline, NewtonCurve, bezier_pieces, join_boxes
 from beamcam.model.part import extent
 from beamcam.planning.contours.repeats import TURNED_RAD, chords_of, may_go_round

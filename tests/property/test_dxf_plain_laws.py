@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from beamcam.errors import Source
 from beamcam.readers import Reading, dxf
-from beamcam.readers.dxf import bulk, load
+from beamcam.readers.dxf import load
 from tests.conftest import CORPUS, examples
 from tests.dxf_text import block, drawing, insert, layer_table, tags
 
@@ -38,7 +38,7 @@ def assert_same(data: bytes, **options: object) -> None:
 def taken(data: bytes) -> int:
     """How many entities of a file are taken in bulk."""
     text = data.decode()
-    found = bulk.take_plain(text, "AC1009" if "AC1009" in text else "AC1015", "\n5\n" in text)
+    found = load.take_plain(text, "AC1009" if "AC1009" in text else "AC1015", "\n5\n" in text)
     return 0 if found is None else sum(map(len, found.runs))
 
 

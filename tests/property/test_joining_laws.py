@@ -7,7 +7,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from beamcam.checks.sheets.joining import rings_of, whole
+from beamcam.checks.sheets.joining import rings_of
 from beamcam.checks.sheets.toolpaths import Toolpaths
 from beamcam.geometry.chains import join_curves
 from beamcam.geometry.curves import Curve, Line
@@ -59,7 +59,7 @@ def planned(curves: Sequence[Curve]) -> set[frozenset[int]]:
 
 def checked(curves: Sequence[Curve]) -> set[frozenset[int]]:
     """The closed contours of the checker, those of specks left out."""
-    rings = rings_of(whole(Toolpaths(list(curves), 0.002), 0.002), range(len(curves)), GAP)
+    rings = rings_of(Toolpaths(list(curves), 0.002).whole(0.002), range(len(curves)), GAP)
     members = [[k for k, _ in ring] for ring in rings]
     return {
         frozenset(ring)

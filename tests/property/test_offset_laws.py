@@ -13,9 +13,9 @@ from hypothesis import strategies as st
 from beamcam.geometry.arc_fitting import fit_chains
 from beamcam.geometry.arrays import CurveTable, signed_areas
 from beamcam.geometry.curves import Arc, Bezier, BSpline, Line, arc_through, signed_area
-from beamcam.geometry.offset import Offset, Vanished, flat_offset, offset_chains
+from beamcam.geometry.flat_offset import flat_offset
+from beamcam.geometry.offset import Offset, Vanished, offset_chains, raw_offsets
 from beamcam.geometry.polylines import points_at
-from beamcam.geometry.raw_offset import raw_offsets
 from tests.conftest import examples
 from tests.rings import polygon_of
 

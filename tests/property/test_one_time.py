@@ -13,10 +13,11 @@ from msgspec.structs import replace
 
 from beamcam.errors import PlanError
 from beamcam.geometry.ramps import move_seconds, ramp_seconds
+from beamcam.geometry.velocity_profile import AxisLimits
 from beamcam.machine import load
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
-from beamcam.motion.profile import AxisLimits, stretch_seconds
+from beamcam.motion.speeds import stretch_seconds
 from beamcam.pipeline import Posted, parts_of, post, read_file
 from beamcam.planning.left_out import SKIP_NAMES
 from tests.conftest import examples

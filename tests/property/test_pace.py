@@ -14,12 +14,11 @@ from beamcam.geometry.curves import Arc, Bezier, EllipseArc
 from beamcam.geometry.plane import cross
 from beamcam.machine.machine import PathLimits
 from beamcam.model.program import ArcFeed, EllipseFeed, Feed, ParabolaFeed, SetFeed
-from beamcam.motion.feed_limits import (
-    SECONDS_PER_MINUTE,
+from beamcam.motion.sheet import SECONDS_PER_MINUTE, paced
+from beamcam.motion.speeds import (
     calm_radius,
     min_radius_of_ellipse,
     min_radius_of_parabola,
-    paced,
     turning_mm_s,
 )
 from tests.conftest import examples

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from beamcam.checks.sheets.grid import widest_gap
 from beamcam.checks.sheets.toolpaths import Toolpaths
 from beamcam.controllers import table_events
-from beamcam.controllers.codesys.curves import arc_fault as codesys_fault
+from beamcam.controllers.codesys import arc_fault as codesys_fault
 from beamcam.controllers.events import TableEvent
 from beamcam.controllers.moves import sure_arcs
 from beamcam.controllers.rs274.variants import VARIANTS

@@ -9,7 +9,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from beamcam.controllers.interpreter import arc_of
-from beamcam.emitters.columns import lines
+from beamcam.emitters.cutting import lines
 from beamcam.emitters.gcode import number
 from beamcam.geometry.curves import Arc, Curve, Line
 from beamcam.machine import load

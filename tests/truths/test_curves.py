@@ -27,7 +27,7 @@ from beamcam.machine.torch import LayerSettings
 from beamcam.model.hatch import hatched
 from beamcam.model.lengths import duplicate_length, total_length
 from beamcam.model.part import Contour, Part, Profile, moved_curve
-from beamcam.motion.feed_limits import min_radius_of_ellipse, min_radius_of_parabola
+from beamcam.motion.speeds import min_radius_of_ellipse, min_radius_of_parabola
 from tests.dxf_text import drawing, tags
 
 SOURCE = Source("stranger.nc1", 1)

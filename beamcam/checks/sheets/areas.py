@@ -1,8 +1,8 @@
-r"""Closed cuts by areas: what the beam sweeps takes nothing of the part, and frees it.
+r"""Closed cuts by areas: what of the waste no beam reaches.
 
          waste            the beam, half a kerf r about its path, sweeps a band of the waste
      .-----------.
-    (   path      )       taken   no contour is nearer to the path than r: the part stays whole
+    (   path      )       taken   no contour is nearer to the path than r: see `leads`
      `--.     .--'        behind  each place of a contour has its path at the waste's side of it
     ----.\   /.----       rest    waste that no beam reaches: nearer than r to no place where its
     part \\./ / part              middle has room. It stays on the part, and is left out of what is
@@ -22,71 +22,11 @@ from msgspec import Struct
 from numpy.typing import NDArray
 
 from beamcam.checks.request import UNCUT
-from beamcam.checks.sheets import rules
-from beamcam.checks.sheets.region import left_of, sides_at
 from beamcam.checks.sheets.toolpaths import Samples, kept_samples
-from beamcam.checks.sheets.tracing import Traced, on_contour
-from beamcam.checks.sheets.work import SHOWN, Work
-from beamcam.errors import Diagnostic, Source
+from beamcam.checks.sheets.tracing import Traced
+from beamcam.checks.sheets.work import Work, left_of, sides_at
+from beamcam.errors import Diagnostic
 from beamcam.geometry.array_types import Counts, Flags, Floats
-
-# --- taken ----------------------------------------------------------------------------------------
-
-# That is asked of the whole path, its leads too, and of every contour, not at samples: both are
-# chords at most `fine` off (an eighth of the machine's tolerance), so that a beam is refused that
-# takes more than the tolerance, the rounding of the program's numbers and 3 `fine`, in all 1.4
-# times the tolerance and two steps of the last decimal. No buffer is drawn, so there are no
-# quadrants of it to add an error.
-
-
-def band_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
-    """Places where the beam cuts into the part."""
-    keeps_off = np.array([t.half_kerf > 0.0 for t in traced])
-    diagnostics = _bites(work, traced, keeps_off)
-    places = work.path.starts[[t.first for t in traced]]
-    for k in np.flatnonzero(keeps_off & work.region.in_part(places))[:SHOWN].tolist():
-        # For a kerf that is less than what a path may be off, no side is judged.
-        away, way = work.need.nearest_to(places[k])
-        if away <= work.slack[way]:
-            continue
-        x, y = places[k].tolist()
-        source = Source(work.name, traced[k].stroke.line)
-        diagnostics.append(
-            rules.SIDE.at(source, x=f"{x:.3f}", y=f"{y:.3f}", contour=work.contour(way))
-        )
-    return diagnostics
-
-
-def _bites(work: Work, traced: Sequence[Traced], keeps_off: Flags) -> list[Diagnostic]:
-    """The first place of each stroke that is nearer to a closed contour than half a kerf."""
-    closed = np.flatnonzero(work.region.closed & ~work.region.twins)
-    strokes = np.flatnonzero(keeps_off)
-    if not len(closed) or not len(strokes):
-        return []
-    contours = work.contours[closed]
-    ways = work.path.lines(work.fine, work.of_way)[strokes]
-    least = work.half_kerf - work.slack[closed] - 2 * work.fine
-    a, b = shapely.STRtree(contours).query(ways, "dwithin", distance=float(least.max()))
-    away = shapely.distance(ways[a], contours[b])
-    hit = np.flatnonzero(away < least[b])
-    _, firsts = np.unique(a[hit], return_index=True)
-    is_ring = on_contour(work, traced)
-    diagnostics = []
-    for k in hit[firsts][:SHOWN].tolist():
-        # The place on the path, and the line that leads there.
-        near, _ = shapely.get_coordinates(shapely.shortest_line(ways[a[k]], contours[b[k]]))
-        x, y = near.tolist()
-        way = work.path.nearest_to(near)[1]
-        rule = rules.BAND if is_ring[way] else rules.LEAD
-        diagnostics.append(
-            rule.at(
-                Source(work.name, int(work.moves.line[way])), found=f"{away[k]:.3f}",
-                contour=work.contour(int(closed[b[k]])), x=f"{x:.3f}", y=f"{y:.3f}",
-                expected=f"{work.half_kerf:g}",
-            )
-        )  # fmt: skip
-    return diagnostics
-
 
 # --- rests ----------------------------------------------------------------------------------------
 

@@ -1,4 +1,9 @@
-r"""Paths travelled with the tool on, compared with the contours of the part.
+r"""Programs of cutting tables read back and compared with the sheet that they should make.
+
+Written from the controllers' documentation and the machine file; nothing is shared with planning,
+motion or the emitters.
+
+    text -> events (controllers) -> strokes -> compared with the contours
 
     waste            *  pierce                  r  half the kerf
                      :  lead
@@ -11,27 +16,35 @@ r"""Paths travelled with the tool on, compared with the contours of the part.
 region     closed contours, as `joining` has them, part the sheet into part and waste (`region`)
 tracing    a stroke without its leads goes round one closed contour, by itself or with others and
            bridges between (`tracing`); all else is asked of that contour
-areas      the beam takes nothing of the part, its leads neither; what it does not reach is a
-           corner of the waste (`areas`)
+areas      the beam takes nothing of the part, its leads neither (`leads`); what it does not reach
+           is a corner of the waste (`areas`)
 paths      each path runs along a contour but for its leads, and each stretch of a contour has a
            path, and one only, but for bridges (`paths`)
 tabs       the bridges are as many and as wide as asked, at places that hold the part (`tabs`)
 overcut    a stroke goes on beyond its start as far as asked; open ones end where contours do
 leads      the torch pierces where it does no harm, small holes in their middle
 direction  a closed cut goes round as it is drawn, or with the material at the right side
-order      no contour is cut after one around it, none marked after a cut (`order`)
+settings   each is worked as its colour or layer asks, and in that order (`settings`)
+order      no contour is cut after one around it, none marked after a cut
 
 A controller that keeps off the contour by itself changes nothing but the path (`compensation`).
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
 import numpy as np
+import shapely
+from msgspec.structs import replace
 
-from beamcam.checks.sheets.areas import band_faults
+from beamcam.checks.head import head_of, part_faults, stock_faults
+from beamcam.checks.sheets import rules
+from beamcam.checks.sheets.chart_rows import rows_of, thickness_of
 from beamcam.checks.sheets.compensation import beam_of
+from beamcam.checks.sheets.controller_state import SKELETON, as_one, radius_faults
+from beamcam.checks.sheets.heights import switching_faults
 from beamcam.checks.sheets.leads import (
-    dark_faults,
+    band_faults,
+    direction_faults,
     edge_faults,
     find_small,
     hole_faults,
@@ -46,24 +59,67 @@ from beamcam.checks.sheets.marks import (
     spot_faults,
     without_spots,
 )
-from beamcam.checks.sheets.need import Need, shift_of
-from beamcam.checks.sheets.order import (
-    OrderPlace,
-    direction_faults,
-    order_faults,
-    settings_faults,
-    turn_faults,
-)
-from beamcam.checks.sheets.overcut import overcut_faults
+from beamcam.checks.sheets.need import Need, need_of, shift_of
+from beamcam.checks.sheets.overcut import dark_faults, overcut_faults
 from beamcam.checks.sheets.paths import cover, follow
-from beamcam.checks.sheets.strokes import Strokes
+from beamcam.checks.sheets.region import Region
+from beamcam.checks.sheets.remainder import link_faults, passes_folded, unchained
+from beamcam.checks.sheets.settings import look_faults
+from beamcam.checks.sheets.strokes import Strokes, is_far, strokes_of
 from beamcam.checks.sheets.tabs import tab_faults
 from beamcam.checks.sheets.tracing import Traced
-from beamcam.checks.sheets.work import Work, work_of
-from beamcam.errors import Diagnostic
+from beamcam.checks.sheets.work import SHOWN, Work, told_apart, work_of
+from beamcam.controllers import table_events, table_run
+from beamcam.controllers.moves import Moves
+from beamcam.errors import Diagnostic, Source, errors_in
+from beamcam.geometry.plane import Point
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch, TorchProcess
-from beamcam.model.part import Part
+from beamcam.model.part import Part, TextMark
+
+
+def verify_sheet(
+    text: str, parts: Sequence[Part], machine: Machine, skips: Collection[str] = (),
+    name: str = "program", head: str = "",
+) -> tuple[Diagnostic, ...]:  # fmt: skip
+    """All faults of a program, by itself and against the part of its sheet.
+
+    `skips` are the kinds of features that may be missing, as `--allow-skips` names them; `head` is
+    the text whose head has to say where sound parts lie, if one has to. Nothing comes back for a
+    program that makes exactly the part. Raises TypeError for a machine without a torch.
+    """
+    torch = machine.needed(machine.torch, "torch")
+    done, diagnostics = table_run(text, machine, name)
+    diagnostics = [*diagnostics, *radius_faults(done.moves, machine, torch, name)]
+    if errors_in(diagnostics) or not parts:
+        return tuple(diagnostics)
+    sheet, asked = as_one(parts, machine, skips), machine
+    part, machine = sheet.part, sheet.machine
+    torch, diagnostics = machine.torch or torch, [*diagnostics, *sheet.diagnostics]
+    rows = rows_of(part, torch)
+    torch = torch.by(next((row for row in rows if row.process == "cut"), None))
+    machine = machine if torch is machine.torch else replace(machine, torch=torch)
+    # In laser mode a word by itself switches nothing; here it is looked at what it says.
+    telling = replace(machine, torch=replace(torch, laser_mode=False))
+    strokes, more = strokes_of(
+        done, machine, torch, rows, lambda blocks: table_events(blocks, telling)[0], name
+    )
+    diagnostics += more
+    diagnostics += switching_faults(done, strokes, machine, torch, name)
+    if is_far(strokes.moves, torch):
+        return tuple(diagnostics)
+    if any(row.passes > 1 for row in rows):
+        strokes = passes_folded(strokes, rows)
+    need = need_of(part, machine, torch, skips)
+    shift = shift_of(need, torch)
+    strokes = told_apart(strokes, need, torch, shift)
+    if torch.chain_cuts:
+        strokes, links = unchained(strokes, torch, machine.format.resolution)
+        diagnostics += link_faults(links, strokes, need, torch, shift, name)
+    places = sheet.places or ([shift] if need.curves else [])
+    diagnostics += compare_part(strokes, need, part, machine, torch, name)
+    diagnostics = with_contours(diagnostics, done.moves, need, shift, torch.tolerance / 8)
+    return with_told(diagnostics, head, parts, places, asked, skips, name)
 
 
 def compare_part(
@@ -76,7 +132,8 @@ def compare_part(
         near = torch.tolerance + 2 * step
         need.diagnostics += spot_faults(strokes, need, shift_of(need, torch), near, name)
         strokes = without_spots(strokes)
-    add_texts(need, part, machine, torch, strokes)
+    if any(isinstance(feature, TextMark) for feature in part.features):
+        add_texts(need, part, machine, torch, strokes)
     if not need.curves and not strokes.each:
         return need.diagnostics
     shift = shift_of(need, torch)
@@ -101,24 +158,11 @@ def compare_part(
         if torch.overscan and not stepped:
             diagnostics += overscan_faults(work)
     if torch.settings or any(row.passes > 1 for row in need.rows.values()):
-        diagnostics += _settings(works, traced, name)
+        diagnostics += look_faults(works, traced, name)
     if any(own.hatch for own in torch.settings.values()):
         diagnostics += hatch_faults(need, torch, name)
     diagnostics += order_faults(sorted(traced, key=lambda t: t.stroke.line), works, name)
     return need.diagnostics + diagnostics
-
-
-def _settings(
-    works: Mapping[TorchProcess, Work], traced: Sequence[Traced], name: str
-) -> list[Diagnostic]:
-    """Strokes whose settings or place in the order differ from their colour or layer."""
-    diagnostics: list[Diagnostic] = []
-    turns: list[OrderPlace] = []
-    for process, work in works.items():
-        faults, more = settings_faults(work, [t for t in traced if t.stroke.process == process])
-        diagnostics += faults
-        turns += more
-    return diagnostics + turn_faults(turns, name)
 
 
 def _compared(work: Work) -> tuple[Sequence[Traced], list[Diagnostic]]:
@@ -146,3 +190,173 @@ def _compared(work: Work) -> tuple[Sequence[Traced], list[Diagnostic]]:
         diagnostics += middle_faults(work, traced)
         diagnostics += edge_faults(work, traced)
     return traced, diagnostics
+
+
+# --- order ----------------------------------------------------------------------------------------
+
+# In which order contours are cut: marks first, and what lies in a contour before it.
+
+
+TOUCHING = 0.01  #: mm by which a contour may leave the one around it
+AT_ONCE = 64  #: rings that are looked at together
+
+
+def order_faults(
+    traced: Sequence[Traced], works: Mapping[TorchProcess, Work], name: str
+) -> list[Diagnostic]:
+    """Marks behind cuts, and what lies in a contour that was cut before, in the program's order."""
+    diagnostics: list[Diagnostic] = []
+    first_cut = next((t for t in traced if t.stroke.process == "cut"), None)
+    for t in traced:
+        if first_cut and t.stroke.process != "cut" and t.stroke.line > first_cut.stroke.line:
+            diagnostics.append(
+                rules.ORDER.at(
+                    Source(name, t.stroke.line),
+                    found=f"work to {t.stroke.process} {_contour(works, t)}",
+                    before=f"the cut on line {first_cut.stroke.line}",
+                )
+            )
+            break
+    diagnostics += _before_skeleton(traced, works, name)
+    # An open cut has no inside, and lies in none.
+    cuts = [t for t in traced if t.stroke.process == "cut" and t.contour >= 0]
+    # What is left of a contour may be cut piece by piece: it holds what lies in it until the last.
+    last = {t.contour: t for t in cuts if not (t.closed or t.joined)}
+    cuts = [t for t in cuts if t.closed or t.joined or t is last[t.contour]]
+    pairs = inside_of_earlier([t.contour for t in cuts], works["cut"].region) if cuts else []
+    for a, b in pairs:
+        diagnostics.append(
+            rules.ORDER.at(
+                Source(name, cuts[a].stroke.line), found=_contour(works, cuts[a]),
+                before=f"{_contour(works, cuts[b])} around it, cut on line {cuts[b].stroke.line}",
+            )
+        )  # fmt: skip
+    return diagnostics[:SHOWN]
+
+
+def _before_skeleton(
+    traced: Sequence[Traced], works: Mapping[TorchProcess, Work], name: str
+) -> list[Diagnostic]:
+    """Parts that are cut behind a cut through the skeleton, which they hang in."""
+    work = works.get("cut")
+    if work is None or not work.torch.skeleton_cuts or not work.need.count:
+        return []
+    skeleton = [t for t in traced if t.stroke.process == "cut" and not t.half_kerf and not t.closed]
+    for t in skeleton:
+        path = (work.path.starts[t.first] + work.path.ends[t.last - 1]) / 2
+        _, way = work.need.nearest_to(path)
+        behind = [o for o in traced if o.stroke.line > t.stroke.line and (o.half_kerf or o.closed)]
+        if work.asked.source("cut", way).where == SKELETON and behind:
+            return [
+                rules.ORDER.at(
+                    Source(name, behind[0].stroke.line), found=_contour(works, behind[0]),
+                    before=f"the cut through the skeleton on line {t.stroke.line}",
+                )
+            ]  # fmt: skip
+    return []
+
+
+def _contour(works: Mapping[TorchProcess, Work], t: Traced) -> str:
+    work = works[t.stroke.process]
+    if t.contour >= 0:
+        return f"the contour of {work.contour(work.region.rings[t.contour][0][0])}"
+    return f"the contour of {work.contour_at(work.path.starts[t.first])}"
+
+
+def inside_of_earlier(contours: Sequence[int], region: Region) -> list[tuple[int, int]]:
+    """Pairs of a cut and an earlier one that it lies inside of; `contours` are those of the cuts.
+
+    It may touch that. One that lies on it all round has the same inside, and either may be first.
+    Boxes are looked at first: in most programs no contour is in the box of an earlier one. That is
+    done for some at a time, so that it takes no more memory the more of them lie above one another.
+    """
+    polygons = region.polygons[np.array(contours, dtype=np.int64)]
+    x0, y0, x1, y1 = shapely.bounds(polygons).reshape(-1, 4).T
+    tree = shapely.STRtree(shapely.points((x0 + x1) / 2, (y0 + y1) / 2))
+    pairs: list[tuple[int, int]] = []
+    for low in range(0, len(contours), AT_ONCE):
+        some = slice(low, low + AT_ONCE)
+        outer, inner = tree.query(shapely.box(x0[some], y0[some], x1[some], y1[some]))
+        outer += low
+        later = inner > outer
+        for b in sorted(set(outer[later].tolist())):
+            own = inner[later & (outer == b)]
+            own = own[shapely.covers(shapely.buffer(polygons[b], TOUCHING), polygons[own])]
+            same = shapely.covers(shapely.buffer(polygons[own], TOUCHING), polygons[b])
+            pairs += [(a, b) for a in own[~same].tolist()]
+    return sorted(pairs)
+
+
+# --- what is said ---------------------------------------------------------------------------------
+
+# Messages about a block of a program, with the contour of the input that the block is beside.
+
+
+#: Rules that know a line of the program only.
+NAMELESS = {
+    rule.code
+    for rule in (
+        rules.FEED, rules.RAMP, rules.TOOL, rules.RAPID, rules.IDLE, rules.AREA,
+        rules.COMPENSATION,
+    )
+}  # fmt: skip
+
+
+def with_contours(
+    said: Iterable[Diagnostic], moves: Moves, need: Need, shift: tuple[float, float], fine: float
+) -> list[Diagnostic]:
+    """The messages; to those of `NAMELESS` the nearest contour is added.
+
+    The place of a block that does not move is the end of the next move.
+    """
+    diagnostics = list(said)
+    which = [
+        (k, one.source.line)
+        for k, one in enumerate(diagnostics)
+        if one.code in NAMELESS and one.source.line is not None
+    ]
+    if not which or not need.curves or not len(moves):
+        return diagnostics
+    toolpaths = {process: need.toolpaths(process, fine) for process in need.curves}
+    lines = np.maximum.accumulate(moves.line)
+    for k, line in which:
+        row = min(int(np.searchsorted(lines, line)), len(lines) - 1)
+        place = moves.end[row] - np.array(shift)
+        _, way, process = min((*toolpaths[p].nearest_to(place), p) for p in toolpaths)
+        contour = f", beside the contour of {need.source(process, way)}"
+        diagnostics[k] = replace(diagnostics[k], message=diagnostics[k].message + contour)
+    return diagnostics
+
+
+def with_told(
+    diagnostics: Sequence[Diagnostic], head: str, parts: Sequence[Part], places: Sequence[Point],
+    machine: Machine, skips: Collection[str], name: str,
+) -> tuple[Diagnostic, ...]:  # fmt: skip
+    """What was said of a program; of a sound one also what its head says otherwise."""
+    if not head or errors_in(diagnostics):
+        return tuple(diagnostics)
+    return (*diagnostics, *told_faults(head, parts, places, machine, skips, name))
+
+
+def told_faults(
+    text: str, parts: Sequence[Part], places: Sequence[Point], machine: Machine,
+    skips: Collection[str], name: str,
+) -> Iterator[Diagnostic]:  # fmt: skip
+    """All differences of the head that `text` begins with from the parts as they have to lie.
+
+    `places` are those of their x 0, y 0; without them that of a part that is alone is worked out.
+    """
+    head = head_of(text)
+    if head is None or machine.torch is None:
+        return
+    yield from stock_faults(
+        head, parts, float(thickness_of(parts[0], machine.torch)), machine, name
+    )
+    at: Sequence[tuple[float, ...]] = places
+    if not places:
+        need = need_of(parts[0], machine, machine.torch, skips)
+        at = [shift_of(need, machine.torch)]
+        if not need.curves and head.parts:  # texts alone are found wherever the program has them
+            at = [head.parts[0].at]
+    lie = [*zip(parts, at, strict=True)]
+    yield from part_faults(head, lie, machine.torch.tolerance, False, name)

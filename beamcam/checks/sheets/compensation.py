@@ -14,23 +14,20 @@ end.
 Source: LinuxCNC documentation, "Cutter Compensation"; its interp_convert.cc and interp_queue.cc.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from math import atan2, cos, degrees, dist, pi, sin
 
-import numpy as np
 from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.checks.sheets import rules
 from beamcam.checks.sheets.strokes import HeadStroke, Strokes
 from beamcam.controllers.events import HeadMove, Move, Side
-from beamcam.controllers.moves import Moves, moves_of
+from beamcam.controllers.moves import moves_of
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Arc, Line
+from beamcam.geometry.offset import intersections
 from beamcam.geometry.plane import Point
-from beamcam.geometry.raw_offset import intersections
-from beamcam.machine.machine import Machine
-from beamcam.machine.torch import Torch
 
 STRAIGHT_RAD = 0.05
 LONGER_RAD = 0.001  #: by which an arc may grow
@@ -258,28 +255,3 @@ def beam_of(strokes: Strokes, name: str) -> tuple[Strokes, list[Diagnostic]]:
         each.append(replace(stroke, first=len(moved), last=len(moved) + len(own)))
         moved += own
     return Strokes(each, moves_of(moved)), diagnostics
-
-
-# --- radii ----------------------------------------------------------------------------------------
-
-# Arcs of a program that its controller does not take.
-
-
-EPSILON = 1e-6
-ROUNDED_STEPS = 4  #: of the program's numbers, by which three rounded places change a radius
-
-
-def radius_faults(moves: Moves, machine: Machine, torch: Torch, name: str) -> Iterator[Diagnostic]:
-    """Arcs below the least radius of the machine or above its greatest.
-
-    The radius is that from the start to the centre. An arc of just the greatest comes out larger
-    by what both ends and the centre are rounded to.
-    """
-    radius, slack = moves.arcs[:, 2], ROUNDED_STEPS * machine.format.resolution
-    odd = (radius < torch.min_radius - EPSILON) | (radius > torch.max_radius + slack)
-    for k in np.flatnonzero(moves.is_arc & odd).tolist():
-        x, y = moves.end[k].tolist()
-        yield rules.RADIUS.at(
-            Source(name, int(moves.line[k])), found=f"{radius[k]:.6g}", x=f"{x:g}", y=f"{y:g}",
-            least=f"{torch.min_radius:g}", greatest=f"{torch.max_radius:g}",
-        )  # fmt: skip

@@ -12,14 +12,13 @@ import numpy as np
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.checks.head import head_of, part_faults, stock_faults
 from beamcam.checks.sheets import rules
-from beamcam.checks.sheets.chart_rows import rows_on, thickness_of
-from beamcam.checks.sheets.need import OUTLINE, Need, need_of, shift_of
-from beamcam.checks.sheets.required_layout import between, skew_ends
+from beamcam.checks.sheets.chart_rows import thickness_of
+from beamcam.checks.sheets.need import OUTLINE, Need, need_of
+from beamcam.checks.sheets.required_layout import between, kerf_on, skew_ends
 from beamcam.controllers.events import Acceleration, Blending, Compensation, Side
 from beamcam.controllers.moves import Moves
-from beamcam.errors import Diagnostic, Rule, Source, errors_in
+from beamcam.errors import Diagnostic, Rule, Source
 from beamcam.geometry.array_types import Flags, Floats
 from beamcam.geometry.curves import Bezier, EllipseArc, Line
 from beamcam.geometry.plane import Point
@@ -232,7 +231,7 @@ def as_one(parts: Sequence[Part], machine: Machine, skips: Collection[str]) -> S
                            if f == OUTLINE])
         ]  # fmt: skip
     half = between(parts[0], torch) / 2
-    if torch.skeleton_cuts and half > _kerf(parts[0], torch):
+    if torch.skeleton_cuts and half > kerf_on(parts[0], torch):
         for y in (t + half for t in tops.values() if t + half < torch.width - torch.margin / 2):
             line = Line((torch.length, y), (0.0, y))
             source = replace(parts[0].source, where=SKELETON, line=None)
@@ -264,45 +263,6 @@ def _places(
 
 def _box(need: Need) -> tuple[float, float, float, float]:
     return extent(c for some in need.curves.values() for c in some) or (0.0, 0.0, 0.0, 0.0)
-
-
-def with_told(
-    diagnostics: Sequence[Diagnostic], head: str, parts: Sequence[Part], places: Sequence[Point],
-    machine: Machine, skips: Collection[str], name: str,
-) -> tuple[Diagnostic, ...]:  # fmt: skip
-    """What was said of a program; of a sound one also what its head says otherwise."""
-    if not head or errors_in(diagnostics):
-        return tuple(diagnostics)
-    return (*diagnostics, *told_faults(head, parts, places, machine, skips, name))
-
-
-def told_faults(
-    text: str, parts: Sequence[Part], places: Sequence[Point], machine: Machine,
-    skips: Collection[str], name: str,
-) -> Iterator[Diagnostic]:  # fmt: skip
-    """All differences of the head that `text` begins with from the parts as they have to lie.
-
-    `places` are those of their x 0, y 0; without them that of a part that is alone is worked out.
-    """
-    head = head_of(text)
-    if head is None or machine.torch is None:
-        return
-    yield from stock_faults(
-        head, parts, float(thickness_of(parts[0], machine.torch)), machine, name
-    )
-    at: Sequence[tuple[float, ...]] = places
-    if not places:
-        need = need_of(parts[0], machine, machine.torch, skips)
-        at = [shift_of(need, machine.torch)]
-        if not need.curves and head.parts:  # texts alone are found wherever the program has them
-            at = [head.parts[0].at]
-    lie = [*zip(parts, at, strict=True)]
-    yield from part_faults(head, lie, machine.torch.tolerance, False, name)
-
-
-def _kerf(part: Part, torch: Torch) -> float:
-    taken = [row.kerf for row in rows_on(part, torch) if row.process == "cut"]
-    return taken[0] if taken and torch.kerf_by != "none" else 0.0
 
 
 def _shown(part: Part, torch: Torch) -> str:
@@ -390,3 +350,28 @@ def _covered(begins: Floats, ends: Floats, corners: Sequence[float], reach: floa
         covered += np.clip(np.minimum(ends, high) - np.maximum(begins, low), 0.0, None)
         last = max(last, high)
     return covered
+
+
+# --- radii ----------------------------------------------------------------------------------------
+
+# Arcs of a program that its controller does not take.
+
+
+EPSILON = 1e-6
+ROUNDED_STEPS = 4  #: of the program's numbers, by which three rounded places change a radius
+
+
+def radius_faults(moves: Moves, machine: Machine, torch: Torch, name: str) -> Iterator[Diagnostic]:
+    """Arcs below the least radius of the machine or above its greatest.
+
+    The radius is that from the start to the centre. An arc of just the greatest comes out larger
+    by what both ends and the centre are rounded to.
+    """
+    radius, slack = moves.arcs[:, 2], ROUNDED_STEPS * machine.format.resolution
+    odd = (radius < torch.min_radius - EPSILON) | (radius > torch.max_radius + slack)
+    for k in np.flatnonzero(moves.is_arc & odd).tolist():
+        x, y = moves.end[k].tolist()
+        yield rules.RADIUS.at(
+            Source(name, int(moves.line[k])), found=f"{radius[k]:.6g}", x=f"{x:g}", y=f"{y:g}",
+            least=f"{torch.min_radius:g}", greatest=f"{torch.max_radius:g}",
+        )  # fmt: skip

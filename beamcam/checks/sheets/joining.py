@@ -1,4 +1,4 @@
-"""Which curves of a sheet make closed contours together.
+"""Which loose curves of a sheet make closed contours together.
 
 Said once for planner and checker in docs/drawings.md, "What is joined", and written here apart from
 the planner:
@@ -16,35 +16,15 @@ from collections.abc import Sequence
 
 import numpy as np
 import shapely
-from msgspec import Struct
 from shapely import STRtree
 from shapely.ops import substring
 
-from beamcam.checks.sheets.toolpaths import Toolpaths
+from beamcam.checks.sheets.toolpaths import Chain, Stretches, Toolpaths
 from beamcam.geometry.array_types import Counts, Flags, Floats
 
 # --- overlaps -------------------------------------------------------------------------------------
 
 # Curves that lie on others in part: there they are drawn twice, and count once.
-
-
-class Stretches(Struct):
-    """What of each way counts: its ends, and points along it."""
-
-    starts: Floats  #: (n, 2)
-    ends: Floats
-    points: Floats  #: of all ways, chords between them
-    begins: Counts  #: where the points of each way begin, (n + 1,)
-
-    def rows(self, way: int) -> Counts:
-        """The numbers of a way's points."""
-        return np.arange(self.begins[way], self.begins[way + 1])
-
-
-def whole(toolpaths: Toolpaths, fine: float) -> Stretches:
-    """All ways from end to end; chords are at most `fine` off."""
-    points, begins = toolpaths.outlines(fine)
-    return Stretches(toolpaths.starts.copy(), toolpaths.ends.copy(), points, begins)
 
 
 def trim(
@@ -55,8 +35,6 @@ def trim(
     W overlaps V where both are of one line or circle, an end of W lies on V and an end of V on W.
     Neither is cut where a third loose way ends at one of these two: there it may go on along W.
     """
-    if not loose:
-        return
     numbers = np.array(loose, dtype=np.int64)
     places = np.concatenate((toolpaths.starts[numbers], toolpaths.ends[numbers]))
     pairs = toolpaths.by_way(toolpaths.near(places, same))
@@ -135,62 +113,9 @@ def _replace(stretches: Stretches, way: int, points: Floats) -> None:
 
 # --- rings ----------------------------------------------------------------------------------------
 
-Chain = list[tuple[int, bool]]  #: ways one after the other, and whether each is turned round
-
-SAME_POINT = 1e-9  #: ends of the curves of one feature that follow one another
 WRITTEN_SAME = 1e-3  #: ends that are written as one point: coordinates of three decimals
-PASSED_AGAIN = 1e-6  #: a place of a contour, to its last digits
 WIDEST_PLACE = 2.0  #: gaps that ends which meet may meet one another over
 SLACK = 1 + 1e-6  #: of the gap, for the last digits of ends that are as far apart
-
-
-def closed_features(toolpaths: Toolpaths, features: Counts, real: Counts) -> Flags:
-    """The ways of features whose curves follow one another and end where they begin."""
-    found = np.zeros(toolpaths.count, dtype=bool)
-    if not len(real):
-        return found
-    own = features[real]
-    begins = np.flatnonzero(np.append(True, own[1:] != own[:-1]))
-    after = np.arange(1, len(real) + 1)
-    after[np.append(begins[1:], len(real)) - 1] = begins
-    apart = np.abs(toolpaths.ends[real] - toolpaths.starts[real[after]]).max(axis=1)
-    closed = np.logical_and.reduceat(apart <= SAME_POINT, begins)
-    found[real] = np.repeat(closed, np.diff(begins, append=len(real)))
-    return found
-
-
-def closed_rings(toolpaths: Stretches, which: Sequence[int], features: Counts) -> list[Chain]:
-    """The contours of closed features, taken apart where one passes a place again."""
-    if not which:
-        return []
-    numbers = np.array(which, dtype=np.int64)
-    own = features[numbers]
-    begins = np.flatnonzero(np.append(True, own[1:] != own[:-1]))
-    keys = np.column_stack((own, np.rint(toolpaths.starts[numbers] / PASSED_AGAIN)))
-    _, place = np.unique(keys, axis=0, return_inverse=True)
-    again = np.bincount(place.ravel())[place.ravel()] > 1
-    twice = np.logical_or.reduceat(again, begins).tolist()
-    rings: list[Chain] = []
-    for k, end in enumerate(np.append(begins[1:], len(which)).tolist()):
-        rows = range(int(begins[k]), end)
-        ring = [(which[row], False) for row in rows]
-        rings += _apart(ring, place.ravel()[rows.start : end].tolist()) if twice[k] else [ring]
-    return rings
-
-
-def _apart(ring: Chain, places: Sequence[int]) -> list[Chain]:
-    """The rings that one is made of which passes some of its places again."""
-    rings: list[Chain] = []
-    chain: Chain = []
-    passed: list[int] = []
-    for way, place in zip(ring, places, strict=True):
-        if place in passed:
-            at = passed.index(place)
-            rings.append(chain[at:])
-            del chain[at:], passed[at:]
-        passed.append(place)
-        chain.append(way)
-    return [*rings, chain]
 
 
 def rings_of(toolpaths: Stretches, which: Sequence[int], gap: float) -> list[Chain]:

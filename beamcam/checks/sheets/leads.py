@@ -1,4 +1,4 @@
-"""Lead-ins, lead-outs and overcuts of strokes."""
+"""How each stroke is run: its leads, its direction, and what the beam takes of the part."""
 
 from collections.abc import Sequence
 from math import dist, pi
@@ -7,11 +7,12 @@ import numpy as np
 import shapely
 
 from beamcam.checks.sheets import rules
-from beamcam.checks.sheets.overcut import required_overcut
-from beamcam.checks.sheets.tracing import Traced, is_in_kerf
+from beamcam.checks.sheets.region import signed_areas
+from beamcam.checks.sheets.toolpaths import Chain
+from beamcam.checks.sheets.tracing import Traced, is_in_kerf, on_contour
 from beamcam.checks.sheets.work import SHOWN, Work
 from beamcam.errors import Diagnostic, Source
-from beamcam.geometry.array_types import Floats
+from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.geometry.curves import Arc
 
 # --- pierces --------------------------------------------------------------------------------------
@@ -230,41 +231,146 @@ def _is_half_circle(work: Work, way: int, middle: Floats, at: Floats) -> bool:
     )
 
 
-# --- dark -----------------------------------------------------------------------------------------
+# --- taken ----------------------------------------------------------------------------------------
 
-# What of a cut is run with the arc out: what follows where its contour is closed, and no more.
+# That is asked of the whole path, its leads too, and of every contour, not at samples: both are
+# chords at most `fine` off (an eighth of the machine's tolerance), so that a beam is refused that
+# takes more than the tolerance, the rounding of the program's numbers and 3 `fine`, in all 1.4
+# times the tolerance and two steps of the last decimal. No buffer is drawn, so there are no
+# quadrants of it to add an error.
 
 
-def dark_faults(work: Work, traced: Sequence[Traced], asked: bool) -> list[Diagnostic]:
-    """Cuts that are left dark before they are closed, or burn on behind that where they must not.
-
-    `asked` says that the arc goes out where a cut with an overcut is closed.
-    """
-    by_machine = work.torch.kerf_by == "machine"
-    diagnostics: list[Diagnostic] = []
-    for t in traced:
-        closed = t.closed and len(t.members) == 1
-        closed = closed and bool((by_machine and t.half_kerf) or required_overcut(work, t, t.over))
-        due = closed and asked and work.process == "cut"
-        dark, beyond = t.stroke.dark, t.end - t.last if due else 0
-        if dark == beyond and bool(dark) == due:
+def band_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
+    """Places where the beam cuts into the part."""
+    keeps_off = np.array([t.half_kerf > 0.0 for t in traced])
+    diagnostics = _bites(work, traced, keeps_off)
+    places = work.path.starts[[t.first for t in traced]]
+    for k in np.flatnonzero(keeps_off & work.region.in_part(places))[:SHOWN].tolist():
+        # For a kerf that is less than what a path may be off, no side is judged.
+        away, way = work.need.nearest_to(places[k])
+        if away <= work.slack[way]:
             continue
-        # The path may come back to where it joins its contour: what comes along that for no longer
-        # than a lead may be one, or the contour's beginning.
-        way = t.end - dark
-        if due and dark and t.first < way < t.last:
-            away = work.path.starts[t.begin : t.first] - work.path.starts[way]
-            if (np.hypot(*away.T) <= work.meeting).any():
-                continue
-        expected = _shown(beyond) if beyond or not due else "the arc out where it is closed"
+        x, y = places[k].tolist()
+        source = Source(work.name, traced[k].stroke.line)
         diagnostics.append(
-            rules.DARK.at(
-                Source(work.name, t.stroke.line), found=_shown(dark), expected=expected,
-                contour=work.contour_at(work.path.starts[t.first]),
+            rules.SIDE.at(source, x=f"{x:.3f}", y=f"{y:.3f}", contour=work.contour(way))
+        )
+    return diagnostics
+
+
+def _bites(work: Work, traced: Sequence[Traced], keeps_off: Flags) -> list[Diagnostic]:
+    """The first place of each stroke that is nearer to a closed contour than half a kerf."""
+    closed = np.flatnonzero(work.region.closed & ~work.region.twins)
+    strokes = np.flatnonzero(keeps_off)
+    if not len(closed) or not len(strokes):
+        return []
+    contours = work.contours[closed]
+    ways = work.path.lines(work.fine, work.of_way)[strokes]
+    least = work.half_kerf - work.slack[closed] - 2 * work.fine
+    a, b = shapely.STRtree(contours).query(ways, "dwithin", distance=float(least.max()))
+    away = shapely.distance(ways[a], contours[b])
+    hit = np.flatnonzero(away < least[b])
+    _, firsts = np.unique(a[hit], return_index=True)
+    is_ring = on_contour(work, traced)
+    diagnostics = []
+    for k in hit[firsts][:SHOWN].tolist():
+        # The place on the path, and the line that leads there.
+        near, _ = shapely.get_coordinates(shapely.shortest_line(ways[a[k]], contours[b[k]]))
+        x, y = near.tolist()
+        way = work.path.nearest_to(near)[1]
+        rule = rules.BAND if is_ring[way] else rules.LEAD
+        diagnostics.append(
+            rule.at(
+                Source(work.name, int(work.moves.line[way])), found=f"{away[k]:.3f}",
+                contour=work.contour(int(closed[b[k]])), x=f"{x:.3f}", y=f"{y:.3f}",
+                expected=f"{work.half_kerf:g}",
+            )
+        )  # fmt: skip
+    return diagnostics
+
+
+# --- direction ------------------------------------------------------------------------------------
+
+# In which direction contours are cut: as they are drawn, or with the material at one side.
+#
+# A swirling plasma bevels the side of its cut that is left of the head more than the right one: cut
+# the other way round, the bevel is on the part.
+
+
+MIN_WIDTH = 1e-3  #: mm, half of it on an average, of what a ring goes round
+
+
+def direction_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
+    """Closed cuts that go round their contour the wrong way."""
+    # A beam that the controller leads comes to its contour half a kerf behind the start.
+    led = work.torch.kerf_by == "machine"
+    heads = [t for t in traced if t.contour >= 0 and (t.members or led)]
+    if work.process != "cut" or not heads:
+        return []
+    asked = _asked(work)
+    diagnostics = []
+    for t, found in zip(heads, _turns(work, heads), strict=True):
+        wanted = asked[t.contour]
+        if wanted is None or found is None or found == wanted:
+            continue
+        diagnostics.append(
+            rules.DIRECTION.at(
+                Source(work.name, t.stroke.line), found=_shown(found), expected=_shown(wanted),
+                contour=work.contour(work.region.rings[t.contour][0][0]), how=work.torch.direction,
             )
         )  # fmt: skip
     return diagnostics[:SHOWN]
 
 
-def _shown(moves: int) -> str:
-    return f"the arc out on the last {moves} moves" if moves else "the arc on to the end"
+def _shown(is_anticlockwise: bool) -> str:
+    return "counter-clockwise" if is_anticlockwise else "clockwise"
+
+
+def _asked(work: Work) -> list[bool | None]:
+    """Of each ring whether it is to be followed counter-clockwise; None if that is left open."""
+    if work.torch.direction == "drawn":
+        turned = work.region.anticlockwise.tolist()
+        twins = np.flatnonzero(work.region.twins)
+        return [
+            is_turned if _is_one_feature(work, ring, twins) else None
+            for ring, is_turned in zip(work.region.rings, turned, strict=True)
+        ]
+    # With climb the waste is on the left: counter-clockwise where it lies inside.
+    climbs = work.torch.direction == "climb"
+    return [None if is_hole is None else is_hole == climbs for is_hole in work.holes]
+
+
+def _is_one_feature(work: Work, ring: Chain, twins: Counts) -> bool:
+    """Whether a ring is one feature as it is drawn, and no other curve lies on it.
+
+    Of curves that are joined, and of what is drawn twice, any direction is one that is drawn.
+    """
+    features, ways = work.asked.features[work.process], [way for way, _ in ring]
+    own = features[ways[0]]
+    if any(back or features[way] != own for way, back in ring):
+        return False
+    if not len(twins):
+        return True
+    low, high = work.need.boxes
+    least, most = low[ways].min(axis=0), high[ways].max(axis=0)
+    beside = np.all((high[twins] >= least) & (low[twins] <= most), axis=1)
+    return not beside.any()
+
+
+def _turns(work: Work, heads: Sequence[Traced]) -> list[bool | None]:
+    """Which strokes that go round a contour together do so counter-clockwise.
+
+    None of what has no inside.
+    """
+    points, begins = work.path.outlines(work.fine)
+    members = [(m.first, m.last) for head in heads for m in head.members or [head]]
+    low, high = begins[np.array(members).T]
+    behind = np.cumsum(high - low)
+    rows = np.arange(behind[-1]) + np.repeat(high - behind, high - low)
+    first = np.cumsum([0, *(len(head.members or [head]) for head in heads)])
+    areas, lengths = signed_areas(points[rows], np.append(0, behind)[first])
+    wide = np.abs(areas) > MIN_WIDTH * lengths
+    return [
+        turned if is_wide else None
+        for turned, is_wide in zip((areas > 0.0).tolist(), wide.tolist(), strict=True)
+    ]

@@ -3,15 +3,17 @@
 from collections.abc import Collection, Sequence
 from itertools import compress
 from math import dist
-from typing import TYPE_CHECKING, cast
+from typing import cast
 
 import numpy as np
 from msgspec import Struct, field
 
 from beamcam.checks.request import is_manual_work, left_out, manual_work
 from beamcam.checks.sheets import rules
-from beamcam.checks.sheets.chart_rows import rows_on, thickness_of
+from beamcam.checks.sheets.chart_rows import rows_on, small_openings, thickness_of
+from beamcam.checks.sheets.region import Region, region_of
 from beamcam.checks.sheets.required_layout import header_outline
+from beamcam.checks.sheets.toolpaths import Toolpaths
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Arc, Curve, Line, unit_vector
 from beamcam.geometry.plane import Point
@@ -32,10 +34,6 @@ from beamcam.model.part import (
 )
 from beamcam.model.request import policy_on
 
-if TYPE_CHECKING:
-    from beamcam.checks.sheets.region import Region
-    from beamcam.checks.sheets.toolpaths import Toolpaths
-
 Needs = dict[TorchProcess, list[Curve]]
 SAME_PLACE = 1e-5  #: mm between the centres of two features that are spotted once
 PLANE_OFF = 0.1  #: mm that an end plane may lie inside of a plate and take nothing
@@ -55,8 +53,8 @@ class Need(Struct):
     #: places that the torch spots, and a feature whose centre each is
     spots: dict[Point, int] = field(default_factory=dict)
     diagnostics: list[Diagnostic] = field(default_factory=list)
-    drawn: "dict[tuple[TorchProcess, float], Toolpaths]" = field(default_factory=dict)
-    regions: "dict[float, Region]" = field(default_factory=dict)
+    drawn: dict[tuple[TorchProcess, float], Toolpaths] = field(default_factory=dict)
+    regions: dict[float, Region] = field(default_factory=dict)
 
     def add(
         self, process: TorchProcess, curves: Sequence[Curve], feature: int, source: Source,
@@ -96,19 +94,15 @@ class Need(Struct):
         if process == "cut":
             self.regions = {}
 
-    def toolpaths(self, process: TorchProcess, tolerance: float) -> "Toolpaths":
+    def toolpaths(self, process: TorchProcess, tolerance: float) -> Toolpaths:
         """The curves of a process as elements, where the part has them; made once."""
-        from beamcam.checks.sheets.toolpaths import Toolpaths
-
         key = process, tolerance
         if key not in self.drawn:
             self.drawn[key] = Toolpaths(self.curves.get(process, []), tolerance)
         return self.drawn[key]
 
-    def region(self, torch: Torch) -> "Region":
+    def region(self, torch: Torch) -> Region:
         """What the cuts enclose, where the part has them; made once."""
-        from beamcam.checks.sheets.region import region_of
-
         fine = torch.tolerance / 8
         if fine not in self.regions:
             features = np.array(self.features.get("cut", []), dtype=np.int64)
@@ -185,8 +179,6 @@ def _leave_small_openings(
     ways, owners = need.curves.get("cut"), need.features.get("cut")
     if not least or not ways or not owners:
         return
-    from beamcam.checks.sheets.small_openings import small_openings
-
     drawn = [k != OUTLINE and isinstance(part.features[k], Contour) for k in owners]
     left: set[int] = set()
     for opening in small_openings(need.region(torch), ways, owners, drawn, torch, least):

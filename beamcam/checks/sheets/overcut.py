@@ -1,4 +1,4 @@
-"""How far closed cuts go on beyond their start, compared with what is asked of their contour."""
+"""How far closed cuts go on beyond their start, and where open ones end."""
 
 from collections.abc import Sequence
 from math import dist, hypot, inf, pi, sqrt
@@ -258,7 +258,7 @@ def end_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
     ways = np.array([way for t in opened for way in (t.first, t.last - 1)])
     stops = np.tile([False, True], len(opened))
     places = np.where(stops[:, None], path.ends[ways], path.starts[ways])
-    touching = _touching(work, opened, ways, places)
+    touching = _touching(work, ways, places)
     once = work.process == "cut" and not work.bridged
     asked = np.array([not t.half_kerf for t in opened for _ in range(2)])
     counts = np.full(len(ways), 2)
@@ -282,9 +282,7 @@ def end_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
     return diagnostics[:SHOWN]
 
 
-def _touching(
-    work: Work, opened: Sequence[Traced], ways: Counts, places: Floats
-) -> list[set[tuple[int, bool]]]:
+def _touching(work: Work, ways: Counts, places: Floats) -> list[set[tuple[int, bool]]]:
     """Other strokes at each end of some, and whether these end there; its own too, if elsewhere."""
     path, reach = work.path, 2 * work.tolerance
     low, high = np.full(len(work.strokes), -np.inf), np.full(len(work.strokes), np.inf)
@@ -344,3 +342,43 @@ def _branches(place: Sequence[float], ends: Sequence[End], gap: float) -> int:
         ):
             apart.append(angle)
     return len(apart)
+
+
+# --- dark -----------------------------------------------------------------------------------------
+
+# What of a cut is run with the arc out: what follows where its contour is closed, and no more.
+
+
+def dark_faults(work: Work, traced: Sequence[Traced], asked: bool) -> list[Diagnostic]:
+    """Cuts that are left dark before they are closed, or burn on behind that where they must not.
+
+    `asked` says that the arc goes out where a cut with an overcut is closed.
+    """
+    by_machine = work.torch.kerf_by == "machine"
+    diagnostics: list[Diagnostic] = []
+    for t in traced:
+        closed = t.closed and len(t.members) == 1
+        closed = closed and bool((by_machine and t.half_kerf) or required_overcut(work, t, t.over))
+        due = closed and asked and work.process == "cut"
+        dark, beyond = t.stroke.dark, t.end - t.last if due else 0
+        if dark == beyond and bool(dark) == due:
+            continue
+        # The path may come back to where it joins its contour: what comes along that for no longer
+        # than a lead may be one, or the contour's beginning.
+        way = t.end - dark
+        if due and dark and t.first < way < t.last:
+            away = work.path.starts[t.begin : t.first] - work.path.starts[way]
+            if (np.hypot(*away.T) <= work.meeting).any():
+                continue
+        expected = _shown(beyond) if beyond or not due else "the arc out where it is closed"
+        diagnostics.append(
+            rules.DARK.at(
+                Source(work.name, t.stroke.line), found=_shown(dark), expected=expected,
+                contour=work.contour_at(work.path.starts[t.first]),
+            )
+        )  # fmt: skip
+    return diagnostics[:SHOWN]
+
+
+def _shown(moves: int) -> str:
+    return f"the arc out on the last {moves} moves" if moves else "the arc on to the end"

@@ -21,7 +21,6 @@ from beamcam.checks.sheets import rules
 from beamcam.checks.sheets.areas import in_corners, left_faults
 from beamcam.checks.sheets.grid import Pairs
 from beamcam.checks.sheets.overcut import end_faults
-from beamcam.checks.sheets.region import left_of, off_surely
 from beamcam.checks.sheets.toolpaths import (
     NEAR_BEND,
     Samples,
@@ -30,7 +29,7 @@ from beamcam.checks.sheets.toolpaths import (
     kept_samples,
 )
 from beamcam.checks.sheets.tracing import Near, Traced, close, in_bridges, on_contour, trace
-from beamcam.checks.sheets.work import MITRE, SHOWN, SPACING, Work
+from beamcam.checks.sheets.work import MITRE, SHOWN, SPACING, Work, left_of, off_surely
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.array_types import Counts, Flags, Floats
 

@@ -4,8 +4,9 @@ The part is the set of points that an odd number of closed cut contours enclose,
 drawn twice counted once. A contour that an even number of others enclose is an outline, its waste
 outside; one that an odd number enclose is a hole, its waste inside.
 
-Which contours are closed says `joining`. All other curves are open and have no inside: no side and
-no order is asked of them, they bound no part, and the beam stays centred on them.
+A feature whose curves follow one another and end where they begin is closed; which others are says
+`joining`. All other curves are open and have no inside: no side and no order is asked of them, they
+bound no part, and the beam stays centred on them.
 """
 
 from collections.abc import Iterable, Sequence
@@ -17,24 +18,16 @@ from msgspec import Struct
 from msgspec.structs import replace
 from numpy.typing import NDArray
 
-from beamcam.checks.sheets.joining import (
-    SLACK,
-    WRITTEN_SAME,
-    Chain,
-    Stretches,
-    closed_features,
-    closed_rings,
-    rings_of,
-    trim,
-    whole,
-)
-from beamcam.checks.sheets.toolpaths import Toolpaths
+from beamcam.checks.sheets.joining import SLACK, WRITTEN_SAME, rings_of, trim
+from beamcam.checks.sheets.toolpaths import Chain, Stretches, Toolpaths
 from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.geometry.arrays import first_equal
 from beamcam.geometry.plane import Point
 
 SAME_PLACE = 5e-3  #: curves as near as this are drawn twice
 SAME_POINT = 1e-6  #: of a gap, what its last digits may be
+FOLLOWS = 1e-9  #: mm between curves of one feature that follow one another
+PASSED_AGAIN = 1e-6  #: a place of a contour, to its last digits
 WIDEST_LOOP = 4.0  #: gaps, corner to corner, of a ring that crosses itself by a hair
 MIN_WIDTH = 1e-3  #: half the width, on an average, of what has an inside
 #: Of a curve, where it is asked whether it lies on another; most are out after the first.
@@ -87,15 +80,16 @@ def region_of(toolpaths: Toolpaths, features: Counts, gap: float, fine: float) -
     every = np.arange(toolpaths.count)
     rank[np.lexsort((every, -toolpaths.lengths, ~own))] = every
     twins = _lie_on(toolpaths, rank, SAME_PLACE)
-    drawn = whole(toolpaths, fine)
+    drawn = toolpaths.whole(fine)
     drawn_so = closed_rings(drawn, [k for k in real.tolist() if own[k]], features)
     loose = [k for k in real.tolist() if not own[k] and not twins[k]]
     once = [ring for ring in drawn_so if not all(twins[k] for k, _ in ring)]
-    trim(drawn, toolpaths, loose, np.where(twins, toolpaths.count, rank), WRITTEN_SAME)
-    once += rings_of(drawn, loose, gap)
+    if loose:
+        trim(drawn, toolpaths, loose, np.where(twins, toolpaths.count, rank), WRITTEN_SAME)
+        once += rings_of(drawn, loose, gap)
     sizes = np.diff(drawn.begins).tolist()
     once = [ring for ring in once if sum(sizes[k] for k, _ in ring) > 3]
-    rings = _Rings.of(once)
+    rings = Rings.of(once)
     polygons = rings.polygons(drawn) if once else np.zeros(0, dtype=object)
     # A line there and back again has no inside.
     wide = shapely.area(polygons) > MIN_WIDTH * shapely.length(polygons)
@@ -114,9 +108,58 @@ def region_of(toolpaths: Toolpaths, features: Counts, gap: float, fine: float) -
     polygons = polygons[wide]
     points, ring = shapely.get_coordinates(polygons, return_index=True)
     turned = signed_areas(points, np.searchsorted(ring, np.arange(len(once) + 1)))[0] > 0.0
-    ring_of, rings = np.full(toolpaths.count, -1), _Rings.of(once)
+    ring_of, rings = np.full(toolpaths.count, -1), Rings.of(once)
     ring_of[rings.ways] = rings.ring
     return Region(polygons, once, closed, twins, apart, turned, ring_of)
+
+
+def closed_features(toolpaths: Toolpaths, features: Counts, real: Counts) -> Flags:
+    """The ways of features whose curves follow one another and end where they begin."""
+    found = np.zeros(toolpaths.count, dtype=bool)
+    if not len(real):
+        return found
+    own = features[real]
+    begins = np.flatnonzero(np.append(True, own[1:] != own[:-1]))
+    after = np.arange(1, len(real) + 1)
+    after[np.append(begins[1:], len(real)) - 1] = begins
+    apart = np.abs(toolpaths.ends[real] - toolpaths.starts[real[after]]).max(axis=1)
+    closed = np.logical_and.reduceat(apart <= FOLLOWS, begins)
+    found[real] = np.repeat(closed, np.diff(begins, append=len(real)))
+    return found
+
+
+def closed_rings(toolpaths: Stretches, which: Sequence[int], features: Counts) -> list[Chain]:
+    """The contours of closed features, taken apart where one passes a place again."""
+    if not which:
+        return []
+    numbers = np.array(which, dtype=np.int64)
+    own = features[numbers]
+    begins = np.flatnonzero(np.append(True, own[1:] != own[:-1]))
+    keys = np.column_stack((own, np.rint(toolpaths.starts[numbers] / PASSED_AGAIN)))
+    _, place = np.unique(keys, axis=0, return_inverse=True)
+    again = np.bincount(place.ravel())[place.ravel()] > 1
+    twice = np.logical_or.reduceat(again, begins).tolist()
+    rings: list[Chain] = []
+    for k, end in enumerate(np.append(begins[1:], len(which)).tolist()):
+        rows = range(int(begins[k]), end)
+        ring = [(which[row], False) for row in rows]
+        rings += _apart(ring, place.ravel()[rows.start : end].tolist()) if twice[k] else [ring]
+    return rings
+
+
+def _apart(ring: Chain, places: Sequence[int]) -> list[Chain]:
+    """The rings that one is made of which passes some of its places again."""
+    rings: list[Chain] = []
+    chain: Chain = []
+    passed: list[int] = []
+    for way, place in zip(ring, places, strict=True):
+        if place in passed:
+            at = passed.index(place)
+            rings.append(chain[at:])
+            del chain[at:], passed[at:]
+        passed.append(place)
+        chain.append(way)
+    return [*rings, chain]
 
 
 def signed_areas(points: Floats, begins: Counts) -> tuple[Floats, Floats]:
@@ -131,92 +174,6 @@ def signed_areas(points: Floats, begins: Counts) -> tuple[Floats, Floats]:
     x, y = (points - np.repeat(points[begins[:-1]], np.diff(begins), axis=0)).T
     areas = np.add.reduceat(x * y[after] - x[after] * y, begins[:-1]) / 2
     return areas, np.add.reduceat(np.hypot(x[after] - x, y[after] - y), begins[:-1])
-
-
-# --- sides ----------------------------------------------------------------------------------------
-
-# The part is known by chords for all but lines, so that it is asked a little off a curve.
-
-
-LINE = 0
-BESIDE_LINE = 2e-4  #: mm off a line, where it is asked on which side of it the part is
-
-
-def off_surely(toolpaths: Toolpaths, way: Counts, fine: float) -> Floats:
-    """How far off some ways it is sure what is part; chords are at most `fine` off."""
-    return np.where(toolpaths.kinds[way] == LINE, BESIDE_LINE, 2 * fine)
-
-
-def left_of(toolpaths: Toolpaths, element: Counts, share: Floats) -> Floats:
-    """The directions square to elements, to their left, (n, 2)."""
-    ahead = toolpaths.elements.directions(element, share)
-    return np.column_stack((-ahead[:, 1], ahead[:, 0]))
-
-
-def sides_at(
-    region: Region, toolpaths: Toolpaths, element: Counts, share: Floats, fine: float
-) -> Floats:
-    """Of places of elements 1 where the waste lies left of them, -1 where the part does."""
-    return np.where(_part_beside(region, toolpaths, element, share, fine)[0], -1.0, 1.0)
-
-
-def _part_beside(
-    region: Region, toolpaths: Toolpaths, element: Counts, share: Floats, fine: float
-) -> Flags:
-    """Of places of elements whether the part lies left of them, and right of them, (2, n)."""
-    off = off_surely(toolpaths, toolpaths.owner[element], fine)[:, None]
-    places, aside = toolpaths.elements.places(element, share), left_of(toolpaths, element, share)
-    return region.in_part(np.concatenate((places + off * aside, places - off * aside))).reshape(
-        2, -1
-    )
-
-
-def waste_sides(region: Region, toolpaths: Toolpaths, fine: float) -> Floats:
-    """Of each way 1 if the waste lies left of it, -1 right of it, 0 if it bounds no part.
-
-    Where the longest way of a ring has the part on both sides, it is another's too, and it is
-    counted which rings are round it.
-    """
-    sides = np.zeros(toolpaths.count)
-    if not region.rings:
-        return sides
-    rings = _Rings.of(region.rings)
-    longest = np.lexsort((toolpaths.lengths[rings.ways], rings.ring))[rings.begins[1:] - 1]
-    middle = np.full(len(longest), 0.5)
-    on_left, on_right = _part_beside(
-        region, toolpaths, toolpaths.first(rings.ways[longest]), middle, fine
-    )
-    along = np.where(on_left != rings.turned[longest], -1.0, 1.0)
-    if len(shared := np.flatnonzero(on_left == on_right)):
-        points = shapely.point_on_surface(region.polygons[shared])
-        own, around = shapely.STRtree(region.polygons).query(points, "within")
-        areas = shapely.area(region.polygons)
-        is_round = areas[around] > areas[shared[own]]
-        is_hole = np.bincount(own[is_round], minlength=len(shared)) % 2 == 1
-        along[shared] = np.where(is_hole == region.anticlockwise[shared], 1.0, -1.0)
-    sides[rings.ways] = np.where(rings.turned, -along[rings.ring], along[rings.ring])
-    return sides
-
-
-def holes_of(region: Region, sides: Floats) -> list[bool | None]:
-    """Whether the waste lies inside of each ring; None of those that cross themselves or others."""
-    polygons = region.polygons
-    clear = shapely.is_valid(polygons)
-    one, other = np.flatnonzero(clear)[shapely.STRtree(polygons[clear]).query(polygons[clear])]
-    one, other = one[one < other], other[one < other]
-    crossing = shapely.intersects(*(shapely.get_exterior_ring(polygons[k]) for k in (one, other)))
-    one, other = one[crossing], other[crossing]
-    crossing = shapely.overlaps(polygons[one], polygons[other])
-    clear[one[crossing]] = clear[other[crossing]] = False
-    firsts = [ring[0] for ring in region.rings]
-    rows = zip(firsts, region.anticlockwise.tolist(), clear.tolist(), strict=True)
-    return [
-        ((sides[way] > 0.0) != back) == turned if is_clear and sides[way] else None
-        for (way, back), turned, is_clear in rows
-    ]
-
-
-# --- ways -----------------------------------------------------------------------------------------
 
 
 def small_ways(toolpaths: Toolpaths, gap: float) -> Flags:
@@ -328,7 +285,7 @@ def _lie_on(toolpaths: Toolpaths, rank: Counts, same: float) -> Flags:
     return found
 
 
-class _Rings(Struct, frozen=True):
+class Rings(Struct, frozen=True):
     """Rings as arrays, one behind the other."""
 
     ways: Counts
@@ -337,7 +294,7 @@ class _Rings(Struct, frozen=True):
     begins: Counts  #: of each ring, and where the last ends
 
     @classmethod
-    def of(cls, rings: Sequence[Chain]) -> "_Rings":
+    def of(cls, rings: Sequence[Chain]) -> "Rings":
         begins = np.cumsum([0, *map(len, rings)])
         flat = chain.from_iterable(chain.from_iterable(rings))
         columns = np.fromiter(flat, dtype=np.int64, count=2 * begins[-1]).reshape(-1, 2)

@@ -65,8 +65,11 @@ def laid_out(
 
 def between(part: Part, torch: Torch) -> float:
     """The distance between two parts or copies: with common cuts what one cut takes."""
-    if not torch.common_cuts:
-        return torch.spacing
+    return kerf_on(part, torch) if torch.common_cuts else torch.spacing
+
+
+def kerf_on(part: Part, torch: Torch) -> float:
+    """The width of a cut on the part's sheet, where it is kept off."""
     taken = [row.kerf for row in rows_on(part, torch) if row.process == "cut"]
     return taken[0] if taken and torch.kerf_by != "none" else 0.0
 

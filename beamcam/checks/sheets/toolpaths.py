@@ -8,6 +8,7 @@ from functools import cached_property
 
 import numpy as np
 import shapely
+from msgspec import Struct
 from msgspec.structs import replace
 from numpy.typing import NDArray
 
@@ -24,6 +25,23 @@ Samples = tuple[Counts, Floats, Counts]
 WIDER = 4.0  #: how much farther is looked where nothing was near
 NEAR_BEND = 4.0  #: slacks from an end or a bend, within which any direction is right
 MOST_TURN_RAD = 0.8  #: between points of an outline
+
+
+#: Ways one after the other, and whether each is turned round.
+Chain = list[tuple[int, bool]]
+
+
+class Stretches(Struct):
+    """What of each way counts: its ends, and points along it."""
+
+    starts: Floats  #: (n, 2)
+    ends: Floats
+    points: Floats  #: of all ways, chords between them
+    begins: Counts  #: where the points of each way begin, (n + 1,)
+
+    def rows(self, way: int) -> Counts:
+        """The numbers of a way's points."""
+        return np.arange(self.begins[way], self.begins[way + 1])
 
 
 class Toolpaths:
@@ -277,6 +295,10 @@ class Toolpaths:
         points, counts = self._points(0, len(self.elements), tolerance)
         behind = np.concatenate(([0], np.cumsum(counts)))
         return points, behind[np.concatenate(([0], self._behind))]
+
+    def whole(self, fine: float) -> Stretches:
+        """All ways from end to end; chords are at most `fine` off."""
+        return Stretches(self.starts.copy(), self.ends.copy(), *self.outlines(fine))
 
     def lines(self, tolerance: float, owner: Counts | None = None) -> NDArray[np.object_]:
         """A line along each way, or along all ways of each owner, as `outline` has them."""

@@ -1,10 +1,11 @@
 """The strokes of one process and the curves that they should follow."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from math import inf, pi
 
 import numpy as np
+import shapely
 from msgspec import Struct
 from msgspec.structs import replace
 from numpy.typing import NDArray
@@ -12,7 +13,7 @@ from numpy.typing import NDArray
 from beamcam.checks.sheets import rules
 from beamcam.checks.sheets.grid import widest_gap
 from beamcam.checks.sheets.need import Need
-from beamcam.checks.sheets.region import Region, holes_of, small_ways, waste_sides
+from beamcam.checks.sheets.region import Region, Rings, small_ways
 from beamcam.checks.sheets.strokes import HeadStroke, Strokes
 from beamcam.checks.sheets.toolpaths import Toolpaths
 from beamcam.controllers.moves import Moves
@@ -249,42 +250,84 @@ def _settled(
     return replace(stroke, row=options[nearest])
 
 
-# --- contour names --------------------------------------------------------------------------------
+# --- sides ----------------------------------------------------------------------------------------
 
-# Messages about a block of a program, with the contour of the input that the block is beside.
+# The part is known by chords for all but lines, so that it is asked a little off a curve.
 
 
-#: Rules that know a line of the program only.
-NAMELESS = {
-    rule.code
-    for rule in (
-        rules.FEED, rules.RAMP, rules.TOOL, rules.RAPID, rules.IDLE, rules.AREA,
-        rules.COMPENSATION,
+LINE = 0
+BESIDE_LINE = 2e-4  #: mm off a line, where it is asked on which side of it the part is
+
+
+def off_surely(toolpaths: Toolpaths, way: Counts, fine: float) -> Floats:
+    """How far off some ways it is sure what is part; chords are at most `fine` off."""
+    return np.where(toolpaths.kinds[way] == LINE, BESIDE_LINE, 2 * fine)
+
+
+def left_of(toolpaths: Toolpaths, element: Counts, share: Floats) -> Floats:
+    """The directions square to elements, to their left, (n, 2)."""
+    ahead = toolpaths.elements.directions(element, share)
+    return np.column_stack((-ahead[:, 1], ahead[:, 0]))
+
+
+def sides_at(
+    region: Region, toolpaths: Toolpaths, element: Counts, share: Floats, fine: float
+) -> Floats:
+    """Of places of elements 1 where the waste lies left of them, -1 where the part does."""
+    return np.where(_part_beside(region, toolpaths, element, share, fine)[0], -1.0, 1.0)
+
+
+def _part_beside(
+    region: Region, toolpaths: Toolpaths, element: Counts, share: Floats, fine: float
+) -> Flags:
+    """Of places of elements whether the part lies left of them, and right of them, (2, n)."""
+    off = off_surely(toolpaths, toolpaths.owner[element], fine)[:, None]
+    places, aside = toolpaths.elements.places(element, share), left_of(toolpaths, element, share)
+    return region.in_part(np.concatenate((places + off * aside, places - off * aside))).reshape(
+        2, -1
     )
-}  # fmt: skip
 
 
-def with_contours(
-    said: Iterable[Diagnostic], moves: Moves, need: Need, shift: tuple[float, float], fine: float
-) -> list[Diagnostic]:
-    """The messages; to those of `NAMELESS` the nearest contour is added.
+def waste_sides(region: Region, toolpaths: Toolpaths, fine: float) -> Floats:
+    """Of each way 1 if the waste lies left of it, -1 right of it, 0 if it bounds no part.
 
-    The place of a block that does not move is the end of the next move.
+    Where the longest way of a ring has the part on both sides, it is another's too, and it is
+    counted which rings are round it.
     """
-    diagnostics = list(said)
-    which = [
-        (k, one.source.line)
-        for k, one in enumerate(diagnostics)
-        if one.code in NAMELESS and one.source.line is not None
+    sides = np.zeros(toolpaths.count)
+    if not region.rings:
+        return sides
+    rings = Rings.of(region.rings)
+    longest = np.lexsort((toolpaths.lengths[rings.ways], rings.ring))[rings.begins[1:] - 1]
+    middle = np.full(len(longest), 0.5)
+    on_left, on_right = _part_beside(
+        region, toolpaths, toolpaths.first(rings.ways[longest]), middle, fine
+    )
+    along = np.where(on_left != rings.turned[longest], -1.0, 1.0)
+    if len(shared := np.flatnonzero(on_left == on_right)):
+        points = shapely.point_on_surface(region.polygons[shared])
+        own, around = shapely.STRtree(region.polygons).query(points, "within")
+        areas = shapely.area(region.polygons)
+        is_round = areas[around] > areas[shared[own]]
+        is_hole = np.bincount(own[is_round], minlength=len(shared)) % 2 == 1
+        along[shared] = np.where(is_hole == region.anticlockwise[shared], 1.0, -1.0)
+    sides[rings.ways] = np.where(rings.turned, -along[rings.ring], along[rings.ring])
+    return sides
+
+
+def holes_of(region: Region, sides: Floats) -> list[bool | None]:
+    """Whether the waste lies inside of each ring; None of those that cross themselves or others."""
+    polygons = region.polygons
+    clear = shapely.is_valid(polygons)
+    one, other = np.flatnonzero(clear)[shapely.STRtree(polygons[clear]).query(polygons[clear])]
+    one, other = one[one < other], other[one < other]
+    crossing = shapely.intersects(*(shapely.get_exterior_ring(polygons[k]) for k in (one, other)))
+    one, other = one[crossing], other[crossing]
+    crossing = shapely.overlaps(polygons[one], polygons[other])
+    clear[one[crossing]] = clear[other[crossing]] = False
+    firsts = [ring[0] for ring in region.rings]
+    rows = zip(firsts, region.anticlockwise.tolist(), clear.tolist(), strict=True)
+    return [
+        ((sides[way] > 0.0) != back) == turned if is_clear and sides[way] else None
+        for (way, back), turned, is_clear in rows
     ]
-    if not which or not need.curves or not len(moves):
-        return diagnostics
-    toolpaths = {process: need.toolpaths(process, fine) for process in need.curves}
-    lines = np.maximum.accumulate(moves.line)
-    for k, line in which:
-        row = min(int(np.searchsorted(lines, line)), len(lines) - 1)
-        place = moves.end[row] - np.array(shift)
-        _, way, process = min((*toolpaths[p].nearest_to(place), p) for p in toolpaths)
-        contour = f", beside the contour of {need.source(process, way)}"
-        diagnostics[k] = replace(diagnostics[k], message=diagnostics[k].message + contour)
-    return diagnostics

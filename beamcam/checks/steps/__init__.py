@@ -56,7 +56,8 @@ def verify_table(
     stream = Stream(pieces, name)
     part, sheet, asked = None, None, machine
     if parts:
-        from beamcam.checks.sheets.controller_state import as_one, with_told
+        from beamcam.checks.sheets.compare import with_told
+        from beamcam.checks.sheets.controller_state import as_one
 
         sheet = as_one(parts, machine, skips)
         part, machine = sheet.part, sheet.machine

@@ -1,4 +1,4 @@
-"""The lexer of CODESYS SoftMotion CNC: a program's text as blocks of words (DIN 66025).
+"""The blocks of CODESYS SoftMotion CNC: a program's text as words, and its curves (DIN 66025).
 
     N10 G01 X100.5 Y-20 F40      a block: number, one command, then its words
     N20 M40 K13 L14              K and L are the command's parameters
@@ -13,16 +13,19 @@ those of N, G, M and H. Source: CODESYS online help, "CNC: DIN 66025".
 
 import re
 from collections.abc import Set
+from math import atan2, cos, degrees, dist, hypot, radians, sin, sqrt
 
 from msgspec import Struct
 
 from beamcam.caches import BoundedCache
+from beamcam.controllers.dialect import LETTERS, NUMBER
+from beamcam.controllers.events import Curve
+from beamcam.controllers.interpreter import arc_of
+from beamcam.geometry.curves import Arc, Bezier, EllipseArc
+from beamcam.geometry.plane import Point, cross
 
-#: Letters that the controller's help describes; a machine file may use more in its templates.
-LETTERS = frozenset("NGMXYZABCPQUVWDEFHIJKLORT")
 _WHOLE = frozenset("NGMH")
 BRAKING = "E-"  #: how a block calls an E with a negative value, which may stand beside E
-NUMBER = r"[+-]?(?:[0-9]{1,15}(?:\.[0-9]{0,15})?|\.[0-9]{1,15})"  # no controller counts further
 _WORD = re.compile(rf"([A-Z])({NUMBER})")
 _COMMENT = re.compile(r"\([^()]*\)")
 
@@ -105,3 +108,166 @@ class Lexer:
         value = float(digits)
         name = BRAKING if letter == "E" and value < 0.0 else letter
         return self._known.keep(text, Word(name, value))
+
+
+# --- curves ---------------------------------------------------------------------------------------
+
+# The curves of CODESYS SoftMotion CNC: arcs, parabolas and ellipses.
+#
+#     G02 G03 X Y I J, or R  arc about a centre, or below 180 degrees with a radius
+#     G06 X Y I J            parabola, I and J its vertex: the tangent there runs as the chord does
+#     G08 G09 X Y I J K R    ellipse, K the direction of its main axis in degrees, R minor / major
+#
+# Both ends and the centre determine an ellipse; R counts where both ends are equally far from the
+# main axis. What cannot be becomes a straight line without a word, so it is checked here. Source:
+# CODESYS online help, "CNC: DIN 66025".
+
+
+# --- arcs -----------------------------------------------------------------------------------------
+
+# What CODESYS makes of an arc: the arc, another arc, or without a word a straight line.
+#
+# With I and J the centre has to lie on the bisector of the chord; up to 10 % beside it the
+# controller moves it there, beyond that it drives a line. With R it takes the arc below 180
+# degrees, and a line where R is less than half the chord. Start on end is a full circle. Source:
+# CODESYS online help, G2/G3. Lengths in mm, angles in degrees.
+
+
+CENTRE_SHARE = 0.1  #: how far off the bisector the controller still mends a centre, by the radius
+
+
+def arc_fault(start: Point, end: Point, centre: Point, resolution: float) -> str | None:
+    """The fault of an arc about `centre` as written; None if there is none.
+
+    `resolution` is the step of the numbers: start, end and centre may each be half of it off in
+    x and in y, which is sqrt(2) / 2 of it, and the centre counts in both radii; so honest radii
+    differ by up to 4 sqrt(2) / 2 of it, and no more.
+    """
+    radius = dist(start, centre)
+    if radius <= resolution:
+        return f"of radius {radius:.4g}"
+    if start == end:
+        return None
+    difference = abs(radius - dist(end, centre))
+    if difference > 2 * sqrt(2) * resolution + 1e-9:
+        return f"whose radii at start and end differ by {difference:.4g}"
+    off = _off_bisector(start, end, centre)
+    if off > CENTRE_SHARE * radius:
+        return f"whose centre lies {off:.4g} beside the bisector of its chord"
+    return None
+
+
+def _off_bisector(start: Point, end: Point, centre: Point) -> float:
+    """Distance of a centre from the perpendicular bisector of start and end."""
+    (x0, y0), (x1, y1), (cx, cy) = start, end, centre
+    chord = hypot(x1 - x0, y1 - y0)
+    along = (cx - (x0 + x1) / 2) * (x1 - x0) + (cy - (y0 + y1) / 2) * (y1 - y0)
+    return abs(along) / chord
+
+
+def radius_fault(start: Point, end: Point, radius: float) -> str | None:
+    """The fault of an arc by R; None if there is none."""
+    chord = dist(start, end)
+    if radius <= 0:
+        return f"of radius {radius:.4g}"
+    if chord == 0:
+        return "by R whose end is its start"
+    if radius < chord / 2:
+        return f"of radius {radius:.4g} over a chord of {chord:.4g}"
+    return None
+
+
+def radius_centre(start: Point, end: Point, radius: float, clockwise: bool) -> Point:
+    """Centre of the arc below 180 degrees from start to end with `radius`.
+
+    Raises ValueError where `radius_fault` has something to say.
+    """
+    fault = radius_fault(start, end, radius)
+    if fault:
+        raise ValueError(f"an arc {fault}")
+    (x0, y0), (x1, y1) = start, end
+    chord = dist(start, end)
+    height = sqrt(max(0.0, radius * radius - chord * chord / 4))
+    side = -1.0 if clockwise else 1.0  # left of the chord for a counter-clockwise short arc
+    return (
+        (x0 + x1) / 2 - side * height * (y1 - y0) / chord,
+        (y0 + y1) / 2 + side * height * (x1 - x0) / chord,
+    )
+
+
+def curve_of(
+    motion: int, start: Point, end: Point, words: dict[str, float], origin: Point, resolution: float
+) -> Curve | str:
+    """The curve of a block, whose I and J count from `origin`, or what is wrong with it.
+
+    `resolution` is the step of the numbers.
+    """
+    clockwise = motion in (2, 8)
+    if motion in (2, 3) and "R" in words:
+        return _arc_by_radius(start, end, words, clockwise)
+    if not {"I", "J"} <= words.keys():
+        return "without I, J or R" if motion in (2, 3) else "without I and J"
+    at = (origin[0] + words["I"], origin[1] + words["J"])
+    if motion == 6:
+        return _parabola(start, end, at)
+    if motion in (2, 3):
+        fault = arc_fault(start, end, at, resolution)
+        return fault or arc_of(start, end, at, clockwise)
+    angle, ratio = words.get("K", 0.0), words.get("R", 0.0)
+    return _ellipse(start, end, at, angle, ratio, clockwise, resolution)
+
+
+def _arc_by_radius(start: Point, end: Point, words: dict[str, float], clockwise: bool) -> Arc | str:
+    if "I" in words or "J" in words:
+        return "with R as well as I and J"
+    fault = radius_fault(start, end, words["R"])
+    if fault:
+        return fault
+    return arc_of(start, end, radius_centre(start, end, words["R"], clockwise), clockwise)
+
+
+def _parabola(start: Point, end: Point, vertex: Point) -> Bezier | str:
+    """The Bezier curve of degree two whose point at t = 1/2 is the vertex."""
+    if start == end:
+        return "that is a parabola from a point to itself"
+    chord = (end[0] - start[0], end[1] - start[1])
+    if cross(chord, (vertex[0] - start[0], vertex[1] - start[1])) == 0.0:
+        return "that is a parabola whose vertex lies on its chord"
+    control = (2 * vertex[0] - (start[0] + end[0]) / 2, 2 * vertex[1] - (start[1] + end[1]) / 2)
+    return Bezier((start, control, end))
+
+
+def _ellipse(
+    start: Point, end: Point, centre: Point, angle: float, ratio: float, clockwise: bool,
+    resolution: float,
+) -> EllipseArc | str:  # fmt: skip
+    c, s = cos(radians(angle)), sin(radians(angle))
+
+    def local(p: Point) -> Point:
+        x, y = p[0] - centre[0], p[1] - centre[1]
+        return c * x + s * y, c * y - s * x
+
+    (x1, y1), (x2, y2) = local(start), local(end)
+    if abs(abs(y1) - abs(y2)) <= resolution:
+        if not 0.0 < ratio <= 1.0:
+            return f"that is an ellipse of ratio {ratio:g} whose ends do not determine it"
+        major = sqrt(x1 * x1 + (y1 / ratio) ** 2)
+        minor = major * ratio
+    else:
+        det = x1 * x1 * y2 * y2 - x2 * x2 * y1 * y1
+        if det == 0.0:
+            return "that is an ellipse whose ends lie on one line with its centre"
+        over_a2, over_b2 = (y2 * y2 - y1 * y1) / det, (x1 * x1 - x2 * x2) / det
+        if over_a2 <= 0.0 or over_b2 <= 0.0:
+            return "that is an ellipse on which its ends do not lie"
+        major, minor = 1 / sqrt(over_a2), 1 / sqrt(over_b2)
+    if minor > major:
+        return f"that is an ellipse whose main axis {major:.4f} is shorter than {minor:.4f}"
+    first = degrees(atan2(y1 / minor, x1 / major))
+    sweep = 360.0
+    if start != end:
+        last = degrees(atan2(y2 / minor, x2 / major))
+        sweep = ((first - last) if clockwise else (last - first)) % 360.0 or 360.0
+    return EllipseArc(
+        centre, (major * c, major * s), minor / major, first, -sweep if clockwise else sweep
+    )

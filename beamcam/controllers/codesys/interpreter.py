@@ -23,7 +23,14 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.caches import BoundedCache, PerObject
-from beamcam.controllers.codesys import BRAKING, CodesysBlock, CodesysFault, Lexer
+from beamcam.controllers.codesys import (
+    BRAKING,
+    CodesysBlock,
+    CodesysFault,
+    Lexer,
+    arc_fault,
+    curve_of,
+)
 from beamcam.controllers.dialect import DOCUMENTED, M_QUEUE, Dialect, event_of, with_number
 from beamcam.controllers.events import (
     Acceleration,
@@ -342,16 +349,12 @@ class Codesys(Interpreter):
 
     def curve(self, motion: int, start: Point, end: Point, words: Words) -> Curve | str:
         """The curve of a block, or what is wrong with it."""
-        from beamcam.controllers.codesys.curves import curve_of
-
         zero = self._shift.get("X", 0.0), self._shift.get("Y", 0.0)
         origin = zero if self._absolute_centre else start
         return curve_of(motion, start, end, words, origin, self._dialect.resolution)
 
     def arc_fault(self, start: Point, end: Point, centre: Point, clockwise: bool) -> str | None:
         """The controller's deviation from an arc; None if it makes that arc."""
-        from beamcam.controllers.codesys.curves import arc_fault
-
         return arc_fault(start, end, centre, self._dialect.resolution)
 
 

@@ -16,6 +16,10 @@ from beamcam.machine.torch import Torch, TorchProcess
 from beamcam.model.colour import colour_name, key_of, process_of
 from beamcam.model.hatch import is_filled_only
 from beamcam.model.part import (
+    PLATE_FACES,
+    Bend,
+    Bevel,
+    Camber,
     Contour,
     EndPlane,
     Feature,
@@ -28,17 +32,8 @@ from beamcam.model.part import (
 from beamcam.model.request import policy_on
 from beamcam.planning import rules as bar_rules
 from beamcam.planning.contours import rules
-from beamcam.planning.contours.ability import is_drilled, refusal, takes_nothing
-from beamcam.planning.contours.layout import outline_of
-from beamcam.planning.left_out import (
-    BEVEL,
-    DRILL,
-    FACE,
-    NO_ROOM,
-    NOT_MOVED,
-    listed_by,
-    refuse_mark,
-)
+from beamcam.planning.contours.layout import outline_of, takes_nothing
+from beamcam.planning.left_out import BEVEL, DRILL, FACE, NO_ROOM, NOT_MOVED, listed_by, refuse_mark
 from beamcam.planning.lettering import place_text, remarks
 from beamcam.planning.lettering_room import Room
 
@@ -46,7 +41,6 @@ Meaning = Literal["cut", "mark", "engrave", "ignore"]
 Look = tuple[str | None, str | None]  #: layer and colour
 
 TOP_FACES = ("v",)  #: that a head comes to
-SAME_SIZE = 1e-6  #: mm, that an opening may be below the least by its last digits
 OUTLINE = -1  #: stands for the rectangle of a plate that has no contour of its own
 
 #: What a table does for the processes of DSTV: a punched or powdered line is marked.
@@ -100,7 +94,7 @@ def assign_processes(
                 unmapped[feature.layer, feature.colour].append(feature)
             elif meaning == "ignore":
                 assigned.skipped[index] = IGNORED
-            elif is_filled_only(feature, torch):
+            elif torch.settings and is_filled_only(feature, torch):
                 assigned.filled[index] = meaning
             else:
                 if feature.closed:
@@ -319,3 +313,92 @@ def _slot_curves(slot: Slot) -> Iterator[Curve]:
         start, end = arc.end, arcs[(k + 1) % 4].start
         if (slot.length, slot.height)[k % 2] > 0.0:
             yield Line(start, end)
+
+
+# --- ability --------------------------------------------------------------------------------------
+
+# Features of a plate that a torch can make, and those left for drill and grinder.
+
+
+def min_hole(torch: Torch, thickness: float) -> float:
+    """The smallest hole that can be cut into a sheet, and the narrowest slot."""
+    return max(torch.min_hole, torch.min_hole_share * thickness)
+
+
+def bevels_of(contour: Contour, torch: Torch) -> list[Bevel]:
+    """The bevels that are meant; smaller ones are noise of whoever wrote the file."""
+    return [bevel for bevel in contour.bevels if abs(bevel.angle) >= torch.min_bevel]
+
+
+def is_drilled(feature: Feature, torch: Torch, thickness: float) -> bool:
+    """Whether a hole or slot is left to the drill, its centre marked."""
+    if torch.drilled == "refuse" or not isinstance(feature, Hole | Slot):
+        return False
+    if feature.kind == "mark" or feature.face not in PLATE_FACES:
+        return False
+    return refusal(feature, torch, thickness) is not None
+
+
+def refusal(feature: Feature, torch: Torch, thickness: float) -> Diagnostic | None:
+    """Why a table cannot make a feature; None if it can."""
+    match feature:
+        case Contour() | Hole() | Slot() if feature.face not in PLATE_FACES:
+            kind = type(feature).__name__.lower()
+            kind = f"{feature.kind} hole" if isinstance(feature, Hole) else kind
+            expected = f"one of {', '.join(PLATE_FACES)}"
+            return bar_rules.NO_SPINDLE.at(
+                feature.source, kind=kind, found=feature.face, expected=expected
+            )
+        case Contour():
+            bevels = bevels_of(feature, torch)
+            return bar_rules.BEVEL.at(
+                feature.source, found=f"{bevels[0].angle:g}", face=feature.face
+            ) if bevels else None  # fmt: skip
+        case Hole() if feature.kind == "mark":
+            return _refuse_centre(feature, torch)
+        case Hole():
+            return _refuse_hole(feature, torch, thickness)
+        case Slot():
+            return _refuse_slot(feature, torch, thickness)
+        case TextMark():
+            return None
+        case Bend() | EndPlane() | Camber():
+            names = {Bend: "a bend", EndPlane: "an end plane", Camber: "a camber"}
+            return bar_rules.OTHER.at(feature.source, found=names[type(feature)])
+
+
+def _refuse_centre(hole: Hole, torch: Torch) -> Diagnostic | None:
+    """Why a table cannot mark a centre: it has no cross for it, or it should be of some depth."""
+    if not torch.cross and torch.drilled != "spot":
+        expected = "none, or the size of a cross in the machine file (torch.cross)"
+    elif hole.depth is not None:
+        expected = f"one without a depth, it is marked by a cross of {torch.cross:g}"
+    else:
+        return None
+    return bar_rules.NO_TOOL.at(
+        hole.source, kind="mark", found=f"{hole.diameter:g}", face=hole.face, expected=expected
+    )
+
+
+def _refuse_hole(hole: Hole, torch: Torch, thickness: float) -> Diagnostic | None:
+    if hole.kind != "through" or hole.depth is not None:
+        expected = "one through the sheet, a torch makes nothing else"
+    elif hole.diameter < (least := min_hole(torch, thickness)):
+        expected = f"at least {least:g} in a sheet of {thickness:g} mm"
+    else:
+        return None
+    kind = "blind" if hole.kind == "through" and hole.depth is not None else hole.kind
+    return bar_rules.NO_TOOL.at(
+        hole.source, kind=kind, found=f"{hole.diameter:g}", face=hole.face, expected=expected
+    )
+
+
+def _refuse_slot(slot: Slot, torch: Torch, thickness: float) -> Diagnostic | None:
+    if slot.kind != "through" or slot.depth is not None:
+        expected = "one through the sheet, a torch makes nothing else"
+    elif min(slot.length, slot.height) + slot.diameter < (least := min_hole(torch, thickness)):
+        expected = f"one at least {least:g} wide in a sheet of {thickness:g} mm"
+    else:
+        return None
+    size = f"{slot.length + slot.diameter:g} x {slot.height + slot.diameter:g}"
+    return bar_rules.SLOT.at(slot.source, found=size, face=slot.face, expected=expected)

@@ -11,120 +11,18 @@ that corner the controller can only stop where it touches both the lead and the 
 """
 
 from collections.abc import Sequence
-from math import asin, dist, hypot, pi, sqrt
+from math import asin, sqrt
 
 from msgspec import Struct
 
 from beamcam.errors import Diagnostic
-from beamcam.geometry.conics import direction_deg
-from beamcam.geometry.curves import Arc, Curve, Line
+from beamcam.geometry.curves import Arc, Line
 from beamcam.geometry.plane import Point, dot
 from beamcam.machine.torch import Torch
 from beamcam.planning.contours import rules
-from beamcam.planning.contours.order import PLAIN
-from beamcam.planning.contours.outline import Curves, Shape, stretch, stretches_of
+from beamcam.planning.contours.kerf import overcut_length
+from beamcam.planning.contours.outline import Curves, Shape, stretch, waste_side
 from beamcam.planning.contours.outline import ways as polylines_of
-
-ROUNDING = 1e-6
-
-
-def overcut_length(shape: Shape, torch: Torch) -> float:
-    """The overcut that is asked of a contour: of its colour or layer, of small holes, or of all."""
-    if shape.process != "cut" or not shape.is_ring:
-        return 0.0
-    own = torch.settings.get(shape.look, PLAIN).overcut
-    if own is None and shape.is_small:
-        own = torch.hole_overcut
-    return torch.overcut if own is None else own
-
-
-def overcut(shape: Shape, kerf: float, torch: Torch) -> Curves:
-    """The stretch of a closed contour that is cut again at its end, none without an overcut.
-
-    It is at most half of the way to the first bridge, or of the
-    contour where there is none.
-    """
-    length = overcut_length(shape, torch)
-    if not length:
-        return ()
-    first = stretches_of(shape, kerf, torch)[0]
-    lengths = [curve.length for curve in first]
-    return stretch(first, lengths, 0.0, min(length, sum(lengths) / 2))
-
-
-def is_shortened(shape: Shape, kerf: float, torch: Torch) -> bool:
-    """Whether a contour has too little room for its overcut."""
-    length = overcut_length(shape, torch)
-    if not length:
-        return False
-    first = stretches_of(shape, kerf, torch)[0]
-    return sum(curve.length for curve in first) / 2 < length - ROUNDING
-
-
-SAME_CIRCLE = 1e-4  #: mm that arcs of a round hole may be apart
-
-
-def waste_side(area: float, is_hole: bool) -> int:
-    """1 if what falls out lies left of a closed contour of that signed area, -1 if right."""
-    return 1 if (area > 0.0) == is_hole else -1
-
-
-def leads(
-    curves: Curves, side: int, torch: Torch, share: float, over: Curves = ()
-) -> tuple[Curves, Curves]:
-    """Lead-in and lead-out of a closed contour on its waste side, `share` of the machine's length.
-
-    The lead-out begins at the end of the overcut, `over`. A line comes square to the contour; an
-    arc is a quarter circle that is tangent to it.
-
-          |  line            .-  arc
-          v                 (
-        --o--->           --o--->
-    """
-    start, last = curves[0].start, (over or curves)[-1]
-    return (
-        _lead(start, curves[0].tangent(0.0), side, torch, torch.lead_in * share, False),
-        _lead(last.end, last.tangent(1.0), side, torch, torch.lead_out * share, True),
-    )
-
-
-def from_middle(curves: Curves) -> Curves:
-    """Lead-in of a round hole: half a circle from its middle, tangent to it; none of another."""
-    first, *others = curves
-    if not isinstance(first, Arc) or not all(_is_of(first, other) for other in others):
-        return ()
-    (x, y), (mx, my) = first.start, first.centre
-    half = Arc(
-        ((x + mx) / 2, (y + my) / 2), first.radius / 2, first.start_deg - 180.0,
-        180.0 if first.sweep_deg > 0.0 else -180.0,
-    )  # fmt: skip
-    return (half,)
-
-
-def _is_of(arc: Arc, other: Curve) -> bool:
-    """Whether another curve lies on the circle of an arc."""
-    return (
-        isinstance(other, Arc)
-        and dist(arc.centre, other.centre) <= SAME_CIRCLE
-        and abs(arc.radius - other.radius) <= SAME_CIRCLE
-    )
-
-
-def _lead(
-    at: Point, tangent: Point, side: int, torch: Torch, length: float, is_out: bool
-) -> Curves:
-    if torch.lead == "none" or length <= 0.0:
-        return ()
-    normal = (-side * tangent[1], side * tangent[0])
-    if torch.lead == "line":
-        far = (at[0] + length * normal[0], at[1] + length * normal[1])
-        return (Line(at, far) if is_out else Line(far, at),)
-    radius = length / (pi / 2)
-    centre = (at[0] + radius * normal[0], at[1] + radius * normal[1])
-    at_contour = direction_deg((-normal[0], -normal[1]))
-    sweep = 90.0 * side
-    return (Arc(centre, radius, at_contour if is_out else at_contour - sweep, sweep),)
-
 
 #: The shares of the machine's length of a lead that are tried, longest first.
 SHARES = (1.0, 0.8, 0.6, 0.45, 0.35, 0.25)
@@ -253,34 +151,3 @@ def _touch(first: Line | Arc, normal: Point, radius: float) -> tuple[float, floa
     across = sqrt(middle * middle - radius * radius)
     rise = first.radius - across if is_inside else across - first.radius
     return rise, first.radius * asin(radius / middle)
-
-
-def uncompensated(shape: Shape, kerf: float) -> Diagnostic:
-    """The error for a contour with a curve that has no other one half a kerf beside it.
-
-    That is one whose middle, moved so far into the waste, comes nearest to another place of the
-    contour: an arc that is smaller than the tool, or a side between two corners.
-    """
-    import numpy as np
-    import shapely
-
-    side = waste_side(shape.area, shape.is_hole)
-    contour = polylines_of([shape.curves], kerf / 1000)[0]
-    curves = [curve for curve in shape.curves if curve.length > 0.0]
-    points = []
-    for curve in curves:
-        (x, y), (tx, ty) = curve.point(0.5), curve.tangent(0.5)
-        points.append((x - side * ty * kerf / 2, y + side * tx * kerf / 2))
-    k = int(np.argmin(shapely.distance(shapely.points(points), contour)))
-    x, y = curves[k].point(0.5)
-    size = _size(curves[k])
-    return rules.UNCOMPENSATED.at(
-        shape.source, found=size, kerf=f"{kerf:g}", x=f"{x:.3f}", y=f"{y:.3f}"
-    )
-
-
-def _size(curve: Curve) -> str:
-    if isinstance(curve, Arc):
-        return f"an arc of radius {curve.radius:.3f} mm"
-    (x0, y0), (x1, y1) = curve.start, curve.end
-    return f"a side of {hypot(x1 - x0, y1 - y0):.3f} mm"

@@ -1,104 +1,36 @@
-"""Kerf compensation: contours offset by half a kerf, or left to the controller.
-
-Contours that share edges with others, which are cut once: where they begin, and in which order.
-
- ____________
-|     |     |    1 is cut as a ring, begun on an edge that it has for itself. What is left of
-|  1  |  2  |    2 begins and ends on that: the torch pierces in a kerf that is open, and the
-|_____|_____|    part hangs in the sheet by it until its end.
-"""
+"""Kerf compensation: contours offset by half a kerf, or left to the controller; their leads."""
 
 from collections import defaultdict
-from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Sequence
+from math import dist, pi
 
 import shapely
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic
-from beamcam.geometry.arrays import CurveTable, overlapping
-from beamcam.geometry.curves import Curve, join_boxes
+from beamcam.geometry.conics import direction_deg
+from beamcam.geometry.curves import Arc, Curve, Line, join_boxes
 from beamcam.geometry.plane import Point
 from beamcam.machine.torch import Torch
 from beamcam.planning.contours import rules
-from beamcam.planning.contours.entry import from_middle, leads, uncompensated, waste_side
-from beamcam.planning.contours.narrow import left_in, sharp_corners, told_near, told_of, too_near
-from beamcam.planning.contours.outline import Shape, from_longest
-from beamcam.planning.contours.outline import ways as outlines
+from beamcam.planning.contours.narrow import (
+    left_in,
+    sharp_corners,
+    told_near,
+    told_of,
+    too_near,
+    uncompensated,
+)
+from beamcam.planning.contours.order import PLAIN
+from beamcam.planning.contours.outline import Curves, Shape, stretch, stretches_of, waste_side
 from beamcam.planning.contours.outline import ways as polylines_of
-from beamcam.planning.contours.repeats import Repeats, contours_once
-
-if TYPE_CHECKING:
-    from shapely import STRtree
-
-
-def begun_off_common(
-    shapes: Sequence[Shape], paths: Sequence[Shape], first: Mapping[int, int], torch: Torch
-) -> list[Shape]:
-    """The shapes, the rings among them begun on the longest edge that they share with no other.
-
-    `paths` are all contours before their edges were taken for common, `first` the shape of each.
-    """
-    found = list(shapes)
-    if torch.start == "drawn":
-        return found
-    curves = [curve for path in paths for curve in path.curves]
-    owners = [(k, n) for k, path in enumerate(paths) for n in range(len(path.curves))]
-    pairs = overlapping(CurveTable(curves), [paths[k].process for k, _ in owners])
-    common: dict[int, set[int]] = {}
-    for pair in pairs:
-        for number in pair:
-            k, n = owners[number]
-            common.setdefault(k, set()).add(n)
-    for k, shared in common.items():
-        at = first.get(k, -1)
-        if at < 0 or not shapes[at].closed or shapes[at].curves != paths[k].curves:
-            continue
-        own = [n for n in range(len(paths[k].curves)) if n not in shared]
-        if own:
-            begun = from_longest(shapes[at].curves, own)
-            found[at] = replace(shapes[at], curves=begun, is_begun=True)
-    return found
-
-
-def in_levels(shapes: Sequence[Shape], torch: Torch) -> list[Shape]:
-    """The shapes with their levels: what begins or ends on others comes after those.
-
-    What lies around a shape comes no earlier than that.
-    """
-    tree = shapely.STRtree(outlines([s.curves for s in shapes], torch.tolerance / 4))
-    runs = [k for k, s in enumerate(shapes) if s.process == "cut" and not s.closed]
-    chains = [shapes[k].curves for k in runs]
-    ends = [shapely.Point(p) for chain in chains for p in (chain[0].start, chain[-1].end)]
-    before: list[dict[int, int]] = [{} for _ in shapes]  #: by how many levels others are lower
-    near = tree.query(ends, "dwithin", distance=torch.gap).T.tolist() if ends else []
-    for end, other in near:
-        if other < runs[end // 2] and shapes[other].process == "cut":
-            before[runs[end // 2]][other] = 1
-    for k, shape in enumerate(shapes):
-        if shape.parent >= 0:
-            before[shape.parent].setdefault(k, 0)
-    levels = [0] * len(shapes)
-    for _ in shapes:
-        higher = [max((levels[b] + up for b, up in own.items()), default=0) for own in before]
-        if higher == levels:
-            break
-        levels = higher
-    return [replace(s, level=max(level, s.level)) for s, level in zip(shapes, levels, strict=True)]
-
-
-def with_joints(shapes: Sequence[Shape], torch: Torch) -> list[Shape]:
-    """The shapes with the places where the rests of others begin and end on them."""
-    rests = [s.curves for s in shapes if s.process == "cut" and not s.closed]
-    ends = [end for curves in rests for end in (curves[0].start, curves[-1].end)]
-    joints: list[list[Point]] = [[] for _ in shapes]
-    if ends:
-        tree = shapely.STRtree(polylines_of([s.curves for s in shapes], torch.tolerance / 4))
-        near = tree.query(shapely.points(ends), "dwithin", distance=torch.gap)
-        for end, k in near.T.tolist():
-            joints[k].append(ends[end])
-    return [replace(s, joints=tuple(own)) for s, own in zip(shapes, joints, strict=True)]
-
+from beamcam.planning.contours.repeats import (
+    Repeats,
+    begun_off_common,
+    contours_once,
+    in_levels,
+    with_joints,
+)
 
 #: Mitre limit of corners, in half kerfs.
 MITRE_LIMIT = 2.5
@@ -127,11 +59,13 @@ def compensated(
     ]
     if not which:
         return offset_shapes, []
-    from beamcam.geometry.arc_fitting import fit_chains
+    free = [k for k in which if not all(isinstance(c, Line | Arc) for c in shapes[k].curves)]
+    if free:
+        from beamcam.geometry.arc_fitting import fit_chains
 
-    fits = fit_chains([shapes[k].curves for k in which], torch.tolerance * FIT_SHARE)
-    for k, curves in zip(which, fits, strict=True):
-        offset_shapes[k] = replace(shapes[k], curves=curves)
+        fits = fit_chains([shapes[k].curves for k in free], torch.tolerance * FIT_SHARE)
+        for k, curves in zip(free, fits, strict=True):
+            offset_shapes[k] = replace(shapes[k], curves=curves)
     kept_off = [k for k in which if kerfs[k]]
     diagnostics: list[Diagnostic] = []
     paths: list[Shape | None] = list(shapes)
@@ -240,10 +174,11 @@ def _no_room(shape: Shape, kerf: float) -> Diagnostic:
 # Leads that stay in the waste: shortened, or left out, where a contour is too narrow for them.
 
 
+ROUNDING = 1e-6  #: mm by which an overcut may be shorter
+
 #: The share of a lead that is not asked for its distance, at the contour.
 AT_CONTOUR = 0.1
 
-Curves = tuple[Curve, ...]
 Lead = tuple[Curves, Curves]  #: in and out
 NO_LEADS: Lead = ((), ())
 
@@ -267,8 +202,6 @@ def leads_of(
     The torch pierces at least `pierce_radius` from every contour. Where no lead-in begins as far
     off, it is as long as there is room for.
     """
-    import shapely
-
     if torch.lead == "none":
         return {}, []
     which = [k for k, s in enumerate(ways) if s.process == "cut" and s.is_ring]
@@ -310,7 +243,7 @@ def leads_of(
 
 
 def _clear_of(
-    tree: "STRtree",
+    tree: shapely.STRtree,
     tried: dict[int, Curves],
     is_out: bool,
     tolerance: float,
@@ -322,8 +255,6 @@ def _clear_of(
     A lead is one line or arc. What of it is nearest to its contour touches that where there is no
     kerf, and is not asked.
     """
-    import shapely
-
     owners, away, ends = [], [], []
     for k, curves in tried.items():
         for curve in curves if is_out else (c.reversed() for c in curves):
@@ -344,3 +275,96 @@ def _clear_of(
         apart = far - tolerance / 2
         hit += tree.query(shapely.points(ends), "dwithin", distance=apart)[0].tolist()
     return set(tried) - {owners[h] for h in hit}
+
+
+def overcut_length(shape: Shape, torch: Torch) -> float:
+    """The overcut that is asked of a contour: of its colour or layer, of small holes, or of all."""
+    if shape.process != "cut" or not shape.is_ring:
+        return 0.0
+    own = torch.settings.get(shape.look, PLAIN).overcut
+    if own is None and shape.is_small:
+        own = torch.hole_overcut
+    return torch.overcut if own is None else own
+
+
+def overcut(shape: Shape, kerf: float, torch: Torch) -> Curves:
+    """The stretch of a closed contour that is cut again at its end, none without an overcut.
+
+    It is at most half of the way to the first bridge, or of the
+    contour where there is none.
+    """
+    length = overcut_length(shape, torch)
+    if not length:
+        return ()
+    first = stretches_of(shape, kerf, torch)[0]
+    lengths = [curve.length for curve in first]
+    return stretch(first, lengths, 0.0, min(length, sum(lengths) / 2))
+
+
+def is_shortened(shape: Shape, kerf: float, torch: Torch) -> bool:
+    """Whether a contour has too little room for its overcut."""
+    length = overcut_length(shape, torch)
+    if not length:
+        return False
+    first = stretches_of(shape, kerf, torch)[0]
+    return sum(curve.length for curve in first) / 2 < length - ROUNDING
+
+
+SAME_CIRCLE = 1e-4  #: mm that arcs of a round hole may be apart
+
+
+def leads(
+    curves: Curves, side: int, torch: Torch, share: float, over: Curves = ()
+) -> tuple[Curves, Curves]:
+    """Lead-in and lead-out of a closed contour on its waste side, `share` of the machine's length.
+
+    The lead-out begins at the end of the overcut, `over`. A line comes square to the contour; an
+    arc is a quarter circle that is tangent to it.
+
+          |  line            .-  arc
+          v                 (
+        --o--->           --o--->
+    """
+    start, last = curves[0].start, (over or curves)[-1]
+    return (
+        _lead(start, curves[0].tangent(0.0), side, torch, torch.lead_in * share, False),
+        _lead(last.end, last.tangent(1.0), side, torch, torch.lead_out * share, True),
+    )
+
+
+def from_middle(curves: Curves) -> Curves:
+    """Lead-in of a round hole: half a circle from its middle, tangent to it; none of another."""
+    first, *others = curves
+    if not isinstance(first, Arc) or not all(_is_of(first, other) for other in others):
+        return ()
+    (x, y), (mx, my) = first.start, first.centre
+    half = Arc(
+        ((x + mx) / 2, (y + my) / 2), first.radius / 2, first.start_deg - 180.0,
+        180.0 if first.sweep_deg > 0.0 else -180.0,
+    )  # fmt: skip
+    return (half,)
+
+
+def _is_of(arc: Arc, other: Curve) -> bool:
+    """Whether another curve lies on the circle of an arc."""
+    return (
+        isinstance(other, Arc)
+        and dist(arc.centre, other.centre) <= SAME_CIRCLE
+        and abs(arc.radius - other.radius) <= SAME_CIRCLE
+    )
+
+
+def _lead(
+    at: Point, tangent: Point, side: int, torch: Torch, length: float, is_out: bool
+) -> Curves:
+    if torch.lead == "none" or length <= 0.0:
+        return ()
+    normal = (-side * tangent[1], side * tangent[0])
+    if torch.lead == "line":
+        far = (at[0] + length * normal[0], at[1] + length * normal[1])
+        return (Line(at, far) if is_out else Line(far, at),)
+    radius = length / (pi / 2)
+    centre = (at[0] + radius * normal[0], at[1] + radius * normal[1])
+    at_contour = direction_deg((-normal[0], -normal[1]))
+    sweep = 90.0 * side
+    return (Arc(centre, radius, at_contour if is_out else at_contour - sweep, sweep),)

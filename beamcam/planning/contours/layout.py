@@ -1,7 +1,8 @@
 """A sheet's part as it is laid on the table: mirrored, turned, and copied in rows and columns."""
 
 from collections.abc import Iterator, Sequence
-from math import dist
+from itertools import product
+from math import dist, hypot
 
 from msgspec.structs import replace
 
@@ -26,6 +27,7 @@ from beamcam.model.hatch import hatched, not_filled
 from beamcam.model.part import (
     PLATE_FACES,
     Contour,
+    EndPlane,
     Feature,
     Hole,
     Part,
@@ -39,6 +41,8 @@ from beamcam.planning.contours import rules
 from beamcam.planning.contours.material import SheetMaterial
 from beamcam.planning.contours.outline import Shape
 from beamcam.planning.contours.spread import spread
+
+BESIDE = 0.1  #: mm that a plane may lie inside of the edge that it states once more
 
 
 def box_of(curves: CurveTable) -> Box:
@@ -298,6 +302,17 @@ def outline_of(part: Part) -> tuple[Line, ...]:
         return ()
     (a, d), (b, c) = end_lines(part, "v")
     return Line(a, b), Line(b, c), Line(c, d), Line(d, a)
+
+
+def takes_nothing(plane: EndPlane, part: Part, thickness: float) -> bool:
+    """Whether all of a plate lies behind a plane, as where that states a square end once more."""
+    outer = [curve for one in part.contours if one.kind == "outer" for curve in one.curves]
+    x0, y0, x1, y1 = extent(outer) or (0.0, 0.0, part.length, part.profile.height)
+    (px, py, pz), (a, b, c) = plane.point, plane.normal
+    return all(
+        a * (x - px) + b * (y - py) + c * (z - pz) <= BESIDE * hypot(a, b, c)
+        for x, y, z in product((x0, x1), (y0, y1), (0.0, thickness))
+    )
 
 
 def skew_ends(part: Part, torch: Torch) -> Iterator[Diagnostic]:

@@ -7,7 +7,7 @@ ____          ____      The beam is a disc of the kerf's width. Where it does no
 """
 
 from collections.abc import Iterator, Sequence
-from math import cos, dist, pi, sqrt
+from math import cos, dist, hypot, pi, sqrt
 from typing import TYPE_CHECKING, Any
 
 from msgspec import Struct
@@ -15,11 +15,11 @@ from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic
 from beamcam.geometry.arrays import CurveTable
-from beamcam.geometry.curves import Curve
+from beamcam.geometry.curves import Arc, Curve, Line
 from beamcam.geometry.plane import Point
 from beamcam.machine.torch import Torch
 from beamcam.planning.contours import rules
-from beamcam.planning.contours.outline import Shape, entity, outlines, ways
+from beamcam.planning.contours.outline import Shape, entity, outlines, waste_side, ways
 
 if TYPE_CHECKING:
     from beamcam.geometry.array_types import Floats
@@ -309,7 +309,6 @@ def _tangents(table: CurveTable) -> "tuple[Floats, Floats]":
     import numpy as np
 
     from beamcam.geometry.arrays import unit_vectors
-    from beamcam.geometry.curves import Arc, Line
 
     ends, starts = np.zeros((len(table.curves), 2)), np.zeros((len(table.curves), 2))
     step = table.lines[:, 2:] - table.lines[:, :2]
@@ -320,3 +319,34 @@ def _tangents(table: CurveTable) -> "tuple[Floats, Floats]":
     starts[table.where(Arc)] = unit_vectors(arcs[:, 3] + turn)
     ends[table.where(Arc)] = unit_vectors(arcs[:, 3] + arcs[:, 4] + turn)
     return ends, starts
+
+
+def uncompensated(shape: Shape, kerf: float) -> Diagnostic:
+    """The error for a contour with a curve that has no other one half a kerf beside it.
+
+    That is one whose middle, moved so far into the waste, comes nearest to another place of the
+    contour: an arc that is smaller than the tool, or a side between two corners.
+    """
+    import numpy as np
+    import shapely
+
+    side = waste_side(shape.area, shape.is_hole)
+    contour = ways([shape.curves], kerf / 1000)[0]
+    curves = [curve for curve in shape.curves if curve.length > 0.0]
+    points = []
+    for curve in curves:
+        (x, y), (tx, ty) = curve.point(0.5), curve.tangent(0.5)
+        points.append((x - side * ty * kerf / 2, y + side * tx * kerf / 2))
+    k = int(np.argmin(shapely.distance(shapely.points(points), contour)))
+    x, y = curves[k].point(0.5)
+    size = _size(curves[k])
+    return rules.UNCOMPENSATED.at(
+        shape.source, found=size, kerf=f"{kerf:g}", x=f"{x:.3f}", y=f"{y:.3f}"
+    )
+
+
+def _size(curve: Curve) -> str:
+    if isinstance(curve, Arc):
+        return f"an arc of radius {curve.radius:.3f} mm"
+    (x0, y0), (x1, y1) = curve.start, curve.end
+    return f"a side of {hypot(x1 - x0, y1 - y0):.3f} mm"

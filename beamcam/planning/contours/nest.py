@@ -10,8 +10,7 @@ from beamcam.errors import Diagnostic, PlanError, Rule, Source, errors_in
 from beamcam.geometry.plane import Point
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.assign_process import AssignedCurve
-from beamcam.planning.contours.copies import taken_apart
-from beamcam.planning.contours.doubling import told_beside, told_flat, turns
+from beamcam.planning.contours.doubling import taken_apart, told_beside, told_flat, turns
 from beamcam.planning.contours.outline import (
     Drawn,
     Shape,

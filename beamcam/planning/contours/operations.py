@@ -18,14 +18,17 @@ from beamcam.model.lengths import total_length
 from beamcam.model.plan import SKELETON, ContourOp, Pass
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.assign_process import OUTLINE
-from beamcam.planning.contours.entry import (
-    entries,
+from beamcam.planning.contours.entry import entries
+from beamcam.planning.contours.kerf import (
+    NO_LEADS,
+    Lead,
+    common_cuts,
+    compensated,
     is_shortened,
+    leads_of,
     overcut,
     overcut_length,
-    waste_side,
 )
-from beamcam.planning.contours.kerf import NO_LEADS, Lead, common_cuts, compensated, leads_of
 from beamcam.planning.contours.layout import moved
 from beamcam.planning.contours.material import SheetMaterial
 from beamcam.planning.contours.order import is_one_way, order, rank
@@ -39,6 +42,7 @@ from beamcam.planning.contours.outline import (
     reversed_chain,
     stretch,
     stretches_of,
+    waste_side,
     ways,
 )
 

@@ -305,18 +305,11 @@ class _Free:
 
 
 Tour = list[tuple[int, bool]]
-TURNS = {
-    "spot": 1,
-    "cut": 2,
-}  #: of processes, behind those of any other: spots by the torch's place
+#: Of processes, behind those of any other: spots by the torch's place.
+TURNS = {"spot": 1, "cut": 2}
 
 
-def order(
-    shapes: Sequence[Shape],
-    home: Point = (0.0, 0.0),
-    ranks: Sequence[int] = (),
-    fixed: Sequence[bool] = (),
-) -> Tour:
+def order(shapes: Sequence[Shape], ranks: Sequence[int] = (), fixed: Sequence[bool] = ()) -> Tour:
     """Each shape by its index, and whether it is followed backwards, in the order of work.
 
     Those of lower `ranks` come first, whatever they are, then those of lower levels; those that are
@@ -335,7 +328,7 @@ def order(
     for k, (rank, shape) in enumerate(zip(ranks, shapes, strict=True)):
         turn = TURNS.get(shape.process, 0)
         stages.setdefault((rank, turn, shape.level), []).append(k)
-    here = home
+    here: Point = (0.0, 0.0)
     done: Tour = []
     for _, stage in sorted(stages.items()):
         own = set(stage)

@@ -26,6 +26,11 @@ def reversed_chain(curves: Sequence[Curve]) -> Curves:
     return tuple([c.reversed() for c in reversed(curves)])
 
 
+def waste_side(area: float, is_hole: bool) -> int:
+    """1 if what falls out lies left of a closed contour of that signed area, -1 if right."""
+    return 1 if (area > 0.0) == is_hole else -1
+
+
 def is_turned(area: float, is_hole: bool, torch: Torch) -> bool:
     """Whether a closed contour of that signed area has to be followed backwards.
 

@@ -4,24 +4,26 @@ Loose curves before they are joined; what lies on another contour when contours 
 """
 
 from collections import defaultdict
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from itertools import pairwise
 from math import dist, pi, tau
 
 import numpy as np
+import shapely
 from msgspec import Struct, field
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.array_types import Counts, Flags, Floats
-from beamcam.geometry.arrays import SAME_PLACE, CurveTable, overlapping
-from beamcam.geometry.biarcs import cubics_of
+from beamcam.geometry.arrays import SAME_PLACE, CurveTable, cubics_of, overlapping
 from beamcam.geometry.curves import Curve, signed_area
+from beamcam.geometry.plane import Point
 from beamcam.geometry.polylines import polylines
+from beamcam.machine.torch import Torch
 from beamcam.model.lengths import total_length
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.assign_process import AssignedCurve
-from beamcam.planning.contours.outline import Shape, entity
+from beamcam.planning.contours.outline import Shape, entity, from_longest, ways
 
 #: Chords stand for the curves so near to them, in mm.
 FINE = 1e-3
@@ -94,8 +96,6 @@ def _again(starts: Floats, steps: Floats) -> Flags:
 
     Of a curve with more than `MAX_PAIRS` chords on one another it may be those that come first.
     """
-    import shapely
-
     along = np.cumsum(np.hypot(*steps.T))
     chords = shapely.STRtree(shapely.linestrings(np.stack((starts, starts + steps), axis=1)))
     middles = shapely.points(starts + steps / 2)
@@ -285,3 +285,81 @@ def _runs(rests: Sequence[tuple[Curve, ...]], closed: bool) -> list[tuple[Curve,
     if closed and len(runs) > 1 and dist(runs[-1][-1].end, runs[0][0].start) <= SAME_PLACE:
         runs[0] = [*runs.pop(), *runs[0]]
     return [tuple(run) for run in runs]
+
+
+# --- common edges ---------------------------------------------------------------------------------
+
+# Contours that share edges with others, which are cut once: where they begin, in which order.
+#
+#  ____________
+# |     |     |    1 is cut as a ring, begun on an edge that it has for itself. What is left of
+# |  1  |  2  |    2 begins and ends on that: the torch pierces in a kerf that is open, and the
+# |_____|_____|    part hangs in the sheet by it until its end.
+
+
+def begun_off_common(
+    shapes: Sequence[Shape], paths: Sequence[Shape], first: Mapping[int, int], torch: Torch
+) -> list[Shape]:
+    """The shapes, the rings among them begun on the longest edge that they share with no other.
+
+    `paths` are all contours before their edges were taken for common, `first` the shape of each.
+    """
+    found = list(shapes)
+    if torch.start == "drawn":
+        return found
+    curves = [curve for path in paths for curve in path.curves]
+    owners = [(k, n) for k, path in enumerate(paths) for n in range(len(path.curves))]
+    pairs = overlapping(CurveTable(curves), [paths[k].process for k, _ in owners])
+    common: dict[int, set[int]] = {}
+    for pair in pairs:
+        for number in pair:
+            k, n = owners[number]
+            common.setdefault(k, set()).add(n)
+    for k, shared in common.items():
+        at = first.get(k, -1)
+        if at < 0 or not shapes[at].closed or shapes[at].curves != paths[k].curves:
+            continue
+        own = [n for n in range(len(paths[k].curves)) if n not in shared]
+        if own:
+            begun = from_longest(shapes[at].curves, own)
+            found[at] = replace(shapes[at], curves=begun, is_begun=True)
+    return found
+
+
+def in_levels(shapes: Sequence[Shape], torch: Torch) -> list[Shape]:
+    """The shapes with their levels: what begins or ends on others comes after those.
+
+    What lies around a shape comes no earlier than that.
+    """
+    tree = shapely.STRtree(ways([s.curves for s in shapes], torch.tolerance / 4))
+    runs = [k for k, s in enumerate(shapes) if s.process == "cut" and not s.closed]
+    chains = [shapes[k].curves for k in runs]
+    ends = [shapely.Point(p) for chain in chains for p in (chain[0].start, chain[-1].end)]
+    before: list[dict[int, int]] = [{} for _ in shapes]  #: by how many levels others are lower
+    near = tree.query(ends, "dwithin", distance=torch.gap).T.tolist() if ends else []
+    for end, other in near:
+        if other < runs[end // 2] and shapes[other].process == "cut":
+            before[runs[end // 2]][other] = 1
+    for k, shape in enumerate(shapes):
+        if shape.parent >= 0:
+            before[shape.parent].setdefault(k, 0)
+    levels = [0] * len(shapes)
+    for _ in shapes:
+        higher = [max((levels[b] + up for b, up in own.items()), default=0) for own in before]
+        if higher == levels:
+            break
+        levels = higher
+    return [replace(s, level=max(level, s.level)) for s, level in zip(shapes, levels, strict=True)]
+
+
+def with_joints(shapes: Sequence[Shape], torch: Torch) -> list[Shape]:
+    """The shapes with the places where the rests of others begin and end on them."""
+    rests = [s.curves for s in shapes if s.process == "cut" and not s.closed]
+    ends = [end for curves in rests for end in (curves[0].start, curves[-1].end)]
+    joints: list[list[Point]] = [[] for _ in shapes]
+    if ends:
+        tree = shapely.STRtree(ways([s.curves for s in shapes], torch.tolerance / 4))
+        near = tree.query(shapely.points(ends), "dwithin", distance=torch.gap)
+        for end, k in near.T.tolist():
+            joints[k].append(ends[end])
+    return [replace(s, joints=tuple(own)) for s, own in zip(shapes, joints, strict=True)]

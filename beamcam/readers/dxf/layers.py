@@ -1,10 +1,71 @@
-"""Layer, colour and visibility of an entity, inherited through the inserts above it."""
+"""The rows of a DXF file and its tables; layer, colour and visibility of an entity by them.
 
+What an entity does not say it inherits through the inserts above it.
+"""
+
+from collections.abc import Iterable, Iterator
 from typing import Any
 
+import numpy as np
 from msgspec import Struct, field
+from numpy.typing import NDArray
 
-from beamcam.readers.dxf.rows import HANDLE, NAME, SUBCLASS, Rows
+#: Group codes: names of tables and entries, of entities (handles), subclasses, brackets.
+NAME, HANDLE, SUBCLASS, BRACKET, VARIABLE, COMMENT = 2, 5, 100, 102, 9, 999
+
+
+class Rows(Struct, frozen=True):
+    """All lines, the group code of each row, and where entities begin."""
+
+    lines: list[str]
+    codes: NDArray[np.int32]
+    starts: list[int]  #: the rows of group 0
+    sections: dict[str, range]  #: which of `starts` stand in each that is there just once
+
+    def value(self, row: int) -> str:
+        return self.lines[2 * row + 1]
+
+    def kind(self, entity: int) -> str:
+        """The kind of an entity by its place among `starts`."""
+        return self.value(self.starts[entity])
+
+    def sequences(self, entities: Iterable[int]) -> Iterator[tuple[int, int, bytes]]:
+        """First row, the row behind the last, and the group codes of entities as bytes."""
+        codes, starts, size = self.codes.tobytes(), self.starts, self.codes.itemsize
+        for k in entities:
+            first, last = starts[k], starts[k + 1]
+            yield first, last, codes[size * first : size * last]
+
+
+def rows_of(text: str) -> Rows | None:
+    """The rows of a text up to EOF; None if they are not two lines each, or if EOF is missing."""
+    lines = text.rstrip().split("\n")
+    if len(lines) % 2 or lines[-1] != "EOF":
+        return None
+    texts = lines[::2]
+    try:
+        numbers = {text: int(text) for text in set(texts)}
+        codes = np.fromiter(map(numbers.__getitem__, texts), np.int32, len(texts))
+    except (ValueError, OverflowError):
+        return None
+    starts: list[int] = np.flatnonzero(codes == 0).tolist()
+    ends = [k for k in starts if lines[2 * k + 1] == "EOF"]
+    if ends != [len(texts) - 1]:
+        return None
+    found: dict[str, list[range]] = {}
+    name = ""
+    for k, row in enumerate(starts):
+        kind = lines[2 * row + 1].strip()
+        if kind == "SECTION":
+            name, begin = lines[2 * row + 3] if codes[row + 1] == NAME else "", k + 1
+        elif kind == "ENDSEC" and name:
+            found.setdefault(name, []).append(range(begin, k))
+            name = ""
+    once = {name: places[0] for name, places in found.items() if len(places) == 1}
+    return Rows(lines, codes, starts, once)
+
+
+# --- layers ---------------------------------------------------------------------------------------
 
 Document = Any  #: of ezdxf, which publishes no types that mypy can follow
 

@@ -1,86 +1,40 @@
-"""Bytes to an ezdxf document: text or binary, sound or in need of repair.
-
-Subclass markers (group 100) put into polylines and splines that were written without them.
-
-    0 LWPOLYLINE | 5 1F | 8 0 | 90 4 | 10 ...
-    0 LWPOLYLINE | 5 1F | 100 AcDbEntity | 8 0 | 100 AcDbPolyline | 90 4 | 10 ...
-
-Programs that read DXF by group codes alone take the one for the other; ezdxf looks for the markers.
-In a file of R12, which has none, it takes what all entities have from what stands before the first.
-"""
+"""Bytes to a drawing: the plain entities of model space as they stand, the rest by ezdxf."""
 
 import io
 import logging
 import re
-from itertools import takewhile
-from typing import Any
+from collections.abc import Iterable
 
+import numpy as np
 from msgspec import Struct
 
 from beamcam.errors import Diagnostic, ReadError, Source
-from beamcam.readers.drawing import MM_PER_UNIT, UNITS_OPTION
 from beamcam.readers.dxf import rules
-from beamcam.readers.dxf.bulk import Run, Taken, take_plain
-from beamcam.readers.dxf.layers import Document, Tables, tables_of
+from beamcam.readers.dxf.layers import (
+    HANDLE,
+    SUBCLASS,
+    Attributes,
+    Document,
+    Rows,
+    Tables,
+    rows_of,
+    tables_by_rows,
+    tables_of,
+)
+from beamcam.readers.dxf.plain import (
+    BEYOND,
+    NOT_SAID,
+    UNSAID,
+    Codes,
+    Says,
+    ValuePlaces,
+    Values,
+    attributes_from,
+    plan_of,
+)
+from beamcam.readers.dxf.repair import VERSION, is_sound, recovered, said, with_subclasses
 
-#: The class that a marker names, of the entities that ezdxf refuses without it.
-MARKERS = {b"LWPOLYLINE": b"AcDbPolyline", b"SPLINE": b"AcDbSpline"}
-#: Groups of every entity. Source: Autodesk DXF reference, "Common group codes for entities".
-IDENTITY = frozenset((b"5", b"330", b"360"))
-COMMON = frozenset(
-    (b"8", b"6", b"48", b"60", b"62", b"67", b"347", b"370", b"380", b"390", b"410", b"420",
-     b"430", b"440", b"284")
-)  # fmt: skip
-R12 = 1009  #: and below: files without subclasses
 UTF8 = 1021  #: and above: files in UTF-8, whatever code page they name
-_VERSION = re.compile(rb"\$ACADVER\s+1\s+AC(\d{4})")
-Group = tuple[bytes, bytes]  #: code and value
-
-
-def with_subclasses(data: bytes) -> tuple[bytes, int]:
-    """The text of a DXF file with the markers that were missing, and of how many entities."""
-    lines = [line.strip(b"\r") for line in data.replace(b"\r\n", b"\n").split(b"\n")]
-    groups = [(lines[k].strip(), lines[k + 1]) for k in range(0, len(lines) - 1, 2)]
-    version = _VERSION.search(data)
-    is_old = version is None or int(version[1]) <= R12
-    found: list[Group] = []
-    count = k = 0
-    while k < len(groups):
-        found.append(groups[k])
-        code, value = groups[k]
-        k += 1
-        marker = MARKERS.get(value.strip()) if code == b"0" else None
-        if marker is None:
-            continue
-        own = list(takewhile(lambda group: group[0] != b"0", groups[k:]))
-        k += len(own)
-        if any(c == b"100" and v.strip() == marker for c, v in own):
-            found += own
-        else:
-            found += _marked(own, marker, is_old)
-            count += 1
-    return b"".join(b"%b\n%b\n" % group for group in found), count
-
-
-def _marked(own: list[Group], marker: bytes, is_old: bool) -> list[Group]:
-    """The groups of an entity with both of its markers, each behind it what belongs to it."""
-    identity: list[Group] = []
-    common: list[Group] = []
-    rest: list[Group] = []
-    in_brackets = False
-    for code, value in own:
-        if code == b"102":  # names of objects that want to hear of changes
-            in_brackets = value.strip().startswith(b"{")
-            identity.append((code, value))
-        elif in_brackets or code in IDENTITY:
-            identity.append((code, value))
-        elif code != b"100":
-            (common if code in COMMON else rest).append((code, value))
-    first = (b"100", b"AcDbEntity")
-    head = [*identity, *common, first] if is_old else [*identity, first, *common]
-    return [*head, (b"100", marker), *rest]
-
-
 #: Without a handler, Python would print what ezdxf logs.
 _SILENT = logging.NullHandler()
 
@@ -98,6 +52,27 @@ _HANDLE = re.compile(rb"[\r\n][ \t]*5[ \t]*(?:\r\n|\r|\n)[ \t]*[0-9A-Fa-f]+[ \t]
 
 _EOF = re.compile(rb"[\r\n][ \t]*0[ \t]*(?:\r\n|\r|\n)[ \t]*EOF[ \t]*(?:[\r\n\x1a\x00]|\Z)")
 NEAR_THE_END = 1000  #: bytes in which EOF is looked for first; nearly all files have it there
+
+
+class Plain(Struct, frozen=True, gc=False):
+    """A plain entity and its numbers, as the function of `curves` for its kind takes them."""
+
+    kind: str
+    handle: str | None
+    says: Attributes
+    values: Values
+
+
+Run = list[Plain]  #: plain entities that follow one another
+
+
+class Taken(Struct, frozen=True):
+    """Plain entities of a file and the text of the rest, with a marker for each run."""
+
+    runs: tuple[Run, ...]
+    rest: str
+    owners: frozenset[str]  #: the layouts that the entities say they stand in
+    tables: Tables | None = None  #: where nothing else is drawn, and ezdxf has nothing to say
 
 
 class Loaded(Struct, frozen=True):
@@ -133,7 +108,7 @@ def load_document(data: bytes, source: Source) -> Loaded:
     # AttributeError of half-read entities): whatever it is, the file is not sound.
     except Exception as error:
         if is_binary(data):
-            raise ReadError(rules.STRUCTURE.at(source, found=_said(error))) from error
+            raise ReadError(rules.STRUCTURE.at(source, found=said(error))) from error
         drawing, repairs = _repaired(data, handles, source, error)
         remarks = (*remarks, *repairs)
     return Loaded(*drawing, handles, remarks)
@@ -181,9 +156,9 @@ def _load_text(data: bytes, handles: bool) -> _Drawing:
 
 def _version_and_encoding(data: bytes) -> tuple[str, str]:
     """The version of a text, "AC1015", and the encoding that belongs to it or to its code page."""
-    said = _VERSION.search(data)
-    if said is not None and (data.isascii() or int(said[1]) >= UTF8):
-        return f"AC{said[1].decode()}", "utf-8"
+    found = VERSION.search(data)
+    if found is not None and (data.isascii() or int(found[1]) >= UTF8):
+        return f"AC{found[1].decode()}", "utf-8"
     from ezdxf.filemanagement import dxf_stream_info
 
     info = dxf_stream_info(_text(data, "utf-8", "ignore"))
@@ -228,178 +203,144 @@ def _repaired(
             return _load_text(marked, handles), remarks
         except Exception as error:  # as above: any kind of error means that it is damaged besides
             first = error
-    document, repair = _recover(marked if count else data, source, first)
+    document, repair = recovered(marked if count else data, source, first)
     return (document, tables_of(document), ()), (*remarks, repair)
 
 
-def _recover(data: bytes, source: Source, first: Exception) -> tuple[Document, Diagnostic]:
-    """The document as far as it can be repaired. Raises ReadError if it cannot."""
-    from ezdxf import recover
+# --- plain entities -------------------------------------------------------------------------------
 
-    try:
-        document, auditor = recover.read(io.BytesIO(data))
-    except Exception as error:  # as above: any kind of error means that repair failed
-        raise ReadError(rules.STRUCTURE.at(source, found=_said(error))) from error
-    count = len(auditor.errors) + len(auditor.fixes)
-    return document, rules.RECOVERED.at(source, count=count, found=_said(first))
-
-
-def _said(error: Exception) -> str:
-    """One line that says what ezdxf stumbled over; ids of unread entities are left out, since
-    they are addresses in memory and differ from run to run."""
-    text = re.sub(r"\(#\d{9,}\)", "", " ".join(str(error).split()))
-    return text[:160] or type(error).__name__
-
-
-# --- units ----------------------------------------------------------------------------------------
-
-# Unit of length of a DXF file, from its own data.
+# The plain entities of model space taken out of a file, and the rest of it for ezdxf.
 #
-# ezdxf invents `$INSUNITS` 6 (metres) for files without a header, so that the raw text is asked.
+# Where plain entities follow one another in the section ENTITIES, a marker takes their place, so
+# that the rest is a sound file and everything keeps its order. What might connect a plain entity
+# with the rest by its name, or by where it stands, leaves the whole file to ezdxf.
 
 
-#: Name and mm of the values of $INSUNITS. Source: Autodesk DXF reference, HEADER section. Those
-#: of astronomy (17 to 20) are left out.
-INSUNITS: dict[int, tuple[str, float]] = {
-    1: ("inches", 25.4),
-    2: ("feet", 304.8),
-    3: ("miles", 1_609_344.0),
-    4: ("mm", 1.0),
-    5: ("cm", 10.0),
-    6: ("metres", 1000.0),
-    7: ("km", 1_000_000.0),
-    8: ("microinches", 25.4e-6),
-    9: ("mils", 0.0254),
-    10: ("yards", 914.4),
-    11: ("angstroms", 1e-7),
-    12: ("nm", 1e-6),
-    13: ("microns", 0.001),
-    14: ("dm", 100.0),
-    15: ("dam", 10_000.0),
-    16: ("hm", 100_000.0),
-    21: ("US survey feet", 1200_000.0 / 3937),
-    22: ("US survey inches", 100_000.0 / 3937),
-    23: ("US survey yards", 3600_000.0 / 3937),
-    24: ("US survey miles", 1200_000.0 / 3937 * 5280),
-}
+_R12 = "AC1009"
 
-_NL = rb"[ \t]*(?:\r\n|\r|\n)[ \t]*"
+#: The kind of entity that marks plain entities in the remainder of a file.
+MARKER = "BEAMCAM_PLAIN_ENTITIES"
+
+#: Group codes of names: of entities, and of dimension styles.
+_NAMES = (HANDLE, 105)
 
 
-class LengthUnit(Struct, frozen=True):
-    """The unit of a drawing's numbers."""
+def take_plain(text: str, version: str, named: bool) -> Taken | None:
+    """The plain entities of model space and the rest; None if the file is one for ezdxf.
 
-    name: str
-    mm: float
-    given: bool = False  #: by the user: what the file says about it does not count
-
-
-def header_number(data: bytes, variable: str) -> int | None:
-    """The whole number that the header gives to `variable` (group 70); None if it does not.
-
-    Of a number of more digits than any variable has the first nine.
+    Lines of `text` end in "\\n". `named` tells whether entities have names of their own (handles).
     """
-    name = re.escape(variable.encode("ascii"))
-    if is_binary(data):
-        # Group codes are two bytes since R13, and the values of group 70 too.
-        match = re.search(rb"\x09\x00" + name + rb"\x00\x46\x00(..)", data, re.DOTALL)
-        return None if match is None else int.from_bytes(match[1], "little", signed=True)
-    end = data.find(b"ENDSEC")
-    text = data[: end if end >= 0 else len(data)]
-    match = re.search(
-        rb"(?:^|[\r\n])[ \t]*9" + _NL + name + _NL + rb"70" + _NL + rb"(-?\d{1,9})", text
-    )
-    return None if match is None else int(match[1])
-
-
-def find_unit(
-    data: bytes, units: str | None, source: Source
-) -> tuple[LengthUnit | None, tuple[Diagnostic, ...]]:
-    """The unit of a file, or the one that the user gave; None with an error if there is none."""
-    if units is not None:
-        mm = MM_PER_UNIT.get(units.lower())
-        if mm is None:
-            expected = ", ".join(MM_PER_UNIT)
-            return None, (UNITS_OPTION.at(source, found=units, expected=expected),)
-        return LengthUnit(units.lower(), mm, given=True), ()
-    code = header_number(data, "$INSUNITS")
-    if code is None or code == 0:
-        return LengthUnit("mm", 1.0), (rules.UNITS_MISSING.at(source, found=_missing(data, code)),)
-    if code not in INSUNITS:
-        expected = ", ".join(f"{c} {name}" for c, (name, _) in INSUNITS.items() if c <= 6)
-        return None, (rules.UNITS_UNKNOWN.at(source, found=code, expected=expected),)
-    unit = LengthUnit(*INSUNITS[code])
-    shown = header_number(data, "$LUNITS")
-    if shown in (3, 4) and unit.mm not in (25.4, 304.8):
-        return unit, (rules.UNITS_IMPERIAL.at(source, found=shown, unit=unit.name),)
-    return unit, ()
-
-
-def _missing(data: bytes, code: int | None) -> str:
-    text = "no $INSUNITS" if code is None else "$INSUNITS 0 (no unit)"
-    if header_number(data, "$MEASUREMENT") == 0:
-        return text + " but $MEASUREMENT 0 (inches)"
-    return text
-
-
-# --- what dimensions say --------------------------------------------------------------------------
-
-_STATED = re.compile(r"(\d+(?:[.,]\d+)?)\s*(mm|cm|m|inch(?:es)?|in|ft|\"|″|')\.?\Z", re.IGNORECASE)
-_WORDS = {"inch": 25.4, "inches": 25.4, '"': 25.4, "″": 25.4, "'": 304.8}
-_FORMATTING = re.compile(r"\\[A-Za-z][^;\\]*;|[{}]")
-
-
-def contradictions(
-    document: Document | None, unit: LengthUnit, name: str
-) -> tuple[Diagnostic, ...]:
-    """An error for the first dimension that names a length in a unit which denies `unit`.
-
-    A dimension measures in drawing units and may show its length with a unit, written by hand
-    ("100 mm") or appended by its style. If both differ by the factor between two units, the
-    drawing was scaled or its header is wrong. Other differences are no matter of units.
-    """
-    if unit.given or document is None:
-        return ()
-    for dimension in document.modelspace().query("DIMENSION"):
-        stated = _stated_length(dimension)
-        if stated is None:
-            continue
-        text, length, measured = stated
-        size = measured * unit.mm
-        if size > 0.0 and _is_unit_factor(length / size):
-            return (
-                rules.UNITS_CONTRADICT.at(
-                    Source(name, None, dimension.dxf.handle),
-                    stated=text,
-                    measured=measured,
-                    unit=unit.name,
-                    size=size,
-                ),
-            )
-    return ()
-
-
-def _stated_length(dimension: Any) -> tuple[str, float, float] | None:
-    """Text, mm that it states, and measure in drawing units; None if it names no unit."""
-    measured = dimension.dxf.get("actual_measurement")
-    if not measured or not 0.0 < measured < 1e9:
+    rows = rows_of(text)
+    entities = rows.sections.get("ENTITIES") if rows is not None else None
+    if rows is None or entities is None or MARKER in text:
         return None
-    text = _FORMATTING.sub("", dimension.dxf.get("text", "") or "<>").strip()
-    if "<>" in text:
-        style = dimension.override()
-        shown = measured * float(style.get("dimlfac", 1.0) or 1.0)
-        post = str(style.get("dimpost", "") or "")
-        text = text.replace("<>", (post if "<>" in post else "<>" + post))
-        text = text.replace("<>", f"{shown:.9f}")
-    match = _STATED.match(text)
-    if match is None:
+    blocks = rows.sections.get("BLOCKS", range(0))
+    if named and not _all_named(rows, (*entities, *blocks)):
         return None
-    word = match[2].lower()
-    mm = _WORDS.get(word) or MM_PER_UNIT[word]
-    return text, float(match[1].replace(",", ".")) * mm, measured
+    taker = _Taker(rows, version <= _R12)
+    taker.take(entities)
+    if taker.odd or not taker.runs or taker.has_names_of_others():
+        return None
+    owners = frozenset(taker.owners - {UNSAID})
+    is_whole = sum(map(len, taker.runs)) == len(entities)
+    tables = tables_by_rows(rows, version <= _R12) if is_whole and is_sound(rows, version) else None
+    if tables is not None and not owners <= {tables.model_space}:
+        tables = None
+    return Taken(tuple(taker.runs), taker.rest() if tables is None else "", owners, tables)
 
 
-def _is_unit_factor(factor: float) -> bool:
-    sizes = (1.0, 10.0, 25.4, 304.8, 1000.0)
-    known = {a / b for a in sizes for b in sizes if a != b}
-    return any(abs(factor / k - 1.0) < 0.01 for k in known)
+def _codes(sequence: bytes) -> Codes:
+    return tuple(np.frombuffer(sequence, np.int32).tolist())
+
+
+def _all_named(rows: Rows, entities: Iterable[int]) -> bool:
+    """Whether every entity has a handle above its subclasses; ends of blocks need none."""
+    seen: dict[bytes, bool] = {}
+    for first, _, sequence in rows.sequences(entities):
+        if sequence not in seen:
+            codes = _codes(sequence)
+            head = codes[: codes.index(SUBCLASS)] if SUBCLASS in codes else codes
+            seen[sequence] = HANDLE in head
+        if not seen[sequence] and rows.value(first) not in ("BLOCK", "ENDBLK"):
+            return False
+    return True
+
+
+class _Taker:
+    """The entities taken so far, and their places."""
+
+    def __init__(self, rows: Rows, r12: bool) -> None:
+        self.rows = rows
+        self.r12 = r12
+        self.runs: list[Run] = []
+        self.odd = False  #: whether a plain entity is where none is allowed
+        self.owners: set[str] = set()
+        self._spans: list[tuple[int, int]] = []  #: first row of each run, and the row behind it
+        self._attributes: dict[Says, Attributes] = {}
+
+    def take(self, entities: Iterable[int]) -> None:
+        """Take those of the entities that are plain."""
+        lines = self.rows.lines
+        plans: dict[tuple[str, bytes], ValuePlaces | None] = {}
+        goes_on = False  # whether the entity before goes on in the one that follows
+        for first, last, sequence in self.rows.sequences(entities):
+            row = lines[2 * first + 1 : 2 * last : 2]
+            key = (row[0], sequence)
+            try:
+                plan = plans[key]
+            except KeyError:
+                plan = plans[key] = plan_of(row[0], _codes(sequence), self.r12)
+            plain = None if plan is None else self._read(plan, row)
+            if plain is None:
+                goes_on = _goes_on(row, sequence)
+                continue
+            self.odd |= goes_on
+            begun, behind = self._spans[-1] if self._spans else (0, 0)
+            if behind == first:
+                self._spans[-1] = begun, last
+            else:
+                self._spans.append((first, last))
+                self.runs.append([])
+            self.runs[-1].append(plain)
+
+    def _read(self, plan: ValuePlaces, row: list[str]) -> Plain | None:
+        row += BEYOND
+        said = plan.attributes(row)
+        try:
+            attributes = self._attributes.get(said)
+            if attributes is None:
+                attributes = self._attributes[said] = attributes_from(*said)
+            values = plan.read(row)
+        except (ValueError, ArithmeticError):
+            return None
+        self.owners.add(row[plan.owner])
+        return Plain(
+            row[0], None if plan.handle == NOT_SAID else row[plan.handle], attributes, values
+        )
+
+    def has_names_of_others(self) -> bool:
+        """Whether anything in the rest of the file has the handle of a plain entity."""
+        handles = {plain.handle for run in self.runs for plain in run}
+        names = np.isin(self.rows.codes, _NAMES)
+        for first, last in self._spans:
+            names[first:last] = False
+        return any(self.rows.value(row) in handles for row in np.flatnonzero(names).tolist())
+
+    def rest(self) -> str:
+        """The text of the rest, with a marker for each run."""
+        lines = self.rows.lines
+        pieces: list[str] = []
+        kept = 0
+        for first, last in self._spans:
+            pieces += lines[2 * kept : 2 * first]
+            pieces += ("0", MARKER)
+            kept = last
+        return "\n".join((*pieces, *lines[2 * kept :], ""))
+
+
+def _goes_on(row: list[str], sequence: bytes) -> bool:
+    """Whether the vertices or attributes of an entity follow, up to a SEQEND."""
+    if row[0] == "INSERT":
+        codes = _codes(sequence)
+        return 66 in codes and row[codes.index(66)].strip() != "0"
+    return row[0] in ("POLYLINE", "VERTEX", "ATTRIB")

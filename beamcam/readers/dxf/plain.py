@@ -20,8 +20,7 @@ from typing import Any
 from msgspec import Struct, field
 
 from beamcam.readers.dxf.curves import Vertex
-from beamcam.readers.dxf.layers import BYLAYER, TYPE_BY_LAYER, Attributes
-from beamcam.readers.dxf.rows import BRACKET, HANDLE, SUBCLASS
+from beamcam.readers.dxf.layers import BRACKET, BYLAYER, HANDLE, SUBCLASS, TYPE_BY_LAYER, Attributes
 
 Codes = tuple[int, ...]
 Values = tuple[Any, ...]  #: what the function of `curves` for the kind of entity takes

@@ -15,7 +15,6 @@ from beamcam.geometry.lettering import glyph_of, spelled
 from beamcam.model.part import Contour, Dashed, TextMark
 from beamcam.readers.drawing import as_contour
 from beamcam.readers.dxf import curves, rules
-from beamcam.readers.dxf.bulk import MARKER, Run
 from beamcam.readers.dxf.curves import (
     BY_VALUES,
     FROM_ABOVE,
@@ -28,6 +27,7 @@ from beamcam.readers.dxf.curves import (
     check_bounds,
 )
 from beamcam.readers.dxf.layers import Attributes, Layers, LayerStyle, attributes_of
+from beamcam.readers.dxf.load import MARKER, Run
 
 # --- entities -------------------------------------------------------------------------------------
 

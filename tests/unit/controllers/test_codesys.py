@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from beamcam.controllers import cell_events
-from beamcam.controllers.codesys.curves import arc_fault, radius_centre
+from beamcam.controllers.codesys import arc_fault, radius_centre
 from beamcam.controllers.events import BarEvent, Blending, Compensation, Move, Pause, Switch
 from beamcam.controllers.interpreter import sweep_of
 from beamcam.geometry.curves import Arc

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from beamcam.geometry.curves import Arc, Bezier, EllipseArc, Line, NewtonCurve
+from beamcam.geometry.velocity_profile import AxisLimits
 from beamcam.motion.densify import DensifyRules, densify, truncated
 from beamcam.motion.lookahead import LookAheadRules, plan_speeds
-from beamcam.motion.profile import AxisLimits
 from beamcam.motion.spans import chord_step_rad
 from tests.path_samples import entries
 

@@ -10,6 +10,7 @@ from msgspec.structs import replace
 from beamcam.emitters import simotion
 from beamcam.geometry.curves import Arc, Line
 from beamcam.geometry.ramps import move_seconds
+from beamcam.geometry.velocity_profile import AxisLimits
 from beamcam.machine import Machine, load
 from beamcam.machine.machine import PathLimits, path_limits
 from beamcam.model.part import Part
@@ -17,7 +18,6 @@ from beamcam.model.plan import WorkTime
 from beamcam.model.program import ArcFeed, EllipseFeed, Feed, Movement, ParabolaFeed
 from beamcam.motion.densify import DensifyRules, densify
 from beamcam.motion.lookahead import LookAheadRules, plan_speeds
-from beamcam.motion.profile import AxisLimits
 from beamcam.motion.sheet import sheet_program
 from beamcam.motion.sheet_times import (
     SECONDS_PER_MINUTE,

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from beamcam.checks.sheets import verify_sheet
+from beamcam.checks.sheets.compare import verify_sheet
 from beamcam.geometry.curves import Line
 from beamcam.machine import Machine, load
 from beamcam.machine.overlay import with_torch

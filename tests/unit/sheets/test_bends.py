@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from beamcam.checks.sheets import verify_sheet
+from beamcam.checks.sheets.compare import verify_sheet
 from beamcam.errors import PlanError
 from beamcam.machine import load
 from beamcam.model.part import Bend, EndPlane

@@ -5,7 +5,7 @@ import re
 import pytest
 import shapely
 
-from beamcam.checks.sheets import verify_sheet
+from beamcam.checks.sheets.compare import verify_sheet
 from beamcam.errors import PlanError, errors_in
 from beamcam.machine import Machine, load
 from beamcam.machine.overlay import with_torch

@@ -9,7 +9,7 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from beamcam.checks.sheets import verify_sheet
+from beamcam.checks.sheets.compare import verify_sheet
 from beamcam.checks.sheets.required_layout import pulled_apart
 from beamcam.errors import PlanError, Source
 from beamcam.geometry.curves import Arc, Curve
@@ -19,9 +19,9 @@ from beamcam.model.part import Part
 from beamcam.model.plan import SheetPlan
 from beamcam.model.request import Request
 from beamcam.pipeline import Posted, post, read_back
-from beamcam.planning.contours.kerf import in_levels
 from beamcam.planning.contours.layout import apart
 from beamcam.planning.contours.outline import Shape
+from beamcam.planning.contours.repeats import in_levels
 from tests.conftest import examples, sampled
 from tests.unit.sheets.parts import box, circle, contour, drawing, lines
 from tests.unit.sheets.test_feeds import length, strokes

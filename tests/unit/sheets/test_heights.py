@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.checks.sheets import verify_sheet
+from beamcam.checks.sheets.compare import verify_sheet
 from beamcam.controllers import table_events
 from beamcam.controllers.events import FeedShare, Lift, Output, Touch, Zero
 from beamcam.machine import Machine, load

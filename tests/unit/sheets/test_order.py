@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from beamcam.checks.sheets import order
+from beamcam.checks.sheets import compare
 from beamcam.checks.sheets.region import Region
 from tests.conftest import examples
 
@@ -27,7 +27,7 @@ def of_boxes(boxes: list[Box]) -> Region:
     return replace(Region.none(0), polygons=np.array([shapely.box(*b) for b in boxes]))
 
 
-@pytest.mark.parametrize("at_once", [1, 7, order.AT_ONCE])
+@pytest.mark.parametrize("at_once", [1, 7, compare.AT_ONCE])
 @settings(max_examples=examples(150), deadline=None)
 @given(found=st.lists(boxes, max_size=30))
 def test_pairs_are_those_that_are_found_one_by_one(at_once: int, found: list[Box]) -> None:
@@ -38,8 +38,8 @@ def test_pairs_are_those_that_are_found_one_by_one(at_once: int, found: list[Box
         and inner[2] <= outer[2] and inner[3] <= outer[3]
     ]  # fmt: skip
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(order, "AT_ONCE", at_once)
-        pairs = order.inside_of_earlier(range(len(found)), of_boxes(found))
+        patch.setattr(compare, "AT_ONCE", at_once)
+        pairs = compare.inside_of_earlier(range(len(found)), of_boxes(found))
     assert pairs == sorted(expected)
 
 
@@ -48,7 +48,7 @@ def test_rows_as_wide_as_the_sheet_take_memory_by_their_number_not_by_their_pair
     for count in (1000, 4000):
         rows = of_boxes([(0.0, 10.0 * k, 1000.0, 10.0 * k + 8) for k in range(count)])
         tracemalloc.start()
-        assert order.inside_of_earlier(range(count), rows) == []
+        assert compare.inside_of_earlier(range(count), rows) == []
         peaks.append(tracemalloc.get_traced_memory()[1])
         tracemalloc.stop()
     assert peaks[1] < 6 * peaks[0]  # four times as many rows, sixteen times as many pairs

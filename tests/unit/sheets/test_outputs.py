@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from beamcam.checks.sheets import verify_sheet
+from beamcam.checks.sheets.compare import verify_sheet
 from beamcam.controllers import table_events
 from beamcam.controllers.events import Output
 from beamcam.machine import Machine, load

@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from beamcam.checks.sheets import verify_sheet
+from beamcam.checks.sheets.compare import verify_sheet
 from beamcam.errors import errors_in
 from beamcam.geometry.curves import Curve
 from beamcam.model.part import Part

@@ -6,7 +6,7 @@ from itertools import islice, pairwise
 
 import pytest
 
-from beamcam.checks.sheets import verify_sheet
+from beamcam.checks.sheets.compare import verify_sheet
 from beamcam.pipeline import post
 from benchmarks.sheet_liars import MACHINES as LIARS
 from benchmarks.sheet_liars import told

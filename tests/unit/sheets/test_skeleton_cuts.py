@@ -5,7 +5,7 @@ import re
 import pytest
 import shapely
 
-from beamcam.checks.sheets import verify_sheet
+from beamcam.checks.sheets.compare import verify_sheet
 from beamcam.machine import Machine, load
 from beamcam.machine.overlay import with_torch
 from beamcam.model.request import Request

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from beamcam.checks.sheets import verify_sheet
+from beamcam.checks.sheets.compare import verify_sheet
 from beamcam.errors import VerifyError
 from beamcam.geometry.curves import Arc
 from beamcam.machine import Machine, load
@@ -148,7 +148,7 @@ def test_tables_without_words_have_no_leads_of_holes() -> None:
 
 def test_half_a_circle_is_tangent() -> None:
     """By hand: a circle of 10 mm about 0, 0 begun at 10, 0 counter-clockwise heads up there."""
-    from beamcam.planning.contours.entry import from_middle
+    from beamcam.planning.contours.kerf import from_middle
 
     (half,) = from_middle((Arc((0.0, 0.0), 10.0, 0.0, 360.0),))
     assert half.start == pytest.approx((0.0, 0.0), abs=1e-9)

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from beamcam.checks.sheets import verify_sheet
+from beamcam.checks.sheets.compare import verify_sheet
 from beamcam.errors import PlanError
 from beamcam.geometry.curves import Arc, Bezier, Curve, Line
 from beamcam.machine import Machine, load

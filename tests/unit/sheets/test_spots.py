@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from beamcam.checks.sheets import verify_sheet
+from beamcam.checks.sheets.compare import verify_sheet
 from beamcam.machine import Machine, load
 from beamcam.machine.overlay import with_torch
 from beamcam.machine.torch_faults import torch_faults

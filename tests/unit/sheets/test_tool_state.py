@@ -8,7 +8,7 @@ import pytest
 from msgspec.structs import replace
 
 from beamcam.arguments import load_tested
-from beamcam.checks.sheets import verify_sheet
+from beamcam.checks.sheets.compare import verify_sheet
 from beamcam.errors import MachineError, VerifyError
 from beamcam.model.part import Part
 from beamcam.pipeline import post

@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from beamcam.checks.sheets import verify_sheet
+from beamcam.checks.sheets.compare import verify_sheet
 from beamcam.checks.sheets.region import region_of
 from beamcam.checks.sheets.toolpaths import Toolpaths
 from beamcam.errors import PlanError

@@ -7,7 +7,8 @@ from math import sqrt
 import pytest
 from msgspec.structs import replace
 
-from beamcam.checks.sheets import grid, rules, verify_sheet
+from beamcam.checks.sheets import grid, rules
+from beamcam.checks.sheets.compare import verify_sheet
 from beamcam.errors import VerifyError
 from beamcam.geometry.curves import Bezier, BSpline, Curve, EllipseArc, Line, NewtonCurve
 from beamcam.machine import Machine

@@ -2,7 +2,7 @@
 
 import pytest
 
-from beamcam.readers.dxf.bulk import MARKER, Taken, take_plain
+from beamcam.readers.dxf.load import MARKER, Taken, take_plain
 from tests.dxf_text import arc, block, circle, drawing, entity, insert, line, polyline, spline, tags
 
 TEXT = tags((0, "TEXT"), (5, "F1"), (8, "0"), (10, 0), (20, 0), (40, 2), (1, "word"))
