@@ -30,7 +30,8 @@ Shape = Any  #: of shapely
 
 CORNER_DEG = 20.0  #: a contour that turns by more has a corner
 FAR = 1e4  #: mm beyond any end
-NO_CRACK = 1e-6  #: mm that what stays at a corner goes into its sides, so as not to stand off them
+NO_CRACK = 1e-9  #: mm by which what stays at a corner may stand off a side that slants
+OVERLAP = 1e-6  #: mm that it goes into the steel of a tube, so as not to stand off
 #: Radii from a corner of 60 degrees to where a disc is SLIM off its sides, which it touches at 1.73
 SHARPEST = 1.65
 SLIM = 0.02  #: radii; so little may lie along a side that is nearly straight
@@ -144,7 +145,11 @@ def with_corners_cut(drawn: Shape, corners: list[Point], radius: float, turn: fl
             near = areas_of(drawn.intersection(box(x - far, y - far, x + far, y + far)))
             room = _room(near, (x, y), radius)
             added += _at_corners(left_at(near, [(x, y)], room), [(x, y)], room)
-    return areas_of(union_all([drawn, *(translate(one, 0.0, by) for one in added for by in turns)]))
+    if not turn:
+        return _joined(drawn, added)
+    # On a grid GEOS does not join what is there again a turn farther.
+    grown = [one.buffer(OVERLAP, join_style="mitre") for one in added]
+    return areas_of(union_all([drawn, *(translate(one, 0.0, by) for one in grown for by in turns)]))
 
 
 def _room(near: Shape, corner: Point, radius: float) -> float:
@@ -216,14 +221,11 @@ def left_at(drawn: Shape, corners: list[Point], radius: float) -> list[Shape]:
 
 def with_round_corners(drawn: Shape, corners: list[Point], radius: float) -> Shape:
     """A region and the steel that a disc of a radius, rolled through the air, leaves at corners."""
-    from shapely import union_all
-
-    added = _at_corners(left_at(drawn, corners, radius), corners, radius)
-    return areas_of(union_all([drawn, *added])) if added else drawn
+    return _joined(drawn, _at_corners(left_at(drawn, corners, radius), corners, radius))
 
 
 def _at_corners(left: Sequence[Shape], corners: list[Point], radius: float) -> list[Shape]:
-    """What of the pieces that a disc leaves is at corners, without cracks beside what it joins.
+    """What of the pieces that a disc leaves is at corners.
 
     In a slot that narrows to its mouth the disc touches both sides and leaves steel beyond it too,
     joined where it touches to that at the floor.
@@ -235,9 +237,20 @@ def _at_corners(left: Sequence[Shape], corners: list[Point], radius: float) -> l
         cores = pieces_of(piece.buffer(-thin).buffer(thin))
         beyond = [one.buffer(2 * thin) for one in cores if one.distance(places) > 4 * thin]
         is_split = len(beyond) < len(cores)
-        own = areas_of(piece.difference(union_all(beyond))) if is_split else piece
-        found.append(own.buffer(NO_CRACK, join_style="mitre"))
+        found.append(areas_of(piece.difference(union_all(beyond))) if is_split else piece)
     return found
+
+
+def _joined(drawn: Shape, added: Sequence[Shape]) -> Shape:
+    """A region and what is added to it, without cracks between them."""
+    from shapely import GEOSException, union_all
+
+    if not added:
+        return drawn
+    try:
+        return areas_of(union_all([drawn, *added], grid_size=NO_CRACK))
+    except GEOSException:  # on a grid GEOS joins not all that it joins without one
+        return areas_of(union_all([drawn, *added]))
 
 
 def corners_of(curves: tuple[Curve, ...], steel: Shape) -> list[Point]:
