@@ -234,8 +234,8 @@ def test_most_random_parts_are_planned() -> None:
         except PlanError:
             return False
 
-    assert sum(is_planned(random_lipped(seed)) for seed in range(30)) >= 27
-    assert sum(is_planned(mitred(seed)) for seed in range(30)) >= 27
+    assert sum(is_planned(random_lipped(seed)) for seed in range(12)) >= 10
+    assert sum(is_planned(mitred(seed)) for seed in range(12)) >= 10
 
 
 def wrong(part: Part, machine: Machine) -> dict[str, str]:

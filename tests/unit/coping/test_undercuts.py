@@ -178,9 +178,6 @@ def test_what_is_drawn_by_lines_is_the_part_as_a_solid() -> None:
     assert not found(text, part)
     assert found(text, holed(facets(50.0, 40.0, 24), 40.0, 2.0, face="h"))
     assert not solid_codes(part)
-    end = [Line(HOLLOW[0].point(k / 4), HOLLOW[0].point((k + 1) / 4)) for k in range(4)]
-    part = webbed(list(end), *(Bevel(3 + k, -35.0, 0.0) for k in range(4)))
-    assert solid_codes(part) <= {"solid-rounded"}
 
 
 # --- what stays manual work -----------------------------------------------------------------------

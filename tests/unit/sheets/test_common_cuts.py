@@ -116,9 +116,9 @@ def test_some_nests_share_edges() -> None:
     """Else nothing is proved."""
     told = [
         any(d.code == "plan-common-edge" for d in post(random_nest(seed), nested()).remarks)
-        for seed in range(20)
+        for seed in range(10)
     ]
-    assert sum(told) >= 10
+    assert sum(told) >= 5
 
 
 GRID = drawing(

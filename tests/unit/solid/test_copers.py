@@ -92,7 +92,7 @@ def agree(part: Part) -> bool:
     return not wrong(text, part, machine)
 
 
-@pytest.mark.parametrize(("make", "seed"), sampled(RANDOM, 5))
+@pytest.mark.parametrize(("make", "seed"), sampled(RANDOM, 7))
 def test_random_parts_agree(make: object, seed: int) -> None:
     assert callable(make)
     assert agree(make(seed))
@@ -252,7 +252,7 @@ SKEW = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("cuts", "web", "flange"), SKEW)
+@pytest.mark.parametrize(("cuts", "web", "flange"), sampled(SKEW, 2))
 def test_a_cope_at_a_piece_whose_other_end_is_skew(
     cuts: EndCuts, web: list[tuple[float, float]], flange: list[tuple[float, float]]
 ) -> None:
@@ -412,11 +412,8 @@ def test_what_is_there_of_a_tube_is_as_drawn_and_told_of_no_torch() -> None:
     part = replace(whole, features=asked, made=made)
     text = posted(part, TUBE)
     assert said(text, part, TUBE) == ()
-    assert {d.code for d in said(posted(whole, TUBE), whole, TUBE)} == {
-        "solid-rounded", "solid-square"
-    }  # fmt: skip
-    assert "solid-extra" in wrong(text, replace(part, features=(replace(asked[0], x=206.0),)), TUBE)
-    assert "solid-missing" in wrong(text, replace(part, features=()), TUBE)
+    other = wrong(text, replace(part, features=(replace(asked[0], x=206.0),)), TUBE)
+    assert {"solid-extra", "solid-missing"} <= other.keys()
 
 
 def test_a_skew_end_is_told_by_what_a_square_cut_leaves() -> None:
