@@ -243,7 +243,7 @@ def test_a_stretch_without_interrupts() -> None:
 # --- models ---------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("command", ["inspect", "batch --jobs 1"])
+@pytest.mark.parametrize("command", sampled(["batch --jobs 1", "inspect"], 2))
 def test_an_interrupt_does_not_wait_for_the_kernel(command: str, tmp_path: Path) -> None:
     bar = Bar("I", 9000.0, SIZES["I"])
     model, out = tmp_path / "model.ifc", tmp_path / "out"

@@ -168,6 +168,7 @@ def test_the_ruled_surface_of_a_curve_lies_in_its_cone() -> None:
                     assert abs(apart) < 0.02, (depth, apart)
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize(
     ("end", "bevel"),
     sampled(product([HOLLOW, BULGING], [Bevel(3, 35.0, 1.0), Bevel(3, -35.0, 5.0)]), 4),

@@ -198,6 +198,7 @@ def test_holes_and_slots_into_corners_are_read_back(
     assert found(text, tube(moved, *features[1:]))
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("face", sampled("ovhu", 4))
 def test_the_solid_and_the_recovery_agree_with_a_hole_in_a_corner(face: Face) -> None:
     part = tube(Hole(face, 200.0, 82.0, 26.0, AT), Hole(face, 300.0, 50.0, 26.0, AT))

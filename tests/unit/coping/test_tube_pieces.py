@@ -154,7 +154,7 @@ def test_the_commands_know_them(tmp_path: Path) -> None:
         ("post", path, "--machine", "tube-linuxcnc", "-o", program),
         ("plot", program, "-o", tmp_path / "mast.svg"),
         ("report", program, "--against", path, "-o", tmp_path / "mast.html"),
-        ("verify", program, "--against", path, "--solid"),
+        ("verify", program, "--against", path),
     ):
         done = CliRunner().invoke(main, [*map(str, words)])
         assert done.exit_code == 0, done.output

@@ -249,12 +249,9 @@ def test_random_parts_are_planned_and_none_is_refused(random_part, seed: int) ->
     assert not found(text, part)
 
 
-@pytest.mark.parametrize(
-    ("random_part", "seed"),
-    [(random_cut_out, 50), (random_end, 37), *(
-        pytest.param(one, seed, marks=pytest.mark.exhaustive)
-        for one in (random_cut_out, random_end) for seed in range(30))],
-)  # fmt: skip
+@pytest.mark.exhaustive
+@pytest.mark.parametrize("seed", [*range(30), 37, 50])
+@pytest.mark.parametrize("random_part", [random_cut_out, random_end])
 def test_the_solid_of_random_parts_is_the_part(random_part, seed: int) -> None:  # type: ignore[no-untyped-def]
     part = random_part(seed)
     assert not errors_in(solid_faults(program_of(part, TILT), Request((part,), TILT), None))
