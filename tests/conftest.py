@@ -2,16 +2,19 @@
 
 import ast
 import difflib
+import gc
 import inspect
 import os
 import signal
-from collections.abc import Iterable, Iterator
+from collections.abc import Generator, Iterable, Iterator
+from functools import cache
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, settings
+from hypothesis.internal.conjecture import providers
 
 from beamcam.errors import Rule
 
@@ -26,16 +29,19 @@ BEAM_CELL = THIRD_PARTY / "reference" / "beam-cell"
 
 
 #: The same few examples on every run, so that a failure is the change's; HYPOTHESIS_PROFILE=random
-#: looks for new ones, five times as many. A busy machine is slow at either.
+#: looks for new ones, eight times as many. A busy machine is slow at either.
 PROFILE = os.environ.get("HYPOTHESIS_PROFILE", "same")
 _PATIENT: dict[str, Any] = {
     "deadline": None, "print_blob": True, "suppress_health_check": [HealthCheck.too_slow],
 }  # fmt: skip
 
 
+FEW = 3  #: examples of a law that are always tried
+
+
 def examples(thorough: int) -> int:
     """How many examples of a law are tried, of so many that are under HYPOTHESIS_PROFILE=random."""
-    return thorough if PROFILE == "random" else -(-thorough // 5)
+    return thorough if PROFILE == "random" else max(min(thorough, FEW), -(-thorough // 8))
 
 
 def rules_of(*modules: ModuleType) -> list[Rule]:
@@ -63,6 +69,8 @@ def sampled(cases: Iterable[Any], every: int) -> list[Any]:
 settings.register_profile("same", derandomize=True, max_examples=examples(100), **_PATIENT)
 settings.register_profile("random", **_PATIENT)
 settings.load_profile(PROFILE)
+if PROFILE == "same":  # else constants of all modules that are loaded are read, and tried
+    providers._get_local_constants = cache(providers.Constants)
 
 # A shell has what it starts in the background ignore Ctrl-C, and commands started from here would
 # do the same.
@@ -114,6 +122,17 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         if len(some) >= MANY:
             for item in (item for k, item in enumerate(some) if k % 3):
                 item.add_marker(pytest.mark.alike)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection() -> Generator[None, object, object]:
+    """What is collected lasts, and is not searched for rings; what the tests leave is."""
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.freeze()
+        gc.enable()
 
 
 class Golden:

@@ -444,7 +444,7 @@ def wait_for_outputs(
 
 @pytest.mark.parametrize("jobs", [1, 2])
 def test_a_run_that_is_killed_is_finished_by_the_next(tmp_path: Path, jobs: int) -> None:
-    fill(tmp_path / "in", 150)
+    fill(tmp_path / "in", 90)
     batch(tmp_path / "in", "-o", tmp_path / "right")
     right, out = programs(tmp_path / "right"), tmp_path / "out"
     chance = random.Random(jobs)
@@ -460,7 +460,7 @@ def test_a_run_that_is_killed_is_finished_by_the_next(tmp_path: Path, jobs: int)
     assert (refused, failed) == (0, 0)
     # All that stood is known but for the one whose line had not been written yet.
     assert unchanged >= len(made) - 1
-    assert posted + unchanged == 150
+    assert posted + unchanged == 90
     assert programs(out) == right
 
 

@@ -246,9 +246,9 @@ def test_an_input_of_too_many_bytes(tmp_path: Path, monkeypatch: pytest.MonkeyPa
 
 
 def test_an_archive_whose_directory_lies_about_its_size() -> None:
-    """600 kB that unpack to 600 MB: unpacked in pieces, and only as far as the directory says."""
-    data = lying_archive(600, 1_000_000)
-    assert len(data) < 1_000_000
+    """200 kB that unpack to 200 MB: unpacked in pieces, and only as far as the directory says."""
+    data = lying_archive(200, 1_000_000)
+    assert len(data) < 400_000
     tracemalloc.start()
     try:
         reading = read(data, "lie.ifczip")
@@ -305,7 +305,7 @@ def nested_blocks(count: int, path: Path) -> Path:
 
 def test_blocks_in_blocks(tmp_path: Path) -> None:
     assert call("inspect", nested_blocks(100, tmp_path / "a.dxf")).exit_code == 0
-    for count in (101, 500, 3000):
+    for count in (101, 1000):
         done = call("inspect", nested_blocks(count, tmp_path / f"{count}.dxf"), status=1)
         assert "error limit-depth: found the block 'B" in done.stderr
         assert "expected at most 100, or another `limits.depth` in beamcam.toml" in done.stderr

@@ -65,8 +65,8 @@ def good(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
     monkeypatch.chdir(tmp_path)
     Path("w.nc1").write_text(WARNED)
     Path("golden/beamline").mkdir(parents=True)
-    for target in ("w.gcode", "golden/beamline/w.gcode"):
-        assert call(f"post w.nc1 -o {target}").exit_code == 0
+    assert call("post w.nc1 -o w.gcode").exit_code == 0
+    Path("golden/beamline/w.gcode").write_bytes(Path("w.gcode").read_bytes())
     return "w"
 
 
@@ -271,7 +271,7 @@ def test_names_of_odd_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
     "line",
     sampled(
         ["post {i} -o x", "plan {i}", "inspect {i}", "convert {i} -o x.json",
-         "verify w.gcode --against {i}", "verify {i}", "diff {i} w.nc1", "simulate {i} -o x"], 2
+         "verify w.gcode --against {i}", "verify {i}", "diff {i} w.nc1", "simulate {i} -o x"], 4
     ),
 )  # fmt: skip
 def test_a_file_of_zeros_is_not_read_into_memory(good: str, line: str) -> None:
@@ -326,7 +326,7 @@ def test_a_bar_appears_when_reading_takes_long(monkeypatch: pytest.MonkeyPatch) 
         assert follow is None
 
 
-@pytest.mark.parametrize("number", ["nan", "inf", "-inf"])
+@pytest.mark.parametrize("number", sampled(["nan", "inf", "-inf"], 3))
 @pytest.mark.parametrize(
     "line",
     [

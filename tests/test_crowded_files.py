@@ -23,7 +23,7 @@ def crowded(name: str, block: str, times: int) -> str:
 def test_what_is_there_many_times_weighs_as_once(tmp_path: Path, name: str, block: str) -> None:
     one, many = tmp_path / "one.nc1", tmp_path / "many.nc1"
     one.write_text(crowded(name, block, 1))
-    many.write_text(crowded(name, block, 400))
+    many.write_text(crowded(name, block, 100))
     rows = [
         json.loads(call("list", path, "--to", "json").stdout)["part_list"][0]
         for path in (one, many)

@@ -79,7 +79,7 @@ sys.meta_path.insert(0, Counting)
 
 @pytest.mark.parametrize(
     ("command", "at"),
-    sampled([(command, at) for command, each in AT_IMPORTS.items() for at in each], 2),
+    sampled([(command, at) for command, each in AT_IMPORTS.items() for at in each], 4),
 )
 def test_a_command_that_is_being_loaded(command: str, at: int, shop: Path, tmp_path: Path) -> None:
     (tmp_path / "sitecustomize.py").write_text(INTERRUPTS_ITSELF)
@@ -162,14 +162,14 @@ def is_at_work(process: "subprocess.Popen[bytes]") -> bool:
     return processor_s(process.pid) > 0.8
 
 
-@pytest.mark.parametrize("command", WAITING)
+@pytest.mark.parametrize("command", sampled(WAITING, 2))
 def test_a_command_that_waits(command: str, shop: Path, tmp_path: Path) -> None:
     status, said = ended(command, shop, tmp_path / "messages.txt", has_taken_its_input)
     assert status == 130, said
     assert "Traceback" not in said
 
 
-@pytest.mark.parametrize("command", sampled(WORKING, 2))
+@pytest.mark.parametrize("command", sampled(WORKING, 3))
 def test_a_command_at_work(command: str, shop: Path, tmp_path: Path) -> None:
     status, said = ended(command, shop, tmp_path / "messages.txt", is_at_work)
     assert status == 130, said
@@ -243,7 +243,7 @@ def test_a_stretch_without_interrupts() -> None:
 # --- models ---------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("command", ["inspect", "batch --jobs 1"])
+@pytest.mark.parametrize("command", sampled(["batch --jobs 1", "inspect"], 2))
 def test_an_interrupt_does_not_wait_for_the_kernel(command: str, tmp_path: Path) -> None:
     bar = Bar("I", 9000.0, SIZES["I"])
     model, out = tmp_path / "model.ifc", tmp_path / "out"

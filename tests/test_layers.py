@@ -3,7 +3,7 @@
 import ast
 import subprocess
 import sys
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
 from functools import cache
 from itertools import groupby
 from pathlib import Path
@@ -63,8 +63,16 @@ def room(module: str) -> str | None:
 @cache
 def import_statements(text: str) -> tuple[ast.Import | ast.ImportFrom, ...]:
     """Those of a module, wherever in it they stand."""
-    nodes = ast.walk(ast.parse(text))
+    nodes = statements(ast.parse(text))
     return tuple(node for node in nodes if isinstance(node, ast.Import | ast.ImportFrom))
+
+
+def statements(node: ast.AST) -> Iterator[ast.AST]:
+    """Those below a node, without their expressions, which are most of a tree."""
+    for name in ("body", "orelse", "finalbody", "handlers", "cases"):
+        for below in getattr(node, name, ()):
+            yield below
+            yield from statements(below)
 
 
 def imports(path: Path) -> set[str]:

@@ -27,7 +27,7 @@ from beamcam.planning import numbered
 from beamcam.reports.part_list import Weights, weights_of
 from beamcam.solid.kernel import outline
 from beamcam.solid.part_solid import part_solid
-from tests.conftest import CORPUS, examples
+from tests.conftest import CORPUS, examples, sampled
 from tests.random_copes import random_cope, random_mitre, random_tee
 from tests.runs import call
 from tests.runs import part as part_text
@@ -83,7 +83,7 @@ def starts_made(program: Path, part: Part, machine: Machine) -> list[float]:
     ]
 
 
-@pytest.mark.parametrize("machine", ["beamline", "beamline-pusher"])
+@pytest.mark.parametrize("machine", sampled(["beamline-pusher", "beamline"], 2))
 @pytest.mark.parametrize("folder", [SAMPLES, pytest.param(CORPUS / "dstv", marks=THIRD)])
 def test_every_start_is_the_programs(folder: Path, machine: str, tmp_path: Path) -> None:
     """Each part three times on bars of 12 m: listed, and found in what its programs cut."""

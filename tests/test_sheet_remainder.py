@@ -1,6 +1,7 @@
 """The rest of a sheet's program after a stop: it makes what is left, and says so."""
 
 import re
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -27,6 +28,11 @@ FIRST_CUT = 2  #: the line to mark is contour 1
 
 def whole(name: str = "plate-linuxcnc", **torch: object) -> Posted:
     return post((PART,), with_torch(load(name), thickness=3.0, **torch))  # type: ignore[arg-type]
+
+
+@cache
+def plain() -> Posted:
+    return whole()
 
 
 def blocks(text: str) -> list[str]:
@@ -70,7 +76,7 @@ WRONG = [
 
 @pytest.mark.parametrize(("what", "change"), WRONG, ids=[what for what, _ in WRONG])
 def test_another_rest_is_refused(what: str, change) -> None:  # type: ignore[no-untyped-def]
-    posted = whole()
+    posted = plain()
     rest = rest_of_sheet(posted, 4).text
     wrong = change(rest)
     assert wrong != rest

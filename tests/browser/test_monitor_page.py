@@ -73,7 +73,7 @@ def test_a_cell_is_drawn_while_it_moves(browser: Browser) -> None:
     rows = [
         TraceRow(0.03 * k, 5 + k, (1000.0 + 10 * k, *(a + k / 2 for a in range(8))),
                  State(2, 18.0, 1, True))
-        for k in range(31)
+        for k in range(9)
     ]  # fmt: skip
     with monitored(machine, 9, "--part", str(DSTV / "beam.nc1")) as (controller, page):
         browser.open(page)

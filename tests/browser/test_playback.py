@@ -44,7 +44,7 @@ def number(browser: Browser, script: str) -> float:
     return float(browser.run(f"return {script}"))
 
 
-@pytest.mark.parametrize("name", ["bar", "plate"])
+@pytest.mark.parametrize("name", sampled(["bar", "plate"], 2))
 def test_view_slider_and_play_are_in_the_window_at_once(
     browser: Browser, folder: Path, name: str
 ) -> None:
@@ -61,7 +61,7 @@ def test_view_slider_and_play_are_in_the_window_at_once(
 
 
 @pytest.mark.parametrize(
-    "clicked", sampled(["#forward", "#time", "#play", "button[data-zoom=in]"], 2)
+    "clicked", sampled(["#time", "#forward", "#play", "button[data-zoom=in]"], 4)
 )
 def test_keys_work_whatever_was_clicked(browser: Browser, folder: Path, clicked: str) -> None:
     browser.open(folder / "bar.html")
@@ -102,7 +102,7 @@ def zoomed(browser: Browser) -> Any:
     )
 
 
-@pytest.mark.parametrize("name", ["bar", "plate"])
+@pytest.mark.parametrize("name", sampled(["bar", "plate"], 2))
 def test_a_view_zooms_about_the_pointer_and_moves(
     browser: Browser, folder: Path, name: str
 ) -> None:
@@ -168,9 +168,8 @@ def test_what_comes_next_stands_in_large_letters(browser: Browser, folder: Path)
     )
     assert len(rows) == 29
     assert browser.text("next-what").startswith(rows[0][1])
-    for (begin, said, faces), (after, following, _) in pairwise(rows):
-        if after - begin < 0.01:
-            continue
+    beside = [(a, b) for a, b in pairwise(rows) if b[0] - a[0] >= 0.01]
+    for (begin, said, faces), (_, following, _) in beside[::4]:
         browser.run("Sheet.go(arguments[0])", begin + 0.005)
         assert browser.text("next-what").startswith(following)
         assert browser.text("last-what").startswith(f"begun: {said}")
@@ -212,8 +211,8 @@ def test_what_is_drawn_piece_by_piece_is_what_is_drawn_at_once(
 ) -> None:
     browser.open(folder / "plate.html")
     image = "return document.querySelector('canvas[data-view=table]').toDataURL()"
-    for k in range(40):
-        browser.run("Sheet.go(Sheet.trace.duration * arguments[0])", 0.6 * k / 39)
+    for k in range(20):
+        browser.run("Sheet.go(Sheet.trace.duration * arguments[0])", 0.6 * k / 19)
     grown = pixels(browser.run(image))
     browser.run("Sheet.model.key = ''; Sheet.draw()")
     at_once = pixels(browser.run(image))

@@ -19,7 +19,7 @@ from beamcam.motion.arcs import ellipse_feeds, parabola_feed, paths_along
 from beamcam.motion.sheet import Pen
 from tests.conftest import examples
 
-COUNT = 50_000
+COUNT = 20_000
 SMALLEST, LARGEST = 0.05, 5000.0
 
 Point = tuple[float, float]

@@ -114,7 +114,7 @@ def alike(a: list[tuple[Any, ...]], b: list[tuple[Any, ...]], slack: float) -> b
 
 
 @pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.exhaustive)])
-@pytest.mark.parametrize("encoding", sampled(ENCODINGS, 2))
+@pytest.mark.parametrize("encoding", sampled(ENCODINGS, 3))
 def test_members_come_back_as_they_went_in(encoding: str, seed: int) -> None:
     members, parts, _ = model(encoding, seed)
     mirrored = encoding == "mirrored"

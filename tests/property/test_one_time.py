@@ -125,9 +125,9 @@ def ramp_distance(v0, v1, acceleration, jerk):
     return (v0 + v1) / 2 * ramp_seconds(abs(v1 - v0), acceleration, jerk)
 
 
-def test_a_thousand_stretches_take_as_long_as_ruckigs():
+def test_stretches_take_as_long_as_ruckigs():
     dice = np.random.default_rng(7)
-    for _ in range(1000):
+    for _ in range(300):
         v, a, j, way = (10.0 ** dice.uniform(-2, 4, 4)).tolist()
         first, last = (v * dice.choice([0.0, 1.0], 2) * dice.uniform(0, 1, 2)).tolist()
         least = ramp_distance(first, last, a, j)

@@ -108,7 +108,7 @@ def test_plain_blocks_say_what_others_say(name: str) -> None:
     """However a block is written, the same events follow, and the same faults on the same lines."""
     machine = load(name)
     legs = faults = 0
-    for seed in range(60):
+    for seed in range(30):
         random = Random(seed)
         text = walk(name, random)
         events, said = table_events(text, machine)
@@ -118,8 +118,8 @@ def test_plain_blocks_say_what_others_say(name: str) -> None:
             (d.source.line or 0, d.code) for d in more
         )
         legs, faults = legs + len(events), faults + len(said)
-    assert legs > 2000
-    assert faults > 100
+    assert legs > 1000
+    assert faults > 50
 
 
 @settings(max_examples=examples(500))

@@ -18,11 +18,12 @@ PACKAGE = SAMPLES.parent / "beamcam"
 
 
 def test_the_library_leaves_the_collector_alone() -> None:
-    before = gc.isenabled(), gc.get_threshold(), gc.get_freeze_count()
+    before, frozen = (gc.isenabled(), gc.get_threshold()), gc.get_freeze_count()
     reading = beamcam.read(SAMPLES / "dstv" / "channel.nc1")
     posted = beamcam.post(reading.parts, "beamline")
     assert not beamcam.verify(posted.text, reading.parts, "beamline")
-    assert (gc.isenabled(), gc.get_threshold(), gc.get_freeze_count()) == before
+    assert (gc.isenabled(), gc.get_threshold()) == before
+    assert gc.get_freeze_count() <= frozen  # some of what the tests collected may have gone
 
 
 def test_only_the_command_line_and_its_workers_tune_it() -> None:

@@ -205,7 +205,7 @@ def test_no_hole_of_a_sound_program_is_without_steel(line: str) -> None:
     """Of random bars, each with holes, slots, taps and sinks; and of the golden files."""
     machine = load(line)
     texts = [path.read_text() for path in (GOLDEN / line).glob("*.gcode")]
-    for seed in range(examples(40)):
+    for seed in range(examples(64)):
         bars = random_bar(line, random.Random(f"steel {seed}"))
         files = [read(bar.file(f"R{n}").encode(), f"R{n}.nc1") for n, bar in enumerate(bars)]
         with suppress(PlanError):

@@ -43,8 +43,15 @@ def flanged(*bevels: Bevel) -> Part:
     return part_of(prepared(*bevels), length=800.0)
 
 
+_PLANS: dict[tuple[str, str], CopePlan] = {}
+
+
 def planned(part: Part, machine: Machine = TILT) -> CopePlan:
-    return plan_coping((part,), machine)
+    """The plan of a part; many tests look at the same more than once."""
+    key = repr(part), repr(machine)
+    if key not in _PLANS:
+        _PLANS[key] = plan_coping((part,), machine)
+    return _PLANS[key]
 
 
 def passes(part: Part) -> list[CopeCut]:

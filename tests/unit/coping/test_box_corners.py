@@ -135,7 +135,7 @@ def window(profile: Profile, face: Face, into: float, at_high: bool) -> Part:
 
 
 @pytest.mark.parametrize("profile", [RHS, ROUND])
-@pytest.mark.parametrize("into", [-0.01, -1e-4, 0.0, 1e-7, 1e-4, 0.011, 2.0, 4.99])
+@pytest.mark.parametrize("into", sampled([-0.01, -1e-4, 1e-4, 0.0, 2.0, 1e-7, 4.99, 0.011], 2))
 @pytest.mark.parametrize(
     ("face", "at_high"), [("u", False), ("u", True), ("o", False), ("v", True)]
 )
@@ -171,7 +171,7 @@ def faced(profile: Profile, faces: str, off: float, cut_back: float = 0.0) -> Pa
     return tube(*features, profile=profile)
 
 
-@pytest.mark.parametrize("faces", ["v", "h", "o", "u", "vh", "ou", "vhou"])
+@pytest.mark.parametrize("faces", sampled(["v", "h", "ou", "o", "vhou", "u", "vh"], 2))
 @pytest.mark.parametrize("off", [0.0, 9.7, 10.3])
 def test_outlines_that_end_at_the_tangents_go_on_to_the_edges(faces: str, off: float) -> None:
     part = faced(RHS, faces, off)

@@ -7,13 +7,11 @@ import pytest
 from beamcam.arguments import load_tested
 from beamcam.errors import MachineError
 from beamcam.machine import Machine, load
-from beamcam.model.request import Request
 from beamcam.pictures.program import ReadProgram
 from beamcam.pipeline import post
 from beamcam.recovery import recover
 from beamcam.setup_sheet.content import SheetSources, content_of
 from beamcam.simulation.program import simulate_program
-from beamcam.solid.opinion import solid_faults
 from tests.conftest import sampled
 from tests.unit.coping.samples import sample
 from tests.unit.coping.test_tubes import TUBE, found, program_of
@@ -51,8 +49,6 @@ def test_a_program_is_that_of_the_other_torch_without_its_y(fixed: Machine, name
     assert text.splitlines()[6:] == with_y.splitlines()[6:]
     assert " Y" not in text.partition("LENGTH")[2]
     assert not found(text, part, fixed)
-    told = {d.code for d in solid_faults(text, Request((part,), fixed))}
-    assert told <= {"solid-rounded", "solid-square"}
     (again,) = recover(text, fixed, "JOB").parts
     assert not found(text, again, fixed)
 

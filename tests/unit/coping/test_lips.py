@@ -234,8 +234,8 @@ def test_most_random_parts_are_planned() -> None:
         except PlanError:
             return False
 
-    assert sum(is_planned(random_lipped(seed)) for seed in range(30)) >= 27
-    assert sum(is_planned(mitred(seed)) for seed in range(30)) >= 27
+    assert sum(is_planned(random_lipped(seed)) for seed in range(12)) >= 10
+    assert sum(is_planned(mitred(seed)) for seed in range(12)) >= 10
 
 
 def wrong(part: Part, machine: Machine) -> dict[str, str]:
@@ -304,6 +304,7 @@ def test_a_flange_that_is_cut_square_at_a_skew_end_is_as_long_as_its_lip() -> No
     assert -0.1 < ahead[0] <= 0.0
 
 
+@pytest.mark.exhaustive
 def test_the_solid_knows_how_far_in_a_lip_of_a_skew_end_may_be_cut() -> None:
     """Planner and read-back go by the sharp corner of the section, 10 mm by 10 mm outside of its
     round bend: a pass farther in by up to 10 (0.127 + 0.737 - 0.748) = 1.16 mm takes nothing."""

@@ -3,13 +3,14 @@
 from pathlib import Path
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from beamcam.arguments import load_machine
 from beamcam.checks.coping import verify_coping
 from beamcam.errors import MachineError, errors_in
+from tests.conftest import examples, sampled
 from tests.unit.coping.samples import COPER, NAMES, program_of, sample
 
 MEASURING = replace(COPER, words=replace(
@@ -21,7 +22,7 @@ def codes(text: str, name: str) -> list[str]:
     return [d.code for d in errors_in(verify_coping(text, (sample(name),), MEASURING))]
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", sampled(NAMES, 2))
 def test_the_figures_stand_once_in_the_head_and_change_nothing_else(name: str) -> None:
     part, text = sample(name), program_of(sample(name), MEASURING)
     high, wide = part.profile.height, part.profile.width
@@ -36,6 +37,7 @@ TEXT = program_of(sample("coped"), MEASURING)
 
 
 @given(st.floats(280, 320).map(lambda mm: round(mm, 3)))
+@settings(max_examples=examples(50))
 def test_a_measured_figure_is_read_back_by_what_bars_are_rolled_to(mm: float) -> None:
     found = codes(TEXT.replace("M144 P300\n", f"M144 P{mm}\n"), "coped")
     assert found == ([] if abs(mm - 300.0) <= 5.0 else ["verify-coping-measured"])

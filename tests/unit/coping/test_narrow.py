@@ -18,7 +18,7 @@ from beamcam.model.request import Request
 from beamcam.planning.coping.plan import plan_coping
 from beamcam.solid.opinion import solid_faults
 from benchmarks import coping_faults
-from tests.conftest import examples
+from tests.conftest import examples, sampled
 from tests.random_tubes import random_slotted
 from tests.unit.coping.samples import AT, COPER, job_of, outline, part_of, program_of
 
@@ -58,9 +58,11 @@ def radii(part: Part, machine: Machine) -> list[float]:
 
 @pytest.mark.parametrize(
     ("part", "machine", "room"),
-    [(slotted(11.0), TUBE, 5.5), (slotted(19.9), TUBE, 9.95), (closed(12.0), TUBE, 6.0),
-     (closed(20.0), TUBE, 10.0), (closed(20.5), TUBE, 10.0), (notched(12.0, 40.0), COPER, 6.0),
-     (notched(19.0, 12.0), COPER, 9.5), (notched(6.0, 3.0), COPER, 3.0)],
+    sampled([
+        (slotted(11.0), TUBE, 5.5), (slotted(19.9), TUBE, 9.95), (closed(12.0), TUBE, 6.0),
+        (closed(20.0), TUBE, 10.0), (notched(12.0, 40.0), COPER, 6.0), (closed(20.5), TUBE, 10.0),
+        (notched(19.0, 12.0), COPER, 9.5), (notched(6.0, 3.0), COPER, 3.0),
+    ], 4),
 )  # fmt: skip
 def test_corners_are_as_round_as_half_the_slot_allows(
     part: Part, machine: Machine, room: float
@@ -119,7 +121,7 @@ def test_notches_that_taper_are_planned_and_none_is_refused(
 
 @pytest.mark.parametrize(
     ("wide", "deep", "leans", "of_tube"),
-    [(16.9, 33.9, (0.06, 0.2), True), (15.0, 13.0, (-0.07, 0.19), False)],
+    sampled([(15.0, 13.0, (-0.07, 0.19), False), (16.9, 33.9, (0.06, 0.2), True)], 2),
 )
 def test_the_solid_takes_notches_that_taper(
     wide: float, deep: float, leans: tuple[float, float], of_tube: bool
@@ -129,6 +131,7 @@ def test_the_solid_takes_notches_that_taper(
     assert not errors_in(solid_faults(program_of(part, machine), Request((part,), machine)))
 
 
+@pytest.mark.exhaustive
 def test_the_corners_of_h_are_those_of_v_where_v_alone_is_drawn() -> None:
     both, alone = slotted(30.0), replace(slotted(30.0), features=slotted(30.0).features[:1])
     paths = [[cut.path for cut in plan_coping((one,), TUBE).operations] for one in (both, alone)]
@@ -147,7 +150,7 @@ def test_random_narrow_slots_are_planned_and_none_is_refused(seed: int) -> None:
 
 @pytest.mark.parametrize(
     ("part", "machine"),
-    [(slotted(11.0), TUBE), (closed(14.0), TUBE), (notched(12.0, 40.0), COPER)],
+    sampled([(slotted(11.0), TUBE), (closed(14.0), TUBE), (notched(12.0, 40.0), COPER)], 2),
 )
 def test_sharper_corners_and_a_slot_that_is_filled_are_refused(
     part: Part, machine: Machine

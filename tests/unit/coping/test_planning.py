@@ -3,7 +3,7 @@
 from math import inf, pi, sqrt
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 from shapely import LineString, MultiPoint
@@ -20,6 +20,7 @@ from beamcam.planning.coping.regions import region_of
 from beamcam.planning.coping.rules import RULES
 from beamcam.planning.coping.walls import walls_of
 from beamcam.planning.left_out import manual_rows
+from tests.conftest import examples
 from tests.random_copes import random_cope
 from tests.unit.coping.samples import (
     AT,
@@ -151,6 +152,7 @@ def planned_or_none(part: Part) -> CopePlan | None:
 
 
 @given(st.integers(0, 2000))
+@settings(max_examples=examples(50))
 def test_paths_keep_half_a_kerf_off_the_part_and_come_in_order(seed: int) -> None:
     part = random_cope(seed)
     assert COPER.coper is not None

@@ -230,11 +230,11 @@ def test_the_tip_stands_off_so_that_its_edge_keeps_the_height() -> None:
     assert (x, y, z) == (pytest.approx(0.5), pytest.approx(-0.8660254), pytest.approx(0.0))
 
 
-@pytest.mark.parametrize("name", [*coping_plans.TILTS, "cut square"])
-def test_a_wrong_tilt_is_refused(name: str) -> None:
+def test_a_wrong_tilt_is_refused() -> None:
     part = mitre()
     wrong = dict(coping_faults.faults(part, BEVEL, random.Random(1)))
-    assert found(wrong[name], part)
+    for name in (*coping_plans.TILTS, "cut square"):
+        assert found(wrong[name], part), name
 
 
 WORDS: list[tuple[str, Callable[[str], str]]] = [
@@ -245,12 +245,12 @@ WORDS: list[tuple[str, Callable[[str], str]]] = [
 ]
 
 
-@pytest.mark.parametrize(("code", "change"), WORDS)
-def test_words_of_b(code: str, change: Callable[[str], str]) -> None:
+def test_words_of_b() -> None:
     part = mitre()
     text = program_of(part, BEVEL)
     assert not found(text, part)
-    assert code in found(change(text), part)
+    for code, change in WORDS:
+        assert code in found(change(text), part)
 
 
 def test_a_square_program_of_a_skew_part_is_refused() -> None:

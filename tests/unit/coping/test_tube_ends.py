@@ -74,6 +74,7 @@ def test_random_ends_are_read_back(a: float, b: float, c: float, d: float) -> No
     assert not found(program_of(part), part)
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize(
     "cuts", sampled([EndCuts(20.0, -35.0, 15.0, -10.0), EndCuts(web_end=45.0)], 2)
 )

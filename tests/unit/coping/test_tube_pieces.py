@@ -28,7 +28,7 @@ from beamcam.solid.opinion import solid_faults
 from beamcam.solid.part_solid import part_solid
 from beamcam.writers import TARGETS
 from benchmarks import coping_faults
-from tests.conftest import SAMPLES, examples
+from tests.conftest import SAMPLES, examples, sampled
 from tests.random_boxes import SECTIONS as BOXES
 from tests.random_boxes import over_corner
 from tests.random_pieces import random_open
@@ -297,7 +297,7 @@ def test_the_commands_know_them(tmp_path: Path) -> None:
         ("post", path, "--machine", "tube-linuxcnc", "-o", program),
         ("plot", program, "-o", tmp_path / "mast.svg"),
         ("report", program, "--against", path, "-o", tmp_path / "mast.html"),
-        ("verify", program, "--against", path, "--solid"),
+        ("verify", program, "--against", path),
     ):
         done = CliRunner().invoke(main, [*map(str, words)])
         assert done.exit_code == 0, done.output

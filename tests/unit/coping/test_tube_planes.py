@@ -158,7 +158,7 @@ def test_a_plane_through_a_window_over_a_corner() -> None:
 
 
 @pytest.mark.parametrize(
-    ("profile", "slopes"), sampled(product([RHS, CHS], [(0.5, -0.3), (-0.2, 0.9)]), 3)
+    ("profile", "slopes"), sampled(product([RHS, CHS], [(0.5, -0.3), (-0.2, 0.9)]), 4)
 )
 def test_the_solid_agrees_and_sees_another_plane(
     profile: Profile, slopes: tuple[float, float]

@@ -14,6 +14,7 @@ from beamcam.machine.toml import with_more_rows
 from beamcam.machine.torch import TorchRow, is_row_for, material_of, material_said
 from beamcam.model.part import Part
 from beamcam.pipeline import post
+from tests.conftest import sampled
 from tests.unit.sheets.parts import box, circle, contour, drawing, table
 
 MILD = ("S235JR", "S355J2+N", "S 355", "s275", "S460M", "ST 37-2", "RSt37-2", "Fe 360", "A36",
@@ -71,7 +72,7 @@ def plate(grade: str) -> Part:
     return drawing(contour(box(0, 0, 60, 40)), contour(circle(30, 20, 20)), grade=grade)
 
 
-@pytest.mark.parametrize("name", ["plate-linuxcnc", "plate-codesys", "plate-oxyfuel"])
+@pytest.mark.parametrize("name", sampled(["plate-linuxcnc", "plate-codesys", "plate-oxyfuel"], 3))
 @pytest.mark.parametrize("grade", ["", *MILD, *STAINLESS[:3], *ALUMINIUM[:3], *OTHERS])
 def test_a_torch_cuts_what_its_rows_name(name: str, grade: str) -> None:
     """Stainless steel, aluminium or wood is not cut by the data of mild steel."""

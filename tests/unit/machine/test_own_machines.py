@@ -32,7 +32,7 @@ def table(machine: str) -> dict[str, object]:
     }
 
 
-@pytest.mark.parametrize("base", shipped())
+@pytest.mark.parametrize("base", sampled(shipped(), 2))
 def test_a_new_file_says_what_its_base_says(base: str, tmp_path: Path) -> None:
     """As it is written, and with all comments taken off and no base below it."""
     text = starting_file("mine", base)
@@ -74,7 +74,7 @@ def test_new_writes_a_machine_that_is_known_by_name(shop: Path) -> None:
     assert call("post", "in/P000.nc1", "-o", "-").stdout == Path("out/P000.gcode").read_text()
 
 
-@pytest.mark.parametrize("name", sampled(shipped(), 2))
+@pytest.mark.parametrize("name", sampled(shipped(), 5))
 def test_show_prints_keys_only_and_the_checksum_last(name: str) -> None:
     rows = list(json.loads(call("machines", "show", name, "--json").stdout))
     keys = [key.name for key in machine_keys()]

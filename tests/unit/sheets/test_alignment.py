@@ -9,7 +9,7 @@ from beamcam.model.part import Contour, Part
 from beamcam.model.request import Request
 from beamcam.pipeline import whole_job
 from beamcam.posts import post_of
-from tests.conftest import examples
+from tests.conftest import examples, sampled
 from tests.unit.sheets.parts import contour, drawing, lines, table
 
 MACHINES = {
@@ -113,7 +113,7 @@ def test_a_piece_of_a_line_between_two_others_is_seen(
     assert_seen(drawing(*across, *two), drawing(*across, whole), name)
 
 
-@pytest.mark.parametrize("name", ["table-simotion", "laser-stepper"])
+@pytest.mark.parametrize("name", sampled(["table-simotion", "laser-stepper"], 2))
 def test_tables_are_read_back_as_closely(name: str) -> None:
     across = grid(13, 1.0, 60)
     corners = (20, 50), (26, 56), (32, 50), (26, 44)

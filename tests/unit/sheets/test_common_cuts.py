@@ -96,7 +96,7 @@ def parts_are_exact(posted: Posted) -> None:
         assert off.area <= 0.03 * part.length
 
 
-@pytest.mark.parametrize("seed", sampled(range(50), 2))
+@pytest.mark.parametrize("seed", sampled(range(50), 4))
 def test_parts_of_random_nests_are_exact(seed: int) -> None:
     parts = random_nest(seed)
     posted = post(parts, nested())
@@ -116,9 +116,9 @@ def test_some_nests_share_edges() -> None:
     """Else nothing is proved."""
     told = [
         any(d.code == "plan-common-edge" for d in post(random_nest(seed), nested()).remarks)
-        for seed in range(20)
+        for seed in range(10)
     ]
-    assert sum(told) >= 10
+    assert sum(told) >= 5
 
 
 GRID = drawing(
@@ -391,5 +391,5 @@ def test_bridges_lie_between_the_cuts_of_parts_that_touch(width: int, tab: int, 
         assert [d.code for d in refused.value.diagnostics] == ["plan-tabs-joint"]
         assert "at x 41.000, y 40.600" in str(refused.value.diagnostics[0])
         return
-    for tabs in (1, 2, 3, 4):
+    for tabs in (1, 4):
         assert post((teeth(width),), nested(tabs=tabs, tab_width=float(tab))).text

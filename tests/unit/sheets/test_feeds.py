@@ -164,9 +164,9 @@ def mutants(text: str) -> list[str]:
     return found
 
 
-@pytest.mark.parametrize("values", [
+@pytest.mark.parametrize("values", sampled([
     {}, {"corner_share": 1.0}, {"hole_feed_share": 1.0}, {"corner_distance": 1.0},
-])  # fmt: skip
+], 2))  # fmt: skip
 @pytest.mark.parametrize("every", [9, pytest.param(1, marks=pytest.mark.exhaustive)])
 def test_every_wrong_feed_is_refused(every: int, values: dict[str, float]) -> None:
     """And none that leaves the feed of every move as it is."""

@@ -16,7 +16,7 @@ from beamcam.model.part import Part
 from beamcam.model.request import Request
 from beamcam.pipeline import post, read_back
 from beamcam.readers import read
-from tests.conftest import examples
+from tests.conftest import examples, sampled
 
 GRBL = load_machine("laser-grbl")
 TABLES = (
@@ -171,7 +171,7 @@ LIES = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize(("name", "style"), TABLES)
+@pytest.mark.parametrize(("name", "style"), sampled(TABLES, 2))
 def test_tables_follow_speed_passes_and_order(name: str, style: str | None) -> None:
     machine = asked(load_machine(name), **OWN)
     text = post((drawing(),), machine, style=style).text

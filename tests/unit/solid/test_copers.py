@@ -60,7 +60,7 @@ def tube(*features: Hole | Slot | Contour, length: float = 500.0) -> Part:
     return Part("T1", CHS, length, AT, features=features, grade="S235JR")
 
 
-@pytest.mark.parametrize("seed", sampled(range(12), 6))
+@pytest.mark.parametrize("seed", sampled(range(12), 12))
 def test_random_tees_agree(seed: int) -> None:
     part = random_tee(seed)
     try:
@@ -93,7 +93,7 @@ def agree(part: Part) -> bool:
     return not wrong(text, part, machine)
 
 
-@pytest.mark.parametrize(("make", "seed"), sampled(RANDOM, 5))
+@pytest.mark.parametrize(("make", "seed"), sampled(RANDOM, 7))
 def test_random_parts_agree(make: object, seed: int) -> None:
     assert callable(make)
     assert agree(make(seed))
@@ -256,7 +256,7 @@ SKEW = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("cuts", "web", "flange"), SKEW)
+@pytest.mark.parametrize(("cuts", "web", "flange"), sampled(SKEW, 2))
 def test_a_cope_at_a_piece_whose_other_end_is_skew(
     cuts: EndCuts, web: list[tuple[float, float]], flange: list[tuple[float, float]]
 ) -> None:
@@ -399,6 +399,7 @@ def test_a_body_is_seen_square_to_its_surface() -> None:
     assert seen.symmetric_difference(wanted).area < 0.01 * window.length
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("lean", sampled([4.0, 0.0, -6.0], 3))
 def test_a_window_that_leans_over_a_corner_agrees(lean: float) -> None:
     part = square(*over_corner(SHS, 2, 150.0, 60.0, lean))
@@ -416,11 +417,8 @@ def test_what_is_there_of_a_tube_is_as_drawn_and_told_of_no_torch() -> None:
     part = replace(whole, features=asked, made=made)
     text = posted(part, TUBE)
     assert said(text, part, TUBE) == ()
-    assert {d.code for d in said(posted(whole, TUBE), whole, TUBE)} == {
-        "solid-rounded", "solid-square"
-    }  # fmt: skip
-    assert "solid-extra" in wrong(text, replace(part, features=(replace(asked[0], x=206.0),)), TUBE)
-    assert "solid-missing" in wrong(text, replace(part, features=()), TUBE)
+    other = wrong(text, replace(part, features=(replace(asked[0], x=206.0),)), TUBE)
+    assert {"solid-extra", "solid-missing"} <= other.keys()
 
 
 def test_a_skew_end_is_told_by_what_a_square_cut_leaves() -> None:

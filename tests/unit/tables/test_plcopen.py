@@ -53,8 +53,8 @@ def test_every_sample_makes_its_part(name: str, style: str) -> None:
 
 @pytest.mark.parametrize(
     ("name", "style"),
-    [("shield", "chain"), ("rounded-rectangle", "table"), ("four-nodes", "chain"),
-     ("two-tangents", "table")],
+    sampled([("shield", "chain"), ("four-nodes", "chain"), ("rounded-rectangle", "table"),
+             ("two-tangents", "table")], 2),
 )  # fmt: skip
 def test_both_dialects_draw_the_same_path(name: str, style: str) -> None:
     """Lines, arcs and a polynomial, run by an executor of each text."""

@@ -295,7 +295,7 @@ def test_a_mutant_of_a_table_is_caught(find: str, put: str, code: str) -> None:
 
 
 @pytest.mark.parametrize("style", STYLES)
-@pytest.mark.parametrize("name", ["shield", "rounded-rectangle"])
+@pytest.mark.parametrize("name", sampled(["shield", "rounded-rectangle"], 2))
 def test_each_digit_of_a_job_counts(name: str, style: str) -> None:
     """A digit that is changed is another part, another speed, or refused by the text's form."""
     text = program(name, style)

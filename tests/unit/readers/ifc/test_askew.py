@@ -32,7 +32,7 @@ def mitre(bar: Bar, end: str, side: int = 1) -> Half:
             *((code, (end,)) for code in BARS for end in ENDS),
             *((code, ("web", "flange")) for code in ("RU", "M", "C")),
         ],
-        4,
+        8,
     ),
 )
 def test_a_mesh_is_read_as_what_it_stands_for(code: str, ends: tuple[str, ...]) -> None:
