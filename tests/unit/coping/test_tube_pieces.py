@@ -28,7 +28,7 @@ from beamcam.solid.opinion import solid_faults
 from beamcam.solid.part_solid import part_solid
 from beamcam.writers import TARGETS
 from benchmarks import coping_faults
-from tests.conftest import SAMPLES, examples, sampled
+from tests.conftest import SAMPLES, examples
 from tests.random_boxes import SECTIONS as BOXES
 from tests.random_boxes import over_corner
 from tests.random_pieces import random_open
