@@ -238,7 +238,8 @@ def _compared(
             return
         lead = _lead_of(points, coper.lead + half + stock.apart, slack)
         cut, near = line_of(points[lead:]), edges[stroke.row.kerf]
-        cut = cut.intersection(stock.steel) if stock.is_piece else cut
+        if stock.is_piece:  # beside a skew end the kerf is in the air before the middle of the cut
+            cut = cut.intersection(stock.steel.buffer(-half))
         if not near.covers(cut) and (off := cut.difference(near)).length > slack:
             x, u = off.representative_point().coords[0]
             yield rules.EXTRA.at(source, x=f"{x:.1f}", y=f"{u:.1f}", face=stroke.face)
