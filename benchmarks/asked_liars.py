@@ -142,7 +142,10 @@ def _post(request: Request) -> list[str]:
 
 
 def _text_of(request: Request) -> list[str]:
-    return _post(replace(request, verified=False))
+    try:
+        return _post(replace(request, verified=False))
+    except PlanError:
+        return []
 
 
 def _tell(result: Lies, where: str, lie: str, request: Request) -> None:

@@ -64,5 +64,7 @@ def test_explanations_are_those_of_samples_and_docs(
 
 def test_one_code_is_shown_with_an_example_and_what_to_do() -> None:
     done = call("codes", "plan-cope", status=0)
-    assert "example\n    samples/bad/cope.nc1:27: error plan-cope: found a contour" in done.output
+    assert (
+        "example\n    samples/coping/header.nc1:38: error plan-cope: found a contour" in done.output
+    )
     assert "what to do\n    " in done.output

@@ -12,7 +12,7 @@ from tests.runs import call
 @pytest.fixture(scope="module")
 def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("run")
-    inputs = [str(SAMPLES / "dstv" / f"{n}.nc1") for n in ("channel", "tie", "gusset", "tube")]
+    inputs = [str(SAMPLES / "dstv" / f"{n}.nc1") for n in ("channel", "tie", "gusset", "purlin")]
     call("batch", *inputs, "-o", folder / "out", "--report", folder / "r.html")
     return folder / "r.html"
 
@@ -27,7 +27,7 @@ def shown(browser: Browser) -> list[str]:
 
 def test_it_is_filtered_and_ordered(browser: Browser, page: Path) -> None:
     browser.open(page)
-    assert shown(browser)[0] == "tube.nc1"
+    assert shown(browser)[0] == "purlin.nc1"
     assert browser.text("shown") == "4 of 4 shown"
     browser.click("#filter")
     browser.keys("UPN200 channel")
@@ -82,6 +82,6 @@ def test_the_head_stays_and_the_totals_hold(browser: Browser, page: Path) -> Non
 
 def test_a_phone_sorts_too(browser: Browser, page: Path) -> None:
     browser.open(page, 390)
-    assert shown(browser)[0] == "tube.nc1"
+    assert shown(browser)[0] == "purlin.nc1"
     browser.click("#files th button")
     assert shown(browser) == sorted(shown(browser))

@@ -48,6 +48,7 @@ Shape = Any  #: of shapely
 PLACES = 48  #: across a corner
 STRAIGHT = 0.001  #: mm that places across a corner are off a straight line, and are left out
 LEVEL = tan(radians(SQUARE_DEG))
+DEEP = 5.0  #: mm that the floor of a slot lies inside of the end that it begins at, at least
 INSIDE = 1e-6  #: mm off the edges of a band
 LEAST_OFF = 0.5  #: mm that a square cut is off inside of a wall, and that are manual work
 #: The faces beside each corner on the way round, and whether it is at the greatest y of each.
@@ -240,7 +241,7 @@ def _line(wall: BoxWall, side: int) -> Iterator[tuple[float, float]]:
     first, last = xs[0], xs[-1]
     for y, x in zip(ys, xs, strict=True):
         chord = first + (last - first) * (y - ys[0]) / (ys[-1] - ys[0])
-        if isnan(x) or side * (x - chord) >= -APART:
+        if isnan(x) or side * (x - chord) >= -DEEP:
             yield y, FAR if isnan(x) else x
 
 

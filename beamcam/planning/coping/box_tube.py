@@ -62,6 +62,7 @@ from beamcam.planning.coping.walls import PlannedWall
 
 FACES: tuple[Face, ...] = ("u", "v", "o", "h")  #: on the way round
 PLACES = 65  #: across a face, where the end of a piece is looked at
+SLOT = 5.0  #: mm that a slot from an end is deep, at least; less than that, the end is no plane
 
 
 class Unrolled(Struct, frozen=True):
@@ -248,7 +249,7 @@ def _end(part: Part, faces: Mapping[Face, BoxFace], side: int) -> Plane | None:
             far = np.maximum(outside, inside) if side > 0 else np.minimum(outside, inside)
             off = xs - (far if farthest else outside)
             # A slot from the end leaves the plane between the edges of its face.
-            at.append(off[side * off >= min(side * off[0], side * off[-1]) - MEET])
+            at.append(off[side * off >= min(side * off[0], side * off[-1]) - SLOT])
         every = np.concatenate(at)
         best = min(best, (float(np.ptp(every)), float(np.median(every))))
     return Plane(side, best[1], by_y, by_z) if best[0] < MEET else None

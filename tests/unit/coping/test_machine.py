@@ -147,7 +147,7 @@ def test_the_plan_is_told_cut_by_cut() -> None:
 
 
 def test_what_a_saw_cannot_make_is_told_who_can() -> None:
-    done = run("post", COPED, "-o", "-")
+    done = run("post", COPED, "-o", "-", "--machine", "beamline")
     assert done.exit_code == 1
     assert "with --machine coper-linuxcnc or" in done.stderr
 

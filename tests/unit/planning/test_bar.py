@@ -5,8 +5,8 @@ from math import cos, radians, sin, tan
 import pytest
 from msgspec.structs import replace
 
-from beamcam.checks.bars.cuts import ends_of as required_ends
 from beamcam.checks.bars.cuts import off_outline
+from beamcam.checks.bars.pieces import ends_of as required_ends
 from beamcam.errors import PlanError
 from beamcam.geometry.curves import Line
 from beamcam.machine import load

@@ -74,10 +74,10 @@ def test_a_batch_has_a_sheet_for_each_program(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, jobs: str
 ) -> None:
     monkeypatch.setattr("beamcam.commands.batch.FILES_A_WORKER", 1)
-    inputs = [str(SAMPLES / "dstv" / f"{n}.nc1") for n in ("channel", "tie", "gusset", "tube")]
+    inputs = [str(SAMPLES / "dstv" / f"{n}.nc1") for n in ("channel", "tie", "gusset", "purlin")]
     words = ["batch", *inputs, "-o", str(tmp_path / "out"), "--jobs", jobs, "--report",
              str(tmp_path / "r.html")]  # fmt: skip
-    assert call(*words).exit_code == 1  # the tube is refused
+    assert call(*words).exit_code == 1  # the purlin is refused
     text = (tmp_path / "r.html").read_text()
     links = re.findall(r'href="(r\.sheets/[^"]+)"', text)
     assert len(links) == 3
