@@ -172,8 +172,10 @@ def _at_roots(
 def _before_bar(plan: CopePlan) -> Iterator[Diagnostic]:
     """An error where the steel of a part begins before the bar that it is cut from."""
     (piece,) = plan.pieces
+    if piece.part.made is not None:
+        return
     x, cut = min(((x, cut) for cut in plan.operations for x, _ in cut.path), key=itemgetter(0))
-    if piece.part.made is None and x < -piece.start:
+    if x < -piece.start:
         yield rules.ORIGIN.at(cut.source, x=f"{x:.1f}", face=cut.face, trim=f"{piece.start:g}")
 
 
