@@ -246,13 +246,13 @@ def _moved(cut: CopeCut, x: float, u: float) -> CopeCut:
     return replace(cut, path=tuple((at + x, way + u) for at, way in cut.path))
 
 
-def survivors(count: int, seed: int = 0) -> tuple[Counter[str], list[tuple[int, str, str]], int]:
+def survivors(count: int, first: int = 0) -> tuple[Counter[str], list[tuple[int, str, str]], int]:
     """Wrong programs by class, those that the read-back took, and sound ones that it refused.
 
     They are those of so many profiles, T sections and pieces that come cut, round and rectangular
-    tubes.
+    tubes, from the `first` random one of each on.
     """
-    chance = random.Random(seed)
+    chance = random.Random(first)
     tried: Counter[str] = Counter()
     taken: list[tuple[int, str, str]] = []
     refused = 0
@@ -273,7 +273,7 @@ def survivors(count: int, seed: int = 0) -> tuple[Counter[str], list[tuple[int, 
         ("coper", partial(random_cope, near=True)), ("tube", partial(random_tee, near=True)),
         ("coper", partial(random_cope, sections=CEES, near=True)),
     )  # fmt: skip
-    for number in range(len(kinds) * count):
+    for number in range(len(kinds) * first, len(kinds) * (first + count)):
         kind, make = kinds[number % len(kinds)]
         machine, part = load(f"{kind}-linuxcnc"), make(number // len(kinds))
         job = Job(Request((part,), machine, name="JOB"), (0,))
