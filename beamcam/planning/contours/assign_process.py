@@ -326,7 +326,7 @@ def min_hole(torch: Torch, thickness: float) -> float:
 
 
 def bevels_of(contour: Contour, torch: Torch) -> list[Bevel]:
-    """The bevels that are meant; smaller ones are noise of whoever wrote the file."""
+    """The bevels of a contour, without those so small that they are rounding of an exporter."""
     return [bevel for bevel in contour.bevels if abs(bevel.angle) >= torch.min_bevel]
 
 

@@ -21,8 +21,8 @@ from beamcam.planning.contours.outline import invalid, outlines, valid
 def off_plate(part: Part, tolerance: float) -> Iterator[Diagnostic]:
     """An error for each hole and slot that lies off the plate, or wholly in a cut-out.
 
-    What crosses an edge is told where contours cross, a hole in a larger one goes with that.
-    Drawings have contours alone, which nest.
+    An opening that crosses an edge is refused where contours that cross are; one inside a larger
+    hole is no error here. Drawings have contours alone, which nest.
     """
     import shapely
 
