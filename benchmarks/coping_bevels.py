@@ -25,23 +25,27 @@ def turned(cut: CopeCut, change: Callable[[Turn], Turn]) -> CopeCut:
     return replace(cut, a_off_deg=off, b_deg=b_deg, turns=tuple(map(change, cut.turns)))
 
 
+def changed(plan: CopePlan, chance: random.Random, change: Callable[[CopeCut], CopeCut | None],
+            fits: Callable[[CopeCut], bool] = lambda cut: True) -> CopePlan | None:  # fmt: skip
+    """The plan with one of its cuts changed."""
+    which = [k for k, cut in enumerate(plan.operations) if fits(cut)]
+    if not which:
+        return None
+    k = chance.choice(which)
+    other = change(plan.operations[k])
+    if other is None:
+        return None
+    return replace(plan, operations=(*plan.operations[:k], other, *plan.operations[k + 1 :]))
+
+
 def _one(
     change: Callable[[CopeCut, random.Random], CopeCut | None],
     fits: Callable[[CopeCut], bool] = lambda cut: True,
 ) -> OfPlan:
     """A plan with one of its bevels changed."""
-
-    def of_plan(plan: CopePlan, chance: random.Random) -> CopePlan | None:
-        which = [k for k, cut in enumerate(plan.operations) if cut.bevel and fits(cut)]
-        if not which:
-            return None
-        k = chance.choice(which)
-        other = change(plan.operations[k], chance)
-        if other is None:
-            return None
-        return replace(plan, operations=(*plan.operations[:k], other, *plan.operations[k + 1 :]))
-
-    return of_plan
+    return lambda plan, chance: changed(
+        plan, chance, lambda cut: change(cut, chance), lambda cut: cut.bevel and fits(cut)
+    )
 
 
 def _a_off_by(cut: CopeCut, by: float) -> CopeCut:

@@ -9,25 +9,13 @@ from msgspec.structs import replace
 from beamcam.machine import Machine
 from beamcam.model.plan import CopeCut, CopePlan
 from beamcam.model.surface import around
-from benchmarks.coping_bevels import BEVEL_PLANS, OfPlan, turned
-
-
-def _changed(plan: CopePlan, chance: random.Random, change: Callable[[CopeCut], CopeCut | None],
-             fits: Callable[[CopeCut], bool] = lambda cut: True) -> CopePlan | None:  # fmt: skip
-    """The plan with one of its cuts changed."""
-    which = [k for k, cut in enumerate(plan.operations) if fits(cut)]
-    if not which:
-        return None
-    k = chance.choice(which)
-    other = change(plan.operations[k])
-    if other is None:
-        return None
-    return replace(plan, operations=(*plan.operations[:k], other, *plan.operations[k + 1 :]))
+from benchmarks.coping_bevels import BEVEL_PLANS, OfPlan, changed, turned
+from benchmarks.coping_roots import STEPS, along_the_lip, lip_left_out, lip_too_shallow
 
 
 def _placed(change: Callable[[float, float], tuple[float, float]]) -> OfPlan:
     def of_plan(plan: CopePlan, chance: random.Random) -> CopePlan | None:
-        return _changed(
+        return changed(
             plan, chance, lambda cut: replace(cut, path=tuple(change(*p) for p in cut.path))
         )
 
@@ -42,7 +30,7 @@ def mirrored_along(plan: CopePlan, chance: random.Random) -> CopePlan | None:
         xs = [x for x, _ in cut.path[cut.lead :]]
         return abs(min(xs) + max(xs) - length) < 1.0
 
-    return _changed(
+    return changed(
         plan, chance,
         lambda cut: replace(cut, path=tuple((length - x, y) for x, y in cut.path)),
         lambda cut: not is_alike(cut),
@@ -61,7 +49,7 @@ def mirrored_across(plan: CopePlan, chance: random.Random) -> CopePlan | None:
         wide = plan.profile.face_width(cut.face)
         return replace(cut, path=tuple((x, wide - y) for x, y in cut.path))
 
-    return _changed(plan, chance, change, off_middle)
+    return changed(plan, chance, change, off_middle)
 
 
 def on_the_part(plan: CopePlan, chance: random.Random) -> CopePlan | None:
@@ -83,7 +71,7 @@ def on_the_part(plan: CopePlan, chance: random.Random) -> CopePlan | None:
         longest = max(getattr(moved, "geoms", (moved,)), key=lambda one: one.length)
         return replace(cut, path=(pierce, *longest.coords))
 
-    return _changed(plan, chance, change, lambda cut: not cut.turns)
+    return changed(plan, chance, change, lambda cut: not cut.turns)
 
 
 def left_out(plan: CopePlan, chance: random.Random) -> CopePlan | None:
@@ -106,13 +94,13 @@ def on_other_face(plan: CopePlan, chance: random.Random) -> CopePlan | None:
         same = [c for c in plan.operations if c.face == other and c.path == cut.path]
         return None if same else replace(cut, face=other)
 
-    return _changed(plan, chance, change, lambda c: c.face != "v" and plan.profile.code not in "LT")
+    return changed(plan, chance, change, lambda c: c.face != "v" and plan.profile.code not in "LT")
 
 
 def too_short(plan: CopePlan, chance: random.Random) -> CopePlan | None:
     """A cut that ends too early; where a second pass goes along it, that may take what it left."""
     again = {(cut.face, cut.kind) for cut in plan.operations if cut.b_deg or cut.bevel}
-    return _changed(
+    return changed(
         plan, chance, lambda cut: replace(cut, path=_shortened(cut.path, 9.0)),
         lambda cut: len(cut.path) > 2 and not cut.bevel
         and (bool(cut.b_deg) or (cut.face, cut.kind) not in again),
@@ -154,7 +142,7 @@ def pierced_in_part(plan: CopePlan, chance: random.Random) -> CopePlan | None:
         (xa, ya), (xb, yb) = cut.path[:2]
         return replace(cut, path=((2 * xb - xa, 2 * yb - ya), *cut.path[1:]))
 
-    return _changed(
+    return changed(
         plan, chance, change,
         lambda cut: (cut.kind == "inner" or cut.face == "v") and not cut.bevel,
     )  # fmt: skip
@@ -169,7 +157,7 @@ def bevel_pierced_in_part(plan: CopePlan, chance: random.Random) -> CopePlan | N
         inside = (xb + xc) / 2 - (yc - yb) * share, (yb + yc) / 2 + (xc - xb) * share
         return replace(cut, path=(inside, *cut.path[1:]))
 
-    return _changed(plan, chance, change, lambda cut: cut.bevel and not cut.turns)
+    return changed(plan, chance, change, lambda cut: cut.bevel and not cut.turns)
 
 
 def other_row(machine: Machine) -> OfPlan:
@@ -177,7 +165,7 @@ def other_row(machine: Machine) -> OfPlan:
 
     def of_plan(plan: CopePlan, chance: random.Random) -> CopePlan | None:
         rows = machine.coper.rows if machine.coper else ()
-        return _changed(
+        return changed(
             plan, chance,
             lambda cut: replace(cut, row=chance.choice([r for r in rows if r != cut.row])),
         )  # fmt: skip
@@ -196,7 +184,7 @@ def bulge(plan: CopePlan, chance: random.Random) -> CopePlan | None:
         moved = x - (yb - ya) / long, y + (xb - xa) / long  # the part lies on the left
         return replace(cut, path=(*cut.path[:k], moved, *cut.path[k + 1 :]))
 
-    return _changed(
+    return changed(
         plan, chance, change,
         lambda cut: cut.kind == "inner" and len(cut.path) > cut.lead + 4,
     )  # fmt: skip
@@ -219,7 +207,7 @@ def mirrored_round(plan: CopePlan, chance: random.Random) -> CopePlan | None:
         us = [u for _, u in cut.path[cut.lead :]]
         return abs((min(us) + max(us) + turn / 2) % turn - turn / 2) < 1.0
 
-    return _changed(
+    return changed(
         plan, chance,
         lambda cut: replace(cut, path=tuple((x, -u) for x, u in cut.path)),
         lambda cut: cut.kind == "inner" and not is_same(cut),
@@ -229,7 +217,7 @@ def mirrored_round(plan: CopePlan, chance: random.Random) -> CopePlan | None:
 def elsewhere_round(plan: CopePlan, chance: random.Random) -> CopePlan | None:
     """A cut-out of a tube a quarter of a turn on."""
     turn = around(plan.profile).turn
-    return _changed(
+    return changed(
         plan, chance,
         lambda cut: replace(cut, path=tuple((x, u + turn / 4) for x, u in cut.path)),
         lambda cut: cut.kind == "inner",
@@ -254,7 +242,7 @@ def elsewhere_on_the_seam(plan: CopePlan, chance: random.Random) -> CopePlan | N
         xs = [x for x, _ in cut.path[cut.lead :]]
         return cut.kind != "inner" and max(xs) - min(xs) < 1e-6
 
-    return _changed(
+    return changed(
         plan, chance,
         lambda cut: replace(cut, path=tuple((x, u + turn / 2) for x, u in cut.path)), is_square,
     )  # fmt: skip
@@ -262,7 +250,7 @@ def elsewhere_on_the_seam(plan: CopePlan, chance: random.Random) -> CopePlan | N
 
 def ends_before_the_seam(plan: CopePlan, chance: random.Random) -> CopePlan | None:
     """An end of a tube that is not cut all round."""
-    return _changed(
+    return changed(
         plan, chance, lambda cut: replace(cut, path=_shortened(cut.path, 6.0)),
         lambda cut: cut.kind != "inner",
     )  # fmt: skip
@@ -281,7 +269,7 @@ def _seen(plan: CopePlan, cut: CopeCut) -> float:
 
 def _off_by(plan: CopePlan, chance: random.Random, sign: float) -> CopePlan | None:
     """A cut whose B is another one by what is seen."""
-    return _changed(
+    return changed(
         plan, chance,
         lambda cut: turned(cut, lambda t: (t[0], t[1] + sign * _seen(plan, cut))), is_tilted,
     )  # fmt: skip
@@ -289,10 +277,10 @@ def _off_by(plan: CopePlan, chance: random.Random, sign: float) -> CopePlan | No
 
 #: Ways to make the tilt of a cut wrong.
 TILTS: dict[str, OfPlan] = {
-    "B the other way": lambda p, c: _changed(
+    "B the other way": lambda p, c: changed(
         p, c, lambda cut: turned(cut, lambda t: (t[0], -t[1])), is_tilted
     ),
-    "B dropped": lambda p, c: _changed(
+    "B dropped": lambda p, c: changed(
         p, c, lambda cut: turned(cut, lambda t: (t[0], 0.0)), is_tilted
     ),
     "B of another angle": lambda p, c: _off_by(p, c, c.choice((-1.0, 1.0))),
@@ -309,7 +297,7 @@ def wrong_land(plan: CopePlan, chance: random.Random) -> CopePlan | None:
         off = chance.choice((-1.0, 1.0)) * tan(radians(abs(cut.b_deg)))
         return replace(cut, path=(cut.path[0], *((x + off, y) for x, y in cut.path[1:])))
 
-    return _changed(plan, chance, change, lambda cut: cut.bevel and is_across(cut))
+    return changed(plan, chance, change, lambda cut: cut.bevel and is_across(cut))
 
 
 def is_across(cut: CopeCut) -> bool:
@@ -354,111 +342,11 @@ def lower_behind(plan: CopePlan, chance: random.Random) -> CopePlan | None:
     return replace(plan, operations=(*rest[: at + 1], cut, *rest[at + 1 :]))
 
 
-def lip_left_out(plan: CopePlan, chance: random.Random) -> CopePlan | None:
-    """A flange whose cut goes on over its lip, which only that of the flange cuts."""
-    which = [cut for cut in plan.operations if cut.lip]
-    if not which:
-        return None
-    lip = chance.choice(which)
-    rest = tuple(cut for cut in plan.operations if cut is not lip)
-
-    def change(cut: CopeCut) -> CopeCut:
-        beyond = [(x, max(y, -2.0)) for x, y in lip.path if y < cut.path[1][1]]
-        off = cut.path[1][0] - lip.path[1][0]
-        return replace(cut, path=(*((x + off, y) for x, y in beyond[::-1]), *cut.path[1:]), lead=1)
-
-    return _changed(
-        replace(plan, operations=rest), chance, change,
-        lambda cut: not cut.lip and (cut.face, cut.kind) == (lip.face, lip.kind),
-    )  # fmt: skip
-
-
-def lip_too_shallow(machine: Machine) -> OfPlan:
-    """A lip cut with the row of its flange, or of any that is not as deep."""
-
-    def of_plan(plan: CopePlan, chance: random.Random) -> CopePlan | None:
-        coper = machine.needed(machine.coper, "coper")
-
-        def change(cut: CopeCut) -> CopeCut:
-            row = chance.choice([row for row in coper.rows if row.up_to < cut.thickness])
-            nearer = (cut.row.kerf - row.kerf) / 2
-            nearer *= -1.0 if cut.path[0][0] > cut.path[1][0] else 1.0
-            path = tuple((x + nearer, max(y, -2.0)) for x, y in cut.path)
-            return replace(cut, row=row, path=path)
-
-        return _changed(plan, chance, change, lambda cut: cut.lip)
-
-    return of_plan
-
-
-def along_the_lip(plan: CopePlan, chance: random.Random) -> CopePlan | None:
-    """A cut of a lip that goes on along it, in what is scrap."""
-
-    def change(cut: CopeCut) -> CopeCut | None:
-        x, away = cut.path[-1][0], cut.path[0][0] - cut.path[1][0]
-        return replace(cut, path=(*cut.path[:-1], (x, 1.0), (x + 2.5 * away, 1.0)))
-
-    return _changed(plan, chance, change, lambda cut: cut.lip and cut.kind != "notch")
-
-
-def _has_step(plan: CopePlan) -> bool:
-    return any(said.code == "plan-coping-step" for said in plan.remarks)
-
-
-def _flange_step(plan: CopePlan, chance: random.Random, by: float | None) -> CopePlan | None:
-    """A square cut of a flange whose step at the root is moved along the bar, or left out."""
-
-    def off(cut: CopeCut) -> list[float]:
-        return [x - cut.path[cut.lead][0] for x, _ in cut.path]
-
-    def change(cut: CopeCut) -> CopeCut:
-        step = max(off(cut)[cut.lead :], key=abs)
-        moved = chance.choice((-1.0, 1.0)) * by if by is not None else -step
-        return replace(cut, path=tuple(
-            (x + (moved if k > cut.lead and abs(far) > abs(step) / 2 else 0.0), y)
-            for k, ((x, y), far) in enumerate(zip(cut.path, off(cut), strict=True))
-        ))  # fmt: skip
-
-    return _changed(
-        plan, chance, change,
-        lambda cut: cut.root and _has_step(plan) and not cut.b_deg and abs(off(cut)[-1]) < 0.01
-        and max(map(abs, off(cut)[cut.lead :])) > 0.4,
-    )  # fmt: skip
-
-
-def _web_step(plan: CopePlan, chance: random.Random, along: float, across: float) -> (
-    CopePlan | None):  # fmt: skip
-    """A cut of a web whose end in a root is moved along the bar, or the round before it across."""
-
-    def change(cut: CopeCut) -> CopeCut:
-        end, sign = len(cut.path) - 2, chance.choice((-1.0, 1.0))
-        return replace(cut, path=tuple(
-            (x + (sign * along if k >= end else 0.0), y + (sign * across if k < end and
-             abs(y - cut.path[-1][1]) < 6.0 and abs(x - cut.path[-1][0]) < 6.0 else 0.0))
-            for k, (x, y) in enumerate(cut.path)
-        ))  # fmt: skip
-
-    def fits(cut: CopeCut) -> bool:
-        (xa, ya), (xb, yb), (xc, _) = cut.path[-2], cut.path[-1], cut.path[-3]
-        is_step = abs(xa - xb) < 1e-3 and abs(ya - yb) < 6.0 and 0.05 < abs(xc - xa) < 3.0
-        return cut.face == "v" and not cut.bevel and _has_step(plan) and is_step
-
-    return _changed(plan, chance, change, fits)
-
-
-STEPS: dict[str, OfPlan] = {
-    "step moved": lambda p, c: _flange_step(p, c, 0.6),
-    "step left out": lambda p, c: _flange_step(p, c, None),
-    "step of the web moved": lambda p, c: _web_step(p, c, 0.6, 0.0),
-    "round before a step moved": lambda p, c: _web_step(p, c, 0.0, 0.6),
-}
-
-
 def plan_faults(machine: Machine, code: str) -> dict[str, OfPlan]:
     """Ways to make the plan of a section wrong."""
     of_all: dict[str, OfPlan] = {
         "moved along": _placed(lambda x, y: (x + 0.6, y)),
-        "moved across": lambda p, c: _changed(
+        "moved across": lambda p, c: changed(
             p, c, lambda cut: replace(cut, path=tuple((x, y + 0.6) for x, y in cut.path)),
             lambda cut: cut.kind == "inner",
         ),

@@ -16,7 +16,8 @@ from tests.conftest import ROOT
 BENCHMARKS = ROOT / "benchmarks"
 #: Are there to be imported.
 OTHERS = (
-    "asked_liars", "bent_accessories", "coping_bevels", "coping_plans", "coping_texts", "damage",
+    "asked_liars", "bent_accessories", "coping_bevels", "coping_plans", "coping_roots",
+    "coping_texts", "damage",
     "doors", "faults", "feed_faults", "heads", "ifc_anyhow", "ifc_families", "letterings", "liars",
     "mutants", "script", "sheet_faults", "sheet_liars", "solid_cases",
     "solid_copers", "uses",

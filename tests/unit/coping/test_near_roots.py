@@ -18,7 +18,7 @@ from beamcam.planning.coping.plan import plan_coping
 from beamcam.planning.left_out import manual_rows
 from beamcam.solid.opinion import solid_faults
 from benchmarks.coping_faults import program_of as text_of
-from benchmarks.coping_plans import STEPS
+from benchmarks.coping_roots import STEPS
 from tests.conftest import examples, sampled
 from tests.random_copes import CEES, polygon, random_cope, random_tee
 from tests.unit.coping.samples import (
