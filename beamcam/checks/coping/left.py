@@ -7,7 +7,6 @@ from msgspec import Struct
 
 from beamcam.checks.coping import rules
 from beamcam.checks.coping.section import CoperSection, TubeSection, line_of, pieces_of
-from beamcam.checks.coping.stock import WallStock
 from beamcam.errors import Diagnostic, Source
 
 Shape = Any  #: of shapely
@@ -19,22 +18,6 @@ class WallPieces(Struct, frozen=True):
 
     part: Shape
     scrap: Shape
-
-
-def left_of(
-    face: str,
-    gone: Sequence[tuple[Shape, Shape]],
-    drawn: Shape,
-    stock: WallStock,
-    section: CoperSection,
-    slack: float,
-) -> WallPieces:
-    """The pieces of a wall of the bar, or of the piece, after all strokes."""
-    from shapely import box
-
-    low, high = section.extent(face)
-    bar = stock.wall(face).intersection(box(-1e6, low, 1e6, high))
-    return parted(bar, [surely for surely, _ in gone], drawn, slack)
 
 
 def parted(bar: Shape, gone: Sequence[Shape], drawn: Shape, slack: float) -> WallPieces:
