@@ -104,13 +104,13 @@ def _gone_on(ring: list[Point], wide: float, radius: float) -> list[Point]:
 
 def void_of(feature: Any, piece: PieceAsked | None = None) -> Shape:
     """What a feature takes of its face; nothing where it is an outline."""
+    from shapely import MultiPoint, Polygon
     from shapely import Point as Place
-    from shapely import Polygon, make_valid
 
     if isinstance(feature, Hole):
         return Place(feature.x, feature.y).buffer(feature.diameter / 2, 64)
     if isinstance(feature, Slot):
-        return make_valid(Polygon(list(slot_ring(feature)))).convex_hull
+        return MultiPoint(list(slot_ring(feature))).convex_hull
     if isinstance(feature, Contour) and feature.kind == "inner":
         return with_air(ring_of(feature.curves), piece.faces[feature.face] if piece else None)
     return Polygon()

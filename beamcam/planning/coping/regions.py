@@ -52,7 +52,7 @@ def region_of(
     wall: PlannedWall, part: Part, features: Sequence[int], coper: Coper
 ) -> tuple[WallRegion, list[Diagnostic]]:
     """The region of a wall by those of a part's features that lie on it, and what is wrong."""
-    from shapely import make_valid, union_all
+    from shapely import union_all
 
     own = [f for f in map(part.features.__getitem__, features) if isinstance(f, Cut)]
     outer = [c for c in own if isinstance(c, Contour) and c.kind == "outer"]
@@ -71,7 +71,6 @@ def region_of(
             what = "a cut-out" if isinstance(feature, Contour) else "a hole"
             diagnostics.append(rules.OFF.at(feature.source, what=f"{what} on face {wall.face}"))
         shape = shape.difference(gone)
-    shape = make_valid(shape)
     if shape.is_empty:
         return WallRegion(wall, shape, {}), diagnostics
     corners = [  # what is at a root is cut with it, or stays there
@@ -313,7 +312,8 @@ def shape_of(
             sides = [one for one in (curves[k - 1], curve) if isinstance(one, Line)]
             places[0] = moved((places[0][0], places[0][1]), sides)
         ring += [(x, y) for x, y in places]
-    return make_valid(Polygon(ring)) if len(ring) > 2 else Polygon()
+    whole = Polygon(ring) if len(ring) > 2 else Polygon()
+    return whole if whole.is_valid else make_valid(whole)
 
 
 def curves_of(feature: Cut) -> tuple[Curve, ...]:
