@@ -5,6 +5,7 @@ from 0 to the length of the part, and of a piece that comes cut into the air bef
 """
 
 from collections.abc import Iterator, Sequence
+from math import isnan
 from typing import Any
 
 from msgspec import Struct
@@ -18,6 +19,7 @@ from beamcam.model.part import Contour, Hole, Part, Slot
 
 Shape = Any  #: of shapely
 
+DEEP = 5.0  #: mm that the floor of a slot lies inside of the end that it begins at, at least
 APART = 1.0  #: mm that a drawing may be off and mean it
 
 
@@ -26,6 +28,19 @@ class BoxWall(Struct, frozen=True):
     wide: float
     steel: Shape
     is_drawn: bool
+
+    def end(self, side: int) -> Iterator[tuple[float, float]]:
+        """y and x of places along an end; FAR of what has no steel, but none of a slot's floor."""
+        from shapely import bounds, intersection, linestrings
+
+        ys = [self.wide * k / 20 for k in range(1, 20)]
+        across = linestrings([((-FAR, y), (FAR, y)) for y in ys])
+        xs = bounds(intersection(across, self.steel))[:, 0 if side < 0 else 2].tolist()
+        first, last = xs[0], xs[-1]
+        for y, x in zip(ys, xs, strict=True):
+            chord = first + (last - first) * (y - ys[0]) / (ys[-1] - ys[0])
+            if isnan(x) or side * (x - chord) >= -DEEP:
+                yield y, FAR if isnan(x) else x
 
 
 def outlines_of(face: str, features: Sequence[Any]) -> list[Contour]:
@@ -55,7 +70,8 @@ def outlined(
     if not rings:
         air = AIR if piece else 0.0
         return BoxWall(face, wide, box(-air, 0.0, part.length + air, wide), False)
-    steel = union_all([with_air(ring, there) for ring in rings])
+    areas = [with_air(ring, there) for ring in rings]
+    steel = union_all(areas) if len(areas) > 1 else areas[0]
     return BoxWall(face, wide, steel.intersection(box(-FAR, 0.0, FAR, wide)), True)
 
 

@@ -7,7 +7,7 @@ plane is cut where the wall reaches farthest, at its outside or at its inside.
 
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import product
-from math import asin, hypot, isnan, pi, radians, sin, tan
+from math import asin, hypot, pi, radians, sin, tan
 from typing import Any
 
 from msgspec import Struct
@@ -48,7 +48,6 @@ Shape = Any  #: of shapely
 PLACES = 48  #: across a corner
 STRAIGHT = 0.001  #: mm that places across a corner are off a straight line, and are left out
 LEVEL = tan(radians(SQUARE_DEG))
-DEEP = 5.0  #: mm that the floor of a slot lies inside of the end that it begins at, at least
 INSIDE = 1e-6  #: mm off the edges of a band
 LEAST_OFF = 0.5  #: mm that a square cut is off inside of a wall, and that are manual work
 #: The faces beside each corner on the way round, and whether it is at the greatest y of each.
@@ -197,7 +196,7 @@ def _end(part: Part, walls: Mapping[str, BoxWall], section: TubeSection, side: i
         reach = section.flat_y * abs(web) + section.flat_z * abs(flange)
         reach += section.radius * hypot(web, flange)
         return (reach if side < 0 else part.length - reach), web, flange
-    seen = [(wall.face, y, x) for wall in drawn for y, x in _line(wall, side)]
+    seen = [(wall.face, y, x) for wall in drawn for y, x in wall.end(side)]
     best: tuple[float, End] | None = None
     for signs in ((0, 0), *product((1, -1), repeat=2)):
         rows, xs = [], []
@@ -228,21 +227,6 @@ def _end(part: Part, walls: Mapping[str, BoxWall], section: TubeSection, side: i
     if best is None or max(map(abs, best[1][1:])) <= LEVEL:
         return None
     return best[1]
-
-
-def _line(wall: BoxWall, side: int) -> Iterator[tuple[float, float]]:
-    """y and x of places along the end of a face."""
-    from shapely import bounds, intersection, linestrings
-
-    ys = [wall.wide * k / 20 for k in range(1, 20)]
-    across = linestrings([((-FAR, y), (FAR, y)) for y in ys])
-    xs = bounds(intersection(across, wall.steel))[:, 0 if side < 0 else 2].tolist()
-    # What has no steel there is on no plane, and neither is the floor of a slot from the end.
-    first, last = xs[0], xs[-1]
-    for y, x in zip(ys, xs, strict=True):
-        chord = first + (last - first) * (y - ys[0]) / (ys[-1] - ys[0])
-        if isnan(x) or side * (x - chord) >= -DEEP:
-            yield y, FAR if isnan(x) else x
 
 
 def _skew(end: End | None, section: TubeSection, face: str) -> float:

@@ -89,12 +89,12 @@ def round_ring(
 
 
 def slot_ring(slot: Slot) -> Iterator[Point]:
-    """Points of the circles at the corners of a slot, whose hull it is."""
+    """Points of the round corners of a slot, whose hull it is."""
     c, s = cos(radians(slot.angle)), sin(radians(slot.angle))
-    for a, b in ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)):
+    for k, (a, b) in enumerate(((0.5, 0.5), (-0.5, 0.5), (-0.5, -0.5), (0.5, -0.5))):
         x = slot.x + a * slot.length * c - b * slot.height * s
         y = slot.y + a * slot.length * s + b * slot.height * c
-        yield from round_ring(x, y, slot.diameter / 2)
+        yield from round_ring(x, y, slot.diameter / 2, slot.angle + 90.0 * k, 90.0)
 
 
 Shape = Any  #: of shapely
