@@ -54,23 +54,23 @@ class ProfileTorch(TorchFollower):
         if face is None:
             self._say(rules.ANGLE.at(source, found=f"{poses[0].a_deg:g}"))
             return
-        lean_at = {turned: _lean(face, *turned) for turned in (pose.turned for pose in poses)}
-        for (a_deg, b_deg), lean in lean_at.items():
-            if degrees(atan(hypot(*lean))) > coper.tilt + ANGLE_SLACK_DEG:
-                found = f"{b_deg:g}" if _is_on(face, a_deg) else f"{b_deg:g}, A off its face"
+        for pose in poses:
+            leaning = degrees(atan(hypot(*pose.lean(face))))
+            if leaning > coper.tilt + ANGLE_SLACK_DEG:
+                found = f"{pose.b_deg:g}" if pose.is_on(face) else f"{pose.b_deg:g}, A off its face"
                 self._say(rules.TILT.at(source, found=found, expected=f"{coper.tilt:g}"))
                 return
         over = [self._section.over(face, *pose.tip[1:]) for pose in poses]
-        feet = [pose.foot(face, height, lean_at[pose.turned])
-                for pose, height in zip(poses, over, strict=True)]  # fmt: skip
+        feet = [pose.foot(face, height) for pose, height in zip(poses, over, strict=True)]
         row = self._row(source, moves, [feet[k] for k in ends])
         if row is None:
             return
         self._pierce_time(source, row)
         # The tip is wide; its lower edge keeps the height of the row.
-        half = coper.torch_width / 2
-        edges = {turned: half * sin(atan(hypot(*lean))) for turned, lean in lean_at.items()}
-        lowest = [height - edges[pose.turned] for pose, height in zip(poses, over, strict=True)]
+        lowest = [
+            height - coper.torch_width / 2 * sin(atan(hypot(*pose.lean(face))))
+            for pose, height in zip(poses, over, strict=True)
+        ]
         self._height(source, face, lowest[:1], row.pierce_height, "pierces")
         self._height(source, face, [lowest[k] for k in ends[1:]], row.cut_height, "cuts")
         off = max(lowest[ends[1] :], key=lambda one: abs(one - row.cut_height))
@@ -79,11 +79,12 @@ class ProfileTorch(TorchFollower):
         if dist(feet[0], feet[ends[1]]) > HEIGHT_SLACK or poses[0].turned != poses[ends[1]].turned:
             self._wrong(line, "a slanting way down to the steel", "one straight along the torch")
         places = tuple(pose.tip[1:] for pose in poses)
-        turns = [pose.turned for pose in poses[ends[1] :]]
-        b_deg, points = turns[0][1], tuple(feet[ends[1] :])
-        stands = all(b == b_deg and _is_on(face, a_deg) for a_deg, b in {*turns})
-        turning = () if stands else tuple(map(lean_at.__getitem__, turns))
-        self.strokes.append(TorchStroke(line, face, points, places, row, b_deg, turning))
+        cut = poses[ends[1] :]
+        leans: tuple[tuple[float, float], ...] = ()
+        if not all(pose.is_on(face) and pose.b_deg == cut[0].b_deg for pose in cut):
+            leans = tuple(pose.lean(face) for pose in cut)
+        points = tuple(feet[ends[1] :])
+        self.strokes.append(TorchStroke(line, face, points, places, row, cut[0].b_deg, leans))
 
     def _poses(self, moves: Sequence[Move[Place]]) -> "tuple[list[_Pose], list[int]]":
         """The torch at the start of some moves and at the end of each, and on the way of those on
@@ -107,7 +108,7 @@ class ProfileTorch(TorchFollower):
         most = self._coper.tilt + ANGLE_SLACK_DEG
         faces = [face for a, face in ANGLES.items()
                  if face in self._section.faces and abs(a - pose.a_deg) <= most]  # fmt: skip
-        exact = [face for face in faces if _is_on(face, pose.a_deg)]
+        exact = [face for face in faces if pose.is_on(face)]
         return min(exact or faces, default=None,
                    key=lambda face: abs(self._section.over(face, *pose.tip[1:])))  # fmt: skip
 
@@ -142,20 +143,19 @@ class _Pose(Struct, frozen=True):
     def turned(self) -> tuple[float, float]:
         return self.a_deg, self.b_deg
 
-    def foot(self, face: str, height: float, lean: tuple[float, float]) -> tuple[float, float]:
+    def is_on(self, face: str) -> bool:
+        """Whether A is that of a face."""
+        return any(f == face and abs(a - self.a_deg) <= ANGLE_SLACK_DEG for a, f in ANGLES.items())
+
+    def lean(self, face: str) -> tuple[float, float]:
+        """How far the head is over along x and y of a face, by mm of height over it; without an
+        end where it looks along the face or away from it."""
+        x, y, z = below((0.0, 0.0, 0.0), -1.0, self.a_deg, self.b_deg)
+        along, out = (y, z) if face == "v" else (z, y if face == "o" else -y)
+        return (x / out, along / out) if out > 0.0 else (inf, inf)
+
+    def foot(self, face: str, height: float) -> tuple[float, float]:
         """Where the torch points at on a face, from so high over it."""
-        (x, y, z), (lx, ly) = self.tip, lean
+        lx, ly = self.lean(face)
+        x, y, z = self.tip
         return x - height * lx, (y if face == "v" else z) - height * ly
-
-
-def _is_on(face: str, a_deg: float) -> bool:
-    """Whether A is that of a face."""
-    return any(f == face and abs(a - a_deg) <= ANGLE_SLACK_DEG for a, f in ANGLES.items())
-
-
-def _lean(face: str, a_deg: float, b_deg: float) -> tuple[float, float]:
-    """How far the head is over along x and y of a face, by mm of height over it; without an end
-    where it looks along the face or away from it."""
-    x, y, z = below((0.0, 0.0, 0.0), -1.0, a_deg, b_deg)
-    along, out = (y, z) if face == "v" else (z, y if face == "o" else -y)
-    return (x / out, along / out) if out > 0.0 else (inf, inf)
