@@ -29,18 +29,22 @@ class BoxWall(Struct, frozen=True):
     steel: Shape
     is_drawn: bool
 
-    def end(self, side: int) -> Iterator[tuple[float, float]]:
-        """y and x of places along an end; FAR of what has no steel, but none of a slot's floor."""
+    def ends(self) -> tuple[list[Point], list[Point]]:
+        """x and y of places along both ends; FAR of what has no steel, but none of a slot's
+        floor."""
         from shapely import bounds, intersection, linestrings
 
         ys = [self.wide * k / 20 for k in range(1, 20)]
         across = linestrings([((-FAR, y), (FAR, y)) for y in ys])
-        xs = bounds(intersection(across, self.steel))[:, 0 if side < 0 else 2].tolist()
-        first, last = xs[0], xs[-1]
-        for y, x in zip(ys, xs, strict=True):
-            chord = first + (last - first) * (y - ys[0]) / (ys[-1] - ys[0])
-            if isnan(x) or side * (x - chord) >= -DEEP:
-                yield y, FAR if isnan(x) else x
+        start, _, end, _ = bounds(intersection(across, self.steel)).T.tolist()
+        found: tuple[list[Point], list[Point]] = [], []
+        for side, xs, places in zip((-1, 1), (start, end), found, strict=True):
+            first, last = xs[0], xs[-1]
+            for y, x in zip(ys, xs, strict=True):
+                chord = first + (last - first) * (y - ys[0]) / (ys[-1] - ys[0])
+                if isnan(x) or side * (x - chord) >= -DEEP:
+                    places.append((FAR if isnan(x) else x, y))
+        return found
 
 
 def outlines_of(face: str, features: Sequence[Any]) -> list[Contour]:

@@ -303,8 +303,8 @@ class TubeSection:
         """The way along the flats to the middle of a face; u is 0, v 1, o 2, h 3, and so on."""
         return face * (self.flat_y + self.flat_z)
 
-    def around(self, face: str, y: float) -> float:
-        """s of a place on the flat of a face."""
+    def around(self, face: str, y: Any) -> Any:
+        """s of a place on the flat of a face, or of places."""
         k = "uvoh".index(face)
         along = y - (self.half_y if face in "vh" else self.half_z)
         return self._begin(k) + self.radius * k * pi / 2 + (along if k < 2 else -along)

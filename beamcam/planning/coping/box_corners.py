@@ -101,11 +101,10 @@ def corner_of(
         for face, into in zip((a, b), reaches, strict=True) if into
     ]  # fmt: skip
     ss = corner.begin + r * turns
+    sides = [np.column_stack((line, ss)) for line in lines.T]
     shapes = [
-        Polygon(
-            [*zip(lines[:, k], ss, strict=True), *zip(lines[::-1, k + 1], ss[::-1], strict=True)]
-        )
-        for k in range(0, lines.shape[1], 2)
+        Polygon(np.concatenate((low, high[::-1])))
+        for low, high in zip(sides[::2], sides[1::2], strict=True)
     ]
     left = dict(zip((b, a), leaning, strict=True))
     return union_all(shapes).difference(union_all(gone)), left, said
