@@ -22,11 +22,12 @@ class WallPieces(Struct, frozen=True):
 
 def parted(bar: Shape, gone: Sequence[Shape], drawn: Shape, slack: float) -> WallPieces:
     """The pieces of a surface that is cut; those of the part have steel well within it."""
-    from shapely import MultiPolygon, union_all
+    from shapely import MultiPolygon, prepare, union_all
 
     pieces = [p for p in pieces_of(bar.difference(union_all(gone))) if p.area > SPECK]
     core = drawn.intersection(bar).buffer(-2 * slack, join_style="mitre")
-    mine = [p for p in pieces if p.intersection(core).area > SPECK]
+    prepare(core)  # whose border most pieces lie off
+    mine = [p for p in pieces if core.intersects(p) and core.intersection(p).area > SPECK]
     others = [p for p in pieces if not any(p is one for one in mine)]
     return WallPieces(MultiPolygon(mine), MultiPolygon(others))
 
@@ -39,8 +40,10 @@ def kept_faults(
     if left.part.is_empty:
         yield rules.GONE.at(Source(name), face=face)
         return
-    over = left.part.difference(wanted.buffer(slack, join_style="mitre"))
-    for piece in pieces_of(over):
+    around = wanted.buffer(slack, join_style="mitre")
+    if around.covers(left.part):
+        return
+    for piece in pieces_of(left.part.difference(around)):
         if piece.area > SPECK:
             far = max(wanted.distance(line_of([p])) for p in outline_of(piece))
             x, y = piece.representative_point().coords[0]
