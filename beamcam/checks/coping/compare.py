@@ -15,6 +15,7 @@ from typing import Any
 from beamcam.checks.coping import rules
 from beamcam.checks.coping.bevels import BevelPass, ends_of_passes, pass_faults
 from beamcam.checks.coping.chart import SAME_FEED, row_for
+from beamcam.checks.coping.contour_bands import ContourBand, extra_at
 from beamcam.checks.coping.left import (
     WallPieces,
     holding_faults,
@@ -23,7 +24,7 @@ from beamcam.checks.coping.left import (
     parted,
 )
 from beamcam.checks.coping.lips import lip_faults
-from beamcam.checks.coping.section import CoperSection, jet_of, line_of, narrowed, pieces_of
+from beamcam.checks.coping.section import CoperSection, jet_of, line_of, pieces_of
 from beamcam.checks.coping.skew import EndOnWall, SkewEnd
 from beamcam.checks.coping.stock import FINE, WallStock
 from beamcam.checks.coping.strokes import TorchStroke
@@ -201,7 +202,7 @@ def _hurt(
 def _stroke_faults(
     stroke: TorchStroke,
     strokes: Sequence[TorchStroke],
-    beside: "Mapping[tuple[float, float, float], ContourBand]",
+    beside: Mapping[tuple[float, float, float], ContourBand],
     passes: Sequence[BevelPass],
     steel: Shape,
     solid: Shape,
@@ -234,7 +235,7 @@ def _stroke_faults(
     if stroke.leans and not has_edge:
         yield rules.ANGLE.at(source, found="off that of its face, along no bevel")
         return
-    if not has_edge and (off := _extra_at(stroke, beside, steel, slack)) is not None:
+    if not has_edge and (off := extra_at(stroke, beside, steel, slack)) is not None:
         x, y = off
         yield rules.EXTRA.at(source, x=f"{x:.1f}", y=f"{y:.1f}", face=stroke.face)
     x, y = stroke.points[0]
@@ -292,61 +293,6 @@ def _twice(face: str, own: Sequence[TorchStroke], name: str) -> Iterator[Diagnos
 def is_pass(stroke: TorchStroke, passes: Sequence[BevelPass]) -> bool:
     """Whether a stroke makes a bevel."""
     return any(one.stroke is stroke for one in passes)
-
-
-class ContourBand:
-    """Where a stroke runs that keeps half a kerf off a contour, as the torch sees it."""
-
-    def __init__(self, wanted: Shape, kerf: float, share: float, slack: float) -> None:
-        from shapely import prepare
-
-        self._seen, self._off = narrowed(wanted, share).simplify(FINE / 2), kerf / 2 + slack
-        self._along = self._seen.boundary.buffer(self._off)
-        prepare(self._along)
-
-    def off(self, run: Shape) -> Shape:
-        """What of a path lies elsewhere."""
-        from shapely import Polygon
-
-        if self._along.covers(run):
-            return Polygon()
-        # At an edge of its wall a path goes straight on beyond the end of a slanting contour.
-        around = self._seen.buffer(self._off, join_style="mitre").difference(self._seen)
-        return run.difference(self._along).difference(around)
-
-
-def _extra_at(
-    stroke: TorchStroke,
-    beside: Mapping[tuple[float, float, float], ContourBand],
-    steel: Shape,
-    slack: float,
-) -> tuple[float, float] | None:
-    """A place of a stroke that runs along the contour of no surface; None where it does of one."""
-    first: tuple[float, float] | None = None
-    for (depth, *view), near in beside.items():
-        if view == [stroke.row.kerf, stroke.share]:
-            off = _off_contour(stroke, near, depth, steel, slack)
-            if off is None:
-                return None
-            first = first or off
-    return first
-
-
-def _off_contour(
-    stroke: TorchStroke, near: ContourBand, depth: float, steel: Shape, slack: float
-) -> tuple[float, float] | None:
-    """A place of a stroke that keeps no half a kerf off a contour so far below; None if there is
-    none.
-
-    Its first stretch is the lead, and beyond the edges of the wall there is air.
-    """
-    share = stroke.share
-    run = narrowed(line_of(stroke.at(depth)[1:]).intersection(steel), share)
-    off = near.off(run)
-    if off.length <= slack:
-        return None
-    x, y = off.representative_point().coords[0]
-    return x / share, y
 
 
 def _thickness(
