@@ -11,9 +11,9 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.checks.coping.box_tube import box_outlines
+from beamcam.checks.coping.lying import lying
 from beamcam.checks.coping.program import head_part, head_profile
 from beamcam.checks.coping.program import strokes_of as stroke_list
-from beamcam.checks.coping.section import lying
 from beamcam.checks.coping.strokes import TorchStroke
 from beamcam.checks.coping.tube import tube_section
 from beamcam.checks.head import head_of

@@ -17,8 +17,9 @@ from msgspec.structs import replace
 from beamcam.checks.coping import codes_read, verify_coping
 from beamcam.checks.coping import rules as coping_rules
 from beamcam.checks.coping.compare import taken_of
+from beamcam.checks.coping.lying import as_drawn, lying
 from beamcam.checks.coping.program import head_part, head_profile, strokes_of
-from beamcam.checks.coping.section import CoperSection, as_drawn, kerf_of, lying, pieces_of
+from beamcam.checks.coping.section import CoperSection, kerf_of, pieces_of
 from beamcam.checks.coping.strokes import TorchStroke
 from beamcam.checks.coping.tube import tube_section
 from beamcam.checks.head import head_of

@@ -33,7 +33,7 @@ def verify_coping(
     part only its blocks are read. Raises TypeError for a machine without a coper.
     """
     from beamcam.checks.coping import rules
-    from beamcam.checks.coping.section import lying
+    from beamcam.checks.coping.lying import lying
     from beamcam.checks.coping.tube import tube_faults, tube_section
     from beamcam.checks.coping.wanted import may_be_left
     from beamcam.model.rounds import rolled

@@ -20,7 +20,8 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.checks.coping import rules
-from beamcam.checks.coping.section import CoperSection, other_side
+from beamcam.checks.coping.lying import other_side
+from beamcam.checks.coping.section import CoperSection
 from beamcam.checks.coping.skew import SkewEnd, own_bevels
 from beamcam.checks.coping.strokes import TorchStroke
 from beamcam.errors import Diagnostic, Source

@@ -5,6 +5,7 @@ from 0 to the length of the part, and of a piece that comes cut into the air bef
 """
 
 from collections.abc import Iterator, Sequence
+from math import isnan
 from typing import Any
 
 from msgspec import Struct
@@ -18,6 +19,7 @@ from beamcam.model.part import Contour, Hole, Part, Slot
 
 Shape = Any  #: of shapely
 
+DEEP = 5.0  #: mm that the floor of a slot lies inside of the end that it begins at, at least
 APART = 1.0  #: mm that a drawing may be off and mean it
 
 
@@ -26,6 +28,23 @@ class BoxWall(Struct, frozen=True):
     wide: float
     steel: Shape
     is_drawn: bool
+
+    def ends(self) -> tuple[list[Point], list[Point]]:
+        """x and y of places along both ends; FAR of what has no steel, but none of a slot's
+        floor."""
+        from shapely import bounds, intersection, linestrings
+
+        ys = [self.wide * k / 20 for k in range(1, 20)]
+        across = linestrings([((-FAR, y), (FAR, y)) for y in ys])
+        start, _, end, _ = bounds(intersection(across, self.steel)).T.tolist()
+        found: tuple[list[Point], list[Point]] = [], []
+        for side, xs, places in zip((-1, 1), (start, end), found, strict=True):
+            first, last = xs[0], xs[-1]
+            for y, x in zip(ys, xs, strict=True):
+                chord = first + (last - first) * (y - ys[0]) / (ys[-1] - ys[0])
+                if isnan(x) or side * (x - chord) >= -DEEP:
+                    places.append((FAR if isnan(x) else x, y))
+        return found
 
 
 def outlines_of(face: str, features: Sequence[Any]) -> list[Contour]:
@@ -55,7 +74,8 @@ def outlined(
     if not rings:
         air = AIR if piece else 0.0
         return BoxWall(face, wide, box(-air, 0.0, part.length + air, wide), False)
-    steel = union_all([with_air(ring, there) for ring in rings])
+    areas = [with_air(ring, there) for ring in rings]
+    steel = union_all(areas) if len(areas) > 1 else areas[0]
     return BoxWall(face, wide, steel.intersection(box(-FAR, 0.0, FAR, wide)), True)
 
 
@@ -104,13 +124,13 @@ def _gone_on(ring: list[Point], wide: float, radius: float) -> list[Point]:
 
 def void_of(feature: Any, piece: PieceAsked | None = None) -> Shape:
     """What a feature takes of its face; nothing where it is an outline."""
+    from shapely import MultiPoint, Polygon
     from shapely import Point as Place
-    from shapely import Polygon, make_valid
 
     if isinstance(feature, Hole):
         return Place(feature.x, feature.y).buffer(feature.diameter / 2, 64)
     if isinstance(feature, Slot):
-        return make_valid(Polygon(list(slot_ring(feature)))).convex_hull
+        return MultiPoint(list(slot_ring(feature))).convex_hull
     if isinstance(feature, Contour) and feature.kind == "inner":
         return with_air(ring_of(feature.curves), piece.faces[feature.face] if piece else None)
     return Polygon()

@@ -7,7 +7,7 @@ plane is cut where the wall reaches farthest, at its outside or at its inside.
 
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import product
-from math import asin, hypot, isnan, pi, radians, sin, tan
+from math import asin, hypot, pi, radians, sin, tan
 from typing import Any
 
 from msgspec import Struct
@@ -37,6 +37,8 @@ from beamcam.checks.coping.tube_planes import (
     kept,
     planes_of,
     round_corner,
+    surfaces_of,
+    x_on,
 )
 from beamcam.checks.coping.wanted import corners_of, with_corners_cut
 from beamcam.geometry.plane import Point
@@ -48,7 +50,6 @@ Shape = Any  #: of shapely
 PLACES = 48  #: across a corner
 STRAIGHT = 0.001  #: mm that places across a corner are off a straight line, and are left out
 LEVEL = tan(radians(SQUARE_DEG))
-DEEP = 5.0  #: mm that the floor of a slot lies inside of the end that it begins at, at least
 INSIDE = 1e-6  #: mm off the edges of a band
 LEAST_OFF = 0.5  #: mm that a square cut is off inside of a wall, and that are manual work
 #: The faces beside each corner on the way round, and whether it is at the greatest y of each.
@@ -77,7 +78,7 @@ def box_wanted(
 
     features = [f for k, f in enumerate(part.features) if k not in left]
     walls = {face: outlined(part, face, features, section, piece) for face in "uvoh"}
-    ends = [_end(part, walls, section, side) for side in (-1, 1)]
+    ends = _ends(part, walls, section)
     planes = [*planes_of(part, left, section)]
     skew = [*ends, *(end for _, end in planes)]
     off = {face: max(_skew(end, section, face) for end in skew) for face in walls}
@@ -139,14 +140,13 @@ def box_ends(part: Part, section: TubeSection) -> tuple[dict[str, FaceEnds], flo
     """Where a piece ends on each of its faces, by its header and its outlines, and how far apart
     the two surfaces of a wall end at most."""
     walls = {face: outlined(part, face, part.features, section) for face in "uvoh"}
-    own = [*planes_of(part, (), section)]
+    own, skew = [*planes_of(part, (), section)], _ends(part, walls, section)
     found: dict[str, FaceEnds] = {}
     apart = 0.0
     for face, wall in walls.items():
         rows = []
         drawn = ends_of_shape(wall.steel, 0.0, wall.wide)
-        for side, as_drawn in zip((-1, 1), drawn, strict=True):
-            plane = _end(part, walls, section, side)
+        for side, plane, as_drawn in zip((-1, 1), skew, drawn, strict=True):
             planes = [end for at, end in own if at == side]
             planes += [] if plane is None else [plane]
             apart = max(apart, *(section.wall * hypot(*end[1:]) for end in planes), 0.0)
@@ -156,8 +156,8 @@ def box_ends(part: Part, section: TubeSection) -> tuple[dict[str, FaceEnds], flo
                 if not planes:
                     return as_drawn(y)
                 return tuple(
-                    side * min(side * _x_on(end, face, at, y, section) for end in planes)
-                    for at in _surfaces(face, section)
+                    side * min(side * x_on(end, face, at, y, section) for end in planes)
+                    for at in surfaces_of(face, section)
                 )
 
             rows.append(xs)
@@ -166,22 +166,19 @@ def box_ends(part: Part, section: TubeSection) -> tuple[dict[str, FaceEnds], flo
     return found, apart
 
 
-def _surfaces(face: str, section: TubeSection) -> tuple[float, float]:
-    """Where the outside and the inside of a wall lie, from the axis, along Y or along Z."""
-    out = section.half_y if face in "ou" else section.half_z
-    side = 1.0 if face in "vo" else -1.0
-    return side * out, side * (out - section.wall)
+def _ends(
+    part: Part, walls: Mapping[str, BoxWall], section: TubeSection
+) -> tuple[End | None, End | None]:
+    """The planes of skew ends; None of any other."""
+    drawn = [(wall.face, wall.ends()) for wall in walls.values() if wall.is_drawn]
+    seen = [[(face, y, x) for face, ends in drawn for x, y in ends[k]] for k in (0, 1)]
+    return _end(part, seen[0], section, -1), _end(part, seen[1], section, 1)
 
 
-def _x_on(end: End, face: str, at: float, y: float, section: TubeSection) -> float:
-    """x of a plane at a y of a face, on the surface that is `at` from the axis."""
-    if face in "vh":
-        return end[0] - end[1] * (y - section.half_y) - end[2] * at
-    return end[0] - end[1] * at - end[2] * (y - section.half_z)
-
-
-def _end(part: Part, walls: Mapping[str, BoxWall], section: TubeSection, side: int) -> End | None:
-    """The plane of a skew end; None of any other."""
+def _end(
+    part: Part, seen: Sequence[tuple[str, float, float]], section: TubeSection, side: int
+) -> End | None:
+    """The plane of a skew end, by places (face, y, x) along it where it is drawn."""
     import numpy as np
 
     cuts = part.cuts
@@ -189,20 +186,18 @@ def _end(part: Part, walls: Mapping[str, BoxWall], section: TubeSection, side: i
     if is_stated(part, side, *degs):
         degs = (0.0, 0.0)
     web, flange = (tan(radians(d)) if abs(d) > SQUARE_DEG else 0.0 for d in degs)
-    drawn = [wall for wall in walls.values() if wall.is_drawn]
-    if not drawn:
+    if not seen:
         if not (web or flange):
             return None
         # The farthest place of a rounded rectangle along a way, from its middle.
         reach = section.flat_y * abs(web) + section.flat_z * abs(flange)
         reach += section.radius * hypot(web, flange)
         return (reach if side < 0 else part.length - reach), web, flange
-    seen = [(wall.face, y, x) for wall in drawn for y, x in _line(wall, side)]
     best: tuple[float, End] | None = None
     for signs in ((0, 0), *product((1, -1), repeat=2)):
         rows, xs = [], []
         for face, y, x in seen:
-            outside, inside = _surfaces(face, section)
+            outside, inside = surfaces_of(face, section)
             # A plane whose x falls along an axis reaches farthest at the least place of a far end.
             sign = signs[0] if face in "ou" else signs[1]
             pick = min if sign * side > 0 else max
@@ -230,21 +225,6 @@ def _end(part: Part, walls: Mapping[str, BoxWall], section: TubeSection, side: i
     return best[1]
 
 
-def _line(wall: BoxWall, side: int) -> Iterator[tuple[float, float]]:
-    """y and x of places along the end of a face."""
-    from shapely import bounds, intersection, linestrings
-
-    ys = [wall.wide * k / 20 for k in range(1, 20)]
-    across = linestrings([((-FAR, y), (FAR, y)) for y in ys])
-    xs = bounds(intersection(across, wall.steel))[:, 0 if side < 0 else 2].tolist()
-    # What has no steel there is on no plane, and neither is the floor of a slot from the end.
-    first, last = xs[0], xs[-1]
-    for y, x in zip(ys, xs, strict=True):
-        chord = first + (last - first) * (y - ys[0]) / (ys[-1] - ys[0])
-        if isnan(x) or side * (x - chord) >= -DEEP:
-            yield y, FAR if isnan(x) else x
-
-
 def _skew(end: End | None, section: TubeSection, face: str) -> float:
     if end is None:
         return 0.0
@@ -265,7 +245,7 @@ def _ended(wall: BoxWall, ends: Sequence[End | None], section: TubeSection) -> S
             continue
         pick = min if side < 0 else max
         low, high = (
-            pick(_x_on(end, wall.face, at, y, section) for at in _surfaces(wall.face, section))
+            pick(x_on(end, wall.face, at, y, section) for at in surfaces_of(wall.face, section))
             for y in (0.0, wall.wide)
         )
         deep = -side * (_skew(end, section, wall.face) + 2 * APART)
@@ -337,9 +317,9 @@ def _flat(wall: BoxWall, section: TubeSection) -> Shape:
     flat = wall.steel.intersection(box(-FAR, r - 1e-4, FAR, wall.wide - r + 1e-4))
 
     def laid(places: Any) -> Any:
-        places = places.copy()
-        places[:, 1] = [section.around(wall.face, y) for y in places[:, 1]]
-        return places
+        import numpy as np
+
+        return np.column_stack((places[:, 0], section.around(wall.face, places[:, 1])))
 
     return transform(flat, laid)
 

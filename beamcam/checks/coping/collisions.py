@@ -109,8 +109,8 @@ def _runs(ways: Sequence[TipMove]) -> tuple[Counts, Floats, Floats]:
 
     What the torch sweeps on such moves is what it sweeps from the least place to the greatest.
     """
-    starts = np.array([(*way.start[1:], way.a_deg[0], way.b_deg[0]) for way in ways])
-    ends = np.array([(*way.end[1:], way.a_deg[1], way.b_deg[1]) for way in ways])
+    rows = np.array([(*way.start[1:], *way.end[1:], *way.a_deg, *way.b_deg) for way in ways])
+    starts, ends = rows[:, (0, 1, 4, 6)], rows[:, (2, 3, 5, 7)]
     stands = starts == ends
     along = stands[:, 2] & stands[:, 3] & (stands[:, 0] | stands[:, 1])
     kinds = np.column_stack((np.where(stands[:, 1], 1.0, 2.0), starts[:, 2:]))

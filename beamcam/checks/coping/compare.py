@@ -15,15 +15,16 @@ from typing import Any
 from beamcam.checks.coping import rules
 from beamcam.checks.coping.bevels import BevelPass, ends_of_passes, pass_faults
 from beamcam.checks.coping.chart import SAME_FEED, row_for
+from beamcam.checks.coping.contour_bands import ContourBand, extra_at
 from beamcam.checks.coping.left import (
     WallPieces,
     holding_faults,
     kept_faults,
-    left_of,
     outline_of,
+    parted,
 )
 from beamcam.checks.coping.lips import lip_faults
-from beamcam.checks.coping.section import CoperSection, jet_of, line_of, narrowed, pieces_of
+from beamcam.checks.coping.section import CoperSection, jet_of, line_of, pieces_of
 from beamcam.checks.coping.skew import EndOnWall, SkewEnd
 from beamcam.checks.coping.stock import FINE, WallStock
 from beamcam.checks.coping.strokes import TorchStroke
@@ -55,6 +56,8 @@ def compare(
 ) -> Iterator[Diagnostic]:
     """All that strokes make otherwise than wanted on each surface; `ends` are skew ones by wall,
     `made` those that a tilted torch makes, `passes` the strokes that make bevels."""
+    from shapely import box
+
     slack = coper.tolerance + 2 * step + FINE
     left: dict[Surface, WallPieces] = {}
     for (face, depth), asked in wanted.items():
@@ -62,19 +65,23 @@ def compare(
             yield rules.SHORT.at(Source(name), found=f"{asked.short:.2f}", face=face)
         own = [stroke for stroke in strokes if stroke.face == face]
         gone = taken_of(face, own, strokes, section, depth)
+        low, high = section.extent(face)
+        steel = stock.wall(face).intersection(box(-1e6, low, 1e6, high))
         yield from _hurt(face, gone, asked.cut, section, slack, name)
-        left[face, depth] = left_of(face, gone, asked.drawn, stock, section, slack)
+        left[face, depth] = parted(steel, [surely for surely, _ in gone], asked.drawn, slack)
         yield from kept_faults(face, left[face, depth], asked.most, slack, name)
         if depth:
             continue
         views = {(stroke.row.kerf, stroke.share) for stroke in own if not is_pass(stroke, passes)}
-        near = {
-            (d, *view): _beside(one.cut, *view, slack)
+        beside = {
+            (d, *view): ContourBand(one.cut, *view, slack)
             for (other, d), one in wanted.items() if other == face for view in views
         }  # fmt: skip
+        # No arc starts over a hole that is there; on its way it burns on over one.
+        solid = steel.difference(stock.open[face]) if stock.is_piece else steel
         for stroke in own:
             yield from _stroke_faults(
-                stroke, strokes, near, passes, stock, section, coper, rows, slack, name
+                stroke, strokes, beside, passes, steel, solid, section, coper, rows, slack, name
             )
         yield from _twice(face, own, name)
     for face in section.faces[1:]:
@@ -97,16 +104,11 @@ def taken_of(
     face: str, own: Sequence[TorchStroke], strokes: Sequence[TorchStroke], section: CoperSection,
     depth: float = 0.0,
 ) -> list[tuple[Shape, Shape]]:  # fmt: skip
-    """What each stroke takes of a wall, so far below its face: surely, and at most.
+    """What each stroke takes of a wall, so far below its face: surely, and what it may take more.
 
     `own` are those on its face.
     """
-    from shapely import union_all
-
-    found: list[tuple[Shape, Shape]] = []
-    for stroke in own:
-        kerf = stroke.jet(depth)
-        found.append((kerf, union_all([kerf, stroke.pierced(depth)])))
+    found = [(stroke.jet(depth), stroke.pierced(depth)) for stroke in own]
     if face == "v":
         found += [cut for stroke in strokes for cut in _below(stroke, section, depth)]
     return found
@@ -177,13 +179,16 @@ def _hurt(
     name: str,
 ) -> Iterator[Diagnostic]:
     """Steel that has to stay and that a kerf or a pierce takes."""
-    from shapely import box
+    from shapely import box, intersects, prepare, union_all
 
     low, high = section.extent(face)
     kept = wanted.intersection(box(-1e6, low, 1e6, high))
     inner = kept.buffer(-slack, join_style="mitre")
-    for _, at_most in gone:
-        hurt = at_most.intersection(inner)
+    prepare(inner)
+    for taken in gone:
+        if not intersects(inner, taken).any():
+            continue
+        hurt = union_all(taken).intersection(inner)
         if hurt.area > SLIVER:
             x, y = hurt.representative_point().coords[0]
             deep = slack + max(inner.boundary.distance(line_of([p])) for p in outline_of(hurt))
@@ -197,9 +202,10 @@ def _hurt(
 def _stroke_faults(
     stroke: TorchStroke,
     strokes: Sequence[TorchStroke],
-    beside: Mapping[tuple[float, float, float], Shape],
+    beside: Mapping[tuple[float, float, float], ContourBand],
     passes: Sequence[BevelPass],
-    stock: WallStock,
+    steel: Shape,
+    solid: Shape,
     section: CoperSection,
     coper: Coper,
     rows: Sequence[TorchRow],
@@ -209,10 +215,9 @@ def _stroke_faults(
     """A stroke beside its wall, along no contour of any surface, or at the speed of another
     thickness.
 
-    `beside` is where a stroke may run, by mm below the face, its kerf and its `share`.
+    `beside` is where a stroke may run, by mm below the face, its kerf and its `share`, `solid` the
+    steel without the holes that are there.
     """
-    from shapely import box
-
     source = Source(name, stroke.line)
     low, high = section.extent(stroke.face)
     over = stroke.row.kerf / 2 + coper.over + slack
@@ -227,17 +232,14 @@ def _stroke_faults(
             source, y=f"{y:g}", face=stroke.face, least=f"{low:g}", most=f"{high:g}"
         )
         return
-    steel = stock.wall(stroke.face).intersection(box(-1e6, low, 1e6, high))
     if stroke.leans and not has_edge:
         yield rules.ANGLE.at(source, found="off that of its face, along no bevel")
         return
-    if not has_edge and (off := _extra_at(stroke, beside, steel, slack)) is not None:
+    if not has_edge and (off := extra_at(stroke, beside, steel, slack)) is not None:
         x, y = off
         yield rules.EXTRA.at(source, x=f"{x:.1f}", y=f"{y:.1f}", face=stroke.face)
     x, y = stroke.points[0]
     lost = _in_air(stroke, steel, coper.over)
-    # No arc starts over a hole that is there; on its way it burns on over one, as the plan said.
-    solid = steel.difference(stock.open[stroke.face]) if stock.is_piece else steel
     if solid.distance(line_of([(x, y)])) > slack or lost is not None:
         x, y = lost or (x, y)
         yield rules.AIR.at(source, x=f"{x:.1f}", y=f"{y:.1f}", face=stroke.face)
@@ -291,48 +293,6 @@ def _twice(face: str, own: Sequence[TorchStroke], name: str) -> Iterator[Diagnos
 def is_pass(stroke: TorchStroke, passes: Sequence[BevelPass]) -> bool:
     """Whether a stroke makes a bevel."""
     return any(one.stroke is stroke for one in passes)
-
-
-def _beside(wanted: Shape, kerf: float, share: float, slack: float) -> Shape:
-    """Where a stroke runs that keeps half a kerf off a contour, as the torch sees it."""
-    # A path goes straight on beyond the end of a slanting contour, where an edge of its wall is.
-    seen, off_it = narrowed(wanted, share).simplify(FINE / 2), kerf / 2 + slack
-    around = seen.buffer(off_it, join_style="mitre").difference(seen)
-    return seen.boundary.buffer(off_it).union(around)
-
-
-def _extra_at(
-    stroke: TorchStroke,
-    beside: Mapping[tuple[float, float, float], Shape],
-    steel: Shape,
-    slack: float,
-) -> tuple[float, float] | None:
-    """A place of a stroke that runs along the contour of no surface; None where it does of one."""
-    first: tuple[float, float] | None = None
-    for (depth, *view), near in beside.items():
-        if view == [stroke.row.kerf, stroke.share]:
-            off = _off_contour(stroke, near, depth, steel, slack)
-            if off is None:
-                return None
-            first = first or off
-    return first
-
-
-def _off_contour(
-    stroke: TorchStroke, near: Shape, depth: float, steel: Shape, slack: float
-) -> tuple[float, float] | None:
-    """A place of a stroke that keeps no half a kerf off a contour so far below; None if there is
-    none.
-
-    Its first stretch is the lead, and beyond the edges of the wall there is air.
-    """
-    share = stroke.share
-    run = narrowed(line_of(stroke.at(depth)[1:]).intersection(steel), share)
-    off = run.difference(near)
-    if off.length <= slack:
-        return None
-    x, y = off.representative_point().coords[0]
-    return x / share, y
 
 
 def _thickness(

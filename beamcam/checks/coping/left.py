@@ -7,7 +7,6 @@ from msgspec import Struct
 
 from beamcam.checks.coping import rules
 from beamcam.checks.coping.section import CoperSection, TubeSection, line_of, pieces_of
-from beamcam.checks.coping.stock import WallStock
 from beamcam.errors import Diagnostic, Source
 
 Shape = Any  #: of shapely
@@ -21,29 +20,14 @@ class WallPieces(Struct, frozen=True):
     scrap: Shape
 
 
-def left_of(
-    face: str,
-    gone: Sequence[tuple[Shape, Shape]],
-    drawn: Shape,
-    stock: WallStock,
-    section: CoperSection,
-    slack: float,
-) -> WallPieces:
-    """The pieces of a wall of the bar, or of the piece, after all strokes."""
-    from shapely import box
-
-    low, high = section.extent(face)
-    bar = stock.wall(face).intersection(box(-1e6, low, 1e6, high))
-    return parted(bar, [surely for surely, _ in gone], drawn, slack)
-
-
 def parted(bar: Shape, gone: Sequence[Shape], drawn: Shape, slack: float) -> WallPieces:
     """The pieces of a surface that is cut; those of the part have steel well within it."""
-    from shapely import MultiPolygon, union_all
+    from shapely import MultiPolygon, prepare, union_all
 
     pieces = [p for p in pieces_of(bar.difference(union_all(gone))) if p.area > SPECK]
     core = drawn.intersection(bar).buffer(-2 * slack, join_style="mitre")
-    mine = [p for p in pieces if p.intersection(core).area > SPECK]
+    prepare(core)  # whose border most pieces lie off
+    mine = [p for p in pieces if core.intersects(p) and core.intersection(p).area > SPECK]
     others = [p for p in pieces if not any(p is one for one in mine)]
     return WallPieces(MultiPolygon(mine), MultiPolygon(others))
 
@@ -56,8 +40,10 @@ def kept_faults(
     if left.part.is_empty:
         yield rules.GONE.at(Source(name), face=face)
         return
-    over = left.part.difference(wanted.buffer(slack, join_style="mitre"))
-    for piece in pieces_of(over):
+    around = wanted.buffer(slack, join_style="mitre")
+    if around.covers(left.part):
+        return
+    for piece in pieces_of(left.part.difference(around)):
         if piece.area > SPECK:
             far = max(wanted.distance(line_of([p])) for p in outline_of(piece))
             x, y = piece.representative_point().coords[0]

@@ -29,6 +29,14 @@ def ring_of(curves: tuple[Curve, ...]) -> list[Point]:
     return [point for curve in curves for point in _places(curve)]
 
 
+def inside_of(ring: Sequence[Point]) -> Any:
+    """The inside of a ring, also of one that crosses itself."""
+    from shapely import Polygon, make_valid
+
+    whole = Polygon(ring)
+    return whole if whole.is_valid else make_valid(whole)
+
+
 def outline_ring(
     curves: tuple[Curve, ...], edges: Sequence[float], at_end: Callable[[Point], Point],
     seam_from: float = inf,
@@ -81,12 +89,12 @@ def round_ring(
 
 
 def slot_ring(slot: Slot) -> Iterator[Point]:
-    """Points of the circles at the corners of a slot, whose hull it is."""
+    """Points of the round corners of a slot, whose hull it is."""
     c, s = cos(radians(slot.angle)), sin(radians(slot.angle))
-    for a, b in ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)):
+    for k, (a, b) in enumerate(((0.5, 0.5), (-0.5, 0.5), (-0.5, -0.5), (0.5, -0.5))):
         x = slot.x + a * slot.length * c - b * slot.height * s
         y = slot.y + a * slot.length * s + b * slot.height * c
-        yield from round_ring(x, y, slot.diameter / 2)
+        yield from round_ring(x, y, slot.diameter / 2, slot.angle + 90.0 * k, 90.0)
 
 
 Shape = Any  #: of shapely
@@ -140,7 +148,7 @@ def stock_of(part: Part, section: CoperSection, coper: Coper) -> WallStock:
 
 def _open(part: Part, face: str) -> Shape:
     """The holes, slots and cut-outs of a wall that are there."""
-    from shapely import MultiPoint, Polygon, make_valid, union_all
+    from shapely import MultiPoint, Polygon, union_all
 
     found: list[Shape] = []
     for feature in part.made or ():
@@ -151,7 +159,7 @@ def _open(part: Part, face: str) -> Shape:
         elif isinstance(feature, Slot) and feature.depth is None:
             found.append(MultiPoint([*slot_ring(feature)]).convex_hull)
         elif isinstance(feature, Contour) and feature.kind == "inner" and feature.process == "cut":
-            found.append(make_valid(Polygon(ring_of(feature.curves))))
+            found.append(inside_of(ring_of(feature.curves)))
     return union_all(found)
 
 

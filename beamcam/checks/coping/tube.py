@@ -18,7 +18,7 @@ from beamcam.checks.coping.chart import row_for
 from beamcam.checks.coping.collisions import collision_faults, turned_unseen
 from beamcam.checks.coping.left import kept_faults, outline_of, parted
 from beamcam.checks.coping.section import TubeSection, areas_of, kerf_of, line_of
-from beamcam.checks.coping.stock import FINE, outline_ring, ring_of, slot_ring
+from beamcam.checks.coping.stock import FINE, inside_of, outline_ring, ring_of, slot_ring
 from beamcam.checks.coping.strokes import HEIGHT_SLACK, TipMove, TorchFollower, TorchStroke
 from beamcam.checks.coping.tube_piece import (
     AIR,
@@ -319,7 +319,7 @@ def _wanted(
 
     `piece` is one that comes cut, whose features are asked of it.
     """
-    from shapely import Polygon, box, make_valid, union_all
+    from shapely import box, union_all
     from shapely.affinity import translate
 
     if part.profile.code == "M":
@@ -360,7 +360,7 @@ def _wanted(
             ring = list(slot_ring(feature))
         elif isinstance(feature, Contour) and feature.kind == "inner":
             ring = ring_of(feature.curves)
-            corners += corners_of(feature.curves, drawn.difference(make_valid(Polygon(ring))))
+            corners += corners_of(feature.curves, drawn.difference(inside_of(ring)))
         else:
             continue
         gone = with_air(ring, ends if isinstance(feature, Contour) else None)

@@ -14,7 +14,7 @@ from typing import Any
 from msgspec import Struct
 
 from beamcam.checks.coping.section import TubeSection, line_of, pieces_of
-from beamcam.checks.coping.stock import DRAWN, FINE
+from beamcam.checks.coping.stock import DRAWN, FINE, inside_of
 from beamcam.checks.coping.tube_planes import SQUARE_DEG, planes_of
 from beamcam.geometry.plane import Point
 from beamcam.machine.coper import Coper
@@ -101,9 +101,9 @@ class PieceAsked(Struct, frozen=True):
 
 def with_air(ring: Sequence[Point], ends: FaceEnds | None) -> Shape:
     """The inside of a ring, and the air before what of it lies on an end that is there."""
-    from shapely import Polygon, make_valid, union_all
+    from shapely import union_all
 
-    shape = make_valid(Polygon(ring))
+    shape = inside_of(ring)
     if ends is None:
         return shape
     count, more = len(ring), []
@@ -118,8 +118,8 @@ def with_air(ring: Sequence[Point], ends: FaceEnds | None) -> Shape:
                 continue
             begin = _straight_on(ring[k - 1], run[0], side, xs)
             end = _straight_on(ring[(last + 1) % count], run[-1], side, xs)
-            more.append(make_valid(Polygon([*run, end, (air, end[1]), (air, begin[1]), begin])))
-    return union_all([shape, *more])
+            more.append(inside_of([*run, end, (air, end[1]), (air, begin[1]), begin]))
+    return union_all([shape, *more]) if more else shape
 
 
 def _is_on(a: Point, b: Point, xs: Xs) -> bool:

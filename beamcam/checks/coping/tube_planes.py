@@ -42,6 +42,20 @@ def is_stated(part: Part, side: int, web_deg: float, flange_deg: float) -> bool:
     return False
 
 
+def surfaces_of(face: str, section: TubeSection) -> tuple[float, float]:
+    """Where the outside and the inside of a wall lie, from the axis, along Y or along Z."""
+    out = section.half_y if face in "ou" else section.half_z
+    side = 1.0 if face in "vo" else -1.0
+    return side * out, side * (out - section.wall)
+
+
+def x_on(end: End, face: str, at: float, y: float, section: TubeSection) -> float:
+    """x of a plane at a y of a face, on the surface that is `at` from the axis."""
+    if face in "vh":
+        return end[0] - end[1] * (y - section.half_y) - end[2] * at
+    return end[0] - end[1] * at - end[2] * (y - section.half_z)
+
+
 def round_corner(end: End, k: int, turns: Any, section: TubeSection, is_start: bool) -> Any:
     """x at which a plane is cut round a corner, so far into it as the normal has turned."""
     import numpy as np

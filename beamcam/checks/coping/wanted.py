@@ -14,6 +14,7 @@ from beamcam.checks.coping.stock import (
     DRAWN,
     FINE,
     WallStock,
+    inside_of,
     outline_ring,
     ring_of,
     round_ring,
@@ -61,7 +62,7 @@ def wanted_on(
 ) -> RequiredWall:  # fmt: skip
     """What has to stay of a wall; `left` are features that are not made, `ends` skew ends."""
     from shapely import Point as Place
-    from shapely import Polygon, box, get_coordinates, make_valid, union_all
+    from shapely import Polygon, box, get_coordinates, union_all
 
     wide = section.high if face == "v" else section.wide
     features = [
@@ -78,7 +79,7 @@ def wanted_on(
     if outlines:
         at_end = partial(_at_ends, ends) if ends else partial(stock.at_end, face)
         rings = [outline_ring(one.curves, (0.0, wide), at_end) for one in outlines]
-        drawn = union_all([make_valid(Polygon(ring)) for ring in rings])
+        drawn = union_all([inside_of(ring) for ring in rings])
         drawn = drawn.intersection(box(-1e6, 0.0, 1e6, wide))
         if stock.is_piece:
             over = drawn.difference(whole)
@@ -99,12 +100,12 @@ def wanted_on(
             ring = list(slot_ring(feature))
         elif isinstance(feature, Contour) and feature.kind != "outer":
             ring = ring_of(feature.curves)
-            without = drawn.difference(make_valid(Polygon(ring)))
-            corners += corners_of(feature.curves, without)
         else:
             continue
-        gone = make_valid(Polygon(ring))
+        gone = inside_of(ring)
         drawn = drawn.difference(gone.convex_hull if isinstance(feature, Slot) else gone)
+        if isinstance(feature, Contour):
+            corners += corners_of(feature.curves, drawn)
     drawn = areas_of(drawn)
     # What is at a root is cut with it, or stays there.
     near = section.root_reach(face)
@@ -255,7 +256,7 @@ def _joined(drawn: Shape, added: Sequence[Shape]) -> Shape:
 
 def corners_of(curves: tuple[Curve, ...], steel: Shape) -> list[Point]:
     """Where a closed chain turns by more than CORNER_DEG with more steel than air round it."""
-    from shapely import Point as Place
+    from shapely import box
 
     long = [curve for curve in curves if curve.length > FINE]
     points: list[Point] = []
@@ -264,8 +265,9 @@ def corners_of(curves: tuple[Curve, ...], steel: Shape) -> list[Point]:
         cross, dot = ax * by - ay * bx, ax * bx + ay * by
         if dot > 0.0 and degrees(abs(cross) / hypot(ax, ay) / hypot(bx, by)) <= CORNER_DEG:
             continue
-        disc = Place(after.start).buffer(LOOK)
-        if disc.intersection(steel).area > disc.area / 2:
+        x, y = after.start
+        around = box(x - LOOK, y - LOOK, x + LOOK, y + LOOK)
+        if around.intersection(steel).area > around.area / 2:
             points.append(after.start)
     return points
 

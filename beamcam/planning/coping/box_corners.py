@@ -101,11 +101,10 @@ def corner_of(
         for face, into in zip((a, b), reaches, strict=True) if into
     ]  # fmt: skip
     ss = corner.begin + r * turns
+    sides = [np.column_stack((line, ss)) for line in lines.T]
     shapes = [
-        Polygon(
-            [*zip(lines[:, k], ss, strict=True), *zip(lines[::-1, k + 1], ss[::-1], strict=True)]
-        )
-        for k in range(0, lines.shape[1], 2)
+        Polygon(np.concatenate((low, high[::-1])))
+        for low, high in zip(sides[::2], sides[1::2], strict=True)
     ]
     left = dict(zip((b, a), leaning, strict=True))
     return union_all(shapes).difference(union_all(gone)), left, said
@@ -131,8 +130,11 @@ def _lines_over(
     places += [(turn + by, turn) for turn in bends for by in BESIDE_BEND]
     turns, at = np.array(sorted(places)).T.round(9)
     radii = np.repeat((r, r - wall), len(turns))  # outside of the wall, and inside
-    views = (np.minimum(r - radii * np.tile(way(turns), 2), r - EDGE) for way in (np.sin, np.cos))
+    # The inside of a wall lies in the view of the face beside it.
+    views = (np.append(np.minimum(r - radii * np.tile(way(turns), 2), r - EDGE), wall)
+             for way in (np.sin, np.cos))  # fmt: skip
     rows = [f.crossings(view, high) for f, view, high in zip(faces, views, highs, strict=True)]
+    throughs = [of_one.pop() for of_one in rows]
     if len({len(row) for of_one in rows for row in of_one}) > 1:
         return "a line that ends in it"
     (out_a, in_a), (out_b, in_b) = (np.split(np.array(of_one), 2) for of_one in rows)
@@ -147,9 +149,7 @@ def _lines_over(
     for k in np.flatnonzero(jumps[0] | jumps[1]).tolist():
         lines[:, k] = (np.maximum if k % 2 else np.minimum)(lines[:, k], deepest[:, k])
     leaning = []
-    for face, high, edges, jump in zip(faces, highs, (out_a[-1], out_b[0]), jumps, strict=True):
-        # The inside of a wall lies in the view of the face beside it.
-        (through,) = face.crossings((wall,), high)
+    for through, edges, jump in zip(throughs, (out_a[-1], out_b[0]), jumps, strict=True):
         same = len(through) == len(edges)
         leaning.append(float(np.abs(through - edges)[~jump].max(initial=0.0)) if same else 0.0)
     reaches = [min(r - float(off.min()), r - wall) if jump.any() else 0.0
@@ -197,18 +197,20 @@ def ending_in(one: BoxFace, high: bool, r: float) -> tuple[BoxFace, list[tuple[S
 
     A face sees the corner beside it up to its middle, where the other one begins.
     """
-    from shapely import box, union_all
+    from shapely import box, get_coordinates, union_all
 
-    if one.shape.is_empty:  # nothing of it stays
+    low, top, deepest = *((one.size - r, one.size) if high else (0.0, r)), r * sin(pi / 4)
+    ys = get_coordinates(one.shape)[:, 1]
+    intos = ys - low if high else top - ys
+    if not ((intos > EDGE) & (intos <= deepest)).any():
         return one, []
     x0, _, x1, _ = one.shape.bounds
-    low, top = (one.size - r, one.size) if high else (0.0, r)
     within = box(x0 - 1.0, low, x1 + 1.0, top).difference(one.shape)
     found = []
     for void in getattr(within, "geoms", (within,)):
         _, y0, _, y1 = void.bounds if not void.is_empty else (0.0, 0.0, 0.0, one.size)
         into = y1 - low if high else top - y0
-        if EDGE < into <= r * sin(pi / 4) and void.area > 0.0:
+        if EDGE < into <= deepest and void.area > 0.0:
             found.append((void, into))
     if not found:
         return one, found

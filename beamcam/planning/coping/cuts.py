@@ -111,62 +111,79 @@ def paths_of(shape: Shape, half_kerf: float, wall: PlannedWall) -> Shape:
     return union_all([round_corners, *(straight.intersection(edge) for edge in edges)])
 
 
-def rings_of(shape: Shape) -> Iterator[list[Point]]:
-    """The rings of a region with the region on their left, without repeating a place."""
-    from shapely import remove_repeated_points
-    from shapely.geometry.polygon import orient
+def rings_of(shape: Shape) -> Any:
+    """The rings of a region, of shapely, with the region on their left, each without repeating a
+    place."""
+    import numpy as np
+    from shapely import get_parts, get_rings, is_ccw, remove_repeated_points, reverse
 
-    for polygon in getattr(shape, "geoms", (shape,)):
-        if polygon.geom_type == "Polygon" and not polygon.is_empty:
-            turned = orient(remove_repeated_points(polygon, SAME_PLACE))
-            for ring in (turned.exterior, *turned.interiors):
-                yield [(x, y) for x, y in ring.coords[:-1]]
+    polygons = get_parts(remove_repeated_points(shape, SAME_PLACE))
+    rings, polygon = get_rings(polygons, return_index=True)
+    is_hole = np.diff(polygon, prepend=-1) == 0  # the border of a polygon comes before its holes
+    return np.where(is_ccw(rings) == is_hole, reverse(rings), rings)
 
 
 def chains_of(shape: Shape, borders: Sequence[CutBorder]) -> Iterator[CutChain]:
     """The stretches of a region's rings within borders; whole rings where they lie so."""
     import numpy as np
+    from shapely import get_coordinates
 
-    normals = np.array([(border.nx, border.ny) for border in borders]).T
-    limits = np.array([border.limit for border in borders])
-    for ring in rings_of(shape):
-        outside = (np.array(ring) @ normals > limits).any(axis=1).tolist()
-        if not any(outside):
-            yield CutChain((*ring, ring[0]))
+    places, ring = get_coordinates(rings_of(shape), return_index=True)
+    nx, ny, limits = np.array([(one.nx, one.ny, one.limit) for one in borders]).T
+    over = places[:, :1] * nx + places[:, 1:] * ny - limits  # each place beyond each border
+    outside = over > 0.0
+    is_side = (ring[1:] == ring[:-1]) & ~(outside[:-1] & outside[1:]).any(axis=1)
+    met, is_beyond = np.flatnonzero(is_side), outside.any(axis=1)
+    begins = np.searchsorted(ring, np.arange(ring.max(initial=-1) + 2))
+    for (begin, end), (low, high) in zip(
+        pairwise(begins.tolist()), pairwise(np.searchsorted(met, begins).tolist()), strict=True
+    ):
+        if low == high:
             continue
-        first = outside.index(True)
+        xy: list[Point] = [(x, y) for x, y in places[begin:end].tolist()]
+        beyond = is_beyond[begin:end].tolist()
+        if True not in beyond:
+            yield CutChain(tuple(xy))
+            continue
+        offs, which, first = over[begin:end].tolist(), met[low:high] - begin, beyond.index(True)
         points: list[Point] = []
         start: End = ""
-        for a, b in pairwise((*ring[first:], *ring[: first + 1])):
-            for p, q, entered, left in _pieces(a, b, borders):
-                if entered or not points:
-                    points, start = [p], entered or start
-                points.append(q)
-                if left:
-                    yield CutChain(tuple(points), start, left)
-                    points, start = [], ""
+        for k in (*which[which >= first].tolist(), *which[which < first].tolist()):
+            a, b = xy[k], xy[k + 1]
+            entered: End = ""
+            left: End = ""
+            if beyond[k] or beyond[k + 1]:
+                piece = _within(a, b, offs[k], offs[k + 1], borders)
+                if piece is None:
+                    continue
+                a, b, entered, left = piece
+            if entered or not points:
+                points, start = [a], entered or start
+            points.append(b)
+            if left:
+                yield CutChain(tuple(points), start, left)
+                points, start = [], ""
 
 
-def _pieces(
-    a: Point, b: Point, borders: Sequence[CutBorder]
-) -> Iterator[tuple[Point, Point, End, End]]:
-    """The stretch of a line within borders, and at which of them it enters and leaves.
+def _within(
+    a: Point, b: Point, over_a: Sequence[float], over_b: Sequence[float],
+    borders: Sequence[CutBorder],
+) -> tuple[Point, Point, End, End] | None:  # fmt: skip
+    """The stretch of a line within borders, and at which of them it enters and leaves; its ends lie
+    so far beyond each.
 
     Source: Cyrus and Beck, Generalized two- and three-dimensional clipping, 1978.
     """
     first, last = 0.0, 1.0
     entered: CutBorder | None = None
     left: CutBorder | None = None
-    for border in borders:
-        begin, end = border.beyond(a), border.beyond(b)
-        if begin > 0.0 and end > 0.0:
-            return
+    for border, begin, end in zip(borders, over_a, over_b, strict=True):
         if begin > 0.0 and begin / (begin - end) >= first:
             first, entered = begin / (begin - end), border
         elif end > 0.0 and begin / (begin - end) <= last:
             last, left = begin / (begin - end), border
     if first > last or (first == last and entered and left):
-        return
+        return None
     (xa, ya), (xb, yb) = a, b
 
     def at(share: float, border: CutBorder | None, otherwise: Point) -> Point:
@@ -176,7 +193,7 @@ def _pieces(
         return (x, y) if border.nx else (x, border.ny * border.limit)
 
     p, q = at(first, entered, a), at(last, left, b)
-    yield p, q, entered.name if entered else "", left.name if left else ""
+    return p, q, entered.name if entered else "", left.name if left else ""
 
 
 def led(

@@ -52,7 +52,7 @@ def region_of(
     wall: PlannedWall, part: Part, features: Sequence[int], coper: Coper
 ) -> tuple[WallRegion, list[Diagnostic]]:
     """The region of a wall by those of a part's features that lie on it, and what is wrong."""
-    from shapely import make_valid, union_all
+    from shapely import union_all
 
     own = [f for f in map(part.features.__getitem__, features) if isinstance(f, Cut)]
     outer = [c for c in own if isinstance(c, Contour) and c.kind == "outer"]
@@ -71,7 +71,6 @@ def region_of(
             what = "a cut-out" if isinstance(feature, Contour) else "a hole"
             diagnostics.append(rules.OFF.at(feature.source, what=f"{what} on face {wall.face}"))
         shape = shape.difference(gone)
-    shape = make_valid(shape)
     if shape.is_empty:
         return WallRegion(wall, shape, {}), diagnostics
     corners = [  # what is at a root is cut with it, or stays there
@@ -201,7 +200,8 @@ def _filled(
     closed = shape.buffer(radius, ROUND).buffer(-radius, ROUND)
     filled = [one for one in _polygons(closed.difference(shape)) if one.distance(places) <= CHORD]
     each = np.array(places.geoms)
-    added, found, narrow = [], dict[Point, float](), list[Point]()
+    added, found, narrow, rings = [], dict[Point, float](), list[Point](), _rings(shape)
+    border = closed.boundary
     tip = (2 * THIN) ** 0.5 * radius  # from where a disc touches a side to where it is THIN off it
     for piece, core in _pieces(filled, THIN * radius / 2, tip):
         mine = each[distance(piece, each) <= CHORD].tolist()
@@ -211,7 +211,7 @@ def _filled(
         deep = float(distance(MultiPoint(mine), places_round).max())
         if deep <= 2 * CHORD:
             continue
-        if deep > MOST_ROUNDED * radius or _turn_in(piece, shape, closed) > MOST_TURN_DEG:
+        if deep > MOST_ROUNDED * radius or _turn_in(piece, rings, border) > MOST_TURN_DEG:
             narrow += [(one.x, one.y) for one in mine]
             continue
         added.append(piece)
@@ -232,26 +232,33 @@ def _pieces(joined: Sequence[Shape], half: float, tip: float) -> Iterator[tuple[
             yield next((one for one in _polygons(own) if one.intersects(core)), own), core
 
 
-def _turn_in(piece: Shape, shape: Shape, closed: Shape) -> float:
-    """Degrees that the border of a region turns along what is added to it, into the steel above
-    0; 180 where two sides face each other."""
+def _rings(shape: Shape) -> list[Any]:
+    """The places of each ring of a region, with the steel on their left."""
     import numpy as np
-    from shapely import distance, points
     from shapely.geometry.polygon import orient
 
-    total, bounds, border = 0.0, np.reshape(piece.bounds, (2, 2)), closed.boundary
-    for polygon in _polygons(shape):
-        turned = orient(polygon)  # the steel on the left of its rings
-        for ring in (turned.exterior, *turned.interiors):
-            xy = np.array(ring.coords)[:-1]
-            near = (xy >= bounds[0] - CHORD) & (xy <= bounds[1] + CHORD)
-            beside = np.flatnonzero(near.all(axis=1))
-            each = points(xy[beside])
-            inside = (distance(piece, each) <= CHORD) & (distance(border, each) > SLIVER)
-            at = beside[inside]
-            before, way = xy[at] - xy[at - 1], xy[(at + 1) % len(xy)] - xy[at]
-            cross = before[:, 0] * way[:, 1] - before[:, 1] * way[:, 0]
-            total -= float(np.degrees(np.arctan2(cross, (before * way).sum(axis=1))).sum())
+    turned = [orient(polygon) for polygon in _polygons(shape)]
+    rings = (ring for one in turned for ring in (one.exterior, *one.interiors))
+    return [np.array(ring.coords)[:-1] for ring in rings]
+
+
+def _turn_in(piece: Shape, rings: Sequence[Any], border: Shape) -> float:
+    """Degrees that the border of a region turns along what is added to it, into the steel above
+    0; 180 where two sides face each other. `rings` are those of the region, `border` is that which
+    it has with its corners rounded."""
+    import numpy as np
+    from shapely import distance, points
+
+    total, bounds = 0.0, np.reshape(piece.bounds, (2, 2))
+    for xy in rings:
+        near = (xy >= bounds[0] - CHORD) & (xy <= bounds[1] + CHORD)
+        beside = np.flatnonzero(near.all(axis=1))
+        each = points(xy[beside])
+        inside = (distance(piece, each) <= CHORD) & (distance(border, each) > SLIVER)
+        at = beside[inside]
+        before, way = xy[at] - xy[at - 1], xy[(at + 1) % len(xy)] - xy[at]
+        cross = before[:, 0] * way[:, 1] - before[:, 1] * way[:, 0]
+        total -= float(np.degrees(np.arctan2(cross, (before * way).sum(axis=1))).sum())
     return total
 
 
@@ -313,7 +320,8 @@ def shape_of(
             sides = [one for one in (curves[k - 1], curve) if isinstance(one, Line)]
             places[0] = moved((places[0][0], places[0][1]), sides)
         ring += [(x, y) for x, y in places]
-    return make_valid(Polygon(ring)) if len(ring) > 2 else Polygon()
+    whole = Polygon(ring) if len(ring) > 2 else Polygon()
+    return whole if whole.is_valid else make_valid(whole)
 
 
 def curves_of(feature: Cut) -> tuple[Curve, ...]:

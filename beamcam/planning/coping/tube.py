@@ -164,13 +164,13 @@ def _laid_out(
 
     They are rounded on the turn from u 0 on, with as much beside it as their radius looks at.
     """
-    from shapely import box, make_valid
+    from shapely import box
 
     turn = surface.width
     beside = min(AROUND * coper.corner_radius, turn)
     low, _, high, _ = once.shape.bounds
     turns = several(once.shape, turn, range(-1, 3))
-    near = make_valid(turns.intersection(box(low, -beside, high, turn + beside)))
+    near = turns.intersection(box(low, -beside, high, turn + beside))
     on_turn = [(x, u % turn) for x, u in once.corners]
     there = [
         (x, u + k * turn) for x, u in on_turn for k in (-1, 0, 1)
@@ -179,7 +179,7 @@ def _laid_out(
     region, diagnostics = rounded(surface, near, there, part, coper, diagnostics)
     whole = region.shape.intersection(box(low, 0.0, high, turn))
     # Without places of a straight line at u 0.
-    shape = make_valid(several(whole, turn, range(3)).simplify(LEAST))
+    shape = several(whole, turn, range(3)).simplify(LEAST)
     once_rounded = {at: r for at, r in region.rounded.items() if 0.0 <= at[1] < turn}
     return WallRegion(surface, shape, once_rounded), diagnostics
 

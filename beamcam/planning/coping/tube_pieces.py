@@ -204,15 +204,14 @@ def open_paths(
 ) -> tuple[list[CutChain], list[Diagnostic]]:
     """The paths that begin and end beyond the ends of a piece, each once, and what is wrong with
     those that stay beside an end."""
-    from shapely import LineString, line_merge
+    from shapely import line_merge
 
     half = row.kerf / 2
     window = piece.steel.buffer(SHARE_OVER * half)
     low, _, high, _ = piece.steel.bounds
     chains: list[CutChain] = []
     wrong: list[Diagnostic] = []
-    for ring in rings_of(paths):
-        line = LineString([*ring, ring[0]])
+    for line in rings_of(paths):
         if window.covers(line):
             continue
         within = line.intersection(window)

@@ -12,8 +12,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
+from beamcam.checks.coping.lying import lying
 from beamcam.checks.coping.program import strokes_of
-from beamcam.checks.coping.section import lying
 from beamcam.errors import BeamcamError, MachineError, PlanError, errors_in
 from beamcam.machine import load
 from beamcam.machine.overlay import with_section
