@@ -101,7 +101,8 @@ class _Torch:
         row = cut.row
         turns = cut.turns or ((cut.a_off_deg, cut.b_deg),) * len(cut.path)
         turns = tuple((A_OF_FACE[cut.face] + off, b_deg) for off, b_deg in turns)
-        pierce = self._tip(patch, cut.path[0], row.pierce_height, turns[0])
+        pierce = self._tip(patch, cut.path[0], self._away(patch, row.pierce_height, turns[0]))
+        away = {turn: self._away(patch, row.cut_height, turn) for turn in {*turns}}
         yield Comment(_name_of(cut))
         yield from self._approach(cut.face, pierce)
         yield from self._turned(self._at, cut.face, turns[0])
@@ -110,9 +111,9 @@ class _Torch:
             row.process, row.feed_mm_min, row.power, row.pierce_s, cut.source, row.pierce_height,
             row.cut_height,
         )  # fmt: skip
-        yield self._to(self._tip(patch, cut.path[0], row.cut_height, turns[0]), False)
+        yield self._to(self._tip(patch, cut.path[0], away[turns[0]]), False)
         for (before, place), turn in zip(pairwise(cut.path), turns[1:], strict=True):
-            tip = self._tip(patch, place, row.cut_height, turn)
+            tip = self._tip(patch, place, away[turn])
             if cut.turns:
                 (self._a_deg, self._b_deg), self._at = turn, tip
                 x, y, z = self._programmed(tip, *turn)
@@ -157,14 +158,16 @@ class _Torch:
         x, y, z = place
         return (x, y, self._top) if face == "v" else (x, self._sides[face], z)
 
-    def _tip(
-        self, patch: Patch, place: tuple[float, float], height: float, turn: tuple[float, float]
-    ) -> Place:
-        """The tip as it points at a place of a face, at a height of the row over it."""
-        at = patch.point(place[0] + self._start, place[1])
-        off = radians(turn[0] - patch.a_deg(place[1]))
+    def _tip(self, patch: Patch, place: tuple[float, float], away: Place) -> Place:
+        """The tip as it points at a place of a face, so far away from it."""
+        x, y, z = patch.point(place[0] + self._start, place[1])
+        return x + away[0], y + away[1], z + away[2]
+
+    def _away(self, patch: Patch, height: float, turn: tuple[float, float]) -> Place:
+        """The way from a place of a flat wall to the tip, at a height of the row over it."""
+        off = radians(turn[0] - patch.a_deg(0.0))
         leaning = degrees(acos(min(1.0, cos(off) * cos(radians(turn[1])))))
-        return _along(at, self._coper.standoff(height, leaning), *turn)
+        return _along((0.0, 0.0, 0.0), self._coper.standoff(height, leaning), *turn)
 
     def _programmed(self, tip: Place, a_deg: float, b_deg: float) -> Place:
         """What a program says of a tip: the tip itself, or the axes that the torch turns about."""
@@ -285,11 +288,10 @@ class _Bar:
     def _blocks(
         self, a: tuple[float, float], b: tuple[float, float]
     ) -> Iterator[tuple[float, float]]:
-        """Places from one to another of the surface, such that axes go straight between them.
+        """Places behind one of the surface up to another, such that axes go straight between them.
 
         A stretch ends where a face or a corner does, and on a corner it is short.
         """
-        yield a
         if self._way is not None and len(self._way.legs) > 1 and a[1] != b[1]:
             low, high = sorted((a[1], b[1]))
             ss = [low]
