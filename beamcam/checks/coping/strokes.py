@@ -329,7 +329,8 @@ def below(place: Place, far: float, a_deg: float, b_deg: float) -> Place:
     The head is at X sin B, Y -sin A cos B, Z cos A cos B of its tip.
     """
     (x, y, z), a, b = place, radians(a_deg), radians(b_deg)
-    return x - far * sin(b), y + far * sin(a) * cos(b), z - far * cos(a) * cos(b)
+    across = far * cos(b)
+    return x - far * sin(b), y + across * sin(a), z - across * cos(a)
 
 
 def _switches(machine: Machine, word: str) -> frozenset[Said]:
