@@ -165,13 +165,15 @@ class Around(Struct, frozen=True):
         turns = floor((s - first) / self.turn)
         local = max(s - turns * self.turn, first)
         leg = self._leg(local)
-        turned = leg.turn_deg
-        if leg.patch.radius:
-            turned += degrees((local - leg.begin) / leg.patch.radius)
-        _, y, z = leg.patch.point(0.0, leg.u(local))
+        turned, radius = leg.turn_deg, leg.patch.radius
+        if radius:  # its middle turns, and the place stands straight above that
+            turned += degrees((local - leg.begin) / radius)
+            y, z = leg.patch.origin
+        else:
+            _, y, z = leg.patch.point(0.0, leg.u(local))
         y, z, a_rad = y - self.axis[0], z - self.axis[1], radians(90.0 - turned)
         c, k = cos(a_rad), sin(a_rad)
-        return 90.0 - turned - 360.0 * turns, c * y + k * z, c * z - k * y
+        return 90.0 - turned - 360.0 * turns, c * y + k * z, c * z - k * y + radius
 
     def _leg(self, local: float) -> SurfacePatch:
         """The leg at an s of the first turn."""
