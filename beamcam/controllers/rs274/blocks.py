@@ -135,14 +135,14 @@ class _Words:
         self._m_words: list[int] = []
         self._values: dict[str, float] = {}
         values, acting = self._values, grammar.acting
-        for place, (letter, digits) in enumerate(zip(parts[1::3], parts[2::3], strict=True)):
-            value = float(digits)
+        for place in range(1, len(parts), 3):
+            letter, value = parts[place], float(parts[place + 1])
             if letter in acting or letter in values or abs(value) >= LARGEST:
-                self._take(place, letter, digits, value)
+                self._take(letter, parts[place + 1], value, place == 1)
             else:
                 values[letter] = value
 
-    def _take(self, place: int, letter: str, digits: str, value: float) -> None:
+    def _take(self, letter: str, digits: str, value: float, first: bool) -> None:
         """A word that is no value of the block, or a wrong one."""
         if letter == "M":
             if value > MAX_NUMBER:
@@ -156,14 +156,13 @@ class _Words:
         elif letter == "G":
             self._codes.append(f"G{value:g}")
         elif letter == "N":
-            if place:
+            if not first:
                 self._wrong(f"N{digits}", "it at the beginning of a block")
         elif letter in self._values:
             self._wrong(f"{letter} twice in a block", "it once")
 
-    def _check_allowed(self, code: str) -> None:
-        if not self._grammar.dialect.is_allowed(code):
-            self._wrong(shown_code(code), self._grammar.dialect.shown_allowed())
+    def _forbid(self, code: str) -> None:
+        self._wrong(shown_code(code), self._grammar.dialect.shown_allowed())
 
     def _wrong(self, found: str, expected: str) -> None:
         self._faults.append((found, expected))
@@ -185,19 +184,22 @@ class _Words:
     def block(self) -> Block:
         """What they say."""
         grammar, values = self._grammar, self._values
+        is_allowed = grammar.dialect.is_allowed
         feed, speed = values.pop("F", None), None
         motions: list[int] = []
         probes: list[str] = []
         settings: list[str] = []
         ends: list[int] = []
         for code in self._codes:
-            self._check_allowed(code)
+            if not is_allowed(code):
+                self._forbid(code)
             if code in grammar.motions:
                 motions.append(grammar.motions[code])
             else:
                 (probes if code in grammar.probes else settings).append(code)
         for number in self._m_words:
-            self._check_allowed(f"M{number}")
+            if not is_allowed(f"M{number}"):
+                self._forbid(f"M{number}")
             if number in ENDS:
                 ends.append(number)
         events: list[Other] = []
