@@ -34,26 +34,30 @@ def _blocks(
     command: Command, program: Program, machine: Machine, about: Mapping[str, str]
 ) -> Iterator[str]:
     words, places = machine.words, machine.format.length_decimals
+    degrees = machine.format.angle_decimals
     template: tuple[str, ...] = ()
-    values: dict[str, str] = dict(about)
+    values = about
     match command:
+        case TorchRound(x, y, z, a_deg, per_minute, b_deg):
+            template = words.feed if b_deg is None else words.feed_turning
+            values = {
+                "x": number(x, places), "y": number(y, places), "z": number(z, places),
+                "a": number(a_deg, degrees), "b": "0" if b_deg is None else number(b_deg, degrees),
+                "inverse": number(per_minute, INVERSE_DECIMALS),
+            }  # fmt: skip
         case TorchTo(x, y, z, rapid):
             template = words.traverse if rapid else words.feed
             values = {"x": number(x, places), "y": number(y, places), "z": number(z, places)}
-        case TorchRound(x, y, z, a_deg, per_minute, b_deg):
-            template = words.feed if b_deg is None else words.feed_turning
-            values = {"x": number(x, places), "y": number(y, places), "z": number(z, places)}
-            values["a"] = number(a_deg, machine.format.angle_decimals)
-            values["b"] = number(b_deg or 0.0, machine.format.angle_decimals)
-            values["inverse"] = number(per_minute, INVERSE_DECIMALS)
         case TurnTorch(x, y, z, a_deg, b_deg):
             template = words.turn
-            values = {"x": number(x, places), "y": number(y, places), "z": number(z, places)}
-            values["a"] = number(a_deg, machine.format.angle_decimals)
-            values["b"] = number(b_deg, machine.format.angle_decimals)
+            values = {
+                "x": number(x, places), "y": number(y, places), "z": number(z, places),
+                "a": number(a_deg, degrees), "b": number(b_deg, degrees),
+            }  # fmt: skip
         case ToolOn():
             template = words.cut_on
-            values |= {
+            values = {
+                **about,
                 "feed": number(command.feed_mm_min, 3), "power": number(command.power, 3),
                 "pierce": number(command.pierce_s, 3),
                 "pierce_height": number(command.pierce_height, 3),
@@ -66,8 +70,8 @@ def _blocks(
             values = {"text": comment_text(command.text)}
         case StartProfile():
             template = (*words.header, *words.measured_height, *words.measured_width)
-            values |= {
-                "job": comment_text(program.job), "height": number(command.height, 3),
+            values = {
+                **about, "job": comment_text(program.job), "height": number(command.height, 3),
                 "width": number(command.width, 3),
             }  # fmt: skip
         case _:

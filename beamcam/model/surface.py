@@ -12,7 +12,9 @@ thick the wall is there. A torch that turns about x looks along the normal at
 `a_deg = atan2(-Y, Z)` of it: -90 on o, 0 on v, 90 on u.
 """
 
+from bisect import bisect_right
 from math import acos, atan2, cos, degrees, floor, hypot, inf, pi, radians, sin
+from operator import attrgetter
 
 from msgspec import Struct
 
@@ -143,6 +145,9 @@ class SurfacePatch(Struct, frozen=True):
         return self.begin + (u - self.patch.low if self.way > 0 else self.patch.high - u)
 
 
+_BEGIN = attrgetter("begin")
+
+
 class Around(Struct, frozen=True):
     """The outside of a closed tube on the way round it: s from the middle of its lowest line.
 
@@ -159,14 +164,20 @@ class Around(Struct, frozen=True):
         first = self.legs[0].begin
         turns = floor((s - first) / self.turn)
         local = max(s - turns * self.turn, first)
-        leg = next(leg for leg in reversed(self.legs) if leg.begin <= local)
-        u, turned = leg.u(local), leg.turn_deg
-        if leg.patch.radius:
-            turned += degrees((local - leg.begin) / leg.patch.radius)
-        _, y, z = leg.patch.point(0.0, u)
-        y, z = y - self.axis[0], z - self.axis[1]
-        c, k = cos(radians(90.0 - turned)), sin(radians(90.0 - turned))
-        return 90.0 - turned - 360.0 * turns, c * y + k * z, c * z - k * y
+        leg = self._leg(local)
+        turned, radius = leg.turn_deg, leg.patch.radius
+        if radius:  # its middle turns, and the place stands straight above that
+            turned += degrees((local - leg.begin) / radius)
+            y, z = leg.patch.origin
+        else:
+            _, y, z = leg.patch.point(0.0, leg.u(local))
+        y, z, a_rad = y - self.axis[0], z - self.axis[1], radians(90.0 - turned)
+        c, k = cos(a_rad), sin(a_rad)
+        return 90.0 - turned - 360.0 * turns, c * y + k * z, c * z - k * y + radius
+
+    def _leg(self, local: float) -> SurfacePatch:
+        """The leg at an s of the first turn."""
+        return self.legs[bisect_right(self.legs, local, key=_BEGIN) - 1]
 
     def on_face(self, face: Face) -> SurfacePatch:
         """The leg of a face. Raises StopIteration if there is none."""
@@ -176,7 +187,7 @@ class Around(Struct, frozen=True):
         """The face at s; of a corner that before its middle, or behind it."""
         first = self.legs[0].begin
         local = (s - first) % self.turn + first
-        leg = next(leg for leg in reversed(self.legs) if leg.begin <= local)
+        leg = self._leg(local)
         before, _, behind = leg.patch.name.partition("-")
         half = leg.begin + leg.patch.radius * pi / 4
         return behind if behind and local > half else before
@@ -190,7 +201,7 @@ class Around(Struct, frozen=True):
         first = self.legs[0].begin
         turns = floor((s - first) / self.turn + 1e-12)
         local = max(s - turns * self.turn, first)
-        k = max(k for k, leg in enumerate(self.legs) if leg.begin <= local + 1e-9)
+        k = bisect_right(self.legs, local + 1e-9, key=_BEGIN) - 1
         leg, after = self.legs[k], (*self.legs[1:], self.legs[0])[k]
         end = after.begin + self.turn * (turns + (k == len(self.legs) - 1))
         y, z = leg.patch.origin

@@ -9,7 +9,7 @@
 
 from collections.abc import Iterator
 from itertools import pairwise
-from math import acos, ceil, cos, degrees, dist, hypot, inf, radians, sin
+from math import acos, ceil, cos, degrees, dist, hypot, radians, sin
 
 from beamcam.machine.coper import A_OF_FACE, TUBES, Coper, torch_way
 from beamcam.machine.machine import Machine
@@ -101,7 +101,8 @@ class _Torch:
         row = cut.row
         turns = cut.turns or ((cut.a_off_deg, cut.b_deg),) * len(cut.path)
         turns = tuple((A_OF_FACE[cut.face] + off, b_deg) for off, b_deg in turns)
-        pierce = self._tip(patch, cut.path[0], row.pierce_height, turns[0])
+        pierce = self._tip(patch, cut.path[0], self._away(patch, row.pierce_height, turns[0]))
+        away = {turn: self._away(patch, row.cut_height, turn) for turn in {*turns}}
         yield Comment(_name_of(cut))
         yield from self._approach(cut.face, pierce)
         yield from self._turned(self._at, cut.face, turns[0])
@@ -110,9 +111,9 @@ class _Torch:
             row.process, row.feed_mm_min, row.power, row.pierce_s, cut.source, row.pierce_height,
             row.cut_height,
         )  # fmt: skip
-        yield self._to(self._tip(patch, cut.path[0], row.cut_height, turns[0]), False)
+        yield self._to(self._tip(patch, cut.path[0], away[turns[0]]), False)
         for (before, place), turn in zip(pairwise(cut.path), turns[1:], strict=True):
-            tip = self._tip(patch, place, row.cut_height, turn)
+            tip = self._tip(patch, place, away[turn])
             if cut.turns:
                 (self._a_deg, self._b_deg), self._at = turn, tip
                 x, y, z = self._programmed(tip, *turn)
@@ -157,14 +158,16 @@ class _Torch:
         x, y, z = place
         return (x, y, self._top) if face == "v" else (x, self._sides[face], z)
 
-    def _tip(
-        self, patch: Patch, place: tuple[float, float], height: float, turn: tuple[float, float]
-    ) -> Place:
-        """The tip as it points at a place of a face, at a height of the row over it."""
-        at = patch.point(place[0] + self._start, place[1])
-        off = radians(turn[0] - patch.a_deg(place[1]))
+    def _tip(self, patch: Patch, place: tuple[float, float], away: Place) -> Place:
+        """The tip as it points at a place of a face, so far away from it."""
+        x, y, z = patch.point(place[0] + self._start, place[1])
+        return x + away[0], y + away[1], z + away[2]
+
+    def _away(self, patch: Patch, height: float, turn: tuple[float, float]) -> Place:
+        """The way from a place of a flat wall to the tip, at a height of the row over it."""
+        off = radians(turn[0] - patch.a_deg(0.0))
         leaning = degrees(acos(min(1.0, cos(off) * cos(radians(turn[1])))))
-        return _along(at, self._coper.standoff(height, leaning), *turn)
+        return _along((0.0, 0.0, 0.0), self._coper.standoff(height, leaning), *turn)
 
     def _programmed(self, tip: Place, a_deg: float, b_deg: float) -> Place:
         """What a program says of a tip: the tip itself, or the axes that the torch turns about."""
@@ -235,15 +238,8 @@ class _Bar:
 
         A block takes as long as its way on the surface does at the feed of the row.
         """
-        row = cut.row
-
-        def at(place: tuple[float, float], height: float) -> tuple[float, float, float, float]:
-            a_deg, y, z = self._pose(cut.face, place[1])
-            if self._coper.a_unit == "mm":
-                a_deg = place[1]
-            return place[0] + self._start, y, z + height, a_deg
-
-        x, y, z, a_deg = at(cut.path[0], row.pierce_height)
+        row, face = cut.row, cut.face
+        x, y, z, a_deg = self._pose(face, cut.path[0], row.pierce_height)
         yield Comment(NAMES[cut.kind] if self._way else _name_of(cut))
         yield TorchTo(x, y, self._over, True)
         if a_deg != self._a_deg:
@@ -255,53 +251,58 @@ class _Bar:
         )  # fmt: skip
         down = row.pierce_height - row.cut_height
         if down > 0.0:
-            yield TorchRound(*at(cut.path[0], row.cut_height), row.feed_mm_min / down)
+            yield TorchRound(*self._pose(face, cut.path[0], row.cut_height), row.feed_mm_min / down)
         last = cut.path[0]
         for before, place in pairwise(cut.path):
             for b in self._blocks(before, place):
                 way = dist(last, b)
                 if way >= SHORTEST:
-                    yield TorchRound(*at(b, row.cut_height), row.feed_mm_min / way)
+                    yield TorchRound(*self._pose(face, b, row.cut_height), row.feed_mm_min / way)
                     last = b
         yield ToolOff(row.process)
-        x, y, _, self._a_deg = at(cut.path[-1], 0.0)
+        x, y, _, self._a_deg = self._pose(face, cut.path[-1], 0.0)
         yield TorchTo(x, y, self._over, True)
 
     def home(self) -> Iterator[Command]:
         """Nothing: the torch stands clear of the bar."""
         return iter(())
 
-    def _pose(self, face: Face, u: float) -> tuple[float, float, float]:
-        """A at which a place of a face is on top, and where it lies then: Y and Z."""
+    def _pose(
+        self, face: Face, place: tuple[float, float], height: float
+    ) -> tuple[float, float, float, float]:
+        """X, Y and Z of the tip so high over a place of a face, and A at which that is on top."""
+        x, u = place
         if self._way is not None:
-            return self._way.pose(u)
+            a_deg, y, z = self._way.pose(u)
+            return x + self._start, y, z + height, u if self._coper.a_unit == "mm" else a_deg
         patch = patch_of(self._patches, face)
         assert patch is not None, face
         _, y, z = patch.point(0.0, u)
-        y, z, a = y - self._profile.height / 2, z - self._profile.width / 2, A_OF_FACE[face]
-        c, s = cos(radians(a)), sin(radians(a))
-        return a, c * y + s * z, c * z - s * y
+        y, z, a_deg = y - self._profile.height / 2, z - self._profile.width / 2, A_OF_FACE[face]
+        c, s = cos(radians(a_deg)), sin(radians(a_deg))
+        return x + self._start, c * y + s * z, c * z - s * y + height, a_deg
 
     def _blocks(
         self, a: tuple[float, float], b: tuple[float, float]
     ) -> Iterator[tuple[float, float]]:
-        """Places from one to another of the surface, such that axes go straight between them.
+        """Places behind one of the surface up to another, such that axes go straight between them.
 
         A stretch ends where a face or a corner does, and on a corner it is short.
         """
-        yield a
         if self._way is not None and len(self._way.legs) > 1 and a[1] != b[1]:
-            low, high = sorted((a[1], b[1]))
-            ss = [low]
-            while ss[-1] < high - LEAST:
-                end, step = self._way.longest(ss[-1], CHORD)
-                end = min(end, high)
-                count = 1 if step == inf else ceil((end - ss[-1]) / step)
-                first = ss[-1]
-                ss += [first + (end - first) * k / count for k in range(1, count + 1)]
-            for s in sorted(ss[1:], reverse=b[1] < a[1]):
-                share = (s - a[1]) / (b[1] - a[1])
-                if min(abs(s - a[1]), abs(s - b[1])) > LEAST:
+            rises = a[1] < b[1]
+            low, high = (a[1], b[1]) if rises else (b[1], a[1])
+            between: list[float] = []
+            s = low
+            while s < high - LEAST:
+                end, step = self._way.longest(s, CHORD)
+                way = min(end, high) - s
+                count = ceil(way / step) or 1  # without a limit it is one step
+                between += [s + way * k / count for k in range(1, count + 1)]
+                s = between[-1]
+            for s in between if rises else reversed(between):
+                if low + LEAST < s < high - LEAST:
+                    share = (s - a[1]) / (b[1] - a[1])
                     yield a[0] + share * (b[0] - a[0]), s
         yield b
 

@@ -54,22 +54,27 @@ class ProfileTorch(TorchFollower):
         if face is None:
             self._say(rules.ANGLE.at(source, found=f"{poses[0].a_deg:g}"))
             return
-        for pose in poses:
-            leaning = degrees(atan(hypot(*pose.lean(face))))
-            if leaning > coper.tilt + ANGLE_SLACK_DEG:
+        of_turns = {turned: _lean(face, *turned) for turned in {pose.turned for pose in poses}}
+        leans = [of_turns[pose.turned] for pose in poses]
+        leaning = [atan(hypot(*lean)) for lean in leans]
+        for pose, angle in zip(poses, leaning, strict=True):
+            if degrees(angle) > coper.tilt + ANGLE_SLACK_DEG:
                 found = f"{pose.b_deg:g}" if pose.is_on(face) else f"{pose.b_deg:g}, A off its face"
                 self._say(rules.TILT.at(source, found=found, expected=f"{coper.tilt:g}"))
                 return
         over = [self._section.over(face, *pose.tip[1:]) for pose in poses]
-        feet = [pose.foot(face, height) for pose, height in zip(poses, over, strict=True)]
+        feet = [
+            pose.foot(face, height, lean)
+            for pose, height, lean in zip(poses, over, leans, strict=True)
+        ]
         row = self._row(source, moves, [feet[k] for k in ends])
         if row is None:
             return
         self._pierce_time(source, row)
         # The tip is wide; its lower edge keeps the height of the row.
         lowest = [
-            height - coper.torch_width / 2 * sin(atan(hypot(*pose.lean(face))))
-            for pose, height in zip(poses, over, strict=True)
+            height - coper.torch_width / 2 * sin(angle)
+            for height, angle in zip(over, leaning, strict=True)
         ]
         self._height(source, face, lowest[:1], row.pierce_height, "pierces")
         self._height(source, face, [lowest[k] for k in ends[1:]], row.cut_height, "cuts")
@@ -80,27 +85,34 @@ class ProfileTorch(TorchFollower):
             self._wrong(line, "a slanting way down to the steel", "one straight along the torch")
         places = tuple(pose.tip[1:] for pose in poses)
         cut = poses[ends[1] :]
-        leans: tuple[tuple[float, float], ...] = ()
-        if not all(pose.is_on(face) and pose.b_deg == cut[0].b_deg for pose in cut):
-            leans = tuple(pose.lean(face) for pose in cut)
+        each_turn = {pose.turned: pose for pose in cut}.values()
+        stands = all(pose.is_on(face) and pose.b_deg == cut[0].b_deg for pose in each_turn)
+        moving = () if stands else tuple(leans[ends[1] :])
         points = tuple(feet[ends[1] :])
-        self.strokes.append(TorchStroke(line, face, points, places, row, cut[0].b_deg, leans))
+        self.strokes.append(TorchStroke(line, face, points, places, row, cut[0].b_deg, moving))
 
     def _poses(self, moves: Sequence[Move[Place]]) -> "tuple[list[_Pose], list[int]]":
         """The torch at the start of some moves and at the end of each, and on the way of those on
         which it turns; and which of them are at ends of moves."""
-        found: list[_Pose] = []
+        found = [self._pose(moves[0], 0.0)]
         ends = [0]
-        for k, move in enumerate(moves):
-            tilts = move.b_deg if self._tilts else (0.0, 0.0)
-            is_steady = move.a_deg[0] == move.a_deg[1] and tilts[0] == tilts[1]
-            for share in (*((0.0,) if not k else ()), *(() if is_steady else SHARES), 1.0):
-                x, y, z = (a + share * (b - a) for a, b in zip(move.start, move.end, strict=True))
-                a_deg, b_deg = (a + share * (b - a) for a, b in (move.a_deg, tilts))
-                tip = self._tip_of((x, y, z), a_deg, b_deg)
-                found.append(_Pose((tip[0] - self._coper.trim, *tip[1:]), a_deg, b_deg))
+        for move in moves:
+            is_steady = move.a_deg[0] == move.a_deg[1] and (
+                not self._tilts or move.b_deg[0] == move.b_deg[1]
+            )
+            found += [self._pose(move, share) for share in (() if is_steady else SHARES)]
+            found.append(self._pose(move, 1.0))
             ends.append(len(found) - 1)
         return found, ends
+
+    def _pose(self, move: Move[Place], share: float) -> "_Pose":
+        """The torch on the way of a move, which turns and goes evenly."""
+        (x0, y0, z0), (x1, y1, z1) = move.start, move.end
+        place = x0 + share * (x1 - x0), y0 + share * (y1 - y0), z0 + share * (z1 - z0)
+        a_deg = move.a_deg[0] + share * (move.a_deg[1] - move.a_deg[0])
+        b_deg = move.b_deg[0] + share * (move.b_deg[1] - move.b_deg[0]) if self._tilts else 0.0
+        x, y, z = self._tip_of(place, a_deg, b_deg)
+        return _Pose((x - self._coper.trim, y, z), a_deg, b_deg)
 
     def _face_of(self, pose: "_Pose") -> str | None:
         """The wall that the torch looks at: A is that of its face, or off it by what it may tilt,
@@ -132,7 +144,7 @@ class ProfileTorch(TorchFollower):
         return row
 
 
-class _Pose(Struct, frozen=True):
+class _Pose(Struct, frozen=True, gc=False):
     """Tip, A and B of the torch, X from the part's start."""
 
     tip: Place
@@ -147,15 +159,15 @@ class _Pose(Struct, frozen=True):
         """Whether A is that of a face."""
         return any(f == face and abs(a - self.a_deg) <= ANGLE_SLACK_DEG for a, f in ANGLES.items())
 
-    def lean(self, face: str) -> tuple[float, float]:
-        """How far the head is over along x and y of a face, by mm of height over it; without an
-        end where it looks along the face or away from it."""
-        x, y, z = below((0.0, 0.0, 0.0), -1.0, self.a_deg, self.b_deg)
-        along, out = (y, z) if face == "v" else (z, y if face == "o" else -y)
-        return (x / out, along / out) if out > 0.0 else (inf, inf)
-
-    def foot(self, face: str, height: float) -> tuple[float, float]:
-        """Where the torch points at on a face, from so high over it."""
-        lx, ly = self.lean(face)
+    def foot(self, face: str, height: float, lean: tuple[float, float]) -> tuple[float, float]:
+        """Where the torch points at on a face, from so high over it, with its head so far over."""
         x, y, z = self.tip
-        return x - height * lx, (y if face == "v" else z) - height * ly
+        return x - height * lean[0], (y if face == "v" else z) - height * lean[1]
+
+
+def _lean(face: str, a_deg: float, b_deg: float) -> tuple[float, float]:
+    """How far the head is over along x and y of a face, by mm of height over it; without an end
+    where it looks along the face or away from it."""
+    x, y, z = below((0.0, 0.0, 0.0), -1.0, a_deg, b_deg)
+    along, out = (y, z) if face == "v" else (z, y if face == "o" else -y)
+    return (x / out, along / out) if out > 0.0 else (inf, inf)

@@ -129,7 +129,7 @@ def ellipse(radius: float, lean: tuple[float, float]) -> list[tuple[float, float
     return [stretched((radius * cos(t), radius * sin(t)), lean, True) for t in turns]
 
 
-class TipMove(Struct, frozen=True):
+class TipMove(Struct, frozen=True, gc=False):
     """A move of the tip, in machine coordinates, with A at both ends."""
 
     line: int
@@ -251,24 +251,24 @@ class TorchFollower(ABC):
         if not is_on and not move.rapid:
             self._wrong(move.line, "a move at the feed with the torch off", "a rapid one")
         self._limits(move)
-        a_deg = move.a_deg[1]
+        a_before, a_deg = move.a_deg
         tilts = move.b_deg if self._tilts else (0.0, 0.0)
-        if not all(map(isfinite, (*move.end, a_deg, tilts[1]))):
+        if not isfinite(sum(move.end) + a_deg + tilts[1]):
             if is_on:
                 self._wrong(move.line, "a cut from or to nowhere", "X, Y, Z, A and B before")
-            elif self._is_placed or all(map(isfinite, (*move.end, a_deg))):
+            elif self._is_placed or isfinite(sum(move.end) + a_deg):
                 self._wrong(move.line, "a move of a torch that may be tilted", "B before")
             self._a_deg = a_deg if isfinite(a_deg) else None
             return
         may_turn = self.turning or (self._tilts and move.minutes > 0.0)
-        if is_on and not may_turn and move.a_deg[0] != a_deg:
+        if is_on and not may_turn and a_before != a_deg:
             self._say(rules.ANGLE.at(Source(self._name, move.line), found=f"{a_deg:g}, turning"))
         if is_on and not may_turn and tilts[0] != tilts[1]:
             found = f"{tilts[1]:g}, turning"
             self._say(rules.TILT.at(
                 Source(self._name, move.line), found=found, expected=f"{self._coper.tilt:g}"
             ))  # fmt: skip
-        if self._is_placed and all(map(isfinite, (*move.start, move.a_deg[0], tilts[0]))):
+        if self._is_placed and isfinite(sum(move.start) + a_before + tilts[0]):
             self.ways.append(TipMove(move.line, move.start, move.end, move.a_deg, tilts))
         if is_on:
             self._moves.append(move)
@@ -286,7 +286,7 @@ class TorchFollower(ABC):
         figures = (*move.end, self._as_written(move.a_deg[1]), move.b_deg[1])
         for place, least, most, axis in self._limited:
             found = figures[place]
-            if isfinite(found) and not least <= found <= most:
+            if not least <= found <= most and isfinite(found):
                 self._say(rules.LIMIT.at(
                     Source(self._name, move.line), axis=axis, found=f"{found:g}",
                     least=f"{least:g}", most=f"{most:g}",
@@ -329,7 +329,8 @@ def below(place: Place, far: float, a_deg: float, b_deg: float) -> Place:
     The head is at X sin B, Y -sin A cos B, Z cos A cos B of its tip.
     """
     (x, y, z), a, b = place, radians(a_deg), radians(b_deg)
-    return x - far * sin(b), y + far * sin(a) * cos(b), z - far * cos(a) * cos(b)
+    across = far * cos(b)
+    return x - far * sin(b), y + across * sin(a), z - across * cos(a)
 
 
 def _switches(machine: Machine, word: str) -> frozenset[Said]:

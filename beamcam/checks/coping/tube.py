@@ -82,9 +82,9 @@ class TubeTorch(TorchFollower):
 
     def _take(self, line: int, moves: Sequence[Move[Place]]) -> None:
         source, place = Source(self._name, line), self._section.place
-        starts = np.array([(*move.start, move.a_deg[0]) for move in moves])
-        ends = np.array([(*move.end, move.a_deg[1]) for move in moves])
-        tips = np.concatenate((starts[:1], ends))
+        first = (*moves[0].start, moves[0].a_deg[0])  # each other begins where the one before ends
+        tips = np.array([first, *((*move.end, move.a_deg[1]) for move in moves)])
+        starts, ends = tips[:-1], tips[1:]
         s, over, beside = place(*tips[:, 1:].T)
         on_ways = starts + np.array(SHARES)[:, None, None] * (ends - starts)  # all go evenly
         _, over_ways, beside_ways = place(*np.moveaxis(on_ways[:, :, 1:], 2, 0))

@@ -4,7 +4,7 @@ Written from the "G-Code Overview" of the LinuxCNC documentation and the grbl 1.
 """
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from math import inf
 
 from msgspec import Struct
@@ -15,7 +15,7 @@ from beamcam.geometry.plane import Point
 from beamcam.machine.machine import OTHER_LETTERS, CodeMeaning, key_for, meaning_of, shown_code
 from beamcam.model.cell_motion import DRILLING, END
 
-_NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)"
+_NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)"
 _WORD = re.compile(rf"([A-Z$])({_NUMBER})")
 _COMMENT = re.compile(r"\([^()]*\)|;.*")
 
@@ -73,7 +73,7 @@ class Variant(Struct, frozen=True):
 Action = tuple[str, float]
 
 
-class Block(Struct, frozen=True):
+class Block(Struct, frozen=True, gc=False):
     """The content of a block, without modal state."""
 
     syntax: str = ""  #: what was expected, where it is not a block
@@ -92,139 +92,168 @@ class Block(Struct, frozen=True):
     percent: bool = False
 
 
-def read_block(
-    text: str, variant: Variant, switches: Mapping[int, frozenset[str]], dialect: Dialect
-) -> Block:
-    """What the words of a block say.
+class Grammar:
+    """What a variant and the dialect of a machine make of words."""
 
-    `switches` are the M words with their letters, `dialect` knows those of the machine's own.
-    """
-    bare = _COMMENT.sub(" ", text).upper().strip()
-    if bare == "%":
+    def __init__(
+        self, variant: Variant, switches: Mapping[int, frozenset[str]], dialect: Dialect
+    ) -> None:
+        """`switches` are the M words with their letters; the dialect knows the machine's own."""
+        self.variant, self.switches, self.dialect = variant, switches, dialect
+        self.motions = MOTIONS_AND_CYCLES if variant.cycles else MOTIONS
+        self.is_table = dialect.stock == "sheet"
+        self.lifts = dialect.lifting is not None  #: whether its programs move Z
+        self.probes = variant.probes if self.lifts else frozenset[str]()
+        self.acting = frozenset("GMN") | dialect.codes.keys()  #: letters that carry no value
+
+
+def read_block(text: str, grammar: Grammar) -> Block:
+    """What the words of a block say."""
+    if "(" in text or ";" in text or ")" in text:
+        text = _COMMENT.sub(" ", text)
+        if "(" in text or ")" in text:
+            return Block("a comment that begins and ends on its line")
+    squeezed = "".join(text.upper().split())
+    if squeezed == "%":
         return Block(percent=True)
-    if "(" in bare or ")" in bare:
-        return Block("a comment that begins and ends on its line")
-    squeezed = "".join(bare.split())
-    if _WORD.sub("", squeezed):
+    parts = _WORD.split(squeezed)  # what is before a word, its letter, its number, and so on
+    if any(parts[::3]):
         return Block("letters with a number each")
-    words = _WORD.findall(squeezed)
-    return _Words(words, variant, switches, dialect).block() if words else Block(blank=True)
+    return _Words(parts, grammar).block() if len(parts) > 1 else Block(blank=True)
 
 
 class _Words:
     """The words of a block, sorted by what they do."""
 
-    def __init__(
-        self, words: list[tuple[str, str]], variant: Variant,
-        switches: Mapping[int, frozenset[str]], dialect: Dialect,
-    ) -> None:  # fmt: skip
-        self._variant, self._switches, self._dialect = variant, switches, dialect
-        self._own = dialect.codes
-        self._is_table = dialect.stock == "sheet"
-        self._lifts = dialect.lifting is not None  #: whether its programs move Z
+    def __init__(self, parts: list[str], grammar: Grammar) -> None:
+        self._grammar = grammar
         self._actions: list[Action] = []
         self._foreign = False  #: whether a G or M word is not known
-        self._of_copers = ("G93",) if dialect.stock == "profile" else ()
         self._faults: list[tuple[str, str]] = []
         self._unknown: list[tuple[str, str]] = []
-        self._values: dict[str, float] = {}
         self._codes: list[str] = []
         self._m_words: list[int] = []
-        for place, (letter, digits) in enumerate(words):
-            self._take(place, letter, digits)
+        self._values: dict[str, float] = {}
+        values, acting = self._values, grammar.acting
+        for place in range(1, len(parts), 3):
+            letter, value = parts[place], float(parts[place + 1])
+            if letter in acting or letter in values or abs(value) >= LARGEST:
+                self._take(letter, parts[place + 1], value, place == 1)
+            else:
+                values[letter] = value
+
+    def _take(self, letter: str, digits: str, value: float, first: bool) -> None:
+        """A word that is no value of the block, or a wrong one."""
+        if letter == "M":
+            if value > MAX_NUMBER:
+                self._wrong(f"M{digits}", "a number of a few digits")
+                return
+            self._m_words.append(int(value))
+            if value != int(value):
+                self._wrong(f"M{digits}", "a whole number")
+        elif abs(value) >= LARGEST:
+            self._wrong(f"{letter}{digits[:20]}", "a number of at most 15 digits")
+        elif letter == "G":
+            self._codes.append(f"G{value:g}")
+        elif letter == "N":
+            if not first:
+                self._wrong(f"N{digits}", "it at the beginning of a block")
+        elif letter in self._values:
+            self._wrong(f"{letter} twice in a block", "it once")
+
+    def _forbid(self, code: str) -> None:
+        self._wrong(shown_code(code), self._grammar.dialect.shown_allowed())
 
     def _wrong(self, found: str, expected: str) -> None:
         self._faults.append((found, expected))
 
     def _unexplained(self, word: str, key: str = "") -> None:
         """A word that nothing gives a meaning, with the line that would."""
-        key = key or word
+        key, is_table = key or word, self._grammar.is_table
         expected = f'codes.{key} = "none" in the machine file, if it neither moves nor switches'
-        if self._is_table and word[0] == "M":
+        if is_table and word[0] == "M":
             expected += ', or what it does, such as "thc off"'
-        if self._is_table and word == "Z":
+        if is_table and word == "Z":
             expected += ', or torch.z = "program", where the program moves the torch up and down'
         if word in SHIFTS:
             expected = "none, it shifts the places of all that follows"
         shown = f"{word} {key.removeprefix(word)}".strip()
-        self._foreign = self._foreign or (self._is_table and word not in OTHER_LETTERS)
+        self._foreign = self._foreign or (is_table and word not in OTHER_LETTERS)
         self._unknown.append((f"{shown}, which beamcam does not know", expected))
-
-    def _take(self, place: int, letter: str, digits: str) -> None:
-        value = float(digits)
-        if abs(value) >= LARGEST and letter != "M":
-            self._wrong(f"{letter}{digits[:20]}", "a number of at most 15 digits")
-        elif letter == "N":
-            if place:
-                self._wrong(f"N{digits}", "it at the beginning of a block")
-        elif letter == "G":
-            self._codes.append(f"G{value:g}")
-        elif letter == "M" and value > MAX_NUMBER:
-            self._wrong(f"M{digits}", "a number of a few digits")
-        elif letter == "M":
-            self._m_words.append(int(value))
-            if value != int(value):
-                self._wrong(f"M{digits}", "a whole number")
-        elif letter in self._values:
-            self._wrong(f"{letter} twice in a block", "it once")
-        elif letter not in self._own:
-            self._values[letter] = value
 
     def block(self) -> Block:
         """What they say."""
-        feed = self._values.pop("F", None)
-        for code in (*self._codes, *(f"M{number}" for number in self._m_words)):
-            if not self._dialect.is_allowed(code):
-                self._wrong(shown_code(code), self._dialect.shown_allowed())
-        known = MOTIONS_AND_CYCLES if self._variant.cycles else MOTIONS
-        probes = [c for c in self._codes if self._lifts and c in self._variant.probes]
-        settings = tuple(c for c in self._codes if c not in known and c not in probes)
-        events = (*self._m_events(), *self._settings(settings))
-        speed = self._values.pop("S", None) if self._is_table else None
-        if self._is_table:
-            if "T" in self._values:
-                self._actions.insert(0, ("tool", self._values.pop("T")))
-            stand_alone = not self._unknown  # else they belong to the word that is not known
-            others = OTHER_LETTERS - {"Z"} if self._lifts else OTHER_LETTERS
-            for letter in sorted(self._values.keys() & others):
-                del self._values[letter]
-                if stand_alone:
-                    self._unexplained(letter)
-            if "G53" in settings and self._values.keys() & set("XY"):
-                expected = "places on the sheet; where those of the machine are is not known"
-                self._wrong("G53 with X or Y", expected)
-        motions = [known[code] for code in self._codes if code in known]
+        grammar, values = self._grammar, self._values
+        is_allowed = grammar.dialect.is_allowed
+        feed, speed = values.pop("F", None), None
+        motions: list[int] = []
+        probes: list[str] = []
+        settings: list[str] = []
+        ends: list[int] = []
+        for code in self._codes:
+            if not is_allowed(code):
+                self._forbid(code)
+            if code in grammar.motions:
+                motions.append(grammar.motions[code])
+            else:
+                (probes if code in grammar.probes else settings).append(code)
+        for number in self._m_words:
+            if not is_allowed(f"M{number}"):
+                self._forbid(f"M{number}")
+            if number in ENDS:
+                ends.append(number)
+        events: list[Other] = []
+        for number in self._m_words:
+            events += self._m_events(number)
+        for code in settings:
+            events += self._setting(code)
+        if grammar.is_table:
+            speed = values.pop("S", None)
+            self._of_table(settings)
         if self._foreign and not motions and not probes:
-            self._values.clear()  # they belong to the word that is not known
+            values.clear()  # they belong to the word that is not known
         if len(motions) + len(probes) > 1:
             self._wrong("two motions in a block", "one")
-        ends = [number for number in self._m_words if number in ENDS]
         if len(ends) > 1:
             self._wrong("two ends of the program in a block", "one")
         return Block(
             faults=tuple(self._faults), unknown=tuple(self._unknown), feed=feed, speed=speed,
-            events=events, settings=settings, actions=tuple(self._actions), probe=bool(probes),
-            motion=motions[-1] if motions else None, values=self._values,
+            events=tuple(events), settings=tuple(settings), actions=tuple(self._actions),
+            probe=bool(probes), motion=motions[-1] if motions else None, values=values,
             end=ends[0] if ends else None,
         )  # fmt: skip
 
-    def _m_events(self) -> Iterator[Other]:
-        for number in self._m_words:
-            letters = self._switches.get(number)
-            values = self._values
-            if number in ENDS:
-                continue
-            known = meaning_of(self._own, f"M{number}", values)
-            if known is not None:
-                yield from self._own_word(number, known[1])
-                continue
-            if letters is None:
-                word = f"M{number}"
-                self._unexplained(word, key_for(word, values) if self._is_table else word)
-                if self._is_table:
-                    carried(values)
-                continue
+    def _of_table(self, settings: Sequence[str]) -> None:
+        """The tool that is prepared, and the letters of axes that a table does not move."""
+        values = self._values
+        if "T" in values:
+            self._actions.insert(0, ("tool", values.pop("T")))
+        stand_alone = not self._unknown  # else they belong to the word that is not known
+        others = OTHER_LETTERS - {"Z"} if self._grammar.lifts else OTHER_LETTERS
+        for letter in sorted(values.keys() & others):
+            del values[letter]
+            if stand_alone:
+                self._unexplained(letter)
+        if "G53" in settings and values.keys() & set("XY"):
+            expected = "places on the sheet; where those of the machine are is not known"
+            self._wrong("G53 with X or Y", expected)
+
+    def _m_events(self, number: int) -> Iterator[Other]:
+        """What an M word does."""
+        grammar, values = self._grammar, self._values
+        if number in ENDS:
+            return
+        known = meaning_of(grammar.dialect.codes, f"M{number}", values)
+        letters = grammar.switches.get(number)
+        if known is not None:
+            yield from self._own_word(number, known[1])
+        elif letters is not None:
             yield Switch(0, number, {k: values.pop(k) for k in sorted(letters & values.keys())})
+        elif grammar.is_table:
+            self._unexplained(f"M{number}", key_for(f"M{number}", values))
+            carried(values)
+        else:
+            self._unexplained(f"M{number}")
 
     def _own_word(self, number: int, meaning: CodeMeaning) -> Iterator[Other]:
         """What an M word of the machine's own does."""
@@ -232,7 +261,7 @@ class _Words:
             for letter in self._values.keys() - MOVING:
                 del self._values[letter]
             return
-        values = carried(self._values, self._variant.switches.get(number, frozenset()))
+        values = carried(self._values, self._grammar.variant.switches.get(number, ()))
         value = with_number(meaning, values)
         if value is None:
             self._wrong(f"M{number} without a number", "P or Q, as codes says that it carries one")
@@ -244,7 +273,7 @@ class _Words:
     def _zero(self, code: str) -> bool:
         """Whether a G word calls the place of Z, or takes that back, and no other place."""
         values = self._values
-        if not self._lifts or values.keys() & set("XY"):
+        if not self._grammar.lifts or values.keys() & set("XY"):
             return False
         if code in ("G92.1", "G92.2"):
             self._actions.append(("take back", 0.0))
@@ -262,43 +291,44 @@ class _Words:
         self._actions.append(("kept zero" if kept else "zero", values.pop("Z")))
         return True
 
-    def _settings(self, codes: Iterable[str]) -> Iterator[Other]:
-        values, variant = self._values, self._variant
-        for code in codes:
-            if code == "G4":
-                if "P" in values:
-                    yield Pause(0, values.pop("P") * self._dialect.dwell_s)
-                else:
-                    unit = "seconds" if self._dialect.dwell_s == 1.0 else "milliseconds"
-                    self._wrong("G4", f"P with {unit}")
-            elif code in variant.sides:
-                yield Compensation(0, variant.sides[code], values.pop("D", 0.0) / 2)
-            elif code == "G40":
-                yield Compensation(0, "on", 0.0)
-            elif code == "G64" and variant.blends:
-                # Q is the reach of its filter of short lines; without P, or with 0, no limit holds.
-                off = values.pop("P", 0.0)
-                yield Blending(0, max(off, values.pop("Q", off)) if off > 0.0 else inf)
-            elif code in ("G61", "G61.1") and variant.blends:
-                yield Blending(0, 0.0)
-            elif (
-                (code in ("G98", "G99") and variant.cycles)
-                or self._own.get(code) == "none"
-                or self._zero(code)
-            ):
-                continue
-            elif self._lifts and code in LENGTHS:
-                self._unexplained(code)
-                carried(values, "Z")
-            elif self._is_table and code in variant.idle:
-                if code in ("G43", "G49"):
-                    action = "offset" if code == "G43" else "offset off"
-                    self._actions.append((action, values.get("H", 0.0)))
-                for letter in variant.idle[code] & values.keys():
-                    del values[letter]
-            elif (self._is_table and code in variant.offsets) or (
-                code == "G93" and self._dialect.stock == "profile"
-            ):
-                continue
-            elif code not in ("G90", "G91") and code not in variant.settings:
-                self._unexplained(code)
+    def _setting(self, code: str) -> Iterator[Other]:
+        """What a G word does that is no motion."""
+        values, grammar = self._values, self._grammar
+        variant, dialect, is_table = grammar.variant, grammar.dialect, grammar.is_table
+        if code == "G4":
+            if "P" in values:
+                yield Pause(0, values.pop("P") * dialect.dwell_s)
+            else:
+                unit = "seconds" if dialect.dwell_s == 1.0 else "milliseconds"
+                self._wrong("G4", f"P with {unit}")
+        elif code in variant.sides:
+            yield Compensation(0, variant.sides[code], values.pop("D", 0.0) / 2)
+        elif code == "G40":
+            yield Compensation(0, "on", 0.0)
+        elif code == "G64" and variant.blends:
+            # Q is the reach of its filter of short lines; without P, or with 0, no limit holds.
+            off = values.pop("P", 0.0)
+            yield Blending(0, max(off, values.pop("Q", off)) if off > 0.0 else inf)
+        elif code in ("G61", "G61.1") and variant.blends:
+            yield Blending(0, 0.0)
+        elif (
+            (code in ("G98", "G99") and variant.cycles)
+            or dialect.codes.get(code) == "none"
+            or self._zero(code)
+        ):
+            return
+        elif grammar.lifts and code in LENGTHS:
+            self._unexplained(code)
+            carried(values, "Z")
+        elif is_table and code in variant.idle:
+            if code in ("G43", "G49"):
+                action = "offset" if code == "G43" else "offset off"
+                self._actions.append((action, values.get("H", 0.0)))
+            for letter in variant.idle[code] & values.keys():
+                del values[letter]
+        elif (is_table and code in variant.offsets) or (
+            code == "G93" and dialect.stock == "profile"
+        ):
+            return
+        elif code not in ("G90", "G91") and code not in variant.settings:
+            self._unexplained(code)

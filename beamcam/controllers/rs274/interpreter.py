@@ -16,12 +16,13 @@ from msgspec.structs import replace
 from beamcam.controllers.dialect import Dialect
 from beamcam.controllers.events import Curve, FeedShare, Material, Other, Switch
 from beamcam.controllers.interpreter import Interpreter, Words, arc_of
-from beamcam.controllers.rs274.blocks import ENDS, Block, Variant, read_block
+from beamcam.controllers.rs274.blocks import ENDS, Block, Grammar, Variant, read_block
 from beamcam.controllers.rs274.head import HeadWords
 from beamcam.geometry.plane import Point
 from beamcam.model.cell_motion import END, OWN_LETTERS
 
 _NUMBERED = re.compile(r"\s*N[0-9]+\s*")
+_CENTRE = frozenset("IJ")  #: of an arc
 _LAST_TRAVEL = 3  #: G3; beyond it are canned cycles
 _TOOL_CHANGE = 6
 _STOPS = (0, 1)  #: M words for a program stop at a manual tool change
@@ -30,6 +31,7 @@ _STOPS = (0, 1)  #: M words for a program stop at a manual tool change
 class Rs274(HeadWords, Interpreter):
     """The state of the controller between two blocks."""
 
+    longest_line: int
     fed_traverse = True
     arc_slack = 0.005  #: whatever the radius
 
@@ -38,7 +40,7 @@ class Rs274(HeadWords, Interpreter):
         self.controller, self.longest_line = variant.name, variant.longest_line
         self._variant, self._knows_names = variant, variant.named
         self._known: dict[str, Block] = {}  # programs say the same thing over and over
-        self._switches = {
+        switches = {
             **variant.switches,
             **{
                 number: frozenset(letter for letter, _ in word.fields) & variant.own_letters
@@ -47,7 +49,10 @@ class Rs274(HeadWords, Interpreter):
             },
         }
         if self._flat:
-            self._switches = {**variant.idle_switches, **self._switches}
+            switches = {**variant.idle_switches, **switches}
+        self._grammar = Grammar(variant, switches, dialect)
+        self._axes = frozenset(dialect.axes)
+        self._tells = dialect.text_word is not None  #: whether lines may tell texts
         self._percents: list[int] = []  #: lines
         self._seen: set[str] = set()
         self._told: set[str] = set()  #: words without a meaning, each told once
@@ -108,17 +113,15 @@ class Rs274(HeadWords, Interpreter):
 
     def line(self, line: int, text: str) -> None:
         """Carries out a line of the text."""
-        if len(text) > self._variant.longest_line:
-            self._syntax(line, text, f"at most {self._variant.longest_line} characters")
+        if len(text) > self.longest_line:
+            self._syntax(line, text, f"at most {self.longest_line} characters")
         if self._flat:
             text = self._without_names(line, text)
         block = self._known.get(text)
         if block is None:
-            if self._is_text(line, _NUMBERED.sub("", text)):
+            if self._tells and self._is_text(line, _NUMBERED.sub("", text)):
                 return
-            self._known[text] = block = read_block(
-                text, self._variant, self._switches, self._dialect
-            )
+            self._known[text] = block = read_block(text, self._grammar)
         if block.percent:
             self._percent(line, text)
         elif block.syntax:
@@ -214,31 +217,34 @@ class Rs274(HeadWords, Interpreter):
 
     def _travel(self, line: int, block: Block) -> None:
         """The move of a block."""
-        values, axes = block.values, self._dialect.axes
+        values = block.values
         motion = self._motion if block.motion is None else block.motion
         if motion > _LAST_TRAVEL:
             self._cycle_block(line, motion, values, block.feed is not None)
             return
         if block.motion is not None:
             self._cycle = None
-        places = values.keys() & set(axes)
-        used = places | (values.keys() & {"I", "J"} if places and motion > 1 else set())
-        if places and motion < 0:
-            letters = " or ".join(sorted(places))
+        unexpected = values.keys() - self._axes
+        moves = len(unexpected) < len(values)
+        if moves and motion > 1:
+            unexpected -= _CENTRE
+        if moves and motion < 0:
+            letters = " or ".join(sorted(values.keys() - unexpected))
             self._wrong(line, f"{letters} without a motion", "G0, G1, G2 or G3 before")
-        elif places:
+        elif moves:
             if self._dialect.laser_mode:
                 power = self._speed or 0.0
                 works = self._running and motion > 0 and power > 0.0
                 self._light(line, Switch(line, self._running, {"S": power}) if works else None)
             self._motion = motion
             self._check_settings(line)
-            self._go(line, motion, {k: values[k] for k in used}, block.feed is not None)
+            words = {k: values[k] for k in values.keys() - unexpected} if unexpected else values
+            self._go(line, motion, words, block.feed is not None)
         elif block.motion is not None:
             self._motion = motion
-        if values.keys() - used:
-            unexpected = min(values.keys() - used)
-            self._wrong(line, f"the letter {unexpected} in that block", "no such word there")
+        if unexpected:
+            expected = "no such word there"
+            self._wrong(line, f"the letter {min(unexpected)} in that block", expected)
 
     def _cycle_block(self, line: int, motion: int, values: Words, own_feed: bool) -> None:
         """A block of a canned cycle, or its end."""
