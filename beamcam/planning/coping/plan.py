@@ -26,6 +26,7 @@ from beamcam.planning.coping.ends import (
     tilts_at,
     with_skew,
 )
+from beamcam.planning.coping.fillets import depth_beside, ways_beside
 from beamcam.planning.coping.regions import (
     WallRegion,
     features_on,
@@ -163,9 +164,14 @@ def _at_roots(
         kerf = over_web.kerf if over_web else EDGE
         regions, diagnostics = with_ledges(regions, depths, kerf, coper, part.source)
         more = {"v"} if diagnostics else set()
-    regions, steps, off = with_steps(regions, chart.depth(flange.root_depth), coper, part.source)
+    deeper = {
+        face: max((chart.depth(depth_beside(region.wall, one)) for _, one in ways_beside(region)
+                   if one.crosses), default=depths[None])
+        for face, region in regions.items() if face != "v"
+    }  # fmt: skip
+    regions, steps, off = with_steps(regions, deeper, coper, part.source)
     more |= {face for face, mm in off.items() if mm >= LEAST_SLANT}
-    faults = root_faults(regions, depths, coper, part.source)
+    faults = root_faults(regions, depths, deeper, coper, part.source)
     return regions, [*diagnostics, *steps, *faults, *lip_faults(regions, part.source)], more
 
 

@@ -28,6 +28,7 @@ from beamcam.model.part import Face
 from beamcam.planning.coping import rules
 from beamcam.planning.coping.cuts import borders_of, chains_of
 from beamcam.planning.coping.ends import STEEPEST_DEG, is_on
+from beamcam.planning.coping.fillets import ways_beside
 from beamcam.planning.coping.regions import OUTLINE_NOISE, Shape, WallRegion
 from beamcam.planning.coping.walls import EDGE, EndLine, PlannedWall, Root
 
@@ -45,19 +46,20 @@ class Crossing(Struct, frozen=True):
 
 
 def root_faults(
-    regions: Mapping[Face, WallRegion], depths: Mapping[int | None, float], coper: Coper,
-    source: Source,
+    regions: Mapping[Face, WallRegion], depths: Mapping[int | None, float],
+    deeper: Mapping[Face, float], coper: Coper, source: Source,
 ) -> Iterator[Diagnostic]:  # fmt: skip
     """What cannot be cut at the roots of a web.
 
     `depths` are those to which a pass through a root may cut, from outside of the flange: what it
     meets of the web has to be cut at that x anyway, or in the plane of the end that it is tilted
-    to (0 at the start).
+    to (0 at the start). `deeper` are those to which one cuts that runs along the web as well.
     """
     web = regions["v"]
     for root in web.wall.roots:
         flange = regions[root.face]
-        across = _band(root, depths[None], web.wall)
+        depth = max(depths[None], deeper.get(root.face, 0.0))
+        across = _band(root, depth, web.wall)
         on_web, wrong = crossings(web, across, coper)
         for end in depths.keys() - {None}:  # which counts there, be it more or less
             own = [one for one in crossings(web, _band(root, depths[end], web.wall), coper)[0]
@@ -69,19 +71,18 @@ def root_faults(
                 wrong = [way for way in wrong if not any(is_on(line, (at,)) for at in way)]
             elif before:
                 wrong += [((one.x, 0.0),) for one in before]
-        (behind,) = flange.wall.roots
-        deep = max(root.high if root.low == 0.0 else web.wall.width - root.low, depths[None])
+        deep = max(root.high if root.low == 0.0 else web.wall.width - root.low, depth)
         clear = f"{deep + 2 * EDGE:.1f} mm off the outside of face {root.face} at least"
         yield from _said(wrong, web.wall, across, clear, root.face, source)
-        band = max(EDGE, behind.low), min(flange.wall.width - EDGE, behind.high)
-        on_flange, astray = crossings(flange, band, coper)
-        clear = f"off web and fillets, from y {band[0]:.1f} to {band[1]:.1f}"
+        on_flange, astray, band = through_flange(flange, coper)
+        clear = f"clear of y {band[0]:.1f} to {band[1]:.1f}, where the web stands"
         yield from _said(astray, flange.wall, band, clear, "v", source)
         if not (wrong or astray):
             yield from _unpaired(on_web, on_flange, web.wall, flange.wall, coper, source)
         if coper.k_area == "refuse":
-            for one in on_web[:1]:
-                yield rules.K_AREA.at(source, x=f"{one.x:g}", face=root.face)
+            beside = [chain.points[0][0] for chain, _ in ways_beside(flange)]
+            for x in [*(one.x for one in on_web), *beside][:1]:
+                yield rules.K_AREA.at(source, x=f"{x:g}", face=root.face)
 
 
 def lip_faults(regions: Mapping[Face, WallRegion], source: Source) -> Iterator[Diagnostic]:
@@ -128,6 +129,22 @@ def crossings(
         # The region lies on the left of its ring: upwards, the scrap is at greater x.
         crossings.append(Crossing((max(xs) + min(xs)) / 2, chain.start == "low", square, end))
     return sorted(crossings, key=lambda one: one.x), wrong
+
+
+def through_flange(
+    flange: WallRegion, coper: Coper
+) -> tuple[list[Crossing], list[tuple[Point, ...]], tuple[float, float]]:
+    """The cuts through a flange where its web stands, as `crossings`, and in which band: over web
+    and fillets, or where one runs along the web, over that alone."""
+    wall = flange.wall
+    (behind,) = wall.roots
+    band = max(EDGE, behind.low), min(wall.width - EDGE, behind.high)
+    on_flange, wrong = crossings(flange, band, coper)
+    if wrong and behind.stands is not None and wall.skew == (None, None):
+        low, high = behind.stands
+        band = max(low, 0.0) + EDGE, min(high, wall.width) - EDGE
+        on_flange, wrong = crossings(flange, band, coper)
+    return on_flange, wrong, band
 
 
 def _said(
@@ -207,19 +224,19 @@ class _Approach(Struct, frozen=True):
 
 
 def with_steps(
-    regions: Mapping[Face, WallRegion], depth: float, coper: Coper, source: Source
+    regions: Mapping[Face, WallRegion], depths: Mapping[Face, float], coper: Coper, source: Source
 ) -> tuple[dict[Face, WallRegion], list[Diagnostic], dict[Face, float]]:
     """Regions whose walls meet square at roots that a cut crosses on a slant, or as the round of a
     corner begins there; a warning of each, and mm too much by wall.
 
-    `depth` is that to which a pass through a root cuts. What is more than drawn reaches as far as
+    `depths` are those to which passes through a root cut. What is more than drawn reaches as far as
     either of the walls does there, so that no steel is missing.
     """
     found, said, off = dict(regions), list[Diagnostic](), dict[Face, float]()
     for root in regions["v"].wall.roots:
         web, flange = regions["v"].wall, regions[root.face].wall
         (behind,) = flange.roots
-        low = root.low == 0.0
+        low, depth = root.low == 0.0, depths[root.face]
         ys = (0.0, depth + EDGE) if low else (web.width - depth - EDGE, web.width)
         zs = max(behind.low - EDGE, 0.0), min(behind.high + EDGE, flange.width)
         inner = _band(root, depth, web)
@@ -311,10 +328,7 @@ def with_ledges(
     diagnostics: list[Diagnostic] = []
     for root in web.wall.roots:
         flange = regions[root.face]
-        (behind,) = flange.wall.roots
-        band = max(EDGE, behind.low), min(flange.wall.width - EDGE, behind.high)
-        on_flange, _ = crossings(flange, band, coper)
-        for one in on_flange:
+        for one in through_flange(flange, coper)[0]:
             end, line = web.wall.skew[one.right], EndLine(one.x, 0.0)
             depth = depths[None]
             if end is not None:
