@@ -141,6 +141,41 @@ def random_slant(seed: int, sections: Sequence[Profile] = SECTIONS) -> Part:
     ))  # fmt: skip
 
 
+def random_stripped(seed: int, sections: Sequence[Profile] = SECTIONS) -> Part:
+    """A part whose flanges are cut along the web, flush to it or in the fillet beside it: at an end
+    on one or both sides, or between the ends; with a hole over a fillet now and then."""
+    random = Random(seed)
+    profile = random.choice(sections)
+    length = round(random.uniform(500.0, 900.0), 1)
+    wide, web, radius = profile.width, profile.web_thickness or 0.0, profile.radius
+    back = (wide - web) / 2 if profile.code == "I" else 0.0
+    features: list[Feature] = []
+    for face in ("u",) if profile.code == "L" else ("o", "u"):
+        low, high = (
+            round(random.choice((0.0, 0.0, random.uniform(0.5, radius + 3.0))), 2) for _ in range(2)
+        )
+        first, last = (round(random.uniform(40.0, 140.0), 1) for _ in range(2))
+        low, high = back - low, back + web + high
+        upper = [(length, wide), (0.0, wide)]
+        kind = random.choice(("end", "end", "both", "pocket", "hole"))
+        if kind in ("end", "both"):
+            upper = [(length, high), (length - last, high), (length - last, wide), (0.0, wide)]
+        elif kind == "pocket":
+            upper[1:1] = [(last + 200.0, wide), (last + 200.0, high), (200.0, high), (200.0, wide)]
+        lower = [(0.0, 0.0), (length, 0.0)]
+        if kind == "both" and back:
+            lower = [(first, 0.0), (length, 0.0)]
+            upper += [(first, low), (0.0, low)][::-1]
+            upper[-2:] = [(0.0, low), (first, low)]
+        if kind == "hole":
+            size = random.choice((18.0, 22.0))
+            y = round(high + size / 2, 2)
+            if y + size < wide:
+                features.append(Hole(face, 300.0, y, size, AT))
+        features.append(Contour(face, "outer", polygon([*lower, *upper]), AT))
+    return Part(f"F{seed}", profile, length, AT, features=tuple(features), grade="S235JR")
+
+
 def random_bevel(seed: int) -> Part:
     """A part whose flanges, or legs, have bevels at their ends on the outside, with lands."""
     random = Random(seed)

@@ -16,7 +16,7 @@ from beamcam.planning import rules as bar_rules
 from beamcam.planning.coping import rules
 from beamcam.planning.coping.bevels import bevel_cuts, edges_of
 from beamcam.planning.coping.chart import Chart
-from beamcam.planning.coping.cuts import CutChain, led
+from beamcam.planning.coping.cuts import CutChain, in_two, led
 from beamcam.planning.coping.ends import (
     agreed_ends,
     crossed,
@@ -304,8 +304,10 @@ def _cuts(
             if row is None:
                 diagnostics.append(chart.too_thick(thickness, face, source))
                 continue
-            way = led(chain, seen.region.wall, seen.region.shape, row, coper)
-            if way is None:
+            wall, shape = seen.region.wall, seen.region.shape
+            way = led(chain, wall, shape, row, coper)
+            ways = in_two(chain, wall, shape, row, coper) if way is None else [way]
+            if not ways:
                 x, y = chain.points[0]
                 diagnostics.append(
                     rules.NARROW.at(
@@ -314,17 +316,19 @@ def _cuts(
                         expected=f"scrap {2 * row.pierce_radius:g} mm wide beside the contour",
                     )
                 )  # fmt: skip
-                continue
-            if (hole := region.wall.crossed(way.path[way.lead :], row.kerf)) is not None:
-                x, y = hole
-                diagnostics.append(rules.OPEN.at(source, x=f"{x:.1f}", y=f"{y:.1f}", face=face))
-            path = tuple((x / seen.share, y) for x, y in way.path) if seen.b_deg else way.path
-            cut = CopeCut(
-                kind_of(chain, seen.region, row.kerf), face, path, way.lead, thickness, row,
-                features, source, root, seen.b_deg,
-                lip=bool(region.wall.lip) and seen.region.wall.high < inf,
-            )  # fmt: skip
-            cuts[cut] = chain
+            for way in ways:
+                if (hole := region.wall.crossed(way.path[way.lead :], row.kerf)) is not None:
+                    x, y = hole
+                    diagnostics.append(
+                        rules.OPEN.at(source, x=f"{x:.1f}", y=f"{y:.1f}", face=face)
+                    )
+                path = tuple((x / seen.share, y) for x, y in way.path) if seen.b_deg else way.path
+                cut = CopeCut(
+                    kind_of(chain, seen.region, row.kerf), face, path, way.lead, thickness, row,
+                    features, source, root, seen.b_deg,
+                    lip=bool(region.wall.lip) and wall.high < inf,
+                )  # fmt: skip
+                cuts[cut] = chain
     return cuts, [*dict.fromkeys(diagnostics)]
 
 
