@@ -27,6 +27,7 @@ from beamcam.planning.coping.ends import (
     with_skew,
 )
 from beamcam.planning.coping.fillets import depth_beside, ways_beside
+from beamcam.planning.coping.openings import without_openings
 from beamcam.planning.coping.regions import (
     WallRegion,
     features_on,
@@ -117,7 +118,7 @@ def _plan_profile(given: Part, machine: Machine, coper: Coper, skips: Collection
     diagnostics += more
     at_root: set[Face] = set()
     if not errors_in(diagnostics):
-        regions, more, at_root = _at_roots(part, regions, chart, coper)
+        regions, more, at_root = _at_roots(part, regions, found, chart, coper)
         diagnostics += more
     if errors_in(diagnostics):
         raise PlanError(errors_in(diagnostics))
@@ -151,7 +152,7 @@ def _plan_profile(given: Part, machine: Machine, coper: Coper, skips: Collection
 
 
 def _at_roots(
-    part: Part, regions: dict[Face, WallRegion], chart: Chart, coper: Coper
+    part: Part, regions: dict[Face, WallRegion], found: Sorted, chart: Chart, coper: Coper
 ) -> tuple[dict[Face, WallRegion], list[Diagnostic], set[Face]]:
     """Regions with what stays at the roots, what is told and wrong of them, and the walls that have
     more than is drawn."""
@@ -171,8 +172,10 @@ def _at_roots(
     }  # fmt: skip
     regions, steps, off = with_steps(regions, deeper, coper, part.source)
     more |= {face for face, mm in off.items() if mm >= LEAST_SLANT}
-    faults = root_faults(regions, depths, deeper, coper, part.source)
-    return regions, [*diagnostics, *steps, *faults, *lip_faults(regions, part.source)], more
+    on_web = features_on(part, found.cut).get("v", [])
+    closed, holes = without_openings(regions["v"], part, on_web, chart, coper)
+    faults = root_faults({**regions, "v": closed}, depths, deeper, coper, part.source)
+    return regions, [*diagnostics, *steps, *holes, *faults, *lip_faults(regions, part.source)], more
 
 
 def _before_bar(plan: CopePlan) -> Iterator[Diagnostic]:

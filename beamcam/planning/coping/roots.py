@@ -73,8 +73,11 @@ def root_faults(
                 wrong += [((one.x, 0.0),) for one in before]
         deep = max(root.high if root.low == 0.0 else web.wall.width - root.low, depth)
         clear = f"{deep + 2 * EDGE:.1f} mm off the outside of face {root.face} at least"
-        yield from _said(wrong, web.wall, across, clear, root.face, source)
         on_flange, astray, band = through_flange(flange, coper)
+        near = flange.wall.width
+        there = [one.x for one in on_flange] + [x for way in astray for x, _ in way]
+        alone = [way for way in wrong if not any(abs(x - way[0][0]) <= near for x in there)]
+        yield from _said(wrong, web.wall, across, clear, root.face, source, alone)
         clear = f"clear of y {band[0]:.1f} to {band[1]:.1f}, where the web stands"
         yield from _said(astray, flange.wall, band, clear, "v", source)
         if not (wrong or astray):
@@ -149,8 +152,9 @@ def through_flange(
 
 def _said(
     wrong: Sequence[Sequence[Point]], wall: PlannedWall, band: tuple[float, float], clear: str,
-    other: Face, source: Source,
+    other: Face, source: Source, alone: Sequence[Sequence[Point]] = (),
 ) -> Iterator[Diagnostic]:  # fmt: skip
+    """The errors of some paths; `alone` are those beside which the other wall has no cut."""
     for way in wrong[:3]:
         ys = [y for _, y in way]
         is_whole = abs(ys[0] - ys[-1]) >= band[1] - band[0] - EDGE and (
@@ -158,9 +162,11 @@ def _said(
         )
         yield rules.ROOT.at(
             source, x=f"{way[0][0]:g}", face=wall.face,
-            what="a slanted or round cut through a root" if is_whole
-            else "a cut into or along a root",
-            expected="it square to the bar or along a skew end, or within 30 degrees or a corner's "
+            what="a cut into or along a root" if not is_whole
+            else "a cut through the flange" if way in alone
+            else "a slanted or round cut through a root",
+            expected=f"one of face {other} there too, or none in the thickness of that"
+            if is_whole and way in alone else "it square to the bar or along a skew end, or within 30 degrees or a corner's "
             f"radius of that and with one of face {other} that it meets" if is_whole
             else f"one {clear}, or through all of it, square to the bar or along a skew end",
         )  # fmt: skip
