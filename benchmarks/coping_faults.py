@@ -51,6 +51,7 @@ from tests.random_copes import (
     random_prepared_web,
     random_shaped_bevel,
     random_slant,
+    random_stripped,
     random_tee,
 )  # fmt: skip
 from tests.random_pieces import random_open
@@ -272,6 +273,7 @@ def survivors(count: int, first: int = 0) -> tuple[Counter[str], list[tuple[int,
         ("coper-tilt", random_cut_out), ("coper-tilt", random_end),
         ("coper", partial(random_cope, near=True)), ("tube", partial(random_tee, near=True)),
         ("coper", partial(random_cope, sections=CEES, near=True)),
+        ("coper", random_stripped), ("tube", random_stripped),
     )  # fmt: skip
     for number in range(len(kinds) * first, len(kinds) * (first + count)):
         kind, make = kinds[number % len(kinds)]

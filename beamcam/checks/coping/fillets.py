@@ -12,9 +12,7 @@ STRAIGHT = 0.1  #: mm that a way through a root may be off straight
 OFF = 0.02  #: mm that a kerf's side may be off by figures of a program and by chords
 
 
-def beside_web(
-    stroke: TorchStroke, section: CoperSection
-) -> tuple[float, float] | None:
+def beside_web(stroke: TorchStroke, section: CoperSection) -> tuple[float, float] | None:
     """The least and the most steel of a flange and the fillet on it, where a stroke does not go
     straight through the whole root; None where it does, or keeps clear of web and fillets."""
     if stroke.face == "v" or section.code == "C" or stroke.is_tilted:

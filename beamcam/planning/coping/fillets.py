@@ -1,9 +1,9 @@
 r"""Cuts of a flange that run along its web, in the root fillet beside it.
 
- o ___________________     The torch is outside of the flange. A cut that comes no nearer to the
-      ^  \    |            web than its surface goes through flange and fillet, as thick as they
-      |   '-. |            are at its side towards the web, and behind them there is air. What is
-   the cut   )| web        cut off takes its share of the fillet with it.
+o ___________________     The torch is outside of the flange. A cut that comes no nearer to the
+     ^  \    |            web than its surface goes through flange and fillet, as thick as they
+     |   '-. |            are at its side towards the web, and behind them there is air. What is
+  the cut   )| web        cut off takes its share of the fillet with it.
 """
 
 from collections.abc import Iterator, Sequence

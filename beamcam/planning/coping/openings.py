@@ -25,7 +25,8 @@ def without_openings(
     row, widest = chart.row(web.wall.thickness), max(row.kerf for row in coper.rows)
     half = row.kerf / 2 if row else 0.0
     for feature in map(part.features.__getitem__, features):
-        if not isinstance(feature, Cut) or (isinstance(feature, Contour) and feature.kind != "inner"):
+        is_outer = isinstance(feature, Contour) and feature.kind != "inner"
+        if is_outer or not isinstance(feature, Cut):
             continue
         gone: Shape = shape_of(curves_of(feature))
         x0, y0, x1, y1 = gone.bounds

@@ -322,9 +322,7 @@ def _cuts(
             for way in ways:
                 if (hole := region.wall.crossed(way.path[way.lead :], row.kerf)) is not None:
                     x, y = hole
-                    diagnostics.append(
-                        rules.OPEN.at(source, x=f"{x:.1f}", y=f"{y:.1f}", face=face)
-                    )
+                    diagnostics.append(rules.OPEN.at(source, x=f"{x:.1f}", y=f"{y:.1f}", face=face))
                 path = tuple((x / seen.share, y) for x, y in way.path) if seen.b_deg else way.path
                 cut = CopeCut(
                     kind_of(chain, seen.region, row.kerf), face, path, way.lead, thickness, row,

@@ -26,6 +26,7 @@ from beamcam.geometry.curves import Point
 from beamcam.machine.coper import Coper
 from beamcam.model.part import Face
 from beamcam.planning.coping import rules
+from beamcam.planning.coping.crossings import SHARE, Crossing, crossings, through_flange
 from beamcam.planning.coping.cuts import borders_of, chains_of
 from beamcam.planning.coping.ends import STEEPEST_DEG, is_on
 from beamcam.planning.coping.fillets import ways_beside
@@ -33,16 +34,6 @@ from beamcam.planning.coping.regions import OUTLINE_NOISE, Shape, WallRegion
 from beamcam.planning.coping.walls import EDGE, EndLine, PlannedWall, Root
 
 ALONG_LIP = 4.0  #: mm along the bar by mm across it that a cut through a lip goes, at most
-SHARE = 0.5  #: of the tolerance, that web and flange may differ by at a root
-
-
-class Crossing(Struct, frozen=True):
-    """A cut through the whole of a root, square to the bar or in the plane of an end."""
-
-    x: float
-    right: bool  #: whether the scrap lies at greater x
-    square: bool = True  #: to the bar
-    end: int | None = None  #: in whose plane it lies, 0 at the start
 
 
 def root_faults(
@@ -74,16 +65,16 @@ def root_faults(
         deep = max(root.high if root.low == 0.0 else web.wall.width - root.low, depth)
         clear = f"{deep + 2 * EDGE:.1f} mm off the outside of face {root.face} at least"
         on_flange, astray, band = through_flange(flange, coper)
-        near = flange.wall.width
         there = [one.x for one in on_flange] + [x for way in astray for x, _ in way]
-        alone = [way for way in wrong if not any(abs(x - way[0][0]) <= near for x in there)]
+        alone = [way for way in wrong
+                 if all(abs(x - way[0][0]) > flange.wall.width for x in there)]  # fmt: skip
         yield from _said(wrong, web.wall, across, clear, root.face, source, alone)
-        clear = f"clear of y {band[0]:.1f} to {band[1]:.1f}, where the web stands"
-        yield from _said(astray, flange.wall, band, clear, "v", source)
+        over = f"clear of y {band[0]:.1f} to {band[1]:.1f}, where the web stands"
+        yield from _said(astray, flange.wall, band, over, "v", source)
         if not (wrong or astray):
             yield from _unpaired(on_web, on_flange, web.wall, flange.wall, coper, source)
         if coper.k_area == "refuse":
-            beside = [chain.points[0][0] for chain, _ in ways_beside(flange)]
+            beside = (chain.points[0][0] for chain, _ in ways_beside(flange))
             for x in [*(one.x for one in on_web), *beside][:1]:
                 yield rules.K_AREA.at(source, x=f"{x:g}", face=root.face)
 
@@ -110,46 +101,6 @@ def _band(root: Root, depth: float, web: PlannedWall) -> tuple[float, float]:
     return min(root.low, web.width - depth + EDGE), root.inner - EDGE
 
 
-def crossings(
-    region: WallRegion, band: tuple[float, float], coper: Coper
-) -> tuple[list[Crossing], list[tuple[Point, ...]]]:
-    """The cuts through a band of a wall, along x, and the paths by which it is cut otherwise."""
-    crossings: list[Crossing] = []
-    wrong: list[tuple[Point, ...]] = []
-    for chain in chains_of(region.shape, borders_of(region.wall, *band, -EDGE)):
-        xs = [x for x, _ in chain.points]
-        whole = {chain.start, chain.end} == {"low", "high"}
-        near = SHARE * coper.tolerance
-        end = next(
-            (k for k, line in enumerate(region.wall.skew)
-             if line and all(abs(x - line.x(y)) <= near for x, y in chain.points)),
-            None,
-        )  # fmt: skip
-        square = max(xs) - min(xs) <= near
-        if not whole or (end is None and not square):
-            wrong.append(chain.points)
-            continue
-        # The region lies on the left of its ring: upwards, the scrap is at greater x.
-        crossings.append(Crossing((max(xs) + min(xs)) / 2, chain.start == "low", square, end))
-    return sorted(crossings, key=lambda one: one.x), wrong
-
-
-def through_flange(
-    flange: WallRegion, coper: Coper
-) -> tuple[list[Crossing], list[tuple[Point, ...]], tuple[float, float]]:
-    """The cuts through a flange where its web stands, as `crossings`, and in which band: over web
-    and fillets, or where one runs along the web, over that alone."""
-    wall = flange.wall
-    (behind,) = wall.roots
-    band = max(EDGE, behind.low), min(wall.width - EDGE, behind.high)
-    on_flange, wrong = crossings(flange, band, coper)
-    if wrong and behind.stands is not None and wall.skew == (None, None):
-        low, high = behind.stands
-        band = max(low, 0.0) + EDGE, min(high, wall.width) - EDGE
-        on_flange, wrong = crossings(flange, band, coper)
-    return on_flange, wrong, band
-
-
 def _said(
     wrong: Sequence[Sequence[Point]], wall: PlannedWall, band: tuple[float, float], clear: str,
     other: Face, source: Source, alone: Sequence[Sequence[Point]] = (),
@@ -160,15 +111,19 @@ def _said(
         is_whole = abs(ys[0] - ys[-1]) >= band[1] - band[0] - EDGE and (
             all(a < b for a, b in pairwise(ys)) or all(a > b for a, b in pairwise(ys))
         )
+        what = "a cut into or along a root"
+        expected = f"one {clear}, or through all of it, square to the bar or along a skew end"
+        if is_whole and way in alone:
+            what = "a cut through the flange"
+            expected = f"one of face {other} there too, or none in the thickness of that"
+        elif is_whole:
+            what = "a slanted or round cut through a root"
+            expected = (
+                "it square to the bar or along a skew end, or within 30 degrees or a corner's "
+                f"radius of that and with one of face {other} that it meets"
+            )
         yield rules.ROOT.at(
-            source, x=f"{way[0][0]:g}", face=wall.face,
-            what="a cut into or along a root" if not is_whole
-            else "a cut through the flange" if way in alone
-            else "a slanted or round cut through a root",
-            expected=f"one of face {other} there too, or none in the thickness of that"
-            if is_whole and way in alone else "it square to the bar or along a skew end, or within 30 degrees or a corner's "
-            f"radius of that and with one of face {other} that it meets" if is_whole
-            else f"one {clear}, or through all of it, square to the bar or along a skew end",
+            source, x=f"{way[0][0]:g}", face=wall.face, what=what, expected=expected
         )  # fmt: skip
 
 
@@ -192,9 +147,8 @@ def _unpaired(
             for other in others
         )
 
-    for mine, others, wall, other in (
-        (on_web, on_flange, web, flange), (on_flange, on_web, flange, web)
-    ):  # fmt: skip
+    both = (on_web, on_flange, web, flange), (on_flange, on_web, flange, web)
+    for mine, others, wall, other in both:
         for one in mine:
             if not has(one, others):
                 yield rules.ROOT.at(
