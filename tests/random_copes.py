@@ -24,6 +24,14 @@ SECTIONS = (
 )  # fmt: skip
 
 
+#: Whose fillets are small beside the torch, so that a pass is deeper than they are.
+SMALL_ROOTS = (
+    Profile("I", "UB254*146*31", 251.4, 146.1, 8.6, 6.0, 7.6),
+    Profile("I", "UB203*133*25", 203.2, 133.2, 7.8, 5.7, 7.6),
+    Profile("U", "PFC200*75*23", 200.0, 75.0, 12.5, 6.0, 12.0),
+)  # fmt: skip
+
+
 TEES = (
     Profile("T", "T100", 100.0, 100.0, 11.0, 11.0, 11.0),
     Profile("T", "1/2 IPE300", 150.0, 150.0, 7.1, 10.7, 15.0),

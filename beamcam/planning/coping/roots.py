@@ -151,9 +151,12 @@ def _unpaired(
     for mine, others, wall, other in both:
         for one in mine:
             if not has(one, others):
+                expected = f"one of face {other.face} at that x, which the root goes with"
+                if wall is flange:
+                    expected += f", or a strip of the flange {web.thickness:g} mm wide on the web"
                 yield rules.ROOT.at(
                     source, what="a cut to the root", x=f"{one.x:g}", face=wall.face,
-                    expected=f"one of face {other.face} at that x, which the root goes with",
+                    expected=expected,
                 )  # fmt: skip
 
 

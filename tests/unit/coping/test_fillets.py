@@ -19,7 +19,7 @@ from beamcam.planning.coping.plan import plan_coping
 from beamcam.solid.opinion import solid_faults
 from benchmarks.coping_faults import program_of as text_of
 from tests.conftest import examples
-from tests.random_copes import random_stripped
+from tests.random_copes import SMALL_ROOTS, random_cope, random_stripped
 from tests.unit.coping.samples import (
     AT,
     COPER,
@@ -35,7 +35,7 @@ from tests.unit.coping.samples import (
 
 TUBE = load("tube-linuxcnc")
 ROWS = COPER.needed(COPER.coper, "coper").rows
-UB254 = Profile("I", "UB254*146*31", 251.4, 146.1, 8.6, 6.0, 7.6)
+UB254 = SMALL_ROOTS[0]
 BACK, FRONT = 71.45, 78.55  # z of the web's surfaces of an IPE300
 
 
@@ -94,6 +94,19 @@ def test_flanges_cut_along_their_web_are_read_back_and_their_solid_is_the_part(
         assert codes <= {"plan-section", "plan-coping-narrow"}
         return
     assert not errors_in(solid_faults(text, Request((part,), machine), None))
+
+
+@given(st.integers(0, 5000))
+@settings(max_examples=examples(6), deadline=None)
+def test_copes_beside_small_roots_are_read_back_and_their_solid_is_the_part(seed: int) -> None:
+    part = random_cope(seed, SMALL_ROOTS, near=True)
+    try:
+        text = program_of(part)
+    except PlanError as refused:
+        codes = {d.code for d in errors_in(refused.diagnostics)}
+        assert codes <= {"plan-coping-root", "plan-coping-narrow", "plan-coping-off"}
+        return
+    assert not errors_in(solid_faults(text, Request((part,), COPER), None))
 
 
 @given(st.floats(0.0, 14.9))
