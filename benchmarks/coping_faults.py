@@ -44,6 +44,7 @@ from tests.random_bevels import random_cut_out, random_end
 from tests.random_boxes import random_box
 from tests.random_copes import (
     CEES,
+    SMALL_ROOTS,
     random_bevel,
     random_cope,
     random_lipped,
@@ -51,6 +52,7 @@ from tests.random_copes import (
     random_prepared_web,
     random_shaped_bevel,
     random_slant,
+    random_stripped,
     random_tee,
 )  # fmt: skip
 from tests.random_pieces import random_open
@@ -272,6 +274,8 @@ def survivors(count: int, first: int = 0) -> tuple[Counter[str], list[tuple[int,
         ("coper-tilt", random_cut_out), ("coper-tilt", random_end),
         ("coper", partial(random_cope, near=True)), ("tube", partial(random_tee, near=True)),
         ("coper", partial(random_cope, sections=CEES, near=True)),
+        ("coper", random_stripped), ("tube", random_stripped),
+        ("coper", partial(random_cope, sections=SMALL_ROOTS, near=True)),
     )  # fmt: skip
     for number in range(len(kinds) * first, len(kinds) * (first + count)):
         kind, make = kinds[number % len(kinds)]

@@ -1,6 +1,6 @@
 """Random parts for a coper: I, U, L, T, C with copes at their ends, notches, windows, holes."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from math import asin, atan, cos, degrees, radians, tan
 from random import Random
@@ -21,6 +21,14 @@ SECTIONS = (
     Profile("U", "UPE300", 300.0, 100.0, 15.0, 9.5, 15.0),
     Profile("L", "L100*65*8", 100.0, 65.0, 8.0, 8.0, 10.0),
     Profile("L", "L150*15", 150.0, 150.0, 15.0, 15.0, 16.0),
+)  # fmt: skip
+
+
+#: Whose fillets are small beside the torch, so that a pass is deeper than they are.
+SMALL_ROOTS = (
+    Profile("I", "UB254*146*31", 251.4, 146.1, 8.6, 6.0, 7.6),
+    Profile("I", "UB203*133*25", 203.2, 133.2, 7.8, 5.7, 7.6),
+    Profile("U", "PFC200*75*23", 200.0, 75.0, 12.5, 6.0, 12.0),
 )  # fmt: skip
 
 
@@ -139,6 +147,52 @@ def random_slant(seed: int, sections: Sequence[Profile] = SECTIONS) -> Part:
             (0.0, 0.0), (ends[0], 0.0), (ends[1], wide), (0.0, wide),
         ]), AT),
     ))  # fmt: skip
+
+
+def random_stripped(seed: int) -> Part:
+    """A part whose flanges are cut along the web, flush to it or in the fillet beside it: at one or
+    both ends, on one or both sides, or between the ends; or with a hole over a fillet."""
+    random = Random(seed)
+    profile = random.choice((*SECTIONS, *TEES))
+    is_tee = profile.code == "T"
+    lying = Profile(  # a T as an I that has no upper flange
+        "I", profile.name, profile.width, profile.height, profile.web_thickness or 0.0,
+        profile.flange_thickness, profile.radius,
+    ) if is_tee else profile  # fmt: skip
+    length = round(random.uniform(500.0, 900.0), 1)
+    faces = ("u",) if profile.code in ("L", "T") else ("o", "u")
+    found = [one for face in faces for one in _stripped(lying, face, length, random)]
+    features = tuple(_on_tee(one, profile, random) if is_tee else one for one in found)
+    return Part(f"F{seed}", profile, length, AT, features=features, grade="S235JR")
+
+
+def _stripped(profile: Profile, face: str, length: float, random: Random) -> Iterator[Feature]:
+    """The outline of a flange that is cut along the web, with a hole now and then."""
+    wide, web, radius = profile.width, profile.web_thickness or 0.0, profile.radius
+    back = (wide - web) / 2 if profile.code == "I" else 0.0
+    low, high = (
+        round(random.choice((0.0, 0.0, random.uniform(0.5, radius + 3.0))), 2) for _ in range(2)
+    )
+    low, high = back - low, back + web + high
+    first, last = (round(random.uniform(40.0, 140.0), 1) for _ in range(2))
+    begin: list[Point] = [(0.0, wide), (0.0, 0.0)]
+    end: list[Point] = [(length, 0.0), (length, wide)]
+    between: list[Point] = []
+    kind = random.choice(("far", "far", "near", "both", "pocket", "hole"))
+    if kind in ("far", "both"):
+        end = [(length, 0.0), (length, high), (length - last, high), (length - last, wide)]
+        if back and random.random() < 0.5:
+            end[:1] = [(length - last, 0.0), (length - last, low), (length, low)]
+    if kind in ("near", "both"):
+        begin = [(first, wide), (first, high), (0.0, high), (0.0, 0.0)]
+    if kind == "pocket":
+        between = [(last + 200.0, wide), (last + 200.0, high), (200.0, high), (200.0, wide)]
+    if kind == "hole":
+        size = random.choice((18.0, 22.0))
+        if (y := round(high + size / 2, 2)) + size < wide:
+            yield Hole("o" if face == "o" else "u", 300.0, y, size, AT)
+    ring = polygon([*end, *between, *begin])
+    yield Contour("o" if face == "o" else "u", "outer", ring, AT)
 
 
 def random_bevel(seed: int) -> Part:

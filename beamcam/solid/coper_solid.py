@@ -256,9 +256,11 @@ def taken_by(burn: Burn, coper: Coper, part: Part) -> "Manifold":
     high = max(tips)
     off = burn.a_deg - 90.0 * round(burn.a_deg / 90.0) if coper.turns == "torch" else 0.0
     leaning = degrees(acos(cos(radians(off)) * cos(radians(burn.b_deg))))
-    low = min(tips) - coper.standoff(row.cut_height, leaning) - row.up_to
-    if coper.unrolls(part.profile.code):  # beyond its depth by what chords lie within a circle
-        return wrapped(shape, skin_of(part)[0], -high, CHORD - low)
+    # Beyond its depth by what chords lie within a circle, and so that it goes through what is as
+    # thick as its row is for.
+    low = min(tips) - coper.standoff(row.cut_height, leaning) - row.up_to - CHORD
+    if coper.unrolls(part.profile.code):
+        return wrapped(shape, skin_of(part)[0], -high, -low)
     a, b = radians(burn.a_deg), radians(burn.b_deg)
     up, over = -sin(b), cos(b)  # of a wall's normal, along x as the torch sees it and along itself
     y = (-sin(a) * up, cos(a), -sin(a) * over, 0.0)

@@ -1,7 +1,7 @@
 """What each feature of a part takes of the wall of its face.
 
 A hole goes through the wall of its face, and through a root fillet in its way, but not through
-other walls; a cope of a web takes the fillets on it.
+other walls; what is cut of a web or a flange takes the fillets on it.
 """
 
 from collections.abc import Iterator, Sequence
@@ -92,10 +92,8 @@ def contour_cutters(
             shape = _beside_ends(shape, wall, part, margins.noise)
     if margins.outline:
         shape = shape.buffer(margins.outline, join_style="mitre")
-    if part.profile.code in ("M", "B") or (wall.normal == "y") == (part.profile.code == "T"):
-        yield from through_wall(
-            shape, wall
-        )  # the wall that the others stand on, with their fillets
+    if part.profile.code != "C" or wall.normal == "z":
+        yield from through_wall(shape, wall)
     else:
         yield prism(shape, 0.0, wall.thickness, wall.frame)
         yield from _through_lip(shape, wall, part.profile)

@@ -16,6 +16,7 @@ from beamcam.checks.coping import rules
 from beamcam.checks.coping.bevels import BevelPass, ends_of_passes, pass_faults
 from beamcam.checks.coping.chart import SAME_FEED, row_for
 from beamcam.checks.coping.contour_bands import ContourBand, extra_at
+from beamcam.checks.coping.fillets import FLUSH, beside_web
 from beamcam.checks.coping.left import (
     WallPieces,
     holding_faults,
@@ -135,7 +136,8 @@ def _below(
     back = [down * tan(radians(stroke.b_deg)) for down in downs]
     run = line_of(stroke.points[1:])
     z = high - depth
-    for one in pieces_of(run.intersection(box(-1e6, low - half, 1e6, high + half))):
+    over_web = box(-1e6, low - half + FLUSH, 1e6, high + half - FLUSH)
+    for one in pieces_of(run.intersection(over_web)):
         kerf = jet_of([*one.coords], half, stroke.share)
         through = one.bounds[1] <= low + 1e-6 and one.bounds[3] >= high - 1e-6
         across = kerf.intersection(LineString([(-1e6, z), (1e6, z)])) if through else kerf
@@ -311,13 +313,17 @@ def _thickness(
         return deep - SURE, deep + SURE
     back, front = section.root(stroke.face)
     lip = section.lip + coper.root_over if min(ys) < section.bend - SURE else 0.0
+    beside = beside_web(stroke, section)
+    if beside is not None and (max(ys) <= section.back or min(ys) >= section.front):
+        return beside
     if max(ys) <= back or min(ys) >= front:
         deep = max(section.flange, lip) / stroke.share
         # Of a tilted torch B is read as it is written, to some decimals.
         return (deep - SURE, deep + SURE) if lip and stroke.is_tilted else (deep, deep)
     over = [y for one in strokes if one.face == "v" for _, y in one.points]
     end = (section.high - max(over) if stroke.face == "o" else min(over)) if over else 0.0
-    deep = max(max(section.flange, end) + coper.root_over, lip) / stroke.share
+    along = beside[1] if beside is not None else 0.0
+    deep = max(max(section.flange, end) + coper.root_over, lip, along) / stroke.share
     return deep - SURE, deep + SURE
 
 

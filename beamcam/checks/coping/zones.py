@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
 from beamcam.checks.coping import rules
+from beamcam.checks.coping.fillets import beside_web
 from beamcam.checks.coping.section import CoperSection, TubeSection
 from beamcam.checks.coping.strokes import TipMove, TorchStroke
 from beamcam.errors import Diagnostic, Source
@@ -19,7 +20,8 @@ def root_faults(
     """Strokes through a root on a machine whose file has none cut."""
     for stroke in strokes if coper.k_area == "refuse" else ():
         ys = [y for _, y in stroke.points]
-        if stroke.face != "v" and min(ys) < section.front and max(ys) > section.back:
+        crosses = min(ys) < section.front and max(ys) > section.back
+        if stroke.face != "v" and (crosses or beside_web(stroke, section)):
             yield rules.ZONE.at(
                 Source(name, stroke.line), found=f"a cut through the root on face {stroke.face}",
                 expected='none, coper.k_area is "refuse"',

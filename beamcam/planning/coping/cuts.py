@@ -220,7 +220,10 @@ def led(
     if led is None and free[chain.start] and free[chain.end]:
         chain = chain.reversed()
         led = _from_edge(chain, wall, shape, row, coper)
-    if led is None and not free[chain.start]:
+    if led is None and not (free[chain.start] or free[chain.end]):
+        ways = (_from_root(one, wall, shape, row, coper) for one in (chain, chain.reversed()))
+        led = next(filter(None, ways), None)
+    elif led is None and not free[chain.start]:
         led = _from_root(chain, wall, shape, row, coper)
     if led is not None and free[chain.end]:
         (xa, ya), (xb, yb) = led.path[-2:]
@@ -228,6 +231,31 @@ def led(
         beyond = xb + (xb - xa) * longer, yb + (yb - ya) * longer
         led = LeadPath((*led.path[:-1], beyond), led.lead)
     return led
+
+
+def in_two(
+    chain: CutChain, wall: PlannedWall, shape: Shape, row: TorchRow, coper: Coper
+) -> list[LeadPath]:
+    """Two ways from the middle of a chain to both its ends at roots, where a lead has no room; none
+    where there is no scrap beside a long stretch either. They lap."""
+    if {chain.start, chain.end} - {"low", "high"} or inf in (-wall.low, wall.high):
+        return []
+    beside, own = 2 * row.pierce_radius, chain.points
+    stretches = sorted(range(len(own) - 1), key=lambda k: -_length(own[k], own[k + 1]))
+    for k in stretches[:STARTS]:
+        a, b = own[k], own[k + 1]
+        if (long := _length(a, b)) <= 2 * beside:
+            break
+        ways, out = [], _right_of(a, b)
+        for side, rest in ((-1.0, own[k + 1 :]), (1.0, own[k::-1])):
+            share = 0.5 + side * beside / long / 2
+            begin = a[0] + (b[0] - a[0]) * share, a[1] + (b[1] - a[1]) * share
+            pierce = _pierce(begin, out, wall, shape, row, coper)
+            if pierce is not None and wall.holds(pierce):
+                ways.append(LeadPath((pierce, begin, *rest), 1))
+        if len(ways) == 2:
+            return ways
+    return []
 
 
 def _closed(

@@ -16,7 +16,7 @@ from beamcam.planning import rules as bar_rules
 from beamcam.planning.coping import rules
 from beamcam.planning.coping.bevels import bevel_cuts, edges_of
 from beamcam.planning.coping.chart import Chart
-from beamcam.planning.coping.cuts import CutChain, led
+from beamcam.planning.coping.cuts import CutChain, in_two, led
 from beamcam.planning.coping.ends import (
     agreed_ends,
     crossed,
@@ -26,6 +26,8 @@ from beamcam.planning.coping.ends import (
     tilts_at,
     with_skew,
 )
+from beamcam.planning.coping.fillets import depth_beside, ways_beside
+from beamcam.planning.coping.openings import without_openings
 from beamcam.planning.coping.regions import (
     WallRegion,
     features_on,
@@ -116,7 +118,7 @@ def _plan_profile(given: Part, machine: Machine, coper: Coper, skips: Collection
     diagnostics += more
     at_root: set[Face] = set()
     if not errors_in(diagnostics):
-        regions, more, at_root = _at_roots(part, regions, chart, coper)
+        regions, more, at_root = _at_roots(part, regions, found, chart, coper)
         diagnostics += more
     if errors_in(diagnostics):
         raise PlanError(errors_in(diagnostics))
@@ -150,7 +152,7 @@ def _plan_profile(given: Part, machine: Machine, coper: Coper, skips: Collection
 
 
 def _at_roots(
-    part: Part, regions: dict[Face, WallRegion], chart: Chart, coper: Coper
+    part: Part, regions: dict[Face, WallRegion], found: Sorted, chart: Chart, coper: Coper
 ) -> tuple[dict[Face, WallRegion], list[Diagnostic], set[Face]]:
     """Regions with what stays at the roots, what is told and wrong of them, and the walls that have
     more than is drawn."""
@@ -163,10 +165,17 @@ def _at_roots(
         kerf = over_web.kerf if over_web else EDGE
         regions, diagnostics = with_ledges(regions, depths, kerf, coper, part.source)
         more = {"v"} if diagnostics else set()
-    regions, steps, off = with_steps(regions, chart.depth(flange.root_depth), coper, part.source)
+    deeper = {
+        face: max((chart.depth(depth_beside(region.wall, one)) for _, one in ways_beside(region)
+                   if one.crosses), default=depths[None])
+        for face, region in regions.items() if face != "v"
+    }  # fmt: skip
+    regions, steps, off = with_steps(regions, deeper, coper, part.source)
     more |= {face for face, mm in off.items() if mm >= LEAST_SLANT}
-    faults = root_faults(regions, depths, coper, part.source)
-    return regions, [*diagnostics, *steps, *faults, *lip_faults(regions, part.source)], more
+    on_web = features_on(part, found.cut).get("v", [])
+    closed, holes = without_openings(regions["v"], part, on_web, chart, coper)
+    faults = root_faults({**regions, "v": closed}, depths, deeper, coper, part.source)
+    return regions, [*diagnostics, *steps, *holes, *faults, *lip_faults(regions, part.source)], more
 
 
 def _before_bar(plan: CopePlan) -> Iterator[Diagnostic]:
@@ -298,8 +307,10 @@ def _cuts(
             if row is None:
                 diagnostics.append(chart.too_thick(thickness, face, source))
                 continue
-            way = led(chain, seen.region.wall, seen.region.shape, row, coper)
-            if way is None:
+            wall, shape = seen.region.wall, seen.region.shape
+            way = led(chain, wall, shape, row, coper)
+            ways = in_two(chain, wall, shape, row, coper) if way is None else [way]
+            if not ways:
                 x, y = chain.points[0]
                 diagnostics.append(
                     rules.NARROW.at(
@@ -308,17 +319,17 @@ def _cuts(
                         expected=f"scrap {2 * row.pierce_radius:g} mm wide beside the contour",
                     )
                 )  # fmt: skip
-                continue
-            if (hole := region.wall.crossed(way.path[way.lead :], row.kerf)) is not None:
-                x, y = hole
-                diagnostics.append(rules.OPEN.at(source, x=f"{x:.1f}", y=f"{y:.1f}", face=face))
-            path = tuple((x / seen.share, y) for x, y in way.path) if seen.b_deg else way.path
-            cut = CopeCut(
-                kind_of(chain, seen.region, row.kerf), face, path, way.lead, thickness, row,
-                features, source, root, seen.b_deg,
-                lip=bool(region.wall.lip) and seen.region.wall.high < inf,
-            )  # fmt: skip
-            cuts[cut] = chain
+            for way in ways:
+                if (hole := region.wall.crossed(way.path[way.lead :], row.kerf)) is not None:
+                    x, y = hole
+                    diagnostics.append(rules.OPEN.at(source, x=f"{x:.1f}", y=f"{y:.1f}", face=face))
+                path = tuple((x / seen.share, y) for x, y in way.path) if seen.b_deg else way.path
+                cut = CopeCut(
+                    kind_of(chain, seen.region, row.kerf), face, path, way.lead, thickness, row,
+                    features, source, root, seen.b_deg,
+                    lip=bool(region.wall.lip) and wall.high < inf,
+                )  # fmt: skip
+                cuts[cut] = chain
     return cuts, [*dict.fromkeys(diagnostics)]
 
 

@@ -26,38 +26,31 @@ from beamcam.geometry.curves import Point
 from beamcam.machine.coper import Coper
 from beamcam.model.part import Face
 from beamcam.planning.coping import rules
+from beamcam.planning.coping.crossings import SHARE, Crossing, crossings, through_flange
 from beamcam.planning.coping.cuts import borders_of, chains_of
 from beamcam.planning.coping.ends import STEEPEST_DEG, is_on
+from beamcam.planning.coping.fillets import ways_beside
 from beamcam.planning.coping.regions import OUTLINE_NOISE, Shape, WallRegion
 from beamcam.planning.coping.walls import EDGE, EndLine, PlannedWall, Root
 
 ALONG_LIP = 4.0  #: mm along the bar by mm across it that a cut through a lip goes, at most
-SHARE = 0.5  #: of the tolerance, that web and flange may differ by at a root
-
-
-class Crossing(Struct, frozen=True):
-    """A cut through the whole of a root, square to the bar or in the plane of an end."""
-
-    x: float
-    right: bool  #: whether the scrap lies at greater x
-    square: bool = True  #: to the bar
-    end: int | None = None  #: in whose plane it lies, 0 at the start
 
 
 def root_faults(
-    regions: Mapping[Face, WallRegion], depths: Mapping[int | None, float], coper: Coper,
-    source: Source,
+    regions: Mapping[Face, WallRegion], depths: Mapping[int | None, float],
+    deeper: Mapping[Face, float], coper: Coper, source: Source,
 ) -> Iterator[Diagnostic]:  # fmt: skip
     """What cannot be cut at the roots of a web.
 
     `depths` are those to which a pass through a root may cut, from outside of the flange: what it
     meets of the web has to be cut at that x anyway, or in the plane of the end that it is tilted
-    to (0 at the start).
+    to (0 at the start). `deeper` are those to which one cuts that runs along the web as well.
     """
     web = regions["v"]
     for root in web.wall.roots:
         flange = regions[root.face]
-        across = _band(root, depths[None], web.wall)
+        depth = max(depths[None], deeper.get(root.face, 0.0))
+        across = _band(root, depth, web.wall)
         on_web, wrong = crossings(web, across, coper)
         for end in depths.keys() - {None}:  # which counts there, be it more or less
             own = [one for one in crossings(web, _band(root, depths[end], web.wall), coper)[0]
@@ -69,19 +62,21 @@ def root_faults(
                 wrong = [way for way in wrong if not any(is_on(line, (at,)) for at in way)]
             elif before:
                 wrong += [((one.x, 0.0),) for one in before]
-        (behind,) = flange.wall.roots
-        deep = max(root.high if root.low == 0.0 else web.wall.width - root.low, depths[None])
+        deep = max(root.high if root.low == 0.0 else web.wall.width - root.low, depth)
         clear = f"{deep + 2 * EDGE:.1f} mm off the outside of face {root.face} at least"
-        yield from _said(wrong, web.wall, across, clear, root.face, source)
-        band = max(EDGE, behind.low), min(flange.wall.width - EDGE, behind.high)
-        on_flange, astray = crossings(flange, band, coper)
-        clear = f"off web and fillets, from y {band[0]:.1f} to {band[1]:.1f}"
-        yield from _said(astray, flange.wall, band, clear, "v", source)
+        on_flange, astray, band = through_flange(flange, coper)
+        there = [one.x for one in on_flange] + [x for way in astray for x, _ in way]
+        alone = [way for way in wrong
+                 if all(abs(x - way[0][0]) > flange.wall.width for x in there)]  # fmt: skip
+        yield from _said(wrong, web.wall, across, clear, root.face, source, alone)
+        over = f"clear of y {band[0]:.1f} to {band[1]:.1f}, where the web stands"
+        yield from _said(astray, flange.wall, band, over, "v", source)
         if not (wrong or astray):
             yield from _unpaired(on_web, on_flange, web.wall, flange.wall, coper, source)
         if coper.k_area == "refuse":
-            for one in on_web[:1]:
-                yield rules.K_AREA.at(source, x=f"{one.x:g}", face=root.face)
+            beside = (chain.points[0][0] for chain, _ in ways_beside(flange))
+            for x in [*(one.x for one in on_web), *beside][:1]:
+                yield rules.K_AREA.at(source, x=f"{x:g}", face=root.face)
 
 
 def lip_faults(regions: Mapping[Face, WallRegion], source: Source) -> Iterator[Diagnostic]:
@@ -106,46 +101,29 @@ def _band(root: Root, depth: float, web: PlannedWall) -> tuple[float, float]:
     return min(root.low, web.width - depth + EDGE), root.inner - EDGE
 
 
-def crossings(
-    region: WallRegion, band: tuple[float, float], coper: Coper
-) -> tuple[list[Crossing], list[tuple[Point, ...]]]:
-    """The cuts through a band of a wall, along x, and the paths by which it is cut otherwise."""
-    crossings: list[Crossing] = []
-    wrong: list[tuple[Point, ...]] = []
-    for chain in chains_of(region.shape, borders_of(region.wall, *band, -EDGE)):
-        xs = [x for x, _ in chain.points]
-        whole = {chain.start, chain.end} == {"low", "high"}
-        near = SHARE * coper.tolerance
-        end = next(
-            (k for k, line in enumerate(region.wall.skew)
-             if line and all(abs(x - line.x(y)) <= near for x, y in chain.points)),
-            None,
-        )  # fmt: skip
-        square = max(xs) - min(xs) <= near
-        if not whole or (end is None and not square):
-            wrong.append(chain.points)
-            continue
-        # The region lies on the left of its ring: upwards, the scrap is at greater x.
-        crossings.append(Crossing((max(xs) + min(xs)) / 2, chain.start == "low", square, end))
-    return sorted(crossings, key=lambda one: one.x), wrong
-
-
 def _said(
     wrong: Sequence[Sequence[Point]], wall: PlannedWall, band: tuple[float, float], clear: str,
-    other: Face, source: Source,
+    other: Face, source: Source, alone: Sequence[Sequence[Point]] = (),
 ) -> Iterator[Diagnostic]:  # fmt: skip
+    """The errors of some paths; `alone` are those beside which the other wall has no cut."""
     for way in wrong[:3]:
         ys = [y for _, y in way]
         is_whole = abs(ys[0] - ys[-1]) >= band[1] - band[0] - EDGE and (
             all(a < b for a, b in pairwise(ys)) or all(a > b for a, b in pairwise(ys))
         )
+        what = "a cut into or along a root"
+        expected = f"one {clear}, or through all of it, square to the bar or along a skew end"
+        if is_whole and way in alone:
+            what = "a cut through the flange"
+            expected = f"one of face {other} there too, or none in the thickness of that"
+        elif is_whole:
+            what = "a slanted or round cut through a root"
+            expected = (
+                "it square to the bar or along a skew end, or within 30 degrees or a corner's "
+                f"radius of that and with one of face {other} that it meets"
+            )
         yield rules.ROOT.at(
-            source, x=f"{way[0][0]:g}", face=wall.face,
-            what="a slanted or round cut through a root" if is_whole
-            else "a cut into or along a root",
-            expected="it square to the bar or along a skew end, or within 30 degrees or a corner's "
-            f"radius of that and with one of face {other} that it meets" if is_whole
-            else f"one {clear}, or through all of it, square to the bar or along a skew end",
+            source, x=f"{way[0][0]:g}", face=wall.face, what=what, expected=expected
         )  # fmt: skip
 
 
@@ -169,14 +147,16 @@ def _unpaired(
             for other in others
         )
 
-    for mine, others, wall, other in (
-        (on_web, on_flange, web, flange), (on_flange, on_web, flange, web)
-    ):  # fmt: skip
+    both = (on_web, on_flange, web, flange), (on_flange, on_web, flange, web)
+    for mine, others, wall, other in both:
         for one in mine:
             if not has(one, others):
+                expected = f"one of face {other.face} at that x, which the root goes with"
+                if wall is flange:
+                    expected += f", or a strip of the flange {web.thickness:g} mm wide on the web"
                 yield rules.ROOT.at(
                     source, what="a cut to the root", x=f"{one.x:g}", face=wall.face,
-                    expected=f"one of face {other.face} at that x, which the root goes with",
+                    expected=expected,
                 )  # fmt: skip
 
 
@@ -207,19 +187,19 @@ class _Approach(Struct, frozen=True):
 
 
 def with_steps(
-    regions: Mapping[Face, WallRegion], depth: float, coper: Coper, source: Source
+    regions: Mapping[Face, WallRegion], depths: Mapping[Face, float], coper: Coper, source: Source
 ) -> tuple[dict[Face, WallRegion], list[Diagnostic], dict[Face, float]]:
     """Regions whose walls meet square at roots that a cut crosses on a slant, or as the round of a
     corner begins there; a warning of each, and mm too much by wall.
 
-    `depth` is that to which a pass through a root cuts. What is more than drawn reaches as far as
+    `depths` are those to which passes through a root cut. What is more than drawn reaches as far as
     either of the walls does there, so that no steel is missing.
     """
     found, said, off = dict(regions), list[Diagnostic](), dict[Face, float]()
     for root in regions["v"].wall.roots:
         web, flange = regions["v"].wall, regions[root.face].wall
         (behind,) = flange.roots
-        low = root.low == 0.0
+        low, depth = root.low == 0.0, depths[root.face]
         ys = (0.0, depth + EDGE) if low else (web.width - depth - EDGE, web.width)
         zs = max(behind.low - EDGE, 0.0), min(behind.high + EDGE, flange.width)
         inner = _band(root, depth, web)
@@ -311,10 +291,7 @@ def with_ledges(
     diagnostics: list[Diagnostic] = []
     for root in web.wall.roots:
         flange = regions[root.face]
-        (behind,) = flange.wall.roots
-        band = max(EDGE, behind.low), min(flange.wall.width - EDGE, behind.high)
-        on_flange, _ = crossings(flange, band, coper)
-        for one in on_flange:
+        for one in through_flange(flange, coper)[0]:
             end, line = web.wall.skew[one.right], EndLine(one.x, 0.0)
             depth = depths[None]
             if end is not None:

@@ -18,8 +18,9 @@ BEYOND = error("plan-coping-beyond",
 ROOT = error("plan-coping-root",
     "found {what} at x {x} on face {face}; expected {expected}",
     "Over the web the torch comes no nearer to a flange than its width and the root fillet allow. "
-    "The rest of a cut is made from outside of the flange, which takes web and flange at one x. "
-    "What would be cut otherwise there has to be made by hand.")
+    "The rest of a cut is made from outside of the flange, which takes web and flange at one x, as "
+    "deep as its row of the cut chart: with a row between (`coper.rows`, `between_rows`) a cope "
+    "may come nearer. What would be cut otherwise there has to be made by hand.")
 FLANGE_ALONE = error("plan-coping-flange-alone",
     "found no outline on face {face}, so that its flange is {found:g} mm long, and a web that is "
     "cut away from it along all of that; expected an outline on face {face}, or a web up to y "

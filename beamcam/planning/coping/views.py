@@ -15,6 +15,7 @@ from beamcam.model.plan import CopeKind
 from beamcam.planning.coping.chart import Chart
 from beamcam.planning.coping.cuts import SHARE_OVER, CutChain, borders_of, chains_of, paths_of
 from beamcam.planning.coping.ends import is_on
+from beamcam.planning.coping.fillets import beside_web, depth_beside, ways_beside
 from beamcam.planning.coping.regions import BEYOND, WallRegion
 from beamcam.planning.coping.walls import EDGE, PlannedWall, over_lip
 
@@ -68,7 +69,9 @@ def _chains_on(
     region, wall = seen.region, seen.region.wall
     shallow = wall.thickness / seen.share
     deep = (wall.root_depth or wall.thickness + wall.fillets) / seen.share
-    for thickness in dict.fromkeys((shallow, deep)):
+    ways = [*dict.fromkeys(one for _, one in ways_beside(region))]
+    levels = [(one, None) for one in dict.fromkeys((shallow, deep))]
+    for thickness, beside in (*levels, *((depth_beside(wall, one), one) for one in ways)):
         row = chart.row(thickness)
         half = row.kerf / 2 if row else EDGE
         over = SHARE_OVER * half
@@ -78,7 +81,14 @@ def _chains_on(
             tilted = next((line.b_deg for line in wall.skew if line and line.b_deg
                            and is_on(line, chain.points, half)), 0.0)  # fmt: skip
             rooted = is_rooted(chain, wall)
-            if tilted == b_deg and (rooted == (thickness == deep) or shallow == deep):
+            if ways and (own := beside_web(chain.points, wall, half)) is not None:
+                nearest = min(ways, key=lambda one: (one.crosses != own.crosses,
+                                                     abs(one.gap - own.gap)))  # fmt: skip
+                if nearest == beside and not b_deg:
+                    yield chain, row, seen, thickness, own.crosses
+            elif beside is not None:
+                continue
+            elif tilted == b_deg and (rooted == (thickness == deep) or shallow == deep):
                 yield chain, row, seen, thickness, rooted and bool(wall.root_depth)
 
 

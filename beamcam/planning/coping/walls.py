@@ -51,6 +51,8 @@ class Root(Struct, frozen=True):
     low: float  #: least y that a cut keeps off, or of a flange that with the fillet
     high: float
     inner: float = 0.0  #: on a web the y of the flange's inner surface
+    stands: Point | None = None  #: on a flange the y between which the web itself does; not of a C
+    radius: float = 0.0  #: on a flange that of the fillets
 
 
 class EndLine(Struct, frozen=True):
@@ -174,7 +176,9 @@ def walls_of(profile: Profile, coper: Coper, cut_height: float) -> dict[Face, Pl
     walls = {"v": PlannedWall("v", height, web, low, high, tuple(roots), 0.0, sides * rise)}
     back = web_back(profile)
     ends = back - radius if back else 0.0, back + web + radius
-    root = (Root("v", ends[0], min(ends[1], width) if profile.code == "C" else ends[1]),)
+    stands = None if profile.code == "C" else (back, back + web)
+    last = min(ends[1], width) if profile.code == "C" else ends[1]
+    root = (Root("v", ends[0], last, stands=stands, radius=radius),)
     depth = flange + near + coper.root_over
     for face in ("u",) if profile.code in OPEN else ("o", "u"):
         walls[face] = PlannedWall(face, width, flange, -inf, inf, root, depth)

@@ -281,8 +281,10 @@ def test_a_cope_of_a_beam_is_of_the_walls_that_it_is_drawn_on() -> None:
 def test_an_outline_of_one_flange_is_no_end_of_the_other() -> None:
     skew = Contour("u", "outer", _closed((0, 0), (1000, 0), (940, 80), (0, 80)), SRC)
     body = part_solid(part(UPE, skew))
-    # A triangle 60 x 80 of the lower flange; its root fillet and the upper flange stay.
-    assert taken(UPE, skew) == pytest.approx(60.0 * 80.0 / 2 * 11.0, rel=1e-6)
+    # A triangle 60 x 80 of the lower flange, its root fillet with it; the upper flange stays.
+    sharp = taken(replace(UPE, radius=0.0), skew)
+    assert sharp == pytest.approx(60.0 * 80.0 / 2 * 11.0, rel=1e-6)
+    assert sharp < taken(UPE, skew) < sharp + 60.0 * UPE.radius**2 * (1.0 - pi / 4)
     assert box(body)[3] == 1000.0
     both = skew, replace(skew, face="o")
     assert taken(UPE, *both) > 2 * 60.0 * 80.0 / 2 * 11.0
@@ -294,7 +296,8 @@ def test_a_cut_as_narrow_as_a_saw_goes_through_a_flange() -> None:
         Contour("o", "outer", _closed((0, 0), (500, 0), (500, 150), (0, 150)), SRC),
         Contour("o", "outer", _closed((501, 0), (1000, 0), (1000, 150), (501, 150)), SRC),
     )
-    assert taken(IPE, *halves) == pytest.approx(150.0 * 10.7, rel=1e-6)
+    fillets = 2 * IPE.radius**2 * (1.0 - pi / 4)
+    assert taken(IPE, *halves) == pytest.approx(150.0 * 10.7 + fillets, rel=1e-3)
 
 
 def test_margins_part_the_least_steel_from_the_most() -> None:

@@ -1,0 +1,100 @@
+r"""Cuts of a flange that run along its web, in the root fillet beside it.
+
+o ___________________     The torch is outside of the flange. A cut that comes no nearer to the
+     ^  \    |            web than its surface goes through flange and fillet, as thick as they
+     |   '-. |            are at its side towards the web, and behind them there is air. What is
+  the cut   )| web        cut off takes its share of the fillet with it.
+"""
+
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+from math import dist, sqrt
+
+from msgspec import Struct
+
+from beamcam.geometry.curves import Point
+from beamcam.planning.coping.cuts import CutChain, borders_of, chains_of
+from beamcam.planning.coping.regions import WallRegion
+from beamcam.planning.coping.walls import EDGE, PlannedWall, Root
+
+BESIDE = 1.0  #: mm that a path may turn beside a place where its contour does
+STRAIGHT = 0.1  #: mm that a way through a whole root may be off its chord and be straight
+
+
+class BesideWeb(Struct, frozen=True):
+    """How a cut of a flange comes to a web otherwise than straight through its whole root."""
+
+    gap: float  #: mm from its kerf to the web; 0 where it crosses that
+    crosses: bool
+
+
+def beside_web(points: Sequence[Point], wall: PlannedWall, half: float) -> BesideWeb | None:
+    """How a path half a kerf off its contour comes to the web; None where it is clear of web and
+    fillets, or goes straight through all of them."""
+    root = root_of(wall)
+    if root is None or root.stands is None:
+        return None
+    ys = [y for _, y in points]
+    back, front = root.stands
+    middle = (back + front) / 2
+    if min(ys) < middle < max(ys):
+        # Farther off the web the fillet is less than a pass through the root is deep anyway.
+        near = root.radius / 2 - BESIDE
+        ways = [*_within(points, max(back - near, EDGE), min(front + near, wall.width - EDGE))]
+        return None if all(map(_is_through, ways)) else BesideWeb(0.0, True)
+    gap = back - max(ys) - half if max(ys) <= middle else min(ys) - half - front
+    return BesideWeb(max(gap, 0.0), False) if gap < root.radius else None
+
+
+def root_of(wall: PlannedWall) -> Root | None:
+    """Where a web stands on a flange; None of a web itself."""
+    return wall.roots[0] if wall.root_depth else None
+
+
+def depth_beside(wall: PlannedWall, beside: BesideWeb) -> float:
+    """How much steel such a cut goes through: flange and fillet, whose circle comes r away from the
+    web to the flange; across the web the root as well."""
+    root = root_of(wall)
+    assert root is not None
+    off = max(root.radius - beside.gap, 0.0)
+    deep = wall.thickness + root.radius - sqrt(root.radius**2 - off**2)
+    return max(deep, wall.root_depth) if beside.crosses else deep
+
+
+def ways_beside(region: WallRegion) -> list[tuple[CutChain, BesideWeb]]:
+    """The stretches of a flange's contour that come to its web other than straight through the
+    root."""
+    wall = region.wall
+    root = root_of(wall)
+    if root is None or root.stands is None:
+        return []
+    chains = chains_of(region.shape, borders_of(wall, EDGE, wall.width - EDGE, -EDGE))
+    found = ((chain, beside_web(chain.points, wall, 0.0)) for chain in chains)
+    return [(chain, one) for chain, one in found if one is not None]
+
+
+def _within(points: Sequence[Point], low: float, high: float) -> Iterator[list[Point]]:
+    """The stretches of a path between two y."""
+    way: list[Point] = []
+    for (xa, ya), (xb, yb) in pairwise(points):
+        if max(ya, yb) < low or min(ya, yb) > high:
+            continue
+        ends = [
+            (x, y) if low <= y <= high
+            else (xa + (xb - xa) * (to - ya) / (yb - ya), to)
+            for x, y, to in ((x, y, min(max(y, low), high)) for x, y in ((xa, ya), (xb, yb)))
+        ]  # fmt: skip
+        if way and way[-1] != ends[0]:
+            yield way
+            way = []
+        way += ends if not way else ends[1:]
+    if way:
+        yield way
+
+
+def _is_through(way: Sequence[Point]) -> bool:
+    """Whether a stretch goes straight from side to side."""
+    (xa, ya), (xb, yb) = way[0], way[-1]
+    return ya != yb and all(
+        dist((x, y), (xa + (xb - xa) * (y - ya) / (yb - ya), y)) <= STRAIGHT for x, y in way
+    )
