@@ -1,7 +1,7 @@
 """`beamcam post`: parts in, a program out."""
 
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import PurePath
 from typing import Any
 
@@ -135,13 +135,8 @@ def command(
         strict = config.strict
         parts, diagnostics = read_parts(inputs, config, values, console)
         machines = machines_for(config, parts, output)
-        coded = any(map(is_coded_sheet, machines))
-        if contour is not None and not coded:
-            raise click.UsageError(ONE_SHEET)
-        if frame is not None and frame == output:
-            raise click.UsageError("--frame and -o name one file; expected two.")
-        if frame is not None and not coded:
-            raise click.UsageError("--frame is for programs of sheets, in G-code.")
+        if contour is not None or frame is not None:
+            _check_of_sheets(contour, frame, output, machines)
         diagnostics += map_remarks(config, parts, machines[0])
         request = request_of(parts, config, machines[0], config.quantity, order, turn)
         request = replace(request, verified=not no_verify, date=values["date"] or "")
@@ -186,6 +181,19 @@ def command(
             console.tell(success(name, each, first or contour))
     if exit_left_out is not None and any(each.leaves_out for _, each in made):
         raise SystemExit(exit_left_out)
+
+
+def _check_of_sheets(
+    contour: int | None, frame: str | None, output: str, machines: Iterable[Machine]
+) -> None:
+    """Raises click.UsageError for a remainder or a frame of what is no sheet's G-code."""
+    coded = any(map(is_coded_sheet, machines))
+    if contour is not None and not coded:
+        raise click.UsageError(ONE_SHEET)
+    if frame is not None and frame == output:
+        raise click.UsageError("--frame and -o name one file; expected two.")
+    if frame is not None and not coded:
+        raise click.UsageError("--frame is for programs of sheets, in G-code.")
 
 
 def _suggestion(
