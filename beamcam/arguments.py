@@ -4,7 +4,6 @@ import os
 from collections.abc import Collection, Iterator
 from math import isfinite
 
-from beamcam.controllers.machine_words import known_faults
 from beamcam.conversion import nearest, shown
 from beamcam.errors import (
     BeamcamError,
@@ -13,7 +12,7 @@ from beamcam.errors import (
     Source,
     error,
 )
-from beamcam.machine.load import load, shipped, source_in
+from beamcam.machine.load import files_of_machine, is_proved, load, source_in
 from beamcam.machine.machine import Machine
 from beamcam.machine.words import WORD
 from beamcam.plain_text import MAX_COMMENT, terminal_text
@@ -89,11 +88,11 @@ def machine_of(machine: AnyMachine) -> Machine:
 def load_tested(name: str) -> Machine:
     """The machine called `name`, or the one in the file at that path, whose programs can be read.
 
-    Those that are shipped are proved by the tests. Raises MachineError.
+    Raises MachineError.
     """
+    if is_proved(files_of_machine(name)):
+        return load(name)
     machine = load_machine(name)
-    if name in shipped():
-        return machine
     from beamcam.self_test import known_proof_faults
 
     diagnostics = tuple(
@@ -110,6 +109,8 @@ def load_machine(name: str) -> Machine:
 
     Raises MachineError.
     """
+    from beamcam.controllers.machine_words import known_faults
+
     machine = load(name)
     diagnostics = tuple(
         WORD.at(source_in(name, key, text), key=key, said=fault)
