@@ -14,10 +14,10 @@ from typing import TypeVar
 from msgspec import Struct
 from msgspec.structs import replace
 
+from beamcam.arguments import none_makes_it
 from beamcam.checks.request import rest_faults
 from beamcam.errors import Diagnostic, PlanError, ReadError, VerifyError, errors_in, note
 from beamcam.machine.machine import Machine
-from beamcam.machine_choice import none_makes_it
 from beamcam.model.part import Feature, Part, Plane
 from beamcam.model.plan import NOT_MADE, AnyPlan, unfinished
 from beamcam.model.request import Job, Request

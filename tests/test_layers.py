@@ -36,7 +36,7 @@ STEPS = (
     ("reconcile",),
     ("posts", "comparison", "recovery", "simulation", "reports"),
     ("self_test",),
-    ("arguments", "machine_choice"),
+    ("arguments",),
     ("pictures",),
     ("setup_sheet",),
     ("pipeline",),

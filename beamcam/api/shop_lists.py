@@ -7,11 +7,18 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.api.inputs import check_choice, checked_parts
-from beamcam.arguments import AnyMachine, AskError, ask_type, check_arguments, machine_of
+from beamcam.arguments import (
+    AnyMachine,
+    AskError,
+    InTurn,
+    ask_type,
+    check_arguments,
+    machine_of,
+    on_best_machine,
+)
 from beamcam.budget import check_pieces
 from beamcam.errors import Diagnostic, PlanError
 from beamcam.machine.machine import Machine, default_machines
-from beamcam.machine_choice import InTurn, on_best_machine
 from beamcam.model.part import Part
 from beamcam.model.plan import stock_used
 from beamcam.model.request import ChosenBy, Quantity, Remnant, Request, remnant_of

@@ -12,11 +12,11 @@ from pathlib import PurePosixPath
 
 from msgspec import Struct
 
+from beamcam.arguments import on_best_machine
 from beamcam.batch.shares import ShareTask
 from beamcam.batch.work import BatchSettings, thaw
 from beamcam.errors import BeamcamError
 from beamcam.files import write_whole
-from beamcam.machine_choice import on_best_machine
 from beamcam.model.part import Part
 from beamcam.model.request import marked
 from beamcam.pictures.formats import inline_svg

@@ -14,6 +14,7 @@ from msgspec import Struct, field, json
 from msgspec.structs import replace
 
 from beamcam import budget
+from beamcam.arguments import on_best_machine
 from beamcam.batch import DIED, INTERNAL, NO_PART, SAME_NAME
 from beamcam.batch.names import FileNames, mark_key, other_content, output_name, stage_names
 from beamcam.batch.part_rows import part_row
@@ -22,7 +23,6 @@ from beamcam.caches import cached
 from beamcam.errors import BeamcamError, ReadError, Source
 from beamcam.files import REFUSED_SUFFIX
 from beamcam.machine.machine import Machine
-from beamcam.machine_choice import on_best_machine
 from beamcam.model.part import Part
 from beamcam.model.plan import Order
 from beamcam.model.request import ChosenBy, MarkFrom, Quantity, Remnant, Request, marked

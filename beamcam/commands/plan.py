@@ -7,6 +7,7 @@ from typing import Any
 
 import click
 
+from beamcam.arguments import on_best_machine
 from beamcam.commands import options
 from beamcam.commands.common import Console, write
 from beamcam.commands.common import as_json as json_of
@@ -18,7 +19,6 @@ from beamcam.errors import BeamcamError, Diagnostic
 from beamcam.files import FilesRead
 from beamcam.machine.coper import A_OF_FACE
 from beamcam.machine.machine import Machine
-from beamcam.machine_choice import on_best_machine
 from beamcam.model.lengths import total_length
 from beamcam.model.part import Part
 from beamcam.model.plan import (

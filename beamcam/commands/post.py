@@ -147,7 +147,7 @@ def command(
             told = table_style(request_of_machine.machine, output, style)
             return begin(replace(request_of_machine, name=job, style=told), stage=stage)
 
-        from beamcam.machine_choice import on_best_machine
+        from beamcam.arguments import on_best_machine
 
         begun, choice = on_best_machine(request, machines, planned)
         diagnostics += choice

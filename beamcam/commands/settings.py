@@ -10,7 +10,7 @@ from typing import Any, Literal
 import click
 from msgspec.structs import replace
 
-from beamcam.arguments import load_tested
+from beamcam.arguments import InTurn, load_tested
 from beamcam.budget import set_limits
 from beamcam.commands.common import remark, running_console
 from beamcam.config.values import (
@@ -27,7 +27,6 @@ from beamcam.files import FilesRead
 from beamcam.machine import Machine
 from beamcam.machine.machine import default_machines, is_of_sheets
 from beamcam.machine.words import UNKNOWN_MACHINE
-from beamcam.machine_choice import InTurn
 from beamcam.model.part import Part
 from beamcam.pipeline import are_flats, stock_of
 from beamcam.readers import Reading

@@ -313,7 +313,8 @@ def _check(machine: Machine, place: TomlPlace, left_behind: frozenset[str]) -> N
 
 
 def _check_keys(machine: Machine, place: TomlPlace, left_behind: frozenset[str]) -> None:
-    from beamcam.machine import faults as of, references
+    from beamcam.machine import faults as of
+    from beamcam.machine import references
 
     checks: list[Callable[[Machine], Iterator[tuple[str, object, str]]]] = [
         of.size_faults, of.template_faults, references.code_faults, of.number_faults,
