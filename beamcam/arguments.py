@@ -25,10 +25,9 @@ from beamcam.errors import (
 from beamcam.machine.load import files_of_machine, is_proved, load, source_in
 from beamcam.machine.machine import Machine
 from beamcam.machine.words import WORD
-from beamcam.model.plan import clock
+from beamcam.model.plan import ALL_SKIPS, SKIP_NAMES, clock
 from beamcam.model.request import Request
 from beamcam.plain_text import MAX_COMMENT, terminal_text
-from beamcam.planning.left_out import ALL_SKIPS, SKIP_NAMES
 from beamcam.posts import Planned, plan_seconds
 
 ASK_TYPE = error("ask-type",

@@ -22,19 +22,21 @@ from beamcam.emitters.gcode import head_lines
 from beamcam.errors import Diagnostic, PlanError, ReadError, Severity, VerifyError, errors_in
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
-from beamcam.model.plan import AnyPlan, Order, WorkTime
+from beamcam.model.plan import (
+    AnyPlan,
+    Order,
+    SheetPlan,
+    WorkTime,
+    left_out_kinds,
+    manual_work_sources,
+    named_skips,
+    unfinished,
+)
 from beamcam.model.program import Program
 from beamcam.model.request import Job, Request
 from beamcam.model.rounds import is_unrolled
 from beamcam.planning import Share, from_store, shares_of
-from beamcam.planning.left_out import (
-    LEFT_OUT,
-    MANUAL_WORK,
-    left_out_kinds,
-    manual_work_sources,
-    named_skips,
-    told,
-)
+from beamcam.planning.left_out import LEFT_OUT, MANUAL_WORK, told
 from beamcam.posts import Planned, Written, beginning, head_differences, other_than_planned, post_of
 from beamcam.readers import Reading, content, read, shown_name
 
@@ -364,7 +366,13 @@ def posting(job: Job, plan: AnyPlan) -> Generator[str, None, Posted]:
 
 def remarks_on(plan: AnyPlan, machine: Machine, strict: bool) -> tuple[Diagnostic, ...]:
     """All that is said of a plan. Raises StrictError under `strict` if there is a warning."""
-    remarks = (*plan.remarks, *told(plan, machine.torch))
+    remarks = plan.remarks
+    if unfinished(plan.outcomes):
+        remarks += tuple(told(plan))
+    if isinstance(plan, SheetPlan) and machine.torch is not None:
+        from beamcam.planning.map_keys import map_remarks
+
+        remarks += tuple(map_remarks(plan, machine.torch))
     if strict:
         refuse_warnings(remarks)
     return remarks

@@ -115,9 +115,9 @@ def _results(files: Sequence[Path], names: Sequence[str] | None) -> Iterator[Res
 def _post(parts: Any, machine: Any, options: dict[str, Any]) -> dict[str, str]:
     """Program, messages and explanation of parts on a machine."""
     from beamcam.errors import BeamcamError
+    from beamcam.model.plan import SKIP_NAMES
     from beamcam.pipeline import post
     from beamcam.planning.explain import explain
-    from beamcam.planning.left_out import SKIP_NAMES
 
     if options.get("skips"):
         options = options | {"skips": SKIP_NAMES}

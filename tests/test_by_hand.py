@@ -19,17 +19,10 @@ from beamcam.machine import load
 from beamcam.machine.machine import Machine
 from beamcam.machine.stations import Marks, Policy
 from beamcam.model.part import Contour, Feature, Hole, Part, TextMark
-from beamcam.model.plan import Outcome
+from beamcam.model.plan import SKIP_NAMES, Outcome
 from beamcam.model.request import MarkKind, Request, mark_kind
 from beamcam.pipeline import Posted, RefusedProgram, post, read_back
-from beamcam.planning.left_out import (
-    HEAD,
-    LIST_SUFFIX,
-    MANUAL_WORK,
-    SKIP_NAMES,
-    as_csv,
-    manual_rows,
-)
+from beamcam.planning.left_out import HEAD, LIST_SUFFIX, MANUAL_WORK, as_csv, manual_rows
 from tests.conftest import SAMPLES
 from tests.runs import batch, call, counts, part, report
 from tests.unit.planning.shop import part as beam

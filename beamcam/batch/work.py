@@ -24,7 +24,7 @@ from beamcam.errors import BeamcamError, ReadError, Source
 from beamcam.files import REFUSED_SUFFIX
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
-from beamcam.model.plan import Order
+from beamcam.model.plan import Order, named_skips
 from beamcam.model.request import ChosenBy, MarkFrom, Quantity, Remnant, Request, marked
 from beamcam.pipeline import (
     Begun,
@@ -39,7 +39,6 @@ from beamcam.pipeline import (
     stock_of,
 )
 from beamcam.planning import numbered
-from beamcam.planning.left_out import named_skips
 from beamcam.readers import read
 from beamcam.reports.part_list import PartCount
 from beamcam.reports.run import FileRow, Message, PartRow, RestRow, as_message

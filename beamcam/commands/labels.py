@@ -18,10 +18,9 @@ from beamcam.commands.parts import Grouped, list_options
 from beamcam.commands.settings import files_read, settled
 from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Diagnostic, PlanError, Source
-from beamcam.model.plan import Order
+from beamcam.model.plan import Order, named_skips
 from beamcam.model.request import Request
 from beamcam.planning import numbered
-from beamcam.planning.left_out import named_skips
 from beamcam.readers import content
 from beamcam.reports.labels import (
     CODES,

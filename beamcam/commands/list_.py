@@ -26,12 +26,11 @@ from beamcam.config.values import Config, Stock
 from beamcam.errors import BeamcamError, Diagnostic, ReadError, Source
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
-from beamcam.model.plan import Order
+from beamcam.model.plan import Order, named_skips
 from beamcam.model.request import Request, marked, remnant_of
 from beamcam.pipeline import are_flats, counted, sound, stock_of
 from beamcam.plain_text import terminal_text
 from beamcam.planning import number_of
-from beamcam.planning.left_out import named_skips
 from beamcam.reports.part_list import (
     CutBar,
     PartCount,

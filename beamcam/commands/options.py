@@ -22,9 +22,9 @@ from beamcam.commands import MORE_BARS, OUTPUT_FORMAT
 from beamcam.commands.common import STANDARD, Console
 from beamcam.commands.outputs import Callback
 from beamcam.errors import BeamcamError, PlanError, Source
+from beamcam.model.plan import ALL_SKIPS, SKIP_NAMES, named_skips
 from beamcam.model.request import MARKS_FROM, remnant_of
 from beamcam.planning import numbered
-from beamcam.planning.left_out import ALL_SKIPS, SKIP_NAMES, named_skips
 
 Function = Callable[..., Any]
 Decorator = Callable[[Function], Function]

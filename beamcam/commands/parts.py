@@ -14,10 +14,9 @@ from beamcam.errors import Diagnostic, ReadError
 from beamcam.machine.machine import Machine
 from beamcam.machine.overlay import MEANINGS, Meaning
 from beamcam.model.part import Part
-from beamcam.model.plan import Order
+from beamcam.model.plan import Order, named_skips
 from beamcam.model.request import Options, Quantity, Request, Selection, marked
 from beamcam.pipeline import counted, parts_of
-from beamcam.planning.left_out import named_skips
 from beamcam.readers import content
 from beamcam.system import cores
 

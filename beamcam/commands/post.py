@@ -37,7 +37,16 @@ from beamcam.errors import BeamcamError, Diagnostic, PlanError, Source
 from beamcam.files import FilesRead
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Contour, Feature, Hole, Slot, TextMark
-from beamcam.model.plan import AnyPlan, CopePlan, Order, SawOp, SheetPlan, clock
+from beamcam.model.plan import (
+    AnyPlan,
+    CopePlan,
+    Order,
+    SawOp,
+    SheetPlan,
+    clock,
+    left_out_sources,
+    manual_work_sources,
+)
 from beamcam.model.request import Request
 from beamcam.pipeline import (
     Begun,
@@ -51,7 +60,6 @@ from beamcam.pipeline import (
     stock_of,
     untold,
 )
-from beamcam.planning.left_out import left_out_sources, manual_work_sources
 
 OF_ONE = "--rest is for the programs of one part of a bar, as it was read: without --turn."
 NOT_WHOLE = "faces-dxf"  #: the format that holds no more than the faces of a part

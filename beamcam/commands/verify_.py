@@ -16,10 +16,9 @@ from beamcam.commands.parts import Grouped, input_bytes, looking_options, read_p
 from beamcam.commands.settings import machine_for_program, settled
 from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Diagnostic, errors_in
-from beamcam.model.plan import Order
+from beamcam.model.plan import Order, named_skips
 from beamcam.model.request import Request
 from beamcam.pipeline import begin, finished, read_back, whole_job
-from beamcam.planning.left_out import named_skips
 from beamcam.readers import shown_name
 from beamcam.reports.run import as_message
 

@@ -17,9 +17,9 @@ from beamcam.geometry.velocity_profile import AxisLimits
 from beamcam.machine import load
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
+from beamcam.model.plan import SKIP_NAMES
 from beamcam.motion.speeds import stretch_seconds
 from beamcam.pipeline import Posted, parts_of, post, read_file
-from beamcam.planning.left_out import SKIP_NAMES
 from tests.conftest import examples
 from tests.property.test_plan_parts import random_part
 from tests.property.test_profile import duration_by_ruckig
