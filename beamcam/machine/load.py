@@ -16,6 +16,7 @@ from beamcam.conversion import Fault, converted, nearest, shown
 from beamcam.errors import Diagnostic, MachineError, Source
 from beamcam.machine.machine import Machine, MachineFile
 from beamcam.machine.proved import PROVED
+from beamcam.machine.stations import NoValueError, as_formula
 from beamcam.machine.toml import (
     MAX_TOML_BYTES,
     KeyTwice,
@@ -39,8 +40,6 @@ from beamcam.machine.words import (
     UNKNOWN_KEY,
     UNKNOWN_MACHINE,
     WRONG_VALUE,
-    NoValueError,
-    as_formula,
 )
 from beamcam.system import beginning_of, portable_path, user_folder
 

@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterator, Set
 from typing import Literal, get_args
 
+from beamcam.machine.bodies import signed
 from beamcam.machine.faults import Fault
 from beamcam.machine.machine import (
     CARRYING,
@@ -18,7 +19,6 @@ from beamcam.machine.machine import (
 )
 from beamcam.machine.stations import Pair, Spindle
 from beamcam.machine.torch import TorchProcess
-from beamcam.machine.words import signed
 
 ACROSS = ("Y", "Z")  #: letters of a spindle's axes
 OF_SAW = ("angle", "saw")  #: what only a saw has an axis for
