@@ -73,7 +73,9 @@ class BatchSettings(Struct, frozen=True):
     #: of what one machine leaves to the next where `machine` and `more` make parts one after the
     #: other; "" where one of them makes a part
     rest_suffix: str = ""
-    limits: Limits = field(default_factory=budget.limits)  #: how much each file may take
+    limits: Limits = field(
+        default_factory=lambda: budget.InForce.limits
+    )  #: how much each file may take
 
     @property
     def freeze(self) -> bytes:
@@ -185,7 +187,7 @@ def make_all(tasks: Sequence[Task], settings: BatchSettings) -> list[FileResult]
     All of them are read, then all are planned, and so on: a processor that does the same for many
     is quicker by a sixth than one that does everything for each in turn.
     """
-    budget.set_limits(settings.limits)
+    budget.InForce.limits = settings.limits
     clock = settings.clock or (lambda: 0.0)
     seconds = [0.0] * len(tasks)
     made: dict[int, FileResult] = {}

@@ -11,7 +11,7 @@ import click
 from msgspec.structs import replace
 
 from beamcam.arguments import InTurn, load_tested
-from beamcam.budget import set_limits
+from beamcam.budget import InForce
 from beamcam.commands.common import remark, running_console
 from beamcam.config.values import (
     COMMAND_LINE,
@@ -87,7 +87,7 @@ def _in_force(config: Config) -> Config:
 
     Raises MachineError as `_with_own_machines`.
     """
-    set_limits(config.limits)
+    InForce.limits = config.limits
     return _with_own_machines(config)
 
 

@@ -12,7 +12,7 @@ from typing import Literal
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.budget import check_features
+from beamcam.budget import FEATURES, InForce, LimitError
 from beamcam.errors import Diagnostic, PlanError, errors_in
 from beamcam.machine.machine import Machine, text_x
 from beamcam.machine.stations import Tool
@@ -143,7 +143,7 @@ def plan_bar(
     """
     line = line_of(machine)
     refuse_stock(parts, line)
-    check_features((part.source, len(part.features)) for part in parts)
+    _check_features(parts)
     works, remarks = works_on(parts, line, skips)
     laid = lay(works, line, order, bar)
     remarks += laid.remarks
@@ -169,6 +169,15 @@ def plan_bar(
 
 
 _feature = attrgetter("feature")
+
+
+def _check_features(parts: Iterable[Part]) -> None:
+    """Raises LimitError for the part with which a bar has more features than the limits allow."""
+    most, total = InForce.limits.features, 0
+    for part in parts:
+        total += len(part.features)
+        if total > most:
+            raise LimitError(FEATURES.at(part.source, found=total, expected=most))
 
 
 def _outcomes(works: Sequence[PartWork], operations: Sequence[WorkOp]) -> list[Outcome]:
