@@ -15,8 +15,7 @@ from msgspec.structs import replace
 
 from beamcam.arguments import AnyMachine, check_arguments, machine_of
 from beamcam.budget import check_pieces
-from beamcam.checks.head import head_of, other_bar
-from beamcam.checks.request import job_faults, pieces_asked
+from beamcam.checks.job import head_of, job_faults, other_bar, pieces_asked
 from beamcam.checks.rules import BAR_NEEDED
 from beamcam.emitters.gcode import head_lines
 from beamcam.errors import Diagnostic, PlanError, ReadError, Severity, VerifyError, errors_in

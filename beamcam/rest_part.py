@@ -15,7 +15,7 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.arguments import none_makes_it
-from beamcam.checks.request import rest_faults
+from beamcam.checks.rest import rest_faults
 from beamcam.errors import Diagnostic, PlanError, ReadError, VerifyError, errors_in, note
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Feature, Part, Plane

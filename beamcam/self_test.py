@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterator
 
 from beamcam.caches import PerObject
-from beamcam.checks.head import head_of
+from beamcam.checks.job import head_of
 from beamcam.controllers.machine_words import WordFault, fault_in
 from beamcam.emitters.gcode import head_lines
 from beamcam.errors import Diagnostic, PlanError, Source, errors_in

@@ -29,7 +29,7 @@ from msgspec.structs import replace
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from beamcam.checks.bars import verify
-from beamcam.checks.request import LEFT_OUT, MANUAL_WORK
+from beamcam.checks.rules import LEFT_OUT, MANUAL_WORK
 from beamcam.errors import Diagnostic, Severity, Source
 from beamcam.machine import Machine, load
 from beamcam.model.part import Hole, Part, Profile

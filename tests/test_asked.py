@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from beamcam import pipeline
-from beamcam.checks.request import job_faults, pieces_asked
+from beamcam.checks.job import job_faults, pieces_asked
 from beamcam.checks.sheets.required_layout import laid_out
 from beamcam.errors import Source, VerifyError
 from beamcam.geometry.curves import Arc, Line

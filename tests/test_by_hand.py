@@ -10,8 +10,8 @@ import pytest
 from msgspec.structs import replace
 
 from beamcam import pipeline
-from beamcam.checks.head import head_of
-from beamcam.checks.request import MANUAL_WORK as FOR_MANUAL_WORK
+from beamcam.checks.job import head_of
+from beamcam.checks.rules import MANUAL_WORK as FOR_MANUAL_WORK
 from beamcam.commands.options import SkipNames
 from beamcam.errors import PlanError
 from beamcam.geometry.curves import Line

@@ -26,7 +26,7 @@ from beamcam.batch.record import Record
 from beamcam.batch.run import BatchError, QueuedInput, Run, recorded
 from beamcam.batch.shares import FileState, Lot, ShareTask, stems_of, tasks_of
 from beamcam.batch.work import BatchSettings, Task, refused_row
-from beamcam.checks.request import job_faults
+from beamcam.checks.job import job_faults
 from beamcam.errors import BeamcamError, Diagnostic, PlanError, Source, VerifyError
 from beamcam.files import FilesRead
 from beamcam.model.part import Part

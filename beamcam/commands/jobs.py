@@ -10,7 +10,7 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.arguments import on_best_machine
-from beamcam.checks.head import head_of
+from beamcam.checks.job import head_of
 from beamcam.commands.common import STANDARD, Console
 from beamcam.commands.diff import is_part, refuse_other_format
 from beamcam.commands.parts import input_bytes, read_parts, request_of

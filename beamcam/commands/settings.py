@@ -252,7 +252,7 @@ def machine_for_program(
 
 def _machine_in_head(data: bytes | str) -> str | None:
     """The machine that the head of a program names."""
-    from beamcam.checks.head import head_of
+    from beamcam.checks.job import head_of
 
     head = head_of(data.decode("utf-8", "replace") if isinstance(data, bytes) else data)
     return None if head is None else head.machine

@@ -6,8 +6,8 @@ from typing import Any
 import click
 from msgspec.structs import replace
 
-from beamcam.checks.head import Head, head_of, head_remarks
-from beamcam.checks.request import LEFT_OUT, MANUAL_WORK
+from beamcam.checks.job import Head, head_of, head_remarks
+from beamcam.checks.rules import LEFT_OUT, MANUAL_WORK
 from beamcam.commands import options
 from beamcam.commands.common import REFUSED, STANDARD, Console, is_coded_sheet, say_json
 from beamcam.commands.diff import refuse_part

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from beamcam.checks.bars import verify
-from beamcam.checks.request import LEFT_OUT, MANUAL_WORK, TEXT_MOVED
+from beamcam.checks.rules import LEFT_OUT, MANUAL_WORK, TEXT_MOVED
 from beamcam.errors import PlanError, ReadError, errors_in
 from beamcam.machine import load
 from beamcam.model.plan import SKIP_NAMES

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from beamcam.checks.drawn_texts import covering
-from beamcam.checks.request import TEXT_MOVED
+from beamcam.checks.rules import TEXT_MOVED
 from beamcam.checks.text_assignment import cheapest
 from beamcam.errors import Source, errors_in
 from beamcam.machine import load

@@ -17,7 +17,7 @@ from beamcam.arguments import AskError, InTurn
 from beamcam.checks.coping import verify_coping
 from beamcam.checks.coping.section import CoperSection
 from beamcam.checks.coping.stock import stock_of
-from beamcam.checks.request import rest_faults
+from beamcam.checks.rest import rest_faults
 from beamcam.cli import main
 from beamcam.controllers import cell_events
 from beamcam.errors import BeamcamError, PlanError, Severity, errors_in
