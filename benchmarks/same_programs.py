@@ -90,7 +90,8 @@ def _results(files: Sequence[Path], names: Sequence[str] | None) -> Iterator[Res
     """What this beamcam makes of the files on every machine."""
     from beamcam.errors import BeamcamError
     from beamcam.machine import load, shipped
-    from beamcam.pipeline import read_file, sound
+    from beamcam.pipeline import read_file
+    from beamcam.readers import sound
 
     machines = [load(name) for name in names or sorted(shipped())]
     before: tuple[Any, ...] = ()

@@ -17,9 +17,8 @@ from beamcam.geometry.curves import Arc, Line
 from beamcam.machine import load
 from beamcam.machine.overlay import with_torch
 from beamcam.model.part import Bend, Contour, Hole, Part, Profile, Slot, TextMark
-from beamcam.model.request import Job, Request
-from beamcam.pipeline import begin, finished
-from beamcam.planning import Share, pieces_of, shares_of
+from beamcam.model.request import Job, Request, Share, pieces_of
+from beamcam.pipeline import begin, finished, shares_of
 from beamcam.planning.contours.layout import laid
 from benchmarks.asked_liars import told
 from tests.conftest import SAMPLES, examples

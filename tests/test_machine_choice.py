@@ -19,8 +19,8 @@ from beamcam.errors import Diagnostic, PlanError, Severity, Source
 from beamcam.machine import load
 from beamcam.machine.machine import default_machines
 from beamcam.model.plan import Outcome, clock
-from beamcam.model.request import ChosenBy, Job, Request
-from beamcam.pipeline import plans_of, post, read_file, stock_of
+from beamcam.model.request import ChosenBy, Job, Request, stock_of
+from beamcam.pipeline import plans_of, post, read_file
 from beamcam.planning.rules import BAR_FULL
 from beamcam.posts import Planned
 from tests.conftest import ROOT, rules_of

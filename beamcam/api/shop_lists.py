@@ -21,10 +21,20 @@ from beamcam.errors import Diagnostic, PlanError
 from beamcam.machine.machine import Machine, default_machines
 from beamcam.model.part import Part
 from beamcam.model.plan import named_skips, stock_used
-from beamcam.model.request import ChosenBy, Quantity, Remnant, Request, remnant_of
-from beamcam.pipeline import are_flats, plan_share, plans_of, stock_of
-from beamcam.planning import LotKey, Share, number_of, remnants_of, shares_of
+from beamcam.model.request import (
+    ChosenBy,
+    Quantity,
+    Remnant,
+    Request,
+    Share,
+    are_flats,
+    number_of,
+    remnant_of,
+    stock_of,
+)
+from beamcam.pipeline import plan_share, plans_of, shares_of
 from beamcam.planning.left_out import MARK_ROWS, manual_rows
+from beamcam.planning.stock import LotKey, remnants_of
 from beamcam.posts import Planned
 from beamcam.reports.part_list import (
     CutBar,

@@ -30,8 +30,9 @@ from beamcam.checks.job import job_faults
 from beamcam.errors import BeamcamError, Diagnostic, PlanError, Source, VerifyError
 from beamcam.files import FilesRead
 from beamcam.model.part import Part
-from beamcam.model.request import Job, Request
-from beamcam.planning import LotKey, Share, remnants_of, shares_of
+from beamcam.model.request import Job, Request, Share
+from beamcam.pipeline import shares_of
+from beamcam.planning.stock import LotKey, remnants_of
 from beamcam.reports.part_list import CutBar, CutPiece, PartCount
 from beamcam.reports.run import FileRow, Message, PartRow, as_message
 from beamcam.system import NEVER, EndRequest

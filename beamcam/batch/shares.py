@@ -16,9 +16,8 @@ from beamcam.files import REFUSED_SUFFIX
 from beamcam.model.part import Part
 from beamcam.model.part_json import part_to_json
 from beamcam.model.plan import stock_used
-from beamcam.model.request import Request
+from beamcam.model.request import Request, Share, number_of
 from beamcam.pipeline import Begun, begin_share, plans_of
-from beamcam.planning import Share, number_of
 from beamcam.planning.left_out import MARK_ROWS, manual_rows
 from beamcam.reports.part_list import ManualWork, PartCount
 from beamcam.reports.run import FileRow, PartRow, StockRow, as_message, dumped

@@ -23,9 +23,9 @@ from beamcam.pictures.formats import inline_svg
 from beamcam.pictures.part import small_scene
 from beamcam.pictures.program import ReadProgram
 from beamcam.pictures.scene import css
-from beamcam.pipeline import Posted, begin, counted, finished, sound
+from beamcam.pipeline import Posted, begin, counted, finished
 from beamcam.processes import Died, Pool
-from beamcam.readers import is_interruptible, read
+from beamcam.readers import is_interruptible, read, sound
 from beamcam.reports.run import FileRow
 from beamcam.reports.run_page import Extra
 from beamcam.setup_sheet.content import SheetSources, content_of

@@ -25,21 +25,19 @@ from beamcam.files import REFUSED_SUFFIX
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
 from beamcam.model.plan import Order, named_skips
-from beamcam.model.request import ChosenBy, MarkFrom, Quantity, Remnant, Request, marked
-from beamcam.pipeline import (
-    Begun,
-    Posted,
-    RefusedProgram,
+from beamcam.model.request import (
+    ChosenBy,
+    MarkFrom,
+    Quantity,
+    Remnant,
+    Request,
     are_flats,
-    begin,
-    counted,
-    judged,
-    parts_of,
-    sound,
+    marked,
+    numbered,
     stock_of,
 )
-from beamcam.planning import numbered
-from beamcam.readers import read
+from beamcam.pipeline import Begun, Posted, RefusedProgram, begin, counted, judged, parts_of
+from beamcam.readers import read, sound
 from beamcam.reports.part_list import PartCount
 from beamcam.reports.run import FileRow, Message, PartRow, RestRow, as_message
 from beamcam.version import __version__

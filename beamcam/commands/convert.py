@@ -22,7 +22,8 @@ from beamcam.commands.settings import files_read, settled, with_thickness
 from beamcam.errors import BeamcamError, Diagnostic, ReadError, Source
 from beamcam.files import FilesRead, write_whole
 from beamcam.model.part import Part
-from beamcam.pipeline import counted, sound
+from beamcam.pipeline import counted
+from beamcam.readers import sound
 from beamcam.writers import TARGETS, Target
 
 

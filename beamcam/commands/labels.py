@@ -19,8 +19,7 @@ from beamcam.commands.settings import files_read, settled
 from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Diagnostic, PlanError, Source
 from beamcam.model.plan import Order, named_skips
-from beamcam.model.request import Request
-from beamcam.planning import numbered
+from beamcam.model.request import Request, numbered
 from beamcam.readers import content
 from beamcam.reports.labels import (
     CODES,

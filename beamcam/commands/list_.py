@@ -27,10 +27,10 @@ from beamcam.errors import BeamcamError, Diagnostic, ReadError, Source
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
 from beamcam.model.plan import Order, named_skips
-from beamcam.model.request import Request, marked, remnant_of
-from beamcam.pipeline import are_flats, counted, sound, stock_of
+from beamcam.model.request import Request, are_flats, marked, number_of, remnant_of, stock_of
+from beamcam.pipeline import counted
 from beamcam.plain_text import terminal_text
-from beamcam.planning import number_of
+from beamcam.readers import sound
 from beamcam.reports.part_list import (
     CutBar,
     PartCount,

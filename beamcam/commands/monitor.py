@@ -19,7 +19,8 @@ from beamcam.commands.settings import machines_of_stock, settled
 from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Source, VerifyError
 from beamcam.machine.machine import Machine
-from beamcam.pipeline import parts_of, read_file, stock_of
+from beamcam.model.request import stock_of
+from beamcam.pipeline import parts_of, read_file
 from beamcam.system import INTERRUPTED, LOOK_S, asked_to_end
 
 if TYPE_CHECKING:

@@ -23,8 +23,7 @@ from beamcam.commands.common import STANDARD, Console
 from beamcam.commands.outputs import Callback
 from beamcam.errors import BeamcamError, PlanError, Source
 from beamcam.model.plan import ALL_SKIPS, SKIP_NAMES, named_skips
-from beamcam.model.request import MARKS_FROM, remnant_of
-from beamcam.planning import numbered
+from beamcam.model.request import MARKS_FROM, numbered, remnant_of
 
 Function = Callable[..., Any]
 Decorator = Callable[[Function], Function]

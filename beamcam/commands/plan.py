@@ -35,9 +35,8 @@ from beamcam.model.plan import (
 )
 from beamcam.model.request import Request
 from beamcam.motion.coping import NAMES
-from beamcam.pipeline import remarks_on, whole_job
+from beamcam.pipeline import from_store, remarks_on, whole_job
 from beamcam.plain_text import terminal_text
-from beamcam.planning import from_store
 from beamcam.planning.beam import Trial, try_turns
 from beamcam.planning.explain import Explanation, explain
 from beamcam.posts import Planned, post_of

@@ -47,17 +47,15 @@ from beamcam.model.plan import (
     left_out_sources,
     manual_work_sources,
 )
-from beamcam.model.request import Request
+from beamcam.model.request import Request, are_flats, stock_of
 from beamcam.pipeline import (
     Begun,
     Posted,
     RefusedProgram,
     StrictError,
-    are_flats,
     begin,
     finished,
     read_file,
-    stock_of,
     untold,
 )
 

@@ -28,7 +28,7 @@ from beamcam.machine import Machine
 from beamcam.machine.machine import default_machines, is_of_sheets
 from beamcam.machine.words import UNKNOWN_MACHINE
 from beamcam.model.part import Part
-from beamcam.pipeline import are_flats, stock_of
+from beamcam.model.request import are_flats, stock_of
 from beamcam.readers import Reading
 
 #: Keys of a configuration that are options of their own, by the name of the option's value.

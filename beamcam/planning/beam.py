@@ -30,13 +30,14 @@ from beamcam.model.plan import (
     TextOp,
     WorkOp,
 )
-from beamcam.planning import is_too_short, rules
+from beamcam.planning import rules
 from beamcam.planning.axis_limits import refuse_bar
 from beamcam.planning.nesting import LaidParts, cuts_of, lay
 from beamcam.planning.operations.part_planner import BarLine, line_of
 from beamcam.planning.operations.tools import ROUNDING, Tooling, Tools
 from beamcam.planning.operations.work import PartWork, refuse_stock, works_on
 from beamcam.planning.order import cutting_remarks, reloads, sort_along_x
+from beamcam.planning.rules import is_too_short
 from beamcam.planning.times import work_time
 from beamcam.planning.turning import TURNS, Turn, alike, lies, turned
 

@@ -24,6 +24,7 @@ from importlib import import_module
 
 import msgspec
 from msgspec import Struct
+from msgspec.structs import replace
 
 from beamcam.budget import BYTES, InForce
 from beamcam.caches import cached
@@ -160,6 +161,20 @@ class Reading(Struct, frozen=True):
     @property
     def refused(self) -> bool:
         return bool(errors_in(self.diagnostics))
+
+
+def sound(reading: Reading) -> Reading:
+    """A reading with those of its parts only that no error is said of.
+
+    Errors of a model name their members, which are parts of their own; in any other file they
+    refuse all of it.
+    """
+    refused = {diagnostic.source.where for diagnostic in errors_in(reading.diagnostics)}
+    if not refused:
+        return reading
+    is_model = reading.format == "ifc"
+    parts = tuple([part for part in reading.parts if is_model and part.guid not in refused])
+    return replace(reading, parts=parts)
 
 
 _module = cached("readers.module")(import_module)
