@@ -12,7 +12,7 @@ from msgspec.structs import replace
 from beamcam import pipeline
 from beamcam.checks.job import head_of
 from beamcam.checks.rules import MANUAL_WORK as FOR_MANUAL_WORK
-from beamcam.commands.options import SkipNames
+from beamcam.commands.value_types import SkipNames
 from beamcam.errors import PlanError
 from beamcam.geometry.curves import Line
 from beamcam.machine import load

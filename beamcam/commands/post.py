@@ -25,12 +25,13 @@ from beamcam.commands.common import (
 from beamcam.commands.options import (
     ONE_BAR,
     ONE_SHEET,
+    Grouped,
     from_contour,
     from_operation,
     program_names,
     quantity,
 )
-from beamcam.commands.parts import Grouped, drawing_choice, part_options, read_parts, request_of
+from beamcam.commands.parts import drawing_choice, part_options, read_parts, request_of
 from beamcam.commands.settings import files_read, machine_asked, machines_for, map_remarks, settled
 from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Diagnostic, PlanError, Source

@@ -9,6 +9,7 @@ import click
 from beamcam.commands import options
 from beamcam.commands.common import PICTURES, Console, write
 from beamcam.commands.outputs import KINDS, expected, picture
+from beamcam.commands.value_types import Number
 from beamcam.errors import BeamcamError
 from beamcam.files import FilesRead
 
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     from beamcam.reports.velocity_profile import VelocityUnit
 
 MOST_ROWS = 1_000_000
-NUMBER = options.Number()
+NUMBER = Number()
 
 
 def points_of(

@@ -11,8 +11,8 @@ from beamcam.checks.rules import LEFT_OUT, MANUAL_WORK
 from beamcam.commands import options
 from beamcam.commands.common import REFUSED, STANDARD, Console, is_coded_sheet, say_json
 from beamcam.commands.diff import refuse_part
-from beamcam.commands.options import ONE_BAR, ONE_SHEET, from_contour, from_operation
-from beamcam.commands.parts import Grouped, input_bytes, looking_options, read_parts, request_of
+from beamcam.commands.options import ONE_BAR, ONE_SHEET, Grouped, from_contour, from_operation
+from beamcam.commands.parts import input_bytes, looking_options, read_parts, request_of
 from beamcam.commands.settings import machine_for_program, settled
 from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Diagnostic, errors_in
