@@ -2,8 +2,7 @@
 
 from collections.abc import Iterator
 
-from beamcam.conversion import Keys, Text
-from beamcam.geometry.expression import compile_expression
+from beamcam.conversion import Keys, Text, compile_expression
 from beamcam.machine.stations import Formula
 
 #: What a body's box may depend on: the section that is worked.

@@ -10,9 +10,16 @@ from typing import Any, Literal
 from msgspec import Struct, field
 
 from beamcam.caches import cached
-from beamcam.conversion import Count, Keys, NotNegative, Positive, PositiveCount
+from beamcam.conversion import (
+    Count,
+    Expression,
+    Keys,
+    NotNegative,
+    Positive,
+    PositiveCount,
+    compile_expression,
+)
 from beamcam.errors import MachineError, Source
-from beamcam.geometry.expression import Expression, compile_expression
 from beamcam.machine.words import WRONG_VALUE
 
 FORMULA_NAMES = frozenset(
