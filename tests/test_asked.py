@@ -91,6 +91,14 @@ def test_programs_that_are_not_what_was_asked_for(
     assert codes(back) == (set() if len(set(back)) == 1 else {"verify-piece-order"})
 
 
+def test_what_is_said_of_another_order_and_another_bar() -> None:
+    made = bar_part("A", 3000.0, 1), bar_part("B", 2000.0, 1)
+    request = Request(made, LINE, stock=(6000.0,), quantity="file")
+    order, bar = map(str, job_faults(request, [Job(request, (1, 0), 9000.0)]))
+    assert "error verify-piece-order: found A behind B in a program; expected the order" in order
+    assert "error verify-stock-bar: found a program for a bar of 9000 mm; expected 6000 mm" in bar
+
+
 def test_a_planner_that_drops_a_piece_posts_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     request = Request((bar_part("A", 3000.0, 3),), LINE, quantity="file", stock=(12000.0,))
     assert sum(len(begun.job.pieces) for begun in begin(request)) == 3
