@@ -252,10 +252,11 @@ def _warn_of_texts(values: list[str], lines: list[int], log: Log) -> None:
             log.add(rules.TEXT_LONG, line, count=len(value), limit=TEXT_LIMIT)
     for i in range(MOST_LINES, len(values)):
         log.add(rules.HEADER_EXTRA, lines[i], found=values[i], number=i + 1)
-    stem = log.file.replace("\\", "/").rpartition("/")[2].rsplit(".", 1)[0]
     for field, name in (("drawing", values[1]), ("phase", values[2])):
-        if len(name) > 1 and stem == name != values[3]:
-            log.add(rules.MARK_ELSEWHERE, lines[3], found=values[3], field=field, name=name)
+        if len(name) > 1 and name != values[3] and name in log.file:
+            stem = log.file.replace("\\", "/").rpartition("/")[2].rsplit(".", 1)[0]
+            if stem == name:
+                log.add(rules.MARK_ELSEWHERE, lines[3], found=values[3], field=field, name=name)
 
 
 def _text(value: str) -> str:
