@@ -23,6 +23,7 @@ from beamcam.model.part import Part
 from beamcam.model.plan import named_skips, stock_used
 from beamcam.model.request import (
     ChosenBy,
+    LotKey,
     Quantity,
     Remnant,
     Request,
@@ -34,7 +35,6 @@ from beamcam.model.request import (
 )
 from beamcam.pipeline import plan_share, plans_of, shares_of
 from beamcam.planning.left_out import MARK_ROWS, manual_rows
-from beamcam.planning.stock import LotKey, remnants_of
 from beamcam.posts import Planned
 from beamcam.reports.part_list import (
     CutBar,
@@ -193,6 +193,8 @@ def bars_of(
     parts of a line without a saw, are on no bar. Raises PlanError for a remnant that may be of
     several sections.
     """
+    from beamcam.planning.stock import remnants_of
+
     known = list(counts)
     lots: dict[LotKey, list[int]] = {}
     machine_of_lot: dict[LotKey, Machine] = {}

@@ -30,9 +30,8 @@ from beamcam.checks.job import job_faults
 from beamcam.errors import BeamcamError, Diagnostic, PlanError, Source, VerifyError
 from beamcam.files import FilesRead
 from beamcam.model.part import Part
-from beamcam.model.request import Job, Request, Share
+from beamcam.model.request import Job, LotKey, Request, Share
 from beamcam.pipeline import shares_of
-from beamcam.planning.stock import LotKey, remnants_of
 from beamcam.reports.part_list import CutBar, CutPiece, PartCount
 from beamcam.reports.run import FileRow, Message, PartRow, as_message
 from beamcam.system import NEVER, EndRequest
@@ -162,6 +161,8 @@ class StockRun:
 
     def _lots(self) -> tuple[list[Lot], dict[str, list[Message]]]:
         """The lots in the order of their first parts; what is said of those without shares."""
+        from beamcam.planning.stock import remnants_of
+
         of_key: dict[LotKey, list[int]] = {}
         for place, one in enumerate(self.counts):
             if one.machine:

@@ -37,6 +37,10 @@ class Remnant(Struct, frozen=True):
         return f"{of}={self.length:g}" if of else f"{self.length:g}"
 
 
+#: Of parts that share stock: machine, section (of plates the thickness), grade.
+LotKey = tuple[str, object, str]
+
+
 def remnant_of(text: str) -> Remnant:
     """`4300`, `UPN200=4300` or `UPN200/S235JR=4300`. Raises ValueError."""
     of, equals, length = text.rpartition("=")

@@ -21,7 +21,7 @@ from beamcam.machine.machine import Layout, Machine
 from beamcam.machine.stations import Saw
 from beamcam.model.part import Part
 from beamcam.model.plan import Bar
-from beamcam.model.request import Remnant, Request, Share, taken_by
+from beamcam.model.request import LotKey, Remnant, Request, Share, taken_by
 from beamcam.planning import rules
 from beamcam.planning.nesting import SAME_ANGLE_DEG, BarRow, bar_of, lay_on_bar, row_of, row_with
 from beamcam.planning.operations.finished_part import Ends, SawnEnd, ends_of
@@ -265,10 +265,6 @@ def bar_shares(request: Request, pieces: Sequence[int]) -> tuple[Share, ...]:
         )
         for bar in nesting.bars
     )
-
-
-#: Of parts that share stock: machine, section (of plates the thickness), grade.
-LotKey = tuple[str, object, str]
 
 
 def remnants_of(
