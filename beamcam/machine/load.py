@@ -1,8 +1,7 @@
 """Machine files: found by name or path, laid over their bases, checked, and explained."""
 
 import os
-from collections.abc import Callable, Iterator, Sequence
-from functools import partial
+from collections.abc import Sequence
 from os.path import isfile
 from pathlib import Path, PurePath
 from typing import Any
@@ -16,7 +15,7 @@ from beamcam.conversion import Fault, converted, nearest, shown
 from beamcam.errors import Diagnostic, MachineError, Source
 from beamcam.machine.machine import Machine, MachineFile
 from beamcam.machine.proved import PROVED
-from beamcam.machine.stations import NoValueError, as_formula
+from beamcam.machine.stations import as_formula
 from beamcam.machine.toml import (
     MAX_TOML_BYTES,
     KeyTwice,
@@ -142,7 +141,9 @@ def _described(files: tuple[TomlFile, ...], but: Sequence[str] = ()) -> Machine:
         raise MachineError(_said(fault, place)) from None
     machine = Machine(**structs.asdict(read), checksum=_checksum(table), remarks=remarks)
     if not is_proved(files):
-        _check(machine, place, _left_behind(files))
+        from beamcam.machine.references import check_keys
+
+        check_keys(machine, place, _left_behind(files))
     return machine
 
 
@@ -295,51 +296,6 @@ def _find(name: str, over: TomlFile | None) -> Path:
     expected = f"{nearest(name, shipped())} or the path of a .toml file"
     source = Source(name) if over is None else Source(over.shown, line_of(over.text, "base"))
     raise MachineError(UNKNOWN_MACHINE.at(source, found=name, expected=expected))
-
-
-def _check(machine: Machine, place: TomlPlace, left_behind: frozenset[str]) -> None:
-    """Raise MachineError where keys contradict each other."""
-    from beamcam.machine.faults import leaves
-
-    try:
-        _check_keys(machine, place, left_behind)
-    except NoValueError as error:
-        key = next(key for key, value in leaves(machine) if value == error.formula)
-        diagnostic = WRONG_VALUE.at(
-            place.child(key).source, key=key, found=repr(error.formula), expected=error.expected
-        )
-        raise MachineError(diagnostic) from None
-
-
-def _check_keys(machine: Machine, place: TomlPlace, left_behind: frozenset[str]) -> None:
-    from beamcam.machine import faults as of
-    from beamcam.machine import references
-
-    checks: list[Callable[[Machine], Iterator[tuple[str, object, str]]]] = [
-        of.size_faults, of.template_faults, references.code_faults, of.number_faults,
-        references.name_faults, partial(references.reference_faults, left_behind=left_behind),
-        of.spindle_faults, of.tool_faults, of.pair_faults, of.view_faults,
-        references.marking_faults, of.range_faults,
-    ]  # fmt: skip
-    if machine.torch is not None or machine.stepper is not None:
-        from beamcam.machine.torch_faults import table_range_faults, torch_faults
-
-        checks.insert(checks.index(of.view_faults), torch_faults)
-        checks.append(table_range_faults)
-    if machine.coper is not None:
-        from beamcam.machine.coper_faults import coper_faults
-
-        checks.append(coper_faults)
-    for faults in checks:
-        for key, found, expected in faults(machine):
-            source = place.child(key).source
-            diagnostic = WRONG_VALUE.at(source, key=key, found=repr(found), expected=expected)
-            raise MachineError(diagnostic)
-    table = {"beam": "layout", "sheet": "torch", "profile": "coper"}[machine.stock]
-    if getattr(machine, table) is None:
-        raise MachineError(MISSING_KEY.at(place.child(table).source, expected=table))
-    if machine.stock == "beam" and machine.saw is None and machine.drill is None:
-        raise MachineError(MISSING_KEY.at(place.child("saw").source, expected="saw"))
 
 
 # --- machines of one's own ------------------------------------------------------------------------
