@@ -144,9 +144,6 @@ def ask_type(name: str, value: object, expected: str) -> Diagnostic:
 # Of several machines the one that makes all of the parts, or leaves out fewest features.
 
 
-# --- choice among several machines ----------------------------------------------------------------
-
-
 CHOSEN = note("plan-machine",
     "made on {found}; {others}",
     "Where no machine is named, those of the configuration, or else the shipped ones, are tried in "

@@ -241,6 +241,9 @@ looking_options = options.group(
 )
 
 
+# --- parts ----------------------------------------------------------------------------------------
+
+
 def read_parts(
     inputs: Iterable[str], config: Config, options: Mapping[str, Any], console: Console
 ) -> tuple[tuple[Part, ...], tuple[Diagnostic, ...]]:

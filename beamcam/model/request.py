@@ -156,8 +156,9 @@ def number_of(part: Part, quantity: Quantity) -> int:
 def pieces_of(request: Request) -> tuple[int, ...]:
     """All pieces in the order given, each by the place of its part; without a quantity one each.
 
-    A line without a saw is fed one cut piece at a time and runs its program so often; a coper has a
-    program for each bar that it takes a piece off. Raises LimitError for more than `limits.pieces`.
+    So the planner counts them; the read-back counts by itself (`checks/job.py`). A line without a
+    saw is fed one cut piece at a time and runs its program so often; a coper has a program for each
+    bar that it takes a piece off. Raises LimitError for more than `limits.pieces`.
     """
     places, machine = range(len(request.parts)), request.machine
     if request.quantity is None or (machine.stock == "beam" and machine.saw is None):
