@@ -42,31 +42,21 @@ class OverTimeError(Exception):
     """A member has had its time of the processor."""
 
 
-class _InForce:
-    """The limits of this process, and until when the member has time that each thread reads."""
+class InForce:
+    """What holds in this process, from the configuration on."""
 
     limits = Limits()
-    until = local()
-
-
-def limits() -> Limits:
-    """The limits that hold."""
-    return _InForce.limits
-
-
-def set_limits(limits: Limits) -> None:
-    """Let other limits hold from now on, in this process."""
-    _InForce.limits = limits
+    until = local()  #: until when the member has time that each thread reads
 
 
 def begin_member() -> None:
     """Begin to count the time of the processor that a member of a model takes, in this thread."""
-    _InForce.until.s = thread_time() + _InForce.limits.member_s
+    InForce.until.s = thread_time() + InForce.limits.member_s
 
 
 def check_member() -> None:
     """Raises OverTimeError where the member has had its time."""
-    if thread_time() > getattr(_InForce.until, "s", inf):
+    if thread_time() > getattr(InForce.until, "s", inf):
         raise OverTimeError
 
 
@@ -75,7 +65,7 @@ def refused_pieces(counts: Iterable[tuple[Source, int]]) -> Iterator[Diagnostic 
 
     A part that is refused does not count.
     """
-    most, total = limits().pieces, 0
+    most, total = InForce.limits.pieces, 0
     for source, count in counts:
         if total + count > most:
             beside = f" beside {total} of other parts" if total else ""
@@ -89,15 +79,6 @@ def check_pieces(counts: Iterable[tuple[Source, int]]) -> None:
     """Raises LimitError for parts with more pieces, all together, than the limits allow."""
     if refused := [one for one in refused_pieces(counts) if one is not None]:
         raise LimitError(refused)
-
-
-def check_features(parts: Iterable[tuple[Source, int]]) -> None:
-    """Raises LimitError for the part with which a bar has more features than the limits allow."""
-    most, total = limits().features, 0
-    for source, count in parts:
-        total += count
-        if total > most:
-            raise LimitError(FEATURES.at(source, found=total, expected=most))
 
 
 def _limit(name: str, message: str, reason: str) -> Rule:

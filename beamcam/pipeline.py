@@ -8,40 +8,38 @@ Which planner, motion step, emitter and read-back belong together stands in `pos
 
 from collections.abc import Callable, Collection, Generator, Iterable, Sequence
 from functools import partial
-from typing import Any, Literal, TypeVar
+from typing import Any, TypeVar
 
 from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.arguments import AnyMachine, check_arguments, machine_of
 from beamcam.budget import check_pieces
-from beamcam.checks.head import head_of, other_bar
-from beamcam.checks.request import job_faults, pieces_asked
+from beamcam.checks.job import head_of, job_faults, other_bar, pieces_asked
 from beamcam.checks.rules import BAR_NEEDED
 from beamcam.emitters.gcode import head_lines
 from beamcam.errors import Diagnostic, PlanError, ReadError, Severity, VerifyError, errors_in
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
-from beamcam.model.plan import AnyPlan, Order, WorkTime
-from beamcam.model.program import Program
-from beamcam.model.request import Job, Request
-from beamcam.model.rounds import is_unrolled
-from beamcam.planning import Share, from_store, shares_of
-from beamcam.planning.left_out import (
-    LEFT_OUT,
-    MANUAL_WORK,
+from beamcam.model.plan import (
+    AnyPlan,
+    Order,
+    SheetPlan,
+    WorkTime,
     left_out_kinds,
     manual_work_sources,
     named_skips,
-    told,
+    unfinished,
 )
+from beamcam.model.program import Program
+from beamcam.model.request import Job, Request, Share, pieces_of
+from beamcam.planning.left_out import LEFT_OUT, MANUAL_WORK, told
+from beamcam.planning.rules import is_too_short
 from beamcam.posts import Planned, Written, beginning, head_differences, other_than_planned, post_of
 from beamcam.readers import Reading, content, read, shown_name
 
 Made = TypeVar("Made")
 Stage = Callable[[str], None]  #: callback with the finished stage
-
-FLAT = 150.0  #: mm that flats are wide at most (EN 10058)
 
 
 def untold(stage: str) -> None:
@@ -107,23 +105,6 @@ def bytes_of(written: Written) -> Iterable[bytes]:
     return (written.encode(),) if isinstance(written, str) else written()
 
 
-def stock_of(parts: Sequence[Part], unrolled: bool = False) -> Literal["beam", "sheet"]:
-    """The kind of stock that parts are made of: a sheet if all of them are plates.
-
-    A pipe that is written as a plate is one where it is to be cut `unrolled`.
-    """
-    flat = (p.profile.code == "B" and (unrolled or not is_unrolled(p.profile)) for p in parts)
-    return "sheet" if parts and all(flat) else "beam"
-
-
-def are_flats(parts: Sequence[Part]) -> bool:
-    """Whether all parts are plates that a saw may cut to length from flats."""
-    return bool(parts) and all(
-        part.profile.code == "B" and part.profile.height <= FLAT and not is_unrolled(part.profile)
-        for part in parts
-    )
-
-
 def read_file(path: str, strict: bool = False, **options: object) -> Reading:
     """Content of a file, `-` for standard input; a file that cannot be opened is refused.
 
@@ -178,20 +159,6 @@ def counted(reading: Reading) -> Sequence[Part]:
     from beamcam.comparison.parts import equal_parts
 
     return equal_parts(reading.parts)
-
-
-def sound(reading: Reading) -> Reading:
-    """A reading with those of its parts only that no error is said of.
-
-    Errors of a model name their members, which are parts of their own; in any other file they
-    refuse all of it.
-    """
-    refused = {diagnostic.source.where for diagnostic in errors_in(reading.diagnostics)}
-    if not refused:
-        return reading
-    is_model = reading.format == "ifc"
-    parts = tuple([part for part in reading.parts if is_model and part.guid not in refused])
-    return replace(reading, parts=parts)
 
 
 def read_back(
@@ -257,6 +224,54 @@ class Begun(Planned, frozen=True):
     """A program that was planned, and the stages of its post behind the plan."""
 
     stages: Generator[str, None, Posted]
+
+
+def shares_of(request: Request, together: bool = False) -> tuple[Share, ...]:
+    """The share of each program, in the order given; `together` is one for all.
+
+    Raises PlanError for a part that fits on no bar.
+    """
+    machine, pieces = request.machine, pieces_of(request)
+    is_sheet = machine.torch is not None
+    if together or (is_sheet and len(pieces) == 1) or (not is_sheet and request.quantity is None):
+        return (Share(pieces, () if is_sheet else _in_store(request)),)
+    if is_sheet:
+        from beamcam.planning.sheet_rows import sheet_shares
+
+        return tuple(map(Share, sheet_shares(request, pieces)))
+    if machine.saw is None:
+        bars = _in_store(request) if machine.stock == "profile" else ()
+        return tuple(Share((place,), bars) for place in pieces)
+    from beamcam.planning.stock import bar_shares
+
+    return bar_shares(request, pieces)
+
+
+def _in_store(request: Request) -> tuple[float, ...]:
+    """The lengths of all bars that there are, rising."""
+    return tuple(sorted({*request.stock, *request.remnants}))
+
+
+def from_store(
+    make: Callable[[float | None], Made], lengths: Sequence[float], longest_part: float
+) -> Made:
+    """What `make` gives for the first of `lengths` (mm, rising) that is not too short.
+
+    Without any it is asked for None, a bar as long as the parts need. Raises PlanError as `make`
+    does; where all bars are too short, for the longest.
+    """
+    if not lengths:
+        return make(None)
+    *shorter, longest = lengths
+    for length in shorter:
+        if length < longest_part:
+            continue
+        try:
+            return make(length)
+        except PlanError as error:
+            if not is_too_short(error.diagnostics):
+                raise
+    return make(longest)
 
 
 def begin(request: Request, together: bool = False, stage: Stage = untold) -> list[Begun]:
@@ -364,7 +379,13 @@ def posting(job: Job, plan: AnyPlan) -> Generator[str, None, Posted]:
 
 def remarks_on(plan: AnyPlan, machine: Machine, strict: bool) -> tuple[Diagnostic, ...]:
     """All that is said of a plan. Raises StrictError under `strict` if there is a warning."""
-    remarks = (*plan.remarks, *told(plan, machine.torch))
+    remarks = plan.remarks
+    if unfinished(plan.outcomes):
+        remarks += tuple(told(plan))
+    if isinstance(plan, SheetPlan) and machine.torch is not None:
+        from beamcam.planning.map_keys import map_remarks
+
+        remarks += tuple(map_remarks(plan, machine.torch))
     if strict:
         refuse_warnings(remarks)
     return remarks

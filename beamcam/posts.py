@@ -14,18 +14,25 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.caches import cached
-from beamcam.checks.head import HEAD_TEXT, head_faults, head_of
-from beamcam.checks.request import LEDGER, UNCUT, UNCUT_TOLD
-from beamcam.checks.request import LEFT_OUT as MISSING
-from beamcam.checks.request import MANUAL_WORK as FOR_MANUAL_WORK
-from beamcam.checks.request import TEXT_MOVED as MOVED
-from beamcam.checks.rules import BAR_NEEDED, BAR_TOLD
+from beamcam.checks.job import HEAD_TEXT, head_faults, head_of
+from beamcam.checks.rules import BAR_NEEDED, BAR_TOLD, LEDGER, UNCUT, UNCUT_TOLD
+from beamcam.checks.rules import LEFT_OUT as MISSING
+from beamcam.checks.rules import MANUAL_WORK as FOR_MANUAL_WORK
+from beamcam.checks.rules import TEXT_MOVED as MOVED
 from beamcam.errors import Diagnostic, PlanError, Severity, Source, errors_in
 from beamcam.machine.machine import Machine
-from beamcam.model.plan import AnyPlan, CopePlan, Plan, SheetPlan, WorkTime
+from beamcam.model.plan import (
+    AnyPlan,
+    CopePlan,
+    Plan,
+    SheetPlan,
+    WorkTime,
+    left_out_sources,
+    manual_work_sources,
+)
 from beamcam.model.program import Comment, Program, ToolOff, ToolOn
 from beamcam.model.request import Job
-from beamcam.planning.left_out import TEXT_MOVED, left_out_sources, manual_work_sources
+from beamcam.planning.left_out import TEXT_MOVED
 from beamcam.reconcile import other_places, stand_ins
 
 #: A program as it is written: its text, or bytes piece by piece where it may be of any length.

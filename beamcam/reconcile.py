@@ -8,7 +8,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
 from msgspec import Struct
 
-from beamcam.checks.request import TEXT_TOLD
+from beamcam.checks.rules import TEXT_TOLD
 from beamcam.errors import Diagnostic, Source
 from beamcam.model.part import Part
 

@@ -14,16 +14,16 @@ from typing import TypeVar
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.checks.request import rest_faults
+from beamcam.arguments import none_makes_it
+from beamcam.checks.rest import rest_faults
 from beamcam.errors import Diagnostic, PlanError, ReadError, VerifyError, errors_in, note
 from beamcam.machine.machine import Machine
-from beamcam.machine_choice import none_makes_it
 from beamcam.model.part import Feature, Part, Plane
-from beamcam.model.plan import NOT_MADE, AnyPlan, unfinished
+from beamcam.model.plan import NOT_MADE, SKIP_NAMES, AnyPlan, unfinished
 from beamcam.model.request import Job, Request
 from beamcam.pipeline import Posted, begin, finished
 from beamcam.planning.begun import begun_part
-from beamcam.planning.left_out import LEFT_OUT, MANUAL_WORK, SKIP_NAMES
+from beamcam.planning.left_out import LEFT_OUT, MANUAL_WORK
 from beamcam.posts import plan_seconds, post_of
 from beamcam.readers import read
 from beamcam.writers import Target

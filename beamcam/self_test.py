@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterator
 
 from beamcam.caches import PerObject
-from beamcam.checks.head import head_of
+from beamcam.checks.job import head_of
 from beamcam.controllers.machine_words import WordFault, fault_in
 from beamcam.emitters.gcode import head_lines
 from beamcam.errors import Diagnostic, PlanError, Source, errors_in
@@ -18,8 +18,8 @@ from beamcam.geometry.curves import Arc, Bezier, Curve, Line
 from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Contour, EndCuts, Feature, Hole, Part, Process, Profile
+from beamcam.model.plan import SKIP_NAMES, left_out_kinds, manual_work_sources
 from beamcam.model.request import Job, Request
-from beamcam.planning.left_out import SKIP_NAMES, left_out_kinds, manual_work_sources
 from beamcam.posts import Written, beginning, carries_head, post_of
 
 _AT = Source("the plate or bar on trial")

@@ -9,11 +9,10 @@ from beamcam.errors import BeamcamError, Diagnostic, PlanError, Source, errors_i
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import OTHERS, Torch
 from beamcam.model.part import Contour, TextMark
-from beamcam.model.plan import AnyPlan
+from beamcam.model.plan import SKIP_NAMES, AnyPlan
 from beamcam.model.request import Job, Request
 from beamcam.planning.beam import MOST_TRIED
 from beamcam.planning.contours.rules import SHARED, UNMAPPED
-from beamcam.planning.left_out import SKIP_NAMES
 from beamcam.posts import post_of
 from beamcam.readers import Reading
 from beamcam.rest_part import chain_of

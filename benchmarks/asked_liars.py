@@ -18,8 +18,7 @@ from beamcam.machine import load
 from beamcam.machine.overlay import with_torch
 from beamcam.machine.torch import Torch
 from beamcam.model.part import Contour, Hole, Part, Profile, Slot
-from beamcam.model.request import Request
-from beamcam.planning import Share
+from beamcam.model.request import Request, Share
 from beamcam.planning.contours import layout
 from benchmarks.liars import Lies
 

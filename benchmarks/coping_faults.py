@@ -29,11 +29,10 @@ from beamcam.errors import PlanError, errors_in
 from beamcam.geometry.curves import Line
 from beamcam.machine import Machine, load
 from beamcam.model.part import Contour, Feature, Part
-from beamcam.model.plan import CopeCut, CopePlan
+from beamcam.model.plan import CopeCut, CopePlan, left_out_kinds, manual_work_sources
 from beamcam.model.request import Job, Request
 from beamcam.pipeline import RefusedProgram, post
 from beamcam.planning.coping import plan as planner
-from beamcam.planning.left_out import left_out_kinds, manual_work_sources
 from beamcam.planning.turning import TURNS, alike, turned
 from beamcam.posts import post_of
 from benchmarks.coping_bevels import BEVEL_TEXTS, whole_of

@@ -15,7 +15,7 @@ from unittest.mock import patch
 from msgspec.structs import replace
 
 from beamcam import pipeline
-from beamcam.checks.head import VERSION
+from beamcam.checks.job import VERSION
 from beamcam.errors import VerifyError
 from beamcam.machine import Machine, load
 from beamcam.model.request import Job

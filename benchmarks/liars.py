@@ -20,9 +20,8 @@ from beamcam.geometry.curves import Line
 from beamcam.machine import Machine, load
 from beamcam.machine.stations import SawSection
 from beamcam.model.part import Contour, EndCuts, Feature, Hole, Part, Profile, Slot
-from beamcam.model.plan import DrillOp, Operation, Outcome, PathOp, Plan, SawOp
+from beamcam.model.plan import SKIP_NAMES, DrillOp, Operation, Outcome, PathOp, Plan, SawOp
 from beamcam.model.request import Job, Request
-from beamcam.planning.left_out import SKIP_NAMES
 from beamcam.posts import post_of
 
 SOURCE = Source("liar.nc1", 1)

@@ -9,9 +9,9 @@ import numpy as np
 from script import arguments, start
 
 from beamcam.geometry.curves import Arc
-from beamcam.geometry.velocity_profile import AxisLimits
 from beamcam.motion.densify import DensifyRules, densify
 from beamcam.motion.lookahead import LookAheadRules, plan_speeds
+from beamcam.motion.velocity_profile import AxisLimits
 
 
 def main() -> None:

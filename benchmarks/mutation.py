@@ -29,12 +29,12 @@ from msgspec.structs import replace
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from beamcam.checks.bars import verify
-from beamcam.checks.request import LEFT_OUT, MANUAL_WORK
+from beamcam.checks.rules import LEFT_OUT, MANUAL_WORK
 from beamcam.errors import Diagnostic, Severity, Source
 from beamcam.machine import Machine, load
 from beamcam.model.part import Hole, Part, Profile
+from beamcam.model.plan import SKIP_NAMES
 from beamcam.pipeline import parts_of, post, read_file
-from beamcam.planning.left_out import SKIP_NAMES
 from benchmarks.asked_liars import told as told_of_jobs
 from benchmarks.faults import FAULTS
 from benchmarks.feed_faults import told as told_of_feeds

@@ -20,8 +20,8 @@ from script import arguments, start
 
 VARIANTS: dict[str, dict[str, Any]] = {
     "": {},
-    "skips": {"skips": True},
-    "best": {"skips": True, "order": "best", "turn": True},
+    "skips": {"skips": ("all",)},
+    "best": {"skips": ("all",), "order": "best", "turn": True},
 }
 SHOWN_LINES = 12  #: of a difference
 
@@ -90,17 +90,16 @@ def _results(files: Sequence[Path], names: Sequence[str] | None) -> Iterator[Res
     """What this beamcam makes of the files on every machine."""
     from beamcam.errors import BeamcamError
     from beamcam.machine import load, shipped
-    from beamcam.pipeline import read_file, sound
+    from beamcam.pipeline import read_file
 
     machines = [load(name) for name in names or sorted(shipped())]
     before: tuple[Any, ...] = ()
     for file in files:
         try:
-            reading = sound(read_file(str(file)))
+            parts = read_file(str(file)).parts
         except BeamcamError as error:
             yield Result(f"{file} is not read", {"program": "", "messages": str(error)})
             continue
-        parts = reading.parts
         for machine in machines:
             is_bar = machine.stock == "beam"
             for variant, options in VARIANTS.items() if is_bar else [("", {})]:
@@ -117,10 +116,7 @@ def _post(parts: Any, machine: Any, options: dict[str, Any]) -> dict[str, str]:
     from beamcam.errors import BeamcamError
     from beamcam.pipeline import post
     from beamcam.planning.explain import explain
-    from beamcam.planning.left_out import SKIP_NAMES
 
-    if options.get("skips"):
-        options = options | {"skips": SKIP_NAMES}
     try:
         posted = post(parts, machine, "SAME", **options)
     except BeamcamError as error:

@@ -19,8 +19,8 @@ from beamcam.geometry.curves import Arc
 from beamcam.machine import Machine, load
 from beamcam.machine.overlay import with_torch
 from beamcam.model.part import Measures, Part
+from beamcam.model.plan import SKIP_NAMES
 from beamcam.pipeline import post
-from beamcam.planning.left_out import SKIP_NAMES
 from benchmarks.liars import Lies
 from benchmarks.sheet_liars import COLOURS, contour, lines, part_of
 

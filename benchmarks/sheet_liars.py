@@ -24,10 +24,9 @@ from beamcam.machine.overlay import with_torch
 from beamcam.machine.tables import TABLE_CONTROLLERS
 from beamcam.machine.torch import LayerSettings, Torch
 from beamcam.model.part import Contour, Hole, Measures, Part, Process, Profile, Slot, TextMark
-from beamcam.model.plan import ContourOp, Outcome, Pass, SheetPlan
+from beamcam.model.plan import SKIP_NAMES, ContourOp, Outcome, Pass, SheetPlan
 from beamcam.model.request import Job, Request
 from beamcam.planning.contours.outline import stretch
-from beamcam.planning.left_out import SKIP_NAMES
 from beamcam.posts import Written, post_of
 from benchmarks.liars import REASONS, Lies
 

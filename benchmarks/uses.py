@@ -89,8 +89,8 @@ def _post(name: str, data: bytes, machine: Any) -> None:
     """Post the first parts of a file, all of a sheet cut."""
     from beamcam.machine.overlay import with_torch
     from beamcam.model.part import Contour
+    from beamcam.model.plan import SKIP_NAMES
     from beamcam.pipeline import post
-    from beamcam.planning.left_out import SKIP_NAMES
     from beamcam.readers import read
 
     parts = read(data, name).parts[:MOST_PARTS]

@@ -10,16 +10,15 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from beamcam import pipeline
-from beamcam.checks.request import job_faults, pieces_asked
+from beamcam.checks.job import job_faults, pieces_asked
 from beamcam.checks.sheets.required_layout import laid_out
 from beamcam.errors import Source, VerifyError
 from beamcam.geometry.curves import Arc, Line
 from beamcam.machine import load
 from beamcam.machine.overlay import with_torch
 from beamcam.model.part import Bend, Contour, Hole, Part, Profile, Slot, TextMark
-from beamcam.model.request import Job, Request
-from beamcam.pipeline import begin, finished
-from beamcam.planning import Share, pieces_of, shares_of
+from beamcam.model.request import Job, Request, Share, pieces_of
+from beamcam.pipeline import begin, finished, shares_of
 from beamcam.planning.contours.layout import laid
 from benchmarks.asked_liars import told
 from tests.conftest import SAMPLES, examples
@@ -90,6 +89,14 @@ def test_programs_that_are_not_what_was_asked_for(
     assert codes(job.pieces, 9000.0) == codes(job.pieces, None) == {"verify-stock-bar"}
     back = job.pieces[::-1]
     assert codes(back) == (set() if len(set(back)) == 1 else {"verify-piece-order"})
+
+
+def test_what_is_said_of_another_order_and_another_bar() -> None:
+    made = bar_part("A", 3000.0, 1), bar_part("B", 2000.0, 1)
+    request = Request(made, LINE, stock=(6000.0,), quantity="file")
+    order, bar = map(str, job_faults(request, [Job(request, (1, 0), 9000.0)]))
+    assert "error verify-piece-order: found A behind B in a program; expected the order" in order
+    assert "error verify-stock-bar: found a program for a bar of 9000 mm; expected 6000 mm" in bar
 
 
 def test_a_planner_that_drops_a_piece_posts_nothing(monkeypatch: pytest.MonkeyPatch) -> None:

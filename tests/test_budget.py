@@ -14,7 +14,7 @@ import pypdfium2
 import pytest
 
 from beamcam import api
-from beamcam.budget import MAX_DEPTH, LimitError, Limits, limits, set_limits
+from beamcam.budget import MAX_DEPTH, InForce, LimitError, Limits
 from beamcam.errors import PlanError
 from beamcam.readers import read
 from beamcam.system import is_windows
@@ -42,7 +42,7 @@ def written(folder: Path, name: str, text: str) -> Path:
 def _limits_of_others() -> object:
     """The limits are those of the process; no test leaves its own behind."""
     yield
-    set_limits(Limits())
+    InForce.limits = Limits()
 
 
 # --- pieces ---------------------------------------------------------------------------------------
@@ -113,7 +113,7 @@ def test_the_configuration_has_other_limits(tmp_path: Path) -> None:
     assert (done.exit_code, "expected at most 20, or another `limits.pieces`" in done.stderr) == (
         1, True,
     )  # fmt: skip
-    assert limits() == Limits(pieces=20)
+    assert InForce.limits == Limits(pieces=20)
     (tmp_path / "beamcam.toml").unlink()
     assert call("list", path).exit_code == 0
 
@@ -265,7 +265,7 @@ def test_an_archive_unpacks_to_no_more_than_the_limit() -> None:
     with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr("m.ifc", text)
     assert not read(packed.getvalue(), "m.ifczip").refused
-    set_limits(Limits(bytes=len(text) - 1))
+    InForce.limits = Limits(bytes=len(text) - 1)
     (said,) = read(packed.getvalue(), "m.ifczip").diagnostics
     assert f"an archive that unpacks to more than {len(text) - 1} bytes" in said.message
 
@@ -339,12 +339,12 @@ def test_a_member_has_its_time_and_no_more() -> None:
     """The others are read, and the ledger has all of them."""
     data = (ROOT / "samples/ifc/beam_brep.ifc").read_bytes()
     assert not read(data, "m.ifc").refused
-    set_limits(Limits(member_s=1e-9))
+    InForce.limits = Limits(member_s=1e-9)
     reading = read(data, "m.ifc")
     told = [said for said in reading.diagnostics if said.code == "limit-member-s"]
     assert told
     assert all("expected at most 1e-09 s of the processor" in said.message for said in told)
     assert all(said.source.where for said in told)
     assert not reading.parts
-    set_limits(Limits())
+    InForce.limits = Limits()
     assert not read(data, "m.ifc").refused

@@ -10,26 +10,19 @@ import pytest
 from msgspec.structs import replace
 
 from beamcam import pipeline
-from beamcam.checks.head import head_of
-from beamcam.checks.request import MANUAL_WORK as FOR_MANUAL_WORK
-from beamcam.commands.options import SkipNames
+from beamcam.checks.job import head_of
+from beamcam.checks.rules import MANUAL_WORK as FOR_MANUAL_WORK
+from beamcam.commands.value_types import SkipNames
 from beamcam.errors import PlanError
 from beamcam.geometry.curves import Line
 from beamcam.machine import load
 from beamcam.machine.machine import Machine
 from beamcam.machine.stations import Marks, Policy
 from beamcam.model.part import Contour, Feature, Hole, Part, TextMark
-from beamcam.model.plan import Outcome
+from beamcam.model.plan import SKIP_NAMES, Outcome
 from beamcam.model.request import MarkKind, Request, mark_kind
 from beamcam.pipeline import Posted, RefusedProgram, post, read_back
-from beamcam.planning.left_out import (
-    HEAD,
-    LIST_SUFFIX,
-    MANUAL_WORK,
-    SKIP_NAMES,
-    as_csv,
-    manual_rows,
-)
+from beamcam.planning.left_out import HEAD, LIST_SUFFIX, MANUAL_WORK, as_csv, manual_rows
 from tests.conftest import SAMPLES
 from tests.runs import batch, call, counts, part, report
 from tests.unit.planning.shop import part as beam

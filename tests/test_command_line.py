@@ -16,8 +16,8 @@ from click.testing import CliRunner, Result
 from beamcam.cli import COMMANDS, main
 from beamcam.commands import common
 from beamcam.commands.common import NO_PROGRAMS
+from beamcam.commands.options import FIRST, GROUPS, MOST_SHOWN, OTHER, Grouped, heading_of
 from beamcam.commands.outputs import KINDS
-from beamcam.commands.parts import FIRST, GROUPS, MOST_SHOWN, OTHER, Grouped, heading_of
 from beamcam.machine.machine import DEFAULTS
 from tests.conftest import ROOT, SAMPLES
 from tests.runs import call, part

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from beamcam.arguments import expected_job
-from beamcam.checks.head import Head, head_of
+from beamcam.checks.job import Head, head_of
 from beamcam.controllers import longest_line
 from beamcam.emitters.gcode import MAX_TEXT, comment_room
 from beamcam.errors import MachineError, errors_in

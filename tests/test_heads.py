@@ -8,7 +8,7 @@ import pytest
 from msgspec.structs import replace
 
 from beamcam import pipeline
-from beamcam.checks.head import VERSION, head_of
+from beamcam.checks.job import VERSION, head_of
 from beamcam.emitters.gcode import FORM
 from beamcam.machine import load, shipped
 from beamcam.model.request import Job

@@ -7,7 +7,8 @@ import pytest
 from beamcam.errors import PlanError, ReadError
 from beamcam.machine import load
 from beamcam.model.part import TextMark
-from beamcam.pipeline import parts_of, post, read_file, stock_of
+from beamcam.model.request import stock_of
+from beamcam.pipeline import parts_of, post, read_file
 from benchmarks.letterings import CHANGES, lettered_otherwise
 from tests.conftest import CORPUS
 

@@ -21,9 +21,9 @@ from beamcam.cli import main
 from beamcam.errors import Source
 from beamcam.machine import Machine, load
 from beamcam.model.part import Part
+from beamcam.model.request import numbered
 from beamcam.model.section import corners
 from beamcam.pipeline import read_file
-from beamcam.planning import numbered
 from beamcam.reports.part_list import Weights, weights_of
 from beamcam.solid.kernel import outline
 from beamcam.solid.part_solid import part_solid

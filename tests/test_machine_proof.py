@@ -1,16 +1,21 @@
 """Machine files are proved by a small part: what their words make of it is read back."""
 
+from collections.abc import Iterator
 from pathlib import Path
+from zlib import crc32
 
 import pytest
 from msgspec.structs import replace
 
-from beamcam.arguments import load_tested
+from beamcam.arguments import load_machine, load_tested
 from beamcam.errors import MachineError
 from beamcam.machine import load
-from beamcam.machine.load import SHIPPED, shipped
+from beamcam.machine.load import SHIPPED, _machine, files_of_machine, is_proved, shipped
+from beamcam.machine.proved import PROVED
 from beamcam.self_test import proof_faults
+from tests.conftest import ROOT, Golden
 
+TABLE = ROOT / "beamcam" / "machine" / "proved.py"
 #: A machine, a word of its file and another that stands there, the key and what is found.
 WRONG = [
     ("beamline-annex", '"M44 K{height}', '"M44{height}', "words.header", "found M44"),
@@ -26,9 +31,41 @@ WRONG = [
 ]
 
 
+@pytest.fixture
+def unproved(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """As if no machine were known to be proved."""
+    with monkeypatch.context() as patch:
+        for name in tuple(PROVED):
+            patch.delitem(PROVED, name)
+        _machine.cache_clear()  # type: ignore[attr-defined]
+        yield
+    _machine.cache_clear()  # type: ignore[attr-defined]
+
+
+@pytest.mark.usefixtures("unproved")
 @pytest.mark.parametrize("name", shipped())
 def test_the_shipped_machines_are_proved(name: str) -> None:
-    assert proof_faults(load(name)) == ()
+    assert proof_faults(load_machine(name)) == ()
+
+
+def test_what_is_proved_is_known_by_its_text(golden: Golden) -> None:
+    """A shipped file that was edited where it is installed is checked like one's own."""
+    rows = []
+    for name in shipped():
+        texts = "".join(file.text for file in files_of_machine(name))
+        rows.append(f'    "{name}": "{crc32(texts.encode()):08x}",\n')
+    text = TABLE.read_text(encoding="utf-8")
+    head, _, _ = text.partition("PROVED = {\n")
+    golden.check(TABLE, f"{head}PROVED = {{\n{''.join(rows)}}}\n")
+
+
+def test_an_edited_file_is_not_proved(tmp_path: Path) -> None:
+    path = tmp_path / "beamline.toml"
+    text = (SHIPPED / "beamline.toml").read_text(encoding="utf-8")
+    path.write_text(text, encoding="utf-8")
+    assert is_proved(files_of_machine(str(path)))
+    path.write_text(text.replace("kerf = 4.04", "kerf = 4.05"), encoding="utf-8")
+    assert not is_proved(files_of_machine(str(path)))
 
 
 @pytest.mark.parametrize(("name", "old", "new", "key", "said"), WRONG)

@@ -18,7 +18,7 @@ from beamcam.batch.pool import Result as Outcome
 from beamcam.batch.run import run as run_files
 from beamcam.batch.shares import FileState
 from beamcam.batch.work import BatchSettings
-from beamcam.checks.head import Head, head_of
+from beamcam.checks.job import Head, head_of
 from beamcam.machine import load
 from beamcam.pipeline import read_file
 from beamcam.readers import Reading

@@ -16,8 +16,8 @@ from beamcam.errors import ReadError, Source, errors_in
 from beamcam.geometry.curves import Line
 from beamcam.machine import Machine, load, shipped
 from beamcam.model.part import Contour, Hole, Measures, Part, Profile
-from beamcam.model.request import Job, Request
-from beamcam.pipeline import read_file, stock_of
+from beamcam.model.request import Job, Request, stock_of
+from beamcam.pipeline import read_file
 from beamcam.posts import Post, post_of
 from beamcam.writers.dstv import write
 from tests.conftest import CORPUS, SAMPLES, rules_of

@@ -27,12 +27,11 @@ from beamcam.machine.overlay import with_section, with_torch
 from beamcam.machine.runtime import STYLES
 from beamcam.machine.tables import DIALECTS, STEP_FORMS, TABLE_CONTROLLERS
 from beamcam.model.part import Part
-from beamcam.model.plan import AnyPlan, Order
+from beamcam.model.plan import AnyPlan, Order, named_skips
 from beamcam.model.request import Options, Request, Selection, marked
 from beamcam.pipeline import Posted, judged, read_file, remarks_on, whole_job
 from beamcam.pipeline import post as post_bar
 from beamcam.pipeline import read_back as read_program_back
-from beamcam.planning.left_out import named_skips
 from beamcam.posts import post_of
 from beamcam.readers import Reading, content
 from beamcam.readers import read as read_bytes

@@ -11,7 +11,7 @@ from msgspec.structs import replace
 from beamcam.api.inputs import FileInput, check_choice, check_text, checked_parts
 from beamcam.api.jobs import post, program_bytes
 from beamcam.arguments import ASK_TYPE, AnyMachine, AskError, ask_type, machine_of
-from beamcam.checks.head import head_of
+from beamcam.checks.job import head_of
 from beamcam.comparison.pairing import Difference
 from beamcam.comparison.statements import ProgramText, diff_texts
 from beamcam.controllers.dialect import ARC, SYNTAX, WORD

@@ -7,17 +7,34 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.api.inputs import check_choice, checked_parts
-from beamcam.arguments import AnyMachine, AskError, ask_type, check_arguments, machine_of
+from beamcam.arguments import (
+    AnyMachine,
+    AskError,
+    InTurn,
+    ask_type,
+    check_arguments,
+    machine_of,
+    on_best_machine,
+)
 from beamcam.budget import check_pieces
 from beamcam.errors import Diagnostic, PlanError
 from beamcam.machine.machine import Machine, default_machines
-from beamcam.machine_choice import InTurn, on_best_machine
 from beamcam.model.part import Part
-from beamcam.model.plan import stock_used
-from beamcam.model.request import ChosenBy, Quantity, Remnant, Request, remnant_of
-from beamcam.pipeline import are_flats, plan_share, plans_of, stock_of
-from beamcam.planning import LotKey, Share, number_of, remnants_of, shares_of
-from beamcam.planning.left_out import MARK_ROWS, manual_rows, named_skips
+from beamcam.model.plan import named_skips, stock_used
+from beamcam.model.request import (
+    ChosenBy,
+    LotKey,
+    Quantity,
+    Remnant,
+    Request,
+    Share,
+    are_flats,
+    number_of,
+    remnant_of,
+    stock_of,
+)
+from beamcam.pipeline import plan_share, plans_of, shares_of
+from beamcam.planning.left_out import MARK_ROWS, manual_rows
 from beamcam.posts import Planned
 from beamcam.reports.part_list import (
     CutBar,
@@ -176,6 +193,8 @@ def bars_of(
     parts of a line without a saw, are on no bar. Raises PlanError for a remnant that may be of
     several sections.
     """
+    from beamcam.planning.stock import remnants_of
+
     known = list(counts)
     lots: dict[LotKey, list[int]] = {}
     machine_of_lot: dict[LotKey, Machine] = {}

@@ -20,7 +20,6 @@ from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
 from beamcam.model.part_json import part_to_json
 from beamcam.model.request import MarkFrom
-from beamcam.readers.dstv.header import said_of_part
 from beamcam.system import EndRequest, free_of_devices
 
 _FORM = re.compile(r"[^{}]?[<>^]?[0-9]{0,2}[sd]?")  #: of a value in a name
@@ -225,3 +224,12 @@ def _content_of(value: object) -> object:
     if isinstance(value, list | tuple):
         return [_content_of(item) for item in value]
     return value
+
+
+def said_of_part(begin: bytes) -> tuple[str, str, str, str]:
+    """Order, drawing, phase and mark by the first lines of a file, empty where it has none."""
+    lines = [line.strip() for line in begin.decode("latin-1").splitlines()]
+    lines = [line for line in lines if not line.startswith("**")]
+    at = lines.index("ST") + 1 if "ST" in lines else len(lines)
+    order, drawing, phase, mark = [*lines[at : at + 4], "", "", "", ""][:4]
+    return order, drawing, phase, mark

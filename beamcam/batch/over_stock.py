@@ -26,12 +26,12 @@ from beamcam.batch.record import Record
 from beamcam.batch.run import BatchError, QueuedInput, Run, recorded
 from beamcam.batch.shares import FileState, Lot, ShareTask, stems_of, tasks_of
 from beamcam.batch.work import BatchSettings, Task, refused_row
-from beamcam.checks.request import job_faults
+from beamcam.checks.job import job_faults
 from beamcam.errors import BeamcamError, Diagnostic, PlanError, Source, VerifyError
 from beamcam.files import FilesRead
 from beamcam.model.part import Part
-from beamcam.model.request import Job, Request
-from beamcam.planning import LotKey, Share, remnants_of, shares_of
+from beamcam.model.request import Job, LotKey, Request, Share
+from beamcam.pipeline import shares_of
 from beamcam.reports.part_list import CutBar, CutPiece, PartCount
 from beamcam.reports.run import FileRow, Message, PartRow, as_message
 from beamcam.system import NEVER, EndRequest
@@ -161,6 +161,8 @@ class StockRun:
 
     def _lots(self) -> tuple[list[Lot], dict[str, list[Message]]]:
         """The lots in the order of their first parts; what is said of those without shares."""
+        from beamcam.planning.stock import remnants_of
+
         of_key: dict[LotKey, list[int]] = {}
         for place, one in enumerate(self.counts):
             if one.machine:

@@ -26,7 +26,7 @@ from beamcam.batch import LINK, NOT_OURS
 from beamcam.batch.find import Input
 from beamcam.batch.names import folded
 from beamcam.batch.recipe import Recipe, path_below, path_from
-from beamcam.checks.head import MOST_BEFORE, head_of
+from beamcam.checks.job import MOST_BEFORE, head_of
 from beamcam.errors import Diagnostic, Source
 from beamcam.files import write_whole
 from beamcam.planning.left_out import LIST_BEGIN, LIST_SUFFIX, as_csv

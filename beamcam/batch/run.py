@@ -28,8 +28,8 @@ from beamcam.errors import BeamcamError, Diagnostic, Source
 from beamcam.files import FilesRead
 from beamcam.model.part import Part
 from beamcam.model.request import marked
-from beamcam.pipeline import counted, judged, sound
-from beamcam.readers import read
+from beamcam.pipeline import counted, judged
+from beamcam.readers import read, sound
 from beamcam.reports.run import FileRow, PartRow, as_message, names_in
 from beamcam.system import NEVER, EndRequest, can_sync_all
 

@@ -7,18 +7,17 @@ from hashlib import sha256
 from msgspec import Struct
 from msgspec.structs import replace
 
+from beamcam.arguments import on_best_machine
 from beamcam.batch.names import FileNames, cleaned, folded
 from beamcam.batch.part_rows import part_row
 from beamcam.batch.work import BatchSettings, Found, Task, parts_in, posted_of
 from beamcam.errors import BeamcamError
 from beamcam.files import REFUSED_SUFFIX
-from beamcam.machine_choice import on_best_machine
 from beamcam.model.part import Part
 from beamcam.model.part_json import part_to_json
 from beamcam.model.plan import stock_used
-from beamcam.model.request import Request
+from beamcam.model.request import Request, Share, number_of
 from beamcam.pipeline import Begun, begin_share, plans_of
-from beamcam.planning import Share, number_of
 from beamcam.planning.left_out import MARK_ROWS, manual_rows
 from beamcam.reports.part_list import ManualWork, PartCount
 from beamcam.reports.run import FileRow, PartRow, StockRow, as_message, dumped

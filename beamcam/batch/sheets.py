@@ -12,20 +12,20 @@ from pathlib import PurePosixPath
 
 from msgspec import Struct
 
+from beamcam.arguments import on_best_machine
 from beamcam.batch.shares import ShareTask
 from beamcam.batch.work import BatchSettings, thaw
 from beamcam.errors import BeamcamError
 from beamcam.files import write_whole
-from beamcam.machine_choice import on_best_machine
 from beamcam.model.part import Part
 from beamcam.model.request import marked
 from beamcam.pictures.formats import inline_svg
 from beamcam.pictures.part import small_scene
 from beamcam.pictures.program import ReadProgram
 from beamcam.pictures.scene import css
-from beamcam.pipeline import Posted, begin, counted, finished, sound
+from beamcam.pipeline import Posted, begin, counted, finished
 from beamcam.processes import Died, Pool
-from beamcam.readers import is_interruptible, read
+from beamcam.readers import is_interruptible, read, sound
 from beamcam.reports.run import FileRow
 from beamcam.reports.run_page import Extra
 from beamcam.setup_sheet.content import SheetSources, content_of

@@ -14,6 +14,7 @@ from msgspec import Struct, field, json
 from msgspec.structs import replace
 
 from beamcam import budget
+from beamcam.arguments import on_best_machine
 from beamcam.batch import DIED, INTERNAL, NO_PART, SAME_NAME
 from beamcam.batch.names import FileNames, mark_key, other_content, output_name, stage_names
 from beamcam.batch.part_rows import part_row
@@ -22,25 +23,21 @@ from beamcam.caches import cached
 from beamcam.errors import BeamcamError, ReadError, Source
 from beamcam.files import REFUSED_SUFFIX
 from beamcam.machine.machine import Machine
-from beamcam.machine_choice import on_best_machine
 from beamcam.model.part import Part
-from beamcam.model.plan import Order
-from beamcam.model.request import ChosenBy, MarkFrom, Quantity, Remnant, Request, marked
-from beamcam.pipeline import (
-    Begun,
-    Posted,
-    RefusedProgram,
+from beamcam.model.plan import Order, named_skips
+from beamcam.model.request import (
+    ChosenBy,
+    MarkFrom,
+    Quantity,
+    Remnant,
+    Request,
     are_flats,
-    begin,
-    counted,
-    judged,
-    parts_of,
-    sound,
+    marked,
+    numbered,
     stock_of,
 )
-from beamcam.planning import numbered
-from beamcam.planning.left_out import named_skips
-from beamcam.readers import read
+from beamcam.pipeline import Begun, Posted, RefusedProgram, begin, counted, judged, parts_of
+from beamcam.readers import read, sound
 from beamcam.reports.part_list import PartCount
 from beamcam.reports.run import FileRow, Message, PartRow, RestRow, as_message
 from beamcam.version import __version__
@@ -74,7 +71,9 @@ class BatchSettings(Struct, frozen=True):
     #: of what one machine leaves to the next where `machine` and `more` make parts one after the
     #: other; "" where one of them makes a part
     rest_suffix: str = ""
-    limits: Limits = field(default_factory=budget.limits)  #: how much each file may take
+    limits: Limits = field(
+        default_factory=lambda: budget.InForce.limits
+    )  #: how much each file may take
 
     @property
     def freeze(self) -> bytes:
@@ -186,7 +185,7 @@ def make_all(tasks: Sequence[Task], settings: BatchSettings) -> list[FileResult]
     All of them are read, then all are planned, and so on: a processor that does the same for many
     is quicker by a sixth than one that does everything for each in turn.
     """
-    budget.set_limits(settings.limits)
+    budget.InForce.limits = settings.limits
     clock = settings.clock or (lambda: 0.0)
     seconds = [0.0] * len(tasks)
     made: dict[int, FileResult] = {}

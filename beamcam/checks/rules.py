@@ -190,3 +190,48 @@ NO_TOOL = error("verify-no-tool",
 HOLE_STEEL = error("verify-hole-steel",
     "found the {what} on face {face} of {mark} at x {x}, y {y} {found}; expected {expected}",
     "A drill that meets another wall, an edge or another hole runs off or breaks.")
+
+# Of the programs of a job against its request and its plan.
+
+PIECES = error("verify-pieces",
+    "found {found} of {mark} in the programs of this job; expected {expected}",
+    "The pieces of all bars or sheets are counted against the quantities that were asked for. It "
+    "is a fault of beamcam; send in the part.")
+PIECE_ORDER = error("verify-piece-order",
+    "found {found} behind {before} in a program; expected the order in which they were given",
+    "Pieces go onto bars and sheets in the order of the inputs. It is a fault of beamcam; send in "
+    "the parts.")
+STOCK_BAR = error("verify-stock-bar",
+    "found a program for a bar of {found}; expected {expected}",
+    "A bar that is not in store cannot be loaded. It is a fault of beamcam; send in the "
+    "part.")
+LEFT_OUT = warning("verify-left-out",
+    "found nothing that makes the {what} of {mark}; it may be left out, and is not made",
+    "The machine cannot make it and its kind is allowed to be missing, by `--allow-skips` or the "
+    "head of the program. It has to be made manually or on another machine.")
+LEDGER = error("verify-ledger",
+    "found {found} feature(s) missing from the program; expected {expected}, as planned",
+    "What is missing from a program has to be what the plan left out by name, and nothing else. It "
+    "is a fault of beamcam; send in the part.")
+TEXT_TOLD = error("verify-text-told",
+    "found a text lettered {found}; expected it {expected}, as planned",
+    "The plan reports where a text is moved or made smaller, the read-back finds it in the "
+    "program, and both have to agree. It is a fault of beamcam; send in the part.")
+MANUAL_WORK = warning("verify-by-hand",
+    "found nothing that makes the {what} of {mark}; it is left for manual work, as {machine} says",
+    "`[marks]` in the machine's file says which kinds of marks are made by the machine, and which "
+    "are left for manual work.")
+TEXT_MOVED = warning("verify-text-moved",
+    "found the text {text!r} at x {x}, y {y}, {height} mm high; at x {wanted_x}, y {wanted_y}, "
+    "{wanted_height} mm high it would not be clear",
+    "A text that would stand on an edge or over a hole is moved, or made smaller.")
+UNCUT = warning("verify-sheet-left",
+    "found {found} mm of waste in a corner at x {x}, y {y} that the beam does not reach; it stays "
+    "on the part",
+    "A round beam stops before a sharp corner. Where that matters, the place is finished by "
+    "hand.")
+UNCUT_TOLD = error("verify-sheet-untold",
+    "found {found} mm of waste in a corner at x {x}, y {y} that the beam does not reach; expected "
+    "it to be reported by the plan",
+    "The plan reports what stays on a part, the read-back finds it in the program, and both have "
+    "to agree. It is a fault of beamcam; send in the part.")

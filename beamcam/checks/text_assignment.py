@@ -24,7 +24,7 @@ from beamcam.checks.drawn_texts import (
     covering,
     is_where_wanted,
 )
-from beamcam.checks.request import TEXT_MOVED
+from beamcam.checks.rules import TEXT_MOVED
 from beamcam.errors import Diagnostic, error
 from beamcam.geometry.array_types import Floats
 from beamcam.geometry.plane import Point

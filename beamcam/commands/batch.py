@@ -15,7 +15,7 @@ from beamcam.batch.recipe import path_from, recipe_of
 from beamcam.batch.run import run
 from beamcam.commands import options
 from beamcam.commands.common import STANDARD, Console, keep_apart, over_input, say_lines
-from beamcam.commands.parts import Grouped
+from beamcam.commands.options import Grouped
 from beamcam.commands.running import (
     Progress,
     Report,

@@ -28,7 +28,7 @@ from beamcam.errors import Diagnostic, Source
 from beamcam.machine.load import SHIPPED, files_of_machine
 from beamcam.machine.machine import Machine
 from beamcam.machine.toml import TomlFile
-from beamcam.planning.left_out import ALL_SKIPS, SKIP_NAMES, named_skips
+from beamcam.model.plan import ALL_SKIPS, SKIP_NAMES, named_skips
 from beamcam.system import user_folder
 
 

@@ -10,8 +10,8 @@ import click
 from beamcam.batch.names import FileNames, cleaned
 from beamcam.commands import NO_PART, ONE_PART, OUTPUT_FORMAT, RENAMED, WRITTEN, options
 from beamcam.commands.common import Console, cannot_write, over_input, read_all, say_json, write
+from beamcam.commands.options import Grouped
 from beamcam.commands.parts import (
-    Grouped,
     drawing_choice,
     drawing_options,
     member_choice,
@@ -22,7 +22,8 @@ from beamcam.commands.settings import files_read, settled, with_thickness
 from beamcam.errors import BeamcamError, Diagnostic, ReadError, Source
 from beamcam.files import FilesRead, write_whole
 from beamcam.model.part import Part
-from beamcam.pipeline import counted, sound
+from beamcam.pipeline import counted
+from beamcam.readers import sound
 from beamcam.writers import TARGETS, Target
 
 

@@ -7,8 +7,8 @@ import click
 
 from beamcam.commands import options
 from beamcam.commands.common import REFUSED, Console, followed, say_json, say_lines
+from beamcam.commands.options import Grouped
 from beamcam.commands.parts import (
-    Grouped,
     drawing_choice,
     drawing_options,
     member_choice,

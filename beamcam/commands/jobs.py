@@ -9,14 +9,14 @@ import click
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.checks.head import head_of
+from beamcam.arguments import on_best_machine
+from beamcam.checks.job import head_of
 from beamcam.commands.common import STANDARD, Console
 from beamcam.commands.diff import is_part, refuse_other_format
 from beamcam.commands.parts import input_bytes, read_parts, request_of
 from beamcam.commands.settings import machine_for_program, machines_for
 from beamcam.config.values import Config
 from beamcam.errors import Diagnostic
-from beamcam.machine_choice import on_best_machine
 from beamcam.model.part import Part
 from beamcam.model.plan import AnyPlan, Order, Plan
 from beamcam.pictures.program import ReadProgram

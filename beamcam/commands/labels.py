@@ -13,15 +13,13 @@ from beamcam.batch.names import FileNames, output_name
 from beamcam.commands import options
 from beamcam.commands.common import STANDARD, Console, write
 from beamcam.commands.list_ import counted_parts, machines_in_shop, refuse_missing
-from beamcam.commands.options import quantity
-from beamcam.commands.parts import Grouped, list_options
+from beamcam.commands.options import Grouped, quantity
+from beamcam.commands.parts import list_options
 from beamcam.commands.settings import files_read, settled
 from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Diagnostic, PlanError, Source
-from beamcam.model.plan import Order
-from beamcam.model.request import Request
-from beamcam.planning import numbered
-from beamcam.planning.left_out import named_skips
+from beamcam.model.plan import Order, named_skips
+from beamcam.model.request import Request, numbered
 from beamcam.readers import content
 from beamcam.reports.labels import (
     CODES,

@@ -14,24 +14,24 @@ from beamcam.batch.names import other_content
 from beamcam.budget import refused_pieces
 from beamcam.commands import MISSING_EXTRA, options
 from beamcam.commands.common import STANDARD, Console, read_all, shows_colour, write
-from beamcam.commands.options import quantity
-from beamcam.commands.parts import Grouped, drawing_choice, list_options, member_choice
+from beamcam.commands.options import Grouped, quantity
+from beamcam.commands.parts import drawing_choice, list_options, member_choice
 from beamcam.commands.settings import (
     files_read,
     machines_of_stock,
     settled,
     with_thickness,
 )
+from beamcam.commands.value_types import Number
 from beamcam.config.values import Config, Stock
 from beamcam.errors import BeamcamError, Diagnostic, ReadError, Source
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
-from beamcam.model.plan import Order
-from beamcam.model.request import Request, marked, remnant_of
-from beamcam.pipeline import are_flats, counted, sound, stock_of
+from beamcam.model.plan import Order, named_skips
+from beamcam.model.request import Request, are_flats, marked, number_of, remnant_of, stock_of
+from beamcam.pipeline import counted
 from beamcam.plain_text import terminal_text
-from beamcam.planning import number_of
-from beamcam.planning.left_out import named_skips
+from beamcam.readers import sound
 from beamcam.reports.part_list import (
     CutBar,
     PartCount,
@@ -55,7 +55,7 @@ FORMATS = ("txt", "csv", "xlsx", "json")
 @options.by
 @options.config
 @click.option(
-    "--bar", "bars", type=options.Number(above=0), multiple=True, metavar="MM",
+    "--bar", "bars", type=Number(above=0), multiple=True, metavar="MM",
     help="Length of stock bars; may be repeated. By default from the configuration.",
 )  # fmt: skip
 @options.remnants

@@ -13,13 +13,14 @@ import click
 from beamcam.commands import options
 from beamcam.commands.common import Console, say_lines
 from beamcam.commands.jobs import read_program
-from beamcam.commands.options import MODBUS_PORT, Address
 from beamcam.commands.parts import input_bytes
 from beamcam.commands.settings import machines_of_stock, settled
+from beamcam.commands.value_types import MODBUS_PORT, Address, Number
 from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Source, VerifyError
 from beamcam.machine.machine import Machine
-from beamcam.pipeline import parts_of, read_file, stock_of
+from beamcam.model.request import stock_of
+from beamcam.pipeline import parts_of, read_file
 from beamcam.system import INTERRUPTED, LOOK_S, asked_to_end
 
 if TYPE_CHECKING:
@@ -162,7 +163,7 @@ def _handler(pages: Pages, bound: str) -> type[BaseHTTPRequestHandler]:
     help="Address of the page; by default only for this computer.",
 )  # fmt: skip
 @click.option(
-    "--every", type=options.Number(least=0.02, most=60), default=0.1, show_default=True,
+    "--every", type=Number(least=0.02, most=60), default=0.1, show_default=True,
     help="Polling interval in seconds.",
 )  # fmt: skip
 @options.json_messages

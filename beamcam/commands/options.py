@@ -1,4 +1,4 @@
-"""Options that commands share, each written once.
+"""Options that commands share, each written once, and the help that lists them in groups.
 
     @options.machine     is the option --machine
     @options.job         is a group of them: how a program is made
@@ -7,12 +7,9 @@ What they give comes to the command under the names that stand here; `settings.s
 the configuration. An option that a configuration can set is None where it is not given.
 """
 
-import re
-from collections.abc import Callable, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Mapping, Sequence
 from datetime import date
 from functools import wraps
-from math import inf, isfinite, nan
 from pathlib import PurePath
 from typing import Any
 
@@ -21,10 +18,10 @@ import click
 from beamcam.commands import MORE_BARS, OUTPUT_FORMAT
 from beamcam.commands.common import STANDARD, Console
 from beamcam.commands.outputs import Callback
+from beamcam.commands.value_types import Number, QuantityType, SkipNames
 from beamcam.errors import BeamcamError, PlanError, Source
-from beamcam.model.request import MARKS_FROM, remnant_of
-from beamcam.planning import numbered
-from beamcam.planning.left_out import ALL_SKIPS, SKIP_NAMES, named_skips
+from beamcam.model.plan import ALL_SKIPS, SKIP_NAMES, named_skips
+from beamcam.model.request import MARKS_FROM, numbered, remnant_of
 
 Function = Callable[..., Any]
 Decorator = Callable[[Function], Function]
@@ -32,58 +29,6 @@ Decorator = Callable[[Function], Function]
 NO_SKIPS = "none"
 #: Whoever reads or writes it reports its failure, with a code.
 FILE = click.Path(readable=False)
-
-
-class Number(click.ParamType):  # type: ignore[type-arg]  # older versions take none
-    """A number within limits; infinity and nan, which Python takes for numbers, are refused."""
-
-    name = "number"
-
-    def __init__(self, least: float = -inf, above: float = -inf, most: float = inf) -> None:
-        self._least, self._above, self._most = least, above, most
-
-    def convert(
-        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
-    ) -> float:
-        number = nan
-        with suppress(ValueError):
-            number = float(value)
-        if isfinite(number) and self._above < number and self._least <= number <= self._most:
-            return number
-        self.fail(f"found {value!r}; expected {self._expected}{_hint(str(value))}.", param, ctx)
-
-    @property
-    def _expected(self) -> str:
-        limits = [f"above {self._above:g}"] if isfinite(self._above) else []
-        limits += [f"{self._least:g} or more"] if isfinite(self._least) else []
-        limits += [f"at most {self._most:g}"] if isfinite(self._most) else []
-        return " ".join(["a number", ", ".join(limits)]).strip()
-
-
-#: A number as people write it, with commas or a unit.
-_WITH_UNIT = re.compile(r"([+-]?\d[\d.,]*)\s*(mm|cm|m|in|inch|ft|\"|')?")
-_MM = {
-    "mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4, "inch": 25.4, "ft": 304.8,
-    '"': 25.4, "'": 304.8,
-}  # fmt: skip
-
-
-def _hint(text: str) -> str:
-    """How a number with a unit or a comma is to be written; empty for any other text."""
-    match = _WITH_UNIT.fullmatch(text.strip())
-    if match is None:
-        return ""
-    digits, unit = match.groups()
-    if unit is None and "," not in digits and digits.count(".") < 2:
-        return ""
-    if re.fullmatch(r"[+-]?\d{1,3}(,\d{3})+(\.\d+)?", digits):
-        return f", without commas: {digits.replace(',', '')}"
-    number = digits.replace(",", ".")
-    if number.count(".") > 1:
-        return ", without signs between the digits"
-    if unit is None:
-        return f", with a point: {number}"
-    return f", without a unit: {float(number) * _MM[unit]:g} (mm)"
 
 
 def group(*options: Decorator) -> Decorator:
@@ -110,16 +55,6 @@ def _skips(
     if not values:
         return None
     return named_skips({name for value in values for name in value.split(",")} - {NO_SKIPS})
-
-
-class SkipNames(click.Choice):  # type: ignore[type-arg]  # older versions take none
-    """Names of kinds of features, set off by commas."""
-
-    name = "names"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
-        convert = super().convert
-        return ",".join(convert(name.strip(), param, ctx) for name in str(value).split(","))
 
 
 def machine_names(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[str]:
@@ -316,48 +251,6 @@ def verbosity(function: Function) -> Function:
     return with_console
 
 
-MODBUS_PORT = 502  #: of Modbus TCP, by the standard
-
-
-class Address(click.ParamType):  # type: ignore[type-arg]  # older versions take none
-    """HOST:PORT; the port may be left out where there is one by default."""
-
-    name = "host:port"
-
-    def __init__(self, port: int | None = None) -> None:
-        self._port = port
-
-    def convert(
-        self, value: object, param: click.Parameter | None, ctx: click.Context | None
-    ) -> tuple[str, int]:
-        text = str(value)
-        if self._port is not None and ":" not in text.rpartition("]")[2]:
-            text = f"{text}:{self._port}"
-        host, colon, port = text.rpartition(":")
-        if not (colon and host and port.isdigit() and 0 < int(port) < 65536):
-            self.fail(f"found {value!r}; expected HOST:PORT such as localhost:502", param, ctx)
-        return host.strip("[]"), int(port)
-
-
-FROM_FILE = "file"
-
-
-class QuantityType(click.ParamType):  # type: ignore[type-arg]
-    """`file`, or a number of pieces."""
-
-    name = "quantity"
-
-    def convert(
-        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
-    ) -> str | int:
-        if value == FROM_FILE or isinstance(value, int):
-            return value  # type: ignore[no-any-return]
-        if value.isascii() and value.isdigit() and 0 < int(value[:9]) <= MAX_QUANTITY:
-            return int(value)
-        self.fail(f"found {value!r}; expected file, or 1 to {MAX_QUANTITY}", param, ctx)
-
-
-MAX_QUANTITY = 100_000
 quantity = click.option(
     "--quantity", type=QuantityType(), metavar="file|N",
     help="Pieces of each part: as many as its file says, or N.",
@@ -387,3 +280,95 @@ def from_contour(help_text: str) -> Decorator:
     return click.option(
         "--from-contour", "contour", type=click.IntRange(min=2), metavar="N", help=help_text
     )
+
+
+# --- help -----------------------------------------------------------------------------------------
+
+# A command whose options stand in groups in its help.
+
+
+SAID = "What is said"
+OTHER = "Other"
+#: Heading -> the options below it, by the names of their values, in this order.
+GROUPS: Mapping[str, tuple[str, ...]] = {
+    "Job": (
+        "output", "folder", "machine", "by", "machines", "config_file", "trust", "job", "bar",
+        "bars", "remnants", "nest", "order", "turn", "style", "corner", "lip",
+        "show", "to", "table", "quantity", "against", "mark_from", "first", "contour", "after",
+        "date", "frame", "rest_name", "rest_as", "size", "code", "profile", "solid",
+    ),
+    "Names and folders": ("name", "flat", "done", "refused", "samples"),
+    "What may be left out": ("skips", "exit_left_out", "strict", "no_verify"),
+    "Members of a building model": (
+        "marks", "guids", "classes", "assemblies", "force", "letter", "check"
+    ),
+    "How files are read": ("units", "width", "layers", "fit", "wrap", "encoding"),
+    "How sheets are cut": (
+        "colours", "thickness", "material", "amps", "nozzle", "kerf", "kerf_by", "lead",
+        "lead_in", "lead_out", "tabs", "tab_width",
+        "inner_tabs", "overcut", "gap", "allow_open", "place", "origin", "mirror", "rotate",
+        "copies", "spacing", "common_cuts", "chain_cuts", "skeleton_cuts", "sheet_size", "unrolled",
+    ),
+    "How the work is done": (
+        "jobs", "scheduler", "redo", "dry", "settle", "end_wait", "every", "encoder", "modbus",
+        "serve", "pace", "once", "update",
+    ),
+    SAID: ("as_json", "report", "unit", "paper", "quiet", "verbose", "schema"),
+}  # fmt: skip
+#: What matters most, in the order of use; `--help` of a command with many options shows these.
+FIRST = (
+    "output", "to", "machine", "machines", "folder", "against", "bar", "bars", "quantity",
+    "sheet_size", "marks", "thickness", "colours", "skips", "as_json",
+)  # fmt: skip
+MOST_SHOWN = 20  #: options of a command whose help shows all of them
+
+
+class Grouped(click.Command):
+    """A command that prints its options by `GROUPS`; those of no group come last.
+
+    Of many options `--help` shows those of `FIRST`, and `--help-all` all.
+    """
+
+    def get_params(self, ctx: click.Context) -> list[click.Parameter]:
+        """The parameters, with --help-all where there are many."""
+        params = super().get_params(ctx)
+        if sum(isinstance(p, click.Option) for p in params) > MOST_SHOWN:
+            text = "Show all options, in groups, and exit."
+            more = click.Option(["--help-all"], is_flag=True, expose_value=False, is_eager=True,
+                                help=text, callback=_show_all)  # fmt: skip
+            params.append(more)
+        return params
+
+    def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write each group of options under its heading, or the first of them."""
+        params = [p for p in self.get_params(ctx) if isinstance(p, click.Option)]
+        helps = [p for p in params if {"--help", "--help-all"} & {*p.opts}]
+        headings: dict[str, list[click.Option]] = {heading: [] for heading in (*GROUPS, OTHER)}
+        if len(helps) == 2 and not ctx.meta.get(ALL):
+            first = [p for p in params if p.name in FIRST]
+            headings = {
+                "Options": [*sorted(first, key=lambda p: FIRST.index(p.name or "")), *helps]
+            }
+        else:
+            for param in params:
+                headings[SAID if param in helps else heading_of(param.name or "")].append(param)
+        for heading, listed in headings.items():
+            records = [r for r in (p.get_help_record(ctx) for p in listed) if r is not None]
+            if records:
+                with formatter.section(heading):
+                    formatter.write_dl(records)
+
+
+ALL = "beamcam: all options"
+
+
+def _show_all(ctx: click.Context, param: click.Parameter, value: bool) -> None:
+    if value and not ctx.resilient_parsing:
+        ctx.meta[ALL] = True
+        click.echo(ctx.get_help(), color=ctx.color)
+        ctx.exit()
+
+
+def heading_of(name: str) -> str:
+    """The heading of an option, by the name of its value."""
+    return next((heading for heading, names in GROUPS.items() if name in names), OTHER)

@@ -1,4 +1,4 @@
-"""Shared by the commands that take parts: their options, their help, and reading the parts."""
+"""Shared by the commands that take parts: their options, and reading the parts."""
 
 import re
 from collections.abc import Iterable, Mapping
@@ -8,16 +8,16 @@ import click
 
 from beamcam.commands import options
 from beamcam.commands.common import Console, read_all
-from beamcam.commands.options import Number, group, quantity
+from beamcam.commands.options import group, quantity
+from beamcam.commands.value_types import Number
 from beamcam.config.values import Config, Origin
 from beamcam.errors import Diagnostic, ReadError
 from beamcam.machine.machine import Machine
 from beamcam.machine.overlay import MEANINGS, Meaning
 from beamcam.model.part import Part
-from beamcam.model.plan import Order
+from beamcam.model.plan import Order, named_skips
 from beamcam.model.request import Options, Quantity, Request, Selection, marked
 from beamcam.pipeline import counted, parts_of
-from beamcam.planning.left_out import named_skips
 from beamcam.readers import content
 from beamcam.system import cores
 
@@ -241,98 +241,7 @@ looking_options = options.group(
 )
 
 
-# --- help -----------------------------------------------------------------------------------------
-
-# A command whose options stand in groups in its help.
-
-
-SAID = "What is said"
-OTHER = "Other"
-#: Heading -> the options below it, by the names of their values, in this order.
-GROUPS: Mapping[str, tuple[str, ...]] = {
-    "Job": (
-        "output", "folder", "machine", "by", "machines", "config_file", "trust", "job", "bar",
-        "bars", "remnants", "nest", "order", "turn", "style", "corner", "lip",
-        "show", "to", "table", "quantity", "against", "mark_from", "first", "contour", "after",
-        "date", "frame", "rest_name", "rest_as", "size", "code", "profile", "solid",
-    ),
-    "Names and folders": ("name", "flat", "done", "refused", "samples"),
-    "What may be left out": ("skips", "exit_left_out", "strict", "no_verify"),
-    "Members of a building model": (
-        "marks", "guids", "classes", "assemblies", "force", "letter", "check"
-    ),
-    "How files are read": ("units", "width", "layers", "fit", "wrap", "encoding"),
-    "How sheets are cut": (
-        "colours", "thickness", "material", "amps", "nozzle", "kerf", "kerf_by", "lead",
-        "lead_in", "lead_out", "tabs", "tab_width",
-        "inner_tabs", "overcut", "gap", "allow_open", "place", "origin", "mirror", "rotate",
-        "copies", "spacing", "common_cuts", "chain_cuts", "skeleton_cuts", "sheet_size", "unrolled",
-    ),
-    "How the work is done": (
-        "jobs", "scheduler", "redo", "dry", "settle", "end_wait", "every", "encoder", "modbus",
-        "serve", "pace", "once", "update",
-    ),
-    SAID: ("as_json", "report", "unit", "paper", "quiet", "verbose", "schema"),
-}  # fmt: skip
-
-
-#: What matters most, in the order of use; `--help` of a command with many options shows these.
-FIRST = (
-    "output", "to", "machine", "machines", "folder", "against", "bar", "bars", "quantity",
-    "sheet_size", "marks", "thickness", "colours", "skips", "as_json",
-)  # fmt: skip
-MOST_SHOWN = 20  #: options of a command whose help shows all of them
-
-
-class Grouped(click.Command):
-    """A command that prints its options by `GROUPS`; those of no group come last.
-
-    Of many options `--help` shows those of `FIRST`, and `--help-all` all.
-    """
-
-    def get_params(self, ctx: click.Context) -> list[click.Parameter]:
-        """The parameters, with --help-all where there are many."""
-        params = super().get_params(ctx)
-        if sum(isinstance(p, click.Option) for p in params) > MOST_SHOWN:
-            text = "Show all options, in groups, and exit."
-            more = click.Option(["--help-all"], is_flag=True, expose_value=False, is_eager=True,
-                                help=text, callback=_show_all)  # fmt: skip
-            params.append(more)
-        return params
-
-    def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """Write each group of options under its heading, or the first of them."""
-        params = [p for p in self.get_params(ctx) if isinstance(p, click.Option)]
-        helps = [p for p in params if {"--help", "--help-all"} & {*p.opts}]
-        headings: dict[str, list[click.Option]] = {heading: [] for heading in (*GROUPS, OTHER)}
-        if len(helps) == 2 and not ctx.meta.get(ALL):
-            first = [p for p in params if p.name in FIRST]
-            headings = {
-                "Options": [*sorted(first, key=lambda p: FIRST.index(p.name or "")), *helps]
-            }
-        else:
-            for param in params:
-                headings[SAID if param in helps else heading_of(param.name or "")].append(param)
-        for heading, listed in headings.items():
-            records = [r for r in (p.get_help_record(ctx) for p in listed) if r is not None]
-            if records:
-                with formatter.section(heading):
-                    formatter.write_dl(records)
-
-
-ALL = "beamcam: all options"
-
-
-def _show_all(ctx: click.Context, param: click.Parameter, value: bool) -> None:
-    if value and not ctx.resilient_parsing:
-        ctx.meta[ALL] = True
-        click.echo(ctx.get_help(), color=ctx.color)
-        ctx.exit()
-
-
-def heading_of(name: str) -> str:
-    """The heading of an option, by the name of its value."""
-    return next((heading for heading, names in GROUPS.items() if name in names), OTHER)
+# --- parts ----------------------------------------------------------------------------------------
 
 
 def read_parts(

@@ -7,18 +7,19 @@ from typing import Any
 
 import click
 
+from beamcam.arguments import on_best_machine
 from beamcam.commands import options
 from beamcam.commands.common import Console, write
 from beamcam.commands.common import as_json as json_of
+from beamcam.commands.options import Grouped
 from beamcam.commands.outputs import of_kind
-from beamcam.commands.parts import Grouped, looking_options, read_parts, request_of
+from beamcam.commands.parts import looking_options, read_parts, request_of
 from beamcam.commands.settings import files_read, machines_for, settled
 from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Diagnostic
 from beamcam.files import FilesRead
 from beamcam.machine.coper import A_OF_FACE
 from beamcam.machine.machine import Machine
-from beamcam.machine_choice import on_best_machine
 from beamcam.model.lengths import total_length
 from beamcam.model.part import Part
 from beamcam.model.plan import (
@@ -35,9 +36,8 @@ from beamcam.model.plan import (
 )
 from beamcam.model.request import Request
 from beamcam.motion.coping import NAMES
-from beamcam.pipeline import remarks_on, whole_job
+from beamcam.pipeline import from_store, remarks_on, whole_job
 from beamcam.plain_text import terminal_text
-from beamcam.planning import from_store
 from beamcam.planning.beam import Trial, try_turns
 from beamcam.planning.explain import Explanation, explain
 from beamcam.posts import Planned, post_of

@@ -8,9 +8,9 @@ import click
 from beamcam.commands import options
 from beamcam.commands.common import Console, write
 from beamcam.commands.jobs import one_program, posted_job, read_program
-from beamcam.commands.options import quantity
+from beamcam.commands.options import Grouped, quantity
 from beamcam.commands.outputs import check_paper, paper, picture, picture_suffix, unit
-from beamcam.commands.parts import Grouped, job_options, read_parts
+from beamcam.commands.parts import job_options, read_parts
 from beamcam.commands.settings import files_read, machines_for, settled
 from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Diagnostic

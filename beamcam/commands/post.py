@@ -1,7 +1,7 @@
 """`beamcam post`: parts in, a program out."""
 
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import PurePath
 from typing import Any
 
@@ -25,33 +25,40 @@ from beamcam.commands.common import (
 from beamcam.commands.options import (
     ONE_BAR,
     ONE_SHEET,
+    Grouped,
     from_contour,
     from_operation,
     program_names,
     quantity,
 )
-from beamcam.commands.parts import Grouped, drawing_choice, part_options, read_parts, request_of
+from beamcam.commands.parts import drawing_choice, part_options, read_parts, request_of
 from beamcam.commands.settings import files_read, machine_asked, machines_for, map_remarks, settled
 from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Diagnostic, PlanError, Source
 from beamcam.files import FilesRead
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Contour, Feature, Hole, Slot, TextMark
-from beamcam.model.plan import AnyPlan, CopePlan, Order, SawOp, SheetPlan, clock
-from beamcam.model.request import Request
+from beamcam.model.plan import (
+    AnyPlan,
+    CopePlan,
+    Order,
+    SawOp,
+    SheetPlan,
+    clock,
+    left_out_sources,
+    manual_work_sources,
+)
+from beamcam.model.request import Request, are_flats, stock_of
 from beamcam.pipeline import (
     Begun,
     Posted,
     RefusedProgram,
     StrictError,
-    are_flats,
     begin,
     finished,
     read_file,
-    stock_of,
     untold,
 )
-from beamcam.planning.left_out import left_out_sources, manual_work_sources
 
 OF_ONE = "--rest is for the programs of one part of a bar, as it was read: without --turn."
 NOT_WHOLE = "faces-dxf"  #: the format that holds no more than the faces of a part
@@ -135,13 +142,8 @@ def command(
         strict = config.strict
         parts, diagnostics = read_parts(inputs, config, values, console)
         machines = machines_for(config, parts, output)
-        coded = any(map(is_coded_sheet, machines))
-        if contour is not None and not coded:
-            raise click.UsageError(ONE_SHEET)
-        if frame is not None and frame == output:
-            raise click.UsageError("--frame and -o name one file; expected two.")
-        if frame is not None and not coded:
-            raise click.UsageError("--frame is for programs of sheets, in G-code.")
+        if contour is not None or frame is not None:
+            _check_of_sheets(contour, frame, output, machines)
         diagnostics += map_remarks(config, parts, machines[0])
         request = request_of(parts, config, machines[0], config.quantity, order, turn)
         request = replace(request, verified=not no_verify, date=values["date"] or "")
@@ -152,7 +154,7 @@ def command(
             told = table_style(request_of_machine.machine, output, style)
             return begin(replace(request_of_machine, name=job, style=told), stage=stage)
 
-        from beamcam.machine_choice import on_best_machine
+        from beamcam.arguments import on_best_machine
 
         begun, choice = on_best_machine(request, machines, planned)
         diagnostics += choice
@@ -186,6 +188,19 @@ def command(
             console.tell(success(name, each, first or contour))
     if exit_left_out is not None and any(each.leaves_out for _, each in made):
         raise SystemExit(exit_left_out)
+
+
+def _check_of_sheets(
+    contour: int | None, frame: str | None, output: str, machines: Iterable[Machine]
+) -> None:
+    """Raises click.UsageError for a remainder or a frame of what is no sheet's G-code."""
+    coded = any(map(is_coded_sheet, machines))
+    if contour is not None and not coded:
+        raise click.UsageError(ONE_SHEET)
+    if frame is not None and frame == output:
+        raise click.UsageError("--frame and -o name one file; expected two.")
+    if frame is not None and not coded:
+        raise click.UsageError("--frame is for programs of sheets, in G-code.")
 
 
 def _suggestion(

@@ -9,15 +9,16 @@ import click
 from beamcam.commands import options
 from beamcam.commands.common import PICTURES, Console, write
 from beamcam.commands.outputs import KINDS, expected, picture
+from beamcam.commands.value_types import Number
 from beamcam.errors import BeamcamError
 from beamcam.files import FilesRead
 
 if TYPE_CHECKING:
-    from beamcam.geometry.velocity_profile import VelocityProfile
+    from beamcam.motion.velocity_profile import VelocityProfile
     from beamcam.reports.velocity_profile import VelocityUnit
 
 MOST_ROWS = 1_000_000
-NUMBER = options.Number()
+NUMBER = Number()
 
 
 def points_of(
@@ -82,7 +83,7 @@ def wanted_profile(
     jerk: float, cruise: float, points: tuple[tuple[float, float], ...], max_jerk: float | None,
 ) -> "VelocityProfile":  # fmt: skip
     """The profile that the options ask for. Raises ValueError where they do not fit together."""
-    from beamcam.geometry import velocity_profile as profiles
+    from beamcam.motion import velocity_profile as profiles
 
     if points:
         return profiles.profile_through(points, jerk)

@@ -10,7 +10,8 @@ from beamcam.commands import SECTION, options
 from beamcam.commands.common import STANDARD, Console, read_all, write
 from beamcam.commands.convert import is_folder, only_text, target_of, write_folder
 from beamcam.commands.diff import refuse_part
-from beamcam.commands.parts import Grouped, input_bytes, torch_options
+from beamcam.commands.options import Grouped
+from beamcam.commands.parts import input_bytes, torch_options
 from beamcam.commands.settings import files_read, machine_for_program, settled
 from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Diagnostic, ReadError, Source, errors_in

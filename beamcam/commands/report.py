@@ -10,9 +10,9 @@ from beamcam.commands import options
 from beamcam.commands.common import REFUSED, Console, write
 from beamcam.commands.configuration import configuration_line, machine_line, reference
 from beamcam.commands.jobs import against, asked_program
-from beamcam.commands.options import quantity
+from beamcam.commands.options import Grouped, quantity
 from beamcam.commands.outputs import KINDS, check_paper, expected, paper, unit
-from beamcam.commands.parts import Grouped, job_options
+from beamcam.commands.parts import job_options
 from beamcam.commands.settings import files_read, settled
 from beamcam.errors import BeamcamError, Diagnostic, errors_in
 from beamcam.model.plan import Order

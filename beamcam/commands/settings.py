@@ -10,8 +10,8 @@ from typing import Any, Literal
 import click
 from msgspec.structs import replace
 
-from beamcam.arguments import load_tested
-from beamcam.budget import set_limits
+from beamcam.arguments import InTurn, load_tested
+from beamcam.budget import InForce
 from beamcam.commands.common import remark, running_console
 from beamcam.config.values import (
     COMMAND_LINE,
@@ -27,9 +27,8 @@ from beamcam.files import FilesRead
 from beamcam.machine import Machine
 from beamcam.machine.machine import default_machines, is_of_sheets
 from beamcam.machine.words import UNKNOWN_MACHINE
-from beamcam.machine_choice import InTurn
 from beamcam.model.part import Part
-from beamcam.pipeline import are_flats, stock_of
+from beamcam.model.request import are_flats, stock_of
 from beamcam.readers import Reading
 
 #: Keys of a configuration that are options of their own, by the name of the option's value.
@@ -88,7 +87,7 @@ def _in_force(config: Config) -> Config:
 
     Raises MachineError as `_with_own_machines`.
     """
-    set_limits(config.limits)
+    InForce.limits = config.limits
     return _with_own_machines(config)
 
 
@@ -253,7 +252,7 @@ def machine_for_program(
 
 def _machine_in_head(data: bytes | str) -> str | None:
     """The machine that the head of a program names."""
-    from beamcam.checks.head import head_of
+    from beamcam.checks.job import head_of
 
     head = head_of(data.decode("utf-8", "replace") if isinstance(data, bytes) else data)
     return None if head is None else head.machine

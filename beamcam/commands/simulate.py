@@ -11,10 +11,11 @@ import click
 from beamcam.commands import options
 from beamcam.commands.common import PICTURES, STANDARD, Console, say_lines, write
 from beamcam.commands.jobs import against, asked_program
-from beamcam.commands.options import Address, quantity
+from beamcam.commands.options import Grouped, quantity
 from beamcam.commands.outputs import of_kind, picture
-from beamcam.commands.parts import Grouped, job_options
+from beamcam.commands.parts import job_options
 from beamcam.commands.settings import files_read, settled
+from beamcam.commands.value_types import Address, Number
 from beamcam.errors import BeamcamError, Diagnostic, Source, VerifyError, errors_in
 from beamcam.model.plan import Order
 from beamcam.system import INTERRUPTED, asked_to_end
@@ -93,7 +94,7 @@ class EncoderKind(click.ParamType):  # type: ignore[type-arg]
 )
 @click.option(
     "--pace",
-    type=options.Number(least=0),
+    type=Number(least=0),
     help="Real seconds per second of machine time; 0 is as fast as possible. "
     "By default 0 to send, 1 to serve.",
 )

@@ -9,7 +9,8 @@ import click
 from beamcam.batch.names import FileNames, cleaned
 from beamcam.commands import options
 from beamcam.commands.common import Console, cannot_write, keep_apart, write
-from beamcam.commands.parts import Grouped, part_options, read_parts, request_of
+from beamcam.commands.options import Grouped
+from beamcam.commands.parts import part_options, read_parts, request_of
 from beamcam.commands.post import success
 from beamcam.commands.settings import files_read, machines_of_split, settled
 from beamcam.errors import BeamcamError, Diagnostic

@@ -6,20 +6,19 @@ from typing import Any
 import click
 from msgspec.structs import replace
 
-from beamcam.checks.head import Head, head_of, head_remarks
-from beamcam.checks.request import LEFT_OUT, MANUAL_WORK
+from beamcam.checks.job import Head, head_of, head_remarks
+from beamcam.checks.rules import LEFT_OUT, MANUAL_WORK
 from beamcam.commands import options
 from beamcam.commands.common import REFUSED, STANDARD, Console, is_coded_sheet, say_json
 from beamcam.commands.diff import refuse_part
-from beamcam.commands.options import ONE_BAR, ONE_SHEET, from_contour, from_operation
-from beamcam.commands.parts import Grouped, input_bytes, looking_options, read_parts, request_of
+from beamcam.commands.options import ONE_BAR, ONE_SHEET, Grouped, from_contour, from_operation
+from beamcam.commands.parts import input_bytes, looking_options, read_parts, request_of
 from beamcam.commands.settings import machine_for_program, settled
 from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Diagnostic, errors_in
-from beamcam.model.plan import Order
+from beamcam.model.plan import Order, named_skips
 from beamcam.model.request import Request
 from beamcam.pipeline import begin, finished, read_back, whole_job
-from beamcam.planning.left_out import named_skips
 from beamcam.readers import shown_name
 from beamcam.reports.run import as_message
 

@@ -23,9 +23,8 @@ from beamcam.batch.names import MarkKey
 from beamcam.batch.recipe import recipe_of
 from beamcam.batch.record import claims_of
 from beamcam.batch.run import BatchError, run
-from beamcam.commands import options
 from beamcam.commands.common import Console, say_lines
-from beamcam.commands.parts import Grouped
+from beamcam.commands.options import Grouped
 from beamcam.commands.running import (
     Progress,
     batch_settings,
@@ -35,6 +34,7 @@ from beamcam.commands.running import (
     workers_of,
 )
 from beamcam.commands.settings import files_read, settled
+from beamcam.commands.value_types import Number
 from beamcam.errors import BeamcamError, Diagnostic, Source
 from beamcam.files import write_whole
 from beamcam.readers import has_end
@@ -158,16 +158,16 @@ def _numbered(path: str) -> Iterator[str]:
     "--refused", metavar="FOLDER", help="Move refused inputs to this folder, each with a .txt file."
 )
 @click.option(
-    "--settle", default=2.0, show_default=True, type=options.Number(least=0),
+    "--settle", default=2.0, show_default=True, type=Number(least=0),
     help="Seconds for which a file has to be unchanged.",
 )  # fmt: skip
 @click.option(
-    "--end-wait", default=END_S, show_default=True, type=options.Number(least=0),
+    "--end-wait", default=END_S, show_default=True, type=Number(least=0),
     help="Seconds that a file without its end (EN, END-ISO-10303-21, EOF, </svg>, "
     "closing bracket) is left.",
 )  # fmt: skip
 @click.option(
-    "--every", default=1.0, show_default=True, type=options.Number(least=0.01, most=86400),
+    "--every", default=1.0, show_default=True, type=Number(least=0.01, most=86400),
     help="Polling interval in seconds.",
 )  # fmt: skip
 @click.option("--once", is_flag=True, help="Exit once all present files have been posted.")

@@ -28,7 +28,7 @@ from beamcam.errors import Diagnostic, Rule, Source
 from beamcam.geometry.curves import Arc
 from beamcam.geometry.plane import Point
 from beamcam.machine.machine import shown_code
-from beamcam.model.cell_motion import (
+from beamcam.model.cycles import (
     DRILL,
     DRILL_AND_DWELL,
     PECKING,

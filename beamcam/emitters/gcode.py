@@ -24,9 +24,9 @@ from msgspec import Struct
 
 from beamcam.caches import BoundedCache, PerObject
 from beamcam.controllers import longest_line
-from beamcam.machine.machine import Machine, NumberFormat
+from beamcam.machine.machine import Machine, NumberFormat, names_in
 from beamcam.machine.stations import ToolNumbers, tool_numbers
-from beamcam.machine.words import PART_NAMES, names_in
+from beamcam.machine.words import PART_NAMES
 from beamcam.model.plan import AnyPlan, Piece, Plan, SheetPlan
 from beamcam.model.program import (
     BeginPart,

@@ -11,8 +11,8 @@ from math import cos, hypot, isfinite, pi
 
 from msgspec import Struct
 
+from beamcam.conversion import compile_expression
 from beamcam.geometry.curves import Bezier, Curve, Line
-from beamcam.geometry.expression import compile_expression
 from beamcam.geometry.newton import NewtonCurve
 from beamcam.geometry.plane import MAX_COORDINATE, Point
 

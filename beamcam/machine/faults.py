@@ -11,9 +11,10 @@ from msgspec import Struct
 
 from beamcam.conversion import nearest
 from beamcam.geometry.plane import MAX_COORDINATE
+from beamcam.machine.bodies import body_faults
 from beamcam.machine.machine import Machine
 from beamcam.machine.stations import FLAT_DEG, Drill, Saw, Spindle, ToolSet, inch_size
-from beamcam.machine.words import PART_NAMES, WORD_NAMES, body_faults
+from beamcam.machine.words import PART_NAMES, WORD_NAMES
 
 Fault = tuple[str, object, str]  #: dotted key, what was found, what was expected
 

@@ -16,8 +16,8 @@ from beamcam.errors import Source
 from beamcam.machine.faults import leaves
 from beamcam.machine.load import files_of_machine, load, merged
 from beamcam.machine.machine import MachineFile
+from beamcam.machine.stations import Formula
 from beamcam.machine.toml import TomlPlace
-from beamcam.machine.words import Formula
 
 
 class Key(NamedTuple):

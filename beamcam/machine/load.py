@@ -1,8 +1,7 @@
 """Machine files: found by name or path, laid over their bases, checked, and explained."""
 
 import os
-from collections.abc import Callable, Iterator, Sequence
-from functools import partial
+from collections.abc import Sequence
 from os.path import isfile
 from pathlib import Path, PurePath
 from typing import Any
@@ -14,19 +13,9 @@ from msgspec import json, structs
 from beamcam.caches import cached
 from beamcam.conversion import Fault, converted, nearest, shown
 from beamcam.errors import Diagnostic, MachineError, Source
-from beamcam.machine.faults import (
-    leaves,
-    number_faults,
-    pair_faults,
-    range_faults,
-    size_faults,
-    spindle_faults,
-    template_faults,
-    tool_faults,
-    view_faults,
-)
 from beamcam.machine.machine import Machine, MachineFile
-from beamcam.machine.references import code_faults, marking_faults, name_faults, reference_faults
+from beamcam.machine.proved import PROVED
+from beamcam.machine.stations import as_formula
 from beamcam.machine.toml import (
     MAX_TOML_BYTES,
     KeyTwice,
@@ -50,8 +39,6 @@ from beamcam.machine.words import (
     UNKNOWN_KEY,
     UNKNOWN_MACHINE,
     WRONG_VALUE,
-    NoValueError,
-    as_formula,
 )
 from beamcam.system import beginning_of, portable_path, user_folder
 
@@ -72,6 +59,12 @@ def shipped() -> tuple[str, ...]:
 def load(name: str) -> Machine:
     """The machine called `name`, or the one in the file at that path. Raises MachineError."""
     return _machine(files_of_machine(name))
+
+
+def is_proved(files: tuple[TomlFile, ...]) -> bool:
+    """Whether a machine's files are those shipped, letter by letter: the tests prove those."""
+    texts = "".join(file.text for file in files)
+    return PROVED.get(files[0].path.stem) == f"{crc32(texts.encode()):08x}"
 
 
 def files_of(name: str) -> tuple[str, ...]:
@@ -147,7 +140,10 @@ def _described(files: tuple[TomlFile, ...], but: Sequence[str] = ()) -> Machine:
     except Fault as fault:
         raise MachineError(_said(fault, place)) from None
     machine = Machine(**structs.asdict(read), checksum=_checksum(table), remarks=remarks)
-    _check(machine, place, _left_behind(files))
+    if not is_proved(files):
+        from beamcam.machine.references import check_keys
+
+        check_keys(machine, place, _left_behind(files))
     return machine
 
 
@@ -300,45 +296,6 @@ def _find(name: str, over: TomlFile | None) -> Path:
     expected = f"{nearest(name, shipped())} or the path of a .toml file"
     source = Source(name) if over is None else Source(over.shown, line_of(over.text, "base"))
     raise MachineError(UNKNOWN_MACHINE.at(source, found=name, expected=expected))
-
-
-def _check(machine: Machine, place: TomlPlace, left_behind: frozenset[str]) -> None:
-    """Raise MachineError where keys contradict each other."""
-    try:
-        _check_keys(machine, place, left_behind)
-    except NoValueError as error:
-        key = next(key for key, value in leaves(machine) if value == error.formula)
-        diagnostic = WRONG_VALUE.at(
-            place.child(key).source, key=key, found=repr(error.formula), expected=error.expected
-        )
-        raise MachineError(diagnostic) from None
-
-
-def _check_keys(machine: Machine, place: TomlPlace, left_behind: frozenset[str]) -> None:
-    checks: list[Callable[[Machine], Iterator[tuple[str, object, str]]]] = [
-        size_faults, template_faults, code_faults, number_faults, name_faults,
-        partial(reference_faults, left_behind=left_behind), spindle_faults, tool_faults,
-        pair_faults, view_faults, marking_faults, range_faults,
-    ]  # fmt: skip
-    if machine.torch is not None or machine.stepper is not None:
-        from beamcam.machine.torch_faults import table_range_faults, torch_faults
-
-        checks.insert(checks.index(view_faults), torch_faults)
-        checks.append(table_range_faults)
-    if machine.coper is not None:
-        from beamcam.machine.coper_faults import coper_faults
-
-        checks.append(coper_faults)
-    for faults in checks:
-        for key, found, expected in faults(machine):
-            source = place.child(key).source
-            diagnostic = WRONG_VALUE.at(source, key=key, found=repr(found), expected=expected)
-            raise MachineError(diagnostic)
-    table = {"beam": "layout", "sheet": "torch", "profile": "coper"}[machine.stock]
-    if getattr(machine, table) is None:
-        raise MachineError(MISSING_KEY.at(place.child(table).source, expected=table))
-    if machine.stock == "beam" and machine.saw is None and machine.drill is None:
-        raise MachineError(MISSING_KEY.at(place.child("saw").source, expected="saw"))
 
 
 # --- machines of one's own ------------------------------------------------------------------------

@@ -5,7 +5,7 @@ so that where a station measures from is a line of the machine file and not of t
 """
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from math import inf, sqrt
 from pathlib import PurePath
 from typing import Annotated, Literal, TypeVar
@@ -15,11 +15,12 @@ from msgspec import Meta, Struct, field
 from beamcam.conversion import Count, Keys, NotNegative, Positive, PositiveCount
 from beamcam.errors import Diagnostic
 from beamcam.geometry.plane import MAX_COORDINATE
+from beamcam.machine.bodies import MachineBox
 from beamcam.machine.coper import Coper
 from beamcam.machine.stations import Drill, Marks, Pair, Saw, Spindle, ToolSet
 from beamcam.machine.tables import Stepper, Triggers
 from beamcam.machine.torch import Torch
-from beamcam.machine.words import MachineBox, Words
+from beamcam.machine.words import Words
 
 #: No machine resolves a nanometre; the texts of all decimals are kept, of more they would not fit.
 Decimals = Annotated[int, Meta(ge=0, le=6)]
@@ -300,6 +301,15 @@ def plain_key(text: str) -> str:
     if match is not None:
         return f"{plain_code(match[1])}{match[2]}{float(match[3]):g}"
     return plain_code(text) or text
+
+
+def names_in(words: Words, templates: Iterable[str]) -> frozenset[str]:
+    """The names in braces that some templates carry."""
+    lines = (line for template in templates for line in getattr(words, template))
+    return frozenset(name for line in lines for name in _IN_BRACES.findall(line))
+
+
+_IN_BRACES = re.compile(r"\{(\w+)")
 
 
 def meaning_of(

@@ -7,8 +7,7 @@ from msgspec.structs import replace
 
 from beamcam.machine.machine import Machine
 from beamcam.machine.tables import TABLE_CONTROLLERS
-from beamcam.machine.torch import OTHERS, LayerSettings, Torch, TorchRow
-from beamcam.machine.torch_faults import KERF_STEPS
+from beamcam.machine.torch import KERF_STEPS, OTHERS, LayerSettings, Torch, TorchRow
 
 Meaning = Literal["cut", "mark", "engrave", "ignore"]
 MEANINGS: tuple[Meaning, ...] = ("cut", "mark", "engrave", "ignore")

@@ -1,11 +1,15 @@
 """Checks of what a machine file names: spindles, faces, axes and processes of its other tables, and
-G and M words of its controller.
+G and M words of its controller; and all checks of a file, in their order.
 """
 
 import re
-from collections.abc import Iterator, Set
+from collections.abc import Callable, Iterator, Set
+from functools import partial
 from typing import Literal, get_args
 
+from beamcam.errors import MachineError
+from beamcam.machine import faults as of
+from beamcam.machine.bodies import signed
 from beamcam.machine.faults import Fault
 from beamcam.machine.machine import (
     CARRYING,
@@ -16,9 +20,10 @@ from beamcam.machine.machine import (
     TableMeaning,
     plain_code,
 )
-from beamcam.machine.stations import Pair, Spindle
+from beamcam.machine.stations import NoValueError, Pair, Spindle
+from beamcam.machine.toml import TomlPlace
 from beamcam.machine.torch import TorchProcess
-from beamcam.machine.words import signed
+from beamcam.machine.words import MISSING_KEY, WRONG_VALUE
 
 ACROSS = ("Y", "Z")  #: letters of a spindle's axes
 OF_SAW = ("angle", "saw")  #: what only a saw has an axis for
@@ -338,3 +343,43 @@ def _takes_own_m(machine: Machine, number: int) -> bool:
     if machine.controller == "linuxcnc":
         return number in _OWN_OF_LINUXCNC
     return machine.controller in ("codesys", "mach3")
+
+
+def check_keys(machine: Machine, place: TomlPlace, left_behind: frozenset[str]) -> None:
+    """Raise MachineError where keys contradict each other."""
+    try:
+        _check_each(machine, place, left_behind)
+    except NoValueError as error:
+        key = next(key for key, value in of.leaves(machine) if value == error.formula)
+        diagnostic = WRONG_VALUE.at(
+            place.child(key).source, key=key, found=repr(error.formula), expected=error.expected
+        )
+        raise MachineError(diagnostic) from None
+
+
+def _check_each(machine: Machine, place: TomlPlace, left_behind: frozenset[str]) -> None:
+    checks: list[Callable[[Machine], Iterator[Fault]]] = [
+        of.size_faults, of.template_faults, code_faults, of.number_faults,
+        name_faults, partial(reference_faults, left_behind=left_behind),
+        of.spindle_faults, of.tool_faults, of.pair_faults, of.view_faults,
+        marking_faults, of.range_faults,
+    ]  # fmt: skip
+    if machine.torch is not None or machine.stepper is not None:
+        from beamcam.machine.torch_faults import table_range_faults, torch_faults
+
+        checks.insert(checks.index(of.view_faults), torch_faults)
+        checks.append(table_range_faults)
+    if machine.coper is not None:
+        from beamcam.machine.coper_faults import coper_faults
+
+        checks.append(coper_faults)
+    for faults in checks:
+        for key, found, expected in faults(machine):
+            source = place.child(key).source
+            diagnostic = WRONG_VALUE.at(source, key=key, found=repr(found), expected=expected)
+            raise MachineError(diagnostic)
+    table = {"beam": "layout", "sheet": "torch", "profile": "coper"}[machine.stock]
+    if getattr(machine, table) is None:
+        raise MachineError(MISSING_KEY.at(place.child(table).source, expected=table))
+    if machine.stock == "beam" and machine.saw is None and machine.drill is None:
+        raise MachineError(MISSING_KEY.at(place.child("saw").source, expected="saw"))

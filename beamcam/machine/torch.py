@@ -85,6 +85,10 @@ Share = Annotated[float, Meta(gt=0, le=1)]
 TorchProcess = Literal["cut", "mark", "engrave", "spot"]
 
 
+#: of a program's numbers that a kerf takes at least, so that half of it is a figure
+KERF_STEPS = 10
+
+
 class TorchRow(Keys, frozen=True):
     """Parameters of a process on one material, up to a thickness."""
 

@@ -19,10 +19,8 @@ from beamcam.machine.tables import (
     TableDialect,
     Triggers,
 )
-from beamcam.machine.torch import Torch, TorchRow
+from beamcam.machine.torch import KERF_STEPS, Torch, TorchRow
 
-#: of a program's numbers that a kerf takes at least, so that half of it is a figure
-KERF_STEPS = 10
 #: Words that a machine with a torch cannot do without.
 _TORCH_WORDS = ("traverse", "feed", "cut_on", "cut_off")
 

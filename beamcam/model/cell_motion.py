@@ -1,4 +1,4 @@
-"""Motion of a saw and drilling line: times by one model of axes and switches, drilling cycles.
+"""Motion of a saw and drilling line: its strokes, and times by one model of axes and switches.
 
 Each move is a stretch along which all its axes start and stop together:
 
@@ -12,12 +12,11 @@ so that choosing it again costs no change. Lengths are mm, angles degrees.
 """
 
 from collections.abc import Iterator, Mapping
-from math import cos, inf, radians
-from typing import NamedTuple, cast
+from math import cbrt, cos, inf, radians, sqrt
+from typing import cast
 
 from msgspec import Struct
 
-from beamcam.geometry.ramps import STANDING, Ramp, ramp
 from beamcam.machine.machine import Machine, drill_of
 from beamcam.machine.stations import Axis, Drill, Spindle, Tool, ToolKind, speed_and_feed
 from beamcam.model.part import Face, Profile
@@ -92,6 +91,117 @@ def formula_values(profile: Profile, face: Face, drill: Drill) -> dict[str, floa
         "web_thickness": profile.web_thickness or 0.0, "thickness": profile.thickness(face),
         "face_depth": profile.face_depth(face), "clearance": drill.clearance,
     }  # fmt: skip
+
+
+# --- ramps ----------------------------------------------------------------------------------------
+
+# Fastest motion over a distance of 1 from rest to rest, within limits of its derivatives.
+#
+# speed        ______________          the acceleration grows by the jerk, stays, and falls back;
+#           .'                '.       the same to brake, mirrored. Without a limit of the jerk
+#         /                    \      that is a trapezoid, and a triangle where the way is short.
+#  _____.'                      '.__
+#  jerk steady jerk   cruise   jerk ...
+
+
+class Ramp(Struct, frozen=True):
+    """Times in s; speed and acceleration in shares of the way per second, and per second squared.
+
+    All of it is 0 for a way that takes no time.
+    """
+
+    jerk_s: float  #: in which the acceleration grows, and in which it falls back
+    steady_s: float  #: at maximum acceleration
+    cruise_s: float  #: at maximum speed
+    speed: float
+    acceleration: float
+
+    @property
+    def rise_s(self) -> float:
+        """From rest to maximum speed."""
+        return 2 * self.jerk_s + self.steady_s
+
+    @property
+    def duration_s(self) -> float:
+        """From rest to rest."""
+        return 2 * self.rise_s + self.cruise_s
+
+    def share(self, t: float) -> float:
+        """Share of the distance covered `t` seconds after the start."""
+        if t >= self.duration_s:
+            return 1.0
+        left = self.duration_s - t
+        if t < self.rise_s:
+            return self._risen(t)
+        if left < self.rise_s:
+            return 1.0 - self._risen(left)
+        return self.speed * (t - self.rise_s / 2)
+
+    def _risen(self, t: float) -> float:
+        """The way in the first `t` seconds, none of them at the greatest speed."""
+        if t < self.jerk_s:
+            return self.acceleration * t**3 / (6 * self.jerk_s)
+        left = self.rise_s - t
+        if left < self.jerk_s:
+            # The rise is as symmetrical as its speed: half of the greatest in the middle.
+            lost = self.acceleration * left**3 / (6 * self.jerk_s)
+            return self.speed * (self.rise_s / 2 - left) + lost
+        steady = t - self.jerk_s
+        grown = self.acceleration * self.jerk_s / 2  # the speed when the jerk is over
+        return grown * (self.jerk_s / 3 + steady) + self.acceleration * steady * steady / 2
+
+
+STANDING = Ramp(0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+def ramp(speed: float, acceleration: float, jerk: float = inf) -> Ramp:
+    """The fastest from rest to rest within limits above 0; the speed may be infinite."""
+    jerk_s = acceleration / jerk
+    steady_s = speed / acceleration - jerk_s
+    if steady_s < 0.0:  # the speed is reached before the acceleration is
+        jerk_s, steady_s = sqrt(speed / jerk), 0.0
+    if speed * (2 * jerk_s + steady_s) > 1.0:  # the distance ends before the speed is reached
+        # acceleration (jerk_s + steady_s) (2 jerk_s + steady_s) = 1
+        jerk_s = acceleration / jerk
+        steady_s = (sqrt(jerk_s * jerk_s + 4 / acceleration) - 3 * jerk_s) / 2
+        if steady_s < 0.0:
+            jerk_s, steady_s = cbrt(1 / (2 * jerk)), 0.0
+    greatest = acceleration if steady_s > 0.0 else jerk * jerk_s
+    reached = greatest * (jerk_s + steady_s)
+    rise_s = 2 * jerk_s + steady_s
+    return Ramp(jerk_s, steady_s, max(1 / reached - rise_s, 0.0), reached, greatest)
+
+
+# Times of moves along a line, of a table as of a line, under limits of velocity, acceleration and
+# jerk.
+#
+#       v |    ______          A ramp changes the velocity by `change`, from and to acceleration 0.
+#         |   /      \         It takes change / a + a / j, or 2 sqrt(change / j) where it is too
+#         |  /        \        small to reach a; its way is the mean velocity times the time.
+#         |_/__________\__ t   An infinite jerk makes trapezoids of it.
+#
+# All in closed form and plain numbers, so that a thousand holes cost no numpy. Units are the
+# caller's: mm, mm/s, mm/s2, mm/s3, or degrees.
+
+
+def ramp_seconds(change: float, acceleration: float, jerk: float = inf) -> float:
+    """Least time in which the velocity changes by `change`, from and to acceleration 0."""
+    if change <= 0.0:
+        return 0.0
+    if jerk == inf:
+        return change / acceleration
+    if change * jerk >= acceleration * acceleration:
+        return change / acceleration + acceleration / jerk
+    return 2.0 * sqrt(change / jerk)
+
+
+def move_seconds(distance: float, velocity: float, acceleration: float, jerk: float = inf) -> float:
+    """Minimum time from rest to rest over `distance`, which may be negative."""
+    way = abs(distance)
+    return ramp(velocity / way, acceleration / way, jerk / way).duration_s if way else 0.0
+
+
+# --- times ----------------------------------------------------------------------------------------
 
 
 Positions = tuple[float, ...]  #: in the order of the machine's axes
@@ -224,86 +334,3 @@ class CellMotion:
         leg = Leg(along.duration_s, self.positions, tuple(end), along)
         self.positions = leg.end
         return leg
-
-
-# --- canned cycles of drilling --------------------------------------------------------------------
-
-# One block that is carried out as several moves.
-#
-#     G81 X Y Z R F      to X Y in rapid, to R in rapid, to Z at the feed, back in rapid
-#     G82 ... P          likewise, with a dwell of P seconds at Z
-#     G83 ... Q          Q deeper at a time, each time out to R and back in rapid, to clear chips
-#     G73 ... Q          Q deeper at a time, each time a little back, to break them
-#     G80                the end of the cycle
-#
-# A tool that stood between R and Z before a run of cycles goes to R first, of each of them; one
-# that was drawn back to an R further in goes to the next place and to R at once. It is drawn back
-# to where it stood before the cycle, or to R where that lies further out or the controller is told
-# so (G99). Source: LinuxCNC documentation, "Canned Cycles", and what its interpreter does; DIN
-# 66025.
-
-DRILL, DRILL_AND_DWELL, PECK, BREAK_CHIPS, END = 81, 82, 83, 73, 80
-DRILLING = (DRILL, DRILL_AND_DWELL, PECK, BREAK_CHIPS)
-PECKING = (PECK, BREAK_CHIPS)
-#: What each of them takes besides X, Y, Z, R and F.
-OWN_LETTERS = {DRILL: "", DRILL_AND_DWELL: "P", PECK: "Q", BREAK_CHIPS: "Q"}
-BACK = 0.254  #: mm between the tool and what is drilled, before it feeds on; 0.01 in
-MAX_PECKS = 1000  #: of one hole; more is a slip of the decimal point
-
-Place = tuple[float, float, float]
-
-
-class CycleMove(NamedTuple):
-    """One move of a cycle."""
-
-    rapid: bool
-    end: Place
-
-
-def cycle_moves(
-    at: Place, place: tuple[float, float], bottom: float, near: float, clear: float,
-    before: float, cycle: int = DRILL, peck: float = 0.0,
-) -> Iterator[CycleMove]:  # fmt: skip
-    """Moves of a cycle from the tool's position; `near` is R, `clear` the retract position.
-
-    `before` is where the tool stood before the first of a run of cycles; nan where nobody knows.
-    """
-    x, y = place
-    inward = 1.0 if bottom > near else -1.0
-    z = at[2]
-    if not inward * (before - near) <= 0.0:
-        if z != near:
-            yield CycleMove(True, (at[0], at[1], near))
-        at, z = (at[0], at[1], near), near
-    elif inward * (z - near) > 0.0:
-        z = near
-    if (x, y, z) != at:
-        yield CycleMove(True, (x, y, z))
-    if z != near:
-        yield CycleMove(True, (x, y, near))
-    if cycle in PECKING:
-        depth = near + inward * peck
-        while inward * (bottom - depth) > 0.0:
-            yield CycleMove(False, (x, y, depth))
-            if cycle == PECK:
-                yield CycleMove(True, (x, y, near))
-            yield CycleMove(True, (x, y, depth - inward * BACK))
-            depth += inward * peck
-    yield CycleMove(False, (x, y, bottom))
-    yield CycleMove(True, (x, y, clear))
-
-
-def clear_place(before: float, near: float, bottom: float, to_near: bool) -> float:
-    """The retract position of a cycle; `before` is the position before it."""
-    if to_near or before != before:
-        return near
-    inward = 1.0 if bottom > near else -1.0
-    return before if inward * (near - before) >= 0.0 else near
-
-
-def peck_fault(peck: float | None, near: float, bottom: float) -> str | None:
-    """What the depth fed at a time should be, where it cannot be what it is."""
-    least = abs(bottom - near) / MAX_PECKS
-    if peck is None or peck <= 0.0:
-        return "Q above 0, the depth that is fed at a time"
-    return f"Q of at least {least:.4g}, {MAX_PECKS} feeds at most" if peck < least else None

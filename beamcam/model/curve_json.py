@@ -17,7 +17,7 @@ from typing import Any, TypeVar
 
 from msgspec import Struct
 
-from beamcam.conversion import Fault, converted, shown
+from beamcam.conversion import FUNCTIONS, Fault, compile_expression, converted, shown
 from beamcam.errors import Diagnostic, ReadError, Rule, Source, error
 from beamcam.geometry.approximation import Approximation, curves_of_function, curves_of_way
 from beamcam.geometry.curves import (
@@ -30,7 +30,6 @@ from beamcam.geometry.curves import (
     NewtonCurve,
     arc_through,
 )
-from beamcam.geometry.expression import FUNCTIONS, compile_expression
 from beamcam.geometry.newton import newton_through
 from beamcam.geometry.tangent_circles import (
     Circle,

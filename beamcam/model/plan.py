@@ -1,6 +1,7 @@
 """The plan: which tool makes which feature, where along the machine, in which order."""
 
-from collections.abc import Iterable
+from collections import Counter
+from collections.abc import Iterable, Iterator
 from typing import Literal
 
 from msgspec import Struct
@@ -16,6 +17,12 @@ HATCH = "hatch"  #: source of the lines of a hatch
 FeatureRef = tuple[int, int]  #: index of the piece on the bar, index of its feature
 Order = Literal["given", "best"]  #: of parts on a bar: as they were given, or as they nest best
 AS_GIVEN = "as given"  #: how a part lies that was not turned
+#: What may be left out of a program: codes of refusals by the kinds of work, without their "plan-".
+SKIP_NAMES = (
+    "tool", "countersink", "sink-depth", "thread-depth", "face", "reach", "stroke", "axis",
+    "off-face", "slot", "cope", "cutout", "mark", "bevel", "other",
+)  # fmt: skip
+ALL_SKIPS = "all"  #: in place of the names of all kinds of features
 
 
 class Piece(Struct, frozen=True):
@@ -160,6 +167,14 @@ class Outcome(Struct, frozen=True, gc=False):
         """Why it is on the list of manual work, wholly or in part; "" if it is not."""
         return self.by if self.how == "listed" else self.left
 
+    @property
+    def is_left_out(self) -> bool:
+        """Whether it was left out because `--allow-skips` names its kind.
+
+        What is mapped away, or too small to be cut, nobody has to name; other messages report it.
+        """
+        return self.how == "skipped" and self.by.removeprefix("plan-") in SKIP_NAMES
+
 
 def unfinished(outcomes: Iterable[Outcome]) -> list[Outcome]:
     """Those of features that are not made, or not wholly; of nearly every plan none."""
@@ -277,6 +292,36 @@ class CopePlan(Struct, frozen=True):
 
 
 AnyPlan = Plan | SheetPlan | CopePlan
+
+
+def named_skips(words: Iterable[str]) -> tuple[str, ...]:
+    """The kinds of features that are named, each once and in order; `all` names every kind."""
+    names = set(words)
+    if ALL_SKIPS in names:
+        names = (names - {ALL_SKIPS}) | {*SKIP_NAMES}
+    return tuple(sorted(names))
+
+
+def left_out_sources(plan: AnyPlan) -> Iterator[Source]:
+    """Source of each feature that was left out because `--allow-skips` names its kind."""
+    for outcome in unfinished(plan.outcomes):
+        if outcome.is_left_out:
+            piece, index = outcome.feature
+            yield plan.pieces[piece].part.features[index].source
+
+
+def left_out_kinds(plan: AnyPlan) -> Counter[str]:
+    """How many features of each kind were left out because `--allow-skips` names it."""
+    left = unfinished(plan.outcomes)
+    return Counter(one.by.removeprefix("plan-") for one in left if one.is_left_out)
+
+
+def manual_work_sources(plan: AnyPlan) -> Iterator[Source]:
+    """Source of each mark that is left for manual work."""
+    for outcome in unfinished(plan.outcomes):
+        if outcome.manual_work:
+            piece, index = outcome.feature
+            yield plan.pieces[piece].part.features[index].source
 
 
 class StockUse(Struct, frozen=True):

@@ -6,7 +6,7 @@ turn, origin) and what is done with a colour or layer are settings of the machin
 request.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from math import isfinite
 from pathlib import PurePath
 from typing import Literal
@@ -14,11 +14,12 @@ from typing import Literal
 from msgspec import Struct
 from msgspec.structs import replace
 
+from beamcam.budget import check_pieces
 from beamcam.machine.machine import Machine
 from beamcam.machine.stations import Marks, Policy
 from beamcam.model.part import Bend, Camber, Contour, Feature, Hole, Part, TextMark
 from beamcam.model.plan import Order
-from beamcam.model.rounds import as_seen, rolled
+from beamcam.model.rounds import as_seen, is_unrolled, rolled
 
 ChosenBy = Literal["order", "time"]
 Quantity = Literal["file"] | int | None  #: as in the part's file, a number, or once as listed
@@ -34,6 +35,10 @@ class Remnant(Struct, frozen=True):
     def __str__(self) -> str:
         of = f"{self.section}/{self.grade}" if self.grade else self.section
         return f"{of}={self.length:g}" if of else f"{self.length:g}"
+
+
+#: Of parts that share stock: machine, section (of plates the thickness), grade.
+LotKey = tuple[str, object, str]
 
 
 def remnant_of(text: str) -> Remnant:
@@ -114,6 +119,63 @@ def rolled_on(machine: Machine, part: Part) -> Part:
         return part
     across = round(tube.profile.height, 2)  # as exact as the width is written
     return replace(tube, profile=replace(tube.profile, height=across, width=across))
+
+
+FLAT = 150.0  #: mm that flats are wide at most (EN 10058)
+
+
+def stock_of(parts: Sequence[Part], unrolled: bool = False) -> Literal["beam", "sheet"]:
+    """The kind of stock that parts are made of: a sheet if all of them are plates.
+
+    A pipe that is written as a plate is one where it is to be cut `unrolled`.
+    """
+    flat = (p.profile.code == "B" and (unrolled or not is_unrolled(p.profile)) for p in parts)
+    return "sheet" if parts and all(flat) else "beam"
+
+
+def are_flats(parts: Sequence[Part]) -> bool:
+    """Whether all parts are plates that a saw may cut to length from flats."""
+    return bool(parts) and all(
+        part.profile.code == "B" and part.profile.height <= FLAT and not is_unrolled(part.profile)
+        for part in parts
+    )
+
+
+class Share(Struct, frozen=True):
+    """The pieces of one program, and the bars that it may be cut from."""
+
+    pieces: tuple[int, ...]  #: of each the place of its part in the request
+    lengths: tuple[float, ...] = ()  #: mm, rising; none: as long as the pieces need
+
+
+def number_of(part: Part, quantity: Quantity) -> int:
+    """How often a part is made: as its file says, unless a number is given."""
+    return quantity if isinstance(quantity, int) else part.quantity
+
+
+def pieces_of(request: Request) -> tuple[int, ...]:
+    """All pieces in the order given, each by the place of its part; without a quantity one each.
+
+    So the planner counts them; the read-back counts by itself (`checks/job.py`). A line without a
+    saw is fed one cut piece at a time and runs its program so often; a coper has a program for each
+    bar that it takes a piece off. Raises LimitError for more than `limits.pieces`.
+    """
+    places, machine = range(len(request.parts)), request.machine
+    if request.quantity is None or (machine.stock == "beam" and machine.saw is None):
+        return tuple(places)
+    counts = [number_of(part, request.quantity) for part in request.parts]
+    check_pieces((part.source, count) for part, count in zip(request.parts, counts, strict=True))
+    return tuple(place for place, count in zip(places, counts, strict=True) for _ in range(count))
+
+
+def numbered(name: str, count: int) -> tuple[str, ...]:
+    """The names of `count` programs: job.gcode, or job-1.gcode, job-2.gcode, ..."""
+    if count == 1:
+        return (name,)
+    stem, dot, suffix = name.rpartition(".")
+    if not stem:
+        stem, dot, suffix = name, "", ""
+    return tuple(f"{stem}-{number}{dot}{suffix}" for number in range(1, count + 1))
 
 
 Progress = Callable[[int, int], None]  #: members done, members in all

@@ -6,9 +6,9 @@ from typing import cast
 from msgspec import Struct
 
 from beamcam.caches import BoundedCache, PerObject, PerObjectAndKey
-from beamcam.machine.machine import Machine, drill_of, saw_of
+from beamcam.machine.machine import Machine, drill_of, names_in, saw_of
 from beamcam.machine.stations import Drill, Tool, speed_and_feed
-from beamcam.machine.words import PART_NAMES, WORK_WORDS, names_in
+from beamcam.machine.words import PART_NAMES, WORK_WORDS
 from beamcam.model.cell_motion import StrokeGeometry
 from beamcam.model.description import part_data
 from beamcam.model.part import Profile

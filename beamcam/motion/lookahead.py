@@ -23,7 +23,6 @@ from msgspec import Struct
 from numpy.typing import ArrayLike, NDArray
 
 from beamcam.geometry.array_types import Counts, Floats
-from beamcam.geometry.velocity_profile import AxisLimits
 from beamcam.motion.speeds import (
     SpeedSection,
     join_segments,
@@ -31,6 +30,7 @@ from beamcam.motion.speeds import (
     peak_rises,
     ramp_phases,
 )
+from beamcam.motion.velocity_profile import AxisLimits
 
 # --- planned --------------------------------------------------------------------------------------
 

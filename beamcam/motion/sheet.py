@@ -25,9 +25,9 @@ import numpy as np
 
 from beamcam.geometry.curves import Arc, Curve, EllipseArc, Line, bezier_pieces, parameter_at
 from beamcam.geometry.plane import Point, dot
-from beamcam.machine.machine import Machine, PathLimits, path_limits
+from beamcam.machine.machine import Machine, PathLimits, names_in, path_limits
 from beamcam.machine.torch import TorchProcess, TorchRow
-from beamcam.machine.words import PART_NAMES, WORK_WORDS, names_in
+from beamcam.machine.words import PART_NAMES, WORK_WORDS
 from beamcam.model.description import part_data
 from beamcam.model.plan import ContourOp, SheetPlan
 from beamcam.model.program import (

@@ -21,8 +21,8 @@ from beamcam.geometry.array_types import Counts, Floats
 from beamcam.geometry.arrays import rows, unit_vectors
 from beamcam.geometry.curves import Bezier, EllipseArc
 from beamcam.geometry.plane import Point
-from beamcam.geometry.ramps import move_seconds
 from beamcam.machine.machine import Machine, PathLimits, path_limits
+from beamcam.model.cell_motion import move_seconds
 from beamcam.model.plan import SheetPlan, WorkTime
 from beamcam.model.program import (
     ArcFeed,

@@ -13,10 +13,10 @@ import numpy as np
 from msgspec import Struct
 from numpy.typing import NDArray
 
-from beamcam.geometry import ramps
 from beamcam.geometry.array_types import Floats
 from beamcam.geometry.plane import Point, cross
 from beamcam.machine.machine import PathLimits
+from beamcam.model import cell_motion
 from beamcam.model.program import ArcFeed, EllipseFeed, ParabolaFeed
 
 # --- bending --------------------------------------------------------------------------------------
@@ -245,7 +245,7 @@ def _is_worth(tower: SpeedSection, foot: float) -> bool:
     if gain <= SAME_SPEED * foot:
         return False
     change = min(gain, WORTH_RISE * foot)
-    ramp_s = ramps.ramp_seconds(change, tower.acceleration, tower.jerk)
+    ramp_s = cell_motion.ramp_seconds(change, tower.acceleration, tower.jerk)
     return tower.length >= 2 * (foot + change / 2) * ramp_s
 
 

@@ -14,7 +14,6 @@ from msgspec import Struct
 from numpy.typing import NDArray
 
 from beamcam.geometry.array_types import Counts, Floats
-from beamcam.geometry.velocity_profile import AxisLimits
 from beamcam.machine.machine import Machine
 from beamcam.machine.tables import Stepper
 from beamcam.model.plan import SheetPlan, WorkTime
@@ -23,6 +22,7 @@ from beamcam.motion.densify import DensifyRules, densify
 from beamcam.motion.lookahead import LookAheadRules, PlannedPath, plan_speeds
 from beamcam.motion.sheet_times import by_operation
 from beamcam.motion.step_events import MICROSECONDS, MOVE_BITS, MOVES, TIME_BIT, events
+from beamcam.motion.velocity_profile import AxisLimits
 
 # --- velocity table -------------------------------------------------------------------------------
 

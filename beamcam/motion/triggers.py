@@ -19,9 +19,9 @@ from math import asin, ceil, copysign, dist, trunc
 from beamcam.errors import Source
 from beamcam.geometry.curves import Arc, Curve, Line
 from beamcam.geometry.plane import Point, cross
-from beamcam.geometry.ramps import move_seconds
 from beamcam.machine.machine import Machine
 from beamcam.machine.tables import Triggers
+from beamcam.model.cell_motion import move_seconds
 from beamcam.model.plan import ContourOp, SheetPlan, WorkTime
 from beamcam.model.program import ArcTravel, LiftTorch, SwitchTool, Travel, TriggerOp, TriggerTable
 from beamcam.motion.sheet_times import by_operation

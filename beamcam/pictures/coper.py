@@ -16,7 +16,7 @@ from beamcam.checks.coping.program import head_part, head_profile
 from beamcam.checks.coping.program import strokes_of as stroke_list
 from beamcam.checks.coping.strokes import TorchStroke
 from beamcam.checks.coping.tube import tube_section
-from beamcam.checks.head import head_of
+from beamcam.checks.job import head_of
 from beamcam.errors import Source, VerifyError, errors_in
 from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine

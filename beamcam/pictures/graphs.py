@@ -16,7 +16,7 @@ import numpy as np
 from msgspec import Struct
 
 from beamcam.geometry.array_types import Floats
-from beamcam.geometry.velocity_profile import VelocityProfile
+from beamcam.motion.velocity_profile import VelocityProfile
 from beamcam.pictures.scene import Circle, Point, Polyline, Scene, Shape, Text
 from beamcam.pictures.views import SIDE, WIDTH, footing, head_height, heading
 from beamcam.reports.velocity_profile import VelocityUnit

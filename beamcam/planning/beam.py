@@ -12,7 +12,7 @@ from typing import Literal
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.budget import check_features
+from beamcam.budget import FEATURES, InForce, LimitError
 from beamcam.errors import Diagnostic, PlanError, errors_in
 from beamcam.machine.machine import Machine, text_x
 from beamcam.machine.stations import Tool
@@ -30,13 +30,14 @@ from beamcam.model.plan import (
     TextOp,
     WorkOp,
 )
-from beamcam.planning import is_too_short, rules
+from beamcam.planning import rules
 from beamcam.planning.axis_limits import refuse_bar
 from beamcam.planning.nesting import LaidParts, cuts_of, lay
 from beamcam.planning.operations.part_planner import BarLine, line_of
 from beamcam.planning.operations.tools import ROUNDING, Tooling, Tools
 from beamcam.planning.operations.work import PartWork, refuse_stock, works_on
 from beamcam.planning.order import cutting_remarks, reloads, sort_along_x
+from beamcam.planning.rules import is_too_short
 from beamcam.planning.times import work_time
 from beamcam.planning.turning import TURNS, Turn, alike, lies, turned
 
@@ -143,7 +144,7 @@ def plan_bar(
     """
     line = line_of(machine)
     refuse_stock(parts, line)
-    check_features((part.source, len(part.features)) for part in parts)
+    _check_features(parts)
     works, remarks = works_on(parts, line, skips)
     laid = lay(works, line, order, bar)
     remarks += laid.remarks
@@ -169,6 +170,15 @@ def plan_bar(
 
 
 _feature = attrgetter("feature")
+
+
+def _check_features(parts: Iterable[Part]) -> None:
+    """Raises LimitError for the part with which a bar has more features than the limits allow."""
+    most, total = InForce.limits.features, 0
+    for part in parts:
+        total += len(part.features)
+        if total > most:
+            raise LimitError(FEATURES.at(part.source, found=total, expected=most))
 
 
 def _outcomes(works: Sequence[PartWork], operations: Sequence[WorkOp]) -> list[Outcome]:

@@ -9,7 +9,6 @@ the machine refused it.
 
 import csv
 import io
-from collections import Counter
 from collections.abc import Iterable, Iterator
 from pathlib import PurePath
 from typing import TypedDict
@@ -17,29 +16,12 @@ from typing import TypedDict
 from beamcam.errors import Diagnostic, Source, error, note, warning
 from beamcam.geometry.curves import circle_of, slot_of
 from beamcam.machine.stations import Marks
-from beamcam.machine.torch import Torch
 from beamcam.model.description import description
 from beamcam.model.part import Bend, Camber, Contour, Feature, Hole, Part, Slot, TextMark
-from beamcam.model.plan import AnyPlan, Outcome, Plan, SheetPlan, unfinished
+from beamcam.model.plan import AnyPlan, Outcome, Plan, unfinished
 from beamcam.model.request import mark_kind, policy_on
 from beamcam.plain_text import harmless_cell
 from beamcam.planning import rules
-
-#: What may be left out of a program: codes of refusals by the kinds of work, without their "plan-".
-SKIP_NAMES = (
-    "tool", "countersink", "sink-depth", "thread-depth", "face", "reach", "stroke", "axis",
-    "off-face", "slot", "cope", "cutout", "mark", "bevel", "other",
-)  # fmt: skip
-ALL_SKIPS = "all"  #: in place of the names of all kinds of features
-
-
-def named_skips(words: Iterable[str]) -> tuple[str, ...]:
-    """The kinds of features that are named, each once and in order; `all` names every kind."""
-    names = set(words)
-    if ALL_SKIPS in names:
-        names = (names - {ALL_SKIPS}) | {*SKIP_NAMES}
-    return tuple(sorted(names))
-
 
 TEXT_MOVED = warning("plan-text-moved",
     "the text {text!r} is lettered at x {x}, y {y}, {height} mm high; found no room {distance} mm "
@@ -129,51 +111,14 @@ MANUAL_WORK = warning("plan-by-hand",
     "mark.")  # fmt: skip
 
 
-def told(plan: AnyPlan, torch: Torch | None) -> Iterator[Diagnostic]:
-    """A warning for each feature that was left out, and remarks on each look that is not cut.
+def told(plan: AnyPlan) -> Iterator[Diagnostic]:
+    """A warning for each feature that was left out, or is left for manual work.
 
-    Nor is it taken for granted that lines with gaps are to be cut, and closed contours not.
+    A part that is on the bar several times is reported once.
     """
     left = unfinished(plan.outcomes)
-    skipped = [outcome for outcome in left if _is_by_name(outcome)]
-    # A part that is on the bar several times is reported once.
-    yield from dict.fromkeys(_left_out(plan, outcome) for outcome in skipped)
-    listed = [outcome for outcome in left if outcome.manual_work]
-    yield from dict.fromkeys(_manual_work(plan, outcome) for outcome in listed)
-    if isinstance(plan, SheetPlan) and torch is not None:
-        from beamcam.planning.map_keys import map_remarks
-
-        yield from map_remarks(plan, torch)
-
-
-def left_out_sources(plan: AnyPlan) -> Iterator[Source]:
-    """Source of each feature that was left out because `--allow-skips` names its kind."""
-    for outcome in unfinished(plan.outcomes):
-        if _is_by_name(outcome):
-            piece, index = outcome.feature
-            yield plan.pieces[piece].part.features[index].source
-
-
-def left_out_kinds(plan: AnyPlan) -> Counter[str]:
-    """How many features of each kind were left out because `--allow-skips` names it."""
-    left = unfinished(plan.outcomes)
-    return Counter(one.by.removeprefix("plan-") for one in left if _is_by_name(one))
-
-
-def manual_work_sources(plan: AnyPlan) -> Iterator[Source]:
-    """Source of each mark that is left for manual work."""
-    for outcome in unfinished(plan.outcomes):
-        if outcome.manual_work:
-            piece, index = outcome.feature
-            yield plan.pieces[piece].part.features[index].source
-
-
-def _is_by_name(outcome: Outcome) -> bool:
-    """Whether a feature was left out because `--allow-skips` names its kind.
-
-    What is mapped away, or too small to be cut, nobody has to name; other messages report it.
-    """
-    return outcome.how == "skipped" and outcome.by.removeprefix("plan-") in SKIP_NAMES
+    yield from dict.fromkeys(_left_out(plan, outcome) for outcome in left if outcome.is_left_out)
+    yield from dict.fromkeys(_manual_work(plan, outcome) for outcome in left if outcome.manual_work)
 
 
 def _left_out(plan: AnyPlan, outcome: Outcome) -> Diagnostic:

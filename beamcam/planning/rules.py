@@ -3,7 +3,9 @@
 What one kind of work alone refuses stands in its file under `operations/`.
 """
 
-from beamcam.errors import error, note, warning
+from collections.abc import Iterable
+
+from beamcam.errors import Diagnostic, error, errors_in, note, warning
 
 # fmt: off
 
@@ -144,3 +146,10 @@ OTHER = error("plan-other",
 def no_unit(tool: str) -> str:
     """Why a machine marks nothing."""
     return f"the machine has no {tool} for it"
+
+
+def is_too_short(diagnostics: Iterable[Diagnostic]) -> bool:
+    """Whether a longer bar is all that would help."""
+    return {d.code for d in errors_in(diagnostics)} <= {
+        BAR_FULL.code, BAR_SHORT.code, BAR_LEFT.code,
+    }  # fmt: skip

@@ -58,7 +58,7 @@ SHEET_CODES = ("B",)
 def plan_sheet(parts: Sequence[Part], machine: Machine, skips: Collection[str] = ()) -> SheetPlan:
     """The work that makes one part, or a drawing of many, from a sheet.
 
-    `skips` names what may be left out (`planning.SKIP_NAMES`). Raises PlanError with everything
+    `skips` names what may be left out (`SKIP_NAMES`). Raises PlanError with everything
     that the machine cannot make; nothing is left out that is not in the plan's outcomes.
     """
     torch = machine.needed(machine.torch, "torch")

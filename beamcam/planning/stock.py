@@ -10,16 +10,19 @@ store; at the end each is the shortest that holds its parts. The first bar with 
 in a tournament tree, so that n parts take n log n steps: a job has tens of thousands.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from math import floor, inf
 
 from msgspec import Struct
+from msgspec.structs import replace
 
-from beamcam.errors import Diagnostic, PlanError
+from beamcam.errors import Diagnostic, PlanError, Source
 from beamcam.machine.machine import Layout, Machine
 from beamcam.machine.stations import Saw
 from beamcam.model.part import Part
 from beamcam.model.plan import Bar
+from beamcam.model.request import LotKey, Remnant, Request, Share, taken_by
+from beamcam.planning import rules
 from beamcam.planning.nesting import SAME_ANGLE_DEG, BarRow, bar_of, lay_on_bar, row_of, row_with
 from beamcam.planning.operations.finished_part import Ends, SawnEnd, ends_of
 
@@ -244,3 +247,57 @@ def _shortest(
         break
     laid, _ = lay_on_bar(parts, ends, layout, saw, last)
     return StockBar(tuple(bar.pieces), laid.starts, laid.bar, bar.is_remnant)
+
+
+def bar_shares(request: Request, pieces: Sequence[int]) -> tuple[Share, ...]:
+    """The share of each bar that a saw cuts, first fit. Raises PlanError for what is on none."""
+    machine = request.machine
+    single = [taken_by(machine, replace(part, quantity=1)) for part in request.parts]
+    nesting = first_fit(
+        [single[place] for place in pieces], machine, request.stock, request.remnants
+    )
+    if nesting.refusals:
+        raise PlanError(dict.fromkeys(nesting.refusals))
+    return tuple(
+        Share(
+            tuple(pieces[i] for i in bar.pieces),
+            (bar.account.length,) if request.stock or bar.is_remnant else (),
+        )
+        for bar in nesting.bars
+    )
+
+
+def remnants_of(
+    remnants: Sequence[Remnant], lots: Iterable[LotKey]
+) -> dict[LotKey, tuple[float, ...]]:
+    """The lengths of the remnants of each lot of bars, rising.
+
+    Raises PlanError for a remnant that may be of several lots.
+    """
+    found: dict[LotKey, list[float]] = {}
+    known = tuple(lots)
+    for remnant in remnants:
+        fitting = [lot for lot in known if _is_of(remnant, lot)]
+        if len(fitting) > 1:
+            expected = " or ".join(f"{_shown(lot)}={remnant.length:g}" for lot in fitting)
+            diagnostic = rules.REMNANT_OF.at(Source("--remnant"), found=remnant, expected=expected)
+            raise PlanError(diagnostic)
+        for lot in fitting:
+            found.setdefault(lot, []).append(remnant.length)
+    return {lot: tuple(sorted(lengths)) for lot, lengths in found.items()}
+
+
+def _is_of(remnant: Remnant, lot: LotKey) -> bool:
+    profile, grade = lot[1], lot[2]
+    name = getattr(profile, "name", "") or getattr(profile, "code", "")
+    of_section = not remnant.section or _plain(remnant.section) == _plain(name)
+    return of_section and (not remnant.grade or _plain(remnant.grade) == _plain(grade))
+
+
+def _shown(lot: LotKey) -> str:
+    name = getattr(lot[1], "name", "") or getattr(lot[1], "code", "")
+    return f"{name}/{lot[2]}" if lot[2] else name
+
+
+def _plain(text: str) -> str:
+    return text.replace(" ", "").casefold()

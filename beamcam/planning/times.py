@@ -20,15 +20,13 @@ from msgspec.structs import replace
 
 from beamcam.machine.machine import ControlledAxis, Machine, drill_of, saw_of
 from beamcam.machine.stations import Drill, speed_and_feed
-from beamcam.model.cell_motion import (
+from beamcam.model.cell_motion import SECONDS_PER_MINUTE, CellMotion, StrokeGeometry
+from beamcam.model.cycles import (
     BREAK_CHIPS,
     DRILL,
     DRILL_AND_DWELL,
     DRILLING,
     PECK,
-    SECONDS_PER_MINUTE,
-    CellMotion,
-    StrokeGeometry,
     clear_place,
     cycle_moves,
 )

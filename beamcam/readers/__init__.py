@@ -24,8 +24,9 @@ from importlib import import_module
 
 import msgspec
 from msgspec import Struct
+from msgspec.structs import replace
 
-from beamcam.budget import BYTES, limits
+from beamcam.budget import BYTES, InForce
 from beamcam.caches import cached
 from beamcam.errors import Diagnostic, Source, error, errors_in
 from beamcam.machine.machine import DEFAULTS
@@ -87,7 +88,7 @@ def content(path: str) -> bytes | Diagnostic:
     """
     try:
         if path == STANDARD_INPUT:
-            most, pieces, total = limits().bytes, [], 0
+            most, pieces, total = InForce.limits.bytes, [], 0
             while total <= most and (piece := sys.stdin.buffer.read(_PIECE)):
                 pieces.append(piece)
                 total += len(piece)
@@ -107,7 +108,7 @@ def content(path: str) -> bytes | Diagnostic:
 
 def content_of(file: int, size: int, name: str) -> bytes | Diagnostic:
     """Content of an open file, as `content`; its `size` as the system has it. Raises OSError."""
-    if size > limits().bytes:
+    if size > InForce.limits.bytes:
         return _too_long(size, name)
     if size >= _PIECE:
         # A broken copy is often as large as the disk had room, and would fill the memory.
@@ -121,7 +122,7 @@ def content_of(file: int, size: int, name: str) -> bytes | Diagnostic:
     if len(data) != size:  # a file that someone writes to
         pieces = [data]
         total = len(data)
-        while total <= limits().bytes and (piece := os.read(file, _PIECE)):
+        while total <= InForce.limits.bytes and (piece := os.read(file, _PIECE)):
             pieces.append(piece)
             total += len(piece)
         data = b"".join(pieces)
@@ -131,11 +132,11 @@ def content_of(file: int, size: int, name: str) -> bytes | Diagnostic:
 def _unless_zeros(data: bytes, name: str) -> bytes | Diagnostic:
     if data[:1] == b"\0" and not data.strip(b"\0"):
         return _zeros(len(data), name)
-    return _too_long(len(data), name) if len(data) > limits().bytes else data
+    return _too_long(len(data), name) if len(data) > InForce.limits.bytes else data
 
 
 def _too_long(size: int, name: str) -> Diagnostic:
-    return BYTES.at(Source(name), found=size, expected=limits().bytes)
+    return BYTES.at(Source(name), found=size, expected=InForce.limits.bytes)
 
 
 def _zeros(count: int, name: str) -> Diagnostic:
@@ -160,6 +161,20 @@ class Reading(Struct, frozen=True):
     @property
     def refused(self) -> bool:
         return bool(errors_in(self.diagnostics))
+
+
+def sound(reading: Reading) -> Reading:
+    """A reading with those of its parts only that no error is said of.
+
+    Errors of a model name their members, which are parts of their own; in any other file they
+    refuse all of it.
+    """
+    refused = {diagnostic.source.where for diagnostic in errors_in(reading.diagnostics)}
+    if not refused:
+        return reading
+    is_model = reading.format == "ifc"
+    parts = tuple([part for part in reading.parts if is_model and part.guid not in refused])
+    return replace(reading, parts=parts)
 
 
 _module = cached("readers.module")(import_module)

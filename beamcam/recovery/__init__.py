@@ -7,7 +7,7 @@
 What comes back was proved: the program, read back against the parts, makes exactly them.
 """
 
-from beamcam.checks.head import head_of, head_remarks
+from beamcam.checks.job import head_of, head_remarks
 from beamcam.errors import Source, errors_in
 from beamcam.machine.machine import Machine
 from beamcam.recovery.bars import recover_bars

@@ -22,7 +22,7 @@ from beamcam.checks.coping.program import head_part, head_profile, strokes_of
 from beamcam.checks.coping.section import CoperSection, kerf_of, pieces_of
 from beamcam.checks.coping.strokes import TorchStroke
 from beamcam.checks.coping.tube import tube_section
-from beamcam.checks.head import head_of
+from beamcam.checks.job import head_of
 from beamcam.errors import Diagnostic, Source, errors_in
 from beamcam.geometry.plane import Point
 from beamcam.machine.coper import Coper

@@ -6,7 +6,7 @@ import numpy as np
 from msgspec import Struct
 
 from beamcam.geometry.array_types import Floats
-from beamcam.geometry.velocity_profile import VelocityProfile
+from beamcam.motion.velocity_profile import VelocityProfile
 
 
 class VelocityUnit(Struct, frozen=True):

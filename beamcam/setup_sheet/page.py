@@ -5,7 +5,7 @@ header, verdict, hash -> playback with the program's text -> pictures -> operati
 
 from typing import Any
 
-from beamcam.checks.request import MANUAL_WORK
+from beamcam.checks.rules import MANUAL_WORK
 from beamcam.pictures.bar_made import BarMade
 from beamcam.pictures.formats import inline_svg
 from beamcam.pictures.scene import SPEED_COLOURS, css

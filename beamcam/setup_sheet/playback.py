@@ -20,8 +20,7 @@ from beamcam.checks.bars.stations import StampedText
 from beamcam.geometry.array_types import Counts
 from beamcam.geometry.plane import unit_vector
 from beamcam.machine.machine import Machine, text_x
-from beamcam.machine.stations import Spindle
-from beamcam.machine.words import Formula
+from beamcam.machine.stations import Formula, Spindle
 from beamcam.model.part import Profile
 from beamcam.pictures.bar_made import BarMade
 from beamcam.pictures.features import section_outlines

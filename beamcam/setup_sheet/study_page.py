@@ -9,9 +9,9 @@ from typing import Any
 from msgspec import Struct
 
 from beamcam.comparison.pairing import Difference
-from beamcam.geometry.velocity_profile import VelocityProfile
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Profile
+from beamcam.motion.velocity_profile import VelocityProfile
 from beamcam.pictures.graphs import Study, encoder_scene, profile_scene, sample_times
 from beamcam.pictures.overlay import Overlay
 from beamcam.pictures.program import ReadProgram, bar_made, table_made

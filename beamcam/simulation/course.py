@@ -14,10 +14,9 @@ from beamcam.controllers.dialect import Dialect
 from beamcam.controllers.events import BarEvent, Lettering, Move, Pause, Place, Switch
 from beamcam.errors import MachineError, Source
 from beamcam.geometry.curves import Arc, Bezier, EllipseArc
-from beamcam.geometry.ramps import Ramp
 from beamcam.machine.machine import Machine
 from beamcam.machine.words import MISSING_KEY
-from beamcam.model.cell_motion import CellMotion, Leg, Positions
+from beamcam.model.cell_motion import CellMotion, Leg, Positions, Ramp
 from beamcam.simulation.trace import UNIFORM, State, Trace, TraceAxis, TraceBuilder
 
 

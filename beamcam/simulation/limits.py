@@ -9,9 +9,9 @@ from msgspec import Struct
 from beamcam.checks.bars.stations import choices_of
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.array_types import Counts, Floats
+from beamcam.machine.bodies import SECTION_NAMES, MachineBox, signed
 from beamcam.machine.machine import Machine
 from beamcam.machine.stations import Saw
-from beamcam.machine.words import SECTION_NAMES, MachineBox, signed
 from beamcam.model.part import Profile
 from beamcam.simulation import COLLISION, LIMIT, REACH, TIPS
 from beamcam.simulation.trace import Trace

@@ -15,10 +15,10 @@ from beamcam.controllers.simotion.job import JobRead, TableOperation
 from beamcam.controllers.step_table import Rows
 from beamcam.errors import Diagnostic, Source, VerifyError, errors_in
 from beamcam.geometry.array_types import Counts, Floats
-from beamcam.geometry.ramps import move_seconds, ramp
 from beamcam.machine.machine import Machine
 from beamcam.machine.runtime import PROCESSES
 from beamcam.machine.tables import Stepper
+from beamcam.model.cell_motion import move_seconds, ramp
 from beamcam.model.part import Part
 from beamcam.model.program import ArcTravel, LiftTorch, SwitchTool, Travel, TriggerOp
 from beamcam.motion.speeds import SpeedSection

@@ -17,8 +17,7 @@ from beamcam.controllers.dialect import Dialect, dialect_of
 from beamcam.controllers.events import BarEvent, Move, Switch
 from beamcam.errors import BeamcamError, Source
 from beamcam.machine.machine import Machine
-from beamcam.machine.stations import Saw, Spindle
-from beamcam.machine.words import FORMULA_NAMES
+from beamcam.machine.stations import FORMULA_NAMES, Saw, Spindle
 from beamcam.model.part import Part, Profile
 from beamcam.solid import NO_MACHINE
 from beamcam.solid.kernel import (

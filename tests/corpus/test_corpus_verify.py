@@ -5,12 +5,12 @@ from pathlib import Path
 import pytest
 
 from beamcam.checks.bars import verify
-from beamcam.checks.request import LEFT_OUT, MANUAL_WORK, TEXT_MOVED
+from beamcam.checks.rules import LEFT_OUT, MANUAL_WORK, TEXT_MOVED
 from beamcam.errors import PlanError, ReadError, errors_in
 from beamcam.machine import load
+from beamcam.model.plan import SKIP_NAMES
 from beamcam.model.request import Request
 from beamcam.pipeline import parts_of, post, read_file
-from beamcam.planning.left_out import SKIP_NAMES
 from beamcam.solid.opinion import solid_faults
 from tests.conftest import CORPUS
 

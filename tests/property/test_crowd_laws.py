@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from beamcam.budget import LimitError, Limits, set_limits
+from beamcam.budget import InForce, LimitError, Limits
 from beamcam.errors import PlanError, Source
 from beamcam.geometry.curves import Line
 from beamcam.machine import load
@@ -125,12 +125,12 @@ def test_more_features_than_a_bar_has_are_refused_by_name() -> None:
     half = part_of(holes[:5001])
     with pytest.raises(LimitError):
         post((half, half), MACHINE)
-    set_limits(Limits(features=3))
+    InForce.limits = Limits(features=3)
     try:
         with pytest.raises(LimitError):
             post((part_of(holes[:4]),), MACHINE)
     finally:
-        set_limits(Limits())
+        InForce.limits = Limits()
 
 
 def test_a_crowd_of_holes_is_counted_and_not_compared() -> None:

@@ -8,10 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from beamcam.geometry.curves import Arc, Line
-from beamcam.geometry.velocity_profile import AxisLimits, fastest_profile
 from beamcam.motion.densify import DensifyRules, densify
 from beamcam.motion.lookahead import LookAheadRules, plan_speeds
 from beamcam.motion.speeds import reachable_speed
+from beamcam.motion.velocity_profile import AxisLimits, fastest_profile
 from tests.conftest import examples
 from tests.path_samples import entries, positions
 from tests.property.curve_strategies import curves

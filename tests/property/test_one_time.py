@@ -12,14 +12,14 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from beamcam.errors import PlanError
-from beamcam.geometry.ramps import move_seconds, ramp_seconds
-from beamcam.geometry.velocity_profile import AxisLimits
 from beamcam.machine import load
 from beamcam.machine.machine import Machine
+from beamcam.model.cell_motion import move_seconds, ramp_seconds
 from beamcam.model.part import Part
+from beamcam.model.plan import SKIP_NAMES
 from beamcam.motion.speeds import stretch_seconds
+from beamcam.motion.velocity_profile import AxisLimits
 from beamcam.pipeline import Posted, parts_of, post, read_file
-from beamcam.planning.left_out import SKIP_NAMES
 from tests.conftest import examples
 from tests.property.test_plan_parts import random_part
 from tests.property.test_profile import duration_by_ruckig

@@ -15,9 +15,8 @@ from beamcam.errors import PlanError, Severity, Source
 from beamcam.machine import load
 from beamcam.machine.machine import Machine
 from beamcam.model.part import EndCuts, Feature, Hole, Part, Profile, Slot
-from beamcam.model.plan import DrillOp, PathOp, Plan, SawOp
+from beamcam.model.plan import SKIP_NAMES, DrillOp, PathOp, Plan, SawOp
 from beamcam.planning.beam import plan_bar
-from beamcam.planning.left_out import SKIP_NAMES
 from tests.conftest import sampled
 
 BEAM = Profile("I", "IPE300", 300.0, 150.0, 10.7, 7.1, 15.0)

@@ -28,9 +28,8 @@ from beamcam.model.part import (
     TextMark,
     Vector,
 )
-from beamcam.model.plan import DrillOp, PathOp, SawOp
+from beamcam.model.plan import SKIP_NAMES, DrillOp, PathOp, SawOp
 from beamcam.planning.beam import plan_bar
-from beamcam.planning.left_out import SKIP_NAMES
 from beamcam.planning.operations.finished_part import ends_of
 from beamcam.planning.turning import TURNS, Turn, alike, lies, turned
 from tests.conftest import examples

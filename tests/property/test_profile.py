@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from ruckig import InputParameter, Ruckig, Trajectory
 
-from beamcam.geometry.velocity_profile import (
+from beamcam.motion.velocity_profile import (
     AxisLimits,
     fastest_profile,
     profile_by_acceleration,

@@ -4,10 +4,9 @@ from math import sqrt
 
 import pytest
 
-from beamcam.geometry.ramps import ramp
-from beamcam.geometry.velocity_profile import profile_to_velocity
 from beamcam.machine import load
-from beamcam.model.cell_motion import CellMotion
+from beamcam.model.cell_motion import CellMotion, ramp
+from beamcam.motion.velocity_profile import profile_to_velocity
 
 
 def test_a_trapezoid_and_a_triangle() -> None:

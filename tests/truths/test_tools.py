@@ -4,7 +4,7 @@ import pytest
 
 from beamcam.machine import load
 from beamcam.machine.stations import Tool, ToolSet, inch_size, speed_and_feed, tool_numbers
-from beamcam.model.cell_motion import PECKING, cycle_moves
+from beamcam.model.cycles import PECKING, cycle_moves
 
 #: Point of a drill: radius / tan(half the angle). tan 59 = 1.664279, tan 67.5 = 2.414214.
 POINTS = [

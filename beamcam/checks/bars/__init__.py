@@ -27,7 +27,7 @@ from beamcam.checks.bars.stations import (
     lip_length,
 )
 from beamcam.checks.bars.tools import CuttingData, ToolCatalogue, place_faults
-from beamcam.checks.head import Head, head_of, part_faults, stock_faults
+from beamcam.checks.job import Head, head_of, part_faults, stock_faults
 from beamcam.controllers import cell_events
 from beamcam.controllers.dialect import Dialect, dialect_of
 from beamcam.controllers.events import BarEvent, Switch

@@ -37,7 +37,7 @@ from beamcam.checks.bars.targets import (
     targets_of,
 )
 from beamcam.checks.bars.tools import Done, ToolCatalogue, parting_faults
-from beamcam.checks.request import left_out, left_to_manual_work
+from beamcam.checks.job import left_out, left_to_manual_work
 from beamcam.errors import Diagnostic, Source
 from beamcam.machine.machine import Machine, saw_of
 from beamcam.model.part import Part, Profile, TextMark

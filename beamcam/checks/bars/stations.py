@@ -18,8 +18,7 @@ from msgspec import Struct
 
 from beamcam.geometry.curves import Curve
 from beamcam.machine.machine import Machine
-from beamcam.machine.stations import Saw, Spindle
-from beamcam.machine.words import FORMULA_NAMES
+from beamcam.machine.stations import FORMULA_NAMES, Saw, Spindle
 from beamcam.model.part import Face, Part, Profile
 
 # --- walls ----------------------------------------------------------------------------------------

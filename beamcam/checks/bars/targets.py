@@ -23,7 +23,7 @@ from beamcam.checks.bars.cuts import off_outline
 from beamcam.checks.bars.pieces import ANGLE_TOLERANCE_DEG, RequiredEnd
 from beamcam.checks.bars.stations import wall_thickness
 from beamcam.checks.bars.tools import ToolCatalogue
-from beamcam.checks.request import is_manual_work
+from beamcam.checks.job import is_manual_work
 from beamcam.geometry.curves import Curve, Point
 from beamcam.machine.machine import saw_of
 from beamcam.machine.stations import FLAT_DEG

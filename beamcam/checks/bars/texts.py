@@ -18,7 +18,7 @@ from beamcam.checks.bars.stations import (
 from beamcam.checks.bars.targets import MarkingPath, slot_corners
 from beamcam.checks.bars.tools import ToolCatalogue
 from beamcam.checks.drawn_texts import DrawnPieces, DrawnText, RequiredText, Segment, told, wanted
-from beamcam.checks.request import is_manual_work, manual_work
+from beamcam.checks.job import is_manual_work, manual_work
 from beamcam.checks.text_assignment import (
     TEXT,
     TEXT_EXTRA,

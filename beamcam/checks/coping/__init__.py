@@ -10,7 +10,7 @@ from collections.abc import Collection, Sequence
 
 from msgspec.structs import replace
 
-from beamcam.checks.request import left_out, left_to_manual_work, manual_work
+from beamcam.checks.job import left_out, left_to_manual_work, manual_work
 from beamcam.controllers import cell_events
 from beamcam.controllers.events import BarEvent, in_degrees
 from beamcam.errors import Diagnostic, Source, errors_in

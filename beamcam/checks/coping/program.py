@@ -7,7 +7,7 @@ from beamcam.checks.coping.section import CoperSection
 from beamcam.checks.coping.strokes import TorchFollower, TorchStroke
 from beamcam.checks.coping.tube import TubeTorch, tube_section
 from beamcam.checks.coping.turned import TurnedTorch
-from beamcam.checks.head import Head
+from beamcam.checks.job import Head
 from beamcam.controllers import cell_events
 from beamcam.controllers.events import in_degrees
 from beamcam.errors import Diagnostic, Source, errors_in

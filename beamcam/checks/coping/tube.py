@@ -36,7 +36,7 @@ from beamcam.checks.coping.tube_piece import (
 from beamcam.checks.coping.tube_planes import SQUARE_DEG, between_planes, kept, planes_of
 from beamcam.checks.coping.wanted import corners_of, with_corners_cut
 from beamcam.checks.coping.zones import chuck_faults, seam_faults, support_faults
-from beamcam.checks.request import manual_work
+from beamcam.checks.job import manual_work
 from beamcam.controllers.events import BarEvent, Move, Place
 from beamcam.errors import Diagnostic, Source, errors_in
 from beamcam.geometry.array_types import Floats

@@ -20,7 +20,7 @@ from beamcam.checks.coping.stock import (
     round_ring,
     slot_ring,
 )
-from beamcam.checks.request import is_manual_work
+from beamcam.checks.job import is_manual_work
 from beamcam.geometry.curves import Curve
 from beamcam.geometry.plane import Point
 from beamcam.machine.coper import Coper

@@ -21,7 +21,7 @@ import shapely
 from msgspec import Struct
 from numpy.typing import NDArray
 
-from beamcam.checks.request import UNCUT
+from beamcam.checks.rules import UNCUT
 from beamcam.checks.sheets.toolpaths import Samples, kept_samples
 from beamcam.checks.sheets.tracing import Traced
 from beamcam.checks.sheets.work import Work, left_of, sides_at

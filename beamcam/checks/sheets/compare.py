@@ -36,7 +36,7 @@ import numpy as np
 import shapely
 from msgspec.structs import replace
 
-from beamcam.checks.head import head_of, part_faults, stock_faults
+from beamcam.checks.job import head_of, part_faults, stock_faults
 from beamcam.checks.sheets import rules
 from beamcam.checks.sheets.chart_rows import rows_of, thickness_of
 from beamcam.checks.sheets.compensation import beam_of

@@ -11,7 +11,7 @@ import numpy as np
 import shapely
 
 from beamcam.checks.drawn_texts import EXACT, NEAR, DrawnPieces, RequiredText, wanted
-from beamcam.checks.request import is_manual_work, manual_work
+from beamcam.checks.job import is_manual_work, manual_work
 from beamcam.checks.sheets import rules
 from beamcam.checks.sheets.need import Need, shift_of
 from beamcam.checks.sheets.strokes import Strokes

@@ -8,7 +8,7 @@ from typing import cast
 import numpy as np
 from msgspec import Struct, field
 
-from beamcam.checks.request import is_manual_work, left_out, manual_work
+from beamcam.checks.job import is_manual_work, left_out, manual_work
 from beamcam.checks.sheets import rules
 from beamcam.checks.sheets.chart_rows import rows_on, small_openings, thickness_of
 from beamcam.checks.sheets.region import Region, region_of

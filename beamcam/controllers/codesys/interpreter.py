@@ -45,7 +45,7 @@ from beamcam.controllers.events import (
 from beamcam.controllers.interpreter import Interpreter, Words
 from beamcam.geometry.plane import Point
 from beamcam.machine.machine import CodeMeaning, meaning_of, shown_code
-from beamcam.model.cell_motion import BREAK_CHIPS, DRILL, DRILL_AND_DWELL, OWN_LETTERS, PECK
+from beamcam.model.cycles import BREAK_CHIPS, DRILL, DRILL_AND_DWELL, OWN_LETTERS, PECK
 
 M_WORDS_IN_A_ROW = 64  #: SMC_DEC_OUTQUEUE_RAN_EMPTY
 ENDS = (2, 30)

@@ -13,7 +13,7 @@ from beamcam.controllers.dialect import HEAD_ACTIONS, Dialect, carried, event_of
 from beamcam.controllers.events import Blending, Compensation, Other, Pause, Side, Switch
 from beamcam.geometry.plane import Point
 from beamcam.machine.machine import OTHER_LETTERS, CodeMeaning, key_for, meaning_of, shown_code
-from beamcam.model.cell_motion import DRILLING, END
+from beamcam.model.cycles import DRILLING, END
 
 _NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)"
 _WORD = re.compile(rf"([A-Z$])({_NUMBER})")

@@ -19,7 +19,7 @@ from beamcam.controllers.interpreter import Interpreter, Words, arc_of
 from beamcam.controllers.rs274.blocks import ENDS, Block, Grammar, Variant, read_block
 from beamcam.controllers.rs274.head import HeadWords
 from beamcam.geometry.plane import Point
-from beamcam.model.cell_motion import END, OWN_LETTERS
+from beamcam.model.cycles import END, OWN_LETTERS
 
 _NUMBERED = re.compile(r"\s*N[0-9]+\s*")
 _CENTRE = frozenset("IJ")  #: of an arc

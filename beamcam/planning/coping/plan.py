@@ -69,7 +69,7 @@ def plan_coping(
 ) -> CopePlan:
     """The work that copes one part from a bar of length `bar`, or as long as it needs.
 
-    `skips` names what may be left out (`planning.SKIP_NAMES`). Raises PlanError with everything
+    `skips` names what may be left out (`SKIP_NAMES`). Raises PlanError with everything
     that the machine cannot make; nothing is left out that is not in the plan's outcomes.
     """
     coper = machine.needed(machine.coper, "coper")

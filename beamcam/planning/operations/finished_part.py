@@ -158,30 +158,6 @@ def _drawn_angles(part: Part, face: str) -> tuple[float, float] | None:
     return angles[0], angles[1]
 
 
-def leaves_stock(contour: Contour, part: Part, ends: Ends) -> Point | None:
-    """Where an outer contour is not what the stock and the end cuts alone give; None if it is.
-
-    Each vertex has to lie on a long edge or on an end, and so has the middle of each curve; each
-    corner has to be a vertex.
-    """
-    width = part.profile.face_width(contour.face)
-    first, last = (wall_end(end, contour.face, part.profile) for end in ends)
-    vertices = list(_vertices(contour))
-    middles = [curve.point(0.5) for curve in contour.curves]
-    for x, y in (*vertices, *middles):
-        (start, inside), (outside, end) = first.reach(y), last.reach(y)
-        on_edge = min(abs(y), abs(y - width)) <= CONTOUR_TOLERANCE
-        if not start <= x <= end or not (on_edge or x <= inside or x >= outside):
-            return x, y
-    for y in (0.0, width):
-        for least, greatest in (first.reach(y), last.reach(y)):
-            if not any(
-                abs(vy - y) <= CONTOUR_TOLERANCE and least <= vx <= greatest for vx, vy in vertices
-            ):
-                return (least + greatest) / 2, y
-    return None
-
-
 class WallEnd(Struct, frozen=True):
     """End of the wall behind a face: x at q 0 on each of its surfaces, and its slope.
 
@@ -224,16 +200,6 @@ def web_borders(profile: Profile, face: str) -> tuple[float, float]:
     if profile.code in ("M", "B", "RO", "RU", "SO") and face == "v":
         return profile.width - thickness, profile.width
     return 0.0, thickness
-
-
-def _vertices(contour: Contour) -> Iterator[Point]:
-    """Starts of the curves, and a point within every curve that is not straight."""
-    for curve in contour.curves:
-        yield curve.start
-        if not isinstance(curve, Line):
-            yield curve.point(0.5)
-    if not contour.closed:
-        yield contour.curves[-1].end
 
 
 OFF_PART = error("plan-off-part",

@@ -6,10 +6,12 @@ The saw makes the end plane that the angles and the length of the part give: it 
 from collections.abc import Iterator, Sequence
 
 from beamcam.errors import Diagnostic, error
-from beamcam.model.part import Bend, Camber, Contour, EndPlane, Face
+from beamcam.geometry.curves import Line
+from beamcam.geometry.plane import Point
+from beamcam.model.part import Bend, Camber, Contour, EndPlane, Face, Part
 from beamcam.model.section import corners
 from beamcam.planning import rules
-from beamcam.planning.operations.finished_part import Ends, leaves_stock
+from beamcam.planning.operations.finished_part import CONTOUR_TOLERANCE, Ends, wall_end
 from beamcam.planning.operations.part_planner import Numbered, PartPlanner, WorkKind
 from beamcam.planning.operations.tools import Found, Settled
 from beamcam.planning.rules import BEVEL, BEVEL_NOISE
@@ -67,6 +69,40 @@ def _leaves_bevel(bevel_deg: float, face: Face, ends: Ends) -> bool:
 def _sawn(features: Sequence[Numbered], _: PartPlanner) -> Iterator[Found]:
     """None: the cuts at the ends make them all."""
     return (Settled(f, "made", "saw") for f, _ in features)
+
+
+def leaves_stock(contour: Contour, part: Part, ends: Ends) -> Point | None:
+    """Where an outer contour is not what the stock and the end cuts alone give; None if it is.
+
+    Each vertex has to lie on a long edge or on an end, and so has the middle of each curve; each
+    corner has to be a vertex.
+    """
+    width = part.profile.face_width(contour.face)
+    first, last = (wall_end(end, contour.face, part.profile) for end in ends)
+    vertices = list(_vertices(contour))
+    middles = [curve.point(0.5) for curve in contour.curves]
+    for x, y in (*vertices, *middles):
+        (start, inside), (outside, end) = first.reach(y), last.reach(y)
+        on_edge = min(abs(y), abs(y - width)) <= CONTOUR_TOLERANCE
+        if not start <= x <= end or not (on_edge or x <= inside or x >= outside):
+            return x, y
+    for y in (0.0, width):
+        for least, greatest in (first.reach(y), last.reach(y)):
+            if not any(
+                abs(vy - y) <= CONTOUR_TOLERANCE and least <= vx <= greatest for vx, vy in vertices
+            ):
+                return (least + greatest) / 2, y
+    return None
+
+
+def _vertices(contour: Contour) -> Iterator[Point]:
+    """Starts of the curves, and a point within every curve that is not straight."""
+    for curve in contour.curves:
+        yield curve.start
+        if not isinstance(curve, Line):
+            yield curve.point(0.5)
+    if not contour.closed:
+        yield contour.curves[-1].end
 
 
 CONTOUR = WorkKind("contour", _cut_out, _unsawn, _sawn)

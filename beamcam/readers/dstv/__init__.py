@@ -62,7 +62,6 @@ _CONTOURS = {"AK": "A", "IK": "I", "KO": "K", "PU": "P"}
 #: Blocks on planes by their letter: the block on faces that has the same rows.
 _ON_PLANES = {"B": "BO", "S": "SI", "A": "AK", "I": "IK", "K": "KO", "P": "PU", "E": "E"}
 
-
 Placed = tuple[int, str, str]  #: line, anchor and text of a comment
 
 
@@ -157,12 +156,9 @@ def read_with_account(data: bytes, name: str, asked: str | None = None) -> tuple
         reading, account = read_with_account(other, name, asked)
         return replace(reading, diagnostics=(told, *reading.diagnostics)), account
     check(part, content.contours, head.numbers, log)
-    data_lines = [*head.numbers]
-    for block in blocks:
-        data_lines += block.numbers
+    data_lines = head.numbers + [number for block in blocks for number in block.numbers]
     diagnostics = log.diagnostics
-    if len(diagnostics) > 1:
-        diagnostics.sort(key=lambda d: d.source.line or 0)
+    diagnostics.sort(key=lambda d: d.source.line or 0)
     reported = [d.source.line or 0 for d in diagnostics] + log.left_out
     return Reading("dstv", (part,), tuple(diagnostics)), Account(data_lines, log.taken, reported)
 

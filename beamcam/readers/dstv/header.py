@@ -50,15 +50,6 @@ NUMBER_NAMES = (
 LIMITS = (" of at least 0", f" between -{ALONG_DEG:g} and {ALONG_DEG:g}")  #: of sizes, of angles
 
 
-def said_of_part(begin: bytes) -> tuple[str, str, str, str]:
-    """Order, drawing, phase and mark by the first lines of a file, empty where it has none."""
-    lines = [line.strip() for line in begin.decode("latin-1").splitlines()]
-    lines = [line for line in lines if not line.startswith("**")]
-    at = lines.index("ST") + 1 if "ST" in lines else len(lines)
-    order, drawing, phase, mark = [*lines[at : at + 4], "", "", "", ""][:4]
-    return order, drawing, phase, mark
-
-
 class HeaderLines(Struct):
     """The header as text: its values by position, their lines, and its comments."""
 
@@ -255,13 +246,17 @@ def corner_by_weight(profile: Profile, weight: float) -> float | None:
 
 
 def _warn_of_texts(values: list[str], lines: list[int], log: Log) -> None:
-    """Warn of texts that are longer or more than the standard has, and of an odd mark."""
+    """Warn of texts longer or more than the standard has, and of a file not named by its mark."""
     for value, line in zip(values, lines, strict=True):
         if len(value) > TEXT_LIMIT:
             log.add(rules.TEXT_LONG, line, count=len(value), limit=TEXT_LIMIT)
     for i in range(MOST_LINES, len(values)):
         log.add(rules.HEADER_EXTRA, lines[i], found=values[i], number=i + 1)
-    _warn_of_mark(values, lines, log)
+    for field, name in (("drawing", values[1]), ("phase", values[2])):
+        if len(name) > 1 and name != values[3] and name in log.file:
+            stem = log.file.replace("\\", "/").rpartition("/")[2].rsplit(".", 1)[0]
+            if stem == name:
+                log.add(rules.MARK_ELSEWHERE, lines[3], found=values[3], field=field, name=name)
 
 
 def _text(value: str) -> str:
@@ -330,20 +325,6 @@ def _dimensions(values: list[str], lines: list[int], log: Log) -> list[float] | 
             failed = True
         result.append(0.0 if value is None else value)
     return None if failed else result
-
-
-def _warn_of_mark(values: list[str], lines: list[int], log: Log) -> None:
-    """Say so where the file is named after its drawing or phase and not after its mark."""
-    mark = values[3]
-    for position, field in ((1, "drawing"), (2, "phase")):
-        name = values[position]
-        if len(name) > 1 and name != mark and name in log.file and _stem(log.file) == name:
-            log.add(rules.MARK_ELSEWHERE, lines[3], found=mark, field=field, name=name)
-
-
-def _stem(file: str) -> str:
-    """The name of a file without its folder and suffix."""
-    return file.replace("\\", "/").rsplit("/", 1)[-1].rsplit(".", 1)[0]
 
 
 # --- tees -----------------------------------------------------------------------------------------

@@ -8,7 +8,7 @@ from typing import Any
 from msgspec import Struct, field
 from msgspec.structs import replace
 
-from beamcam.budget import DEPTH, limits
+from beamcam.budget import DEPTH, InForce
 from beamcam.errors import Diagnostic, ReadError, Source
 from beamcam.geometry.curves import Curve
 from beamcam.geometry.lettering import glyph_of, spelled
@@ -375,8 +375,8 @@ class DrawingWalk(Struct):
         if name.lower() in blocks:
             self.found.diagnostics.append(rules.BLOCK_CYCLE.at(source, found=name))
             return
-        if len(blocks) >= limits().depth:
-            raise ReadError(DEPTH.at(source, found=name, expected=limits().depth))
+        if len(blocks) >= InForce.limits.depth:
+            raise ReadError(DEPTH.at(source, found=name, expected=InForce.limits.depth))
         copies = insert.mcount
         self._copies += copies
         if self._copies > MOST_COPIES:

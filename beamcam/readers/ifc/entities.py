@@ -18,7 +18,7 @@ from typing import Any, TypeVar
 from msgspec import UNSET, Struct, UnsetType, field
 from msgspec.structs import replace
 
-from beamcam.budget import limits
+from beamcam.budget import InForce
 from beamcam.errors import Diagnostic, Rule, Source
 from beamcam.plain_text import fault_text
 from beamcam.readers.ifc import rules
@@ -290,7 +290,7 @@ def _unzip(data: bytes) -> bytes | str:
             size, packed = one.file_size, len(data)
             if size > (most := max(MAX_UNPACKED, MAX_RATIO * packed)):
                 return f"{packed} bytes that unpack to {size}, expected at most {most}"
-            most, found = min(most, limits().bytes), bytearray()
+            most, found = min(most, InForce.limits.bytes), bytearray()
             with archive.open(one) as file:  # the size that the directory says may be a lie
                 while piece := file.read(_PIECE):
                     found += piece

@@ -8,7 +8,7 @@ from msgspec import Struct, field
 from msgspec.structs import replace
 from shapely.errors import ShapelyError
 
-from beamcam.budget import MEMBER, OverTimeError, begin_member, limits
+from beamcam.budget import MEMBER, InForce, OverTimeError, begin_member
 from beamcam.errors import Diagnostic, Source, errors_in
 from beamcam.geometry.plane import MAX_COORDINATE
 from beamcam.model.part import Part
@@ -145,7 +145,7 @@ class Members(Struct):
             except Unreadable as reason:
                 taken.diagnostics.append(reason.rule.at(source, found=str(reason)))
             except OverTimeError:
-                expected = f"{limits().member_s:g} s of the processor"
+                expected = f"{InForce.limits.member_s:g} s of the processor"
                 taken.diagnostics.append(MEMBER.at(source, expected=expected))
             except (*NOT_WELL_FORMED, ShapelyError) as fault:
                 found = f"data that are not well formed ({type(fault).__name__}: {fault})"

@@ -7,7 +7,7 @@ from typing import TypeVar
 
 from msgspec.structs import replace
 
-from beamcam.budget import limits
+from beamcam.budget import InForce
 from beamcam.errors import Diagnostic, Source
 from beamcam.model.part import Part, TextMark
 from beamcam.model.request import Options, Progress, Selection
@@ -60,7 +60,7 @@ def shares(
     """
     size = 1 if each_by_itself or not workers else SHARE
     todo = deque(range(i, min(i + size, count)) for i in range(0, count, size))
-    most_s = (size + 4) * limits().member_s  # the kernel does not look at the clock
+    most_s = (size + 4) * InForce.limits.member_s  # the kernel does not look at the clock
     pool = Pool[range, T](share, max(min(workers, len(todo)), 1), begin, most_s)
     made: dict[int, tuple[int, T]] = {}
     place = 0

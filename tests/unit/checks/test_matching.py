@@ -9,8 +9,8 @@ from beamcam.checks.bars import verify
 from beamcam.errors import PlanError, Source, errors_in
 from beamcam.machine import load
 from beamcam.model.part import Hole, HoleKind, Part, Profile, Slot
+from beamcam.model.plan import SKIP_NAMES
 from beamcam.pipeline import post
-from beamcam.planning.left_out import SKIP_NAMES
 
 UPN200 = Profile("U", "UPN200", 200.0, 75.0, 11.5, 8.5, 11.5)
 IPE300 = Profile("I", "IPE300", 300.0, 150.0, 10.7, 7.1, 15.0)

@@ -11,7 +11,7 @@ from beamcam.checks.bars import verify
 from beamcam.checks.bars.stations import choices_of
 from beamcam.machine import load
 from beamcam.machine.machine import Machine
-from beamcam.machine.words import Formula
+from beamcam.machine.stations import Formula
 from beamcam.model.part import Hole, Part
 from beamcam.pipeline import post
 from tests.conftest import examples

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from beamcam.checks.drawn_texts import covering
-from beamcam.checks.request import TEXT_MOVED
+from beamcam.checks.rules import TEXT_MOVED
 from beamcam.checks.text_assignment import cheapest
 from beamcam.errors import Source, errors_in
 from beamcam.machine import load
@@ -127,6 +127,11 @@ def moved(one: TextMark, x: float) -> object:
 
 A, B = text("A", 10.0, 5.0, 9.0, 1), text("A", 60.0, 5.0, 9.0, 2)
 TURNED = replace(text("A", 60.0, 5.0, 9.0, 2), angle=90.0)
+
+
+def test_a_moved_text_is_told_with_both_places() -> None:
+    said = "warning verify-text-moved: found the text 'A' at x 12.0, y 5.0, 9.0 mm high; at x 10, "
+    assert said in str(moved(A, 12.0))
 
 
 @pytest.mark.parametrize(

@@ -13,17 +13,16 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from beamcam import api, rest_part
-from beamcam.arguments import AskError
+from beamcam.arguments import AskError, InTurn
 from beamcam.checks.coping import verify_coping
 from beamcam.checks.coping.section import CoperSection
 from beamcam.checks.coping.stock import stock_of
-from beamcam.checks.request import rest_faults
+from beamcam.checks.rest import rest_faults
 from beamcam.cli import main
 from beamcam.controllers import cell_events
 from beamcam.errors import BeamcamError, PlanError, Severity, errors_in
 from beamcam.machine import load
 from beamcam.machine.machine import Machine
-from beamcam.machine_choice import InTurn
 from beamcam.model.part import Contour, EndCuts, Hole, Part, Profile, Slot
 from beamcam.model.request import Request
 from beamcam.pipeline import Posted, post, read_back, read_file

@@ -113,7 +113,7 @@ def test_nodes_without_a_place_of_their_own_are_refused():
      ("20*(cos(t)+t*sin(t))", "20*(sin(t)-t*cos(t))", 0, 2)],
 )  # fmt: skip
 def test_a_way_is_followed_within_its_tolerance(x, y, low, high, tolerance):
-    from beamcam.geometry.expression import compile_expression
+    from beamcam.conversion import compile_expression
 
     fit = curves_of_way(x, y, low, high, tolerance)
     fx, fy = compile_expression(x, ("t",)), compile_expression(y, ("t",))
@@ -153,7 +153,7 @@ def test_few_or_calm_nodes_are_no_oscillation():
     [("25 * sin(x / 10)", 0, 100), ("sqrt(100 - x^2)", -9.9, 9.9), ("exp(-x)", 3, -2)],
 )
 def test_a_function_is_followed_within_its_tolerance(text, low, high, tolerance):
-    from beamcam.geometry.expression import compile_expression
+    from beamcam.conversion import compile_expression
 
     fit = curves_of_function(text, low, high, tolerance)
     value = compile_expression(text, ("x",))

@@ -13,8 +13,8 @@ from beamcam.machine import load, shipped, words
 from beamcam.machine.keys import settings
 from beamcam.machine.load import files_of_machine, merged
 from beamcam.machine.machine import MachineFile
+from beamcam.machine.stations import Formula, as_formula
 from beamcam.machine.toml import line_of
-from beamcam.machine.words import Formula, as_formula
 from beamcam.model.plan import DrillOp
 from beamcam.planning.beam import plan_bar
 from tests.conftest import rules_of

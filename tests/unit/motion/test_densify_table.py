@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from beamcam.geometry.curves import Arc, Bezier, EllipseArc, Line, NewtonCurve
-from beamcam.geometry.velocity_profile import AxisLimits
 from beamcam.motion.densify import DensifyRules, densify, truncated
 from beamcam.motion.lookahead import LookAheadRules, plan_speeds
 from beamcam.motion.spans import chord_step_rad
+from beamcam.motion.velocity_profile import AxisLimits
 from tests.path_samples import entries
 
 ELLIPSE = EllipseArc((0, 0), (9, 0), 0.5, 0, 90)

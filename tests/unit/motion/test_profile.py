@@ -4,7 +4,7 @@ from math import inf
 
 import pytest
 
-from beamcam.geometry.velocity_profile import (
+from beamcam.motion.velocity_profile import (
     AxisLimits,
     fastest_profile,
     profile_over_distance,

@@ -9,10 +9,9 @@ from msgspec.structs import replace
 
 from beamcam.emitters import simotion
 from beamcam.geometry.curves import Arc, Line
-from beamcam.geometry.ramps import move_seconds
-from beamcam.geometry.velocity_profile import AxisLimits
 from beamcam.machine import Machine, load
 from beamcam.machine.machine import PathLimits, path_limits
+from beamcam.model.cell_motion import move_seconds
 from beamcam.model.part import Part
 from beamcam.model.plan import WorkTime
 from beamcam.model.program import ArcFeed, EllipseFeed, Feed, Movement, ParabolaFeed
@@ -29,6 +28,7 @@ from beamcam.motion.sheet_times import (
 )
 from beamcam.motion.steps import step_table, step_time
 from beamcam.motion.triggers import length_through, trigger_time
+from beamcam.motion.velocity_profile import AxisLimits
 from beamcam.pipeline import post
 from beamcam.planning.sheet import plan_sheet
 from tests.unit.sheets.parts import NESTED, box, circle, contour, drawing, lines, table

@@ -12,7 +12,7 @@ from msgspec.structs import replace
 from PIL import Image
 
 from beamcam.errors import PictureError
-from beamcam.geometry.velocity_profile import profile_to_velocity
+from beamcam.motion.velocity_profile import profile_to_velocity
 from beamcam.pictures.formats import dashes, largest, to_pdf, to_png, to_svg
 from beamcam.pictures.graphs import profile_scene, ticks
 from beamcam.pictures.scene import STYLES, Circle, Polyline, Scene, Text, css

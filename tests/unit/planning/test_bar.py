@@ -14,9 +14,10 @@ from beamcam.machine.machine import saw_of
 from beamcam.model.part import Bevel, Contour, EndCuts, Part, Profile
 from beamcam.model.plan import Plan, SawOp
 from beamcam.model.section import corners
-from beamcam.planning import from_store
+from beamcam.pipeline import from_store
 from beamcam.planning.beam import plan_bar
-from beamcam.planning.operations.finished_part import SawnEnd, ends_of, leaves_stock, web_borders
+from beamcam.planning.operations.finished_part import SawnEnd, ends_of, web_borders
+from beamcam.planning.operations.outlines import leaves_stock
 from beamcam.planning.operations.work import saw_angles
 from beamcam.solid.kernel import outline as outline_of_section
 from tests.unit.planning.shop import ANGLE, BEAM, CHANNEL, SOURCE, TUBE, part, plan

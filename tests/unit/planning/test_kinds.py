@@ -21,8 +21,8 @@ from beamcam.model.part import (
     Slot,
     TextMark,
 )
+from beamcam.model.plan import SKIP_NAMES
 from beamcam.planning.beam import plan_bar
-from beamcam.planning.left_out import SKIP_NAMES
 from beamcam.planning.operations.work import KINDS, kind_of
 from tests.unit.planning.shop import SOURCE, hole, part
 

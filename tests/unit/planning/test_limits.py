@@ -11,7 +11,7 @@ from beamcam.errors import PlanError
 from beamcam.geometry.curves import Arc, Line
 from beamcam.machine import load
 from beamcam.machine.machine import ControlledAxis, Machine
-from beamcam.machine.words import Formula
+from beamcam.machine.stations import Formula
 from beamcam.model.part import Contour, EndCuts, Face, Feature, Hole, HoleKind, Part, Profile, Slot
 from beamcam.model.plan import DrillOp
 from beamcam.pipeline import post

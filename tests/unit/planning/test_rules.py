@@ -13,9 +13,9 @@ from beamcam.geometry.curves import Line
 from beamcam.machine import load
 from beamcam.machine.stations import Marks
 from beamcam.model.part import Bend, Bevel, Contour, EndCuts, Part, Profile, Slot, TextMark
+from beamcam.model.plan import SKIP_NAMES
 from beamcam.planning import lettering, lettering_room
 from beamcam.planning.beam import plan_bar, plan_oriented
-from beamcam.planning.left_out import SKIP_NAMES
 from beamcam.planning.operations import part_planner, slot
 from tests.conftest import SAMPLES, rules_of
 from tests.unit.planning.shop import ANGLE, BEAM, CHANNEL, SOURCE, TUBE, hole, part

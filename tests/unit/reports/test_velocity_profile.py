@@ -5,7 +5,7 @@ import pytest
 from click.testing import CliRunner
 
 from beamcam.cli import main
-from beamcam.geometry.velocity_profile import profile_to_velocity
+from beamcam.motion.velocity_profile import profile_to_velocity
 from beamcam.reports.velocity_profile import RPM, Encoder, profile_table
 
 GUIDE = profile_to_velocity(1000.0, 100.0, 50.0)

@@ -37,7 +37,7 @@ def test_a_corner_is_as_deep_as_its_angle_says(angle: float, half: float, lean: 
     part = plate((right, 40.0), (40.0, 15.0), (left, 40.0))
     posted = post([part], kerf(2 * half))
     (said,) = verify_sheet(posted.text, [part], kerf(2 * half))
-    assert said.code == "verify-sheet-left"
+    assert "warning verify-sheet-left: found " in str(said)
     assert float(said["found"]) == pytest.approx(half / sin(radians(angle / 2)) - half, abs=2e-3)
     assert (said["x"], said["y"]) == ("40.000", "15.000")
 

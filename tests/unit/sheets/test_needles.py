@@ -161,6 +161,8 @@ def test_the_read_back_refuses_what_is_left_untold(notch: Notch) -> None:
             codes = {said.code for said in refused.diagnostics}
             event("refused")
             assert codes <= {"verify-sheet-untold", "verify-sheet-missing"}
+            told = [str(d) for d in refused.diagnostics if d.code == "verify-sheet-untold"]
+            assert all("error verify-sheet-untold: found " in one for one in told)
             assert left > KERF - OFF
             return
         except PlanError as error:

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 from shapely import Polygon
 
-from beamcam.checks.head import head_of
-from beamcam.checks.request import MANUAL_WORK as FOR_MANUAL_WORK
+from beamcam.checks.job import head_of
+from beamcam.checks.rules import MANUAL_WORK as FOR_MANUAL_WORK
 from beamcam.checks.sheets.compare import verify_sheet
 from beamcam.checks.sheets.need import need_of
 from beamcam.errors import MachineError, PlanError, errors_in

@@ -15,8 +15,7 @@ from beamcam.errors import PlanError
 from beamcam.geometry.curves import Arc
 from beamcam.model.part import Hole, Part, Profile, TextMark
 from beamcam.model.request import Request
-from beamcam.pipeline import post, read_back
-from beamcam.planning import shares_of
+from beamcam.pipeline import post, read_back, shares_of
 from beamcam.planning.sheet_rows import places_of
 from tests.conftest import SAMPLES, examples
 from tests.unit.sheets.parts import NESTED, S, contour, drawing, table

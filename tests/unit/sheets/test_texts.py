@@ -393,7 +393,7 @@ def test_a_plan_that_tells_another_place_is_refused(
         return replace(made, remarks=(*kept, *told))
 
     monkeypatch.setattr(pipeline, "post_of", lambda machine: replace(row, plan=plan))
-    with pytest.raises(RefusedProgram, match="verify-text-told"):
+    with pytest.raises(RefusedProgram, match=" verify-text-told: found a text lettered"):
         post([part], PLATE)
 
 

@@ -16,8 +16,8 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from beamcam.errors import MachineError
-from beamcam.geometry.ramps import ramp
 from beamcam.machine import Machine, load
+from beamcam.model.cell_motion import ramp
 from beamcam.pipeline import post, read_file
 from beamcam.simulation.course import MotionSegment, bar_trace
 from beamcam.simulation.program import simulate_program

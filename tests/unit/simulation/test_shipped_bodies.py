@@ -11,8 +11,9 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from beamcam.machine import load
+from beamcam.machine.bodies import MachineBox
 from beamcam.machine.load import shipped
-from beamcam.machine.words import Formula, MachineBox
+from beamcam.machine.stations import Formula
 from beamcam.pipeline import post, read_file
 from beamcam.simulation.course import cell_axes
 from beamcam.simulation.limits import strikes

@@ -19,7 +19,7 @@ from msgspec import Struct
 from numpy.typing import ArrayLike
 
 from beamcam.geometry.array_types import Floats
-from beamcam.geometry.ramps import ramp
+from beamcam.model.cell_motion import ramp
 
 
 class Phase(Struct, frozen=True):

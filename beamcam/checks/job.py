@@ -1,4 +1,7 @@
-"""The head of a program, which records how it was made and what it is.
+"""The programs of a job against what was asked for: the head of each, their pieces together, and
+what may be missing.
+
+The head of a program records how it was made and what it is:
 
     (BEAMCAM 2 MACHINE beamline 5f3a9c2e)        version of the form, machine, checksum of its file
     (ALLOWED TO BE LEFT OUT: cope, slot)         the kinds that --allow-skips named, if any
@@ -14,18 +17,25 @@ lines follow each other, all between the signs of the first one; what stands els
 is no head. A program whose head says otherwise than what was asked for, or than what the program
 does, is refused. Nothing in a head excuses a program but the kinds that may be left out, which
 `verify` takes from it where no others are named.
+
+Pieces are counted from the parts and quantities as they were asked for; which share of them a
+program holds is the planner's word, and is only believed where all shares together are the request.
 """
 
 import re
+from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
+from itertools import pairwise
 from typing import Any
 
 from msgspec import Struct
 
+from beamcam.checks.rules import LEFT_OUT, MANUAL_WORK, PIECE_ORDER, PIECES, STOCK_BAR
 from beamcam.errors import Diagnostic, Source, error, warning
 from beamcam.machine.machine import Machine
-from beamcam.model.part import Part
-from beamcam.model.request import Job
+from beamcam.model.description import description
+from beamcam.model.part import Feature, Part, TextMark
+from beamcam.model.request import Job, Request, policy_on
 from beamcam.plain_text import outside_text
 
 VERSION = 2  #: newest form that is known
@@ -285,3 +295,106 @@ def _lying(at: Sequence[float], size: Sequence[float]) -> str:
 def _texts_of(part: Part) -> str:
     named = (("MARK", part.mark), ("DRAWING", part.drawing), ("ORDER", part.order))
     return " ".join(f"{key} {outside_text(text)[:MAX_TEXT]}" for key, text in named if text)
+
+
+# --- pieces ---------------------------------------------------------------------------------------
+
+
+SLACK = 1e-6  #: mm between a bar in store and the one that a program is for
+
+
+def pieces_asked(request: Request) -> Counter[int]:
+    """How many pieces of each part the programs have to make, by its place in the request.
+
+    A line without a saw is fed one cut piece at a time and runs the program for each of them.
+    """
+    quantity, machine = request.quantity, request.machine
+    alone = quantity is None or (machine.stock == "beam" and machine.saw is None)
+    counts: Counter[int] = Counter()
+    for place, part in enumerate(request.parts):
+        counts[place] = 1 if alone else part.quantity if quantity == "file" else int(quantity or 0)
+    return counts
+
+
+def job_faults(request: Request, jobs: Sequence[Job]) -> tuple[Diagnostic, ...]:
+    """What the programs of a request make too often or too seldom, in another order, or from a bar
+    that is not in store."""
+    return (
+        *_count_faults(request, jobs), *_order_faults(request, jobs), *_bar_faults(request, jobs),
+    )  # fmt: skip
+
+
+def _count_faults(request: Request, jobs: Sequence[Job]) -> Iterator[Diagnostic]:
+    counts = pieces_asked(request)
+    made = Counter(place for job in jobs for place in job.pieces)
+    for place in sorted(counts.keys() | made.keys()):
+        if made[place] != counts[place]:
+            known = 0 <= place < len(request.parts)
+            part = request.parts[place] if known else None
+            yield PIECES.at(
+                part.source if part else Source(request.name), found=made[place],
+                mark=(part.mark if part else "") or "a part", expected=counts[place],
+            )  # fmt: skip
+
+
+def _order_faults(request: Request, jobs: Sequence[Job]) -> Iterator[Diagnostic]:
+    for job in jobs:
+        for before, after in pairwise(job.pieces):
+            if after < before:
+                first, then = request.parts[before], request.parts[after]
+                yield PIECE_ORDER.at(then.source, found=then.mark, before=first.mark)
+
+
+def _bar_faults(request: Request, jobs: Sequence[Job]) -> Iterator[Diagnostic]:
+    stock, remnants = request.stock, [*request.remnants]
+    sawn = request.machine.saw is not None  # a part that comes in cut is a bar by itself
+    for job in jobs:
+        if job.bar is None and not (stock and sawn):
+            continue
+        once = None if job.bar is None else _of_length(remnants, job.bar)
+        if once is not None:
+            remnants.remove(once)  # which is there once
+        elif job.bar is None or _of_length(stock, job.bar) is None:
+            found = "any length" if job.bar is None else f"{job.bar:g} mm"
+            there = [*stock, *remnants]
+            expected = " or ".join(f"{length:g} mm" for length in there) or "one of any length"
+            yield STOCK_BAR.at(Source(request.name), found=found, expected=expected)
+
+
+def _of_length(there: Sequence[float], bar: float) -> float | None:
+    """The first of the lengths that a bar has; None if none is as long."""
+    return next((length for length in there if abs(bar - length) <= SLACK), None)
+
+
+# --- missing --------------------------------------------------------------------------------------
+
+# Features that a program leaves out, or leaves for manual work, reported one by one.
+
+
+def left_out(part: Part, features: Iterable[int]) -> Iterator[Diagnostic]:
+    """A warning for each of the features of a part, by their indices, that a program leaves out."""
+    for index in sorted(features):
+        feature = part.features[index]
+        yield LEFT_OUT.at(feature.source, what=description(feature), mark=part.mark)
+
+
+def is_manual_work(feature: Feature, machine: Machine) -> bool:
+    """Whether a feature is not the machine's work."""
+    policy = policy_on(feature, machine.marks)
+    if policy == "make" and isinstance(feature, TextMark):
+        return machine.marks.unit == "none"
+    return policy == "list"
+
+
+def left_to_manual_work(part: Part, machine: Machine) -> Iterator[Diagnostic]:
+    """A warning for each feature of a part that is not the machine's work."""
+    for feature in part.features:
+        if is_manual_work(feature, machine):
+            yield manual_work(feature, part, machine)
+
+
+def manual_work(feature: Feature, part: Part, machine: Machine) -> Diagnostic:
+    """The remark that a feature is left for manual work."""
+    return MANUAL_WORK.at(
+        feature.source, what=description(feature), mark=part.mark, machine=machine.name
+    )

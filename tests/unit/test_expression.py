@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from beamcam.geometry.expression import FUNCTIONS, compile_expression
+from beamcam.conversion import FUNCTIONS, compile_expression
 
 
 @pytest.mark.parametrize(

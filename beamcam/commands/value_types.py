@@ -1,0 +1,114 @@
+"""What an option takes: numbers within limits, names, addresses, quantities."""
+
+import re
+from contextlib import suppress
+from math import inf, isfinite, nan
+from typing import Any
+
+import click
+
+
+class Number(click.ParamType):  # type: ignore[type-arg]  # older versions take none
+    """A number within limits; infinity and nan, which Python takes for numbers, are refused."""
+
+    name = "number"
+
+    def __init__(self, least: float = -inf, above: float = -inf, most: float = inf) -> None:
+        self._least, self._above, self._most = least, above, most
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> float:
+        number = nan
+        with suppress(ValueError):
+            number = float(value)
+        if isfinite(number) and self._above < number and self._least <= number <= self._most:
+            return number
+        self.fail(f"found {value!r}; expected {self._expected}{_hint(str(value))}.", param, ctx)
+
+    @property
+    def _expected(self) -> str:
+        limits = [f"above {self._above:g}"] if isfinite(self._above) else []
+        limits += [f"{self._least:g} or more"] if isfinite(self._least) else []
+        limits += [f"at most {self._most:g}"] if isfinite(self._most) else []
+        return " ".join(["a number", ", ".join(limits)]).strip()
+
+
+#: A number as people write it, with commas or a unit.
+_WITH_UNIT = re.compile(r"([+-]?\d[\d.,]*)\s*(mm|cm|m|in|inch|ft|\"|')?")
+_MM = {
+    "mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4, "inch": 25.4, "ft": 304.8,
+    '"': 25.4, "'": 304.8,
+}  # fmt: skip
+
+
+def _hint(text: str) -> str:
+    """How a number with a unit or a comma is to be written; empty for any other text."""
+    match = _WITH_UNIT.fullmatch(text.strip())
+    if match is None:
+        return ""
+    digits, unit = match.groups()
+    if unit is None and "," not in digits and digits.count(".") < 2:
+        return ""
+    if re.fullmatch(r"[+-]?\d{1,3}(,\d{3})+(\.\d+)?", digits):
+        return f", without commas: {digits.replace(',', '')}"
+    number = digits.replace(",", ".")
+    if number.count(".") > 1:
+        return ", without signs between the digits"
+    if unit is None:
+        return f", with a point: {number}"
+    return f", without a unit: {float(number) * _MM[unit]:g} (mm)"
+
+
+class SkipNames(click.Choice):  # type: ignore[type-arg]  # older versions take none
+    """Names of kinds of features, set off by commas."""
+
+    name = "names"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        convert = super().convert
+        return ",".join(convert(name.strip(), param, ctx) for name in str(value).split(","))
+
+
+MODBUS_PORT = 502  #: of Modbus TCP, by the standard
+
+
+class Address(click.ParamType):  # type: ignore[type-arg]  # older versions take none
+    """HOST:PORT; the port may be left out where there is one by default."""
+
+    name = "host:port"
+
+    def __init__(self, port: int | None = None) -> None:
+        self._port = port
+
+    def convert(
+        self, value: object, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[str, int]:
+        text = str(value)
+        if self._port is not None and ":" not in text.rpartition("]")[2]:
+            text = f"{text}:{self._port}"
+        host, colon, port = text.rpartition(":")
+        if not (colon and host and port.isdigit() and 0 < int(port) < 65536):
+            self.fail(f"found {value!r}; expected HOST:PORT such as localhost:502", param, ctx)
+        return host.strip("[]"), int(port)
+
+
+FROM_FILE = "file"
+
+
+class QuantityType(click.ParamType):  # type: ignore[type-arg]
+    """`file`, or a number of pieces."""
+
+    name = "quantity"
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> str | int:
+        if value == FROM_FILE or isinstance(value, int):
+            return value  # type: ignore[no-any-return]
+        if value.isascii() and value.isdigit() and 0 < int(value[:9]) <= MAX_QUANTITY:
+            return int(value)
+        self.fail(f"found {value!r}; expected file, or 1 to {MAX_QUANTITY}", param, ctx)
+
+
+MAX_QUANTITY = 100_000
