@@ -216,7 +216,8 @@ def test_a_program_that_cannot_be_read(line: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "command", ["post", "plan", "inspect", "convert", "--help", "--version", "post --help"]
+    "command",
+    sampled(["post", "inspect", "plan", "--help", "post --help", "convert", "--version"], 3),
 )
 def test_a_full_standard_output(good: str, command: str) -> None:
     """A device without room, as a disk that is full: no traceback, and it is not silent."""
@@ -276,10 +277,10 @@ def test_names_of_odd_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
 )  # fmt: skip
 def test_a_file_of_zeros_is_not_read_into_memory(good: str, line: str) -> None:
     with open("zeros.nc1", "wb") as file:
-        file.truncate(200 * 1024 * 1024)
+        file.truncate(20 * 1024 * 1024)
     done = call(line.format(i="zeros.nc1"))
     assert done.exit_code == 1
-    assert "zeros.nc1: error read-zeros: found 209 715 200 bytes that are all zero" in done.stderr
+    assert "zeros.nc1: error read-zeros: found 20 971 520 bytes that are all zero" in done.stderr
     assert len(done.output) < 1000
     assert not Path("x").exists()
 
