@@ -24,6 +24,7 @@ from tests.random_copes import random_bevel, random_prepared_web
 from tests.unit.coping.samples import (
     COPER,
     L100,
+    faults,
     job_of,
     outline,
     part_of,
@@ -59,7 +60,7 @@ def passes(part: Part) -> list[CopeCut]:
 
 
 def found(text: str, part: Part, machine: Machine = TILT) -> set[str]:
-    return {d.code for d in errors_in(verify_coping(text, (part,), machine, (), "JOB"))}
+    return {d.code for d in faults(text, part, machine)}
 
 
 def test_a_second_pass_takes_the_wedge_off() -> None:

@@ -16,7 +16,7 @@ from beamcam.checks.coping import verify_coping
 from beamcam.checks.coping.left import WallPieces, holding_faults
 from beamcam.checks.coping.rules import RULES
 from beamcam.checks.coping.section import CoperSection
-from beamcam.errors import Diagnostic, PlanError, errors_in
+from beamcam.errors import Diagnostic, PlanError
 from beamcam.geometry.curves import Arc, Curve, Line
 from beamcam.machine import Machine
 from beamcam.model.part import Contour, Hole, Part, Profile, TextMark
@@ -29,6 +29,7 @@ from tests.unit.coping.samples import (
     COPER,
     IPE300,
     NAMES,
+    faults,
     job_of,
     outline,
     part_of,
@@ -42,7 +43,7 @@ PROGRAM = program_of(COPED)
 
 
 def found(text: str, part: Part = COPED, machine: Machine = COPER) -> tuple[Diagnostic, ...]:
-    return errors_in(verify_coping(text, (part,), machine, (), "JOB"))
+    return faults(text, part, machine)
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -27,7 +27,7 @@ from beamcam.solid.opinion import solid_faults
 from benchmarks import coping_faults, coping_plans
 from tests.conftest import SAMPLES, examples, sampled
 from tests.random_copes import CEES, random_mitre
-from tests.unit.coping.samples import COPER, IPE300, job_of, outline, part_of, program_of
+from tests.unit.coping.samples import COPER, IPE300, faults, job_of, outline, part_of, program_of
 
 BEVEL = load("coper-tilt-linuxcnc")
 
@@ -52,7 +52,7 @@ def refused(part: Part, machine: Machine = BEVEL) -> set[str]:
 
 
 def found(text: str, part: Part, machine: Machine = BEVEL) -> set[str]:
-    return {d.code for d in errors_in(verify_coping(text, (part,), machine, (), "JOB"))}
+    return {d.code for d in faults(text, part, machine)}
 
 
 def mitre() -> Part:
