@@ -40,7 +40,7 @@ def test_locales(expected: bytes, locale: str, tmp_path: Path) -> None:
     assert post(tmp_path, LANG=locale, LC_ALL=locale, LC_NUMERIC=locale) == expected
 
 
-@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("seed", sampled(SEEDS, 2))
 def test_hash_seeds(expected: bytes, seed: str) -> None:
     assert post(ROOT, PYTHONHASHSEED=seed) == expected
 

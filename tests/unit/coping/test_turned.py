@@ -350,7 +350,7 @@ def check(part: Part, folder: Path) -> None:
 
 
 @needs_rs274
-@pytest.mark.parametrize("name", sampled(NAMES, 2))
+@pytest.mark.parametrize("name", sampled(NAMES, 3))
 def test_samples_fall_out_of_the_bar_that_rs274_turns(name: str, tmp_path: Path) -> None:
     check(sample(name), tmp_path)
 
