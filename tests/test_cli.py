@@ -59,14 +59,23 @@ def call(line: str, stdin: str | None = None) -> Result:
     return done
 
 
+@pytest.fixture(scope="module")
+def program(tmp_path_factory: pytest.TempPathFactory) -> bytes:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(tmp_path_factory.mktemp("good"))
+        Path("w.nc1").write_text(WARNED)
+        assert call("post w.nc1 -o w.gcode").exit_code == 0
+        return Path("w.gcode").read_bytes()
+
+
 @pytest.fixture
-def good(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
+def good(program: bytes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
     """The name of a part that is warned of, with its program, in a folder of its own."""
     monkeypatch.chdir(tmp_path)
     Path("w.nc1").write_text(WARNED)
     Path("golden/beamline").mkdir(parents=True)
-    assert call("post w.nc1 -o w.gcode").exit_code == 0
-    Path("golden/beamline/w.gcode").write_bytes(Path("w.gcode").read_bytes())
+    for name in ("w.gcode", "golden/beamline/w.gcode"):
+        Path(name).write_bytes(program)
     return "w"
 
 
