@@ -22,7 +22,6 @@ from beamcam.pipeline import begin, finished
 from beamcam.planning import Share, pieces_of, shares_of
 from beamcam.planning.contours.layout import laid
 from benchmarks import asked_liars
-from benchmarks.asked_liars import told
 from tests.conftest import SAMPLES, examples
 from tests.runs import call
 
@@ -178,16 +177,12 @@ def test_several_sheets_together_are_what_was_asked_for() -> None:
     assert sum(len(finished(one).plan.pieces) for one in begun) == 5
 
 
-@pytest.mark.parametrize(
-    ("every", "many"), [(3, 60), pytest.param(1, 100, marks=pytest.mark.exhaustive)]
-)
-def test_no_lie_about_the_job_is_posted(
-    every: int, many: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
+@pytest.mark.parametrize("every", [3, pytest.param(1, marks=pytest.mark.exhaustive)])
+def test_no_lie_about_the_job_is_posted(every: int, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(asked_liars, "LAYOUTS", asked_liars.LAYOUTS[::every])
-    lies = told()
+    lies = asked_liars.told()
     assert lies.missed == []
-    assert sum(lies.made.values()) > many
+    assert sum(lies.made.values()) > 300 // (every + 2)
 
 
 def test_a_warning_that_no_machine_changes_starts_no_search(tmp_path: Path) -> None:

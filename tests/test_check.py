@@ -33,7 +33,6 @@ def once(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture
 def shop(once: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A copy of them for each test."""
     monkeypatch.chdir(shutil.copytree(once, tmp_path, dirs_exist_ok=True))
     return tmp_path
 

@@ -95,6 +95,8 @@ def test_every_command_with_messages_is_tried() -> None:
 def test_quiet_says_nothing_of_what_is_right(good: str, command: str) -> None:
     done = call(CALLS[command].format(i=good) + " -q")
     assert (done.exit_code, done.stderr) == (0, "")
+    done = call(CALLS[command].format(i=good) + " -q -v")
+    assert (done.exit_code, "--quiet and --verbose exclude each other." in done.stderr) == (2, True)
 
 
 @pytest.mark.parametrize("command", ["post", "plan", "inspect", "convert", "batch", "verify"])
@@ -119,13 +121,6 @@ def test_verbose_tells_what_is_done_and_how_long_it_takes(good: str, command: st
     assert verbose.stdout == plain.stdout
     if command in ("post", "plan", "batch", "watch"):
         assert "17 read = 13 made + 4 merged" in verbose.stderr
-
-
-@pytest.mark.parametrize("command", CALLS)
-def test_quiet_and_verbose_exclude_each_other(good: str, command: str) -> None:
-    done = call(CALLS[command].format(i=good) + " -q -v")
-    assert done.exit_code == 2
-    assert "--quiet and --verbose exclude each other." in done.stderr
 
 
 @pytest.mark.parametrize("command", JSON_MESSAGES)

@@ -109,7 +109,6 @@ def test_a_coped_web_has_its_own() -> None:
     (cut,) = passes(part)
     assert (cut.face, cut.b_deg) == ("v", pytest.approx(-35.0))
     text = program_of(part, TILT)
-    assert not found(text, part)
     codes = {d.code for d in solid_faults(text, Request((part,), TILT), None)}
     assert codes <= {"solid-rounded"}
 
@@ -154,7 +153,6 @@ def test_three_passes_make_a_k_the_lower_one_first() -> None:
     ]  # fmt: skip
     assert not manual_rows(planned(part))
     text = program_of(part, TILT)
-    assert not found(text, part)
     told = {d.code: float(d["found"]) for d in solid_faults(text, Request((part,), TILT), None)}
     assert told.keys() == {"solid-rounded", "solid-square"}
     assert told["solid-square"] < 5.0  # mm3, of rounding

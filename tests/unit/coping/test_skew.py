@@ -248,7 +248,6 @@ WORDS: list[tuple[str, Callable[[str], str]]] = [
 def test_words_of_b() -> None:
     part = mitre()
     text = program_of(part, BEVEL)
-    assert not found(text, part)
     for code, change in WORDS:
         assert code in found(change(text), part)
 
@@ -277,7 +276,6 @@ def test_a_torch_whose_places_are_those_of_its_axes() -> None:
     pivoted = replace(pivoted, axes=tuple(limits))
     part = skew(web_end=25.0, flange_start=-30.0)
     text = program_of(part, pivoted)
-    assert not found(text, part, pivoted)
     assert found(text, part)
     # Over the web the axes stand 250 mm off the tip along the torch.
     tips, axes = (

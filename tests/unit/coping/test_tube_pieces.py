@@ -157,7 +157,6 @@ def test_the_other_web_has_the_slot_only_where_it_has_no_outline_of_its_own() ->
     assert len(plan_coping((made,), TUBE).operations) == 1
     for part, other in ((bare, made), (made, bare)):
         text = program_of(part, TUBE)
-        assert not found(text, part)
         assert found(text, other)
     said = solid_faults(text, Request((part,), TUBE))
     assert {d.code for d in said} == {"solid-rounded"}

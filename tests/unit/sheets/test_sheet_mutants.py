@@ -96,7 +96,7 @@ def leads_of(text: str) -> set[str]:
 
 def test_whatever_the_planner_says_of_a_sheet_that_lies_it_is_refused() -> None:
     """A few of the lies on each machine; benchmarks/mutation.py tells all of them."""
-    lies = told([m for m in LIARS if m[0] != "laser-stepper"], every=389)
+    lies = told([m for m in LIARS if m[0] != "laser-stepper"], every=193)
     assert lies.missed == []
     assert sum(lies.made.values()) > 20
     assert {lie.split(" ")[0] for lie in lies.made} >= {"cut", "engrave", "mark"}
