@@ -16,6 +16,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 from hypothesis.internal.conjecture import providers
 
+from beamcam.budget import begin_member
 from beamcam.errors import Rule
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -98,6 +99,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 def pytest_runtest_setup(item: pytest.Item) -> None:
     if item.get_closest_marker("third_party") and not THIRD_PARTY.is_dir():
         pytest.skip(f"no third-party files in {THIRD_PARTY} (BEAMCAM_THIRD_PARTY)")
+    begin_member()  # else steps of a reader that a test calls have the time of an earlier test
 
 
 #: Where tests try one thing in many cases that are alike: laws, mutants, samples on each machine.

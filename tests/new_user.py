@@ -58,7 +58,7 @@ def lay_out(home: Path) -> tuple[Path, dict[str, str]]:
         _script(stubs / name, text, stubs, paths)
     environment = {
         "PATH": f"{stubs}:/usr/local/bin:/usr/bin:/bin", "PYTHONPATH": str(ROOT),
-        "LC_ALL": "C.UTF-8", "HOME": str(home),
+        "LC_ALL": "C.UTF-8", "HOME": str(home), "PYTEST_ADDOPTS": "-n 0",
     }  # fmt: skip
     return folder, environment
 

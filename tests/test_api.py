@@ -97,7 +97,7 @@ ORDERS = (
 )
 
 
-@pytest.mark.parametrize("order", sampled(ORDERS, 2))
+@pytest.mark.parametrize("order", sampled(ORDERS, 4))
 def test_verify_is_a_function_whatever_was_imported_before(order: str) -> None:
     code = (
         f"{order}\nimport beamcam\n"

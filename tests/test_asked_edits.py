@@ -127,7 +127,7 @@ def posted(copy: Path, words: tuple[str, ...], out: Path) -> subprocess.Complete
 
 
 @pytest.mark.parametrize(
-    "words", sampled([(words,) for words in sorted({e.words for e in EDITS.values()})], 4)
+    "words", sampled([(words,) for words in sorted({e.words for e in EDITS.values()})], 12)
 )
 def test_without_an_edit_it_is_posted(copy: Path, words: tuple[str, ...], tmp_path: Path) -> None:
     done = posted(copy, words, tmp_path / "out")

@@ -444,11 +444,11 @@ def wait_for_outputs(
 
 @pytest.mark.parametrize("jobs", [1, 2])
 def test_a_run_that_is_killed_is_finished_by_the_next(tmp_path: Path, jobs: int) -> None:
-    fill(tmp_path / "in", 90)
+    fill(tmp_path / "in", 40)
     batch(tmp_path / "in", "-o", tmp_path / "right")
     right, out = programs(tmp_path / "right"), tmp_path / "out"
     chance = random.Random(jobs)
-    for least in (1, 40):
+    for least in (1, 20):
         process = start(tmp_path / "in", "-o", out, "--jobs", jobs)
         wait_for_outputs(out, least)
         time.sleep(chance.random() * 0.03)
@@ -460,7 +460,7 @@ def test_a_run_that_is_killed_is_finished_by_the_next(tmp_path: Path, jobs: int)
     assert (refused, failed) == (0, 0)
     # All that stood is known but for the one whose line had not been written yet.
     assert unchanged >= len(made) - 1
-    assert posted + unchanged == 90
+    assert posted + unchanged == 40
     assert programs(out) == right
 
 

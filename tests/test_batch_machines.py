@@ -4,6 +4,8 @@ import csv
 import json
 import os
 import re
+import shutil
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -31,15 +33,26 @@ CHAIN = {
 PARTS = [p for folder in ("coping", "dstv") for p in sorted((SAMPLES / folder).glob("*.nc1"))]
 
 
-@pytest.fixture
-def made(tmp_path: Path) -> Path:
-    """The outputs of a header, which takes two machines, and a tie, which takes one."""
-    (tmp_path / "in").mkdir()
+@pytest.fixture(scope="module")
+def once(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A header, which takes two machines, and a tie, which takes one, with their outputs."""
+    folder = tmp_path_factory.mktemp("made")
+    (folder / "in").mkdir()
     for path in (HEADER, TIE):
-        (tmp_path / "in" / path.name).write_bytes(path.read_bytes())
-    done = batch(tmp_path / "in", "-o", tmp_path / "out", "--machines", TWO, "--jobs", 1)
-    assert counts(done) == (2, 0, 0, 0)
-    return tmp_path / "out"
+        (folder / "in" / path.name).write_bytes(path.read_bytes())
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        assert counts(again(Path("out"))) == (2, 0, 0, 0)
+    return folder
+
+
+@pytest.fixture
+def made(once: Path, tmp_path: Path) -> Iterator[Path]:
+    """The outputs of both, a copy for each test: inputs are recorded by their names from here."""
+    shutil.copytree(once, tmp_path, dirs_exist_ok=True)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(tmp_path)
+        yield Path("out")
 
 
 def again(made: Path, *more: object) -> Any:

@@ -1,6 +1,7 @@
 """`beamcam check` on what a batch wrote: what is missing, what has changed, what is accepted."""
 
 import json
+import shutil
 from pathlib import Path
 
 import pytest
@@ -18,13 +19,21 @@ def check(*words: object) -> tuple[int, str, str]:
     return done.exit_code, done.stdout, "".join(said)
 
 
-@pytest.fixture
-def shop(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+@pytest.fixture(scope="module")
+def once(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Three parts, a machine of their own, and the golden programs of both."""
-    monkeypatch.chdir(tmp_path)
-    fill(tmp_path / "in", 3)
-    machine("780")
-    assert batch("in", "-o", "golden", "--machine", "mine.toml").exit_code == 0
+    folder = tmp_path_factory.mktemp("shop")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        fill(folder / "in", 3)
+        machine("780")
+        assert batch("in", "-o", "golden", "--machine", "mine.toml").exit_code == 0
+    return folder
+
+
+@pytest.fixture
+def shop(once: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(shutil.copytree(once, tmp_path, dirs_exist_ok=True))
     return tmp_path
 
 

@@ -21,14 +21,14 @@ ROW = re.compile(r"^\| (`.+?`) \| (.+) \|$", re.MULTILINE)
 
 def of_samples(monkeypatch: pytest.MonkeyPatch, every: bool) -> dict[str, str]:
     """The first message of each code that posting the samples gives, in their order; of every
-    sample, or of each fourth that an example is of beside the examples of others."""
+    sample, or of each twelfth that an example is of beside the examples of others."""
     monkeypatch.chdir(ROOT)
     known = msgspec.json.decode(FILE.read_bytes(), type=dict[str, codes.CodeExplanation])
     paths = sorted(p for p in Path("samples").rglob("*.*") if p.suffix in SUFFIXES)
     found: dict[str, str] = {}
     if not every:
         of = {code: row.example.partition(":")[0] for code, row in known.items() if row.example}
-        paths = [p for p in paths if p.as_posix() in of.values()][::4]
+        paths = [p for p in paths if p.as_posix() in of.values()][::12]
         asked = {path.as_posix() for path in paths}
         found = {code: known[code].example for code, path in of.items() if path not in asked}
     for path in paths:

@@ -169,8 +169,9 @@ def _plain(cell: object) -> object:
 
 
 def test_the_forms_agree(tmp_path: Path) -> None:
+    inputs = [SAMPLES / f"{name}.nc1" for name in ("channel", "plate", "purlin", "tie")]
     for name in ("list.csv", "list.xlsx", "list.txt"):
-        words = ("list", str(SAMPLES), "--bar", "6000", "--bar", "12000", "-o")
+        words = ("list", *inputs, "--bar", "6000", "--bar", "12000", "-o")
         assert call(*words, tmp_path / name).exit_code == 1
     rows = list(csv.reader((tmp_path / "list.csv").open(encoding="utf-8", newline="")))
     book = openpyxl.load_workbook(tmp_path / "list.xlsx")

@@ -86,7 +86,7 @@ def run_examples(
                 run_by_shell([(command, expected)], folder, environment)
 
 
-@pytest.mark.parametrize("page", sampled(PAGES[1:], 3), ids=lambda p: p.name)
+@pytest.mark.parametrize("page", sampled(PAGES[1:], 4), ids=lambda p: p.name)
 def test_examples_run(page: Path, tmp_path: Path) -> None:
     folder, environment = new_user.lay_out(tmp_path)
     new_user.install(tmp_path)

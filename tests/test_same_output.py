@@ -11,7 +11,7 @@ import pytest
 from tests.conftest import ROOT, SAMPLES, sampled
 
 PARTS = [str(SAMPLES / "dstv" / f"{name}.nc1") for name in ("strut", "strut")]
-LOCALES = ("C", "C.UTF-8", "POSIX", "de_DE.UTF-8", "pt_PT.ISO-8859-1", "tr_TR.UTF-8")
+LOCALES = ("tr_TR.UTF-8", "C", "POSIX", "de_DE.UTF-8", "C.UTF-8", "pt_PT.ISO-8859-1")
 SEEDS = ("0", "1", "17", "4294967295", "random")
 
 
@@ -35,12 +35,12 @@ def expected() -> bytes:
     return text
 
 
-@pytest.mark.parametrize("locale", LOCALES)
+@pytest.mark.parametrize("locale", sampled(LOCALES, 3))
 def test_locales(expected: bytes, locale: str, tmp_path: Path) -> None:
     assert post(tmp_path, LANG=locale, LC_ALL=locale, LC_NUMERIC=locale) == expected
 
 
-@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("seed", sampled(SEEDS, 2))
 def test_hash_seeds(expected: bytes, seed: str) -> None:
     assert post(ROOT, PYTHONHASHSEED=seed) == expected
 
@@ -55,7 +55,7 @@ def test_directories(expected: bytes, tmp_path: Path) -> None:
 def test_workers(expected: bytes, workers: int) -> None:
     """Programs posted side by side, in processes of their own and in threads of one."""
     with ThreadPoolExecutor(workers) as pool:
-        assert set(pool.map(lambda _: post(ROOT), range(4))) == {expected}
+        assert set(pool.map(lambda _: post(ROOT), range(3))) == {expected}
 
 
 @pytest.mark.parametrize("workers", sampled([3, 1], 2))

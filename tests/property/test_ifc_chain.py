@@ -97,7 +97,7 @@ def apart(one: Any, other: Any) -> tuple[float, float]:
         if np.abs(size - its_size).max() > 1.0:
             continue
         laid = laid.translate(low + size / 2 - its_low - its_size / 2)
-        differ = (one - laid).volume() + (laid - one).volume()
+        differ = one.volume() + laid.volume() - 2.0 * (one ^ laid).volume()
         hand = round(float(np.linalg.det(turn)))
         best[hand] = min(best[hand], differ / one.volume())
     return best[1], best[-1]

@@ -21,7 +21,7 @@ from beamcam.readers.ifc.body import body_of
 from beamcam.readers.ifc.finish import Shaped
 from beamcam.readers.ifc.semantic import read_swept
 from beamcam.solid.stock_solid import shape_of
-from tests.conftest import examples
+from tests.conftest import PROFILE, examples
 from tests.property.ifc_builder import Vec
 from tests.property.ifc_cuts import Bar, Box, Cuts, Cutter, Half, Round
 from tests.unit.readers.ifc.models import opened
@@ -198,7 +198,7 @@ def test_the_contours_are_where_the_cutters_are(seed: int) -> None:
     assert wrong_places(made, bar, cutters, shaped_of(data)) == []
 
 
-@settings(max_examples=examples(2), deadline=None)
+@settings(max_examples=1 if PROFILE == "same" else 2, deadline=None)
 @given(st.integers(0, 10**6))
 def test_the_kernel_has_nothing_against_it(seed: int) -> None:
     found = read(random_tube(seed)[-1], "m.ifc", options=Options(kernel=True))

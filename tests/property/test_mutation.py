@@ -109,16 +109,8 @@ def test_whatever_the_planner_says_of_a_plan_that_lies_it_is_refused() -> None:
     assert sum(lies.made.values()) > 250
     kinds = {lie.split(" ")[0] for lie in lies.made}
     assert kinds == {
-        "cut",
-        "drill",
-        "tap",
-        "countersink",
-        "punch",
-        "mill",
-        "scribe",
-        "piece",
-        "without",
-    }
+        "cut", "drill", "tap", "countersink", "punch", "mill", "scribe", "piece", "without",
+    }  # fmt: skip
 
 
 def test_a_program_that_breaks_a_tool_is_never_the_same(programs: list[Case]) -> None:

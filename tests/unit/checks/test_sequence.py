@@ -21,14 +21,8 @@ PUSHER = load("beamline-pusher")
 PARTS = parts("beamline-pusher", PROFILES[0])
 _BEGINS = re.compile(r"(?:N\d+ )?(?:M4[05789] K|M50 K|\(web station|G00 X\S+$|M30)")
 DRILL_OF_TAP, TAP, DRILL, SINK, ENTRY, MILL, SCRIBE = (
-    "L10.2",
-    "M45",
-    "X1015",
-    "M47",
-    "X1230",
-    "M49",
-    "M50",
-)
+    "L10.2", "M45", "X1015", "M47", "X1230", "M49", "M50",
+)  # fmt: skip
 
 PARTING, TRIM = "M42 K105", "X1264"
 

@@ -2,7 +2,8 @@
 
 from msgspec.structs import replace
 
-from beamcam.errors import Source
+from beamcam.checks.coping import verify_coping
+from beamcam.errors import Diagnostic, Source, errors_in
 from beamcam.machine import Machine, load
 from beamcam.model.part import Contour, Feature, Part, Profile
 from beamcam.model.request import Job, Request
@@ -49,6 +50,13 @@ def program_of(part: Part, machine: Machine = COPER) -> str:
     if key not in _PROGRAMS:
         _PROGRAMS[key] = post((part,), machine, "JOB").text
     return _PROGRAMS[key]
+
+
+def faults(text: str, part: Part, machine: Machine = COPER) -> tuple[Diagnostic, ...]:
+    """What the read-back says of a program; of one that `program_of` gave it has passed."""
+    if text == _PROGRAMS.get((repr(part), repr(machine))):
+        return ()
+    return errors_in(verify_coping(text, (part,), machine, (), "JOB"))
 
 
 def job_of(part: Part, machine: Machine = COPER) -> Job:

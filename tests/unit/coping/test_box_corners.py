@@ -85,7 +85,6 @@ def test_copes_into_corners_are_planned_and_read_back(
     into = max(0.0, round(share * (profile.radius - profile.flange_thickness), 2) + off)
     part = coped(profile, into, back, at_top, at_end)
     text = program_of(part)
-    assert not found(text, part)
     assert found(text, coped(profile, into, back - 1.0, at_top, at_end))
     assert found(text, coped(profile, into, back, not at_top, at_end))
 
@@ -135,7 +134,7 @@ def window(profile: Profile, face: Face, into: float, at_high: bool) -> Part:
 
 
 @pytest.mark.parametrize("profile", [RHS, ROUND])
-@pytest.mark.parametrize("into", sampled([-0.01, -1e-4, 1e-4, 0.0, 2.0, 1e-7, 4.99, 0.011], 2))
+@pytest.mark.parametrize("into", sampled([-0.01, -1e-4, 1e-4, 0.0, 2.0, 1e-7, 4.99, 0.011], 4))
 @pytest.mark.parametrize(
     ("face", "at_high"), [("u", False), ("u", True), ("o", False), ("v", True)]
 )
@@ -145,7 +144,6 @@ def test_a_window_may_end_at_a_tangent_or_within_the_corner(
     """A lead that goes over the tangent has several blocks; the seam lies beside face u."""
     part = window(profile, face, into, at_high)
     text = program_of(part)
-    assert not found(text, part)
     assert found(text, window(profile, face, into - 1.0, at_high))
 
 
@@ -181,7 +179,6 @@ def test_outlines_that_end_at_the_tangents_go_on_to_the_edges(faces: str, off: f
     plain = planned(tube(profile=RHS))
     assert [cut.path for cut in plan.operations] == [cut.path for cut in plain.operations]
     text = program_of(part)
-    assert not found(text, part)
     if off == 9.7:
         assert not solid_faults(text, Request((part,), TUBE))
 
@@ -189,7 +186,6 @@ def test_outlines_that_end_at_the_tangents_go_on_to_the_edges(faces: str, off: f
 def test_a_mitre_that_is_drawn_to_the_tangents_is_the_same_end() -> None:
     whole, short = (faced(RHS, "vhou", off, 60.0) for off in (0.0, 10.0))
     text = program_of(short)
-    assert not found(text, short)
     assert not found(text, whole)
     assert found(text, faced(RHS, "vhou", 10.0, 57.0))
     assert not errors_in(solid_faults(text, Request((short,), TUBE)))

@@ -27,6 +27,7 @@ from tests.unit.coping.samples import (
     COPER,
     IPE300,
     UPN200,
+    faults,
     job_of,
     outline,
     part_of,
@@ -66,7 +67,7 @@ def refused(part: Part, machine: Machine = COPER) -> set[str]:
 
 
 def found(text: str, part: Part) -> set[str]:
-    return {d.code for d in errors_in(verify_coping(text, (part,), COPER, (), "JOB"))}
+    return {d.code for d in faults(text, part)}
 
 
 def test_a_hole_is_cut_up_to_where_the_root_goes_with_the_flange() -> None:

@@ -358,11 +358,10 @@ def test_the_part_falls_out_of_what_both_programs_cut(name: str, tmp_path: Path)
     posted = sawn(part)
     path = tmp_path / "second.ngc"
     path.write_text(program_of(rest_after(posted)))
-    strokes = burns(path)
-    piece = pieces(part, strokes, after_the_saw(posted, part))[0]
-    compare(part, piece)
+    strokes, sawed = burns(path), after_the_saw(posted, part)
+    compare(part, pieces(part, strokes, sawed)[0])
     with pytest.raises(AssertionError):  # a cope that is missing is seen
-        compare(part, pieces(part, strokes[:-1], after_the_saw(posted, part))[0])
+        compare(part, pieces(part, strokes[:-1], sawed)[0])
 
 
 @needs_rs274

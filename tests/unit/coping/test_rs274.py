@@ -191,7 +191,8 @@ def compare(part: Part, piece: Any) -> None:
     # A rounded corner of 90 degrees keeps (1 - pi / 4) r^2 of steel, one of 45 degrees 1.63 r^2.
     more, less = (piece - wanted), (wanted - piece)
     assert more.volume() <= corners(part) * 45.0 * thick + 60.0
-    assert max((one.volume() for one in more.decompose()), default=0.0) <= 165.0 * thick
+    if more.volume() > 165.0 * thick:  # else no piece of it is larger
+        assert max(one.volume() for one in more.decompose()) <= 165.0 * thick
     assert less.volume() <= 0.003 * wanted.volume() + 60.0
     # Nothing of it is thicker than what paths and chords may be off.
     assert thicker(less).volume() < 1.0
@@ -206,19 +207,19 @@ def thicker(solid: Any) -> Any:
 
 
 @needs_rs274
-@pytest.mark.parametrize("name", sampled(NAMES, 2))
+@pytest.mark.parametrize("name", sampled(NAMES, 3))
 def test_samples_fall_out_of_the_bar_that_rs274_cuts(name: str, tmp_path: Path) -> None:
     check(sample(name), tmp_path)
 
 
 @needs_rs274
-@pytest.mark.parametrize("seed", sampled([0, 3, 5, 7, 11], 2))
+@pytest.mark.parametrize("seed", sampled([0, 3, 5, 7, 11], 3))
 def test_random_parts_fall_out_of_the_bar(seed: int, tmp_path: Path) -> None:
     check(random_cope(seed), tmp_path)
 
 
 @needs_rs274
-@pytest.mark.parametrize("seed", sampled([0, 1, 2, 3, 5, 8], 2))
+@pytest.mark.parametrize("seed", sampled([0, 1, 2, 3, 5, 8], 3))
 def test_random_tees_fall_out_of_the_bar(seed: int, tmp_path: Path) -> None:
     check(random_tee(seed), tmp_path)
 
@@ -243,7 +244,7 @@ def test_a_lip_holds_the_piece_where_it_is_not_cut(tmp_path: Path) -> None:
 
 
 @needs_rs274
-@pytest.mark.parametrize("seed", sampled([0, 1, 2, 3, 4, 6], 2))
+@pytest.mark.parametrize("seed", sampled([0, 1, 2, 3, 4, 6], 3))
 def test_random_sections_with_lips_end_skew(seed: int, tmp_path: Path) -> None:
     check(random_mitre(seed, CEES), tmp_path, BEVEL)
 

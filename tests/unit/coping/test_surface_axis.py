@@ -74,7 +74,6 @@ def test_a_program_is_the_unrolled_drawing() -> None:
 def test_samples_are_read_back_by_all(name: str) -> None:
     part = sample(name)
     text = program_of(part, SURFACE)
-    assert not found(text, part, SURFACE)
     told = {d.code for d in solid_faults(text, Request((part,), SURFACE))}
     assert told <= {"solid-rounded", "solid-square"}
     (back,) = recover(text, SURFACE).parts

@@ -175,7 +175,6 @@ def test_what_is_drawn_by_lines_is_the_part_as_a_solid() -> None:
     assert cut.lower
     assert len({*cut.turns}) > 24
     text = program_of(part, TILT)
-    assert not found(text, part)
     assert found(text, holed(facets(50.0, 40.0, 24), 40.0, 2.0, face="h"))
     assert not solid_codes(part)
 

@@ -26,17 +26,8 @@ MILD = ("S235JR", "S355J2+N", "S 355", "s275", "S460M", "ST 37-2", "RSt37-2", "F
 STAINLESS = ("1.4301", "1.4571", "X5CrNi18-10", "304", "316L", "AISI 304", "stainless steel", "V2A")
 ALUMINIUM = ("EN AW-5754", "AlMg3", "6082-T6", "5083", "3.3535", "aluminium", "aluminum", "alu")
 OTHERS = (
-    "wood",
-    "acrylic",
-    "copper",
-    "HARDOX 400",
-    "S690QL",
-    "42CrMo4",
-    "1.2379",
-    "C45",
-    "E335",
-    "C60",
-)
+    "wood", "acrylic", "copper", "HARDOX 400", "S690QL", "42CrMo4", "1.2379", "C45", "E335", "C60",
+)  # fmt: skip
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@
 import base64
 import json
 import zlib
+from functools import cache
 from itertools import accumulate
 from typing import Any
 
@@ -24,6 +25,7 @@ HERE = Source("x.nc1", 1)
 CHANNEL = Profile("U", "UPN200", 200.0, 75.0, 11.5, 8.5, 11.5)
 
 
+@cache
 def program_of(*parts: Part, machine: str = "beamline-annex") -> ReadProgram:
     used = load(machine)
     return ReadProgram(post(parts, used).text.encode(), used, f"job{used.suffix}", "", parts)

@@ -1,6 +1,7 @@
 """Setup sheets of copers: the torch over the surface, unrolled, and a row for each cut."""
 
 import re
+from functools import cache
 
 import numpy as np
 import pytest
@@ -20,6 +21,7 @@ from tests.conftest import SAMPLES
 COPING = SAMPLES / "coping"
 
 
+@cache
 def sheet(name: str, machine: str) -> tuple[SheetContent, str]:
     parts = read_file(str(next(p for p in COPING.iterdir() if p.stem == name))).parts
     made, used = post(parts, load(machine)), load(machine)

@@ -57,14 +57,8 @@ def test_what_the_torch_does_not_make_is_spotted_once() -> None:
 def test_the_ledger_has_them_for_the_hand() -> None:
     plan = post((DRILLED,), load("plate-qtplasmac")).plan
     assert isinstance(plan, SheetPlan)
-    assert [o.how for o in plan.outcomes] == [
-        "listed",
-        "listed",
-        "made",
-        "listed",
-        "made",
-        "listed",
-    ]
+    hows = ["listed", "listed", "made", "listed", "made", "listed"]
+    assert [o.how for o in plan.outcomes] == hows
     assert plan.outcomes[2].by == "spot"
 
 

@@ -140,7 +140,7 @@ def test_a_missing_hole_is_named_by_its_place() -> None:
     assert "on face v at x 40.0, y 40.0" in said[0].message
 
 
-@pytest.mark.parametrize("off", [-2.0, -0.3, 0.3, 5.0])
+@pytest.mark.parametrize("off", sampled([-2.0, -0.3, 0.3, 5.0], 2))
 def test_another_length(off: float) -> None:
     made = machine_of("plate-linuxcnc")
     outer = ODD.features[0]

@@ -258,18 +258,23 @@ def test_the_torch_is_off_within_two_cycles(row: Row) -> None:
         assert max(c.seconds for c in found) <= 4 * t.cycle_s + 1e-9
 
 
-def test_the_page_has_the_measured_table(golden: Golden) -> None:
+@pytest.mark.parametrize("every", [3, pytest.param(1, marks=pytest.mark.exhaustive)])
+def test_the_page_has_the_measured_table(every: int, golden: Golden) -> None:
+    page = DOCS.read_text(encoding="utf-8")
+    before, _, rest = page.partition(BEGIN)
+    table, _, behind = rest.partition(END)
+    assert behind, "the page has lost its table"
+    _, _, *written = table.splitlines(keepends=True)
     lines = [
         "| number | what happens | cycles | s | mm burnt | mm off the path | mm run on |\n",
         "| --- | --- | --- | --- | --- | --- | --- |\n",
     ]
-    for row in ROWS:
+    for k, row in enumerate(ROWS):
+        if k % every and not golden.update:
+            lines += written[k : k + 1]
+            continue
         found = costs(row.number, row.what)
         worst = [max(getattr(c, key) for c in found) for key in Cost.__struct_fields__]
         figures = f"{worst[0]} | {worst[1]:.3f} | " + " | ".join(f"{v:.2f}" for v in worst[2:])
         lines.append(f"| {row.number} | {row.what} | {figures} |\n")
-    page = DOCS.read_text(encoding="utf-8")
-    before, _, rest = page.partition(BEGIN)
-    _, _, behind = rest.partition(END)
-    assert behind, "the page has lost its table"
     golden.check(DOCS, f"{before}{BEGIN}{''.join(lines)}{END}{behind}")

@@ -47,9 +47,9 @@ def test_a_rest_at_a_steady_speed_is_refused(thickness: float, ms: float) -> Non
     lit = set(on)
     ends = [k for k in on if k + 1 not in lit or k - 1 not in lit]
     rng = np.random.default_rng(1)
-    asked = [k for k in rng.choice(on, 24) if min(abs(k - end) for end in ends) > 1000]
+    asked = [k for k in rng.choice(on, 14) if min(abs(k - end) for end in ends) > 1000]
     found = [codes(rested(lines, int(k), ms), part) for k in asked]
-    assert len(asked) > 12
+    assert len(asked) > 6
     # In a corner, where the head turns, its ramps take longer than that between two steps.
     missed = sum(not one for one in found)
     assert missed <= 1, [lines[k] for k, one in zip(asked, found, strict=True) if not one]

@@ -196,7 +196,7 @@ def test_the_plain_look_and_the_whole_comparison_say_the_same(
     encoding: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     random = Random(encoding)
-    members = [random_member(random, encoding) for _ in range(5)]
+    members = [random_member(random, encoding) for _ in range(3)]
     data = model_text(members, encoding, random)[0].encode()
     looked: list[float | None] = []
     plain = same_solid._plainly_drilled
