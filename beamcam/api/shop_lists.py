@@ -17,7 +17,8 @@ from beamcam.model.plan import stock_used
 from beamcam.model.request import ChosenBy, Quantity, Remnant, Request, remnant_of
 from beamcam.pipeline import are_flats, plan_share, plans_of, stock_of
 from beamcam.planning import LotKey, Share, number_of, remnants_of, shares_of
-from beamcam.planning.left_out import MARK_ROWS, manual_rows, named_skips
+from beamcam.planning.left_out import named_skips
+from beamcam.planning.manual_list import MARK_ROWS, manual_rows
 from beamcam.posts import Planned
 from beamcam.reports.part_list import (
     CutBar,

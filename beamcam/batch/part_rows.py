@@ -8,7 +8,7 @@ from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
 from beamcam.model.plan import ContourOp, stock_used
 from beamcam.pipeline import Posted
-from beamcam.planning.left_out import manual_rows
+from beamcam.planning.manual_list import manual_rows
 from beamcam.reports.run import Ledger, PartRow, RestRow
 
 #: Outcomes of a feature, as in the ledger.

@@ -19,7 +19,7 @@ from beamcam.model.plan import stock_used
 from beamcam.model.request import Request
 from beamcam.pipeline import Begun, begin_share, plans_of
 from beamcam.planning import Share, number_of
-from beamcam.planning.left_out import MARK_ROWS, manual_rows
+from beamcam.planning.manual_list import MARK_ROWS, manual_rows
 from beamcam.reports.part_list import ManualWork, PartCount
 from beamcam.reports.run import FileRow, PartRow, StockRow, as_message, dumped
 from beamcam.system import free_of_devices

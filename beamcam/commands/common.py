@@ -379,10 +379,11 @@ def write_list(posted: "Posted", output: str, console: Console, read: FilesRead)
     """
     if output == STANDARD:
         return
-    from beamcam.planning.left_out import LIST_BEGIN, LIST_SUFFIX, as_csv, manual_rows
+    from beamcam.model.plan import unfinished
+    from beamcam.planning.manual_list import LIST_BEGIN, LIST_SUFFIX, as_csv, manual_rows
 
     path = output + LIST_SUFFIX
-    if rows := manual_rows(posted.plan):
+    if unfinished(posted.plan.outcomes) and (rows := manual_rows(posted.plan)):
         write(path, as_csv(rows), console, read)
     else:
         remove_made(path, LIST_BEGIN)
