@@ -52,7 +52,7 @@ def _mapped(part: Part, machine: Machine) -> dict[str, int]:
     """The curves that each key of the machine's map of colours and layers stands for."""
     if machine.torch is None:
         return {}
-    from beamcam.planning.map_keys import curves_by_key
+    from beamcam.planning.left_out import curves_by_key
 
     return dict(sorted(curves_by_key((part,), machine.torch.colours).items()))
 

@@ -209,7 +209,7 @@ def map_remarks(config: Config, parts: Sequence[Part], machine: Machine) -> tupl
     """
     if not config.map or machine.torch is None:
         return ()
-    from beamcam.planning.map_keys import curves_by_key, idle, unmatched
+    from beamcam.planning.left_out import curves_by_key, idle, unmatched
 
     asked = {key for key, source in config.sources.items() if source == COMMAND_LINE}
     here = {k: v for k, v in config.meanings.items() if f"map.{k}" in asked}
