@@ -22,7 +22,7 @@ from beamcam.planning.contours.narrow import (
     uncompensated,
 )
 from beamcam.planning.contours.order import PLAIN
-from beamcam.planning.contours.outline import Curves, Shape, stretch, stretches_of, waste_side
+from beamcam.planning.contours.outline import Curves, Shape, stretch, waste_side
 from beamcam.planning.contours.outline import ways as polylines_of
 from beamcam.planning.contours.repeats import (
     Repeats,
@@ -31,6 +31,7 @@ from beamcam.planning.contours.repeats import (
     in_levels,
     with_joints,
 )
+from beamcam.planning.contours.tabs import stretches_of
 
 #: Mitre limit of corners, in half kerfs.
 MITRE_LIMIT = 2.5

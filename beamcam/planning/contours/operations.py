@@ -37,14 +37,12 @@ from beamcam.planning.contours.outline import (
     Shape,
     begun,
     is_turned,
-    joint_in_bridge,
-    needs_tabs,
     reversed_chain,
     stretch,
-    stretches_of,
     waste_side,
     ways,
 )
+from beamcam.planning.contours.tabs import joint_in_bridge, needs_tabs, stretches_of
 
 Way = tuple[Shape, float]  #: with the kerf that is kept off
 
@@ -178,7 +176,7 @@ def _operation(
     if row is None:
         raise AssertionError("a process without a row was let through")
     side: Literal["on", "left", "right"] = "on"
-    stretches = list(stretches_of(shape, kerf, torch))
+    stretches = stretches_of(shape, kerf, torch) if torch.tabs else (shape.curves,)
     if torch.kerf_by == "machine" and kerf:
         side = "left" if waste_side(shape.area, shape.is_hole) > 0 else "right"
     last = len(stretches) - 1
@@ -209,7 +207,7 @@ def _is_small(shape: Shape, material: SheetMaterial) -> bool:
     if shape.process != "cut" or not (shape.is_ring and shape.is_hole):
         return False
     row = material.row_for("cut", shape.look)
-    if row is None:
+    if row is None or not row.hole_diameter:
         return False
     return total_length(shape.curves) < pi * row.hole_diameter
 
