@@ -1,6 +1,7 @@
-"""Contours as polygons and polylines, for questions that need no exact curve."""
+"""Contours: their curves and where they begin, as polygons and polylines, and their shapes."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from itertools import pairwise, product
 from math import dist
 from typing import TYPE_CHECKING, Any
 
@@ -8,9 +9,10 @@ from msgspec import Struct
 
 from beamcam.errors import Source
 from beamcam.geometry.conics import direction_deg
-from beamcam.geometry.curves import Arc, Curve, Line, parameter_at
-from beamcam.geometry.plane import Point
+from beamcam.geometry.curves import Arc, Curve, Line, parameter_at, unit_vector
+from beamcam.geometry.plane import Point, between, distance, dot, join_boxes
 from beamcam.machine.torch import Torch, TorchProcess
+from beamcam.model.part import Hole, Slot
 
 if TYPE_CHECKING:
     import numpy as np
@@ -224,3 +226,90 @@ def entity(source: Source) -> str:
     if source.where is not None:
         return source.where
     return f"line {source.line}" if source.line is not None else source.file
+
+
+def curves_of(feature: Hole | Slot, cross: float) -> tuple[Curve, ...]:
+    """The closed contour of a hole or a slot, counter-clockwise; of a centre mark its cross."""
+    if feature.kind == "mark":
+        return cross_at((feature.x, feature.y), cross)
+    if isinstance(feature, Hole):
+        return (Arc((feature.x, feature.y), feature.diameter / 2, 0.0, 360.0),)
+    return tuple(_slot_curves(feature))
+
+
+def cross_at(at: Point, size: float) -> tuple[Line, Line]:
+    """The two lines that mark a centre."""
+    (x, y), half = at, size / 2
+    return Line((x - half, y), (x + half, y)), Line((x, y - half), (x, y + half))
+
+
+def centres_of(feature: Hole | Slot) -> list[Point]:
+    """Drill start points: the centre of a hole, those of the round corners of a slot."""
+    if isinstance(feature, Hole):
+        return [(feature.x, feature.y)]
+    (c, s), points = unit_vector(feature.angle), list[Point]()
+    for u, v in product({feature.length / 2, -feature.length / 2},
+                        {feature.height / 2, -feature.height / 2}):  # fmt: skip
+        points.append((feature.x + c * u - s * v, feature.y + s * u + c * v))
+    return sorted(points)
+
+
+def _slot_curves(slot: Slot) -> Iterator[Curve]:
+    """Lines joined by corner arcs of the slot's diameter: half circles where it has no height."""
+    radius, (c, s) = slot.diameter / 2, unit_vector(slot.angle)
+    half_x, half_y = slot.length / 2, slot.height / 2
+
+    def at(x: float, y: float) -> Point:
+        return slot.x + c * x - s * y, slot.y + s * x + c * y
+
+    corners = ((half_x, half_y), (-half_x, half_y), (-half_x, -half_y), (half_x, -half_y))
+    arcs = [Arc(at(x, y), radius, slot.angle + 90.0 * k, 90.0) for k, (x, y) in enumerate(corners)]
+    for k, arc in enumerate(arcs):
+        if radius > 0.0:
+            yield arc
+        start, end = arc.end, arcs[(k + 1) % 4].start
+        if (slot.length, slot.height)[k % 2] > 0.0:
+            yield Line(start, end)
+
+
+SAME_SIZE = 1e-6  #: mm, that an opening may be below the least by its last digits
+
+
+class Opening(Struct, frozen=True):
+    """A contour that is a circle or a slot, whatever curves draw it."""
+
+    centres: tuple[Point, ...]  #: of a circle one, of a slot those of its round ends
+    width: float
+    length: float  #: of a circle its diameter
+
+
+def round_ended(shape: Shape, least: float, tolerance: float) -> Opening | None:
+    """A contour as a circle or a slot that is narrower than `least`; None if it is none."""
+    lines = [curve for curve in shape.curves if isinstance(curve, Line)]
+    along = max(lines, key=lambda line: line.length).tangent(0.0) if lines else (1.0, 0.0)
+    (c, s), corners = along, points_of([shape.curves], tolerance / 4)[0].tolist()
+    level = [curve.transformed(((c, s, 0.0), (-s, c, 0.0))) for curve in shape.curves]
+    x0, y0, x1, y1 = join_boxes([curve.bbox for curve in level]) or (0.0,) * 4
+    length, width = x1 - x0, y1 - y0
+    if abs(length - width) <= 2 * tolerance:
+        length = width = (length + width) / 2
+    if width > length or width >= least - SAME_SIZE:
+        return None
+    centre, middle, reach = (x0 + x1) / 2, (y0 + y1) / 2, (length - width) / 2
+    ends = [
+        (c * u - s * middle, s * u + c * middle)
+        for u in dict.fromkeys((centre - reach, centre + reach))
+    ]
+    places = [*corners, *(between(a, b, 0.5) for a, b in pairwise(corners))]
+    if max(abs(_from_line(place, ends) - width / 2) for place in places) > tolerance:
+        return None
+    return Opening(tuple(ends), width, length)
+
+
+def _from_line(place: Point, ends: Sequence[Point]) -> float:
+    """How far a place is from a line between two ends, or from a point."""
+    (x0, y0), (x1, y1) = ends[0], ends[-1]
+    way = x1 - x0, y1 - y0
+    size = dot(way, way)
+    share = dot(way, (place[0] - x0, place[1] - y0)) / size if size else 0.0
+    return distance(place, between(ends[0], ends[-1], min(max(share, 0.0), 1.0)))
