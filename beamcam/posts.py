@@ -231,7 +231,7 @@ def _refuse_begun(job: Job) -> None:
 
 
 def _plan_sheet(job: Job) -> SheetPlan:
-    from beamcam.planning.contours.layout import laid
+    from beamcam.planning.contours.plate import laid
     from beamcam.planning.sheet import plan_sheet
 
     machine = job.machine

@@ -20,7 +20,7 @@ from beamcam.model.part import Bend, Contour, Hole, Part, Profile, Slot, TextMar
 from beamcam.model.request import Job, Request
 from beamcam.pipeline import begin, finished
 from beamcam.planning import Share, pieces_of, shares_of
-from beamcam.planning.contours.layout import laid
+from beamcam.planning.contours.plate import laid
 from benchmarks.asked_liars import told
 from tests.conftest import SAMPLES, examples
 from tests.runs import call

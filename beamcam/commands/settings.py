@@ -193,7 +193,7 @@ def _other_thicknesses(thickness: float, parts: Sequence[Part]) -> Iterator[Diag
 
 
 def _other_materials(material: str, parts: Sequence[Part]) -> Iterator[Diagnostic]:
-    from beamcam.planning.contours.material import is_same
+    from beamcam.planning.contours.plate import is_same
     from beamcam.planning.contours.rules import OTHER_MATERIAL
 
     for part in parts:

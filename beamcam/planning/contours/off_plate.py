@@ -13,8 +13,7 @@ from beamcam.errors import Diagnostic
 from beamcam.model.description import named
 from beamcam.model.part import PLATE_FACES, Hole, Part, Slot
 from beamcam.planning.contours import rules
-from beamcam.planning.contours.layout import outline_of
-from beamcam.planning.contours.outline import curves_of, invalid, outlines, valid
+from beamcam.planning.contours.outline import curves_of, invalid, outline_of, outlines, valid
 
 
 def off_plate(part: Part, tolerance: float) -> Iterator[Diagnostic]:

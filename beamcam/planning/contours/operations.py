@@ -29,8 +29,6 @@ from beamcam.planning.contours.kerf import (
     overcut,
     overcut_length,
 )
-from beamcam.planning.contours.layout import moved
-from beamcam.planning.contours.material import SheetMaterial
 from beamcam.planning.contours.order import is_one_way, order, rank
 from beamcam.planning.contours.outline import (
     Curves,
@@ -42,6 +40,7 @@ from beamcam.planning.contours.outline import (
     waste_side,
     ways,
 )
+from beamcam.planning.contours.plate import SheetMaterial, moved
 from beamcam.planning.contours.tabs import joint_in_bridge, needs_tabs, stretches_of
 
 Way = tuple[Shape, float]  #: with the kerf that is kept off

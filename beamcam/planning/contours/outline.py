@@ -6,13 +6,15 @@ from math import dist
 from typing import TYPE_CHECKING, Any
 
 from msgspec import Struct
+from msgspec.structs import replace
 
 from beamcam.errors import Source
 from beamcam.geometry.conics import direction_deg
 from beamcam.geometry.curves import Arc, Curve, Line, parameter_at, unit_vector
-from beamcam.geometry.plane import Point, between, distance, dot, join_boxes
+from beamcam.geometry.plane import Box, Point, between, distance, dot, join_boxes
 from beamcam.machine.torch import Torch, TorchProcess
-from beamcam.model.part import Hole, Slot
+from beamcam.model.description import end_lines
+from beamcam.model.part import PLATE_FACES, Contour, Feature, Hole, Part, Slot, extent
 
 if TYPE_CHECKING:
     import numpy as np
@@ -313,3 +315,42 @@ def _from_line(place: Point, ends: Sequence[Point]) -> float:
     size = dot(way, way)
     share = dot(way, (place[0] - x0, place[1] - y0)) / size if size else 0.0
     return distance(place, between(ends[0], ends[-1], min(max(share, 0.0), 1.0)))
+
+
+def with_outline(part: Part) -> Part:
+    """A plate that is described by its length and width alone, with its rectangle as a contour."""
+    lines = outline_of(part)
+    if not lines:
+        return part
+    return replace(part, features=(*part.features, Contour("v", "outer", lines, part.source)))
+
+
+def outline_of(part: Part) -> tuple[Line, ...]:
+    """The outline of a plate that has no contour of its own: its length and width, and its ends as
+    the header has them; nothing for others and drawings.
+    """
+    cut = [c for c in part.contours if c.kind == "outer" and c.process == "cut"]
+    if part.measures is not None or any(contour.face in PLATE_FACES for contour in cut):
+        return ()
+    (a, d), (b, c) = end_lines(part, "v")
+    return Line(a, b), Line(b, c), Line(c, d), Line(d, a)
+
+
+def reach_of(part: Part) -> Box:
+    """The box around all that a part has, of a plate without anything its length and width."""
+    box = extent(curve for feature in part.features for curve in reached_curves(feature))
+    return box or (0.0, 0.0, part.length, part.profile.height)
+
+
+def reached_curves(feature: Feature) -> Iterator[Curve]:
+    """Curves that reach as far as a feature does."""
+    if isinstance(feature, Contour):
+        yield from feature.curves
+    elif isinstance(feature, Hole):
+        yield Arc((feature.x, feature.y), feature.diameter / 2, 0.0, 360.0)
+    elif isinstance(feature, Slot):
+        c, s = unit_vector(feature.angle)
+        for u in (-feature.length / 2, feature.length / 2):
+            for v in (-feature.height / 2, feature.height / 2):
+                centre = feature.x + c * u - s * v, feature.y + s * u + c * v
+                yield Arc(centre, feature.diameter / 2, 0.0, 360.0)

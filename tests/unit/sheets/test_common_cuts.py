@@ -19,8 +19,8 @@ from beamcam.model.part import Part
 from beamcam.model.plan import SheetPlan
 from beamcam.model.request import Request
 from beamcam.pipeline import Posted, post, read_back
-from beamcam.planning.contours.layout import apart
 from beamcam.planning.contours.outline import Shape
+from beamcam.planning.contours.plate import apart
 from beamcam.planning.contours.repeats import in_levels
 from tests.conftest import examples, sampled
 from tests.unit.sheets.parts import box, circle, contour, drawing, lines

@@ -15,7 +15,7 @@ from beamcam.machine import load
 from beamcam.machine.overlay import with_torch
 from beamcam.model.part import Bevel, EndCuts, Hole, Part, Profile
 from beamcam.pipeline import post
-from beamcam.planning.contours.layout import outline_of
+from beamcam.planning.contours.outline import outline_of
 from tests.unit.sheets.parts import contour
 
 SOURCE = Source("flat.nc1", 1)

@@ -26,7 +26,7 @@ from beamcam.motion import step_events, steps
 from beamcam.motion.step_events import BACK, FORWARD, MOVE_BITS, MOVES, TIME_BIT, events
 from beamcam.motion.steps import Way
 from beamcam.pipeline import post, read_back
-from beamcam.planning.contours.material import SheetMaterial
+from beamcam.planning.contours.plate import SheetMaterial
 from beamcam.solid.sheet_solid import rows_for
 from tests.conftest import examples
 from tests.path_samples import positions
