@@ -37,10 +37,16 @@ from beamcam.planning.contours.assign_process import (
 from beamcam.planning.contours.doubling import refuse_copies, refuse_many_passes
 from beamcam.planning.contours.join import Joined, join
 from beamcam.planning.contours.nest import nest
-from beamcam.planning.contours.off_plate import off_plate
 from beamcam.planning.contours.operations import operations_of
 from beamcam.planning.contours.order import PLAIN, refuse_order
-from beamcam.planning.contours.outline import Opening, Shape, cross_at, points_of, round_ended
+from beamcam.planning.contours.outline import (
+    Opening,
+    Shape,
+    cross_at,
+    off_plate,
+    points_of,
+    round_ended,
+)
 from beamcam.planning.contours.plate import (
     SheetMaterial,
     box_of,

@@ -32,7 +32,12 @@ from beamcam.model.part import (
 from beamcam.model.request import policy_on
 from beamcam.planning import rules as bar_rules
 from beamcam.planning.contours import rules
-from beamcam.planning.contours.outline import centres_of, cross_at, curves_of, outline_of
+from beamcam.planning.contours.outline import (
+    centres_of,
+    cross_at,
+    curves_of,
+    outline_of,
+)
 from beamcam.planning.contours.plate import takes_nothing
 from beamcam.planning.left_out import BEVEL, DRILL, FACE, NO_ROOM, NOT_MOVED, listed_by, refuse_mark
 from beamcam.planning.lettering import place_text, remarks

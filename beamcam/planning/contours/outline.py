@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING, Any
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.errors import Source
+from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.conics import direction_deg
 from beamcam.geometry.curves import Arc, Curve, Line, parameter_at, unit_vector
 from beamcam.geometry.plane import Box, Point, between, distance, dot, join_boxes
 from beamcam.machine.torch import Torch, TorchProcess
-from beamcam.model.description import end_lines
+from beamcam.model.description import end_lines, named
 from beamcam.model.part import PLATE_FACES, Contour, Feature, Hole, Part, Slot, extent
+from beamcam.planning.contours import rules
 
 if TYPE_CHECKING:
     import numpy as np
@@ -354,3 +355,45 @@ def reached_curves(feature: Feature) -> Iterator[Curve]:
             for v in (-feature.height / 2, feature.height / 2):
                 centre = feature.x + c * u - s * v, feature.y + s * u + c * v
                 yield Arc(centre, feature.diameter / 2, 0.0, 360.0)
+
+
+#  ____________       A torch follows whatever is closed: a hole beside the outline would be cut
+# |  ______    |      into the sheet there, one in a cut-out into what falls out of it. Both are
+# | |  o   |   |  o   mistakes of the file, and nothing says which of its numbers is wrong.
+# | |______|   |
+# |____________|
+
+
+def off_plate(part: Part, tolerance: float) -> Iterator[Diagnostic]:
+    """An error for each hole and slot that lies off the plate, or wholly in a cut-out.
+
+    An opening that crosses an edge is refused where contours that cross are; one inside a larger
+    hole is no error here. Drawings have contours alone, which nest.
+    """
+    import shapely
+
+    openings = [
+        f for f in part.features
+        if isinstance(f, Hole | Slot) and f.kind != "mark" and f.face in PLATE_FACES
+    ]  # fmt: skip
+    if not openings:
+        return
+    cut = [c for c in part.contours if c.process == "cut" and c.face in PLATE_FACES]
+    around = [c.curves for c in cut if c.kind == "outer"]
+    around += [own] if (own := outline_of(part)) else []
+    gone = [c.curves for c in cut if c.kind == "inner" and c.closed]
+    every = [curves_of(opening, 0.0) for opening in openings]
+    chains = [*around, *gone, *every]
+    rings = outlines(chains, tolerance / 4)
+    rings = valid(rings, invalid(rings))
+    first = len(around) + len(gone)
+    plate, voids, holes = rings[: len(around)], rings[len(around) : first], rings[first:]
+    on_plate = {*shapely.STRtree(plate).query(holes, predicate="intersects")[0].tolist()}
+    inner, outer = shapely.STRtree(voids).query(holes, predicate="within")
+    more = shapely.area(voids)[outer] - shapely.area(holes)[inner]  # none where it is drawn twice
+    lost = {*inner[more > tolerance * shapely.length(holes)[inner]].tolist()}
+    for k, opening in enumerate(openings):
+        if k not in on_plate or k in lost:
+            yield rules.OFF.at(
+                opening.source, what=named(opening), x=f"{opening.x:g}", y=f"{opening.y:g}"
+            )
