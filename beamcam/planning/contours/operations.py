@@ -19,25 +19,19 @@ from beamcam.planning.contours import rules
 from beamcam.planning.contours.assign_process import OUTLINE
 from beamcam.planning.contours.chain import Way, chained
 from beamcam.planning.contours.entry import entries
-from beamcam.planning.contours.kerf import (
-    NO_LEADS,
-    Lead,
-    common_cuts,
-    compensated,
-    is_shortened,
-    leads_of,
-    overcut,
-    overcut_length,
-)
+from beamcam.planning.contours.kerf import NO_LEADS, Lead, compensated, leads_of, overcut_length
 from beamcam.planning.contours.order import is_one_way, order, rank
 from beamcam.planning.contours.outline import (
+    Curves,
     Shape,
     begun,
     is_turned,
     reversed_chain,
+    stretch,
     waste_side,
 )
 from beamcam.planning.contours.plate import SheetMaterial, moved
+from beamcam.planning.contours.repeats import common_cuts
 from beamcam.planning.contours.tabs import joint_in_bridge, needs_tabs, stretches_of
 
 LAST = 1 << 20  #: level of what is cut when all parts are
@@ -228,3 +222,29 @@ def _open_cuts(shapes: Sequence[Shape], kerf: float) -> Iterator[Diagnostic]:
             yield rules.OPEN_CUT.at(shape.source, apart=f"{apart:.3f}", **places)
     if len(opened) > SHOWN_OPEN:
         yield rules.MORE_OPEN.at(opened[SHOWN_OPEN].source, found=len(opened) - SHOWN_OPEN)
+
+
+ROUNDING = 1e-6  #: mm by which an overcut may be shorter
+
+
+def overcut(shape: Shape, kerf: float, torch: Torch) -> Curves:
+    """The stretch of a closed contour that is cut again at its end, none without an overcut.
+
+    It is at most half of the way to the first bridge, or of the
+    contour where there is none.
+    """
+    length = overcut_length(shape, torch)
+    if not length:
+        return ()
+    first = stretches_of(shape, kerf, torch)[0]
+    lengths = [curve.length for curve in first]
+    return stretch(first, lengths, 0.0, min(length, sum(lengths) / 2))
+
+
+def is_shortened(shape: Shape, kerf: float, torch: Torch) -> bool:
+    """Whether a contour has too little room for its overcut."""
+    length = overcut_length(shape, torch)
+    if not length:
+        return False
+    first = stretches_of(shape, kerf, torch)[0]
+    return sum(curve.length for curve in first) / 2 < length - ROUNDING

@@ -363,3 +363,39 @@ def with_joints(shapes: Sequence[Shape], torch: Torch) -> list[Shape]:
         for end, k in near.T.tolist():
             joints[k].append(ends[end])
     return [replace(s, joints=tuple(own)) for s, own in zip(shapes, joints, strict=True)]
+
+
+def common_cuts(
+    paths: Sequence[Shape], kerfs: Sequence[float], torch: Torch, share: bool
+) -> tuple[list[Shape], list[float], list[Diagnostic]]:
+    """The toolpaths and their kerfs, with edges shared by two contours cut once.
+
+    That is an edge of both if no kerf is kept off, else the middle between two that are a kerf
+    apart. A contour of which nothing is left is made by the first one that it lies on.
+    Without a kerf nothing is looked for unless contours `share` edges.
+    """
+    if torch.kerf_by == "machine" or not (share or any(kerfs)):
+        return list(paths), list(kerfs), []
+    repeats = Repeats()
+    once = contours_once(paths, torch.gap, repeats)
+    if not repeats.common:
+        return list(paths), list(kerfs), []
+    cuts = [(k, shape) for k, rest in enumerate(once) for shape in rest]
+    of_feature = {f: n for n, (_, shape) in reversed(list(enumerate(cuts))) for f in shape.features}
+    first = {k: n for n, (k, _) in reversed(list(enumerate(cuts)))}
+    more: defaultdict[int, list[int]] = defaultdict(list)
+    for feature, into in repeats.resolved(of_feature).items():
+        more[of_feature[into]].append(feature)
+    shapes = [
+        replace(
+            shape,
+            parent=first.get(shape.parent, -1),
+            features=tuple(sorted((*shape.features, *more[n]))),
+        )
+        for n, (_, shape) in enumerate(cuts)
+    ]
+    if any(kerfs):
+        shapes = in_levels(begun_off_common(shapes, paths, first, torch), torch)
+    if torch.tabs:
+        shapes = with_joints(shapes, torch)
+    return shapes, [kerfs[k] for k, _ in cuts], list(repeats.remarks())
