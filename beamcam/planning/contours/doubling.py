@@ -1,24 +1,21 @@
 """Curves and contours that pass a place again: back along themselves, too often, or at a point."""
 
-from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
 from math import hypot
 
 import numpy as np
 from msgspec import Struct
-from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, PlanError
 from beamcam.geometry.array_types import Counts, Floats
-from beamcam.geometry.arrays import CurveTable, first_equal, near_pairs
-from beamcam.geometry.curves import Arc, Bezier, BSpline, Curve, Line, signed_area
-from beamcam.geometry.plane import Point, distance, dot
+from beamcam.geometry.arrays import CurveTable, first_equal
+from beamcam.geometry.curves import Arc, Bezier, BSpline, Curve, Line
+from beamcam.geometry.plane import Point, dot
 from beamcam.geometry.polylines import polylines
-from beamcam.model.lengths import total_length
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.assign_process import AssignedCurve
-from beamcam.planning.contours.outline import Drawn, Shape, outlines
+from beamcam.planning.contours.outline import Drawn, Shape
 
 FINE = 1e-3  #: mm that chords are off their curves, and what lies nearer lies on one another
 MIN_LENGTH = 0.5  #: mm; both arms of a cusp leave one another, what stays together longer runs back
@@ -207,16 +204,6 @@ def _needles(ring: Floats, turns: Counts, near: float) -> Iterator[Doubling]:
             yield Doubling(0, (x, y), length)
 
 
-def told_flat(shapes: Sequence[Shape]) -> Iterator[Diagnostic]:
-    """An error for each closed chain that runs back along itself all the way."""
-    for shape in shapes:
-        x0, y0 = shape.curves[0].start
-        x, y = max((c.end for c in shape.curves), key=lambda p: hypot(p[0] - x0, p[1] - y0))
-        yield rules.RUNS_BACK_KERF.at(
-            shape.source, found=f"{total_length(shape.curves) / 2:.3f}", x=f"{x:.3f}", y=f"{y:.3f}"
-        )
-
-
 # --- copies ---------------------------------------------------------------------------------------
 
 # Refused before anything is compared with all.
@@ -303,98 +290,3 @@ def _may_pass(starts: Floats, ends: Floats, places: Floats, tolerance: float) ->
     (x0, y0), (x1, y1) = cells(low), cells(high) + 1
     inside = sums[x1 * side + y1] - sums[x0 * side + y1] - sums[x1 * side + y0]
     return np.flatnonzero(inside + sums[x0 * side + y0])
-
-
-# --- pinch ----------------------------------------------------------------------------------------
-
-# Contours that pass a place again, taken apart where waste hangs together by that point only.
-#
-#  _________
-# |   ___   |   The window touches the edge of the plate at o, and both are drawn as one contour:
-# |  |   |  |   two regions of waste, each cut by itself. Where it is the part that hangs together
-# |  |   |  |   by a point, the contour stays whole, as nothing says that it is two parts.
-# |__o___|__|
-
-
-SAME_PLACE = 1e-4  #: mm, of a place that is passed again: what is nearer is written alike
-SAME_POINT = 1e-9  #: of ends that need no joining
-
-
-def taken_apart(
-    shapes: Sequence[Shape], which: Sequence[int], tolerance: float
-) -> tuple[list[Shape], list[Shape]]:
-    """The shapes, some of them as the contours of the waste that hangs together there by points.
-
-    And those among these that are followed there and back: they go round nothing that is wider
-    than half the machine's tolerance.
-    """
-    found: list[Shape] = []
-    flat: list[Shape] = []
-    numbers = set(which)
-    for k, shape in enumerate(shapes):
-        rings = list(_rings(shape, tolerance)) if k in numbers else [shape.curves]
-        pieces = [replace(shape, curves=ring) for ring in rings] if len(rings) > 1 else [shape]
-        flat += (one for one in pieces if len(rings) > 1 and _is_flat(one.curves, tolerance))
-        found += pieces
-    return found, flat
-
-
-def _rings(shape: Shape, tolerance: float) -> Iterator[tuple[Curve, ...]]:
-    """The contours that one falls into."""
-    places = _places(shape.curves)
-    again = {place for place, count in Counter(places).items() if count > 1}
-    if not again:
-        yield shape.curves
-        return
-    begin = next(k for k, place in enumerate(places) if place in again)
-    order = [*range(begin, len(places)), *range(begin)]
-    around = [shape.curves[k] for k in order]
-    passed = [places[k] for k in order]
-    kept: list[int] = []
-    for k, place in enumerate((*passed, passed[0])):
-        while place in again:
-            # Where the contour ends, what begins there is all that is left of it.
-            first = 0 if k < len(around) else 1
-            at = max((n for n in range(first, len(kept)) if passed[kept[n]] == place), default=None)
-            if at is None:
-                break
-            loop = _closed([around[n] for n in kept[at:]])
-            rest = [around[n] for n in (*kept[:at], *range(k, len(around)))]
-            if not _is_waste(loop, rest, shape.is_hole, tolerance):
-                break
-            yield loop
-            del kept[at:]
-        if k < len(around):
-            kept.append(k)
-    yield _closed([around[n] for n in kept])
-
-
-def _places(curves: Sequence[Curve]) -> list[int]:
-    """For each curve the first one that begins where it does."""
-    places = list(range(len(curves)))
-    pairs = near_pairs(np.array([curve.start for curve in curves]), SAME_PLACE)
-    for a, b in sorted(zip(*(some.tolist() for some in pairs), strict=True)):
-        places[max(a, b)] = places[min(a, b)]
-    return places
-
-
-def _closed(ring: Sequence[Curve]) -> tuple[Curve, ...]:
-    """A chain whose ends are written alike, closed."""
-    a, b = ring[-1].end, ring[0].start
-    return tuple(ring) if distance(a, b) <= SAME_POINT else (*ring, Line(a, b))
-
-
-def _is_waste(
-    loop: tuple[Curve, ...], rest: Sequence[Curve], is_hole: bool, tolerance: float
-) -> bool:
-    """Whether part of a contour goes round waste by itself, or round nothing."""
-    import shapely
-
-    if _is_flat(loop, tolerance):
-        return True
-    inner, around = shapely.make_valid(outlines([loop, rest], FINE))
-    return bool(shapely.point_on_surface(inner).within(around)) != is_hole
-
-
-def _is_flat(loop: tuple[Curve, ...], tolerance: float) -> bool:
-    return abs(signed_area(loop)) <= tolerance / 4 * total_length(loop)

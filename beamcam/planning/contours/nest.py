@@ -10,7 +10,7 @@ from beamcam.errors import Diagnostic, PlanError, Rule, Source, errors_in
 from beamcam.geometry.plane import Point
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.assign_process import AssignedCurve
-from beamcam.planning.contours.doubling import taken_apart, told_beside, told_flat, turns
+from beamcam.planning.contours.doubling import told_beside, turns
 from beamcam.planning.contours.outline import (
     Drawn,
     Shape,
@@ -23,6 +23,7 @@ from beamcam.planning.contours.outline import (
     valid,
     ways,
 )
+from beamcam.planning.contours.pinch import taken_apart, told_flat
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -297,6 +298,8 @@ def nest(
         return nested, [*diagnostics, *needles]
     # A needle whose mouth is written a hair wide does not meet itself.
     which = [closed[k] for k in sorted({*bad, *turning})]
+    if not which:
+        return nested, diagnostics
     more, flat = taken_apart(nested, which, tolerance)
     if flat:
         return nested, [*diagnostics, *told_flat(flat)]

@@ -25,10 +25,6 @@ from beamcam.planning.contours import rules
 from beamcam.planning.contours.assign_process import AssignedCurve
 from beamcam.planning.contours.outline import Shape, entity, from_longest, ways
 
-#: Chords stand for the curves so near to them, in mm.
-FINE = 1e-3
-#: Length in mm over which places of a curve lie on one another where it only crosses itself.
-MIN_LENGTH = 0.5
 #: A curve that goes over itself the same way has turned by a whole circle in between.
 TURNED_RAD = 1.01 * tau
 AT_ONCE = 1000  #: chords that are asked about
