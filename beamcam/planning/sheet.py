@@ -281,7 +281,7 @@ def _outcomes(
 ) -> Iterator[Outcome]:
     """The outcome of each feature, in order."""
     made = {feature: op.row.process for op in operations for _, feature in op.features}
-    stands = joined.repeats.resolved(made)
+    stands = joined.repeats.resolved(made) if joined.repeats.stands else {}
     for index in range(len(part.features)):
         why = assigned.listed.get(index)
         if why == BEVEL and index in made:  # cut as it stands, its edges square

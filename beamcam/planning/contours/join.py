@@ -13,16 +13,20 @@ from beamcam.errors import Diagnostic, Severity, Source
 from beamcam.geometry.array_types import Floats
 from beamcam.geometry.arrays import CurveTable, near_pairs, overlapping
 from beamcam.geometry.chains import Chains, join_curves
-from beamcam.geometry.curves import Bezier, Curve, Line
+from beamcam.geometry.curves import Line
 from beamcam.machine.torch import Torch, TorchProcess
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.assign_process import AssignedCurve
-from beamcam.planning.contours.doubling import told, without_steps_back
+from beamcam.planning.contours.doubling import (
+    SAME_POINT,
+    free_repeats,
+    is_straight,
+    is_there_and_back,
+    told,
+    without_steps_back,
+)
 from beamcam.planning.contours.outline import Shape, entity
-from beamcam.planning.contours.repeats import Repeats, contours_once, free_repeats, loose_once
-
-#: A closed chain whose ends are nearer than this needs no joining.
-SAME_POINT = 1e-9
+from beamcam.planning.contours.repeats import Repeats, contours_once, loose_once
 
 #: A gap as wide as the machine closes is within it, whatever the last digits of its ends.
 SLACK = 1 + 1e-6
@@ -62,7 +66,7 @@ def join(
         )
     may_repeat = bool(overlapping(curves, [w.process for w in wanted]))
     loose, gaping = _closed_features(wanted, curves, torch.gap, rings, joined)
-    straight = {k for k in curves.free() if _is_straight(wanted[k].curve)}
+    straight = {k for k in curves.free() if is_straight(wanted[k].curve)}
     may_repeat |= bool(straight)
     for (process, _), numbers in loose.items():
         once, ends = [wanted[k] for k in numbers], curves.ends[numbers]
@@ -98,7 +102,8 @@ def join(
             for s in joined.shapes
         ]
     _tell_small(joined, torch.gap)
-    joined.remarks += joined.repeats.remarks()
+    if joined.repeats.gone or joined.repeats.common:
+        joined.remarks += joined.repeats.remarks()
     joined.refusals += joined.repeats.refusals
     return joined
 
@@ -121,7 +126,7 @@ def _closed_features(
     points = set(np.flatnonzero(np.ptp(hulls.reshape(-1, 2, 2), axis=1).max(axis=1) <= SAME_POINT))
     for begin, end, closed in _features(wanted, curves.ends):
         first = wanted[begin]
-        lines = closed and _is_there_and_back(wanted[begin:end])
+        lines = closed and is_there_and_back(wanted[begin:end])
         if lines or not closed:
             loose[first.process, first.look] += range(begin, end)
             if not lines and first.feature in rings:
@@ -171,25 +176,6 @@ def _is_small(hulls: Floats, size: float) -> bool:
         return False
     (x0, y0), (x1, y1) = hulls[:, :2].min(axis=0).tolist(), hulls[:, 2:].max(axis=0).tolist()
     return hypot(x1 - x0, y1 - y0) <= size
-
-
-def _is_there_and_back(curves: Sequence[AssignedCurve]) -> bool:
-    """Whether a closed feature is a line that is drawn in both directions."""
-    return len(curves) == 2 and all(type(w.curve) is Line or _is_straight(w.curve) for w in curves)
-
-
-def _is_straight(curve: Curve) -> bool:
-    """Whether a Bezier goes straight from end to end, without turning round."""
-    if not isinstance(curve, Bezier) or curve.weights is not None:
-        return False
-    (x0, y0), (x1, y1) = curve.start, curve.end
-    length = hypot(x1 - x0, y1 - y0)
-    if length <= SAME_POINT:
-        return False
-    u, v = (x1 - x0) / length, (y1 - y0) / length
-    along = [u * (x - x0) + v * (y - y0) for x, y in curve.points]
-    aside = max(abs(u * (y - y0) - v * (x - x0)) for x, y in curve.points)
-    return aside <= SAME_POINT and along == sorted(along)
 
 
 def _features(curves: Sequence[AssignedCurve], places: Floats) -> Iterator[tuple[int, int, bool]]:

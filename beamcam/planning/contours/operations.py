@@ -10,6 +10,7 @@ from typing import Literal
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, errors_in
+from beamcam.geometry.arrays import CurveTable, overlapping
 from beamcam.geometry.curves import Line
 from beamcam.geometry.plane import Point
 from beamcam.machine.torch import Torch
@@ -54,8 +55,11 @@ def operations_of(
     if errors_in(diagnostics):
         return (), diagnostics
     fence = moved(shapes, shift) if any(kerfs) else None
-    ready, kerfs, common = common_cuts(moved(ready, shift), kerfs, torch, share)
-    diagnostics += common
+    ready = moved(ready, shift)
+    # Without a kerf nothing is looked for unless contours share edges.
+    if torch.kerf_by != "machine" and (share or any(kerfs)) and _may_overlap(ready):
+        ready, kerfs, common = common_cuts(ready, kerfs, torch)
+        diagnostics += common
     ways = [(shape, kerfs[k]) for k, shape in _in_order(ready, kerfs, torch)]
     links: dict[int, Line] = {}
     if torch.chain_cuts and torch.kerf_by == "offset":
@@ -91,6 +95,12 @@ def operations_of(
             rules.OVERCUT.at(short_over[0].source, count=len(short_over), found=f"{length:g}")
         )
     return tuple(contour_ops), diagnostics
+
+
+def _may_overlap(shapes: Sequence[Shape]) -> bool:
+    """Whether curves of one process may lie on one another."""
+    curves = [curve for shape in shapes for curve in shape.curves]
+    return bool(overlapping(CurveTable(curves), [s.process for s in shapes for _ in s.curves]))
 
 
 def _by_offset(
