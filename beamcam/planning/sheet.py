@@ -35,8 +35,7 @@ from beamcam.planning.contours.assign_process import (
     spot,
 )
 from beamcam.planning.contours.doubling import refuse_copies, refuse_many_passes
-from beamcam.planning.contours.join import Joined, join
-from beamcam.planning.contours.nest import nest
+from beamcam.planning.contours.join import Joined, join, nest
 from beamcam.planning.contours.operations import operations_of
 from beamcam.planning.contours.order import PLAIN, refuse_order
 from beamcam.planning.contours.outline import (
