@@ -334,7 +334,7 @@ def verify_triggers(
     `head` is the text whose head has to say where sound parts lie, if one has to. Nothing comes
     back for a program that makes exactly the part.
     """
-    from beamcam.checks.sheets.chart_rows import rows_of, thickness_of
+    from beamcam.checks.sheets.asked_sheet import rows_of, thickness_of
 
     torch = machine.needed(machine.torch, "trigger program")
     triggers = machine.needed(machine.triggers, "trigger program")

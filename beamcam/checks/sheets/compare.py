@@ -38,7 +38,7 @@ from msgspec.structs import replace
 
 from beamcam.checks.head import head_of, part_faults, stock_faults
 from beamcam.checks.sheets import rules
-from beamcam.checks.sheets.chart_rows import rows_of, thickness_of
+from beamcam.checks.sheets.asked_sheet import rows_of, thickness_of
 from beamcam.checks.sheets.compensation import beam_of
 from beamcam.checks.sheets.controller_state import SKELETON, as_one, radius_faults
 from beamcam.checks.sheets.heights import switching_faults

@@ -13,9 +13,8 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.checks.sheets import rules
-from beamcam.checks.sheets.chart_rows import thickness_of
+from beamcam.checks.sheets.asked_sheet import between, kerf_on, skew_ends, thickness_of
 from beamcam.checks.sheets.need import OUTLINE, Need, need_of
-from beamcam.checks.sheets.required_layout import between, kerf_on, skew_ends
 from beamcam.controllers.events import Acceleration, Blending, Compensation, Side
 from beamcam.controllers.moves import Moves
 from beamcam.errors import Diagnostic, Rule, Source

@@ -10,9 +10,8 @@ from msgspec import Struct, field
 
 from beamcam.checks.request import is_manual_work, left_out, manual_work
 from beamcam.checks.sheets import rules
-from beamcam.checks.sheets.chart_rows import rows_on, small_openings, thickness_of
+from beamcam.checks.sheets.asked_sheet import header_outline, rows_on, small_openings, thickness_of
 from beamcam.checks.sheets.region import Region, region_of
-from beamcam.checks.sheets.required_layout import header_outline
 from beamcam.checks.sheets.toolpaths import Toolpaths
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Arc, Curve, Line, unit_vector

@@ -11,7 +11,7 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.checks.sheets import rules
-from beamcam.checks.sheets.chart_rows import RowWords, words_of
+from beamcam.checks.sheets.asked_sheet import RowWords, words_of
 from beamcam.checks.sheets.controller_state import (
     ControllerState,
     NearCorners,

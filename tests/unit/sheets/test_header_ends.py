@@ -7,8 +7,8 @@ import pytest
 import shapely
 from msgspec.structs import replace
 
+from beamcam.checks.sheets.asked_sheet import header_outline
 from beamcam.checks.sheets.compare import verify_sheet
-from beamcam.checks.sheets.required_layout import header_outline
 from beamcam.errors import PlanError, Source
 from beamcam.geometry.curves import Line
 from beamcam.machine import load

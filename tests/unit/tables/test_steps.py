@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from beamcam.checks.sheets.chart_rows import rows_on
+from beamcam.checks.sheets.asked_sheet import rows_on
 from beamcam.checks.steps import verify_table
 from beamcam.emitters import step_table as forms
 from beamcam.errors import Diagnostic, Source, errors_in
