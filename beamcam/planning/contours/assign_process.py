@@ -132,8 +132,8 @@ def _is_out(
     skips: Collection[str], assigned: Assigned,
 ) -> bool:  # fmt: skip
     """Whether a feature is refused, left out or left for manual work; `assigned` records why."""
-    why = listed_by(feature, machine.marks)
-    if why is not None:
+    policy = policy_on(feature, machine.marks)
+    if policy is not None and (why := listed_by(feature, machine.marks)) is not None:
         assigned.listed[index] = why
         return True
     if is_drilled(feature, torch, thickness):
@@ -147,7 +147,8 @@ def _is_out(
             for at in centres_of(hole) for curve in cross_at(at, torch.cross)
         ]  # fmt: skip
         return True
-    diagnostic = refuse_mark(feature, machine.marks) or refusal(feature, torch, thickness)
+    diagnostic = refuse_mark(feature, machine.marks) if policy == "refuse" else None
+    diagnostic = diagnostic or refusal(feature, torch, thickness)
     if diagnostic is None:
         return False
     if diagnostic.code == bar_rules.BEVEL.code and torch.bevel == "square":
