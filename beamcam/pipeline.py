@@ -33,7 +33,7 @@ from beamcam.model.plan import (
 )
 from beamcam.model.program import Program
 from beamcam.model.request import Job, Request, Share, pieces_of
-from beamcam.planning.left_out import LEFT_OUT, MANUAL_WORK, told
+from beamcam.planning.left_out import LEFT_OUT, MANUAL_WORK, map_remarks, told
 from beamcam.planning.rules import is_too_short
 from beamcam.posts import Planned, Written, beginning, head_differences, other_than_planned, post_of
 from beamcam.readers import Reading, content, read, shown_name
@@ -383,8 +383,6 @@ def remarks_on(plan: AnyPlan, machine: Machine, strict: bool) -> tuple[Diagnosti
     if unfinished(plan.outcomes):
         remarks += tuple(told(plan))
     if isinstance(plan, SheetPlan) and machine.torch is not None:
-        from beamcam.planning.map_keys import map_remarks
-
         remarks += tuple(map_remarks(plan, machine.torch))
     if strict:
         refuse_warnings(remarks)

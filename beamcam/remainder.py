@@ -45,7 +45,7 @@ from beamcam.model.program import (
 from beamcam.model.request import Job
 from beamcam.motion.sheet import sheet_program
 from beamcam.pipeline import Posted, RefusedProgram, by_told_bar
-from beamcam.planning.contours.layout import worked_box
+from beamcam.planning.contours.plate import worked_box
 from beamcam.planning.order import tool_loads
 from beamcam.posts import post_of
 

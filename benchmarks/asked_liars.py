@@ -19,7 +19,7 @@ from beamcam.machine.overlay import with_torch
 from beamcam.machine.torch import Torch
 from beamcam.model.part import Contour, Hole, Part, Profile, Slot
 from beamcam.model.request import Request, Share
-from beamcam.planning.contours import layout
+from beamcam.planning.contours import plate
 from benchmarks.liars import Lies
 
 S = Source("asked.nc1", 1)
@@ -76,8 +76,8 @@ def shared_otherwise(shares: Shares) -> Iterator[tuple[str, Shares]]:
 
 
 def laid_otherwise(torch: Torch) -> Iterator[tuple[str, Callable[[Part, Torch], Part]]]:
-    """False layouts in place of `layout.laid_out`, by what is wrong with them."""
-    true = layout.laid_out
+    """False layouts in place of `plate.laid_out`, by what is wrong with them."""
+    true = plate.laid_out
     columns, rows = torch.copies
     turns = {"none": ("x", "y"), "x": ("none", "y"), "y": ("none", "x")}
     others: list[tuple[str, dict[str, object]]] = [
@@ -130,7 +130,7 @@ def told() -> Lies:
         assert machine.torch is not None
         truth = _post(request)
         for lie, laid_out in laid_otherwise(machine.torch):
-            with patch.object(layout, "laid_out", laid_out):
+            with patch.object(plate, "laid_out", laid_out):
                 if _text_of(request) != truth:
                     _tell(result, f"{machine.name} {asked}", lie, request)
     return result

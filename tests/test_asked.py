@@ -11,7 +11,7 @@ from msgspec.structs import replace
 
 from beamcam import pipeline
 from beamcam.checks.job import job_faults, pieces_asked
-from beamcam.checks.sheets.required_layout import laid_out
+from beamcam.checks.sheets.asked_sheet import laid_out
 from beamcam.errors import Source, VerifyError
 from beamcam.geometry.curves import Arc, Line
 from beamcam.machine import load
@@ -19,8 +19,8 @@ from beamcam.machine.overlay import with_torch
 from beamcam.model.part import Bend, Contour, Hole, Part, Profile, Slot, TextMark
 from beamcam.model.request import Job, Request, Share, pieces_of
 from beamcam.pipeline import begin, finished, shares_of
-from beamcam.planning.contours.layout import laid
-from benchmarks import asked_liars
+from beamcam.planning.contours.plate import laid
+from benchmarks.asked_liars import told
 from tests.conftest import SAMPLES, examples
 from tests.runs import call
 

@@ -15,7 +15,7 @@ import pytest
 
 from tests.conftest import ROOT, SAMPLES, sampled
 
-LAYOUT, JOBS = "planning/contours/layout.py", "planning/__init__.py"
+LAYOUT, JOBS = "planning/contours/copies.py", "planning/__init__.py"
 ROWS, HATCH = "planning/sheet_rows.py", "model/hatch.py"
 ANGLE = """0
 SECTION

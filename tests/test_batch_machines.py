@@ -18,7 +18,7 @@ from beamcam.emitters import coping
 from beamcam.files import write_together
 from beamcam.machine import load
 from beamcam.pipeline import read_file
-from beamcam.planning.left_out import LIST_SUFFIX
+from beamcam.planning.manual_list import LIST_SUFFIX
 from beamcam.system import replace_file
 from tests.conftest import SAMPLES
 from tests.runs import BAD, batch, counts, programs

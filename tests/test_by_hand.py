@@ -22,7 +22,8 @@ from beamcam.model.part import Contour, Feature, Hole, Part, TextMark
 from beamcam.model.plan import SKIP_NAMES, Outcome
 from beamcam.model.request import MarkKind, Request, mark_kind
 from beamcam.pipeline import Posted, RefusedProgram, post, read_back
-from beamcam.planning.left_out import HEAD, LIST_SUFFIX, MANUAL_WORK, as_csv, manual_rows
+from beamcam.planning.left_out import MANUAL_WORK
+from beamcam.planning.manual_list import HEAD, LIST_SUFFIX, as_csv, manual_rows
 from tests.conftest import SAMPLES
 from tests.runs import batch, call, counts, part, report
 from tests.unit.planning.shop import part as beam

@@ -15,8 +15,8 @@ from beamcam.controllers import longest_line
 from beamcam.emitters.gcode import MAX_TEXT, comment_room
 from beamcam.errors import MachineError, errors_in
 from beamcam.machine import load
-from beamcam.model.description import PART_DATA, part_data
-from beamcam.model.part import EndCuts, Part
+from beamcam.model.description import PART_DATA
+from beamcam.model.part import EndCuts, Part, part_data
 from beamcam.model.request import Request
 from beamcam.pipeline import begin, finished, parts_of, post, read_back, read_file
 from beamcam.plain_text import outside_text

@@ -17,8 +17,8 @@ from beamcam.model.part import Camber, Contour, EndPlane, Feature, TextMark
 from beamcam.model.plan import Outcome
 from beamcam.model.request import Job
 from beamcam.pipeline import RefusedProgram, parts_of, post, read_file
-from beamcam.planning.left_out import LEFT_OUT, manual_rows
-from beamcam.planning.map_keys import IDLE, NOT_CUT, UNMATCHED
+from beamcam.planning.left_out import IDLE, LEFT_OUT, NOT_CUT, UNMATCHED
+from beamcam.planning.manual_list import manual_rows
 from beamcam.posts import post_of
 from tests.conftest import SAMPLES
 from tests.runs import batch, call, counts, report

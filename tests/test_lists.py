@@ -20,8 +20,8 @@ from beamcam.errors import Source
 from beamcam.machine import load
 from beamcam.model.part import Part, Profile
 from beamcam.plain_text import harmless_cell
-from beamcam.planning.left_out import HEAD as HAND_HEAD
-from beamcam.planning.left_out import as_csv as hand_csv
+from beamcam.planning.manual_list import HEAD as HAND_HEAD
+from beamcam.planning.manual_list import as_csv as hand_csv
 from beamcam.planning.stock import first_fit
 from beamcam.reports.labels import Label, LabelSize, as_pdf, as_zpl, code_rows
 from beamcam.reports.tables import Table, as_csv, as_xlsx

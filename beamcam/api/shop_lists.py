@@ -34,7 +34,7 @@ from beamcam.model.request import (
     stock_of,
 )
 from beamcam.pipeline import plan_share, plans_of, shares_of
-from beamcam.planning.left_out import MARK_ROWS, manual_rows
+from beamcam.planning.manual_list import MARK_ROWS, manual_rows
 from beamcam.posts import Planned
 from beamcam.reports.part_list import (
     CutBar,

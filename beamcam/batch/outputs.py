@@ -9,7 +9,7 @@ from beamcam.batch.record import OutputState, Record
 from beamcam.errors import Diagnostic, Source
 from beamcam.files import FilesRead, remove_made, write_new, write_whole
 from beamcam.files import write_together as write_files
-from beamcam.planning.left_out import LIST_BEGIN, LIST_SUFFIX, as_csv
+from beamcam.planning.manual_list import LIST_BEGIN, LIST_SUFFIX, as_csv
 from beamcam.reports.run import PartRow, Status
 from beamcam.system import can_sync_all
 

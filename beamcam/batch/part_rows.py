@@ -8,7 +8,7 @@ from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
 from beamcam.model.plan import ContourOp, stock_used
 from beamcam.pipeline import Posted
-from beamcam.planning.left_out import manual_rows
+from beamcam.planning.manual_list import manual_rows
 from beamcam.reports.run import Ledger, PartRow, RestRow
 
 #: Outcomes of a feature, as in the ledger.
@@ -52,7 +52,7 @@ def _mapped(part: Part, machine: Machine) -> dict[str, int]:
     """The curves that each key of the machine's map of colours and layers stands for."""
     if machine.torch is None:
         return {}
-    from beamcam.planning.map_keys import curves_by_key
+    from beamcam.planning.left_out import curves_by_key
 
     return dict(sorted(curves_by_key((part,), machine.torch.colours).items()))
 

@@ -29,7 +29,7 @@ from beamcam.batch.recipe import Recipe, path_below, path_from
 from beamcam.checks.job import MOST_BEFORE, head_of
 from beamcam.errors import Diagnostic, Source
 from beamcam.files import write_whole
-from beamcam.planning.left_out import LIST_BEGIN, LIST_SUFFIX, as_csv
+from beamcam.planning.manual_list import LIST_BEGIN, LIST_SUFFIX, as_csv
 from beamcam.readers.dstv import MADE
 from beamcam.reports.run import FileRow, dumped, loaded, names_in
 from beamcam.system import BINARY

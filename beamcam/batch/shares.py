@@ -18,7 +18,7 @@ from beamcam.model.part_json import part_to_json
 from beamcam.model.plan import stock_used
 from beamcam.model.request import Request, Share, number_of
 from beamcam.pipeline import Begun, begin_share, plans_of
-from beamcam.planning.left_out import MARK_ROWS, manual_rows
+from beamcam.planning.manual_list import MARK_ROWS, manual_rows
 from beamcam.reports.part_list import ManualWork, PartCount
 from beamcam.reports.run import FileRow, PartRow, StockRow, as_message, dumped
 from beamcam.system import free_of_devices

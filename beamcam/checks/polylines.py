@@ -39,7 +39,7 @@ def compare_polylines(
     `slack` is what the controller may miss each point by, beside the machine's tolerance. Points
     are simplified where those that lay nearly straight between two others are left out.
     """
-    from beamcam.checks.sheets.chart_rows import rows_on
+    from beamcam.checks.sheets.asked_sheet import rows_on
     from beamcam.checks.sheets.compare import compare_part
     from beamcam.checks.sheets.need import need_of
 

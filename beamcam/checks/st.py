@@ -334,7 +334,7 @@ def verify_triggers(
     `head` is the text whose head has to say where sound parts lie, if one has to. Nothing comes
     back for a program that makes exactly the part.
     """
-    from beamcam.checks.sheets.chart_rows import rows_of, thickness_of
+    from beamcam.checks.sheets.asked_sheet import rows_of, thickness_of
 
     torch = machine.needed(machine.torch, "trigger program")
     triggers = machine.needed(machine.triggers, "trigger program")
@@ -357,7 +357,7 @@ def verify_triggers(
         return tuple(with_contours(diagnostics, job.operations, parts[0], machine, skips))
     from beamcam.checks.polylines import compare_polylines
     from beamcam.checks.sheets.compare import with_told
-    from beamcam.checks.sheets.controller_state import as_one
+    from beamcam.checks.sheets.shared_sheet import as_one
 
     sheet = as_one(parts, machine, skips)
     ways = _ways(execution.strokes, any(row.passes > 1 for row in rows_of(sheet.part, torch)))

@@ -29,7 +29,7 @@ from beamcam.errors import BeamcamError, Severity, Source
 from beamcam.files import REFUSED_SUFFIX
 from beamcam.machine import Machine, shipped
 from beamcam.pipeline import begin, finished, parts_of, read_file
-from beamcam.planning.left_out import LIST_SUFFIX, manual_rows
+from beamcam.planning.manual_list import LIST_SUFFIX, manual_rows
 from beamcam.readers import is_of_programs
 from beamcam.reports.run import as_message, message_line
 

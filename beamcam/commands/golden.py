@@ -13,7 +13,7 @@ from beamcam.comparison.pairing import Difference
 from beamcam.comparison.statements import ProgramText, diff_texts
 from beamcam.errors import ReadError, Source, errors_in
 from beamcam.machine import Machine
-from beamcam.planning.left_out import LIST_SUFFIX, ManualRow, as_csv
+from beamcam.planning.manual_list import LIST_SUFFIX, ManualRow, as_csv
 from beamcam.reports.run import Message, as_message
 
 Result = Literal["same", "bytes", "differs", "refused", "missing", "unknown"]

@@ -24,7 +24,7 @@ from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Diagnostic, ReadError, Source
 from beamcam.files import remove_made, write_whole
 from beamcam.machine import Machine
-from beamcam.planning.left_out import LIST_BEGIN, LIST_SUFFIX, ManualRow, as_csv
+from beamcam.planning.manual_list import LIST_BEGIN, LIST_SUFFIX, ManualRow, as_csv
 from beamcam.reports.run import FileRow, as_message
 
 DEFAULT_SAMPLES = Path("samples")

@@ -160,7 +160,7 @@ def unmatched_keys(config: Config, counts: Counts) -> tuple[Diagnostic, ...]:
     """A note for each key of the job's map that no drawing of a whole run has curves for."""
     if not config.map or not counts.mapped:
         return ()
-    from beamcam.planning.map_keys import idle
+    from beamcam.planning.left_out import idle
 
     return tuple(idle(config.map, counts.mapped, config.sources.get("map", Source("--map"))))
 

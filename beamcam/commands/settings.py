@@ -192,7 +192,7 @@ def _other_thicknesses(thickness: float, parts: Sequence[Part]) -> Iterator[Diag
 
 
 def _other_materials(material: str, parts: Sequence[Part]) -> Iterator[Diagnostic]:
-    from beamcam.planning.contours.material import is_same
+    from beamcam.planning.contours.plate import is_same
     from beamcam.planning.contours.rules import OTHER_MATERIAL
 
     for part in parts:
@@ -208,7 +208,7 @@ def map_remarks(config: Config, parts: Sequence[Part], machine: Machine) -> tupl
     """
     if not config.map or machine.torch is None:
         return ()
-    from beamcam.planning.map_keys import curves_by_key, idle, unmatched
+    from beamcam.planning.left_out import curves_by_key, idle, unmatched
 
     asked = {key for key, source in config.sources.items() if source == COMMAND_LINE}
     here = {k: v for k, v in config.meanings.items() if f"map.{k}" in asked}

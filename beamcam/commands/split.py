@@ -14,7 +14,7 @@ from beamcam.commands.parts import part_options, read_parts, request_of
 from beamcam.commands.post import success
 from beamcam.commands.settings import files_read, machines_of_split, settled
 from beamcam.errors import BeamcamError, Diagnostic
-from beamcam.planning.left_out import LIST_SUFFIX, as_csv, manual_rows
+from beamcam.planning.manual_list import LIST_SUFFIX, as_csv, manual_rows
 from beamcam.writers import target_of_suffix
 
 if TYPE_CHECKING:

@@ -7,8 +7,9 @@ mirrored (7th edition, page 8), so that counter-clockwise seen from outside is c
 numbers of o and h. Curves are plain geometry in those numbers.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from math import inf
+from pathlib import PurePath
 from typing import Annotated, Literal, TypeVar
 
 from msgspec import Meta, Struct, field
@@ -361,3 +362,25 @@ def extent(curves: Iterable[Curve]) -> Box | None:
     from beamcam.geometry.arrays import table_of
 
     return table_of(tuple(curves)).box
+
+
+def part_data(parts: Sequence[Part]) -> dict[str, str]:
+    """The data of the parts of a program; of several that differ, joined by +. Lengths in mm.
+
+    The date of the job is not among them: see `posts.Job`.
+    """
+    return {
+        "mark": _joined(part.mark for part in parts),
+        "name": _joined(PurePath(part.source.file).stem for part in parts),
+        "profile": _joined(part.profile.name for part in parts),
+        "grade": _joined(part.grade for part in parts),
+        "length": _joined(f"{part.length:g}" for part in parts),
+        "quantity": _joined(str(part.quantity) for part in parts),
+        "order": _joined(part.order for part in parts),
+        "drawing": _joined(part.drawing for part in parts),
+        "phase": _joined(part.phase for part in parts),
+    }
+
+
+def _joined(texts: Iterable[str]) -> str:
+    return "+".join(dict.fromkeys(texts))

@@ -86,7 +86,7 @@ class PathCycle(Struct, frozen=True):
 class OfPart(Struct, frozen=True):
     """The work that follows is on this part; where the machine's words say anything of it."""
 
-    about: Mapping[str, str]  #: by the names of `part_data.PART_DATA`
+    about: Mapping[str, str]  #: by the names of `description.PART_DATA`
 
 
 class BeginPart(Struct, frozen=True):
@@ -287,7 +287,7 @@ class Program(Struct, frozen=True):
 
     job: str
     commands: tuple[Command, ...]
-    #: of its parts, by the names of `part_data.PART_DATA`, for words of the head
+    #: of its parts, by the names of `description.PART_DATA`, for words of the head
     about: Mapping[str, str] = {}
 
 

@@ -10,8 +10,7 @@ from beamcam.machine.machine import Machine, drill_of, names_in, saw_of
 from beamcam.machine.stations import Drill, Tool, speed_and_feed
 from beamcam.machine.words import PART_NAMES, WORK_WORDS
 from beamcam.model.cell_motion import StrokeGeometry
-from beamcam.model.description import part_data
-from beamcam.model.part import Profile
+from beamcam.model.part import Profile, part_data
 from beamcam.model.plan import AS_GIVEN, DrillOp, PathOp, Plan, SawOp, SpindleOp, TextOp, ToolLoad
 from beamcam.model.program import (
     BeginPart,

@@ -13,8 +13,7 @@ from math import acos, ceil, cos, degrees, dist, hypot, radians, sin
 
 from beamcam.machine.coper import A_OF_FACE, TUBES, Coper, torch_way
 from beamcam.machine.machine import Machine
-from beamcam.model.description import part_data
-from beamcam.model.part import Face
+from beamcam.model.part import Face, part_data
 from beamcam.model.plan import CopeCut, CopePlan, WorkTime
 from beamcam.model.program import (
     Command,

@@ -28,7 +28,7 @@ from beamcam.geometry.plane import Point, dot
 from beamcam.machine.machine import Machine, PathLimits, names_in, path_limits
 from beamcam.machine.torch import TorchProcess, TorchRow
 from beamcam.machine.words import PART_NAMES, WORK_WORDS
-from beamcam.model.description import part_data
+from beamcam.model.part import part_data
 from beamcam.model.plan import ContourOp, SheetPlan
 from beamcam.model.program import (
     ArcFeed,

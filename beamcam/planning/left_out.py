@@ -2,25 +2,20 @@
 
 Nothing that a part has is missing from a program without a word: what was left out because
 `--allow-skips` names its kind, or is left for manual work, is a warning at the feature. The list of
-manual work has a row for each: marks that are not made, holes of which only the centre is marked,
-edges that are cut square, and what --allow-skips let be missing; of that `why` is the code by which
-the machine refused it.
+manual work (`manual_list.py`) has a row for each.
 """
 
-import csv
-import io
-from collections.abc import Iterable, Iterator
-from pathlib import PurePath
-from typing import TypedDict
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from beamcam.errors import Diagnostic, Source, error, note, warning
-from beamcam.geometry.curves import circle_of, slot_of
+from beamcam.geometry.plane import Box, join_boxes
 from beamcam.machine.stations import Marks
+from beamcam.machine.torch import OTHERS, Torch
+from beamcam.model.colour import colour_name, key_of
 from beamcam.model.description import description
-from beamcam.model.part import Bend, Camber, Contour, Feature, Hole, Part, Slot, TextMark
-from beamcam.model.plan import AnyPlan, Outcome, Plan, unfinished
+from beamcam.model.part import Bend, Camber, Contour, Dashed, Feature, Part, TextMark
+from beamcam.model.plan import HATCH, AnyPlan, Outcome, SheetPlan, unfinished
 from beamcam.model.request import mark_kind, policy_on
-from beamcam.plain_text import harmless_cell
 from beamcam.planning import rules
 
 TEXT_MOVED = warning("plan-text-moved",
@@ -136,146 +131,165 @@ def _manual_work(plan: AnyPlan, outcome: Outcome) -> Diagnostic:
     )
 
 
-# --- list of manual work --------------------------------------------------------------------------
+# --- map of colours and layers --------------------------------------------------------------------
+
+# What the map makes of the curves of a drawing, other than cuts: lines that it takes away from
+# cutting are a note with their number, lines with gaps that are cut a warning, and a key that no
+# curve has is misspelt.
 
 
-MARK_ROWS = ("text", "point", "line")  #: kinds of rows that are marks
-LIST_SUFFIX = ".hand.csv"  #: behind a program's name, for the list beside it
+NOT_CUT = note("plan-not-cut",
+    "found {count} curve(s) {look}; the map has them {how}, not cut",
+    "A colour or a layer that is mapped to mark, engrave or ignore leaves no cut in the "
+    "sheet.")  # fmt: skip
+
+CLOSED_MARK = warning("plan-closed-mark",
+    "found {count} closed contour(s) {look} within what is cut; the map has them {how}, and no "
+    "opening is cut there; expected --map '{key}=cut' for openings, '{key}={process}' for marks",
+    "Drawing programs give holes and marks colours of their own, and which are which is a matter "
+    "of custom. A key of the map, or `settled` in the machine file, says so.")  # fmt: skip
+DASHED = warning("plan-dashed",
+    "found {count} contour(s) {look} in the line type {line_type!r}, which are cut as whole lines; "
+    "expected centre lines and hidden edges on a layer with --map '{key}=ignore', or '{key}=cut' "
+    "if these are cuts",
+    "A line with gaps mostly shows an axis, a bend or an edge that is hidden, and is not to be "
+    "cut. Where it shares its layer with cuts, it needs one of its own in the drawing. A key of "
+    "the map, or `settled` in the machine file, says what it is.")  # fmt: skip
+
+MAPPED_AWAY = {"map-ignore": "ignored", "mark": "marked", "engrave": "engraved"}
+
+UNMATCHED = error("plan-map-key",
+    "found --map {found}, a colour or layer that no curve has; expected one of {expected}",
+    "A key that matches nothing is misspelt, or meant for another drawing; the curves that it was "
+    "meant for would be cut as something else.")  # fmt: skip
+IDLE = note("plan-map-idle",
+    "found no curve of colour or layer {found} in any drawing",
+    "A key of the map that nothing in the whole run matches may be misspelt.")  # fmt: skip
 
 
-class ManualRow(TypedDict):
-    """One mark, hole or bevelled edge, with its place on the face of the part."""
-
-    mark: str  #: of the part
-    profile: str
-    pieces: int  #: of that part that the program makes
-    kind: str
-    text: str
-    face: str
-    x: float
-    y: float
-    angle: float  #: of a text; of a bevel off the square edge
-    height: float  #: of a text
-    path: str  #: of a line: its corners, x and y each
-    why: str
-    source: str
-    size: str  #: of a hole or a slot
-    land: float  #: of a bevel, from the far side
-    length: float  #: of a bevelled edge
+def map_remarks(plan: SheetPlan, torch: Torch) -> Iterator[Diagnostic]:
+    """Remarks on each look that is not cut, and on lines with gaps that are."""
+    yield from _not_cut(plan, torch)
+    for part in {id(piece.part): piece.part for piece in plan.pieces}.values():
+        yield from _dashed(part, torch)
 
 
-HEAD = tuple(ManualRow.__annotations__)
-
-
-LIST_BEGIN = (",".join(HEAD) + "\n").encode()  #: of every list that was written here
-
-
-def manual_rows(plan: AnyPlan) -> list[ManualRow]:
-    """A row for each feature that is left for manual work; pieces of one part share theirs."""
-    rows: dict[tuple[int, int], list[ManualRow]] = {}
-    least = 0.0 if isinstance(plan, Plan) else plan.min_bevel
-    for outcome in unfinished(plan.outcomes):
-        why = outcome.manual_work
-        if outcome.how == "skipped" and _is_code(outcome.by):
-            why = outcome.by
-        if not why:
-            continue
+def _not_cut(plan: SheetPlan, torch: Torch) -> Iterator[Diagnostic]:
+    """The curves by colour and layer that the map takes away from cutting."""
+    curves: Counter[tuple[str | None, str | None, str]] = Counter()
+    inside: Counter[tuple[str | None, str | None, str]] = Counter()
+    first: dict[tuple[str | None, str | None, str], Contour] = {}
+    rings: list[Box] | None = None
+    for outcome in plan.outcomes:
         piece, index = outcome.feature
-        part = plan.pieces[piece].part
-        known = rows.get((id(part), index))
-        if known is None:
-            rows[id(part), index] = list(_manual_rows(part, part.features[index], why, least))
-        for row in known or ():
-            row["pieces"] += 1
-    return [row for some in rows.values() for row in some]
+        feature = plan.pieces[piece].part.features[index]
+        if outcome.by not in MAPPED_AWAY or not isinstance(feature, Contour):
+            continue
+        if feature.source.where == HATCH:  # which the drawing does not have
+            continue
+        look = feature.layer, feature.colour, outcome.by
+        if look[:2] != (None, None):
+            curves[look] += len(feature.curves)
+            first.setdefault(look, feature)
+            if feature.closed:
+                rings = _boxes_cut(plan) if rings is None else rings
+                x0, y0, x1, y1 = join_boxes([c.bbox for c in feature.curves]) or (0.0,) * 4
+                inside[look] += any(a < x0 and b < y0 and x1 < c and y1 < d for a, b, c, d in rings)
+    for look, count in curves.items():
+        contour, process, named = first[look], look[2], _look_named(*look[:2])
+        if process == "mark" and inside[look] and not _is_settled(contour, torch):
+            yield CLOSED_MARK.at(
+                contour.source, count=inside[look], look=named, how=MAPPED_AWAY[process],
+                key=_key(contour, [piece.part for piece in plan.pieces]), process=process,
+            )  # fmt: skip
+        else:
+            yield NOT_CUT.at(contour.source, count=count, look=named, how=MAPPED_AWAY[process])
 
 
-def _manual_rows(part: Part, feature: Feature, why: str, min_bevel: float) -> Iterator[ManualRow]:
-    """A row for a feature; of a contour one for each of its bevelled edges."""
-    is_cut = isinstance(feature, Contour) and feature.process == "cut"
-    if not isinstance(feature, Contour) or not (is_cut and feature.bevels) or _is_code(why):
-        yield _manual_row(part, feature, why)
-        return
-    for bevel in feature.bevels:
-        if abs(bevel.angle) >= min_bevel:
-            row, curve = _manual_row(part, feature, why), feature.curves[bevel.curve]
-            row["kind"], row["angle"], row["land"] = "bevel", bevel.angle, bevel.land
-            (row["x"], row["y"]), row["length"] = curve.start, curve.length
-            row["path"] = _path((curve.start, curve.end))
-            yield row
+def _boxes_cut(plan: SheetPlan) -> list[Box]:
+    """The boxes of the closed contours that are cut, as they are drawn."""
+    boxes_cut = []
+    for op in plan.operations:
+        if op.closed and op.row.process == "cut":
+            drawn = [plan.pieces[piece].part.features[k] for piece, k in op.features]
+            curves = [c for f in drawn if isinstance(f, Contour) for c in f.curves]
+            if (box := join_boxes([curve.bbox for curve in curves])) is not None:
+                boxes_cut.append(box)
+    return boxes_cut
 
 
-def _is_code(why: str) -> bool:
-    """Whether a code says that a machine cannot make a feature; one too small to cut is no work."""
-    return why.startswith("plan-") and why != "plan-tiny"
+def _dashed(part: Part, torch: Torch) -> Iterator[Diagnostic]:
+    """Lines of a drawing with gaps that are cut, by their look and line type."""
+    for lines in part.measures.dashed if part.measures is not None else ():
+        key = key_of(lines, torch.colours)
+        if key is not None and torch.colours[key] == "cut" and not _is_settled(lines, torch):
+            yield DASHED.at(
+                lines.source, count=lines.count, look=_look_named(lines.layer, lines.colour),
+                line_type=lines.line_type, key=_key(lines, [part]),
+            )  # fmt: skip
 
 
-def _manual_row(part: Part, feature: Feature, why: str) -> ManualRow:
-    """Kind and position of a mark."""
-    row: ManualRow = {
-        "mark": part.mark, "profile": part.profile.name, "pieces": 1, "kind": "", "text": "",
-        "face": getattr(feature, "face", ""), "x": 0.0, "y": 0.0, "angle": 0.0, "height": 0.0,
-        "path": "", "why": why, "source": _source_name(feature.source),
-        "size": "", "land": 0.0, "length": 0.0,
-    }  # fmt: skip
-    is_cut = isinstance(feature, Contour) and feature.process == "cut"
-    match feature:
-        case TextMark():
-            row["kind"], row["text"], row["height"] = "text", feature.text, feature.height
-            row["x"], row["y"], row["angle"] = feature.x, feature.y, feature.angle
-        case Hole(kind="mark"):
-            row["kind"], row["x"], row["y"] = "point", feature.x, feature.y
-        case Hole():
-            row["x"], row["y"] = feature.x, feature.y
-            row["kind"] = "hole" if feature.kind == "through" else feature.kind
-            row["size"] = f"{feature.diameter:g}"
-        case Slot():
-            row["kind"], row["x"], row["y"] = "slot", feature.x, feature.y
-            row["angle"] = feature.angle
-            size = feature.length + feature.diameter, feature.height + feature.diameter
-            row["size"] = f"{size[0]:g} x {size[1]:g}"
-        case Contour() if is_cut and (circle := circle_of(feature.curves)) is not None:
-            row["kind"], row["size"] = "hole", f"{2 * circle[1]:g}"
-            row["x"], row["y"] = circle[0]
-        case Contour() if is_cut and (drawn := slot_of(feature.curves)) is not None:
-            (row["x"], row["y"]), long, wide, row["angle"] = drawn
-            row["kind"], row["size"] = "slot", f"{long:.4g} x {wide:.4g}"
-        case Contour():
-            corners = [feature.curves[0].start, *(curve.end for curve in feature.curves)]
-            row["kind"], (row["x"], row["y"]) = "line", corners[0]
-            if is_cut:
-                row["kind"] = "outline" if feature.kind == "outer" else "cut-out"
-            row["path"] = _path(corners)
-        case Bend():
-            row["kind"], row["angle"] = "bend", feature.angle
-            (row["x"], row["y"]), row["path"] = feature.start, _path((feature.start, feature.end))
-        case Camber():
-            row["kind"], row["x"], row["y"] = "camber", feature.x, feature.y
-    return row
+def _is_settled(lines: Contour | Dashed, torch: Torch) -> bool:
+    """Whether somebody has said what lines of a look are for, and not custom alone."""
+    key = key_of(lines, torch.colours)
+    by_layer = lines.layer is not None and (key or "").casefold() == lines.layer.casefold()
+    return by_layer or key in torch.settled
 
 
-def _path(corners: Iterable[tuple[float, float]]) -> str:
-    return "; ".join(f"{_rounded(x)} {_rounded(y)}" for x, y in corners)
+def _key(lines: Contour | Dashed, parts: Iterable[Part]) -> str:
+    """The key of the map for lines of a look: their layer, unless that has other colours too."""
+    if lines.layer is not None:
+        drawn = (f for part in parts for f in part.contours if f.layer == lines.layer)
+        if all(contour.colour == lines.colour for contour in drawn):
+            return lines.layer
+    return colour_name(lines.colour or "")
 
 
-def _source_name(source: Source) -> str:
-    """The place in the input, whatever folder that lies in."""
-    words = (PurePath(source.file).name, source.line, source.where)
-    return ":".join(str(word) for word in words if word is not None)
+def _look_named(layer: str | None, colour: str | None) -> str:
+    words = [] if colour is None else [f"of colour {colour_name(colour)}"]
+    return " ".join([*words, *([] if layer is None else [f"on layer {layer!r}"])])
 
 
-def _rounded(value: float) -> str:
-    return f"{round(value, 3) + 0.0:g}"
+def curves_by_key(parts: Iterable[Part], table: Iterable[str]) -> Counter[str]:
+    """Number of curves and texts of the parts that each key of the map matches."""
+    keys = tuple(table)
+    known: dict[tuple[str | None, str | None], str | None] = {}
+    counts: Counter[str] = Counter()
+    for part in parts:
+        for feature in part.features:
+            if isinstance(feature, Contour):
+                look = feature.layer, feature.colour
+                if look not in known:
+                    known[look] = key_of(feature, keys)
+                key = known[look]
+                if key is not None:
+                    counts[key] += len(feature.curves)
+        for layer, count in part.measures.lettered if part.measures is not None else ():
+            counts.update({key: count for key in keys if key.lower() == layer.lower()})
+    return counts
 
 
-def as_csv(rows: Iterable[ManualRow]) -> str:
-    """The list as CSV, with a head."""
-    out = io.StringIO()
-    writer = csv.writer(out, lineterminator="\n")
-    writer.writerow(HEAD)
-    for row in rows:
-        writer.writerow(
-            _rounded(value) if isinstance(value, float) else harmless_cell(value)
-            for value in row.values()
-        )
-    return out.getvalue()
+def unmatched(
+    processes: Mapping[str, str], parts: Sequence[Part], table: Iterable[str]
+) -> Iterator[Diagnostic]:
+    """An error for each requested key that matches no curve of the parts."""
+    used = curves_by_key(parts, table)
+    for key, process in processes.items():
+        if key not in used and key != OTHERS:
+            source = parts[0].source if parts else Source("--map")
+            expected = ", ".join(_looks(parts)) or "none, no curve has a colour or a layer"
+            yield UNMATCHED.at(source, found=f"{key}={process}", expected=expected)
+
+
+def idle(keys: Iterable[str], used: Iterable[str], source: Source) -> Iterator[Diagnostic]:
+    """A note for each key that nothing of a whole run matched."""
+    known = set(used)
+    return (IDLE.at(source, found=key) for key in keys if key not in known and key != OTHERS)
+
+
+def _looks(parts: Iterable[Part]) -> list[str]:
+    """The layers and colours that contours of the parts have, sorted."""
+    contours = [f for part in parts for f in part.features if isinstance(f, Contour)]
+    layers = {c.layer for c in contours if c.layer is not None}
+    colours = {colour_name(c.colour) for c in contours if c.colour is not None}
+    return [*sorted(layers), *sorted(colours)]

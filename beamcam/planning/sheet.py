@@ -8,17 +8,15 @@ Until the work is put in order all coordinates are those of the drawing, so that
 
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Sequence
-from itertools import pairwise
 from math import prod
 from typing import cast
 
-from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, PlanError, Source, errors_in
 from beamcam.geometry.arrays import table_of
 from beamcam.geometry.curves import Line
-from beamcam.geometry.plane import Point, between, distance, dot, join_boxes
+from beamcam.geometry.plane import join_boxes
 from beamcam.geometry.polylines import refit_runs
 from beamcam.machine.machine import Machine
 from beamcam.machine.tables import TABLE_CONTROLLERS
@@ -33,19 +31,29 @@ from beamcam.planning.contours.assign_process import (
     Assigned,
     AssignedCurve,
     assign_processes,
-    cross_at,
     min_hole,
     spot,
 )
 from beamcam.planning.contours.doubling import refuse_copies, refuse_many_passes
-from beamcam.planning.contours.join import Joined, join
-from beamcam.planning.contours.layout import box_of, refuse_large, refuse_size, shift_of, skew_ends
-from beamcam.planning.contours.material import SheetMaterial
-from beamcam.planning.contours.nest import nest
-from beamcam.planning.contours.off_plate import off_plate
+from beamcam.planning.contours.join import Joined, join, nest
 from beamcam.planning.contours.operations import operations_of
 from beamcam.planning.contours.order import PLAIN, refuse_order
-from beamcam.planning.contours.outline import Shape, points_of
+from beamcam.planning.contours.outline import (
+    Opening,
+    Shape,
+    cross_at,
+    off_plate,
+    points_of,
+    round_ended,
+)
+from beamcam.planning.contours.plate import (
+    SheetMaterial,
+    box_of,
+    refuse_large,
+    refuse_size,
+    shift_of,
+    skew_ends,
+)
 from beamcam.planning.left_out import BEVEL, DRILL
 
 #: What arcs for short chords may take of the machine's tolerance; rounding has the rest.
@@ -272,7 +280,7 @@ def _outcomes(
 ) -> Iterator[Outcome]:
     """The outcome of each feature, in order."""
     made = {feature: op.row.process for op in operations for _, feature in op.features}
-    stands = joined.repeats.resolved(made)
+    stands = joined.repeats.resolved(made) if joined.repeats.stands else {}
     for index in range(len(part.features)):
         why = assigned.listed.get(index)
         if why == BEVEL and index in made:  # cut as it stands, its edges square
@@ -305,9 +313,6 @@ def _balance(plan: SheetPlan) -> None:
 # Round openings and slots of drawings that are too small for the torch.
 
 
-SAME_SIZE = 1e-6  #: mm, that an opening may be below the least by its last digits
-
-
 def drill_small_openings(
     shapes: Sequence[Shape], part: Part, torch: Torch, skips: Collection[str], assigned: Assigned
 ) -> tuple[list[Shape], list[Shape]]:
@@ -325,7 +330,7 @@ def drill_small_openings(
         shape = shapes[k]
         if shape.process != "cut" or not (shape.is_hole or shape.parent in small):
             continue
-        opening = _round_ended(shape, least, torch.tolerance) if shape.closed else None
+        opening = round_ended(shape, least, torch.tolerance) if shape.closed else None
         if opening is None:
             continue
         small.add(k)
@@ -347,47 +352,7 @@ def drill_small_openings(
     return _without(shapes, small), crosses
 
 
-class _Opening(Struct, frozen=True):
-    """A contour that is a circle or a slot, whatever curves draw it."""
-
-    centres: tuple[Point, ...]  #: of a circle one, of a slot those of its round ends
-    width: float
-    length: float  #: of a circle its diameter
-
-
-def _round_ended(shape: Shape, least: float, tolerance: float) -> _Opening | None:
-    """A contour as a circle or a slot that is narrower than `least`; None if it is none."""
-    lines = [curve for curve in shape.curves if isinstance(curve, Line)]
-    along = max(lines, key=lambda line: line.length).tangent(0.0) if lines else (1.0, 0.0)
-    (c, s), corners = along, points_of([shape.curves], tolerance / 4)[0].tolist()
-    level = [curve.transformed(((c, s, 0.0), (-s, c, 0.0))) for curve in shape.curves]
-    x0, y0, x1, y1 = join_boxes([curve.bbox for curve in level]) or (0.0,) * 4
-    length, width = x1 - x0, y1 - y0
-    if abs(length - width) <= 2 * tolerance:
-        length = width = (length + width) / 2
-    if width > length or width >= least - SAME_SIZE:
-        return None
-    centre, middle, reach = (x0 + x1) / 2, (y0 + y1) / 2, (length - width) / 2
-    ends = [
-        (c * u - s * middle, s * u + c * middle)
-        for u in dict.fromkeys((centre - reach, centre + reach))
-    ]
-    places = [*corners, *(between(a, b, 0.5) for a, b in pairwise(corners))]
-    if max(abs(_from_line(place, ends) - width / 2) for place in places) > tolerance:
-        return None
-    return _Opening(tuple(ends), width, length)
-
-
-def _from_line(place: Point, ends: Sequence[Point]) -> float:
-    """How far a place is from a line between two ends, or from a point."""
-    (x0, y0), (x1, y1) = ends[0], ends[-1]
-    way = x1 - x0, y1 - y0
-    size = dot(way, way)
-    share = dot(way, (place[0] - x0, place[1] - y0)) / size if size else 0.0
-    return distance(place, between(ends[0], ends[-1], min(max(share, 0.0), 1.0)))
-
-
-def _too_small(source: Source, opening: _Opening, least: float, thickness: float) -> Diagnostic:
+def _too_small(source: Source, opening: Opening, least: float, thickness: float) -> Diagnostic:
     if len(opening.centres) > 1:
         return bar_rules.SLOT.at(
             source, found=f"{opening.length:.4g} x {opening.width:.4g}", face="v",

@@ -19,8 +19,7 @@ from beamcam.model.plan import SKELETON
 from beamcam.model.request import Request
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.assign_process import OUTLINE, assign_processes
-from beamcam.planning.contours.layout import box_of, spaced
-from beamcam.planning.contours.material import SheetMaterial
+from beamcam.planning.contours.plate import SheetMaterial, box_of, spaced
 
 THICKNESS_SLACK = 0.01  #: mm that parts of one sheet may differ by
 

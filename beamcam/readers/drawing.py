@@ -362,3 +362,29 @@ def _round(part: Part, tube: Profile) -> tuple[Part, Diagnostic]:
     wrapped = replace(part, profile=tube, length=length, features=features)
     how = "" if upright else ", turned clockwise by 90 degrees"
     return wrapped, WRAPPED.at(part.source, tube=tube.name, how=how)
+
+
+#: Name and mm of the values of $INSUNITS. Source: Autodesk DXF reference, HEADER section. Those
+#: of astronomy (17 to 20) are left out.
+INSUNITS: dict[int, tuple[str, float]] = {
+    1: ("inches", 25.4),
+    2: ("feet", 304.8),
+    3: ("miles", 1_609_344.0),
+    4: ("mm", 1.0),
+    5: ("cm", 10.0),
+    6: ("metres", 1000.0),
+    7: ("km", 1_000_000.0),
+    8: ("microinches", 25.4e-6),
+    9: ("mils", 0.0254),
+    10: ("yards", 914.4),
+    11: ("angstroms", 1e-7),
+    12: ("nm", 1e-6),
+    13: ("microns", 0.001),
+    14: ("dm", 100.0),
+    15: ("dam", 10_000.0),
+    16: ("hm", 100_000.0),
+    21: ("US survey feet", 1200_000.0 / 3937),
+    22: ("US survey inches", 100_000.0 / 3937),
+    23: ("US survey yards", 3600_000.0 / 3937),
+    24: ("US survey miles", 1200_000.0 / 3937 * 5280),
+}

@@ -13,7 +13,7 @@ import numpy as np
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.checks.sheets.chart_rows import rows_of
+from beamcam.checks.sheets.asked_sheet import rows_of
 from beamcam.checks.sheets.compare import verify_sheet
 from beamcam.checks.sheets.remainder import unchained
 from beamcam.checks.sheets.strokes import HeadStroke, Strokes, strokes_of

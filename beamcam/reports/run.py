@@ -16,7 +16,7 @@ from msgspec import Struct, field
 from beamcam.errors import Diagnostic
 from beamcam.model.plan import Outcome
 from beamcam.plain_text import harmless_cell, json_text, terminal_text
-from beamcam.planning.left_out import ManualRow
+from beamcam.planning.manual_list import ManualRow
 
 SCHEMA = "beamcam/run/1"
 

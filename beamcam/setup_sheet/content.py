@@ -28,7 +28,7 @@ from beamcam.pictures.coper import CoperProgram, part_of, strokes_of
 from beamcam.pictures.program import ReadProgram
 from beamcam.pictures.scene import Scene, Unit
 from beamcam.pictures.table import TableMade
-from beamcam.planning.left_out import ManualRow, manual_rows
+from beamcam.planning.manual_list import ManualRow, manual_rows
 from beamcam.reports.run import ledger_of
 from beamcam.setup_sheet.operations import SheetOperation, operations_of, table_operations
 from beamcam.simulation.limits import run_warnings

@@ -93,7 +93,7 @@ def _coper(text: str, machine: Machine, name: str) -> Simulated:
 
 
 def _sheet(text: str, machine: Machine, name: str, parts: Sequence[Part]) -> Simulated:
-    from beamcam.checks.sheets.chart_rows import rows_of
+    from beamcam.checks.sheets.asked_sheet import rows_of
     from beamcam.checks.sheets.strokes import strokes_of
     from beamcam.controllers import table_events, table_run
     from beamcam.simulation.sheets import sheet_trace

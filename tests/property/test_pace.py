@@ -7,7 +7,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from beamcam.checks.sheets.controller_state import expected_feeds
+from beamcam.checks.sheets.feeds import expected_feeds
 from beamcam.controllers.events import Move
 from beamcam.controllers.moves import moves_of
 from beamcam.geometry.curves import Arc, Bezier, EllipseArc

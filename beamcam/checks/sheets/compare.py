@@ -38,10 +38,10 @@ from msgspec.structs import replace
 
 from beamcam.checks.job import head_of, part_faults, stock_faults
 from beamcam.checks.sheets import rules
-from beamcam.checks.sheets.chart_rows import rows_of, thickness_of
+from beamcam.checks.sheets.asked_sheet import rows_of, skew_ends, thickness_of
 from beamcam.checks.sheets.compensation import beam_of
-from beamcam.checks.sheets.controller_state import SKELETON, as_one, radius_faults
-from beamcam.checks.sheets.heights import switching_faults
+from beamcam.checks.sheets.controller_state import Outputs, radius_faults
+from beamcam.checks.sheets.heights import HeightWatch
 from beamcam.checks.sheets.leads import (
     band_faults,
     direction_faults,
@@ -65,12 +65,14 @@ from beamcam.checks.sheets.paths import cover, follow
 from beamcam.checks.sheets.region import Region
 from beamcam.checks.sheets.remainder import link_faults, passes_folded, unchained
 from beamcam.checks.sheets.settings import look_faults
+from beamcam.checks.sheets.shared_sheet import SKELETON, SharedSheet, as_one
 from beamcam.checks.sheets.strokes import Strokes, is_far, strokes_of
 from beamcam.checks.sheets.tabs import tab_faults
 from beamcam.checks.sheets.tracing import Traced
 from beamcam.checks.sheets.work import SHOWN, Work, told_apart, work_of
 from beamcam.controllers import table_events, table_run
-from beamcam.controllers.moves import Moves
+from beamcam.controllers.events import Lift, Touch, Zero
+from beamcam.controllers.moves import Moves, TableRun
 from beamcam.errors import Diagnostic, Source, errors_in
 from beamcam.geometry.plane import Point
 from beamcam.machine.machine import Machine
@@ -93,7 +95,9 @@ def verify_sheet(
     diagnostics = [*diagnostics, *radius_faults(done.moves, machine, torch, name)]
     if errors_in(diagnostics) or not parts:
         return tuple(diagnostics)
-    sheet, asked = as_one(parts, machine, skips), machine
+    asked, sheet = machine, SharedSheet(parts[0], machine, [], list(skew_ends(parts, machine)))
+    if len(parts) > 1:
+        sheet = as_one(parts, machine, skips)
     part, machine = sheet.part, sheet.machine
     torch, diagnostics = machine.torch or torch, [*diagnostics, *sheet.diagnostics]
     rows = rows_of(part, torch)
@@ -120,6 +124,36 @@ def verify_sheet(
     diagnostics += compare_part(strokes, need, part, machine, torch, name)
     diagnostics = with_contours(diagnostics, done.moves, need, shift, torch.tolerance / 8)
     return with_told(diagnostics, head, parts, places, asked, skips, name)
+
+
+def switching_faults(
+    run: TableRun, strokes: Strokes, machine: Machine, torch: Torch, name: str
+) -> list[Diagnostic]:
+    """What is wrong with where the torch stands, what holds it there, and with its outputs."""
+    watches: list[HeightWatch | Outputs] = [Outputs(machine, name)]
+    in_z = any(
+        isinstance(event, Lift | Touch | Zero) or getattr(event, "name", "") == "thc"
+        for _, event in run.others
+    )
+    if in_z or torch.z == "program" or torch.thc == "program" or not torch.thc_slow:
+        watches.insert(0, HeightWatch(run.moves, machine, torch, name))
+    starts = {stroke.on: stroke for stroke in strokes.each}
+    stops = {stroke.off for stroke in strokes.each}
+    for watch in watches:
+        done, line = 0, 1
+        for place, (before, event) in enumerate(run.others):
+            if before > done:
+                watch.diagnostics += watch.moves(done, before)
+            done, line = before, event.line
+            if place in starts:
+                watch.diagnostics += watch.starts(line, starts[place].row, starts[place].tool)
+            elif place in stops:
+                watch.diagnostics += watch.stops(line)
+            watch.diagnostics += watch.take(event)
+        if len(run.moves) > done:
+            watch.diagnostics += watch.moves(done, len(run.moves))
+        watch.diagnostics += watch.ends(line)
+    return [one for watch in watches for one in watch.diagnostics]
 
 
 def compare_part(

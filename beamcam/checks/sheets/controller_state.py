@@ -1,92 +1,38 @@
-"""What holds in a table's controller while its tools are on: compensation, blending, ramps.
+"""What a table's controller is told besides moves and tools: settings, outputs; arcs it takes.
 
 Compensation is switched on where a stroke begins and off where it ends: a controller refuses it
 twice, and a traverse beside the path starts the next stroke elsewhere. How far corners may be
 passed, and how the head runs up and brakes, is said before the first stroke.
 """
 
-from collections.abc import Collection, Iterator, Sequence
-from math import degrees, inf
+from collections.abc import Iterator
+from math import inf
 
 import numpy as np
-from msgspec import Struct
-from msgspec.structs import replace
 
 from beamcam.checks.sheets import rules
-from beamcam.checks.sheets.chart_rows import thickness_of
-from beamcam.checks.sheets.need import OUTLINE, Need, need_of
-from beamcam.checks.sheets.required_layout import between, kerf_on, skew_ends
-from beamcam.controllers.events import Acceleration, Blending, Compensation, Side
+from beamcam.controllers.events import (
+    Acceleration,
+    Blending,
+    Compensation,
+    FeedShare,
+    Material,
+    Other,
+    Output,
+    Pause,
+    Side,
+    ToolOffset,
+)
 from beamcam.controllers.moves import Moves
 from beamcam.errors import Diagnostic, Rule, Source
-from beamcam.geometry.array_types import Flags, Floats
-from beamcam.geometry.curves import Bezier, EllipseArc, Line
-from beamcam.geometry.plane import Point
 from beamcam.machine.machine import Machine, PathLimits, path_limits
-from beamcam.machine.torch import Torch, TorchRow, material_said
-from beamcam.model.part import Contour, Feature, Measures, Part, extent, moved_feature
-
-# --- ability --------------------------------------------------------------------------------------
-
-# Expected feed of a move in programs that set the controller's accelerations.
-#
-# The feed of the machine's row, or the greatest one that the axes can follow: on the smallest
-# radius of the curve the acceleration across is v^2 / r and the jerk v^3 / r^2.
-
-
-SECONDS_PER_MINUTE = 60.0
-FLAT = 1e-12
+from beamcam.machine.torch import Torch, TorchRow
 
 
 def told_limits(machine: Machine) -> PathLimits | None:
     """The limits of a machine whose programs have to give accelerations; None of others."""
     told = any("{acceleration}" in word for word in machine.words.modal)
     return path_limits(machine) if told else None
-
-
-def expected_feeds(moves: Moves, asked_mm_min: Floats, limits: PathLimits) -> Floats:
-    """The feed in mm/min that each move should have, at most what is asked for it, (n,)."""
-    feeds = asked_mm_min / SECONDS_PER_MINUTE
-    radius = np.where(moves.is_arc, moves.arcs[:, 2], inf)
-    for k, curve in moves.curves.items():
-        radius[k] = _min_radius(curve)
-    turning = np.minimum(
-        np.sqrt(limits.across_mm_s2 * radius), np.cbrt(limits.jerk_mm_s3 * radius**2)
-    )
-    straight = ~moves.is_arc
-    straight[list(moves.curves)] = False
-    greatest = np.where(
-        straight, _straight_mm_s(moves, limits), np.minimum(limits.speed_mm_s, turning)
-    )
-    greatest[straight & (feeds <= limits.speed_mm_s)] = inf
-    return np.where(greatest < feeds, greatest * SECONDS_PER_MINUTE, asked_mm_min)
-
-
-def _straight_mm_s(moves: Moves, limits: PathLimits) -> Floats:
-    """The maximum speed of both axes along each chord; inf where it has no length."""
-    ways = np.abs(moves.end - moves.start)
-    length = np.hypot(ways[:, 0], ways[:, 1])
-    speeds = np.array([limits.speed_x_mm_s, limits.speed_y_mm_s])
-    reached = np.divide(
-        length[:, None] * speeds, ways, out=np.full(ways.shape, inf), where=ways > 0.0
-    )
-    straight_mm_s: Floats = reached.min(axis=1, initial=inf)
-    return straight_mm_s
-
-
-def _min_radius(curve: Bezier | EllipseArc) -> float:
-    """The minimum radius of a parabola; of an ellipse that at the ends of its main axis."""
-    if isinstance(curve, EllipseArc):
-        return curve.major * curve.ratio**2
-    # The curvature |f' x f''| / |f'|^3 is greatest where f' = 2 (a + t b) is shortest: at the
-    # vertex, or at the end that is nearer to it.
-    (x0, y0), (x1, y1), (x2, y2) = curve.points
-    ax, ay, bx, by = x1 - x0, y1 - y0, x2 - 2 * x1 + x0, y2 - 2 * y1 + y0
-    if ax * by == ay * bx:
-        return inf
-    vertex = -(ax * bx + ay * by) / (bx * bx + by * by)
-    bend = abs(curve.curvature(min(max(vertex, 0.0), 1.0)))
-    return 1.0 / bend if bend > FLAT else inf
 
 
 SLACK = 1e-3  #: share of an acceleration
@@ -181,175 +127,149 @@ class ControllerState:
             yield self._fault(rules.RAMP, line, "no E word before the first move", expected)
 
 
-# --- shared ---------------------------------------------------------------------------------------
+# --- outputs --------------------------------------------------------------------------------------
 
-# Parts that share a sheet, each at the place where the machine lays it, as one part to compare.
+# What a table's program switches besides its tool: in its order, and nothing left behind.
 #
-# Where each lies follows from the parts in the order given and the machine's table alone: in rows
-# from the lower left corner, `margin` to the edges and `spacing` from box to box.
+# preheat            on at the place for the seconds of the row before the cutting oxygen, and as
+#                    long as that
+# tool beside        places are those of the tool that the row's words choose, of none at the end
+# material           the controller has the data of the row that cuts
+# outputs            off at the end
+# share of the feed  all of it at the end
+# arc                out only where a cut is closed already, on again before the next start
 
 
-SKELETON = "skeleton"  #: where the cuts through what is left of a sheet are said to be
+SECONDS_SLACK = 1e-6
+FIGURE_SLACK = 0.00051  #: of a figure of a row, which programs write to three decimals
 
 
-class SharedSheet(Struct, frozen=True):
-    """One part with all that has to be on a sheet, and the machine that leaves it there."""
+class Outputs:
+    """The outputs while a program runs."""
 
-    part: Part
-    machine: Machine
-    places: list[Point]  #: of the x 0, y 0 of each of several parts
-    diagnostics: list[Diagnostic]
+    def __init__(self, machine: Machine, name: str) -> None:
+        self.diagnostics: list[Diagnostic] = []
+        self.row: TorchRow | None = None  #: of the stroke that is made
+        self._name = name
+        self._needs_material = bool(machine.words.material)
+        self._state: dict[str, bool] = {}  #: of what was switched
+        self._pending: str = ""  #: what the next move switches
+        self._flame_s: float | None = None  #: for which the preheat is on here; None: it is off
+        self._share = 1.0
+        self._tool = 0
+        self._material: dict[str, float] | None = None
+        self._beside = False  #: compensation is on
 
+    def _fault(self, rule: Rule, line: int, found: str, expected: str) -> Diagnostic:
+        return rule.at(Source(self._name, line), found=found, expected=expected)
 
-def as_one(parts: Sequence[Part], machine: Machine, skips: Collection[str]) -> SharedSheet:
-    """The parts of a sheet as one, and what is wrong with their sharing it.
+    def moves(self, *_: int) -> Iterator[Diagnostic]:
+        """The head was moved in X or Y."""
+        self._pending = ""
+        if self._flame_s is not None:
+            self._flame_s = 0.0
+        yield from ()
 
-    A part that is alone stays as it is.
-    """
-    torch = machine.torch
-    skew = list(skew_ends(parts, machine))
-    if torch is None or len(parts) == 1:
-        return SharedSheet(parts[0], machine, [], skew)
-    features: list[Feature] = []
-    diagnostics = skew + [
-        rules.OTHER_SHEET.at(
-            part.source, found=_shown(part, torch), expected=_shown(parts[0], torch)
-        )
-        for part in parts[1:] if _shown(part, torch) != _shown(parts[0], torch)
-    ]  # fmt: skip
-    tops: dict[float, float] = {}  #: upper edge of each row of parts, by its lower one
-    lie = list(_places(parts, machine, torch, skips))
-    for part, (here, need) in zip(parts, lie, strict=True):
-        _, low, _, high = _box(need)
-        row = round(here[1] + low, 6)
-        tops[row] = max(tops.get(row, row), here[1] + high)
-        features += [moved_feature(feature, here) for feature in part.features]
-        features += [
-            moved_feature(Contour("v", "outer", tuple(curves), part.source), here)
-            for process, some in need.curves.items()
-            if (curves := [c for c, f in zip(some, need.features[process], strict=True)
-                           if f == OUTLINE])
-        ]  # fmt: skip
-    half = between(parts[0], torch) / 2
-    if torch.skeleton_cuts and half > kerf_on(parts[0], torch):
-        for y in (t + half for t in tops.values() if t + half < torch.width - torch.margin / 2):
-            line = Line((torch.length, y), (0.0, y))
-            source = replace(parts[0].source, where=SKELETON, line=None)
-            features.append(Contour("v", "open", (line,), source, closed=False))
-    whole = replace(parts[0], features=tuple(features), measures=Measures(), length=torch.length)
-    machine = replace(machine, torch=replace(torch, place="drawn"))
-    return SharedSheet(whole, machine, [place for place, _ in lie], diagnostics)
+    def stops(self, _: int) -> Iterator[Diagnostic]:
+        """A tool is stopped."""
+        self.row = None
+        yield from ()
 
+    def starts(self, line: int, row: TorchRow, tool: int) -> Iterator[Diagnostic]:
+        """What is wrong as a tool is started, whose places the row's words choose."""
+        self.row = row
+        if self._tool != tool:
+            found = f"a start with places of {_tool(self._tool)}"
+            yield self._fault(rules.OUTPUT, line, found, f"those of {_tool(tool)}")
+        if not self._state.get("arc", True):
+            yield self._fault(rules.OUTPUT, line, "a start with the arc held out", "it on before")
+        if row.preheat_s:
+            flame_s = self._flame_s
+            if flame_s is None or abs(flame_s - row.preheat_s) > SECONDS_SLACK:
+                found = "cutting oxygen " + (
+                    "without the preheat"
+                    if flame_s is None
+                    else (f"after {flame_s:g} s of preheat")
+                )
+                yield self._fault(rules.OUTPUT, line, found, f"{row.preheat_s:g} s of it here")
+        elif self._flame_s is not None:
+            found = f"the preheat on to {row.process}"
+            yield self._fault(rules.OUTPUT, line, found, "it off, as the row has none")
+        if self._needs_material and row.process == "cut":
+            yield from self._material_faults(line, row)
 
-def _places(
-    parts: Sequence[Part], machine: Machine, torch: Torch, skips: Collection[str]
-) -> Iterator[tuple[Point, Need]]:
-    """Where each of several parts lies on the table, its x 0, y 0; and what of it has to be cut."""
-    left = bottom = torch.margin
-    spacing = between(parts[0], torch)
-    top = bottom
-    needs: dict[int, Need] = {}  #: many are the same part
-    for part in parts:
-        if id(part) not in needs:
-            needs[id(part)] = need_of(part, machine, torch, skips)
-        need = needs[id(part)]
-        x0, y0, x1, y1 = _box(need)
-        if left + (x1 - x0) > torch.length - torch.margin and top > bottom:
-            left, bottom = torch.margin, top + spacing
-            top = bottom
-        yield (left - x0, bottom - y0), need
-        left, top = left + (x1 - x0) + spacing, max(top, bottom + (y1 - y0))
+    def _material_faults(self, line: int, row: TorchRow) -> Iterator[Diagnostic]:
+        """Whether the controller has the data of the row."""
+        if self._material is None:
+            found, expected = "a cut before a material is chosen", "the words of `material` before"
+            yield self._fault(rules.MATERIAL, line, found, expected)
+            return
+        for figure, value in self._material.items():
+            asked = float(getattr(row, figure, value))
+            if abs(value - asked) > FIGURE_SLACK:
+                found = f"a cut with the material's {figure} {value:g}"
+                yield self._fault(rules.MATERIAL, line, found, f"{asked:g}, as the row says")
 
+    def take(self, event: Other) -> Iterator[Diagnostic]:
+        """Anything but a move in X and Y."""
+        if isinstance(event, Output):
+            yield from self._switch(event)
+        elif isinstance(event, Pause):
+            if self._flame_s is not None:
+                self._flame_s += event.seconds
+        elif isinstance(event, FeedShare):
+            self._share = event.share
+            if self._beside:
+                found = "a share of the feed with compensation on"
+                yield self._fault(rules.OUTPUT, event.line, found, "compensation off")
+        elif isinstance(event, Compensation):
+            self._beside = event.side != "on"
+        elif isinstance(event, ToolOffset):
+            changed, self._tool = event.number != self._tool, event.number
+            if changed and self.row is not None:
+                found = f"places of {_tool(event.number)} with a tool on"
+                yield self._fault(rules.OUTPUT, event.line, found, "it off before")
+        elif isinstance(event, Material):
+            self._material = event.values
 
-def _box(need: Need) -> tuple[float, float, float, float]:
-    return extent(c for some in need.curves.values() for c in some) or (0.0, 0.0, 0.0, 0.0)
+    def _switch(self, event: Output) -> Iterator[Diagnostic]:
+        name = event.name
+        self._state[name] = event.on
+        if event.with_move:
+            self._pending = name
+        elif self._pending == name:
+            self._pending = ""
+        if name in ("thc", "arc") and self._beside:
+            what = "height control" if name == "thc" else "arc"
+            found = f"the {what} switched with compensation on"
+            yield self._fault(rules.OUTPUT, event.line, found, "compensation off")
+        if name == "preheat":
+            lit = 0.0 if self._flame_s is None else self._flame_s
+            self._flame_s = lit if event.on else None
+            if not event.on and self.row is not None and self.row.preheat_s:
+                found = "the preheat off with the cutting oxygen on"
+                yield self._fault(rules.OUTPUT, event.line, found, "the cutting oxygen off before")
 
-
-def _shown(part: Part, torch: Torch) -> str:
-    return (
-        f"{thickness_of(part, torch):.2f} mm {material_said(part.grade, torch.material)}".rstrip()
-    )
-
-
-# --- corner feeds ---------------------------------------------------------------------------------
-
-# What of a path is near its corners, where the tool has to be slower.
-#
-# Corners are looked for in the path as it is written. A place where it turns by nearly the angle
-# of the row, or beside moves so short that rounding turns them, may count as one or not; so may
-# what is as far from a corner as the row's distance.
-
-
-DOUBT_DEG = 1.0
-LONG_MOVE = 0.1  #: mm: the direction of a shorter move is in doubt
-EDGE_MM = 0.05  #: mm by which the stretch that is near a corner may be longer or shorter
-
-
-class NearCorners(Struct, frozen=True):
-    """Of each move, whether it has to be slow, and whether it must not be; neither: either way."""
-
-    slow: Flags
-    fast: Flags
-
-
-def near_corners(moves: Moves, row: TorchRow, step: float) -> NearCorners:
-    """What of the moves of one stroke is near a corner; `step` is that of its numbers, in mm."""
-    lengths, enters, leaves = _measures(moves)
-    real = np.flatnonzero(lengths > 0.0)
-    behind = np.cumsum(lengths)
-    sure: list[float] = []
-    maybe: list[float] = []
-    for a, b in zip(real[:-1].tolist(), real[1:].tolist(), strict=True):
-        turn = turn_deg(leaves[a], enters[b])
-        short = min(lengths[a], lengths[b])
-        doubt = DOUBT_DEG + 2 * degrees(2 * step / short)
-        if turn > row.corner_angle - doubt:
-            maybe.append(float(behind[a]))
-        if turn > row.corner_angle + doubt and short >= LONG_MOVE:
-            sure.append(float(behind[a]))
-    long = real[lengths[real] >= LONG_MOVE]
-    for a, b in zip(long[:-1].tolist(), long[1:].tolist(), strict=True):
-        if b > a + 1 and turn_deg(leaves[a], enters[b]) > row.corner_angle - 2 * DOUBT_DEG:
-            maybe += behind[a:b].tolist()  # round a corner in moves that are too short
-    reach = row.corner_distance
-    begins = behind - lengths
-    inside = _covered(begins, behind, sure, reach - EDGE_MM)
-    outside = lengths - _covered(begins, behind, maybe, reach + EDGE_MM)
-    return NearCorners(inside > EDGE_MM / 100, outside > EDGE_MM / 100)
+    def ends(self, line: int) -> Iterator[Diagnostic]:
+        """What is wrong when the program ends."""
+        for name, state in self._state.items():
+            if name == "arc" and not state:
+                yield self._fault(rules.OUTPUT, line, "the end with the arc held out", "it on")
+            elif state and name not in ("thc", "arc"):
+                yield self._fault(rules.OUTPUT, line, f"the end with {name} on", "it off")
+        if self._pending:
+            found = f"{self._pending} switched with a move that does not come"
+            yield self._fault(rules.OUTPUT, line, found, "it switched at once")
+        if self._share != 1.0:
+            found = f"the end with {100.0 * self._share:g} % of the feed"
+            yield self._fault(rules.OUTPUT, line, found, "all of it")
+        if self._tool:
+            found = f"the end with places of {_tool(self._tool)}"
+            yield self._fault(rules.OUTPUT, line, found, f"those of {_tool(0)}")
 
 
-def _measures(moves: Moves) -> tuple[Floats, Floats, Floats]:
-    """The length of each move, and its directions where it begins and where it ends."""
-    way = moves.end - moves.start
-    lengths = np.hypot(way[:, 0], way[:, 1])
-    size = np.where(lengths > 0.0, lengths, 1.0)[:, None]
-    enters, leaves = way / size, way / size
-    arcs = np.flatnonzero(moves.is_arc)
-    if len(arcs):
-        radius, first, sweep = moves.arcs[arcs, 2:5].T
-        lengths[arcs] = radius * np.abs(np.radians(sweep))
-        for angles, angle in ((enters, first), (leaves, first + sweep)):
-            rad = np.radians(angle)
-            angles[arcs] = np.sign(sweep)[:, None] * np.column_stack((-np.sin(rad), np.cos(rad)))
-    for k, curve in moves.curves.items():
-        lengths[k], enters[k], leaves[k] = curve.length, curve.tangent(0.0), curve.tangent(1.0)
-    return lengths, enters, leaves
-
-
-def turn_deg(one: Floats, other: Floats) -> float:
-    """The angle between two directions."""
-    return float(np.degrees(np.arccos(np.clip(np.dot(one, other), -1.0, 1.0))))
-
-
-def _covered(begins: Floats, ends: Floats, corners: Sequence[float], reach: float) -> Floats:
-    """How much of each move, from where it begins to where it ends, is so near to a corner."""
-    covered = np.zeros(len(begins))
-    last = -np.inf
-    for place in sorted(corners):
-        low, high = max(place - reach, last), place + reach
-        covered += np.clip(np.minimum(ends, high) - np.maximum(begins, low), 0.0, None)
-        last = max(last, high)
-    return covered
+def _tool(number: int) -> str:
+    return f"tool {number}" if number else "the torch"
 
 
 # --- radii ----------------------------------------------------------------------------------------

@@ -10,9 +10,8 @@ from msgspec import Struct, field
 
 from beamcam.checks.job import is_manual_work, left_out, manual_work
 from beamcam.checks.sheets import rules
-from beamcam.checks.sheets.chart_rows import rows_on, small_openings, thickness_of
+from beamcam.checks.sheets.asked_sheet import header_outline, rows_on, small_openings, thickness_of
 from beamcam.checks.sheets.region import Region, region_of
-from beamcam.checks.sheets.required_layout import header_outline
 from beamcam.checks.sheets.toolpaths import Toolpaths
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Arc, Curve, Line, unit_vector
@@ -119,7 +118,11 @@ def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) 
     are told.
     """
     rows = {row.process: row for row in reversed(rows_on(part, torch))}
-    hand = [is_manual_work(feature, machine) for feature in part.features]
+    policies = [policy_on(feature, machine.marks) for feature in part.features]
+    hand = [
+        policy is not None and is_manual_work(feature, machine)
+        for policy, feature in zip(policies, part.features, strict=True)
+    ]
     need = Need(
         diagnostics=[manual_work(f, part, machine) for f in compress(part.features, hand)],
         rows=rows,
@@ -135,12 +138,12 @@ def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) 
             )
         if hand[index] or (isinstance(feature, EndPlane) and not _cuts(feature, part, thickness)):
             continue
-        policy = policy_on(feature, machine.marks)
+        policy = policies[index]
         if policy == "make" and isinstance(feature, TextMark):
             continue  # its position is taken from the program: see texts.py
         refused = policy == "refuse"
         lack = "mark" if refused else lack_of(feature, torch, thickness)
-        if _is_begun(feature, lack, torch):
+        if lack is not None and _is_begun(feature, lack, torch):
             # A hole is marked for the drill; a contour is cut as it stands, square.
             need.diagnostics.append(manual_work(feature, part, machine))
             if isinstance(feature, Hole | Slot):
@@ -222,7 +225,7 @@ def _follow(
     need.add(cast("TorchProcess", process), contour.curves, index, contour.source, key)
 
 
-def _is_begun(feature: Feature, lack: str | None, torch: Torch) -> bool:
+def _is_begun(feature: Feature, lack: str, torch: Torch) -> bool:
     """Whether the machine only begins a feature, and the rest is manual work."""
     if isinstance(feature, Contour):
         return lack == "bevel" and torch.bevel == "square"

@@ -27,6 +27,7 @@ from beamcam.checks.sheets.toolpaths import (
     Toolpaths,
     joined_samples,
     kept_samples,
+    nearest_pairs,
 )
 from beamcam.checks.sheets.tracing import Near, Traced, close, in_bridges, on_contour, trace
 from beamcam.checks.sheets.work import MITRE, SHOWN, SPACING, Work, left_of, off_surely
@@ -166,7 +167,10 @@ def cover(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
     samples = joined_samples(samples, bends)
     points, owner = work.need.elements.places(*samples[:2]), samples[2]
     reach = (work.slack + np.where(work.beside, work.half_kerf, 0.0))[owner]
-    away, feet = work.path.feet(_pairs(work, traced, samples, points, reach), len(points))
+    near = work.path.near(points, float(reach.max(initial=0.0)))
+    best = nearest_pairs(_pairs(work, traced, samples, points, near))
+    away = np.full(len(points), np.inf)
+    away[best.point] = best.away
     missing = np.flatnonzero((away > reach) & ~work.small[owner])
     diagnostics: list[Diagnostic] = []
     if len(missing) and work.half_kerf:
@@ -175,23 +179,25 @@ def cover(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
         missing = missing[~is_left]
         diagnostics = left_faults(work, corners) if corners is not None else []
     diagnostics += _missing(work, traced, points[missing], owner[missing])
-    covered = (away <= reach)[:count]
-    places = points[:count]
+    covered = np.flatnonzero((away <= reach)[:count])
     if work.half_kerf:
-        places = np.where(covered[:, None], feet[:count], places)
-    return diagnostics + _twice(work, traced, places, owner[:count], np.flatnonzero(covered))
+        feet = best.kept((best.point < count) & (best.away <= reach[best.point]))
+        points[feet.point] = work.path.places_of(feet)
+        near = work.path.near(points[:count], _most(work))
+    else:
+        near = near.kept(near.point < count)
+    return diagnostics + _twice(work, traced, points[:count], near, owner[:count], covered)
 
 
 def _pairs(
-    work: Work, traced: Sequence[Traced], samples: Samples, points: Floats, reach: Floats
+    work: Work, traced: Sequence[Traced], samples: Samples, points: Floats, pairs: Pairs
 ) -> Pairs:
-    """The samples and the elements of the path that may be of their curve.
+    """Those pairs of a sample and an element of the path that may be of one curve.
 
     A beam that keeps off is not behind the contour: what is cut from behind a thin wall is not cut
     at this side of it.
     """
     element, share, owner = samples
-    pairs = work.path.near(points, float(reach.max(initial=0.0)))
     beside = work.beside[owner]
     if work.half_kerf:
         keeps_off = np.array([t.half_kerf > 0.0 for t in traced])
@@ -219,11 +225,14 @@ def _missing(
 
 
 def _twice(
-    work: Work, traced: Sequence[Traced], points: Floats, owner: Counts, covered: Counts
-) -> list[Diagnostic]:
-    """Stretches of a contour that have more than one path; `points` are where it passes."""
+    work: Work, traced: Sequence[Traced], points: Floats, pairs: Pairs, owner: Counts,
+    covered: Counts,
+) -> list[Diagnostic]:  # fmt: skip
+    """Stretches of a contour that have more than one path.
+
+    `points` are where it passes, `pairs` these and what of the path is near them.
+    """
     slack = work.slack[owner]
-    pairs = work.path.near(points, _most(work))
     is_long = np.zeros(len(points), dtype=bool)
     is_long[covered] = work.need.lengths[owner[covered]] > 8 * work.tolerance
     reach = float(np.max(slack[is_long], initial=0.0))
@@ -347,7 +356,7 @@ def aligned(
 ) -> Flags:
     """The pairs of a sample of `own` and an element of `other` in whose direction that runs."""
     element, share, _ = samples
-    ahead = own.elements.directions(element, share)[pairs.point]
+    ahead = own.elements.directions(element[pairs.point], share[pairs.point])
     length = other.elements.length[pairs.element]
     at = np.divide(pairs.along, length, out=np.zeros(len(length)), where=length > 0.0)
     there = other.elements.directions(pairs.element, at)

@@ -11,6 +11,7 @@ bound no part, and the beam stays centred on them.
 
 from collections.abc import Iterable, Sequence
 from itertools import chain
+from math import atan2, cos, degrees, hypot, radians, sin
 
 import numpy as np
 import shapely
@@ -22,7 +23,9 @@ from beamcam.checks.sheets.joining import SLACK, WRITTEN_SAME, rings_of, trim
 from beamcam.checks.sheets.toolpaths import Chain, Stretches, Toolpaths
 from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.geometry.arrays import first_equal
-from beamcam.geometry.plane import Point
+from beamcam.geometry.curves import Curve
+from beamcam.geometry.plane import Box, Point, join_boxes
+from beamcam.model.part import Contour, Feature, Hole, Slot, extent
 
 SAME_PLACE = 5e-3  #: curves as near as this are drawn twice
 SAME_POINT = 1e-6  #: of a gap, what its last digits may be
@@ -328,3 +331,29 @@ class Rings(Struct, frozen=True):
         found[self.ways] = apart
         found[self.ways[after]] = np.maximum(apart, found[self.ways[after]])
         return found
+
+
+def box_of(features: Sequence[Feature]) -> Box | None:
+    """The box around the contours, holes and slots of a part; None if there are none."""
+    boxes: list[Box] = []
+    curves: list[Curve] = []
+    for feature in features:
+        if isinstance(feature, Contour):
+            curves += feature.curves
+        elif isinstance(feature, Hole | Slot):
+            boxes.append(_hole_box(feature))
+    drawn = extent(curves)
+    return join_boxes(boxes if drawn is None else [drawn, *boxes])
+
+
+def _hole_box(hole: Hole | Slot) -> Box:
+    # A slot reaches as far as the diagonals between the centres of its corners, and the radius.
+    r, x, y = hole.diameter / 2, hole.x, hole.y
+    dx = dy = 0.0
+    if isinstance(hole, Slot):
+        half = hypot(hole.length, hole.height) / 2
+        own = degrees(atan2(hole.height, hole.length))
+        for angle in (hole.angle + own, hole.angle - own):
+            dx = max(dx, abs(half * cos(radians(angle))))
+            dy = max(dy, abs(half * sin(radians(angle))))
+    return x - dx - r, y - dy - r, x + dx + r, y + dy + r

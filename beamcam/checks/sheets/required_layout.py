@@ -11,22 +11,17 @@ lies so: M is a quarter turn, unless it was asked to lie in some way.
 
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
-from math import atan2, cos, degrees, hypot, radians, sin, tan
+from math import atan2, cos, degrees, radians, sin
 from typing import TYPE_CHECKING
 
 import numpy as np
 from msgspec.structs import replace
 
-from beamcam.checks.sheets import rules
-from beamcam.checks.sheets.chart_rows import rows_on
-from beamcam.errors import Diagnostic
-from beamcam.geometry.curves import Curve, Line
-from beamcam.geometry.plane import Box, join_boxes
-from beamcam.machine.machine import Machine
+from beamcam.checks.sheets.region import box_of
+from beamcam.geometry.curves import Curve
 from beamcam.machine.torch import Torch
 from beamcam.model.colour import key_of
-from beamcam.model.hatch import hatched
-from beamcam.model.part import PLATE_FACES, Contour, Feature, Hole, Part, Slot, TextMark, extent
+from beamcam.model.part import Contour, Feature, Hole, Part, Slot, TextMark
 
 if TYPE_CHECKING:
     from shapely import Polygon
@@ -34,47 +29,7 @@ if TYPE_CHECKING:
 Affine = tuple[tuple[float, float, float], tuple[float, float, float]]
 
 
-SKEW_DEG = 1.0  #: of an angle in a header; less is noise of who wrote the file
-
-
-def laid_out(
-    parts: Sequence[Part], torch: Torch | None
-) -> tuple[tuple[Part, ...], list[Diagnostic]]:
-    """The parts as they have to lie, hatched; and errors for features that cannot.
-
-    The lines of a hatch are what a program may follow; whether they fill their contours is looked
-    at in `hatch`.
-    """
-    if torch is None:
-        return tuple(parts), []
-    diagnostics: list[Diagnostic] = []
-    laid: list[Part] = []
-    if len(parts) == 1:
-        parts = (pulled_apart(parts[0], torch),)
-    torch = replace(torch, spacing=between(parts[0], torch)) if parts else torch
-    if len(parts) == 1 and _lies_turned(parts[0], torch):
-        torch = replace(torch, rotate=90.0)
-    for part in parts:
-        if torch.mirror != "none" or torch.rotate or torch.copies != (1, 1):
-            whole = _outlined(part)
-            diagnostics += _faults(whole, torch)
-            part = whole if diagnostics else _copied(whole, torch)
-        laid.append(hatched(part, torch) if torch.settings else part)
-    return tuple(laid), diagnostics
-
-
-def between(part: Part, torch: Torch) -> float:
-    """The distance between two parts or copies: with common cuts what one cut takes."""
-    return kerf_on(part, torch) if torch.common_cuts else torch.spacing
-
-
-def kerf_on(part: Part, torch: Torch) -> float:
-    """The width of a cut on the part's sheet, where it is kept off."""
-    taken = [row.kerf for row in rows_on(part, torch) if row.process == "cut"]
-    return taken[0] if taken and torch.kerf_by != "none" else 0.0
-
-
-def pulled_apart(part: Part, torch: Torch) -> Part:
+def pulled_apart(part: Part, torch: Torch, width: float) -> Part:
     """A drawing for common cuts whose parts touch, each as far from the next as a cut is wide.
 
     A part lies at the right of another if they would overlap, were it moved to the left by a hair;
@@ -83,8 +38,7 @@ def pulled_apart(part: Part, torch: Torch) -> Part:
     """
     import shapely
 
-    width = between(part, torch)
-    if not torch.common_cuts or not width or part.measures is None:
+    if not width or part.measures is None:
         return part
     rings: dict[int, shapely.Polygon] = {}
     for k, feature in enumerate(part.features):
@@ -157,80 +111,8 @@ def _somewhere(feature: Feature) -> tuple[float, float] | None:
     return (feature.x, feature.y) if isinstance(feature, Hole | Slot) else None
 
 
-def _lies_turned(part: Part, torch: Torch) -> bool:
-    changed = torch.rotate or torch.mirror != "none" or torch.copies != (1, 1)
-    where_drawn = torch.origin == "table" and torch.place != "corner"
-    whole = _outlined(part)
-    if changed or where_drawn or next(_faults(whole, torch), None) is not None:
-        return False
-    any_ignored = "ignore" in torch.colours.values()
-    worked = [
-        feature for feature in whole.features
-        if not any_ignored or not isinstance(feature, Contour)
-        or (key := key_of(feature, torch.colours)) is None or torch.colours[key] != "ignore"
-    ]  # fmt: skip
-    box = _box(worked)
-    if box is None:
-        return False
-    long, high = box[2] - box[0], box[3] - box[1]
-
-    def lies(along: float, across: float) -> bool:
-        return along <= torch.length + torch.gap and across <= torch.width + torch.gap
-
-    return lies(high, long) and not lies(long, high)
-
-
-def _faults(part: Part, torch: Torch) -> Iterator[Diagnostic]:
-    for feature in part.features:
-        if isinstance(feature, Contour):
-            what = "bevelled contour" if feature.bevels else ""
-        elif isinstance(feature, TextMark) and torch.mirror == "none":
-            continue
-        else:
-            what = "" if isinstance(feature, Hole | Slot) else type(feature).__name__.lower()
-        if what:
-            yield rules.LAID.at(getattr(feature, "source", part.source), found=what)
-
-
-def _outlined(part: Part) -> Part:
-    """The part with the rectangle of a plate that has no outer contour of its own."""
-    for feature in part.features:
-        if (
-            isinstance(feature, Contour) and feature.kind == "outer"
-            and feature.process == "cut" and feature.face in PLATE_FACES
-        ):  # fmt: skip
-            return part
-    if part.measures is not None:
-        return part
-    sides = tuple(header_outline(part))
-    return replace(part, features=(*part.features, Contour("v", "outer", sides, part.source)))
-
-
-def header_outline(part: Part) -> list[Line]:
-    """The outline of a plate by the header alone: at each end the angle between its edges in v."""
-    low, high = [0.0, part.length], [0.0, part.length]  # x of both ends at y 0 and at the width
-    for k, angle in enumerate((part.cuts.web_start, part.cuts.web_end)):
-        shorter = part.profile.height * tan(radians(abs(angle)))
-        shorter = -shorter if k else shorter
-        side = low if (angle > 0.0) != bool(k) else high  # the other edge is the longest
-        side[k] += shorter
-    wide = part.profile.height
-    corners = [(low[0], 0.0), (low[1], 0.0), (high[1], wide), (high[0], wide)]
-    return [Line(a, b) for a, b in zip(corners, [*corners[1:], corners[0]], strict=True)]
-
-
-def skew_ends(parts: Sequence[Part], machine: Machine) -> Iterator[Diagnostic]:
-    """Ends that a header has skew through the thickness, where no bevel of an outline says more."""
-    least = max(SKEW_DEG, machine.torch.min_bevel if machine.torch is not None else 0.0)
-    for part in parts:
-        if not any(isinstance(f, Contour) and f.bevels for f in part.features):
-            for end, angle in (("start", part.cuts.flange_start), ("end", part.cuts.flange_end)):
-                if abs(angle) >= least:
-                    yield rules.SKEW_END.at(part.source, end=end, found=f"{angle:g}")
-
-
-def _copied(part: Part, torch: Torch) -> Part:
-    x0, y0, x1, y1 = _box(part.features) or (0.0, 0.0, part.length, part.profile.height)
+def copied(part: Part, torch: Torch) -> Part:
+    x0, y0, x1, y1 = box_of(part.features) or (0.0, 0.0, part.length, part.profile.height)
     mx, my = (x0 + x1) / 2, (y0 + y1) / 2
     c, s = cos(radians(torch.rotate)), sin(radians(torch.rotate))
     if torch.rotate % 90 == 0:
@@ -241,7 +123,7 @@ def _copied(part: Part, torch: Torch) -> Part:
         (s * sx, c * sy, my - s * sx * mx - c * sy * my),
     )
     once = [_moved(feature, turn) for feature in part.features]
-    x0, y0, x1, y1 = _box(once) or (0.0, 0.0, part.length, part.profile.height)
+    x0, y0, x1, y1 = box_of(once) or (0.0, 0.0, part.length, part.profile.height)
     columns, rows = torch.copies
     step_x, step_y = x1 - x0 + torch.spacing, y1 - y0 + torch.spacing
     every: list[Feature] = []
@@ -268,32 +150,6 @@ def _moved(feature: Feature, by: Affine) -> Feature:
         u, v = cos(radians(feature.angle)), sin(radians(feature.angle))
         return replace(feature, x=x, y=y, angle=degrees(atan2(c * u + d * v, a * u + b * v)))
     return feature
-
-
-def _box(features: Sequence[Feature]) -> Box | None:
-    """The box around the contours, holes and slots of a part; None if there are none."""
-    boxes: list[Box] = []
-    curves: list[Curve] = []
-    for feature in features:
-        if isinstance(feature, Contour):
-            curves += feature.curves
-        elif isinstance(feature, Hole | Slot):
-            boxes.append(_hole_box(feature))
-    drawn = extent(curves)
-    return join_boxes(boxes if drawn is None else [drawn, *boxes])
-
-
-def _hole_box(hole: Hole | Slot) -> Box:
-    # A slot reaches as far as the diagonals between the centres of its corners, and the radius.
-    r, x, y = hole.diameter / 2, hole.x, hole.y
-    dx = dy = 0.0
-    if isinstance(hole, Slot):
-        half = hypot(hole.length, hole.height) / 2
-        own = degrees(atan2(hole.height, hole.length))
-        for angle in (hole.angle + own, hole.angle - own):
-            dx = max(dx, abs(half * cos(radians(angle))))
-            dy = max(dy, abs(half * sin(radians(angle))))
-    return x - dx - r, y - dy - r, x + dx + r, y + dy + r
 
 
 # --- touching -------------------------------------------------------------------------------------

@@ -11,14 +11,9 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.checks.sheets import rules
-from beamcam.checks.sheets.chart_rows import RowWords, words_of
-from beamcam.checks.sheets.controller_state import (
-    ControllerState,
-    NearCorners,
-    Setting,
-    expected_feeds,
-    near_corners,
-)
+from beamcam.checks.sheets.asked_sheet import RowWords, words_of
+from beamcam.checks.sheets.controller_state import ControllerState, Setting
+from beamcam.checks.sheets.feeds import NearCorners, expected_feeds, near_corners
 from beamcam.controllers.dialect import IDLE_SWITCHES, SHEET_END, STOPS
 from beamcam.controllers.events import (
     Other,

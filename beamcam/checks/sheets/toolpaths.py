@@ -176,7 +176,7 @@ class Toolpaths:
                 best = replace(best, point=left[best.point])
                 if fits is not None:
                     best = best.kept(fits(best))
-                best = _nearest(best, best.point)
+                best = nearest_pairs(best)
                 at, owner = best.point, self.owner[best.element]
                 away[at], who[at] = best.away, owner
                 along[at] = self.at(best.element, best.along) - self.begins[owner]
@@ -193,18 +193,11 @@ class Toolpaths:
         Infinitely far where there is no pair; the first of several that are as near.
         """
         away, who, along = np.full(count, np.inf), np.zeros(count, dtype=np.int64), np.zeros(count)
-        best = _nearest(pairs, pairs.point)
+        best = nearest_pairs(pairs)
         owner = self.owner[best.element]
         away[best.point], who[best.point] = best.away, owner
         along[best.point] = self.at(best.element, best.along) - self.begins[owner]
         return away, who, along
-
-    def feet(self, pairs: Pairs, count: int) -> tuple[Floats, Floats]:
-        """How far the nearest way is from each of `count` points, and its nearest place, (n, 2)."""
-        away, feet = np.full(count, np.inf), np.zeros((count, 2))
-        best = _nearest(pairs, pairs.point)
-        away[best.point], feet[best.point] = best.away, self.places_of(best)
-        return away, feet
 
     def places_of(self, pairs: Pairs) -> Floats:
         """The place of each pair on its element, (n, 2)."""
@@ -361,6 +354,11 @@ def kept_samples(samples: Samples, which: Flags | Counts) -> Samples:
     """Some of the samples."""
     element, share, way = samples
     return element[which], share[which], way[which]
+
+
+def nearest_pairs(pairs: Pairs) -> Pairs:
+    """The nearest element of each point that has one; the first of several that are as near."""
+    return _nearest(pairs, pairs.point)
 
 
 def _most_near(turns: Floats, lengths: Floats, reach: float) -> Floats:

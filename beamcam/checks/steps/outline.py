@@ -8,7 +8,7 @@ import shapely
 from msgspec.structs import replace
 
 from beamcam.checks.polylines import DrawnPath, compare_polylines
-from beamcam.checks.sheets.chart_rows import rows_of
+from beamcam.checks.sheets.asked_sheet import rows_of
 from beamcam.checks.sheets.marks import text_process
 from beamcam.checks.sheets.need import Need, need_of, shift_of
 from beamcam.checks.sheets.toolpaths import Toolpaths

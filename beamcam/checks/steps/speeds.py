@@ -5,7 +5,7 @@ from typing import NamedTuple
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.checks.sheets.chart_rows import rows_of, rows_on
+from beamcam.checks.sheets.asked_sheet import rows_of, rows_on
 from beamcam.machine.torch import Torch, TorchProcess
 from beamcam.model.part import Part
 

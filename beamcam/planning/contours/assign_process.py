@@ -2,14 +2,14 @@
 
 from collections import Counter, defaultdict
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from itertools import pairwise, product
+from itertools import pairwise
 from typing import Literal, cast
 
 from msgspec import Struct, field
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, Source
-from beamcam.geometry.curves import Arc, Curve, Line, unit_vector
+from beamcam.geometry.curves import Curve, Line
 from beamcam.geometry.plane import Point, join_boxes
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch, TorchProcess
@@ -32,7 +32,13 @@ from beamcam.model.part import (
 from beamcam.model.request import policy_on
 from beamcam.planning import rules as bar_rules
 from beamcam.planning.contours import rules
-from beamcam.planning.contours.layout import outline_of, takes_nothing
+from beamcam.planning.contours.outline import (
+    centres_of,
+    cross_at,
+    curves_of,
+    outline_of,
+)
+from beamcam.planning.contours.plate import takes_nothing
 from beamcam.planning.left_out import BEVEL, DRILL, FACE, NO_ROOM, NOT_MOVED, listed_by, refuse_mark
 from beamcam.planning.lettering import place_text, remarks
 from beamcam.planning.lettering_room import Room
@@ -126,8 +132,8 @@ def _is_out(
     skips: Collection[str], assigned: Assigned,
 ) -> bool:  # fmt: skip
     """Whether a feature is refused, left out or left for manual work; `assigned` records why."""
-    why = listed_by(feature, machine.marks)
-    if why is not None:
+    policy = policy_on(feature, machine.marks)
+    if policy is not None and (why := listed_by(feature, machine.marks)) is not None:
         assigned.listed[index] = why
         return True
     if is_drilled(feature, torch, thickness):
@@ -141,7 +147,8 @@ def _is_out(
             for at in centres_of(hole) for curve in cross_at(at, torch.cross)
         ]  # fmt: skip
         return True
-    diagnostic = refuse_mark(feature, machine.marks) or refusal(feature, torch, thickness)
+    diagnostic = refuse_mark(feature, machine.marks) if policy == "refuse" else None
+    diagnostic = diagnostic or refusal(feature, torch, thickness)
     if diagnostic is None:
         return False
     if diagnostic.code == bar_rules.BEVEL.code and torch.bevel == "square":
@@ -269,50 +276,6 @@ def _unknown_processes(
         yield rules.NO_PROCESS.at(
             source, count=count, found=process, machine=machine, expected=", ".join(sorted(known))
         )
-
-
-def curves_of(feature: Hole | Slot, cross: float) -> tuple[Curve, ...]:
-    """The closed contour of a hole or a slot, counter-clockwise; of a centre mark its cross."""
-    if feature.kind == "mark":
-        return cross_at((feature.x, feature.y), cross)
-    if isinstance(feature, Hole):
-        return (Arc((feature.x, feature.y), feature.diameter / 2, 0.0, 360.0),)
-    return tuple(_slot_curves(feature))
-
-
-def cross_at(at: Point, size: float) -> tuple[Line, Line]:
-    """The two lines that mark a centre."""
-    (x, y), half = at, size / 2
-    return Line((x - half, y), (x + half, y)), Line((x, y - half), (x, y + half))
-
-
-def centres_of(feature: Hole | Slot) -> list[Point]:
-    """Drill start points: the centre of a hole, those of the round corners of a slot."""
-    if isinstance(feature, Hole):
-        return [(feature.x, feature.y)]
-    (c, s), points = unit_vector(feature.angle), list[Point]()
-    for u, v in product({feature.length / 2, -feature.length / 2},
-                        {feature.height / 2, -feature.height / 2}):  # fmt: skip
-        points.append((feature.x + c * u - s * v, feature.y + s * u + c * v))
-    return sorted(points)
-
-
-def _slot_curves(slot: Slot) -> Iterator[Curve]:
-    """Lines joined by corner arcs of the slot's diameter: half circles where it has no height."""
-    radius, (c, s) = slot.diameter / 2, unit_vector(slot.angle)
-    half_x, half_y = slot.length / 2, slot.height / 2
-
-    def at(x: float, y: float) -> Point:
-        return slot.x + c * x - s * y, slot.y + s * x + c * y
-
-    corners = ((half_x, half_y), (-half_x, half_y), (-half_x, -half_y), (half_x, -half_y))
-    arcs = [Arc(at(x, y), radius, slot.angle + 90.0 * k, 90.0) for k, (x, y) in enumerate(corners)]
-    for k, arc in enumerate(arcs):
-        if radius > 0.0:
-            yield arc
-        start, end = arc.end, arcs[(k + 1) % 4].start
-        if (slot.length, slot.height)[k % 2] > 0.0:
-            yield Line(start, end)
 
 
 # --- ability --------------------------------------------------------------------------------------

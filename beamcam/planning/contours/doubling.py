@@ -1,24 +1,23 @@
 """Curves and contours that pass a place again: back along themselves, too often, or at a point."""
 
-from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
-from math import hypot
+from math import hypot, pi, tau
 
 import numpy as np
+import shapely
 from msgspec import Struct
-from msgspec.structs import replace
+from shapely.ops import substring
 
 from beamcam.errors import Diagnostic, PlanError
-from beamcam.geometry.array_types import Counts, Floats
-from beamcam.geometry.arrays import CurveTable, first_equal, near_pairs
-from beamcam.geometry.curves import Arc, Bezier, BSpline, Curve, Line, signed_area
-from beamcam.geometry.plane import Point, distance, dot
+from beamcam.geometry.array_types import Counts, Flags, Floats
+from beamcam.geometry.arrays import CurveTable, cubics_of, first_equal
+from beamcam.geometry.curves import Arc, Bezier, BSpline, Curve, Line
+from beamcam.geometry.plane import Point, dot
 from beamcam.geometry.polylines import polylines
-from beamcam.model.lengths import total_length
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.assign_process import AssignedCurve
-from beamcam.planning.contours.outline import Drawn, Shape, outlines
+from beamcam.planning.contours.outline import Drawn, Shape
 
 FINE = 1e-3  #: mm that chords are off their curves, and what lies nearer lies on one another
 MIN_LENGTH = 0.5  #: mm; both arms of a cusp leave one another, what stays together longer runs back
@@ -123,8 +122,6 @@ def _may_turn_round(curve: Curve) -> bool:
 
 def _together(one: Floats, other: Floats, near: float) -> float:
     """Length over which two polylines from a common start are no farther apart than `near`."""
-    import shapely
-
     if shapely.length(shapely.linestrings(one)) > shapely.length(shapely.linestrings(other)):
         one, other = other, one
     away = shapely.distance(shapely.points(one), shapely.linestrings(other))
@@ -186,9 +183,6 @@ def told_beside(
 
 def _needles(ring: Floats, turns: Counts, near: float) -> Iterator[Doubling]:
     """The needles of a ring (n, 2) that lie beside another stretch of it, by where it turns."""
-    import shapely
-    from shapely.ops import substring
-
     for at in turns.tolist():
         places = np.append(np.roll(ring, -at, axis=0), ring[at : at + 1], axis=0)
         around = shapely.linestrings(places)
@@ -205,16 +199,6 @@ def _needles(ring: Floats, turns: Counts, near: float) -> Iterator[Doubling]:
         if rest.distance(around.interpolate(length / 2)) <= BESIDE * length / 2:
             x, y = ring[at].tolist()
             yield Doubling(0, (x, y), length)
-
-
-def told_flat(shapes: Sequence[Shape]) -> Iterator[Diagnostic]:
-    """An error for each closed chain that runs back along itself all the way."""
-    for shape in shapes:
-        x0, y0 = shape.curves[0].start
-        x, y = max((c.end for c in shape.curves), key=lambda p: hypot(p[0] - x0, p[1] - y0))
-        yield rules.RUNS_BACK_KERF.at(
-            shape.source, found=f"{total_length(shape.curves) / 2:.3f}", x=f"{x:.3f}", y=f"{y:.3f}"
-        )
 
 
 # --- copies ---------------------------------------------------------------------------------------
@@ -255,8 +239,6 @@ def refuse_many_passes(shapes: Sequence[Shape], drawn: Drawn, tolerance: float) 
     of all stretches no farther than `tolerance` from it, each no longer than that place, by its
     length.
     """
-    import shapely
-
     points, owner = drawn
     along = owner[1:] == owner[:-1]
     starts, ends, owner = points[:-1][along], points[1:][along], owner[1:][along]
@@ -305,96 +287,108 @@ def _may_pass(starts: Floats, ends: Floats, places: Floats, tolerance: float) ->
     return np.flatnonzero(inside + sums[x0 * side + y0])
 
 
-# --- pinch ----------------------------------------------------------------------------------------
-
-# Contours that pass a place again, taken apart where waste hangs together by that point only.
-#
-#  _________
-# |   ___   |   The window touches the edge of the plate at o, and both are drawn as one contour:
-# |  |   |  |   two regions of waste, each cut by itself. Where it is the part that hangs together
-# |  |   |  |   by a point, the contour stays whole, as nothing says that it is two parts.
-# |__o___|__|
+#: A curve that goes over itself the same way has turned by a whole circle in between.
+TURNED_RAD = 1.01 * tau
+AT_ONCE = 1000  #: chords that are asked about
+MAX_PAIRS = 2_000_000  #: hundreds of rounds on one place are refused without comparing each pair
 
 
-SAME_PLACE = 1e-4  #: mm, of a place that is passed again: what is nearer is written alike
-SAME_POINT = 1e-9  #: of ends that need no joining
-
-
-def taken_apart(
-    shapes: Sequence[Shape], which: Sequence[int], tolerance: float
-) -> tuple[list[Shape], list[Shape]]:
-    """The shapes, some of them as the contours of the waste that hangs together there by points.
-
-    And those among these that are followed there and back: they go round nothing that is wider
-    than half the machine's tolerance.
-    """
-    found: list[Shape] = []
-    flat: list[Shape] = []
-    numbers = set(which)
-    for k, shape in enumerate(shapes):
-        rings = list(_rings(shape, tolerance)) if k in numbers else [shape.curves]
-        pieces = [replace(shape, curves=ring) for ring in rings] if len(rings) > 1 else [shape]
-        flat += (one for one in pieces if len(rings) > 1 and _is_flat(one.curves, tolerance))
-        found += pieces
-    return found, flat
-
-
-def _rings(shape: Shape, tolerance: float) -> Iterator[tuple[Curve, ...]]:
-    """The contours that one falls into."""
-    places = _places(shape.curves)
-    again = {place for place, count in Counter(places).items() if count > 1}
-    if not again:
-        yield shape.curves
+def free_repeats(curves: Sequence[AssignedCurve], which: Sequence[int]) -> Iterator[Diagnostic]:
+    """An error for each feature to cut whose free curves run over themselves in one direction."""
+    features: dict[int, list[int]] = {}
+    for k in which:
+        if curves[k].process == "cut":
+            features.setdefault(curves[k].feature, []).append(k)
+    numbers = list(features)
+    going = may_go_round([[curves[k].curve for k in some] for some in features.values()])
+    features = {numbers[n]: features[numbers[n]] for n in sorted(going)}
+    if not features:
         return
-    begin = next(k for k, place in enumerate(places) if place in again)
-    order = [*range(begin, len(places)), *range(begin)]
-    around = [shape.curves[k] for k in order]
-    passed = [places[k] for k in order]
-    kept: list[int] = []
-    for k, place in enumerate((*passed, passed[0])):
-        while place in again:
-            # Where the contour ends, what begins there is all that is left of it.
-            first = 0 if k < len(around) else 1
-            at = max((n for n in range(first, len(kept)) if passed[kept[n]] == place), default=None)
-            if at is None:
-                break
-            loop = _closed([around[n] for n in kept[at:]])
-            rest = [around[n] for n in (*kept[:at], *range(k, len(around)))]
-            if not _is_waste(loop, rest, shape.is_hole, tolerance):
-                break
-            yield loop
-            del kept[at:]
-        if k < len(around):
-            kept.append(k)
-    yield _closed([around[n] for n in kept])
+    starts, steps, owner = chords_of([curves[k].curve for some in features.values() for k in some])
+    ends = np.cumsum([len(some) for some in features.values()])
+    bounds = np.searchsorted(owner, [0, *ends.tolist()]).tolist()
+    ahead = np.unwrap(np.arctan2(*steps.T[::-1]))
+    for some, (low, high) in zip(features.values(), pairwise(bounds), strict=True):
+        if high > low and np.ptp(ahead[low:high]) > TURNED_RAD:
+            own = steps[low:high]
+            again = _again(starts[low:high], own)
+            if (found := float(np.hypot(*own[again].T).sum())) > MIN_LENGTH:
+                x, y = starts[low:high][int(np.argmax(again))].tolist()
+                yield rules.RUNS_OVER.at(
+                    curves[some[0]].source, found=f"{found:.3f}", x=f"{x:.3f}", y=f"{y:.3f}"
+                )
 
 
-def _places(curves: Sequence[Curve]) -> list[int]:
-    """For each curve the first one that begins where it does."""
-    places = list(range(len(curves)))
-    pairs = near_pairs(np.array([curve.start for curve in curves]), SAME_PLACE)
-    for a, b in sorted(zip(*(some.tolist() for some in pairs), strict=True)):
-        places[max(a, b)] = places[min(a, b)]
-    return places
+def may_go_round(chains: Sequence[Sequence[Curve]]) -> set[int]:
+    """The numbers of the chains whose directions may fill a whole circle.
+
+    The directions of a cubic lie between those of the sides of its control polygon, where none of
+    these turns by more than a right angle.
+    """
+    control, owner, odd = cubics_of([curve for chain in chains for curve in chain])
+    chain_of = np.repeat(np.arange(len(chains)), [len(chain) for chain in chains])
+    sides = np.diff(control, axis=1).reshape(-1, 2)
+    chain = np.repeat(chain_of[owner], 3)
+    long = np.any(sides != 0.0, axis=1)
+    sides, chain = sides[long], chain[long]
+    ahead = np.unwrap(np.arctan2(*sides.T[::-1]))
+    sharp = (np.abs(np.diff(ahead)) > pi / 2) & (chain[1:] == chain[:-1])
+    first = np.flatnonzero(np.diff(chain, prepend=-1))
+    turned = np.maximum.reduceat(ahead, first) - np.minimum.reduceat(ahead, first)
+    going = (chain_of[odd], chain[1:][sharp], chain[first][turned > TURNED_RAD])
+    return set(np.concatenate(going).tolist())
 
 
-def _closed(ring: Sequence[Curve]) -> tuple[Curve, ...]:
-    """A chain whose ends are written alike, closed."""
-    a, b = ring[-1].end, ring[0].start
-    return tuple(ring) if distance(a, b) <= SAME_POINT else (*ring, Line(a, b))
+def chords_of(curves: Sequence[Curve]) -> tuple[Floats, Floats, Counts]:
+    """Where the chords of curves begin, how far each goes, (n, 2) each, and the curve of each."""
+    drawn = polylines(curves, FINE)
+    steps = np.diff(drawn.points, axis=0)
+    inner = np.hypot(*steps.T) > 0.0
+    inner[drawn.begins[1:-1] - 1] = False  # from one curve to the next
+    owner = np.searchsorted(drawn.begins, np.flatnonzero(inner), "right") - 1
+    return drawn.points[:-1][inner], steps[inner], owner
 
 
-def _is_waste(
-    loop: tuple[Curve, ...], rest: Sequence[Curve], is_hole: bool, tolerance: float
-) -> bool:
-    """Whether part of a contour goes round waste by itself, or round nothing."""
-    import shapely
+def _again(starts: Floats, steps: Floats) -> Flags:
+    """Which chords lie on others that are followed before them, in the same direction.
 
-    if _is_flat(loop, tolerance):
-        return True
-    inner, around = shapely.make_valid(outlines([loop, rest], FINE))
-    return bool(shapely.point_on_surface(inner).within(around)) != is_hole
+    Of a curve with more than `MAX_PAIRS` chords on one another it may be those that come first.
+    """
+    along = np.cumsum(np.hypot(*steps.T))
+    chords = shapely.STRtree(shapely.linestrings(np.stack((starts, starts + steps), axis=1)))
+    middles = shapely.points(starts + steps / 2)
+    is_again, pairs = np.zeros(len(steps), dtype=bool), 0
+    for first in range(0, len(steps), AT_ONCE):
+        own, other = chords.query(middles[first : first + AT_ONCE], "dwithin", distance=2 * FINE)
+        own += first
+        before = (along[own] - along[other] > MIN_LENGTH) & (
+            np.sum(steps[own] * steps[other], axis=1) > 0.0
+        )
+        is_again[own[before]] = True
+        pairs += len(own)
+        if pairs > MAX_PAIRS and np.hypot(*steps[is_again].T).sum() > MIN_LENGTH:
+            break
+    return is_again
 
 
-def _is_flat(loop: tuple[Curve, ...], tolerance: float) -> bool:
-    return abs(signed_area(loop)) <= tolerance / 4 * total_length(loop)
+#: A closed chain whose ends are nearer than this needs no joining.
+SAME_POINT = 1e-9
+
+
+def is_there_and_back(curves: Sequence[AssignedCurve]) -> bool:
+    """Whether a closed feature is a line that is drawn in both directions."""
+    return len(curves) == 2 and all(type(w.curve) is Line or is_straight(w.curve) for w in curves)
+
+
+def is_straight(curve: Curve) -> bool:
+    """Whether a Bezier goes straight from end to end, without turning round."""
+    if not isinstance(curve, Bezier) or curve.weights is not None:
+        return False
+    (x0, y0), (x1, y1) = curve.start, curve.end
+    length = hypot(x1 - x0, y1 - y0)
+    if length <= SAME_POINT:
+        return False
+    u, v = (x1 - x0) / length, (y1 - y0) / length
+    along = [u * (x - x0) + v * (y - y0) for x, y in curve.points]
+    aside = max(abs(u * (y - y0) - v * (x - x0)) for x, y in curve.points)
+    return aside <= SAME_POINT and along == sorted(along)

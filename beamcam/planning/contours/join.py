@@ -1,28 +1,51 @@
-"""Curves to contours: duplicates removed, ends joined, tiny contours left out."""
+"""Curves to contours: duplicates removed, ends joined, tiny ones left out, nested."""
 
 from collections import defaultdict
 from collections.abc import Collection, Iterator, Sequence
 from itertools import chain as chained
 from math import hypot
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import shapely
 from msgspec import Struct, field
 from msgspec.structs import replace
 
-from beamcam.errors import Diagnostic, Severity, Source
+from beamcam.errors import Diagnostic, Severity, Source, errors_in
 from beamcam.geometry.array_types import Floats
 from beamcam.geometry.arrays import CurveTable, near_pairs, overlapping
 from beamcam.geometry.chains import Chains, join_curves
-from beamcam.geometry.curves import Bezier, Curve, Line
+from beamcam.geometry.curves import Line
 from beamcam.machine.torch import Torch, TorchProcess
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.assign_process import AssignedCurve
-from beamcam.planning.contours.doubling import told, without_steps_back
-from beamcam.planning.contours.outline import Shape, entity
-from beamcam.planning.contours.repeats import Repeats, contours_once, free_repeats, loose_once
+from beamcam.planning.contours.crossing import crossings, refuse_tangles
+from beamcam.planning.contours.doubling import (
+    SAME_POINT,
+    free_repeats,
+    is_straight,
+    is_there_and_back,
+    told,
+    told_beside,
+    turns,
+    without_steps_back,
+)
+from beamcam.planning.contours.outline import (
+    Drawn,
+    Shape,
+    entity,
+    invalid,
+    points_of,
+    rings_of,
+    signed_areas,
+    valid,
+)
+from beamcam.planning.contours.pinch import taken_apart, told_flat
+from beamcam.planning.contours.repeats import Repeats, contours_once, loose_once
 
-#: A closed chain whose ends are nearer than this needs no joining.
-SAME_POINT = 1e-9
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
 
 #: A gap as wide as the machine closes is within it, whatever the last digits of its ends.
 SLACK = 1 + 1e-6
@@ -62,7 +85,7 @@ def join(
         )
     may_repeat = bool(overlapping(curves, [w.process for w in wanted]))
     loose, gaping = _closed_features(wanted, curves, torch.gap, rings, joined)
-    straight = {k for k in curves.free() if _is_straight(wanted[k].curve)}
+    straight = {k for k in curves.free() if is_straight(wanted[k].curve)}
     may_repeat |= bool(straight)
     for (process, _), numbers in loose.items():
         once, ends = [wanted[k] for k in numbers], curves.ends[numbers]
@@ -98,7 +121,8 @@ def join(
             for s in joined.shapes
         ]
     _tell_small(joined, torch.gap)
-    joined.remarks += joined.repeats.remarks()
+    if joined.repeats.gone or joined.repeats.common:
+        joined.remarks += joined.repeats.remarks()
     joined.refusals += joined.repeats.refusals
     return joined
 
@@ -121,7 +145,7 @@ def _closed_features(
     points = set(np.flatnonzero(np.ptp(hulls.reshape(-1, 2, 2), axis=1).max(axis=1) <= SAME_POINT))
     for begin, end, closed in _features(wanted, curves.ends):
         first = wanted[begin]
-        lines = closed and _is_there_and_back(wanted[begin:end])
+        lines = closed and is_there_and_back(wanted[begin:end])
         if lines or not closed:
             loose[first.process, first.look] += range(begin, end)
             if not lines and first.feature in rings:
@@ -171,25 +195,6 @@ def _is_small(hulls: Floats, size: float) -> bool:
         return False
     (x0, y0), (x1, y1) = hulls[:, :2].min(axis=0).tolist(), hulls[:, 2:].max(axis=0).tolist()
     return hypot(x1 - x0, y1 - y0) <= size
-
-
-def _is_there_and_back(curves: Sequence[AssignedCurve]) -> bool:
-    """Whether a closed feature is a line that is drawn in both directions."""
-    return len(curves) == 2 and all(type(w.curve) is Line or _is_straight(w.curve) for w in curves)
-
-
-def _is_straight(curve: Curve) -> bool:
-    """Whether a Bezier goes straight from end to end, without turning round."""
-    if not isinstance(curve, Bezier) or curve.weights is not None:
-        return False
-    (x0, y0), (x1, y1) = curve.start, curve.end
-    length = hypot(x1 - x0, y1 - y0)
-    if length <= SAME_POINT:
-        return False
-    u, v = (x1 - x0) / length, (y1 - y0) / length
-    along = [u * (x - x0) + v * (y - y0) for x, y in curve.points]
-    aside = max(abs(u * (y - y0) - v * (x - x0)) for x, y in curve.points)
-    return aside <= SAME_POINT and along == sorted(along)
 
 
 def _features(curves: Sequence[AssignedCurve], places: Floats) -> Iterator[tuple[int, int, bool]]:
@@ -250,3 +255,128 @@ def _tell(
         )
         for gap in chains.gaps
     )
+
+
+def _meeting(boundaries: "NDArray[Any]") -> list[tuple[int, int]]:
+    """Pairs of rings that cross or touch, ascending."""
+    first, second = shapely.STRtree(boundaries).query(boundaries)
+    pair = first < second
+    first, second = first[pair], second[pair]
+    # The one with more points is prepared: it has its neighbours in a tree.
+    sizes = shapely.get_num_coordinates(boundaries)
+    swap = sizes[second] > sizes[first]
+    large, small = np.where(swap, second, first), np.where(swap, first, second)
+    shapely.prepare(boundaries[large])
+    meet = shapely.intersects(boundaries[large], boundaries[small])
+    return sorted(zip(first[meet].tolist(), second[meet].tolist(), strict=True))
+
+
+# --- nests ----------------------------------------------------------------------------------------
+
+# Which contour lies inside which.
+
+
+#: A contour that is not wider than twice this, in mm, on an average has no inside.
+MIN_WIDTH = 1e-3
+
+
+def nest(
+    shapes: Sequence[Shape],
+    drawn: Drawn,
+    curves: Sequence[AssignedCurve],
+    tolerance: float,
+    gap: float,
+    kerf: float,
+) -> tuple[list[Shape], list[Diagnostic]]:
+    """The shapes with their area, depth and parent, and remarks on those that cross.
+
+    A contour lies in another of greater area that a point inside it lies in. Contours that touch
+    are told apart by that, those that cross are not. `tolerance` is the machine's, and `gap` what
+    it closes between two ends; `curves` are the curves that the shapes were made of, and `drawn`
+    points of the shapes with the shape of each. With a `kerf`, contours of waste that hangs
+    together by a point only are taken apart there.
+    """
+    closed = [i for i, s in enumerate(shapes) if s.closed and s.process == "cut"]
+    if not closed:
+        return list(shapes), []
+    points, owner = drawn
+    number = np.full(len(shapes), -1)
+    number[closed] = np.arange(len(closed))
+    mine = number[owner] >= 0
+    rings = rings_of(points[mine], number[owner[mine]], len(closed))
+    bad = invalid(rings)
+    cuts = [shapes[i] for i in closed]
+    if bad:
+        refuse_tangles(cuts, rings, bad, curves)
+    diagnostics: list[Diagnostic] = []
+    if (pairs := _meeting(shapely.get_exterior_ring(rings))) or bad:
+        diagnostics = crossings(cuts, rings, bad, pairs, curves, tolerance, gap, kerf)
+    nested = _nested(shapes, closed, rings, bad)
+    if not kerf or errors_in(diagnostics):
+        return nested, diagnostics
+    turning = turns((points[mine], number[owner[mine]]))
+    needles = list(told_beside(cuts, turning, tolerance))
+    if needles:
+        return nested, [*diagnostics, *needles]
+    # A needle whose mouth is written a hair wide does not meet itself.
+    which = [closed[k] for k in sorted({*bad, *turning})]
+    if not which:
+        return nested, diagnostics
+    more, flat = taken_apart(nested, which, tolerance)
+    if flat:
+        return nested, [*diagnostics, *told_flat(flat)]
+    if len(more) > len(nested):
+        drawn = points_of([s.curves for s in more], tolerance / 4)
+        return nest(more, drawn, curves, tolerance, gap, kerf)
+    return nested, diagnostics
+
+
+def _nested(
+    shapes: Sequence[Shape], closed: Sequence[int], rings: "NDArray[Any]", bad: Sequence[int]
+) -> list[Shape]:
+    """The shapes with their places; `rings` are the polygons of those that are `closed`."""
+    found = list(shapes)
+    signed = signed_areas(rings)
+    areas = np.abs(signed)
+    signed[areas <= MIN_WIDTH * shapely.length(rings)] = 0.0
+    tree = shapely.STRtree(rings)
+    with np.errstate(over="ignore"):  # it divides by sides of next to nothing too
+        points = list(shapely.point_on_surface(valid(rings, bad)))
+    opened = [i for i, shape in enumerate(shapes) if shape.process == "cut" and not shape.closed]
+    middles = [shapes[i].curves[0].point(0.5) for i in opened]
+    points += shapely.points(np.reshape(middles, (-1, 2))).tolist()
+    which = [*closed, *opened]
+    own_area = [*areas, *[0.0] * len(opened)]
+    inner, outer = tree.query(points, predicate="within")
+    around: dict[int, list[int]] = defaultdict(list)
+    for a, b in zip(inner.tolist(), outer.tolist(), strict=True):
+        if which[a] != closed[b] and own_area[a] < areas[b]:
+            around[which[a]].append(b)
+    for i, area in zip(which, [*signed.tolist(), *[0.0] * len(opened)], strict=True):
+        rings_around = around[i]
+        parent = closed[min(rings_around, key=lambda b: (areas[b], b))] if rings_around else -1
+        found[i] = replace(shapes[i], area=area, depth=len(rings_around), parent=parent)
+    for i, rings_around in around.items():
+        for b in rings_around:
+            _put_inside(found, i, closed[b])
+    return found
+
+
+def _put_inside(shapes: list[Shape], inner: int, outer: int) -> None:
+    """Make a contour one of those around another, in the order of their areas.
+
+    Of contours that cross, both around a third, neither lies in the other: the smaller of them
+    counts as inner, so that what lies in both is done before both.
+    """
+
+    def size(k: int) -> tuple[float, int]:
+        return abs(shapes[k].area), k
+
+    while (parent := shapes[inner].parent) != outer:
+        if parent < 0 or size(outer) < size(parent):
+            shapes[inner] = replace(shapes[inner], parent=outer)
+            if parent < 0:
+                return
+            inner, outer = outer, parent
+        else:
+            inner = parent

@@ -1,36 +1,32 @@
 """Kerf compensation: contours offset by half a kerf, or left to the controller; their leads."""
 
-from collections import defaultdict
 from collections.abc import Iterator, Sequence
-from math import dist, pi
+from math import cos, dist, pi
 
+import numpy as np
 import shapely
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic
+from beamcam.geometry.array_types import Floats
+from beamcam.geometry.arrays import CurveTable, unit_vectors
 from beamcam.geometry.conics import direction_deg
 from beamcam.geometry.curves import Arc, Curve, Line, join_boxes
 from beamcam.geometry.plane import Point
 from beamcam.machine.torch import Torch
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.narrow import (
+    TOLD,
+    Left,
+    Near,
     left_in,
-    sharp_corners,
     told_near,
     told_of,
-    too_near,
     uncompensated,
 )
 from beamcam.planning.contours.order import PLAIN
-from beamcam.planning.contours.outline import Curves, Shape, stretch, stretches_of, waste_side
+from beamcam.planning.contours.outline import Curves, Shape, waste_side
 from beamcam.planning.contours.outline import ways as polylines_of
-from beamcam.planning.contours.repeats import (
-    Repeats,
-    begun_off_common,
-    contours_once,
-    in_levels,
-    with_joints,
-)
 
 #: Mitre limit of corners, in half kerfs.
 MITRE_LIMIT = 2.5
@@ -123,44 +119,9 @@ def _moved(
         path = replace(shape, curves=ring, area=area)
         others = [chain for chain in offset.chains if chain is not ring]
         left = sharp if offset.exact else left_in(shape, path, kerf, torch.tolerance, others)
-        diagnostics += told_of(shape, left, kerf)
+        if left:
+            diagnostics += told_of(shape, left, kerf)
         yield k, path
-
-
-def common_cuts(
-    paths: Sequence[Shape], kerfs: Sequence[float], torch: Torch, share: bool
-) -> tuple[list[Shape], list[float], list[Diagnostic]]:
-    """The toolpaths and their kerfs, with edges shared by two contours cut once.
-
-    That is an edge of both if no kerf is kept off, else the middle between two that are a kerf
-    apart. A contour of which nothing is left is made by the first one that it lies on.
-    Without a kerf nothing is looked for unless contours `share` edges.
-    """
-    if torch.kerf_by == "machine" or not (share or any(kerfs)):
-        return list(paths), list(kerfs), []
-    repeats = Repeats()
-    once = contours_once(paths, torch.gap, repeats)
-    if not repeats.common:
-        return list(paths), list(kerfs), []
-    cuts = [(k, shape) for k, rest in enumerate(once) for shape in rest]
-    of_feature = {f: n for n, (_, shape) in reversed(list(enumerate(cuts))) for f in shape.features}
-    first = {k: n for n, (k, _) in reversed(list(enumerate(cuts)))}
-    more: defaultdict[int, list[int]] = defaultdict(list)
-    for feature, into in repeats.resolved(of_feature).items():
-        more[of_feature[into]].append(feature)
-    shapes = [
-        replace(
-            shape,
-            parent=first.get(shape.parent, -1),
-            features=tuple(sorted((*shape.features, *more[n]))),
-        )
-        for n, (_, shape) in enumerate(cuts)
-    ]
-    if any(kerfs):
-        shapes = in_levels(begun_off_common(shapes, paths, first, torch), torch)
-    if torch.tabs:
-        shapes = with_joints(shapes, torch)
-    return shapes, [kerfs[k] for k, _ in cuts], list(repeats.remarks())
 
 
 def _no_room(shape: Shape, kerf: float) -> Diagnostic:
@@ -169,12 +130,77 @@ def _no_room(shape: Shape, kerf: float) -> Diagnostic:
     return rules.VANISHED.at(shape.source, found=size, kerf=f"{kerf:g}")
 
 
+def too_near(
+    shapes: Sequence[Shape], paths: Sequence[Shape | None], kerfs: Sequence[float], torch: Torch
+) -> list[Near]:
+    """The contours that cuts along others enter, each pair once.
+
+    `paths` are those of the beam's middle along the shapes, `kerfs` the widths of the cuts.
+    """
+    moved = [k for k, kerf in enumerate(kerfs) if kerf and paths[k] is not None]
+    fence = [k for k, s in enumerate(shapes) if s.process == "cut" and s.closed]
+    if not moved or len(fence) < 2:
+        return []
+    fine = torch.tolerance / 4
+    lines = polylines_of([shapes[k].curves for k in fence], fine)
+    middles = polylines_of([path.curves for k in moved if (path := paths[k])], fine)
+    radius = max(kerfs) / 2
+    near, hit = shapely.STRtree(lines).query(middles, "dwithin", distance=radius - torch.tolerance)
+    of_shape = dict(zip(fence, lines.tolist(), strict=True))
+    pairs: dict[tuple[int, int], Near] = {}
+    for a, b in sorted(zip(near.tolist(), hit.tolist(), strict=True)):
+        k, other = moved[a], fence[b]
+        pair = min(k, other), max(k, other)
+        if k != other and pair not in pairs:
+            shortest = shapely.shortest_line(of_shape[k], lines[b])
+            x, y = shapely.get_coordinates(shortest).mean(axis=0).tolist()
+            pairs[pair] = Near(k, other, shortest.length, (x, y))
+    return list(pairs.values())
+
+
+def sharp_corners(shapes: Sequence[Shape], kerfs: Sequence[float]) -> list[list[Left]]:
+    """Material that the beam leaves in the corners of each contour that point into the part.
+
+    Between walls at an angle `a` a disc of radius r touches both and stays r (1 / sin(a / 2) - 1)
+    off the corner.
+    """
+    table = CurveTable([curve for shape in shapes for curve in shape.curves])
+    sizes = np.array([len(shape.curves) for shape in shapes], dtype=np.int64)
+    begins = np.cumsum(sizes) - sizes
+    owner = np.repeat(np.arange(len(shapes)), sizes)
+    following = np.arange(len(table.curves)) + 1
+    following[begins + sizes - 1] = begins
+    ends, starts = _tangents(table)
+    a, b = ends, starts[following]
+    turn = np.arctan2(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0], np.sum(a * b, axis=1))
+    # On a ring that runs counter-clockwise the waste of a hole lies left, that of an outline right.
+    left = np.array([1.0 if (s.area > 0.0) == s.is_hole else -1.0 for s in shapes])
+    inward = np.clip(turn * left[owner], 0.0, pi - 1e-6)
+    depth = np.array(kerfs)[owner] / 2 * (1 / np.cos(inward / 2) - 1)
+    corners: list[list[Left]] = [[] for _ in shapes]
+    for k in np.flatnonzero(depth > TOLD * np.array(kerfs)[owner]).tolist():
+        x, y = table.ends[k, 2:].tolist()
+        width = kerfs[owner[k]] * cos((pi - float(inward[k])) / 2)
+        corners[owner[k]].append(Left((x, y), width, float(depth[k]), True))
+    return [sorted(one, key=lambda left: -left.depth) for one in corners]
+
+
+def _tangents(table: CurveTable) -> tuple[Floats, Floats]:
+    """Directions of lines and arcs at their ends and at their starts, (n, 2) each."""
+    ends, starts = np.zeros((len(table.curves), 2)), np.zeros((len(table.curves), 2))
+    step = table.lines[:, 2:] - table.lines[:, :2]
+    unit = step / np.maximum(np.hypot(step[:, 0], step[:, 1]), 1e-300)[:, None]
+    ends[table.where(Line)] = starts[table.where(Line)] = unit
+    arcs = table.arcs
+    turn = np.where(arcs[:, 4] > 0.0, 90.0, -90.0)
+    starts[table.where(Arc)] = unit_vectors(arcs[:, 3] + turn)
+    ends[table.where(Arc)] = unit_vectors(arcs[:, 3] + arcs[:, 4] + turn)
+    return ends, starts
+
+
 # --- leads ----------------------------------------------------------------------------------------
 
 # Leads that stay in the waste: shortened, or left out, where a contour is too narrow for them.
-
-
-ROUNDING = 1e-6  #: mm by which an overcut may be shorter
 
 #: The share of a lead that is not asked for its distance, at the contour.
 AT_CONTOUR = 0.1
@@ -285,29 +311,6 @@ def overcut_length(shape: Shape, torch: Torch) -> float:
     if own is None and shape.is_small:
         own = torch.hole_overcut
     return torch.overcut if own is None else own
-
-
-def overcut(shape: Shape, kerf: float, torch: Torch) -> Curves:
-    """The stretch of a closed contour that is cut again at its end, none without an overcut.
-
-    It is at most half of the way to the first bridge, or of the
-    contour where there is none.
-    """
-    length = overcut_length(shape, torch)
-    if not length:
-        return ()
-    first = stretches_of(shape, kerf, torch)[0]
-    lengths = [curve.length for curve in first]
-    return stretch(first, lengths, 0.0, min(length, sum(lengths) / 2))
-
-
-def is_shortened(shape: Shape, kerf: float, torch: Torch) -> bool:
-    """Whether a contour has too little room for its overcut."""
-    length = overcut_length(shape, torch)
-    if not length:
-        return False
-    first = stretches_of(shape, kerf, torch)[0]
-    return sum(curve.length for curve in first) / 2 < length - ROUNDING
 
 
 SAME_CIRCLE = 1e-4  #: mm that arcs of a round hole may be apart

@@ -1,4 +1,4 @@
-"""Places that are narrower than the kerf: between two contours, in a slot, in a neck, in a corner.
+"""What stays where there is no room for the kerf: between contours, in a slot, a neck, a corner.
 
 ____          ____      The beam is a disc of the kerf's width. Where it does not get in, what
     |  slot  |          is waste stays on the part; where the waste between two contours is
@@ -7,17 +7,15 @@ ____          ____      The beam is a disc of the kerf's width. Where it does no
 """
 
 from collections.abc import Iterator, Sequence
-from math import cos, dist, hypot, pi, sqrt
+from math import dist, hypot, sqrt
 from typing import TYPE_CHECKING, Any
 
 from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic
-from beamcam.geometry.arrays import CurveTable
-from beamcam.geometry.curves import Arc, Curve, Line
+from beamcam.geometry.curves import Arc, Curve
 from beamcam.geometry.plane import Point
-from beamcam.machine.torch import Torch
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.outline import Shape, entity, outlines, waste_side, ways
 
@@ -62,36 +60,6 @@ class Near(Struct, frozen=True):
     other: int
     width: float  #: of the waste between both, where it is least
     place: Point
-
-
-def too_near(
-    shapes: Sequence[Shape], paths: Sequence[Shape | None], kerfs: Sequence[float], torch: Torch
-) -> list[Near]:
-    """The contours that cuts along others enter, each pair once.
-
-    `paths` are those of the beam's middle along the shapes, `kerfs` the widths of the cuts.
-    """
-    import shapely
-
-    moved = [k for k, kerf in enumerate(kerfs) if kerf and paths[k] is not None]
-    fence = [k for k, s in enumerate(shapes) if s.process == "cut" and s.closed]
-    if not moved or len(fence) < 2:
-        return []
-    fine = torch.tolerance / 4
-    lines = ways([shapes[k].curves for k in fence], fine)
-    middles = ways([path.curves for k in moved if (path := paths[k])], fine)
-    radius = max(kerfs) / 2
-    near, hit = shapely.STRtree(lines).query(middles, "dwithin", distance=radius - torch.tolerance)
-    of_shape = dict(zip(fence, lines.tolist(), strict=True))
-    pairs: dict[tuple[int, int], Near] = {}
-    for a, b in sorted(zip(near.tolist(), hit.tolist(), strict=True)):
-        k, other = moved[a], fence[b]
-        pair = min(k, other), max(k, other)
-        if k != other and pair not in pairs:
-            shortest = shapely.shortest_line(of_shape[k], lines[b])
-            x, y = shapely.get_coordinates(shortest).mean(axis=0).tolist()
-            pairs[pair] = Near(k, other, shortest.length, (x, y))
-    return list(pairs.values())
 
 
 def told_near(shapes: Sequence[Shape], near: Near, kerf: float) -> Diagnostic:
@@ -273,52 +241,6 @@ def told_of(shape: Shape, left: Sequence[Left], kerf: float) -> Iterator[Diagnos
 
 def _deepest(left: Left) -> float:
     return DEEPEST_CORNER if left.is_corner else DEEPEST_SLOT
-
-
-def sharp_corners(shapes: Sequence[Shape], kerfs: Sequence[float]) -> list[list[Left]]:
-    """Material that the beam leaves in the corners of each contour that point into the part.
-
-    Between walls at an angle `a` a disc of radius r touches both and stays r (1 / sin(a / 2) - 1)
-    off the corner.
-    """
-    import numpy as np
-
-    table = CurveTable([curve for shape in shapes for curve in shape.curves])
-    sizes = np.array([len(shape.curves) for shape in shapes], dtype=np.int64)
-    begins = np.cumsum(sizes) - sizes
-    owner = np.repeat(np.arange(len(shapes)), sizes)
-    following = np.arange(len(table.curves)) + 1
-    following[begins + sizes - 1] = begins
-    ends, starts = _tangents(table)
-    a, b = ends, starts[following]
-    turn = np.arctan2(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0], np.sum(a * b, axis=1))
-    # On a ring that runs counter-clockwise the waste of a hole lies left, that of an outline right.
-    left = np.array([1.0 if (s.area > 0.0) == s.is_hole else -1.0 for s in shapes])
-    inward = np.clip(turn * left[owner], 0.0, pi - 1e-6)
-    depth = np.array(kerfs)[owner] / 2 * (1 / np.cos(inward / 2) - 1)
-    corners: list[list[Left]] = [[] for _ in shapes]
-    for k in np.flatnonzero(depth > TOLD * np.array(kerfs)[owner]).tolist():
-        x, y = table.ends[k, 2:].tolist()
-        width = kerfs[owner[k]] * cos((pi - float(inward[k])) / 2)
-        corners[owner[k]].append(Left((x, y), width, float(depth[k]), True))
-    return [sorted(one, key=lambda left: -left.depth) for one in corners]
-
-
-def _tangents(table: CurveTable) -> "tuple[Floats, Floats]":
-    """Directions of lines and arcs at their ends and at their starts, (n, 2) each."""
-    import numpy as np
-
-    from beamcam.geometry.arrays import unit_vectors
-
-    ends, starts = np.zeros((len(table.curves), 2)), np.zeros((len(table.curves), 2))
-    step = table.lines[:, 2:] - table.lines[:, :2]
-    unit = step / np.maximum(np.hypot(step[:, 0], step[:, 1]), 1e-300)[:, None]
-    ends[table.where(Line)] = starts[table.where(Line)] = unit
-    arcs = table.arcs
-    turn = np.where(arcs[:, 4] > 0.0, 90.0, -90.0)
-    starts[table.where(Arc)] = unit_vectors(arcs[:, 3] + turn)
-    ends[table.where(Arc)] = unit_vectors(arcs[:, 3] + arcs[:, 4] + turn)
-    return ends, starts
 
 
 def uncompensated(shape: Shape, kerf: float) -> Diagnostic:

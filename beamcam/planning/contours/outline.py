@@ -1,16 +1,21 @@
-"""Contours as polygons and polylines, for questions that need no exact curve."""
+"""Contours: their curves and where they begin, as polygons and polylines, and their shapes."""
 
-from collections.abc import Sequence
-from math import acos, degrees, dist
+from collections.abc import Iterator, Sequence
+from itertools import pairwise, product
+from math import dist
 from typing import TYPE_CHECKING, Any
 
 from msgspec import Struct
+from msgspec.structs import replace
 
-from beamcam.errors import Source
+from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.conics import direction_deg
-from beamcam.geometry.curves import Arc, Curve, Line, parameter_at
-from beamcam.geometry.plane import Point, dot
-from beamcam.machine.torch import CORNER_DEG, Torch, TorchProcess
+from beamcam.geometry.curves import Arc, Curve, Line, parameter_at, unit_vector
+from beamcam.geometry.plane import Box, Point, between, distance, dot, join_boxes
+from beamcam.machine.torch import Torch, TorchProcess
+from beamcam.model.description import end_lines, named
+from beamcam.model.part import PLATE_FACES, Contour, Feature, Hole, Part, Slot, extent
+from beamcam.planning.contours import rules
 
 if TYPE_CHECKING:
     import numpy as np
@@ -96,15 +101,6 @@ def stretch(curves: Curves, lengths: Sequence[float], low: float, high: float) -
             found.append(piece)
         done += length
     return tuple(found)
-
-
-def place_at(curves: Curves, lengths: Sequence[float], length: float) -> Point:
-    """The place so far along a chain, which is no longer than that and no shorter than 0."""
-    for curve, own in zip(curves, lengths, strict=True):
-        if length <= own:
-            return curve.point(parameter_at(curve, length))
-        length -= own
-    return curves[-1].end
 
 
 #: Points of chains, and the chain of each.
@@ -235,165 +231,169 @@ def entity(source: Source) -> str:
     return f"line {source.line}" if source.line is not None else source.file
 
 
-# --- tabs -----------------------------------------------------------------------------------------
-
-# Bridges that hold a part in its sheet: stretches of a closed contour that are not cut.
-#
-# What holds is the steel between both ends of the cut, so their distance counts: over a corner, and
-# round a bend, more of the contour is left than the bridge is wide.
-#
-# start                                        e: the even place of a bridge
-#   |----x---------------x---------------x---- x: its middle, moved off a corner by a quarter of
-#        e             corner e                   the distance of two bridges at most
-#
-# Nor is one where the cut along what is left of another contour begins or ends: it would be cut.
+def curves_of(feature: Hole | Slot, cross: float) -> tuple[Curve, ...]:
+    """The closed contour of a hole or a slot, counter-clockwise; of a centre mark its cross."""
+    if feature.kind == "mark":
+        return cross_at((feature.x, feature.y), cross)
+    if isinstance(feature, Hole):
+        return (Arc((feature.x, feature.y), feature.diameter / 2, 0.0, 360.0),)
+    return tuple(_slot_curves(feature))
 
 
-ROUNDING = 1e-9
-#: Of the contour a bridge takes at most so much, by its width; a tooth is not left whole.
-MOST_ALONG = 1.75
-NEARLY = 1e-6  #: mm, that a bridge may be narrower
-STEP = 0.125  #: by a bridge's width, from one place to the next that is tried for it
-#: The corner of a mitre lies so far beyond that of the contour at most, by the kerf.
-MITRE = 1.25
-JOINT = 0.01  #: mm that chords may be off where places are looked for along a contour
+def cross_at(at: Point, size: float) -> tuple[Line, Line]:
+    """The two lines that mark a centre."""
+    (x, y), half = at, size / 2
+    return Line((x - half, y), (x + half, y)), Line((x, y - half), (x, y + half))
 
 
-def needs_tabs(shape: Shape, torch: Torch) -> bool:
-    """Whether a contour is asked to have bridges."""
-    is_meant = torch.inner_tabs or not shape.is_hole
-    return bool(torch.tabs) and shape.process == "cut" and shape.is_ring and is_meant
+def centres_of(feature: Hole | Slot) -> list[Point]:
+    """Drill start points: the centre of a hole, those of the round corners of a slot."""
+    if isinstance(feature, Hole):
+        return [(feature.x, feature.y)]
+    (c, s), points = unit_vector(feature.angle), list[Point]()
+    for u, v in product({feature.length / 2, -feature.length / 2},
+                        {feature.height / 2, -feature.height / 2}):  # fmt: skip
+        points.append((feature.x + c * u - s * v, feature.y + s * u + c * v))
+    return sorted(points)
 
 
-def stretches_of(shape: Shape, kerf: float, torch: Torch) -> tuple[Curves, ...]:
-    """The stretches of a contour between its bridges, one if it has none."""
-    if not needs_tabs(shape, torch):
-        return (shape.curves,)
-    clear = torch.min_tab_to_corner and torch.min_tab_to_corner + MITRE * kerf
-    return bridged(shape.curves, torch.tabs, torch.tab_width + kerf, clear, kerf, shape.joints)
+def _slot_curves(slot: Slot) -> Iterator[Curve]:
+    """Lines joined by corner arcs of the slot's diameter: half circles where it has no height."""
+    radius, (c, s) = slot.diameter / 2, unit_vector(slot.angle)
+    half_x, half_y = slot.length / 2, slot.height / 2
+
+    def at(x: float, y: float) -> Point:
+        return slot.x + c * x - s * y, slot.y + s * x + c * y
+
+    corners = ((half_x, half_y), (-half_x, half_y), (-half_x, -half_y), (half_x, -half_y))
+    arcs = [Arc(at(x, y), radius, slot.angle + 90.0 * k, 90.0) for k, (x, y) in enumerate(corners)]
+    for k, arc in enumerate(arcs):
+        if radius > 0.0:
+            yield arc
+        start, end = arc.end, arcs[(k + 1) % 4].start
+        if (slot.length, slot.height)[k % 2] > 0.0:
+            yield Line(start, end)
 
 
-def bridged(
-    curves: Curves, tabs: int, width: float, clear: float = 0.0, kerf: float = 0.0,
-    joints: Sequence[Point] = (),
-) -> tuple[Curves, ...]:  # fmt: skip
-    """The stretches of a closed contour between `tabs` bridges, whose ends are `width` mm apart.
-
-    The bridges lie at equal distances, the first half of that from the start; one that is nearer
-    to a corner than `clear`, would take more of the contour than `MOST_ALONG` allows, or may take
-    one of the `joints`, is moved to the nearest place that does not, if there is one within a
-    quarter of these distances. It takes a joint where all places that are clear of corners do, or
-    where none is and the even one does.
-    A contour that has not four times as much length as its bridges gets fewer of them, or none.
-    """
-    lengths = [c.length for c in curves]
-    total = sum(lengths)
-    while tabs and total < 4 * tabs * width:
-        tabs -= 1
-    if not tabs:
-        return (curves,)
-    corners = [(place, width / 2 + clear) for place in _corners(curves, lengths, kerf) if clear]
-    along = _along(curves, joints)
-    # Round a bend a bridge takes more of the contour than on a straight side.
-    near, far = (
-        [(at, off) for at in along] for off in (width / 2, MOST_ALONG * width / 2 + kerf / 2)
-    )
-    cuts: list[tuple[float, float]] = []
-    begin = 0.0
-    for k in range(tabs):
-        even, most = total * (k + 0.5) / tabs, total / (4 * tabs)
-        middle = even
-        for off in ([], near, far):
-            place = _clear_place(even, [*corners, *off], most)
-            middle = middle if place is None else place
-        low, high = _bridge(curves, lengths, middle, width, even - most, even + most)
-        cuts.append((begin, low))
-        begin = high
-    cuts.append((begin, total))
-    return tuple(stretch(curves, lengths, a, b) for a, b in cuts)
+SAME_SIZE = 1e-6  #: mm, that an opening may be below the least by its last digits
 
 
-def joint_in_bridge(shape: Shape, kerf: float, torch: Torch) -> Point | None:
-    """A place in a bridge of a contour where what is left of another begins or ends."""
-    if not (shape.joints and needs_tabs(shape, torch)):
+class Opening(Struct, frozen=True):
+    """A contour that is a circle or a slot, whatever curves draw it."""
+
+    centres: tuple[Point, ...]  #: of a circle one, of a slot those of its round ends
+    width: float
+    length: float  #: of a circle its diameter
+
+
+def round_ended(shape: Shape, least: float, tolerance: float) -> Opening | None:
+    """A contour as a circle or a slot that is narrower than `least`; None if it is none."""
+    lines = [curve for curve in shape.curves if isinstance(curve, Line)]
+    along = max(lines, key=lambda line: line.length).tangent(0.0) if lines else (1.0, 0.0)
+    (c, s), corners = along, points_of([shape.curves], tolerance / 4)[0].tolist()
+    level = [curve.transformed(((c, s, 0.0), (-s, c, 0.0))) for curve in shape.curves]
+    x0, y0, x1, y1 = join_boxes([curve.bbox for curve in level]) or (0.0,) * 4
+    length, width = x1 - x0, y1 - y0
+    if abs(length - width) <= 2 * tolerance:
+        length = width = (length + width) / 2
+    if width > length or width >= least - SAME_SIZE:
         return None
+    centre, middle, reach = (x0 + x1) / 2, (y0 + y1) / 2, (length - width) / 2
+    ends = [
+        (c * u - s * middle, s * u + c * middle)
+        for u in dict.fromkeys((centre - reach, centre + reach))
+    ]
+    places = [*corners, *(between(a, b, 0.5) for a, b in pairwise(corners))]
+    if max(abs(_from_line(place, ends) - width / 2) for place in places) > tolerance:
+        return None
+    return Opening(tuple(ends), width, length)
+
+
+def _from_line(place: Point, ends: Sequence[Point]) -> float:
+    """How far a place is from a line between two ends, or from a point."""
+    (x0, y0), (x1, y1) = ends[0], ends[-1]
+    way = x1 - x0, y1 - y0
+    size = dot(way, way)
+    share = dot(way, (place[0] - x0, place[1] - y0)) / size if size else 0.0
+    return distance(place, between(ends[0], ends[-1], min(max(share, 0.0), 1.0)))
+
+
+def with_outline(part: Part) -> Part:
+    """A plate that is described by its length and width alone, with its rectangle as a contour."""
+    lines = outline_of(part)
+    if not lines:
+        return part
+    return replace(part, features=(*part.features, Contour("v", "outer", lines, part.source)))
+
+
+def outline_of(part: Part) -> tuple[Line, ...]:
+    """The outline of a plate that has no contour of its own: its length and width, and its ends as
+    the header has them; nothing for others and drawings.
+    """
+    cut = [c for c in part.contours if c.kind == "outer" and c.process == "cut"]
+    if part.measures is not None or any(contour.face in PLATE_FACES for contour in cut):
+        return ()
+    (a, d), (b, c) = end_lines(part, "v")
+    return Line(a, b), Line(b, c), Line(c, d), Line(d, a)
+
+
+def reach_of(part: Part) -> Box:
+    """The box around all that a part has, of a plate without anything its length and width."""
+    box = extent(curve for feature in part.features for curve in reached_curves(feature))
+    return box or (0.0, 0.0, part.length, part.profile.height)
+
+
+def reached_curves(feature: Feature) -> Iterator[Curve]:
+    """Curves that reach as far as a feature does."""
+    if isinstance(feature, Contour):
+        yield from feature.curves
+    elif isinstance(feature, Hole):
+        yield Arc((feature.x, feature.y), feature.diameter / 2, 0.0, 360.0)
+    elif isinstance(feature, Slot):
+        c, s = unit_vector(feature.angle)
+        for u in (-feature.length / 2, feature.length / 2):
+            for v in (-feature.height / 2, feature.height / 2):
+                centre = feature.x + c * u - s * v, feature.y + s * u + c * v
+                yield Arc(centre, feature.diameter / 2, 0.0, 360.0)
+
+
+#  ____________       A torch follows whatever is closed: a hole beside the outline would be cut
+# |  ______    |      into the sheet there, one in a cut-out into what falls out of it. Both are
+# | |  o   |   |  o   mistakes of the file, and nothing says which of its numbers is wrong.
+# | |______|   |
+# |____________|
+
+
+def off_plate(part: Part, tolerance: float) -> Iterator[Diagnostic]:
+    """An error for each hole and slot that lies off the plate, or wholly in a cut-out.
+
+    An opening that crosses an edge is refused where contours that cross are; one inside a larger
+    hole is no error here. Drawings have contours alone, which nest.
+    """
     import shapely
 
-    whole, *cut = ways([shape.curves, *stretches_of(shape, kerf, torch)], JOINT)
-    places = shapely.points(shape.joints)
-    off = shapely.distance(shapely.union_all(cut), places) - shapely.distance(whole, places)
-    worst = int(off.argmax())
-    return shape.joints[worst] if off[worst] > torch.tolerance else None
-
-
-def _bridge(
-    curves: Curves, lengths: Sequence[float], middle: float, width: float, least: float, most: float
-) -> tuple[float, float]:
-    """Where the bridge nearest to `middle` begins and ends along a contour, between two limits.
-
-    As long as it is wide at `middle` where there is no place for it.
-    """
-    step = STEP * width
-    places = [middle]
-    for k in range(1, int((most - least) / step) + 1):
-        places += [p for p in (middle - k * step, middle + k * step) if least <= p <= most]
-    for place in places:
-        half = _half(curves, lengths, place, width)
-        if half is not None:
-            return place - half, place + half
-    return middle - width / 2, middle + width / 2
-
-
-def _half(curves: Curves, lengths: Sequence[float], middle: float, width: float) -> float | None:
-    """How far along a contour the ends of a bridge lie from its middle; None if too far."""
-    half = width / 2
-    while 2 * half <= MOST_ALONG * width:
-        a, b = (place_at(curves, lengths, middle + side * half) for side in (-1.0, 1.0))
-        missing = width - dist(a, b)
-        if missing <= NEARLY:
-            return half
-        half += missing / 2  # both ends move apart by that at most
-    return None
-
-
-def _corners(curves: Curves, lengths: Sequence[float], kerf: float) -> list[float]:
-    """Where a closed contour turns at once, along it; what lies at its start counts at its end too.
-
-    In a contour that is moved, what was a corner may be an arc of half the kerf, whose ends count.
-    """
-    corners: list[float] = []
-    place = 0.0
-    for k, curve in enumerate(curves):
-        turn = max(-1.0, min(1.0, dot(curves[k - 1].tangent(1.0), curve.tangent(0.0))))
-        if degrees(acos(turn)) > CORNER_DEG:
-            corners += [place] if k else [0.0, sum(lengths)]
-        if isinstance(curve, Arc) and curve.radius < kerf and abs(curve.sweep_deg) > CORNER_DEG:
-            corners += [place, place + lengths[k]]
-        place += lengths[k]
-    return sorted(corners)
-
-
-def _along(curves: Curves, joints: Sequence[Point]) -> list[float]:
-    """How far along a closed contour some places on it lie."""
-    if not joints:
-        return []
-    import shapely
-
-    (line,) = ways([curves], JOINT)
-    share = sum(curve.length for curve in curves) / line.length
-    return [share * at for at in shapely.line_locate_point(line, shapely.points(joints)).tolist()]
-
-
-def _clear_place(even: float, taken: Sequence[tuple[float, float]], most: float) -> float | None:
-    """The place nearest to `even`, at most so far from it, that is clear of all that is taken.
-
-    Those are places and how far they reach. None without one.
-    """
-    near = [(place, reach) for place, reach in taken if abs(place - even) <= most + reach]
-    places = [even, *(place + side * reach for place, reach in near for side in (-1.0, 1.0))]
-    for place in sorted(places, key=lambda p: abs(p - even)):
-        if abs(place - even) > most:
-            break
-        if all(abs(place - other) >= reach - ROUNDING for other, reach in near):
-            return place
-    return None
+    openings = [
+        f for f in part.features
+        if isinstance(f, Hole | Slot) and f.kind != "mark" and f.face in PLATE_FACES
+    ]  # fmt: skip
+    if not openings:
+        return
+    cut = [c for c in part.contours if c.process == "cut" and c.face in PLATE_FACES]
+    around = [c.curves for c in cut if c.kind == "outer"]
+    around += [own] if (own := outline_of(part)) else []
+    gone = [c.curves for c in cut if c.kind == "inner" and c.closed]
+    every = [curves_of(opening, 0.0) for opening in openings]
+    chains = [*around, *gone, *every]
+    rings = outlines(chains, tolerance / 4)
+    rings = valid(rings, invalid(rings))
+    first = len(around) + len(gone)
+    plate, voids, holes = rings[: len(around)], rings[len(around) : first], rings[first:]
+    on_plate = {*shapely.STRtree(plate).query(holes, predicate="intersects")[0].tolist()}
+    inner, outer = shapely.STRtree(voids).query(holes, predicate="within")
+    more = shapely.area(voids)[outer] - shapely.area(holes)[inner]  # none where it is drawn twice
+    lost = {*inner[more > tolerance * shapely.length(holes)[inner]].tolist()}
+    for k, opening in enumerate(openings):
+        if k not in on_plate or k in lost:
+            yield rules.OFF.at(
+                opening.source, what=named(opening), x=f"{opening.x:g}", y=f"{opening.y:g}"
+            )

@@ -6,7 +6,7 @@ from beamcam.errors import Diagnostic, Source
 from beamcam.machine.coper import Coper
 from beamcam.machine.torch import TorchRow, is_row_for, material_said
 from beamcam.model.part import Face, Part
-from beamcam.planning.contours.material import between_rows
+from beamcam.planning.contours.plate import between_rows
 from beamcam.planning.coping import rules
 
 

@@ -1,18 +1,23 @@
 """The DXF reader: every curve of model space, exact, in mm."""
 
 import re
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any
 
-from msgspec import Struct
+from msgspec import Struct, field
 from msgspec.structs import replace
 
+from beamcam.budget import DEPTH, InForce
 from beamcam.errors import Diagnostic, ReadError, Source
-from beamcam.model.part import Measures, Part
+from beamcam.geometry.curves import Curve
+from beamcam.model.part import Contour, Dashed, Measures, Part, TextMark
 from beamcam.readers import Reading
 from beamcam.readers.drawing import (
+    INSUNITS,
     MM_PER_UNIT,
     UNITS_OPTION,
+    as_contour,
     counted,
     drawing_part,
     fit_newton,
@@ -21,10 +26,26 @@ from beamcam.readers.drawing import (
     wrapped,
 )
 from beamcam.readers.dxf import rules
-from beamcam.readers.dxf.curves import scaled
-from beamcam.readers.dxf.layers import Document, Layers, LayerStyle
-from beamcam.readers.dxf.load import is_binary, load_document, looks_like
-from beamcam.readers.dxf.walk import DrawingContent, DrawingWalk
+from beamcam.readers.dxf.curves import (
+    BY_VALUES,
+    Chain,
+    EdgeOnError,
+    Heights,
+    InsertFrame,
+    check_bounds,
+    scaled,
+)
+from beamcam.readers.dxf.entities import (
+    CURVES,
+    KINDS,
+    by_fit_points,
+    contradictions,
+    is_drawn,
+    text_marks,
+    through_fit_points,
+)
+from beamcam.readers.dxf.layers import Attributes, Layers, LayerStyle, attributes_of
+from beamcam.readers.dxf.load import MARKER, Run, is_binary, load_document, looks_like
 
 __all__ = ["RULES", "looks_like", "read"]
 
@@ -33,6 +54,22 @@ RULES = rules.RULES
 
 #: Heights that differ by less are noise of the writer: files carry 1e-9 to 1e-7.
 FLAT = 1e-3
+
+
+class DrawingContent(Struct):
+    """Results of reading the entities of a drawing."""
+
+    contours: list[Contour] = field(default_factory=list)
+    texts: list[TextMark] = field(default_factory=list)
+    lettered: Counter[str] = field(default_factory=Counter)  #: texts by layer
+    hidden: list[Curve] = field(default_factory=list)
+    hidden_on: Counter[str] = field(default_factory=Counter)  #: curves by layer
+    not_cut: Counter[str] = field(default_factory=Counter)  #: entities by kind
+    empty: Counter[str] = field(default_factory=Counter)
+    edge_on: Counter[str] = field(default_factory=Counter)
+    heights: Heights = field(default_factory=list)
+    dashed: dict[tuple[str, str, str], Dashed] = field(default_factory=dict)
+    diagnostics: list[Diagnostic] = field(default_factory=list)
 
 
 def read(
@@ -59,10 +96,11 @@ def read(
         loaded = load_document(data, source)
     except ReadError as error:
         return Reading("dxf", (), error.diagnostics)
-    chosen = Layers(loaded.tables, _folded(layers) or None)
+    chosen = Layers(loaded.tables, frozenset(map(str.lower, layers)) or None)
     diagnostics += (*loaded.remarks, *unknown_layers(chosen.names(), layers, source))
     runs, frame = iter(loaded.runs), scaled(unit.mm)
-    walk = DrawingWalk(name, chosen, loaded.handles, runs, _folded(fit), _folded(letters))
+    fitted_on, lettered_on = (frozenset(map(str.lower, names)) for names in (fit, letters))
+    walk = DrawingWalk(name, chosen, loaded.handles, runs, fitted_on, lettered_on)
     try:
         if loaded.document is None:
             walk.run(next(runs), frame)
@@ -70,21 +108,20 @@ def read(
             walk.entities(loaded.document.modelspace(), frame, LayerStyle(), ())
     except ReadError as error:
         return Reading("dxf", (), diagnostics + error.diagnostics)
+    dimensions: list[Any] = []
+    if loaded.document is not None and not unit.given:
+        dimensions = list(loaded.document.modelspace().query("DIMENSION"))
     collected = walk.found
     part, fitted = _part(name, collected, fit)
     seen = sorted([*collected.not_cut.items(), ("hidden curves", collected.hidden_on.total())])
     diagnostics += (
-        *contradictions(loaded.document, unit, name),
+        *(contradictions(dimensions, unit.name, unit.mm, name) if dimensions else ()),
         *collected.diagnostics,
         *fitted,
         *_remarks(collected, source),
         *verdict(part, seen, None if unit.given else unit.name, source),
     )
     return wrapped(Reading("dxf", (part,), diagnostics), wrap)
-
-
-def _folded(names: Sequence[str]) -> frozenset[str]:
-    return frozenset(name.lower() for name in names)
 
 
 def _part(
@@ -124,32 +161,6 @@ def _remarks(collected: DrawingContent, source: Source) -> list[Diagnostic]:
 # Unit of length of a DXF file, from its own data.
 #
 # ezdxf invents `$INSUNITS` 6 (metres) for files without a header, so that the raw text is asked.
-
-
-#: Name and mm of the values of $INSUNITS. Source: Autodesk DXF reference, HEADER section. Those
-#: of astronomy (17 to 20) are left out.
-INSUNITS: dict[int, tuple[str, float]] = {
-    1: ("inches", 25.4),
-    2: ("feet", 304.8),
-    3: ("miles", 1_609_344.0),
-    4: ("mm", 1.0),
-    5: ("cm", 10.0),
-    6: ("metres", 1000.0),
-    7: ("km", 1_000_000.0),
-    8: ("microinches", 25.4e-6),
-    9: ("mils", 0.0254),
-    10: ("yards", 914.4),
-    11: ("angstroms", 1e-7),
-    12: ("nm", 1e-6),
-    13: ("microns", 0.001),
-    14: ("dm", 100.0),
-    15: ("dam", 10_000.0),
-    16: ("hm", 100_000.0),
-    21: ("US survey feet", 1200_000.0 / 3937),
-    22: ("US survey inches", 100_000.0 / 3937),
-    23: ("US survey yards", 3600_000.0 / 3937),
-    24: ("US survey miles", 1200_000.0 / 3937 * 5280),
-}
 
 _NL = rb"[ \t]*(?:\r\n|\r|\n)[ \t]*"
 
@@ -210,64 +221,177 @@ def _missing(data: bytes, code: int | None) -> str:
     return text
 
 
-# --- what dimensions say --------------------------------------------------------------------------
+# --- walk -----------------------------------------------------------------------------------------
 
-_STATED = re.compile(r"(\d+(?:[.,]\d+)?)\s*(mm|cm|m|inch(?:es)?|in|ft|\"|″|')\.?\Z", re.IGNORECASE)
-_WORDS = {"inch": 25.4, "inches": 25.4, '"': 25.4, "″": 25.4, "'": 304.8}
-_FORMATTING = re.compile(r"\\[A-Za-z][^;\\]*;|[{}]")
+# Every entity of model space, inserts opened, sorted into what is read and what is not.
 
 
-def contradictions(
-    document: Document | None, unit: LengthUnit, name: str
-) -> tuple[Diagnostic, ...]:
-    """An error for the first dimension that names a length in a unit which denies `unit`.
-
-    A dimension measures in drawing units and may show its length with a unit, written by hand
-    ("100 mm") or appended by its style. If both differ by the factor between two units, the
-    drawing was scaled or its header is wrong. Other differences are no matter of units.
-    """
-    if unit.given or document is None:
-        return ()
-    for dimension in document.modelspace().query("DIMENSION"):
-        stated = _stated_length(dimension)
-        if stated is None:
-            continue
-        text, length, measured = stated
-        size = measured * unit.mm
-        if size > 0.0 and _is_unit_factor(length / size):
-            return (
-                rules.UNITS_CONTRADICT.at(
-                    Source(name, None, dimension.dxf.handle),
-                    stated=text,
-                    measured=measured,
-                    unit=unit.name,
-                    size=size,
-                ),
-            )
-    return ()
+#: More copies of blocks than this are a damaged number, or blocks that multiply each other.
+MOST_COPIES = 20_000
+# What numbers that make no curve end in, here and inside ezdxf.
+_BAD_NUMBERS = (ValueError, TypeError, ArithmeticError, LookupError)
 
 
-def _stated_length(dimension: Any) -> tuple[str, float, float] | None:
-    """Text, mm that it states, and measure in drawing units; None if it names no unit."""
-    measured = dimension.dxf.get("actual_measurement")
-    if not measured or not 0.0 < measured < 1e9:
-        return None
-    text = _FORMATTING.sub("", dimension.dxf.get("text", "") or "<>").strip()
-    if "<>" in text:
-        style = dimension.override()
-        shown = measured * float(style.get("dimlfac", 1.0) or 1.0)
-        post = str(style.get("dimpost", "") or "")
-        text = text.replace("<>", (post if "<>" in post else "<>" + post))
-        text = text.replace("<>", f"{shown:.9f}")
-    match = _STATED.match(text)
-    if match is None:
-        return None
-    word = match[2].lower()
-    mm = _WORDS.get(word) or MM_PER_UNIT[word]
-    return text, float(match[1].replace(",", ".")) * mm, measured
+class DrawingWalk(Struct):
+    """One pass over a document."""
 
+    name: str
+    layers: Layers
+    handles: bool  #: whether entities have names of their own
+    runs: Iterator[Run] = iter(())  #: the plain entities that stand at the markers
+    newton: frozenset[str] = frozenset()  #: layers whose fit points are nodes of polynomials
+    letters: frozenset[str] = frozenset()  #: layers whose texts are lettered
+    found: DrawingContent = field(default_factory=DrawingContent)
+    _seen: Counter[str] = field(default_factory=Counter)
+    _copies: int = 0  #: of blocks, so far
 
-def _is_unit_factor(factor: float) -> bool:
-    sizes = (1.0, 10.0, 25.4, 304.8, 1000.0)
-    known = {a / b for a in sizes for b in sizes if a != b}
-    return any(abs(factor / k - 1.0) < 0.01 for k in known)
+    def entities(
+        self,
+        entities: Iterable[Any],
+        frame: InsertFrame,
+        above: LayerStyle,
+        blocks: tuple[str, ...],
+    ) -> None:
+        """Sort `entities`, which stand in `frame` in the innermost of `blocks`."""
+        from ezdxf.lldxf.const import DXFError
+
+        for entity in entities:
+            kind = entity.dxftype()
+            if kind == MARKER:
+                self.run(next(self.runs), frame)
+                continue
+            source = self._source(kind, entity.dxf.get("handle"))
+            try:
+                if kind == "INSERT":
+                    self._insert(entity, source, frame, above, blocks)
+                elif kind in CURVES and (kind != "POLYLINE" or is_drawn(entity)):
+                    look = self.layers.look(attributes_of(entity), above, bool(blocks))
+                    self._curve(entity, source, frame, look)
+                elif self._is_lettered(entity, kind, above, bool(blocks)):
+                    self.found.texts += text_marks(entity, frame, source)
+                # SEQEND ends a list of vertices; ezdxf hides it from sound files only. An ATTDEF in
+                # a block shows nothing: each insert has attributes of its own.
+                elif kind != "SEQEND" and not (blocks and kind == "ATTDEF"):
+                    self._count(entity, kind, above, bool(blocks))
+            # What ezdxf took in of a damaged file may lack attributes or have them of other types.
+            except (DXFError, *_BAD_NUMBERS, AttributeError) as error:
+                self._say_entity(source, kind, error)
+
+    def _source(self, kind: str, handle: str | None) -> Source:
+        """The entity's handle, or else its kind and number in the order of reading."""
+        if self.handles:
+            return Source(self.name, None, handle)
+        self._seen[kind] += 1
+        return Source(self.name, None, f"{kind} {self._seen[kind]}")
+
+    def _say_entity(self, source: Source, kind: str, error: Exception) -> None:
+        text = " ".join(str(error).split()) or type(error).__name__
+        self.found.diagnostics.append(rules.ENTITY.at(source, kind=kind, found=text))
+
+    def _count(self, entity: Any, kind: str, above: LayerStyle, inside: bool) -> None:
+        """Count what is not a curve, unless it is hidden anyway."""
+        if not self.layers.hides(self.layers.look(attributes_of(entity), above, inside)):
+            self.found.not_cut[kind] += 1
+
+    def _is_lettered(self, entity: Any, kind: str, above: LayerStyle, inside: bool) -> bool:
+        """Whether a text stands on a layer that is mapped to a mark, and shows; it is counted."""
+        if kind not in KINDS or not self.letters:
+            return False
+        look = self.layers.look(attributes_of(entity), above, inside)
+        if look.layer.lower() not in self.letters or self.layers.hides(look):
+            return False
+        self.found.lettered[look.layer] += 1
+        return True
+
+    def run(self, run: Run, frame: InsertFrame) -> None:
+        """Sort plain entities, which stand in model space."""
+        attributes: Attributes | None = None
+        for plain in run:
+            if plain.says is not attributes:
+                attributes = plain.says
+                look = self.layers.look(attributes, LayerStyle(), False)
+                hidden = self.layers.hides(look)
+            kind = plain.kind
+            source, read = self._source(kind, plain.handle), BY_VALUES[kind]
+            self._sort(kind, source, look, hidden, read, frame, plain.values)
+
+    def _curve(self, entity: Any, source: Source, frame: InsertFrame, look: LayerStyle) -> None:
+        kind = entity.dxftype()
+        polynomial = by_fit_points(entity) > 0 and look.layer.lower() in self.newton
+        read = through_fit_points if polynomial else CURVES[kind]
+        seen = self._sort(kind, source, look, self.layers.hides(look), read, frame, (entity,))
+        if seen and not polynomial and (count := by_fit_points(entity)):
+            self.found.diagnostics.append(rules.FIT_SPLINE.at(source, count=count))
+
+    def _sort(
+        self,
+        kind: str,
+        source: Source,
+        look: LayerStyle,
+        hidden: bool,
+        read: Callable[..., list[Chain]],
+        frame: InsertFrame,
+        values: tuple[Any, ...],
+    ) -> bool:
+        """Contours of the chains that `read` gives, if they are not hidden; whether there are any.
+
+        `read` takes the frame, a list that it adds heights to, and the values.
+        """
+        collected = self.found
+        heights: Heights = [] if hidden else collected.heights
+        count = len(heights)
+        try:
+            chains = read(frame, heights, *values)
+            check_bounds(chains)
+        except _BAD_NUMBERS as error:
+            del heights[count:]
+            if not hidden and isinstance(error, EdgeOnError):
+                collected.edge_on[kind] += 1
+            elif not hidden:
+                self._say_entity(source, kind, error)
+            return False
+        if not chains:
+            collected.empty[kind] += 1
+        if hidden:
+            collected.hidden += (curve for chain in chains for curve in chain)
+            collected.hidden_on[look.layer] += 1
+            return False
+        for chain in chains:
+            collected.contours.append(as_contour(chain, source, look.layer, look.colour))
+        if chains and look.line_type:
+            key = look.layer, look.colour, look.line_type
+            before = collected.dashed.get(key) or Dashed(*key, 0, source)
+            collected.dashed[key] = replace(before, count=before.count + len(chains))
+        return bool(chains)
+
+    def _insert(
+        self,
+        insert: Any,
+        source: Source,
+        frame: InsertFrame,
+        above: LayerStyle,
+        blocks: tuple[str, ...],
+    ) -> None:
+        """Open an insert: its block, once for each place of its array."""
+        look = self.layers.look(attributes_of(insert), above, bool(blocks))
+        name = str(insert.dxf.get("name", ""))
+        for attribute in insert.attribs:
+            self._count(attribute, "ATTRIB", look, True)
+        block = insert.block()
+        if block is None or block.block.is_xref:
+            self.found.diagnostics.append(rules.BLOCK_MISSING.at(source, found=name))
+            return
+        if name.lower() in blocks:
+            self.found.diagnostics.append(rules.BLOCK_CYCLE.at(source, found=name))
+            return
+        if len(blocks) >= InForce.limits.depth:
+            raise ReadError(DEPTH.at(source, found=name, expected=InForce.limits.depth))
+        copies = insert.mcount
+        self._copies += copies
+        if self._copies > MOST_COPIES:
+            raise ReadError(rules.BLOCK_COUNT.at(source, found=self._copies, expected=MOST_COPIES))
+        before = len(self.found.contours)
+        for place in insert.multi_insert() if copies > 1 else (insert,):
+            self.entities(block, frame.inside(place.matrix44()), look, (*blocks, name.lower()))
+        if len(self.found.contours) > before and self.layers.hides(look):
+            self.found.diagnostics.append(rules.FROZEN_INSERT.at(source, layer=look.layer))

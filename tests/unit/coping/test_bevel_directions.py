@@ -20,7 +20,7 @@ from beamcam.pipeline import RefusedProgram, post
 from beamcam.planning.coping import plan as planner
 from beamcam.planning.coping.bevels import BevelsMade
 from beamcam.planning.coping.plan import plan_coping
-from beamcam.planning.left_out import manual_rows
+from beamcam.planning.manual_list import manual_rows
 from beamcam.solid.opinion import solid_faults
 from benchmarks import coping_faults
 from benchmarks.coping_bevels import BEVEL_PLANS, BEVEL_TEXTS

@@ -22,7 +22,7 @@ from beamcam.model.part import Contour, EndCuts, Face, Feature, Hole, Part, Prof
 from beamcam.model.request import Request
 from beamcam.model.surface import around
 from beamcam.pipeline import read_file
-from beamcam.planning.left_out import manual_rows
+from beamcam.planning.manual_list import manual_rows
 from beamcam.recovery import recover
 from beamcam.solid.kernel import kernel
 from beamcam.solid.opinion import solid_faults

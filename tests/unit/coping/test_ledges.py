@@ -18,7 +18,7 @@ from beamcam.model.part import Contour, EndCuts, Part, Profile
 from beamcam.model.plan import CopePlan
 from beamcam.model.request import Request
 from beamcam.planning.coping.plan import plan_coping
-from beamcam.planning.left_out import manual_rows
+from beamcam.planning.manual_list import manual_rows
 from beamcam.solid.opinion import solid_faults
 from benchmarks import coping_faults
 from tests.conftest import examples

@@ -25,7 +25,7 @@ from beamcam.model.plan import CopeCut
 from beamcam.model.request import Request
 from beamcam.planning.coping.plan import plan_coping
 from beamcam.planning.coping.walls import laid
-from beamcam.planning.left_out import manual_rows
+from beamcam.planning.manual_list import manual_rows
 from beamcam.recovery.copers import recover_coped
 from beamcam.recovery.found import KnownStock
 from beamcam.solid.kernel import outline as outline_of

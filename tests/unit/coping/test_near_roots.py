@@ -15,7 +15,7 @@ from beamcam.machine import Machine, load
 from beamcam.model.part import Contour, Part, Profile
 from beamcam.model.request import Job, Request
 from beamcam.planning.coping.plan import plan_coping
-from beamcam.planning.left_out import manual_rows
+from beamcam.planning.manual_list import manual_rows
 from beamcam.solid.opinion import solid_faults
 from benchmarks.coping_faults import program_of as text_of
 from benchmarks.coping_roots import STEPS

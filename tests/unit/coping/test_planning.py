@@ -19,7 +19,7 @@ from beamcam.planning.coping.plan import ORDER, plan_coping
 from beamcam.planning.coping.regions import region_of
 from beamcam.planning.coping.rules import RULES
 from beamcam.planning.coping.walls import walls_of
-from beamcam.planning.left_out import manual_rows
+from beamcam.planning.manual_list import manual_rows
 from tests.conftest import examples
 from tests.random_copes import random_cope
 from tests.unit.coping.samples import (

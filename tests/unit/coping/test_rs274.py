@@ -19,7 +19,7 @@ from shapely import LineString, Polygon
 from beamcam.machine import Machine, load
 from beamcam.model.part import Contour, EndCuts, Part
 from beamcam.planning.coping.plan import plan_coping
-from beamcam.planning.left_out import manual_rows
+from beamcam.planning.manual_list import manual_rows
 from beamcam.solid.kernel import kernel, outline
 from beamcam.solid.part_solid import part_solid
 from tests.conftest import sampled

@@ -22,7 +22,7 @@ from beamcam.model.request import Request
 from beamcam.pipeline import post, read_file
 from beamcam.planning.coping.ends import planes_of
 from beamcam.planning.coping.plan import plan_coping
-from beamcam.planning.left_out import manual_rows
+from beamcam.planning.manual_list import manual_rows
 from beamcam.solid.opinion import solid_faults
 from benchmarks import coping_faults, coping_plans
 from tests.conftest import SAMPLES, examples, sampled

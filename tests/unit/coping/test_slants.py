@@ -15,7 +15,7 @@ from beamcam.machine import load
 from beamcam.model.part import Contour, EndCuts, Hole, Part
 from beamcam.model.request import Request
 from beamcam.planning.coping.plan import plan_coping
-from beamcam.planning.left_out import manual_rows
+from beamcam.planning.manual_list import manual_rows
 from beamcam.rest_part import chain_of
 from beamcam.solid.opinion import solid_faults
 from beamcam.solid.part_solid import part_solid

@@ -11,7 +11,7 @@ from msgspec.structs import replace
 from beamcam.errors import PlanError
 from beamcam.model.part import Bevel, Contour, EndCuts, Part
 from beamcam.model.request import Request
-from beamcam.planning.left_out import manual_rows
+from beamcam.planning.manual_list import manual_rows
 from beamcam.solid.kernel import kernel
 from beamcam.solid.opinion import solid_faults
 from beamcam.solid.part_solid import part_solid

@@ -15,7 +15,7 @@ from beamcam.model.part import EndCuts, EndPlane, Part, Profile
 from beamcam.model.request import Request
 from beamcam.model.surface import around
 from beamcam.pipeline import read_file
-from beamcam.planning.left_out import manual_rows
+from beamcam.planning.manual_list import manual_rows
 from beamcam.recovery import recover
 from beamcam.solid.kernel import kernel
 from beamcam.solid.opinion import solid_faults

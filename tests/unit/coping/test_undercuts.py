@@ -18,7 +18,7 @@ from beamcam.machine.coper import torch_way
 from beamcam.model.part import Bevel, Contour, Face, Part
 from beamcam.model.plan import CopeCut
 from beamcam.model.request import Request
-from beamcam.planning.left_out import manual_rows
+from beamcam.planning.manual_list import manual_rows
 from beamcam.solid.opinion import solid_faults
 from benchmarks import coping_faults
 from benchmarks.coping_bevels import BEVEL_PLANS, BEVEL_TEXTS

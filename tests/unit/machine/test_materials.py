@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from beamcam.checks.sheets.chart_rows import rows_on
+from beamcam.checks.sheets.asked_sheet import rows_on
 from beamcam.errors import MachineError, PlanError
 from beamcam.machine import load, shipped
 from beamcam.machine.keys import settings

@@ -22,7 +22,7 @@ from tests.unit.planning.shop import ANGLE, BEAM, CHANNEL, SOURCE, TUBE, hole, p
 
 #: Of bars; sheets and copers have rules and cases of their own, and so have maps and what is left
 #: out.
-OTHERS = ("contours", "coping", "map_keys")
+OTHERS = ("contours", "coping")
 RULES = [
     rule
     for module in pkgutil.walk_packages(planning.__path__, "beamcam.planning.")

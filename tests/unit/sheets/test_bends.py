@@ -11,7 +11,7 @@ from beamcam.errors import PlanError
 from beamcam.machine import load
 from beamcam.model.part import Bend, EndPlane
 from beamcam.pipeline import post
-from beamcam.planning.left_out import manual_rows
+from beamcam.planning.manual_list import manual_rows
 from tests.unit.sheets.parts import S, box, contour, drawing, plate
 
 PLATE = load("plate-linuxcnc")

@@ -9,6 +9,7 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from beamcam.checks.sheets.asked_sheet import kerf_on
 from beamcam.checks.sheets.compare import verify_sheet
 from beamcam.checks.sheets.required_layout import pulled_apart
 from beamcam.errors import PlanError, Source
@@ -19,8 +20,8 @@ from beamcam.model.part import Part
 from beamcam.model.plan import SheetPlan
 from beamcam.model.request import Request
 from beamcam.pipeline import Posted, post, read_back
-from beamcam.planning.contours.layout import apart
 from beamcam.planning.contours.outline import Shape
+from beamcam.planning.contours.plate import apart
 from beamcam.planning.contours.repeats import in_levels
 from tests.conftest import examples, sampled
 from tests.unit.sheets.parts import box, circle, contour, drawing, lines
@@ -338,7 +339,7 @@ def test_boxes_move_with_those_that_they_touch_by_way_of_others() -> None:
     assert torch is not None
     k = KERF
     expected = [(0, 0), (0, 35 + k), (50 + k, k), (80 + 2 * k, k), (0, 70 + 2 * k)]
-    for moved in (pulled_apart(part, torch), apart(part, torch)[0]):
+    for moved in (pulled_apart(part, torch, kerf_on(part, torch)), apart(part, torch)[0]):
         starts = [one.curves[0].start for one in moved.contours]
         assert sum(starts, ()) == pytest.approx(sum(expected, ()))
     assert not read_back(post((part,), nested()).text, Request((part,), nested()))

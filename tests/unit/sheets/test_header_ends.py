@@ -7,15 +7,15 @@ import pytest
 import shapely
 from msgspec.structs import replace
 
+from beamcam.checks.sheets.asked_sheet import header_outline
 from beamcam.checks.sheets.compare import verify_sheet
-from beamcam.checks.sheets.required_layout import header_outline
 from beamcam.errors import PlanError, Source
 from beamcam.geometry.curves import Line
 from beamcam.machine import load
 from beamcam.machine.overlay import with_torch
 from beamcam.model.part import Bevel, EndCuts, Hole, Part, Profile
 from beamcam.pipeline import post
-from beamcam.planning.contours.layout import outline_of
+from beamcam.planning.contours.outline import outline_of
 from tests.unit.sheets.parts import contour
 
 SOURCE = Source("flat.nc1", 1)

@@ -20,7 +20,8 @@ from beamcam.model.part import Bevel, Contour, Feature, Hole, Part, Profile, Slo
 from beamcam.model.request import Request
 from beamcam.pipeline import Posted, post, read_back
 from beamcam.planning.contours import rules
-from beamcam.planning.left_out import MANUAL_WORK, manual_rows
+from beamcam.planning.left_out import MANUAL_WORK
+from beamcam.planning.manual_list import manual_rows
 from beamcam.planning.rules import BEVEL_NOISE
 from tests.conftest import examples
 from tests.unit.sheets.parts import S, box, plate, table

@@ -17,7 +17,7 @@ from beamcam.model.part import Hole, Part
 from beamcam.model.plan import SheetPlan
 from beamcam.model.request import Request
 from beamcam.pipeline import post
-from beamcam.planning.left_out import manual_rows
+from beamcam.planning.manual_list import manual_rows
 from beamcam.solid.opinion import solid_faults
 from tests.unit.sheets.parts import S, box, circle, contour, drawing, lines, plate, table
 

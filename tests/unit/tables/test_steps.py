@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from beamcam.checks.sheets.chart_rows import rows_on
+from beamcam.checks.sheets.asked_sheet import rows_on
 from beamcam.checks.steps import verify_table
 from beamcam.emitters import step_table as forms
 from beamcam.errors import Diagnostic, Source, errors_in
@@ -26,7 +26,7 @@ from beamcam.motion import step_events, steps
 from beamcam.motion.step_events import BACK, FORWARD, MOVE_BITS, MOVES, TIME_BIT, events
 from beamcam.motion.steps import Way
 from beamcam.pipeline import post, read_back
-from beamcam.planning.contours.material import SheetMaterial
+from beamcam.planning.contours.plate import SheetMaterial
 from beamcam.solid.sheet_solid import rows_for
 from tests.conftest import examples
 from tests.path_samples import positions

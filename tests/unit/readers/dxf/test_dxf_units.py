@@ -5,7 +5,8 @@ import struct
 import pytest
 
 from beamcam.readers import dxf
-from beamcam.readers.dxf import INSUNITS, header_number
+from beamcam.readers.drawing import INSUNITS
+from beamcam.readers.dxf import header_number
 from tests.dxf_text import box_of, codes, drawing, entity, insert, polyline, tags
 from tests.dxf_text import section as a_section
 

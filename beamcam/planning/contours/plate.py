@@ -1,4 +1,4 @@
-"""A sheet's part as it is laid on the table: mirrored, turned, and copied in rows and columns."""
+"""The plate: its material and thickness, the machine's rows for it, where it lies on the table."""
 
 from collections.abc import Iterator, Sequence
 from itertools import product
@@ -6,40 +6,37 @@ from math import dist, hypot
 
 from msgspec.structs import replace
 
-from beamcam.errors import Diagnostic, PlanError, Source
+from beamcam.errors import Diagnostic, PlanError
 from beamcam.geometry.arrays import CurveTable, table_of
-from beamcam.geometry.conics import direction_deg
-from beamcam.geometry.curves import Arc, Curve, Line
 from beamcam.geometry.plane import (
-    IDENTITY,
     Box,
-    Matrix,
     Point,
-    determinant,
-    mapped,
-    mapped_vector,
-    unit_vector,
 )
-from beamcam.machine.torch import ORIGINS, Torch
+from beamcam.machine.coper import Coper
+from beamcam.machine.load import load, shipped
+from beamcam.machine.tables import HeightAxis
+from beamcam.machine.torch import (
+    ORIGINS,
+    Torch,
+    TorchProcess,
+    TorchRow,
+    is_row_for,
+    material_of,
+    material_said,
+)
 from beamcam.model.colour import key_of
-from beamcam.model.description import end_lines
 from beamcam.model.hatch import hatched, not_filled
 from beamcam.model.part import (
-    PLATE_FACES,
     Contour,
     EndPlane,
-    Feature,
-    Hole,
     Part,
-    Slot,
-    TextMark,
     extent,
     moved_curve,
 )
 from beamcam.model.plan import ContourOp
 from beamcam.planning.contours import rules
-from beamcam.planning.contours.material import SheetMaterial
-from beamcam.planning.contours.outline import Shape
+from beamcam.planning.contours.copies import cannot_lie, laid_out, size_of
+from beamcam.planning.contours.outline import Shape, reach_of, reached_curves, with_outline
 from beamcam.planning.contours.spread import spread
 
 BESIDE = 0.1  #: mm that a plane may lie inside of the edge that it states once more
@@ -152,7 +149,7 @@ def laid(parts: tuple[Part, ...], torch: Torch | None) -> tuple[tuple[Part, ...]
     torch = spaced(parts[0], torch) if parts else torch
     if fits_turned(parts, torch):
         torch = replace(torch, rotate=QUARTER)
-        x0, y0, x1, y1 = _box(_with_outline(parts[0]))
+        x0, y0, x1, y1 = reach_of(with_outline(parts[0]))
         found, expected = f"{x1 - x0:.1f} x {y1 - y0:.1f}", f"{torch.length:g} x {torch.width:g}"
         notes = [*notes, rules.TURNED.at(parts[0].source, found=found, expected=expected)]
     if not (torch.settings or is_laid_otherwise(torch)):
@@ -209,99 +206,23 @@ def fits_turned(parts: Sequence[Part], torch: Torch) -> bool:
     any_ignored = "ignore" in torch.colours.values()
     curves = [
         curve
-        for feature in _with_outline(part).features
+        for feature in with_outline(part).features
         if not (any_ignored and isinstance(feature, Contour) and _is_ignored(feature, torch))
-        for curve in _curves(feature)
+        for curve in reached_curves(feature)
     ]
     box = extent(curves)
-    if box is None or next(cannot_lie(part, torch), None) is not None:
+    if box is None:
         return False
     length, width = box[2] - box[0], box[3] - box[1]
     long, wide = torch.length + torch.gap, torch.width + torch.gap
-    return (length > long or width > wide) and width <= long and length <= wide
+    if (length <= long and width <= wide) or width > long or length > wide:
+        return False
+    return next(cannot_lie(part, torch), None) is None
 
 
 def _is_ignored(contour: Contour, torch: Torch) -> bool:
     key = key_of(contour, torch.colours)
     return key is not None and torch.colours[key] == "ignore"
-
-
-def cannot_lie(part: Part, torch: Torch) -> Iterator[tuple[Source, str]]:
-    """Features that cannot be mirrored, turned or copied: where they are, and what they are."""
-    for feature in part.features:
-        if isinstance(feature, Contour):
-            if feature.bevels:
-                yield feature.source, "a bevelled contour"
-        elif isinstance(feature, TextMark):
-            if torch.mirror != "none":
-                yield feature.source, "a text, which would be read from behind"
-        elif not isinstance(feature, Hole | Slot):
-            yield getattr(feature, "source", part.source), type(feature).__name__.lower()
-
-
-def size_of(part: Part, torch: Torch) -> tuple[float, float]:
-    """Length and width of all copies together, with the spacing between them."""
-    x0, y0, x1, y1 = _box(_as_turned(part, torch))
-    (columns, rows), gap = torch.copies, torch.spacing
-    return columns * (x1 - x0 + gap) - gap, rows * (y1 - y0 + gap) - gap
-
-
-def laid_out(part: Part, torch: Torch) -> Part:
-    """The part with all its copies: mirrored and turned about its middle, then repeated.
-
-    Copies stand side by side in X and above each other in Y, their boxes `spacing` apart.
-    """
-    turned = _as_turned(part, torch)
-    x0, y0, x1, y1 = _box(turned)
-    columns, rows = torch.copies
-    features = [
-        _placed(feature, ((1.0, 0.0, k * (x1 - x0 + torch.spacing)),
-                          (0.0, 1.0, n * (y1 - y0 + torch.spacing))))
-        for n in range(rows) for k in range(columns) for feature in turned.features
-    ]  # fmt: skip
-    length, width = size_of(part, torch)
-    return replace(
-        turned, features=tuple(features), length=length,
-        profile=replace(part.profile, height=width),
-    )  # fmt: skip
-
-
-def _as_turned(part: Part, torch: Torch) -> Part:
-    whole = _with_outline(part)
-    x0, y0, x1, y1 = _box(whole)
-    matrix = _about(((x0 + x1) / 2, (y0 + y1) / 2), torch)
-    if matrix == IDENTITY:
-        return whole
-    return replace(whole, features=tuple([_placed(f, matrix) for f in whole.features]))
-
-
-def _about(middle: tuple[float, float], torch: Torch) -> Matrix:
-    """The matrix that mirrors and then turns about a point."""
-    if torch.mirror == "none" and not torch.rotate:
-        return IDENTITY
-    (c, s), (mx, my) = unit_vector(torch.rotate), middle
-    fx, fy = (-1.0 if torch.mirror == axis else 1.0 for axis in ("x", "y"))
-    a, b, d, e = c * fx, -s * fy, s * fx, c * fy
-    return (a, b, mx - a * mx - b * my), (d, e, my - d * mx - e * my)
-
-
-def _with_outline(part: Part) -> Part:
-    """A plate that is described by its length and width alone, with its rectangle as a contour."""
-    lines = outline_of(part)
-    if not lines:
-        return part
-    return replace(part, features=(*part.features, Contour("v", "outer", lines, part.source)))
-
-
-def outline_of(part: Part) -> tuple[Line, ...]:
-    """The outline of a plate that has no contour of its own: its length and width, and its ends as
-    the header has them; nothing for others and drawings.
-    """
-    cut = [c for c in part.contours if c.kind == "outer" and c.process == "cut"]
-    if part.measures is not None or any(contour.face in PLATE_FACES for contour in cut):
-        return ()
-    (a, d), (b, c) = end_lines(part, "v")
-    return Line(a, b), Line(b, c), Line(c, d), Line(d, a)
 
 
 def takes_nothing(plane: EndPlane, part: Part, thickness: float) -> bool:
@@ -329,51 +250,142 @@ def skew_ends(part: Part, torch: Torch) -> Iterator[Diagnostic]:
         yield rules.SKEW_END.at(source, end="end", found=f"{cuts.flange_end:g}")
 
 
-def _box(part: Part) -> Box:
-    box = extent(curve for feature in part.features for curve in _curves(feature))
-    return box or (0.0, 0.0, part.length, part.profile.height)
+def is_same(material: str, grade: str) -> bool:
+    """Whether a requested material may be the one that a part's grade names."""
+    return material_of(material) == material_of(grade)
 
 
-def _curves(feature: Feature) -> Iterator[Curve]:
-    """Curves that reach as far as a feature does."""
-    if isinstance(feature, Contour):
-        yield from feature.curves
-    elif isinstance(feature, Hole):
-        yield Arc((feature.x, feature.y), feature.diameter / 2, 0.0, 360.0)
-    elif isinstance(feature, Slot):
-        c, s = unit_vector(feature.angle)
-        for u in (-feature.length / 2, feature.length / 2):
-            for v in (-feature.height / 2, feature.height / 2):
-                centre = feature.x + c * u - s * v, feature.y + s * u + c * v
-                yield Arc(centre, feature.diameter / 2, 0.0, 360.0)
+def between_rows(torch: Torch | Coper, row: TorchRow, thickness: float) -> TorchRow:
+    """A row as steel is worked with it: at its own feed, or at one between two rows.
+
+    Where the machine's file interpolates, the feed lies on a straight line between the rows of the
+    chart that differ in nothing but their thickness; below the thinnest it is that row's.
+    """
+    if torch.between_rows == "row above":
+        return row
+    import numpy as np
+
+    chart = sorted(
+        (other.up_to, other.feed_mm_min)
+        for other in torch.rows
+        if _chart_of(other) == _chart_of(row)
+    )
+    limits, feeds = zip(*chart, strict=True)
+    return replace(row, feed_mm_min=float(np.interp(thickness, limits, feeds)))
 
 
-def _placed(feature: Feature, matrix: Matrix) -> Feature:
-    """A feature moved by a matrix that keeps lengths; a contour goes round as it did."""
-    if isinstance(feature, Contour):
-        return _placed_contour(feature, matrix)
-    if isinstance(feature, Hole):
-        x, y = mapped(matrix, (feature.x, feature.y))
-        return replace(feature, x=x, y=y)
-    if isinstance(feature, Slot | TextMark):
-        x, y = mapped(matrix, (feature.x, feature.y))
-        angle = direction_deg(mapped_vector(matrix, unit_vector(feature.angle)))
-        return replace(feature, x=x, y=y, angle=angle)
-    return feature
+def _chart_of(row: TorchRow) -> tuple[object, ...]:
+    return row.process, row.material, row.amps, row.nozzle
 
 
-def _placed_contour(contour: Contour, matrix: Matrix) -> Contour:
-    curves = tuple([_moved(curve, matrix) for curve in contour.curves])
-    notches = tuple([replace(n, corner=mapped(matrix, n.corner)) for n in contour.notches])
-    if determinant(matrix) < 0.0:
-        last = len(curves) - 1
-        curves = tuple([curve.reversed() for curve in reversed(curves)])
-        notches = tuple([replace(notch, curve=last - notch.curve) for notch in notches])
-    return replace(contour, curves=curves, notches=notches)
+def _shipped_torches() -> Iterator[tuple[str, Torch]]:
+    for machine in map(load, shipped()):
+        if machine.torch is not None:
+            yield machine.name, machine.torch
 
 
-def _moved(curve: Curve, matrix: Matrix) -> Curve:
-    """As `transformed`; an arc that is only moved keeps its angles as they are."""
-    if isinstance(curve, Arc) and matrix[0][:2] == (1.0, 0.0) and matrix[1][:2] == (0.0, 1.0):
-        return replace(curve, centre=mapped(matrix, curve.centre))
-    return curve.transformed(matrix)
+class SheetMaterial:
+    """Material and thickness of a sheet, and the machine's row for each process on it."""
+
+    def __init__(self, part: Part, torch: Torch) -> None:
+        own = part.profile.web_thickness
+        thickness = torch.thickness if own is None else own
+        self.is_known = thickness is not None
+        self.thickness = thickness or 0.0
+        self.material = material_said(part.grade, torch.material)
+        self._torch = torch
+        self._source = part.source
+        self._rows: dict[TorchProcess, TorchRow | None] = {}
+        self.remarks: tuple[Diagnostic, ...] = ()
+        if own is None and self.is_known:
+            self.remarks = (
+                rules.ASSUMED.at(part.source, found=f"{self.thickness:g}", material=self.material),
+            )
+
+    def row(self, process: TorchProcess) -> TorchRow | None:
+        """The first row of the machine that fits the sheet; None if there is none."""
+        if process not in self._rows:
+            row = next(filter(self._fits, self._rows_of(process)), None)
+            if row is None and process == "spot" and (cut := self.row("cut")) is not None:
+                row = cut.spotting()
+            self._rows[process] = row and between_rows(self._torch, row, self.thickness)
+        return self._rows[process]
+
+    def row_for(self, process: TorchProcess, look: str) -> TorchRow | None:
+        """`row` with the settings of a key of the table of colours."""
+        row, own = self.row(process), self._torch.settings.get(look)
+        if row is None or own is None:
+            return row
+        return replace(
+            row,
+            feed_mm_min=row.feed_mm_min if own.speed is None else own.speed,
+            power=row.power if own.power is None else own.power,
+            passes=row.passes if own.passes is None else own.passes,
+        )
+
+    def _rows_of(self, process: TorchProcess) -> list[TorchRow]:
+        return [row for row in self._torch.rows if row.process == process]
+
+    def _fits(self, row: TorchRow) -> bool:
+        is_material = is_row_for(row.material, self.material)
+        return is_material and 0.0 < self.thickness <= row.up_to
+
+    def kerf(self, process: TorchProcess) -> float:
+        """Kerf width to compensate, by offset or machine; 0 without compensation."""
+        row = self.row(process)
+        if row is None or process != "cut" or self._torch.kerf_by == "none":
+            return 0.0
+        return row.kerf
+
+    def refusals(self, processes: set[TorchProcess]) -> list[Diagnostic]:
+        """Why the sheet cannot be worked; nothing if it can."""
+        if not self.is_known:
+            return [rules.NO_THICKNESS.at(self._source)]
+        known = {row.process for row in self._torch.rows}
+        return [
+            rules.THICKNESS.at(
+                self._source,
+                found=f"{self.thickness:g}",
+                material=self.material or "of no known material",
+                process=process,
+                expected=self._limits(process),
+                others=self._others(process),
+            )
+            for process in sorted(processes & known)
+            if self.row(process) is None
+        ]
+
+    def unlifted(self, processes: set[TorchProcess], z: HeightAxis) -> list[Diagnostic]:
+        """Why the torch cannot be lifted over the sheet; nothing if it can."""
+        diagnostics = [
+            rules.TORCH_HEIGHT.at(
+                self._source, key=key, process=process, up_to=f"{row.up_to:g}", axis=z.axis
+            )
+            for process in sorted(processes)
+            if (row := self.row(process)) is not None
+            for key in ("pierce_height", "cut_height")
+            if not getattr(row, key)
+        ]
+        most = z.home_height - z.clearance
+        if self.thickness > most:
+            found, expected = f"{self.thickness:g}", f"{most:g}"
+            diagnostics.append(rules.HEADROOM.at(self._source, found=found, expected=expected))
+        return diagnostics
+
+    def _others(self, process: TorchProcess) -> str:
+        """Which of the shipped machines work such a sheet: "plate-oxyfuel cuts it (--machine)"."""
+        able = [
+            name for name, torch in _shipped_torches()
+            if any(row.process == process and self._fits(row) for row in torch.rows)
+        ]  # fmt: skip
+        if not able or self.thickness <= 0.0:
+            return "no shipped machine does; [[torch.more_rows]] in a file of your own adds a row"
+        return f"--machine {' or '.join(able)} can"
+
+    def _limits(self, process: TorchProcess) -> str:
+        """ "above 0 and at most 8 mm of acrylic, 8 mm of wood"."""
+        greatest: dict[str, float] = {}
+        for row in self._rows_of(process):
+            greatest[row.material] = max(row.up_to, greatest.get(row.material, 0.0))
+        limits = (f"{up_to:g} mm of {'any' if m == '*' else m}" for m, up_to in greatest.items())
+        return "above 0 and at most " + ", ".join(limits)

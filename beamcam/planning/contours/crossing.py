@@ -1,24 +1,17 @@
-"""Nesting of contours: which lies inside which."""
+"""Closed cuts that cross themselves or one another, and where."""
 
-from collections import defaultdict
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from msgspec.structs import replace
-
-from beamcam.errors import Diagnostic, PlanError, Rule, Source, errors_in
+from beamcam.errors import Diagnostic, PlanError, Rule, Source
 from beamcam.geometry.plane import Point
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.assign_process import AssignedCurve
-from beamcam.planning.contours.doubling import taken_apart, told_beside, told_flat, turns
 from beamcam.planning.contours.outline import (
-    Drawn,
     Shape,
     entity,
     invalid,
     outlines,
-    points_of,
-    rings_of,
     signed_areas,
     valid,
     ways,
@@ -28,11 +21,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from beamcam.geometry.array_types import Counts, Floats
-
-# --- crossing -------------------------------------------------------------------------------------
-
-# Which closed cuts cross themselves or one another, and where.
-
 
 #: Two contours that lie over one another by less than this share of the machine's tolerance
 #: touch: so near are the chords that stand for their curves, and what programs round.
@@ -52,6 +40,7 @@ def crossings(
     closed: Sequence[Shape],
     rings: "NDArray[Any]",
     bad: Sequence[int],
+    pairs: Sequence[tuple[int, int]],
     curves: Sequence[AssignedCurve],
     tolerance: float,
     gap: float,
@@ -59,17 +48,15 @@ def crossings(
 ) -> list[Diagnostic]:
     """Closed cuts that cross themselves or one another, with a place and both entities.
 
-    Those that are `bad` meet themselves. Errors where a kerf is to be kept off, as nothing says on
-    which side; else warnings.
+    Those that are `bad` meet themselves, `pairs` of them one another. Errors where a kerf is to be
+    kept off, as nothing says on which side; else warnings.
     """
-    import shapely
-
     entities = _Entities(curves)
     rule = rules.CROSSING if kerf else rules.CROSSED
     diagnostics: list[Diagnostic] = []
     for k, crossed in _loops(closed, rings, bad, tolerance, gap):
         diagnostics.append(_told(rule, *entities.at(crossed, closed[k], closed[k]), crossed))
-    for i, k in _meeting(shapely.get_exterior_ring(rings)):
+    for i, k in pairs:
         place = _crossing(closed[i], closed[k], tolerance)
         if place is not None:
             diagnostics.append(_told(rule, *entities.at(place, closed[i], closed[k]), place))
@@ -113,23 +100,6 @@ def _reason_place(ring: Any) -> Point:
 
 def _told(rule: Rule, source: Source, other: str, place: Point) -> Diagnostic:
     return rule.at(source, other=other, x=f"{place[0]:.3f}", y=f"{place[1]:.3f}")
-
-
-def _meeting(boundaries: "NDArray[Any]") -> list[tuple[int, int]]:
-    """Pairs of rings that cross or touch, ascending."""
-    import numpy as np
-    import shapely
-
-    first, second = shapely.STRtree(boundaries).query(boundaries)
-    pair = first < second
-    first, second = first[pair], second[pair]
-    # The one with more points is prepared: it has its neighbours in a tree.
-    sizes = shapely.get_num_coordinates(boundaries)
-    swap = sizes[second] > sizes[first]
-    large, small = np.where(swap, second, first), np.where(swap, first, second)
-    shapely.prepare(boundaries[large])
-    meet = shapely.intersects(boundaries[large], boundaries[small])
-    return sorted(zip(first[meet].tolist(), second[meet].tolist(), strict=True))
 
 
 def _loops(
@@ -253,108 +223,3 @@ class _Entities:
             return [shape.source]
         away = shapely.distance(ways([(w.curve,) for w in curves], 0.01), shapely.Point(place))
         return [curves[k].source for k in np.argsort(away, kind="stable")[:2].tolist()]
-
-
-#: A contour that is not wider than twice this, in mm, on an average has no inside.
-MIN_WIDTH = 1e-3
-
-
-def nest(
-    shapes: Sequence[Shape],
-    drawn: Drawn,
-    curves: Sequence[AssignedCurve],
-    tolerance: float,
-    gap: float,
-    kerf: float,
-) -> tuple[list[Shape], list[Diagnostic]]:
-    """The shapes with their area, depth and parent, and remarks on those that cross.
-
-    A contour lies in another of greater area that a point inside it lies in. Contours that touch
-    are told apart by that, those that cross are not. `tolerance` is the machine's, and `gap` what
-    it closes between two ends; `curves` are the curves that the shapes were made of, and `drawn`
-    points of the shapes with the shape of each. With a `kerf`, contours of waste that hangs
-    together by a point only are taken apart there.
-    """
-    closed = [i for i, s in enumerate(shapes) if s.closed and s.process == "cut"]
-    if not closed:
-        return list(shapes), []
-    import numpy as np
-
-    points, owner = drawn
-    number = np.full(len(shapes), -1)
-    number[closed] = np.arange(len(closed))
-    mine = number[owner] >= 0
-    rings = rings_of(points[mine], number[owner[mine]], len(closed))
-    bad = invalid(rings)
-    refuse_tangles([shapes[i] for i in closed], rings, bad, curves)
-    diagnostics = crossings([shapes[i] for i in closed], rings, bad, curves, tolerance, gap, kerf)
-    nested = _nested(shapes, closed, rings, bad)
-    if not kerf or errors_in(diagnostics):
-        return nested, diagnostics
-    turning = turns((points[mine], number[owner[mine]]))
-    needles = list(told_beside([shapes[i] for i in closed], turning, tolerance))
-    if needles:
-        return nested, [*diagnostics, *needles]
-    # A needle whose mouth is written a hair wide does not meet itself.
-    which = [closed[k] for k in sorted({*bad, *turning})]
-    more, flat = taken_apart(nested, which, tolerance)
-    if flat:
-        return nested, [*diagnostics, *told_flat(flat)]
-    if len(more) > len(nested):
-        drawn = points_of([s.curves for s in more], tolerance / 4)
-        return nest(more, drawn, curves, tolerance, gap, kerf)
-    return nested, diagnostics
-
-
-def _nested(
-    shapes: Sequence[Shape], closed: Sequence[int], rings: "NDArray[Any]", bad: Sequence[int]
-) -> list[Shape]:
-    """The shapes with their places; `rings` are the polygons of those that are `closed`."""
-    import numpy as np
-    import shapely
-
-    found = list(shapes)
-    signed = signed_areas(rings)
-    areas = np.abs(signed)
-    signed[areas <= MIN_WIDTH * shapely.length(rings)] = 0.0
-    tree = shapely.STRtree(rings)
-    with np.errstate(over="ignore"):  # it divides by sides of next to nothing too
-        points = list(shapely.point_on_surface(valid(rings, bad)))
-    opened = [i for i, shape in enumerate(shapes) if shape.process == "cut" and not shape.closed]
-    middles = [shapes[i].curves[0].point(0.5) for i in opened]
-    points += shapely.points(np.reshape(middles, (-1, 2))).tolist()
-    which = [*closed, *opened]
-    own_area = [*areas, *[0.0] * len(opened)]
-    inner, outer = tree.query(points, predicate="within")
-    around: dict[int, list[int]] = defaultdict(list)
-    for a, b in zip(inner.tolist(), outer.tolist(), strict=True):
-        if which[a] != closed[b] and own_area[a] < areas[b]:
-            around[which[a]].append(b)
-    for i, area in zip(which, [*signed.tolist(), *[0.0] * len(opened)], strict=True):
-        rings_around = around[i]
-        parent = closed[min(rings_around, key=lambda b: (areas[b], b))] if rings_around else -1
-        found[i] = replace(shapes[i], area=area, depth=len(rings_around), parent=parent)
-    for i, rings_around in around.items():
-        for b in rings_around:
-            _put_inside(found, i, closed[b])
-    return found
-
-
-def _put_inside(shapes: list[Shape], inner: int, outer: int) -> None:
-    """Make a contour one of those around another, in the order of their areas.
-
-    Of contours that cross, both around a third, neither lies in the other: the smaller of them
-    counts as inner, so that what lies in both is done before both.
-    """
-
-    def size(k: int) -> tuple[float, int]:
-        return abs(shapes[k].area), k
-
-    while (parent := shapes[inner].parent) != outer:
-        if parent < 0 or size(outer) < size(parent):
-            shapes[inner] = replace(shapes[inner], parent=outer)
-            if parent < 0:
-                return
-            inner, outer = outer, parent
-        else:
-            inner = parent

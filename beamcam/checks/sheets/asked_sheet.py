@@ -1,27 +1,32 @@
-"""The rows of the cut chart that may run on a part's sheet, and what none of them cuts.
+"""What is asked of a sheet: rows of the cut chart, what none of them cuts, how its parts lie.
 
 Of words those count that start and stop a tool, M words, as the machine's templates have them.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import dropwhile, takewhile
-from math import pi
+from math import pi, radians, tan
 
 import numpy as np
 import shapely
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.checks.sheets.region import Region
+from beamcam.checks.sheets import rules
+from beamcam.checks.sheets.region import Region, box_of
+from beamcam.checks.sheets.required_layout import copied, pulled_apart
 from beamcam.controllers.dialect import tool_words
 from beamcam.controllers.events import Pause, Said, Switch, TableEvent, ToolOffset
+from beamcam.errors import Diagnostic
 from beamcam.geometry.array_types import Floats
 from beamcam.geometry.curves import Arc, Curve, Line
 from beamcam.geometry.plane import Point
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch, TorchProcess, TorchRow, is_row_for, material_said
+from beamcam.model.colour import key_of
 from beamcam.model.description import PART_DATA
-from beamcam.model.part import Part, extent
+from beamcam.model.hatch import hatched
+from beamcam.model.part import PLATE_FACES, Contour, Hole, Part, Slot, TextMark, extent
 
 
 def thickness_of(part: Part, torch: Torch) -> float:
@@ -235,3 +240,121 @@ def _centres(
         return ()
     ends: list[list[float]] = np.unique(far @ axes, axis=0).tolist()
     return tuple((x, y) for x, y in ends)
+
+
+# --- layout ---------------------------------------------------------------------------------------
+
+# How the parts have to lie.
+
+
+SKEW_DEG = 1.0  #: of an angle in a header; less is noise of who wrote the file
+
+
+def laid_out(
+    parts: Sequence[Part], torch: Torch | None
+) -> tuple[tuple[Part, ...], list[Diagnostic]]:
+    """The parts as they have to lie, hatched; and errors for features that cannot.
+
+    The lines of a hatch are what a program may follow; whether they fill their contours is looked
+    at in `hatch`.
+    """
+    if torch is None:
+        return tuple(parts), []
+    diagnostics: list[Diagnostic] = []
+    laid: list[Part] = []
+    if len(parts) == 1 and torch.common_cuts:
+        parts = (pulled_apart(parts[0], torch, kerf_on(parts[0], torch)),)
+    torch = replace(torch, spacing=between(parts[0], torch)) if parts else torch
+    if len(parts) == 1 and _lies_turned(parts[0], torch):
+        torch = replace(torch, rotate=90.0)
+    for part in parts:
+        if torch.mirror != "none" or torch.rotate or torch.copies != (1, 1):
+            whole = _outlined(part)
+            diagnostics += _faults(whole, torch)
+            part = whole if diagnostics else copied(whole, torch)
+        laid.append(hatched(part, torch) if torch.settings else part)
+    return tuple(laid), diagnostics
+
+
+def between(part: Part, torch: Torch) -> float:
+    """The distance between two parts or copies: with common cuts what one cut takes."""
+    return kerf_on(part, torch) if torch.common_cuts else torch.spacing
+
+
+def kerf_on(part: Part, torch: Torch) -> float:
+    """The width of a cut on the part's sheet, where it is kept off."""
+    taken = [row.kerf for row in rows_on(part, torch) if row.process == "cut"]
+    return taken[0] if taken and torch.kerf_by != "none" else 0.0
+
+
+def _lies_turned(part: Part, torch: Torch) -> bool:
+    changed = torch.rotate or torch.mirror != "none" or torch.copies != (1, 1)
+    where_drawn = torch.origin == "table" and torch.place != "corner"
+    if changed or where_drawn:
+        return False
+    whole = _outlined(part)
+    any_ignored = "ignore" in torch.colours.values()
+    worked = [
+        feature for feature in whole.features
+        if not any_ignored or not isinstance(feature, Contour)
+        or (key := key_of(feature, torch.colours)) is None or torch.colours[key] != "ignore"
+    ]  # fmt: skip
+    box = box_of(worked)
+    if box is None:
+        return False
+    long, high = box[2] - box[0], box[3] - box[1]
+
+    def lies(along: float, across: float) -> bool:
+        return along <= torch.length + torch.gap and across <= torch.width + torch.gap
+
+    across = lies(high, long) and not lies(long, high)
+    return across and next(_faults(whole, torch), None) is None
+
+
+def _faults(part: Part, torch: Torch) -> Iterator[Diagnostic]:
+    for feature in part.features:
+        if isinstance(feature, Contour):
+            what = "bevelled contour" if feature.bevels else ""
+        elif isinstance(feature, TextMark) and torch.mirror == "none":
+            continue
+        else:
+            what = "" if isinstance(feature, Hole | Slot) else type(feature).__name__.lower()
+        if what:
+            yield rules.LAID.at(getattr(feature, "source", part.source), found=what)
+
+
+def _outlined(part: Part) -> Part:
+    """The part with the rectangle of a plate that has no outer contour of its own."""
+    for feature in part.features:
+        if (
+            isinstance(feature, Contour) and feature.kind == "outer"
+            and feature.process == "cut" and feature.face in PLATE_FACES
+        ):  # fmt: skip
+            return part
+    if part.measures is not None:
+        return part
+    sides = tuple(header_outline(part))
+    return replace(part, features=(*part.features, Contour("v", "outer", sides, part.source)))
+
+
+def header_outline(part: Part) -> list[Line]:
+    """The outline of a plate by the header alone: at each end the angle between its edges in v."""
+    low, high = [0.0, part.length], [0.0, part.length]  # x of both ends at y 0 and at the width
+    for k, angle in enumerate((part.cuts.web_start, part.cuts.web_end)):
+        shorter = part.profile.height * tan(radians(abs(angle)))
+        shorter = -shorter if k else shorter
+        side = low if (angle > 0.0) != bool(k) else high  # the other edge is the longest
+        side[k] += shorter
+    wide = part.profile.height
+    corners = [(low[0], 0.0), (low[1], 0.0), (high[1], wide), (high[0], wide)]
+    return [Line(a, b) for a, b in zip(corners, [*corners[1:], corners[0]], strict=True)]
+
+
+def skew_ends(parts: Sequence[Part], machine: Machine) -> Iterator[Diagnostic]:
+    """Ends that a header has skew through the thickness, where no bevel of an outline says more."""
+    least = max(SKEW_DEG, machine.torch.min_bevel if machine.torch is not None else 0.0)
+    for part in parts:
+        if not any(isinstance(f, Contour) and f.bevels for f in part.features):
+            for end, angle in (("start", part.cuts.flange_start), ("end", part.cuts.flange_end)):
+                if abs(angle) >= least:
+                    yield rules.SKEW_END.at(part.source, end=end, found=f"{angle:g}")
