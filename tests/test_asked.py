@@ -20,7 +20,7 @@ from beamcam.model.part import Bend, Contour, Hole, Part, Profile, Slot, TextMar
 from beamcam.model.request import Job, Request, Share, pieces_of
 from beamcam.pipeline import begin, finished, shares_of
 from beamcam.planning.contours.plate import laid
-from benchmarks.asked_liars import told
+from benchmarks import asked_liars
 from tests.conftest import SAMPLES, examples
 from tests.runs import call
 

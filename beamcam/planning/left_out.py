@@ -5,6 +5,7 @@ Nothing that a part has is missing from a program without a word: what was left 
 manual work (`manual_list.py`) has a row for each.
 """
 
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from beamcam.errors import Diagnostic, Source, error, note, warning

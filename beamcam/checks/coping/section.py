@@ -324,7 +324,7 @@ class TubeSection:
         half = {"u": self.half_z, "v": self.half_y, "o": self.half_z, "h": self.half_y}
 
         def off(face: str) -> float:
-            way = abs(rest - middles[face]) % self.turn
+            way: float = abs(rest - middles[face]) % self.turn
             return min(way, self.turn - way) - half[face]
 
         return min("uvoh", key=off)
