@@ -63,12 +63,12 @@ def _on_or_beside(
     """
     beside = off[0] <= work.half_kerf + work.slack[off[1]]
     total = np.bincount(stroke, minlength=len(work.strokes))
-    on_middle = _count(work, stroke, on)
+    on_middle = np.bincount(stroke[on], minlength=len(work.strokes))
     corners = np.flatnonzero((on_middle < total)[stroke] & ~beside)
     beside[corners] = _round_corners(work, points[corners])
     centred = 2 * on_middle > total
     # A small ring may touch or cross so many open curves that most of its samples are on them.
-    at_side = _count(work, stroke, beside)
+    at_side = np.bincount(stroke[beside], minlength=len(work.strokes))
     centred &= at_side <= on_middle
     both = np.flatnonzero(centred & (at_side == on_middle))
     centred[both] = ~close(work, both)
@@ -89,11 +89,6 @@ def _strays(work: Work, points: Floats, way: Counts, expected: Floats) -> list[D
             off_by, kept_off = f"across the contour of {contour}", "it along one"
         diagnostics.append(work.extra(int(work.moves.line[way[k]]), points[k], off_by, kept_off))
     return diagnostics
-
-
-def _count(work: Work, stroke: Counts, which: Flags) -> Counts:
-    """How many of the samples of each stroke are `which`."""
-    return np.bincount(stroke[which], minlength=len(work.strokes))
 
 
 def _samples(work: Work) -> Samples:
