@@ -24,6 +24,7 @@ from beamcam.model.plan import AnyPlan, Outcome, Plan, SheetPlan, unfinished
 from beamcam.model.request import mark_kind, policy_on
 from beamcam.plain_text import harmless_cell
 from beamcam.planning import rules
+from beamcam.planning.within import WITHIN
 
 #: What may be left out of a program: codes of refusals by the kinds of work, without their "plan-".
 SKIP_NAMES = (
@@ -229,9 +230,9 @@ def manual_rows(plan: AnyPlan) -> list[ManualRow]:
     """A row for each feature that is left for manual work; pieces of one part share theirs."""
     rows: dict[tuple[int, int], list[ManualRow]] = {}
     least = 0.0 if isinstance(plan, Plan) else plan.min_bevel
-    for outcome in unfinished(plan.outcomes):
+    for outcome in plan.outcomes:
         why = outcome.manual_work
-        if outcome.how == "skipped" and _is_code(outcome.by):
+        if outcome.by == WITHIN.code or (outcome.how == "skipped" and _is_code(outcome.by)):
             why = outcome.by
         if not why:
             continue

@@ -24,6 +24,7 @@ from beamcam.checks.bars.pieces import ANGLE_TOLERANCE_DEG, RequiredEnd
 from beamcam.checks.bars.stations import wall_thickness
 from beamcam.checks.bars.tools import ToolCatalogue
 from beamcam.checks.request import is_manual_work
+from beamcam.checks.within import needless
 from beamcam.geometry.curves import Curve, Point
 from beamcam.machine.machine import saw_of
 from beamcam.machine.stations import FLAT_DEG
@@ -147,7 +148,10 @@ def _once(part: Part, tools: ToolCatalogue) -> Iterator[tuple[int, Feature]]:
     works = {face for face in tools.faces if tools.works_on(face, part)}
     tolerance = tools.twice
     seen: dict[tuple[Face, int], list[Hole]] = {}  # by the nearest millimetre of x
+    gone = needless(part)
     for f, feature in enumerate(part.features):
+        if f in gone:
+            continue
         if type(feature) is Slot:
             yield f, from_behind(feature, part, tools)
             continue

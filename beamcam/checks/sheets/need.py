@@ -14,6 +14,7 @@ from beamcam.checks.sheets.chart_rows import rows_on, small_openings, thickness_
 from beamcam.checks.sheets.region import Region, region_of
 from beamcam.checks.sheets.required_layout import header_outline
 from beamcam.checks.sheets.toolpaths import Toolpaths
+from beamcam.checks.within import needless
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Arc, Curve, Line, unit_vector
 from beamcam.geometry.plane import Point
@@ -119,6 +120,7 @@ def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) 
     are told.
     """
     rows = {row.process: row for row in reversed(rows_on(part, torch))}
+    gone = needless(part)
     hand = [is_manual_work(feature, machine) for feature in part.features]
     need = Need(
         diagnostics=[manual_work(f, part, machine) for f in compress(part.features, hand)],
@@ -133,7 +135,11 @@ def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) 
             outlined = outlined or (
                 feature.kind == "outer" and feature.process == "cut" and feature.face in PLATE_FACES
             )
-        if hand[index] or (isinstance(feature, EndPlane) and not _cuts(feature, part, thickness)):
+        if (
+            index in gone
+            or hand[index]
+            or (isinstance(feature, EndPlane) and not _cuts(feature, part, thickness))
+        ):
             continue
         policy = policy_on(feature, machine.marks)
         if policy == "make" and isinstance(feature, TextMark):

@@ -36,6 +36,7 @@ from beamcam.planning.contours.layout import outline_of, takes_nothing
 from beamcam.planning.left_out import BEVEL, DRILL, FACE, NO_ROOM, NOT_MOVED, listed_by, refuse_mark
 from beamcam.planning.lettering import place_text, remarks
 from beamcam.planning.lettering_room import Room
+from beamcam.planning.within import within_larger
 
 Meaning = Literal["cut", "mark", "engrave", "ignore"]
 Look = tuple[str | None, str | None]  #: layer and colour
@@ -67,6 +68,7 @@ class Assigned(Struct):
     skipped: dict[int, str] = field(default_factory=dict)  #: feature: the code it is left out by
     filled: dict[int, str] = field(default_factory=dict)  #: hatched, not followed: the process
     stated: set[int] = field(default_factory=set)  #: end planes that the outline makes
+    within: dict[int, Diagnostic] = field(default_factory=dict)  #: openings in larger ones
     listed: dict[int, str] = field(default_factory=dict)  #: marks left for manual work, and why
     #: places that the torch spots where it stands, and the features whose centres they are
     spots: dict[Point, list[int]] = field(default_factory=dict)
@@ -78,11 +80,13 @@ def assign_processes(
     part: Part, torch: Torch, machine: Machine, skips: Collection[str]
 ) -> Assigned:
     """The curves of a part by process; what the machine cannot make is refused or skipped."""
-    assigned = Assigned()
+    assigned = Assigned(within=within_larger(part))
     thickness = part.profile.web_thickness or torch.thickness or 0.0
     meanings = _Meanings(torch)
     unmapped: dict[Look, list[Contour]] = defaultdict(list)
     for index, feature in enumerate(part.features):
+        if index in assigned.within:
+            continue
         if isinstance(feature, EndPlane) and takes_nothing(feature, part, thickness):
             assigned.stated.add(index)
             continue
@@ -114,7 +118,7 @@ def assign_processes(
             curves = curves_of(hole, torch.cross)
             assigned.wanted += [AssignedCurve(c, process, index, feature.source) for c in curves]
     assigned.refusals += (_unmapped(contours, torch.colours) for contours in unmapped.values())
-    assigned.remarks += _noise(part, torch)
+    assigned.remarks += [*assigned.within.values(), *_noise(part, torch)]
     assigned.wanted += (AssignedCurve(c, "cut", OUTLINE, part.source) for c in outline_of(part))
     letter(part, machine, assigned)
     assigned.refusals += _unknown_processes(assigned.wanted, torch, machine.name)

@@ -240,10 +240,9 @@ SKEW_END = error("plan-sheet-end",
     "A torch cuts square. Bevels stand in the rows of an outline, where the machine's file says "
     "what becomes of them; a saw line makes such ends of flats.")
 OFF = error("plan-sheet-off",
-    "found {what} at x {x}, y {y}, where the plate has no steel; expected it within the outline, "
-    "and in no cut-out",
-    "It would be cut into the sheet beside the part, or into what falls out of it. A number of the "
-    "file is wrong, or its outline or a cut-out is.")
+    "found {what}, beside the plate; expected it within the outline",
+    "It would be cut into the sheet beside the part. A number of the file is wrong, or its outline "
+    "is.")
 RULES = (
     CHAIN, SKEW_END, OFF,
     SHEETS, MIXED, SHEET_FULL, QUANTITY, NOTHING, UNMAPPED, MAP, OPTION,

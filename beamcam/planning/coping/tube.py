@@ -101,7 +101,7 @@ def plan_tube(part: Part, machine: Machine, coper: Coper, skips: Collection[str]
     if deepest >= LEAST_SLANT:
         diagnostics.append(rules.WEDGE.at(source, found=f"{deepest:.2f}", wall=f"{wall:g}"))
     diagnostics += _slow_axes(part, machine, row, way)
-    diagnostics += told_of_stock(part, part, coper)
+    diagnostics += [*told_of_stock(part, part, coper), *found.told]
     outcomes = tuple(
         replace(o, left=BEVEL) if o.how == "made" and is_slanted(part.features[o.feature[1]], slant)
         else o
@@ -123,6 +123,8 @@ def outcomes_of(
             yield Outcome((0, index), "listed", found.listed[index])
         elif index in found.skipped:
             yield Outcome((0, index), "skipped", found.skipped[index].code)
+        elif index in found.within:
+            yield Outcome((0, index), "duplicate", found.within[index].code)
         else:
             bevelled = index not in made and has_bevels(part.features[index], least)
             left = BEVEL if bevelled else ""
