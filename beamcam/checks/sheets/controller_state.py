@@ -13,6 +13,7 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.checks.sheets import rules
+from beamcam.checks.sheets.beside import beside_faults
 from beamcam.checks.sheets.chart_rows import thickness_of
 from beamcam.checks.sheets.need import OUTLINE, Need, need_of
 from beamcam.checks.sheets.required_layout import between, kerf_on, skew_ends
@@ -207,11 +208,11 @@ def as_one(parts: Sequence[Part], machine: Machine, skips: Collection[str]) -> S
     A part that is alone stays as it is.
     """
     torch = machine.torch
-    skew = list(skew_ends(parts, machine))
+    off = [*skew_ends(parts, machine), *beside_faults(parts)]
     if torch is None or len(parts) == 1:
-        return SharedSheet(parts[0], machine, [], skew)
+        return SharedSheet(parts[0], machine, [], off)
     features: list[Feature] = []
-    diagnostics = skew + [
+    diagnostics = off + [
         rules.OTHER_SHEET.at(
             part.source, found=_shown(part, torch), expected=_shown(parts[0], torch)
         )
