@@ -118,7 +118,7 @@ thickness = click.option("--thickness", type=Number(), help="Thickness of a draw
 #: Settings of a sheet and its cuts, which override the machine file, and what sections lack.
 torch_options = group(
     click.option("--corner", type=Number(above=0), metavar="RADIUS",
-                 help="Outer corner radius of a rectangular tube, if file and machine have none."),
+                 help="Outer corner radius of a rectangular tube, if the file has none."),
     click.option("--lip", type=Number(above=0), metavar="LENGTH",
                  help="Length of the lips of a C, if file and machine have none."),
     click.option("--map", "colours", multiple=True, callback=_map, metavar="KEY=PROCESS",

@@ -89,6 +89,8 @@ def plan_coping(
     off = [*_before_bar(plan), *_over_supports(plan, coper), *_over_chuck(plan, coper)]
     if off:
         raise PlanError(off)
+    if any(said.code == rules.TABLE_RADIUS.code for said in diagnostics):
+        plan = replace(plan, usual_corners=True)
     return replace(plan, remarks=(*diagnostics, *plan.remarks)) if diagnostics else plan
 
 
