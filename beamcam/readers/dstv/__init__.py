@@ -258,7 +258,7 @@ def _code_and_plane(block: Block, content: BlockContent, log: Log) -> tuple[str,
     known = _ON_PLANES.get(letter, code)
     if letter == "E":
         return known, ""
-    has_faces = bool(block.rows) and block.rows[0][0] in FACE_LETTERS
+    has_faces = bool(block.rows) and block.rows[0][0].lower() in FACE_LETTERS
     if code == "B0" and "0" not in content.plane_names and has_faces:
         log.add(rules.CODE_ZERO, block.line)
         return known, ""

@@ -178,6 +178,10 @@ SECTION_CODE = warning("dstv-section-code",
 FACE = error("dstv-face",
     "found {found!r}, expected a face v, o, u or h first",
     "Without its face a feature has no place.")
+FACE_CASE = note("dstv-face-case",
+    "found the letter {found!r}, read as {read!r}",
+    "Faces and reference letters are written small; where one stands a capital can mean nothing "
+    "else. It is told once for a block.")
 FACE_ASSUMED = warning("dstv-face-assumed",
     "found no face, read as v",
     "A plate has one face, so the row can mean no other.")

@@ -45,6 +45,7 @@ LINES = {
     "dstv-endplane-fields": 27,
     "dstv-endplane-overruled": 33,
     "dstv-face": 27,
+    "dstv-face-case": 27,
     "dstv-face-assumed": 33,
     "dstv-header-blank": 19,
     "dstv-header-extra": 26,
