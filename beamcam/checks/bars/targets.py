@@ -13,7 +13,7 @@ What nothing of the machine makes is a `Unmakeable`.
 """
 
 from collections.abc import Iterator
-from math import cos, floor, radians, sin, tan
+from math import cos, floor, hypot, radians, sin, tan
 from typing import TypeVar
 
 from msgspec import Struct
@@ -214,7 +214,7 @@ def _targets(
         case Bend():
             yield Unmakeable(f, "the bend", "other", feature)
         case EndPlane():
-            if not _is_end(feature, part, ends):
+            if not _is_end(feature, part, ends) and _cuts(feature, part, ends):
                 yield Unmakeable(f, "the end plane", "other", feature)
         case Camber():
             yield Unmakeable(f, "the camber", "other", feature)
@@ -225,6 +225,17 @@ def _is_end(plane: EndPlane, part: Part, ends: tuple[RequiredEnd, RequiredEnd]) 
     end = ends[plane.normal[0] > 0]
     return all(
         abs(plane.x(y, z) - end.x(y, z)) <= PLANE_TOLERANCE
+        for y, z in corners(part.profile, part.section)
+    )
+
+
+def _cuts(plane: EndPlane, part: Part, ends: tuple[RequiredEnd, RequiredEnd]) -> bool:
+    """Whether some corner of a part stands out before a plane."""
+    (px, py, pz), (a, b, c) = plane.point, plane.normal
+    within = PLANE_TOLERANCE * hypot(a, b, c)
+    return any(
+        a * (end.x(y, z) - px) + b * (y - py) + c * (z - pz) > within
+        for end in ends
         for y, z in corners(part.profile, part.section)
     )
 

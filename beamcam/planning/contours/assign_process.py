@@ -32,7 +32,8 @@ from beamcam.model.part import (
 from beamcam.model.request import policy_on
 from beamcam.planning import rules as bar_rules
 from beamcam.planning.contours import rules
-from beamcam.planning.contours.layout import outline_of, takes_nothing
+from beamcam.planning.contours.layout import outermost, outline_of
+from beamcam.planning.end_planes import idle_planes
 from beamcam.planning.left_out import BEVEL, DRILL, FACE, NO_ROOM, NOT_MOVED, listed_by, refuse_mark
 from beamcam.planning.lettering import place_text, remarks
 from beamcam.planning.lettering_room import Room
@@ -84,11 +85,10 @@ def assign_processes(
     thickness = part.profile.web_thickness or torch.thickness or 0.0
     meanings = _Meanings(torch)
     unmapped: dict[Look, list[Contour]] = defaultdict(list)
+    idle = dict(idle_planes(part, outermost(part, thickness)))
+    assigned.stated, assigned.remarks = {*idle}, [*idle.values()]
     for index, feature in enumerate(part.features):
-        if index in assigned.within:
-            continue
-        if isinstance(feature, EndPlane) and takes_nothing(feature, part, thickness):
-            assigned.stated.add(index)
+        if index in assigned.within or index in idle:
             continue
         if _is_out(index, feature, torch, thickness, machine, skips, assigned):
             continue

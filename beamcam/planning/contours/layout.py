@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from itertools import product
-from math import dist, hypot
+from math import dist
 
 from msgspec.structs import replace
 
@@ -27,7 +27,6 @@ from beamcam.model.hatch import hatched, not_filled
 from beamcam.model.part import (
     PLATE_FACES,
     Contour,
-    EndPlane,
     Feature,
     Hole,
     Part,
@@ -41,8 +40,6 @@ from beamcam.planning.contours import rules
 from beamcam.planning.contours.material import SheetMaterial
 from beamcam.planning.contours.outline import Shape
 from beamcam.planning.contours.spread import spread
-
-BESIDE = 0.1  #: mm that a plane may lie inside of the edge that it states once more
 
 
 def box_of(curves: CurveTable) -> Box:
@@ -304,15 +301,11 @@ def outline_of(part: Part) -> tuple[Line, ...]:
     return Line(a, b), Line(b, c), Line(c, d), Line(d, a)
 
 
-def takes_nothing(plane: EndPlane, part: Part, thickness: float) -> bool:
-    """Whether all of a plate lies behind a plane, as where that states a square end once more."""
+def outermost(part: Part, thickness: float) -> Iterator[tuple[float, float, float]]:
+    """The corners of the box of a plate, by its outline or its header."""
     outer = [curve for one in part.contours if one.kind == "outer" for curve in one.curves]
     x0, y0, x1, y1 = extent(outer) or (0.0, 0.0, part.length, part.profile.height)
-    (px, py, pz), (a, b, c) = plane.point, plane.normal
-    return all(
-        a * (x - px) + b * (y - py) + c * (z - pz) <= BESIDE * hypot(a, b, c)
-        for x, y, z in product((x0, x1), (y0, y1), (0.0, thickness))
-    )
+    return product((x0, x1), (y0, y1), (0.0, thickness))
 
 
 def skew_ends(part: Part, torch: Torch) -> Iterator[Diagnostic]:

@@ -21,6 +21,7 @@ from beamcam.planning.coping.ends import (
     agreed_ends,
     crossed,
     ends_on,
+    outermost,
     planes_of,
     squared,
     tilts_at,
@@ -52,6 +53,7 @@ from beamcam.planning.coping.walls import (
     sorted_features,
     walls_of,
 )
+from beamcam.planning.end_planes import idle_planes
 from beamcam.planning.left_out import BEVEL, ROOT
 
 #: The faces in which the cuts of a kind are made, so that the torch turns little. What parts the
@@ -98,7 +100,7 @@ def _plan_profile(given: Part, machine: Machine, coper: Coper, skips: Collection
     """The work on an I, a U, an L, a T or a C. Raises PlanError as `plan_coping` does."""
     part = laid(given)
     diagnostics: list[Diagnostic] = []
-    found = sorted_features(part, machine, coper, skips)
+    found = sorted_features(part, machine, coper, skips, dict(idle_planes(part, outermost(part))))
     if found.refusals:
         raise PlanError(found.refusals)
     chart = Chart(part, coper)

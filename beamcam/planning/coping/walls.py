@@ -15,7 +15,7 @@ lies on its lips, its web up, which the torch sees from outside:
     '-   -'     its edges, which are round.
 """
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from math import inf, sqrt
 from typing import Any
 
@@ -207,8 +207,12 @@ class Sorted(Struct, frozen=True):
     told: tuple[Diagnostic, ...]  #: of openings in and over others
 
 
-def sorted_features(part: Part, machine: Machine, coper: Coper, skips: Collection[str]) -> Sorted:
-    """What becomes of each feature; `skips` are the kinds that may be left out."""
+def sorted_features(
+    part: Part, machine: Machine, coper: Coper, skips: Collection[str],
+    idle: Mapping[int, Diagnostic] = {},
+) -> Sorted:  # fmt: skip
+    """What becomes of each feature; `skips` are the kinds that may be left out, `idle` planes that
+    take nothing."""
     cut: list[int] = []
     listed: dict[int, str] = {}
     skipped: dict[int, Diagnostic] = {}
@@ -216,7 +220,7 @@ def sorted_features(part: Part, machine: Machine, coper: Coper, skips: Collectio
     within = within_larger(part)
     for f, feature in enumerate(part.features):
         diagnostic: Diagnostic | None
-        if f in within:
+        if f in within or f in idle:
             continue
         if policy_on(feature, machine.marks) is not None:
             why = listed_by(feature, machine.marks)
@@ -233,7 +237,7 @@ def sorted_features(part: Part, machine: Machine, coper: Coper, skips: Collectio
             skipped[f] = diagnostic
         else:
             refusals.append(diagnostic)
-    told = (*within.values(), *overlapping(part, within))
+    told = (*idle.values(), *within.values(), *overlapping(part, within))
     return Sorted(tuple(cut), listed, skipped, tuple(refusals), within, told)
 
 

@@ -352,9 +352,9 @@ def test_every_rule_has_its_message_here() -> None:
     # What a machine's file says of faces is checked without a part (test_machines_check.py), a part
     # that is begun in unit/coping/test_pieces.py, a remnant's text in test_over_stock.py.
     # Rounds as they are read stand in test_round_bars.py, openings in others in
-    # property/test_within.py.
+    # property/test_within.py, planes that take nothing in property/test_end_planes.py.
     elsewhere = {"machine-hand", "plan-begun", "batch-remnant", "plan-pipe", "plan-round",
-                 "plan-within", "plan-opening-overlap"}  # fmt: skip
+                 "plan-within", "plan-opening-overlap", "plan-plane-nothing"}  # fmt: skip
     assert {case[0] for case in CASES} == {rule.code for rule in RULES} - elsewhere
     assert len({rule.code for rule in RULES}) == len(RULES)
 
