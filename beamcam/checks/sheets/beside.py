@@ -24,7 +24,7 @@ def beside_faults(parts: Iterable[Part]) -> Iterator[Diagnostic]:
 
     A place lies within where a ray to the right crosses the outlines an odd number of times.
     """
-    for part in dict.fromkeys(parts):
+    for part in {id(part): part for part in parts}.values():
         openings = [(one, where) for one in part.features if (where := _places(one))]
         if not openings:
             continue

@@ -16,7 +16,8 @@ from beamcam.checks.sheets import rules
 from beamcam.checks.sheets.beside import beside_faults
 from beamcam.checks.sheets.chart_rows import thickness_of
 from beamcam.checks.sheets.need import OUTLINE, Need, need_of
-from beamcam.checks.sheets.required_layout import between, kerf_on, skew_ends
+from beamcam.checks.sheets.required_layout import between, kerf_on
+from beamcam.checks.sheets.skew_edges import skew_ends
 from beamcam.controllers.events import Acceleration, Blending, Compensation, Side
 from beamcam.controllers.moves import Moves
 from beamcam.errors import Diagnostic, Rule, Source

@@ -19,10 +19,10 @@ from msgspec.structs import replace
 
 from beamcam.checks.sheets import rules
 from beamcam.checks.sheets.chart_rows import rows_on
+from beamcam.checks.sheets.skew_edges import with_skew_edges
 from beamcam.errors import Diagnostic
 from beamcam.geometry.curves import Curve, Line
 from beamcam.geometry.plane import Box, join_boxes
-from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch
 from beamcam.model.colour import key_of
 from beamcam.model.hatch import hatched
@@ -32,9 +32,6 @@ if TYPE_CHECKING:
     from shapely import Polygon
 
 Affine = tuple[tuple[float, float, float], tuple[float, float, float]]
-
-
-SKEW_DEG = 1.0  #: of an angle in a header; less is noise of who wrote the file
 
 
 def laid_out(
@@ -49,6 +46,7 @@ def laid_out(
         return tuple(parts), []
     diagnostics: list[Diagnostic] = []
     laid: list[Part] = []
+    parts = [with_skew_edges(part, torch) for part in parts]
     if len(parts) == 1:
         parts = (pulled_apart(parts[0], torch),)
     torch = replace(torch, spacing=between(parts[0], torch)) if parts else torch
@@ -217,16 +215,6 @@ def header_outline(part: Part) -> list[Line]:
     wide = part.profile.height
     corners = [(low[0], 0.0), (low[1], 0.0), (high[1], wide), (high[0], wide)]
     return [Line(a, b) for a, b in zip(corners, [*corners[1:], corners[0]], strict=True)]
-
-
-def skew_ends(parts: Sequence[Part], machine: Machine) -> Iterator[Diagnostic]:
-    """Ends that a header has skew through the thickness, where no bevel of an outline says more."""
-    least = max(SKEW_DEG, machine.torch.min_bevel if machine.torch is not None else 0.0)
-    for part in parts:
-        if not any(isinstance(f, Contour) and f.bevels for f in part.features):
-            for end, angle in (("start", part.cuts.flange_start), ("end", part.cuts.flange_end)):
-                if abs(angle) >= least:
-                    yield rules.SKEW_END.at(part.source, end=end, found=f"{angle:g}")
 
 
 def _copied(part: Part, torch: Torch) -> Part:

@@ -309,8 +309,8 @@ def outermost(part: Part, thickness: float) -> Iterator[tuple[float, float, floa
 
 
 def skew_ends(part: Part, torch: Torch) -> Iterator[Diagnostic]:
-    """An error for each end of a plate that the header has skew through the thickness, unless the
-    rows of an outline say edge by edge what is."""
+    """An error for each end of a plate that the header has skew through the thickness, unless
+    bevels of an outline say edge by edge what is: see `skew_ends.with_bevels`."""
     if any(contour.bevels for contour in part.contours):
         return
     cuts, least = part.cuts, max(torch.min_bevel, NOISE_DEG)

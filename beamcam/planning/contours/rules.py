@@ -236,9 +236,10 @@ CHAIN = error("plan-chain",
     "A controller looks at every operation of a chain in every cycle, and would fall behind.")
 
 SKEW_END = error("plan-sheet-end",
-    "found the {end} of a plate cut at {found} degrees through its thickness; expected 0",
-    "A torch cuts square. Bevels stand in the rows of an outline, where the machine's file says "
-    "what becomes of them; a saw line makes such ends of flats.")
+    "found the {end} of a plate cut at {found} degrees through its thickness, and no edge of its "
+    "outline there; expected one, as long as the plate",
+    "A torch cuts square along the longer face, so that no steel is missing, and the bevel is "
+    "manual work. An outline that ends elsewhere says another length than the header.")
 OFF = error("plan-sheet-off",
     "found {what}, beside the plate; expected it within the outline",
     "It would be cut into the sheet beside the part. A number of the file is wrong, or its outline "
