@@ -21,7 +21,7 @@ from beamcam.planning.left_out import named_skips
 from beamcam.readers import content
 from beamcam.system import cores
 
-_DRAWING_NAMES = ("units", "width", "layers", "fit", "encoding", "wrap")
+_DRAWING_NAMES = ("units", "width", "layers", "fit", "encoding", "wrap", "ends")
 
 
 def _map(
@@ -99,7 +99,8 @@ def _size(
 _SIZE = re.compile(r"(\d{1,6}(?:\.\d+)?)x(\d{1,6}(?:\.\d+)?)")
 
 
-#: Reading options: `units`, `width`, `layers`, `fit` and `wrap` of a drawing, `encoding` of DSTV.
+#: Reading options: `units`, `width`, `layers`, `fit` and `wrap` of a drawing, `encoding` and `ends`
+#: of DSTV.
 drawing_options = group(
     click.option("--units", help="Unit of a drawing's numbers: mm, in, cm, ..."),
     click.option("--width", help="Width of an SVG's page, as 600mm."),
@@ -110,6 +111,8 @@ drawing_options = group(
                  help="A drawing is the unrolled surface of this round tube: diameter x wall."),
     click.option("--encoding", callback=_encoding, metavar="NAME",
                  help="Encoding of a DSTV file, such as cp1251; detected by default."),
+    click.option("--ends", type=click.Choice(["contour", "header"]),
+                 help="What counts where header and contour of a DSTV file have different ends."),
 )  # fmt: skip
 
 #: The thickness of a drawing's sheet, which no drawing says.
@@ -169,15 +172,17 @@ torch_options = group(
 )  # fmt: skip
 
 
-def drawing_choice(
-    values: Mapping[str, Any], colours: Mapping[str, object] | None = None
-) -> dict[str, object]:
-    """The options of a reader of drawings: those of `drawing_options` that were given.
+def drawing_choice(values: Mapping[str, Any], config: Config | None = None) -> dict[str, object]:
+    """The options of a reader of drawings and DSTV: those of `drawing_options` that were given, or
+    stand in the configuration.
 
-    `colours` is the job's map: texts on layers that are marked or engraved are lettered.
+    By the job's map texts on layers that are marked or engraved are lettered.
     """
     chosen = {name: values[name] for name in _DRAWING_NAMES if values[name] not in (None, ())}
-    processes = {key: getattr(how, "process", how) for key, how in (colours or {}).items()}
+    if config is not None and config.ends is not None:
+        chosen.setdefault("ends", config.ends)
+    colours = {} if config is None else config.map
+    processes = {key: getattr(how, "process", how) for key, how in colours.items()}
     letters = tuple(key for key, how in processes.items() if how in ("mark", "engrave"))
     return chosen | {"letters": letters} if letters else chosen
 
@@ -261,7 +266,7 @@ GROUPS: Mapping[str, tuple[str, ...]] = {
     "Members of a building model": (
         "marks", "guids", "classes", "assemblies", "force", "letter", "check"
     ),
-    "How files are read": ("units", "width", "layers", "fit", "wrap", "encoding"),
+    "How files are read": ("units", "width", "layers", "fit", "wrap", "encoding", "ends"),
     "How sheets are cut": (
         "colours", "thickness", "material", "amps", "nozzle", "kerf", "kerf_by", "lead",
         "lead_in", "lead_out", "tabs", "tab_width",
@@ -342,7 +347,7 @@ def read_parts(
 
     `options` holds the values of `part_options`. Raises ReadError.
     """
-    how = drawing_choice(options, config.map) | member_choice(options, kernel=True)
+    how = drawing_choice(options, config) | member_choice(options, kernel=True)
     parts, diagnostics = parts_of(read_all(inputs, config.strict, how, console), counted)
     return marked(parts, options["mark_from"]), diagnostics
 

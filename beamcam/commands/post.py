@@ -207,7 +207,7 @@ def _suggestion(
     if "beam" in stocks:
         stocks.add("profile")
     alike = [one for one in others if one is not None and one.stock in stocks]
-    how = drawing_choice(options, config.map)
+    how = drawing_choice(options, config)
     read = None if how.get("units") else lambda path, **other: read_file(path, **{**how, **other})
     return suggestions(request, tried, alike, read)
 

@@ -124,6 +124,8 @@ class ConfigFile(Keys, frozen=True):
     #: of drills, over the machine's own, mm
     tolerances: Mapping[Tolerance, NotNegative] = field(default_factory=dict)
     corner: Positive | None = None  #: outer radius of tubes whose file does not say it, mm
+    #: what counts where header and contour of a DSTV file have different ends
+    ends: Literal["contour", "header"] | None = None
     lip: Positive | None = None  #: length of a C's lips, if nothing else says it, mm
     sheet: Sheet = Sheet()  #: how sheets are cut, over the machine's own
     dask: Dask = Dask()  #: cluster of a batch

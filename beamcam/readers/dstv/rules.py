@@ -251,8 +251,13 @@ BEVEL_ANGLE = note("dstv-bevel-angle",
 
 # --- cross-checks (lint) ----------------------------------------------------------------------
 CUT_ANGLE = error("dstv-cut-angle",
-    "found {name} {header:g} in the header, but {contour:.3f} in the contour; expected the same",
+    "found {name} {header:g} in the header, but {contour:.3f} in the contour; expected the same, "
+    "or --ends contour or --ends header, which says what counts",
     "The saw and the contour would make different ends.")
+CUT_SETTLED = warning("dstv-cut-settled",
+    "found {name} {header:g} in the header, but {contour:.3f} in the contour; the {ends} counts, "
+    "as --ends says",
+    "Only one can be right. The program's head says which was taken.")
 CUT_MISSING = warning("dstv-cut-missing",
     "found {name} {header:g} in the header, but {contour:.3f} in the contour; the contour counts",
     "The angles of the header must describe the ends as well.")

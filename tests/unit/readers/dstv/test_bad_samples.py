@@ -8,7 +8,8 @@ from beamcam.errors import Severity
 from beamcam.readers.dstv import read, rules
 from tests.conftest import rules_of
 
-RULES = rules_of(rules)
+#: What an option settles has no file of its own: test_ends.py.
+RULES = [rule for rule in rules_of(rules) if rule.code != "dstv-cut-settled"]
 
 FOLDER = Path(__file__).parents[4] / "samples" / "bad" / "dstv"
 
