@@ -35,9 +35,9 @@ def beside_faults(parts: Iterable[Part]) -> Iterator[Diagnostic]:
         ]  # fmt: skip
         if not outlines and part.measures is None:
             outlines = [tuple(header_outline(part))]
-        sides = np.concatenate([_sides(one) for one in outlines] or [np.zeros((0, 2, 2))])
+        sides = np.concatenate([sides_of(one) for one in outlines] or [np.zeros((0, 2, 2))])
         for one, where in openings:
-            if not any(_crossed(at, sides) % 2 for at in where):
+            if not any(crossed(at, sides) % 2 for at in where):
                 yield rules.BESIDE.at(getattr(one, "source", part.source), what=description(one))
 
 
@@ -62,13 +62,13 @@ def _places(one: object) -> Sequence[Point]:
     return [(one.x, one.y), *((x + r * cos(t), y + r * sin(t)) for x, y in middles for t in turns)]
 
 
-def _sides(curves: Sequence[Curve]) -> Floats:
+def sides_of(curves: Sequence[Curve]) -> Floats:
     """The chords of a closed outline, (n, 2, 2)."""
     points = polylines(curves, SAG).points
     return np.stack((points, np.roll(points, -1, axis=0)), axis=1)
 
 
-def _crossed(at: Point, sides: Floats) -> int:
+def crossed(at: Point, sides: Floats) -> int:
     """How many chords a ray from a place to the right crosses."""
     (x0, y0), (x1, y1) = sides[:, 0].T, sides[:, 1].T
     spans = (y0 > at[1]) != (y1 > at[1])

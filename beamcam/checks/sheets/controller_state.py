@@ -16,7 +16,7 @@ from beamcam.checks.sheets import rules
 from beamcam.checks.sheets.beside import beside_faults
 from beamcam.checks.sheets.chart_rows import thickness_of
 from beamcam.checks.sheets.need import OUTLINE, Need, need_of
-from beamcam.checks.sheets.required_layout import between, kerf_on
+from beamcam.checks.sheets.required_layout import between, header_outline, kerf_on
 from beamcam.checks.sheets.skew_edges import skew_ends
 from beamcam.controllers.events import Acceleration, Blending, Compensation, Side
 from beamcam.controllers.moves import Moves
@@ -226,12 +226,9 @@ def as_one(parts: Sequence[Part], machine: Machine, skips: Collection[str]) -> S
         row = round(here[1] + low, 6)
         tops[row] = max(tops.get(row, row), here[1] + high)
         features += [moved_feature(feature, here) for feature in part.features]
-        features += [
-            moved_feature(Contour("v", "outer", tuple(curves), part.source), here)
-            for process, some in need.curves.items()
-            if (curves := [c for c, f in zip(some, need.features[process], strict=True)
-                           if f == OUTLINE])
-        ]  # fmt: skip
+        if any(OUTLINE in some for some in need.features.values()):
+            outline = Contour("v", "outer", tuple(header_outline(part)), part.source)
+            features.append(moved_feature(outline, here))
     half = between(parts[0], torch) / 2
     if torch.skeleton_cuts and half > kerf_on(parts[0], torch):
         for y in (t + half for t in tops.values() if t + half < torch.width - torch.margin / 2):

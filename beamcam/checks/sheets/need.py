@@ -11,6 +11,7 @@ from msgspec import Struct, field
 from beamcam.checks.request import is_manual_work, left_out, manual_work
 from beamcam.checks.sheets import rules
 from beamcam.checks.sheets.chart_rows import rows_on, small_openings, thickness_of
+from beamcam.checks.sheets.notches import open_edges
 from beamcam.checks.sheets.region import Region, region_of
 from beamcam.checks.sheets.required_layout import header_outline
 from beamcam.checks.sheets.toolpaths import Toolpaths
@@ -121,6 +122,8 @@ def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) 
     """
     rows = {row.process: row for row in reversed(rows_on(part, torch))}
     gone = needless(part)
+    header = () if part.measures is not None else header_outline(part)
+    edges = open_edges(part, header, OUTLINE, gone)
     hand = [is_manual_work(feature, machine) for feature in part.features]
     need = Need(
         diagnostics=[manual_work(f, part, machine) for f in compress(part.features, hand)],
@@ -165,6 +168,9 @@ def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) 
             look = feature.layer, feature.colour
             if look not in processes:
                 processes[look] = process_of(feature, table)
+            if index in edges:
+                need.add("cut", edges[index], index, feature.source)
+                continue
             _follow(need, part, index, feature, torch, processes[look])
         elif isinstance(feature, Hole) and feature.kind == "mark":
             need.add_centre((feature.x, feature.y), torch, index, feature.source)
@@ -172,7 +178,8 @@ def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) 
             hole = cast("Hole | Slot", feature)
             need.add("cut", _ring(hole), index, hole.source)
     if part.measures is None and not outlined:
-        need.add("cut", header_outline(part), OUTLINE, part.source)
+        sides = edges.get(OUTLINE) or header_outline(part)
+        need.add("cut", sides, OUTLINE, part.source)
     _leave_small_openings(need, part, machine, torch, skips)
     return need
 

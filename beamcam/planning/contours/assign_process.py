@@ -33,6 +33,7 @@ from beamcam.model.request import policy_on
 from beamcam.planning import rules as bar_rules
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.layout import outermost, outline_of
+from beamcam.planning.contours.notches import notches_in
 from beamcam.planning.end_planes import idle_planes
 from beamcam.planning.left_out import BEVEL, DRILL, FACE, NO_ROOM, NOT_MOVED, listed_by, refuse_mark
 from beamcam.planning.lettering import place_text, remarks
@@ -86,7 +87,9 @@ def assign_processes(
     meanings = _Meanings(torch)
     unmapped: dict[Look, list[Contour]] = defaultdict(list)
     idle = dict(idle_planes(part, outermost(part, thickness)))
-    assigned.stated, assigned.remarks = {*idle}, [*idle.values()]
+    outline = outline_of(part)
+    notches = notches_in(part, outline, OUTLINE, assigned.within)
+    assigned.stated, assigned.remarks = {*idle}, [*idle.values(), *notches.notes]
     for index, feature in enumerate(part.features):
         if index in assigned.within or index in idle:
             continue
@@ -101,12 +104,12 @@ def assign_processes(
             elif torch.settings and is_filled_only(feature, torch):
                 assigned.filled[index] = meaning
             else:
-                if feature.closed:
+                if feature.closed and index not in notches.curves:
                     assigned.rings.add(index)
                 key = meanings.key(feature)
                 assigned.wanted += [
                     AssignedCurve(curve, meaning, index, feature.source, key)
-                    for curve in feature.curves
+                    for curve in notches.curves.get(index, feature.curves)
                 ]
         elif isinstance(feature, TextMark):
             continue  # its place follows from all else that is cut
@@ -119,7 +122,10 @@ def assign_processes(
             assigned.wanted += [AssignedCurve(c, process, index, feature.source) for c in curves]
     assigned.refusals += (_unmapped(contours, torch.colours) for contours in unmapped.values())
     assigned.remarks += [*assigned.within.values(), *_noise(part, torch)]
-    assigned.wanted += (AssignedCurve(c, "cut", OUTLINE, part.source) for c in outline_of(part))
+    assigned.wanted += (
+        AssignedCurve(curve, "cut", OUTLINE, part.source)
+        for curve in notches.curves.get(OUTLINE, outline)
+    )
     letter(part, machine, assigned)
     assigned.refusals += _unknown_processes(assigned.wanted, torch, machine.name)
     return assigned

@@ -244,8 +244,12 @@ OFF = error("plan-sheet-off",
     "found {what}, beside the plate; expected it within the outline",
     "It would be cut into the sheet beside the part. A number of the file is wrong, or its outline "
     "is.")
+NOTCH = note("plan-sheet-notch",
+    "found {what}, which lies on the outline of {first} along {found} mm; it is cut with it, as a "
+    "notch",
+    "A cut-out that is open to the edge takes that edge away, and leaves one contour.")
 RULES = (
-    CHAIN, SKEW_END, OFF,
+    CHAIN, SKEW_END, OFF, NOTCH,
     SHEETS, MIXED, SHEET_FULL, QUANTITY, NOTHING, UNMAPPED, MAP, OPTION,
     LOOK_SETTING, LOOK_OVERCUT, LOOK_ORDER, LAYOUT, HATCH, NO_PROCESS, NO_THICKNESS, THICKNESS,
     OTHER_THICKNESS, OTHER_MATERIAL, ASSUMED, SHEET_SIZE, SHEET_PLACE, JUNCTION, BRANCHED,

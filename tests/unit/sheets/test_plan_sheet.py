@@ -410,6 +410,7 @@ def test_every_rule_has_a_case() -> None:
     shown |= {code for _, _, more in REMARKS for code in more} | {
         "plan-tabs", "plan-bevel-left", "plan-thickness-unknown", "plan-bevel-noise",
         "plan-sheet-turned", "plan-sheet-apart", "plan-sheet-end", "plan-tabs-joint",
+        "plan-sheet-notch",
     }  # fmt: skip
     assert {r.code for r in rules.RULES} - OF_OTHERS <= shown
 
