@@ -22,7 +22,7 @@ ROUND = 24  #: places on a circle that are looked at
 def beside_faults(parts: Iterable[Part]) -> Iterator[Diagnostic]:
     """An error for each opening of a plate that has no place within an outline.
 
-    A place lies within where a ray to the right crosses the outlines an odd number of times.
+    A place lies within where a ray to the right crosses an outline an odd number of times.
     """
     for part in {id(part): part for part in parts}.values():
         openings = [(one, where) for one in part.features if (where := _places(one))]
@@ -35,9 +35,9 @@ def beside_faults(parts: Iterable[Part]) -> Iterator[Diagnostic]:
         ]  # fmt: skip
         if not outlines and part.measures is None:
             outlines = [tuple(header_outline(part))]
-        sides = np.concatenate([sides_of(one) for one in outlines] or [np.zeros((0, 2, 2))])
+        rings = [sides_of(one) for one in outlines]  # each by itself: one may be there twice
         for one, where in openings:
-            if not any(crossed(at, sides) % 2 for at in where):
+            if not any(crossed(at, sides) % 2 for sides in rings for at in where):
                 yield rules.BESIDE.at(getattr(one, "source", part.source), what=description(one))
 
 
