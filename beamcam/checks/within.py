@@ -55,7 +55,7 @@ def needless(part: Part) -> frozenset[int]:
 def _is_opening(one: Any) -> bool:
     if isinstance(one, Contour):
         return one.kind == "inner" and one.process == "cut" and one.closed
-    return isinstance(one, Hole | Slot) and one.kind in ("through", "blind")
+    return isinstance(one, Hole | Slot) and one.kind in ("through", "blind", "countersink")
 
 
 def _is_void(one: Any) -> bool:

@@ -90,7 +90,7 @@ def _openings(part: Part) -> Iterator[_Opening]:
         outer = (one for one in contours if one.kind == "outer")
         boxes = [(one.face, box) for one in outer if (box := _box(one))]
     for index, one in every:
-        if isinstance(one, Hole | Slot) and one.kind in ("through", "blind"):
+        if isinstance(one, Hole | Slot) and one.kind in ("through", "blind", "countersink"):
             u, v, r = _sizes(one)
             c, s = abs(cos(radians(_turn(one)))), abs(sin(radians(_turn(one))))
             wide, high = c * u + s * v + r, s * u + c * v + r
