@@ -88,12 +88,19 @@ class StrictError(PlanError):
 class RefusedProgram(VerifyError):
     """A program that was read back and does not make the parts; it can be looked at."""
 
-    def __init__(self, diagnostics: Iterable[Diagnostic], written: Written) -> None:
+    def __init__(self, diagnostics: Iterable[Diagnostic], written: Written, name: str = "") -> None:
         super().__init__(diagnostics)
-        self.written = written
+        self.written, self.name = written, name  #: name of the program where they speak of it
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), (self.diagnostics, self.written)
+        return type(self), (self.diagnostics, self.written, self.name)
+
+    def named(self, file: str) -> tuple[Diagnostic, ...]:
+        """The diagnostics, those of the program with the file that it is kept in."""
+        return tuple(
+            replace(one, source=replace(one.source, file=file))
+            if self.name and one.source.file == self.name else one for one in self.diagnostics
+        )  # fmt: skip
 
     def pieces(self) -> Iterable[bytes]:
         """The program as it would have stood in the file."""
@@ -371,7 +378,7 @@ def posting(job: Job, plan: AnyPlan) -> Generator[str, None, Posted]:
         )
         yield "read the program back"
         if errors_in(differences):
-            raise RefusedProgram(differences, written)
+            raise RefusedProgram(differences, written, request.name)
         if request.strict:
             refuse_warnings(differences)
     return Posted(written, plan, (*remarks, *differences), program, job)

@@ -239,11 +239,12 @@ def _refuse_begun(job: Job) -> None:
 
 def _plan_sheet(job: Job) -> SheetPlan:
     from beamcam.planning.contours.plate import laid
+    from beamcam.planning.contours.skew_ends import with_bevels
     from beamcam.planning.sheet import plan_sheet
 
     machine = job.machine
     _refuse_begun(job)
-    parts, notes = laid(job.parts, machine.torch)
+    parts, notes = laid(with_bevels(job.parts, machine.torch), machine.torch)
     plan = plan_sheet(parts, machine, job.request.skips)
     return replace(plan, remarks=(*notes, *plan.remarks)) if notes else plan
 

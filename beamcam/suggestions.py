@@ -53,6 +53,9 @@ _READING: Mapping[str, Sequence[tuple[str, Mapping[str, object]]]] = {
         ("--units px96", {"units": "px96"}), ("--units mm", {"units": "mm"}),
         ("--width 100mm", {"width": "100mm"}),
     ),
+    "dstv-cut-angle": (
+        ("--ends contour", {"ends": "contour"}), ("--ends header", {"ends": "header"}),
+    ),
 }  # fmt: skip
 
 

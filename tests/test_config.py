@@ -71,7 +71,7 @@ def test_every_key_is_read_and_knows_its_line(tmp_path: Path) -> None:
         "job": 7, "jobs": 8, "name": 9, "flat": 10, "quantity": 11,
         "trust": 12, "tolerances.merge": 15, "sheet.thickness": 18, "sheet.lead": 19,
         "dask.scheduler": 22, "dask.answer_s": 23, "limits.pieces": 26, "limits.features": None,
-        "by": None, "split": None, "corner": None, "lip": None,
+        "by": None, "split": None, "corner": None, "lip": None, "ends": None,
         "limits.bytes": None, "limits.depth": None, "limits.member_s": None, "map.#F00": 29,
         "map.ENGRAVE": 30,
     }  # fmt: skip

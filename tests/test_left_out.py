@@ -125,8 +125,12 @@ def test_a_refused_program_is_kept_beside_its_output(
     assert not target.exists()
     assert "% JOB" in (tmp_path / "a.gcode.refused").read_text()
     assert f"kept in {target}.refused" in done.stderr
-    assert call("post", sample, "-o", "-").stdout == ""
-    call("batch", sample, "-o", tmp_path / "out")
+    assert f"{target}.refused:3: error verify-no-feed: found none" in done.stderr.splitlines()
+    to_nowhere = call("post", sample, "-o", "-")
+    assert (to_nowhere.stdout, "JOB:3: error verify-no-feed" in to_nowhere.stderr) == ("", True)
+    said = call("batch", sample, "-o", tmp_path / "out").stderr
+    assert "channel.gcode.refused:3: error verify-no-feed: found none" in said.splitlines()
+    assert "JOB" not in said
     assert sorted(p.name for p in (tmp_path / "out").glob("*gcode*")) == ["channel.gcode.refused"]
 
 

@@ -273,6 +273,8 @@ def test_a_file_that_cannot_be_read_says_that_no_option_helps(
         errors = [line for line in done.stderr.splitlines() if ": error " in line]
         if not errors or not all(": error dstv-" in line or "read-" in line for line in errors):
             continue
+        if any("dstv-cut-angle" in line for line in errors):
+            continue  # settled by --ends
         seen += 1
         assert done.stderr.splitlines()[-1].startswith(f"{path}: note read-no-way-out: "), path
         again = call("post", path, "-o", "-", *options)

@@ -29,6 +29,7 @@ class CheckedReadOptions(Struct, forbid_unknown_fields=True):
     letters: tuple[str, ...] = ()
     fit: tuple[str, ...] = ()
     encoding: str | None = None
+    ends: Literal["contour", "header"] | None = None
     wrap: str | None = None
     marks: tuple[str, ...] = ()
     guids: tuple[str, ...] = ()
@@ -81,6 +82,7 @@ class ReadOptions(TypedDict, total=False):
     letters: Sequence[str]  #: layers whose texts become strokes
     fit: Sequence[str]  #: layers whose polylines become polynomials through their vertices
     encoding: str | None  #: of a DSTV file
+    ends: Literal["contour", "header"] | None  #: what counts where its ends contradict each other
     wrap: str | None  #: the round tube whose unrolled surface a drawing is: "RO168.3x8"
     marks: Sequence[str]  #: members of a model by mark,
     guids: Sequence[str]  #: by GlobalId,

@@ -114,7 +114,7 @@ def _reader_options(asked: ReadOptions) -> dict[str, object]:
         except (LookupError, UnicodeError) as error:
             diagnostic = ASK_VALUE.at(Source("beamcam"), name="encoding", fault=str(error))
             raise AskError(diagnostic) from error
-    names = ("units", "width", "encoding", "layers", "letters", "fit", "wrap")
+    names = ("units", "width", "encoding", "ends", "layers", "letters", "fit", "wrap")
     given = {name: value for name in names if (value := getattr(values, name)) not in (None, ())}
     members = (values.marks, values.guids, values.classes, values.assemblies)
     options = Options(

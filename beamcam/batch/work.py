@@ -20,7 +20,7 @@ from beamcam.batch.names import FileNames, mark_key, other_content, output_name,
 from beamcam.batch.part_rows import part_row
 from beamcam.budget import Limits
 from beamcam.caches import cached
-from beamcam.errors import BeamcamError, ReadError, Source
+from beamcam.errors import BeamcamError, ReadError, Source, VerifyError
 from beamcam.files import REFUSED_SUFFIX
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
@@ -353,6 +353,7 @@ def _post_chain(
         if isinstance(error, RefusedProgram):
             name = names.take(names_of_links[len(stages)][0] + REFUSED_SUFFIX, part.mark)
             work.refused.append((name, b"".join(error.pieces())))
+            error = VerifyError(error.named(name))
         row["status"] = "refused"
         row["messages"] += map(as_message, error.diagnostics)
         return
@@ -389,7 +390,9 @@ def posted_of(
         posted = yield from planned.stages
     except BeamcamError as error:
         if isinstance(error, RefusedProgram):
-            work.refused.append((refused_name(), b"".join(error.pieces())))
+            kept = refused_name()
+            work.refused.append((kept, b"".join(error.pieces())))
+            error = VerifyError(error.named(kept))
         row["status"] = "refused"
         row["messages"] += map(as_message, error.diagnostics)
         return None

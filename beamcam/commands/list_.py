@@ -155,7 +155,7 @@ def counted_parts(
     inputs: FoundInputs = find_inputs(names)
     diagnostics: list[Diagnostic] = [*inputs.diagnostics]
     parts: list[Part] = []
-    how = drawing_choice(options, config.map) | member_choice(options, kernel=False)
+    how = drawing_choice(options, config) | member_choice(options, kernel=False)
     for reading in read_all((i.path for i in inputs.inputs), config.strict, how, console):
         reading = with_thickness(reading, config)
         diagnostics += reading.diagnostics

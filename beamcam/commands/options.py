@@ -302,7 +302,7 @@ GROUPS: Mapping[str, tuple[str, ...]] = {
     "Members of a building model": (
         "marks", "guids", "classes", "assemblies", "force", "letter", "check"
     ),
-    "How files are read": ("units", "width", "layers", "fit", "wrap", "encoding"),
+    "How files are read": ("units", "width", "layers", "fit", "wrap", "encoding", "ends"),
     "How sheets are cut": (
         "colours", "thickness", "material", "amps", "nozzle", "kerf", "kerf_by", "lead",
         "lead_in", "lead_out", "tabs", "tab_width",

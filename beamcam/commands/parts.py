@@ -21,7 +21,7 @@ from beamcam.pipeline import counted, parts_of
 from beamcam.readers import content
 from beamcam.system import cores
 
-_DRAWING_NAMES = ("units", "width", "layers", "fit", "encoding", "wrap")
+_DRAWING_NAMES = ("units", "width", "layers", "fit", "encoding", "wrap", "ends")
 
 
 def _map(
@@ -99,7 +99,8 @@ def _size(
 _SIZE = re.compile(r"(\d{1,6}(?:\.\d+)?)x(\d{1,6}(?:\.\d+)?)")
 
 
-#: Reading options: `units`, `width`, `layers`, `fit` and `wrap` of a drawing, `encoding` of DSTV.
+#: Reading options: `units`, `width`, `layers`, `fit` and `wrap` of a drawing, `encoding` and `ends`
+#: of DSTV.
 drawing_options = group(
     click.option("--units", help="Unit of a drawing's numbers: mm, in, cm, ..."),
     click.option("--width", help="Width of an SVG's page, as 600mm."),
@@ -110,6 +111,8 @@ drawing_options = group(
                  help="A drawing is the unrolled surface of this round tube: diameter x wall."),
     click.option("--encoding", callback=_encoding, metavar="NAME",
                  help="Encoding of a DSTV file, such as cp1251; detected by default."),
+    click.option("--ends", type=click.Choice(["contour", "header"]),
+                 help="What counts where header and contour of a DSTV file have different ends."),
 )  # fmt: skip
 
 #: The thickness of a drawing's sheet, which no drawing says.
@@ -118,7 +121,7 @@ thickness = click.option("--thickness", type=Number(), help="Thickness of a draw
 #: Settings of a sheet and its cuts, which override the machine file, and what sections lack.
 torch_options = group(
     click.option("--corner", type=Number(above=0), metavar="RADIUS",
-                 help="Outer corner radius of a rectangular tube, if file and machine have none."),
+                 help="Outer corner radius of a rectangular tube, if the file has none."),
     click.option("--lip", type=Number(above=0), metavar="LENGTH",
                  help="Length of the lips of a C, if file and machine have none."),
     click.option("--map", "colours", multiple=True, callback=_map, metavar="KEY=PROCESS",
@@ -169,15 +172,17 @@ torch_options = group(
 )  # fmt: skip
 
 
-def drawing_choice(
-    values: Mapping[str, Any], colours: Mapping[str, object] | None = None
-) -> dict[str, object]:
-    """The options of a reader of drawings: those of `drawing_options` that were given.
+def drawing_choice(values: Mapping[str, Any], config: Config | None = None) -> dict[str, object]:
+    """The options of a reader of drawings and DSTV: those of `drawing_options` that were given, or
+    stand in the configuration.
 
-    `colours` is the job's map: texts on layers that are marked or engraved are lettered.
+    By the job's map texts on layers that are marked or engraved are lettered.
     """
     chosen = {name: values[name] for name in _DRAWING_NAMES if values[name] not in (None, ())}
-    processes = {key: getattr(how, "process", how) for key, how in (colours or {}).items()}
+    if config is not None and config.ends is not None:
+        chosen.setdefault("ends", config.ends)
+    colours = {} if config is None else config.map
+    processes = {key: getattr(how, "process", how) for key, how in colours.items()}
     letters = tuple(key for key, how in processes.items() if how in ("mark", "engrave"))
     return chosen | {"letters": letters} if letters else chosen
 
@@ -251,7 +256,7 @@ def read_parts(
 
     `options` holds the values of `part_options`. Raises ReadError.
     """
-    how = drawing_choice(options, config.map) | member_choice(options, kernel=True)
+    how = drawing_choice(options, config) | member_choice(options, kernel=True)
     parts, diagnostics = parts_of(read_all(inputs, config.strict, how, console), counted)
     return marked(parts, options["mark_from"]), diagnostics
 

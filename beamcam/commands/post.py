@@ -35,7 +35,7 @@ from beamcam.commands.parts import drawing_choice, part_options, read_parts, req
 from beamcam.commands.settings import files_read, machine_asked, machines_for, map_remarks, settled
 from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Diagnostic, PlanError, Source
-from beamcam.files import FilesRead
+from beamcam.files import REFUSED_SUFFIX, FilesRead
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Contour, Feature, Hole, Slot, TextMark
 from beamcam.model.plan import (
@@ -169,8 +169,12 @@ def command(
             beside += [] if text is None else [(rest_name, text)]
             diagnostics += (told,)
     except RefusedProgram as error:
-        kept = keep_refused(output, error.pieces(), files_read(config, inputs))
-        console.stop((*diagnostics, *error.diagnostics, *kept))
+        from beamcam.batch import KEPT
+
+        kept = (*keep_refused(output, error.pieces(), files_read(config, inputs)),)
+        is_kept = any(said.code == KEPT.code for said in kept)
+        found = error.named(output + REFUSED_SUFFIX) if is_kept else error.diagnostics
+        console.stop((*diagnostics, *found, *kept))
     except StrictError as error:
         console.stop((*diagnostics, *error.diagnostics))
     except PlanError as error:
@@ -218,7 +222,7 @@ def _suggestion(
     if "beam" in stocks:
         stocks.add("profile")
     alike = [one for one in others if one is not None and one.stock in stocks]
-    how = drawing_choice(options, config.map)
+    how = drawing_choice(options, config)
     read = None if how.get("units") else lambda path, **other: read_file(path, **{**how, **other})
     return suggestions(request, tried, alike, read)
 

@@ -131,7 +131,7 @@ def batch_settings(
     return BatchSettings(
         bars, config.job, config.stock_lengths, config.quantity, config.allow_skips, config.strict,
         not options["no_verify"], config.name, None if sheets == bars else sheets,
-        drawing_choice(options, config.map) | member_choice(options, kernel=True, workers=1),
+        drawing_choice(options, config) | member_choice(options, kernel=True, workers=1),
         timed=timed, clock=perf_counter, more=(*more_bars, *more_sheets),
         date=options.get("date") or "", order=options.get("order", "given"),
         turn=options.get("turn", False), mark_from=options.get("mark_from", "mark"), style=style,

@@ -35,7 +35,7 @@ from beamcam.readers import Reading
 _OPTIONS = {
     "machine": "machine", "by": "by", "machines": "split", "skips": "allow_skips",
     "strict": "strict", "job": "job", "jobs": "jobs", "name": "name", "quantity": "quantity",
-    "flat": "flat", "colours": "map", "corner": "corner", "lip": "lip",
+    "flat": "flat", "colours": "map", "corner": "corner", "lip": "lip", "ends": "ends",
 }  # fmt: skip
 #: Options that are rows of the table `[sheet]`.
 SAME_THICKNESS = 0.01  #: mm that two statements may differ by

@@ -123,7 +123,9 @@ class ConfigFile(Keys, frozen=True):
     flat: bool = False  #: whether a batch writes all outputs to one folder
     #: of drills, over the machine's own, mm
     tolerances: Mapping[Tolerance, NotNegative] = field(default_factory=dict)
-    corner: Positive | None = None  #: outer radius of a tube's corners, if nothing else says it, mm
+    corner: Positive | None = None  #: outer radius of tubes whose file does not say it, mm
+    #: what counts where header and contour of a DSTV file have different ends
+    ends: Literal["contour", "header"] | None = None
     lip: Positive | None = None  #: length of a C's lips, if nothing else says it, mm
     sheet: Sheet = Sheet()  #: how sheets are cut, over the machine's own
     dask: Dask = Dask()  #: cluster of a batch

@@ -300,6 +300,8 @@ def head_lines(
         yield NOT_READ_BACK
     if job.of > 1:
         yield f"PROGRAM {job.number} OF {job.of}"
+    for by in sorted({piece.part.ends_by for piece in plan.pieces} - {""}):
+        yield f"ENDS BY THE {by.upper()} OF THE FILE"
     yield from _stock_lines(job, plan)
     room = comment_room(machine)
     for index, piece in enumerate(plan.pieces, 1):

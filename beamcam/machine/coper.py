@@ -62,7 +62,7 @@ class Coper(Keys, frozen=True):
     profiles: tuple[Literal["I", "U", "L", "T", "C", "RO", "M"], ...] = ("I", "U", "L")
     #: of rectangular tubes whose file does not say how round their corners are
     corners: tuple[TubeCorner, ...] = ()
-    #: outer radius of those corners where `corners` does not say it either, mm; 0 for none
+    #: outer radius of those corners, mm, which goes before `corners`; 0 for none
     corner: NotNegative = 0.0
     #: length of the lips of a C whose file does not say it, mm; 0 for none
     lip: NotNegative = 0.0
@@ -102,14 +102,14 @@ class Coper(Keys, frozen=True):
         return self.turns == "bar" and code in (*TUBES, "B")
 
     def outer_radius(self, radius: float, wall: float) -> float:
-        """That of the corners of a rectangular tube: its own, or by the table if that is none.
+        """That of the corners of a rectangular tube: its own, `corner`, or by the table.
 
-        No corner is less round outside than its wall is thick. If the table has no row for so thick
-        a wall it is `corner`, or without one what the file says.
+        No corner is less round outside than its wall is thick. Without a row for so thick a wall it
+        is what the file says.
         """
         rows = sorted(self.corners, key=lambda row: row.up_to)
         share = next((row.share for row in rows if wall <= row.up_to), 0.0)
-        return radius if radius >= wall else share * wall or self.corner or radius
+        return radius if radius >= wall else self.corner or share * wall or radius
 
     def standoff(self, height: float, b_deg: float) -> float:
         """How far the tip of a tilted torch is from the steel along its axis, in mm.

@@ -44,9 +44,7 @@ def coper_faults(machine: Machine) -> Iterator[Fault]:
             yield f"coper.supports.{k}.max", zone.max, f"more than min, {zone.min:g}"
     if coper.a_unit == "mm" and {*coper.profiles} != {"RO"}:
         yield "coper.a_unit", "mm", "deg, as only round tubes (RO) turn evenly with their surface"
-    for name, found, code in (
-        ("corners", len(coper.corners), "M"), ("corner", coper.corner, "M"), ("lip", coper.lip, "C")
-    ):  # fmt: skip
+    for name, found, code in (("corner", coper.corner, "M"), ("lip", coper.lip, "C")):
         if found and code not in coper.profiles:
             yield f"coper.{name}", found, f"none where coper.profiles has no {code}"
     yield from _reach_faults(machine, coper)

@@ -309,6 +309,8 @@ class Part(Struct, frozen=True):
     measures: Measures | None = None
     #: Of the file, where the angles of `cuts` stand, in their order; None where they have no lines.
     cut_lines: tuple[int, int, int, int] | None = None
+    #: Which counts of header and contour, where they described different ends ("" where not).
+    ends_by: Literal["", "contour", "header"] = ""
 
     def cut_source(self, kind: Literal["web", "flange"], at: Literal["start", "end"]) -> Source:
         """Where an angle of an end stands; of one without a place of its own that of the part."""

@@ -289,6 +289,7 @@ class CopePlan(Struct, frozen=True):
     remarks: tuple[Diagnostic, ...] = ()
     reloads: tuple[ToolLoad, ...] = ()  #: none: there is one torch
     min_bevel: float = 0.0  #: degrees; a smaller bevel counts as square
+    usual_corners: bool = False  #: whether the machine's table says how round those of a tube are
 
 
 AnyPlan = Plan | SheetPlan | CopePlan

@@ -59,6 +59,8 @@ def _how_it_lies(plan: CopePlan, coper: Coper) -> Iterator[str]:
     turned, turns = LIES.get(plan.profile.code), coper.turns == "bar"
     if turned is not None:
         yield turned.replace("AT Y 0", "TO Y-") if turns else turned
+    if plan.usual_corners:
+        yield f"CORNERS OF {plan.profile.radius:g} MM OUTSIDE BY THE MACHINES TABLE: MEASURE ONE"
     is_tube = plan.profile.code in TUBES
     comes_cut = any(piece.part.made is not None for piece in plan.pieces)
     if turns and turned is None and (comes_cut or not is_tube):  # else it may lie as it likes

@@ -13,8 +13,9 @@ from typing import TypedDict
 from beamcam.errors import Source
 from beamcam.geometry.curves import circle_of, slot_of
 from beamcam.model.part import Bend, Camber, Contour, Feature, Hole, Part, Slot, TextMark
-from beamcam.model.plan import AnyPlan, Plan, unfinished
+from beamcam.model.plan import AnyPlan, Plan
 from beamcam.plain_text import harmless_cell
+from beamcam.planning.within import WITHIN
 
 MARK_ROWS = ("text", "point", "line")  #: kinds of rows that are marks
 LIST_SUFFIX = ".hand.csv"  #: behind a program's name, for the list beside it
@@ -51,9 +52,9 @@ def manual_rows(plan: AnyPlan) -> list[ManualRow]:
     """A row for each feature that is left for manual work; pieces of one part share theirs."""
     rows: dict[tuple[int, int], list[ManualRow]] = {}
     least = 0.0 if isinstance(plan, Plan) else plan.min_bevel
-    for outcome in unfinished(plan.outcomes):
+    for outcome in plan.outcomes:
         why = outcome.manual_work
-        if outcome.how == "skipped" and _is_code(outcome.by):
+        if outcome.by == WITHIN.code or (outcome.how == "skipped" and _is_code(outcome.by)):
             why = outcome.by
         if not why:
             continue

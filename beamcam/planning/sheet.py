@@ -289,6 +289,8 @@ def _outcomes(
             yield Outcome((0, index), "listed", why)
         elif index in made:
             yield Outcome((0, index), "made", made[index])
+        elif index in assigned.within:
+            yield Outcome((0, index), "duplicate", assigned.within[index].code)
         elif index in assigned.filled:
             yield Outcome((0, index), "made", assigned.filled[index])
         elif index in assigned.stated:

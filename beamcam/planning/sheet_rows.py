@@ -19,6 +19,7 @@ from beamcam.model.plan import SKELETON
 from beamcam.model.request import Request
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.assign_process import OUTLINE, assign_processes
+from beamcam.planning.contours.outline import outline_of
 from beamcam.planning.contours.plate import SheetMaterial, box_of, spaced
 
 THICKNESS_SLACK = 0.01  #: mm that parts of one sheet may differ by
@@ -84,7 +85,7 @@ def laid_out(parts: Sequence[Part], machine: Machine, skips: Collection[str]) ->
     for k, (part, place) in enumerate(zip(parts, places, strict=True)):
         own: list[tuple[int, Feature]] = [
             *enumerate(part.features),
-            *_outline(part, machine, skips),
+            *_outline(part),
         ]
         origins += [(k, index) for index, _ in own]
         features += [moved_feature(feature, place) for _, feature in own]
@@ -141,10 +142,9 @@ def sheet_shares(request: Request, pieces: Sequence[int]) -> tuple[tuple[int, ..
     return tuple(shares)
 
 
-def _outline(part: Part, machine: Machine, skips: Collection[str]) -> list[tuple[int, Feature]]:
+def _outline(part: Part) -> list[tuple[int, Feature]]:
     """The rectangle of a plate that has no contour of its own, as a contour."""
-    assigned = assign_processes(part, _torch(machine), machine, skips).wanted
-    curves = tuple(one.curve for one in assigned if one.feature == OUTLINE)
+    curves = outline_of(part)
     return [(OUTLINE, Contour("v", "outer", curves, part.source))] if curves else []
 
 

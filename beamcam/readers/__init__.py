@@ -200,7 +200,7 @@ class Format(Struct, frozen=True):
 
 
 FORMATS = (
-    Format("dstv", (".nc", ".nc1"), "beamcam.readers.dstv", ("encoding",)),
+    Format("dstv", (".nc", ".nc1"), "beamcam.readers.dstv", ("encoding", "ends")),
     Format("dxf", (".dxf",), "beamcam.readers.dxf", ("units", "layers", "fit", "letters", "wrap")),
     Format("svg", (".svg",), "beamcam.readers.svg", ("units", "width", "layers", "fit", "wrap")),
     Format("ifc", (".ifc", ".ifczip"), "beamcam.readers.ifc", ("selection", "options", "progress")),

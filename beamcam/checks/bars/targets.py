@@ -13,7 +13,7 @@ What nothing of the machine makes is a `Unmakeable`.
 """
 
 from collections.abc import Iterator
-from math import cos, floor, radians, sin, tan
+from math import cos, floor, hypot, radians, sin, tan
 from typing import TypeVar
 
 from msgspec import Struct
@@ -24,6 +24,7 @@ from beamcam.checks.bars.pieces import ANGLE_TOLERANCE_DEG, RequiredEnd
 from beamcam.checks.bars.stations import wall_thickness
 from beamcam.checks.bars.tools import ToolCatalogue
 from beamcam.checks.job import is_manual_work
+from beamcam.checks.within import needless
 from beamcam.geometry.curves import Curve, Point
 from beamcam.machine.machine import saw_of
 from beamcam.machine.stations import FLAT_DEG
@@ -147,7 +148,10 @@ def _once(part: Part, tools: ToolCatalogue) -> Iterator[tuple[int, Feature]]:
     works = {face for face in tools.faces if tools.works_on(face, part)}
     tolerance = tools.twice
     seen: dict[tuple[Face, int], list[Hole]] = {}  # by the nearest millimetre of x
+    gone = needless(part)
     for f, feature in enumerate(part.features):
+        if f in gone:
+            continue
         if type(feature) is Slot:
             yield f, from_behind(feature, part, tools)
             continue
@@ -210,7 +214,7 @@ def _targets(
         case Bend():
             yield Unmakeable(f, "the bend", "other", feature)
         case EndPlane():
-            if not _is_end(feature, part, ends):
+            if not _is_end(feature, part, ends) and _cuts(feature, part, ends):
                 yield Unmakeable(f, "the end plane", "other", feature)
         case Camber():
             yield Unmakeable(f, "the camber", "other", feature)
@@ -221,6 +225,17 @@ def _is_end(plane: EndPlane, part: Part, ends: tuple[RequiredEnd, RequiredEnd]) 
     end = ends[plane.normal[0] > 0]
     return all(
         abs(plane.x(y, z) - end.x(y, z)) <= PLANE_TOLERANCE
+        for y, z in corners(part.profile, part.section)
+    )
+
+
+def _cuts(plane: EndPlane, part: Part, ends: tuple[RequiredEnd, RequiredEnd]) -> bool:
+    """Whether some corner of a part stands out before a plane."""
+    (px, py, pz), (a, b, c) = plane.point, plane.normal
+    within = PLANE_TOLERANCE * hypot(a, b, c)
+    return any(
+        a * (end.x(y, z) - px) + b * (y - py) + c * (z - pz) > within
+        for end in ends
         for y, z in corners(part.profile, part.section)
     )
 

@@ -98,6 +98,7 @@ def _profile_faults(
     from beamcam.checks.coping.profile_torch import ProfileTorch
     from beamcam.checks.coping.required import is_outline_of, walls_asked
     from beamcam.checks.coping.section import CoperSection
+    from beamcam.checks.coping.skew import plane_faults, skew_ends
     from beamcam.checks.coping.stock import stock_of
     from beamcam.checks.coping.turned import TurnedTorch
     from beamcam.checks.coping.zones import chuck_faults, root_faults, support_faults
@@ -112,6 +113,7 @@ def _profile_faults(
         diagnostics += chuck_faults(torch.ways, part, coper, name)
     if errors_in(diagnostics):
         return diagnostics
+    diagnostics += plane_faults(part, section, skew_ends(part, section), left)
     stock = stock_of(part, section, coper)
     asked = walls_asked(part, section, coper, rows, left, stock, torch.strokes)
     diagnostics += compare(

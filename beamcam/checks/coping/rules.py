@@ -102,8 +102,11 @@ ZONE = error("verify-coping-zone",
     "The machine file says where a torch may not cut or go: the root between web and flange "
     "(k_area), other places of a tube than its seam where an end begins, the stretch of the bar "
     "that the chuck holds.")
+PLANE = error("verify-coping-plane",
+    "found an end plane that takes {found} mm of the part; expected none but those of its ends",
+    "No cut of this machine makes a plane of its own through all walls.")
 RULES = (
     PARTS, SECTION, TORCH, ANGLE, TILT, SQUARE, RADIUS, LIP, LOST, HEIGHT, FEED, PIERCE, AIR,
     COLLISION, LIMIT, PLACE, HURT, LEFT, SHORT, GONE, HOLDS, EXTRA, ORDER, PASSES,
-    MEASURED, ZONE,
+    MEASURED, ZONE, PLANE,
 )

@@ -5,17 +5,19 @@ which lies at x 0 or at the length. A torch that tilts makes it; else it is cut 
 where the wall reaches farthest, and at one x all through a root.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
-from math import atan, cos, degrees, radians, sin, tan
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from math import atan, cos, degrees, hypot, inf, radians, sin, tan
 from typing import Any
 
 from msgspec import Struct
 
+from beamcam.checks.coping import rules
 from beamcam.checks.coping.section import CoperSection, areas_of
+from beamcam.errors import Diagnostic
 from beamcam.geometry.curves import Line
 from beamcam.geometry.plane import Point
 from beamcam.machine.coper import Coper
-from beamcam.model.part import Bevel, Contour, Feature, Part
+from beamcam.model.part import Bevel, Contour, EndPlane, Feature, Part
 
 Shape = Any  #: of shapely
 
@@ -26,6 +28,7 @@ ON_PLANE = 0.05  #: mm between an edge and the end that it lies on
 BARELY = 1.0  #: mm of an edge that are nothing
 STEEP_DEG = 30.0  #: of an end, from which on a square step of its cut goes on until it meets it
 FAR = 1e5
+STATED = 0.1  #: mm that a plane may lie inside of the end that it states once more
 
 
 class SkewEnd(Struct, frozen=True):
@@ -74,6 +77,36 @@ def skew_ends(part: Part, section: CoperSection) -> tuple[SkewEnd | None, SkewEn
         c = part.length + min(corners) if k else max(corners)
         skew_ends.append(SkewEnd(1 if k else -1, c, by_y, by_z) if by_y or by_z else None)
     return skew_ends[0], skew_ends[1]
+
+
+def plane_faults(
+    part: Part, section: CoperSection, ends: tuple[SkewEnd | None, SkewEnd | None],
+    left: Collection[int],
+) -> Iterator[Diagnostic]:  # fmt: skip
+    """An error for each plane that takes steel of a part as it lies; `left` are not made.
+
+    A part begins and ends by its outlines where each of its walls has one, else by its header.
+    """
+    outlines = [c for c in part.contours if c.kind == "outer" and c.process == "cut"]
+    faces = {one.face.replace("h", "v") for one in outlines}
+    xs = [x for one in outlines for curve in one.curves for x in curve.bbox[::2]]
+    least, most = -inf, inf
+    if faces.issuperset(("v", "o", "u") if section.has_upper else ("v", "u")):
+        least, most = min(xs), max(xs)
+    for k, plane in enumerate(part.features):
+        if not isinstance(plane, EndPlane) or k in left:
+            continue
+        size = hypot(*plane.normal)
+        a, b, c = (n / size for n in plane.normal)
+        out = max(
+            a * (min(max(x, least), most) - plane.point[0])
+            + b * (y - plane.point[1]) + c * (z - plane.point[2])
+            for y, z in section.outermost
+            for square, end in zip((0.0, part.length), ends, strict=True)
+            for x in (end.x(y, z) if end else square,)
+        )  # fmt: skip
+        if out > STATED:
+            yield rules.PLANE.at(plane.source, found=f"{out:.3g}")
 
 
 def _drawn(part: Part, face: str, wide: float, k: int) -> float | None:

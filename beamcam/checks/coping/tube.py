@@ -139,10 +139,17 @@ def written_step(machine: Machine, section: TubeSection) -> float:
 
 
 def tube_section(part: Part, coper: Coper) -> TubeSection:
-    """The section of a tube; corners whose radius a part does not say are those of the machine."""
-    profile = part.profile
+    """The section of a tube; corners whose radius a part does not say are those of the machine.
+
+    A part says none that is less than its wall; of the machine's table the thinnest row counts that
+    the wall does not exceed.
+    """
+    profile, radius = part.profile, part.profile.radius
     wall = max(profile.flange_thickness, profile.web_thickness or 0.0)
-    return TubeSection(profile, coper.outer_radius(profile.radius, wall))
+    if radius < wall:
+        thick = [(row.up_to, row.share * wall) for row in coper.corners if row.up_to >= wall]
+        radius = coper.corner if coper.corner > 0.0 else min(thick, default=(0.0, radius))[1]
+    return TubeSection(profile, radius)
 
 
 def cut_square(feature: Feature, coper: Coper) -> bool:

@@ -15,6 +15,7 @@ from msgspec.structs import replace
 from beamcam.checks.sheets import rules
 from beamcam.checks.sheets.region import Region, box_of
 from beamcam.checks.sheets.required_layout import copied, pulled_apart
+from beamcam.checks.sheets.skew_edges import with_skew_edges
 from beamcam.controllers.dialect import tool_words
 from beamcam.controllers.events import Pause, Said, Switch, TableEvent, ToolOffset
 from beamcam.errors import Diagnostic
@@ -247,9 +248,6 @@ def _centres(
 # How the parts have to lie.
 
 
-SKEW_DEG = 1.0  #: of an angle in a header; less is noise of who wrote the file
-
-
 def laid_out(
     parts: Sequence[Part], torch: Torch | None
 ) -> tuple[tuple[Part, ...], list[Diagnostic]]:
@@ -262,6 +260,7 @@ def laid_out(
         return tuple(parts), []
     diagnostics: list[Diagnostic] = []
     laid: list[Part] = []
+    parts = [with_skew_edges(part, torch) for part in parts]
     if len(parts) == 1 and torch.common_cuts:
         parts = (pulled_apart(parts[0], torch, kerf_on(parts[0], torch)),)
     torch = replace(torch, spacing=between(parts[0], torch)) if parts else torch
@@ -348,13 +347,3 @@ def header_outline(part: Part) -> list[Line]:
     wide = part.profile.height
     corners = [(low[0], 0.0), (low[1], 0.0), (high[1], wide), (high[0], wide)]
     return [Line(a, b) for a, b in zip(corners, [*corners[1:], corners[0]], strict=True)]
-
-
-def skew_ends(parts: Sequence[Part], machine: Machine) -> Iterator[Diagnostic]:
-    """Ends that a header has skew through the thickness, where no bevel of an outline says more."""
-    least = max(SKEW_DEG, machine.torch.min_bevel if machine.torch is not None else 0.0)
-    for part in parts:
-        if not any(isinstance(f, Contour) and f.bevels for f in part.features):
-            for end, angle in (("start", part.cuts.flange_start), ("end", part.cuts.flange_end)):
-                if abs(angle) >= least:
-                    yield rules.SKEW_END.at(part.source, end=end, found=f"{angle:g}")

@@ -11,8 +11,10 @@ from msgspec import Struct, field
 from beamcam.checks.job import is_manual_work, left_out, manual_work
 from beamcam.checks.sheets import rules
 from beamcam.checks.sheets.asked_sheet import header_outline, rows_on, small_openings, thickness_of
+from beamcam.checks.sheets.notches import open_edges
 from beamcam.checks.sheets.region import Region, region_of
 from beamcam.checks.sheets.toolpaths import Toolpaths
+from beamcam.checks.within import needless
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Arc, Curve, Line, unit_vector
 from beamcam.geometry.plane import Point
@@ -118,6 +120,9 @@ def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) 
     are told.
     """
     rows = {row.process: row for row in reversed(rows_on(part, torch))}
+    gone = needless(part)
+    header = () if part.measures is not None else header_outline(part)
+    edges = open_edges(part, header, OUTLINE, gone)
     policies = [policy_on(feature, machine.marks) for feature in part.features]
     hand = [
         policy is not None and is_manual_work(feature, machine)
@@ -136,7 +141,11 @@ def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) 
             outlined = outlined or (
                 feature.kind == "outer" and feature.process == "cut" and feature.face in PLATE_FACES
             )
-        if hand[index] or (isinstance(feature, EndPlane) and not _cuts(feature, part, thickness)):
+        if (
+            index in gone
+            or hand[index]
+            or (isinstance(feature, EndPlane) and not _cuts(feature, part, thickness))
+        ):
             continue
         policy = policies[index]
         if policy == "make" and isinstance(feature, TextMark):
@@ -162,6 +171,9 @@ def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) 
             look = feature.layer, feature.colour
             if look not in processes:
                 processes[look] = process_of(feature, table)
+            if index in edges:
+                need.add("cut", edges[index], index, feature.source)
+                continue
             _follow(need, part, index, feature, torch, processes[look])
         elif isinstance(feature, Hole) and feature.kind == "mark":
             need.add_centre((feature.x, feature.y), torch, index, feature.source)
@@ -169,7 +181,8 @@ def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) 
             hole = cast("Hole | Slot", feature)
             need.add("cut", _ring(hole), index, hole.source)
     if part.measures is None and not outlined:
-        need.add("cut", header_outline(part), OUTLINE, part.source)
+        sides = edges.get(OUTLINE) or header_outline(part)
+        need.add("cut", sides, OUTLINE, part.source)
     _leave_small_openings(need, part, machine, torch, skips)
     return need
 

@@ -170,12 +170,15 @@ LAID = error("verify-sheet-laid",
     "found a {found} in a part that is mirrored, turned or copied; expected contours, holes, slots "
     "and, where nothing is mirrored, texts",
     "Where such a feature would come to lie is not known.")
+BESIDE = error("verify-sheet-beside",
+    "found {what} beside the plate; expected it within the outline",
+    "It is cut into the sheet beside the part, where the next one may lie.")
 SKEW_END = error("verify-sheet-end-skew",
     "found a program of a plate whose {end} is cut at {found} degrees through its thickness; "
     "expected 0",
     "A torch cuts square, so that it leaves what such an end takes off.")
 RULES = (
-    *SHEET_RULES, SKEW_END,
+    *SHEET_RULES, SKEW_END, BESIDE,
     OTHER_SHEET, LAID, FEED, HOLE_FEED, HOLE_LEAD, SPOT, RAMP, HEIGHT, THC, OUTPUT,
     DARK, MATERIAL, CORNER, TOOL, RAPID, IDLE, AREA, RADIUS, MISSING, EXTRA, TWICE, SIDE, BAND,
     COMPENSATION, DIRECTION, OPEN, RESTART, NO_CONTOUR, REST, EDGE, FRAME, OVERSCAN, TABS,

@@ -10,8 +10,10 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.checks.sheets import rules
-from beamcam.checks.sheets.asked_sheet import between, kerf_on, skew_ends, thickness_of
+from beamcam.checks.sheets.asked_sheet import between, header_outline, kerf_on, thickness_of
+from beamcam.checks.sheets.beside import beside_faults
 from beamcam.checks.sheets.need import OUTLINE, Need, need_of
+from beamcam.checks.sheets.skew_edges import skew_ends
 from beamcam.errors import Diagnostic
 from beamcam.geometry.curves import Line
 from beamcam.geometry.plane import Point
@@ -37,11 +39,11 @@ def as_one(parts: Sequence[Part], machine: Machine, skips: Collection[str]) -> S
     A part that is alone stays as it is.
     """
     torch = machine.torch
-    skew = list(skew_ends(parts, machine))
+    off = [*skew_ends(parts, machine), *beside_faults(parts)]
     if torch is None or len(parts) == 1:
-        return SharedSheet(parts[0], machine, [], skew)
+        return SharedSheet(parts[0], machine, [], off)
     features: list[Feature] = []
-    diagnostics = skew + [
+    diagnostics = off + [
         rules.OTHER_SHEET.at(
             part.source, found=_shown(part, torch), expected=_shown(parts[0], torch)
         )
@@ -54,12 +56,9 @@ def as_one(parts: Sequence[Part], machine: Machine, skips: Collection[str]) -> S
         row = round(here[1] + low, 6)
         tops[row] = max(tops.get(row, row), here[1] + high)
         features += [moved_feature(feature, here) for feature in part.features]
-        features += [
-            moved_feature(Contour("v", "outer", tuple(curves), part.source), here)
-            for process, some in need.curves.items()
-            if (curves := [c for c, f in zip(some, need.features[process], strict=True)
-                           if f == OUTLINE])
-        ]  # fmt: skip
+        if any(OUTLINE in some for some in need.features.values()):
+            outline = Contour("v", "outer", tuple(header_outline(part)), part.source)
+            features.append(moved_feature(outline, here))
     half = between(parts[0], torch) / 2
     if torch.skeleton_cuts and half > kerf_on(parts[0], torch):
         for y in (t + half for t in tops.values() if t + half < torch.width - torch.margin / 2):

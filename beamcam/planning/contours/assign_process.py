@@ -32,16 +32,19 @@ from beamcam.model.part import (
 from beamcam.model.request import policy_on
 from beamcam.planning import rules as bar_rules
 from beamcam.planning.contours import rules
+from beamcam.planning.contours.notches import notches_in
 from beamcam.planning.contours.outline import (
     centres_of,
     cross_at,
     curves_of,
     outline_of,
 )
-from beamcam.planning.contours.plate import takes_nothing
+from beamcam.planning.contours.plate import outermost
+from beamcam.planning.end_planes import idle_planes
 from beamcam.planning.left_out import BEVEL, DRILL, FACE, NO_ROOM, NOT_MOVED, listed_by, refuse_mark
 from beamcam.planning.lettering import place_text, remarks
 from beamcam.planning.lettering_room import Room
+from beamcam.planning.within import within_larger
 
 Meaning = Literal["cut", "mark", "engrave", "ignore"]
 Look = tuple[str | None, str | None]  #: layer and colour
@@ -73,6 +76,7 @@ class Assigned(Struct):
     skipped: dict[int, str] = field(default_factory=dict)  #: feature: the code it is left out by
     filled: dict[int, str] = field(default_factory=dict)  #: hatched, not followed: the process
     stated: set[int] = field(default_factory=set)  #: end planes that the outline makes
+    within: dict[int, Diagnostic] = field(default_factory=dict)  #: openings in larger ones
     listed: dict[int, str] = field(default_factory=dict)  #: marks left for manual work, and why
     #: places that the torch spots where it stands, and the features whose centres they are
     spots: dict[Point, list[int]] = field(default_factory=dict)
@@ -84,13 +88,16 @@ def assign_processes(
     part: Part, torch: Torch, machine: Machine, skips: Collection[str]
 ) -> Assigned:
     """The curves of a part by process; what the machine cannot make is refused or skipped."""
-    assigned = Assigned()
+    assigned = Assigned(within=within_larger(part))
     thickness = part.profile.web_thickness or torch.thickness or 0.0
     meanings = _Meanings(torch)
     unmapped: dict[Look, list[Contour]] = defaultdict(list)
+    idle = dict(idle_planes(part, outermost(part, thickness)))
+    outline = outline_of(part)
+    notches = notches_in(part, outline, OUTLINE, assigned.within)
+    assigned.stated, assigned.remarks = {*idle}, [*idle.values(), *notches.notes]
     for index, feature in enumerate(part.features):
-        if isinstance(feature, EndPlane) and takes_nothing(feature, part, thickness):
-            assigned.stated.add(index)
+        if index in assigned.within or index in idle:
             continue
         if _is_out(index, feature, torch, thickness, machine, skips, assigned):
             continue
@@ -103,12 +110,12 @@ def assign_processes(
             elif torch.settings and is_filled_only(feature, torch):
                 assigned.filled[index] = meaning
             else:
-                if feature.closed:
+                if feature.closed and index not in notches.curves:
                     assigned.rings.add(index)
                 key = meanings.key(feature)
                 assigned.wanted += [
                     AssignedCurve(curve, meaning, index, feature.source, key)
-                    for curve in feature.curves
+                    for curve in notches.curves.get(index, feature.curves)
                 ]
         elif isinstance(feature, TextMark):
             continue  # its place follows from all else that is cut
@@ -120,8 +127,11 @@ def assign_processes(
             curves = curves_of(hole, torch.cross)
             assigned.wanted += [AssignedCurve(c, process, index, feature.source) for c in curves]
     assigned.refusals += (_unmapped(contours, torch.colours) for contours in unmapped.values())
-    assigned.remarks += _noise(part, torch)
-    assigned.wanted += (AssignedCurve(c, "cut", OUTLINE, part.source) for c in outline_of(part))
+    assigned.remarks += [*assigned.within.values(), *_noise(part, torch)]
+    assigned.wanted += (
+        AssignedCurve(curve, "cut", OUTLINE, part.source)
+        for curve in notches.curves.get(OUTLINE, outline)
+    )
     letter(part, machine, assigned)
     assigned.refusals += _unknown_processes(assigned.wanted, torch, machine.name)
     return assigned

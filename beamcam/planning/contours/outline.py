@@ -13,7 +13,7 @@ from beamcam.geometry.conics import direction_deg
 from beamcam.geometry.curves import Arc, Curve, Line, parameter_at, unit_vector
 from beamcam.geometry.plane import Box, Point, between, distance, dot, join_boxes
 from beamcam.machine.torch import Torch, TorchProcess
-from beamcam.model.description import end_lines, named
+from beamcam.model.description import description, end_lines
 from beamcam.model.part import PLATE_FACES, Contour, Feature, Hole, Part, Slot, extent
 from beamcam.planning.contours import rules
 
@@ -365,35 +365,35 @@ def reached_curves(feature: Feature) -> Iterator[Curve]:
 
 
 def off_plate(part: Part, tolerance: float) -> Iterator[Diagnostic]:
-    """An error for each hole and slot that lies off the plate, or wholly in a cut-out.
+    """An error for each hole, slot and cut-out that lies off the plate.
 
-    An opening that crosses an edge is refused where contours that cross are; one inside a larger
-    hole is no error here. Drawings have contours alone, which nest.
+    A torch follows whatever is closed: such a one would be cut into the sheet beside. One that
+    crosses an edge is refused where contours that cross are; one in a larger opening is told by
+    `planning.within`. Drawings have outlines alone, which nest.
     """
     import shapely
 
-    openings = [
-        f for f in part.features
-        if isinstance(f, Hole | Slot) and f.kind != "mark" and f.face in PLATE_FACES
-    ]  # fmt: skip
+    openings = [f for f in part.features if isinstance(f, Hole | Slot | Contour) and _is_opening(f)]
     if not openings:
         return
-    cut = [c for c in part.contours if c.process == "cut" and c.face in PLATE_FACES]
-    around = [c.curves for c in cut if c.kind == "outer"]
+    around = [
+        c.curves for c in part.contours
+        if c.process == "cut" and c.face in PLATE_FACES and c.kind == "outer"
+    ]  # fmt: skip
     around += [own] if (own := outline_of(part)) else []
-    gone = [c.curves for c in cut if c.kind == "inner" and c.closed]
-    every = [curves_of(opening, 0.0) for opening in openings]
-    chains = [*around, *gone, *every]
+    chains = [*around, *(f.curves if isinstance(f, Contour) else curves_of(f, 0.0)
+                         for f in openings)]  # fmt: skip
     rings = outlines(chains, tolerance / 4)
     rings = valid(rings, invalid(rings))
-    first = len(around) + len(gone)
-    plate, voids, holes = rings[: len(around)], rings[len(around) : first], rings[first:]
+    plate, holes = rings[: len(around)], rings[len(around) :]
     on_plate = {*shapely.STRtree(plate).query(holes, predicate="intersects")[0].tolist()}
-    inner, outer = shapely.STRtree(voids).query(holes, predicate="within")
-    more = shapely.area(voids)[outer] - shapely.area(holes)[inner]  # none where it is drawn twice
-    lost = {*inner[more > tolerance * shapely.length(holes)[inner]].tolist()}
     for k, opening in enumerate(openings):
-        if k not in on_plate or k in lost:
-            yield rules.OFF.at(
-                opening.source, what=named(opening), x=f"{opening.x:g}", y=f"{opening.y:g}"
-            )
+        if k not in on_plate:
+            yield rules.OFF.at(opening.source, what=description(opening))
+
+
+def _is_opening(one: Hole | Slot | Contour) -> bool:
+    if isinstance(one, Contour):
+        of_plate = one.kind == "inner" and one.process == "cut" and one.closed
+        return of_plate and one.layer is None and one.colour is None and one.face in PLATE_FACES
+    return one.kind != "mark" and one.face in PLATE_FACES

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from itertools import product
-from math import dist, hypot
+from math import dist
 
 from msgspec.structs import replace
 
@@ -28,7 +28,6 @@ from beamcam.model.colour import key_of
 from beamcam.model.hatch import hatched, not_filled
 from beamcam.model.part import (
     Contour,
-    EndPlane,
     Part,
     extent,
     moved_curve,
@@ -38,8 +37,6 @@ from beamcam.planning.contours import rules
 from beamcam.planning.contours.copies import cannot_lie, laid_out, size_of
 from beamcam.planning.contours.outline import Shape, reach_of, reached_curves, with_outline
 from beamcam.planning.contours.spread import spread
-
-BESIDE = 0.1  #: mm that a plane may lie inside of the edge that it states once more
 
 
 def box_of(curves: CurveTable) -> Box:
@@ -225,20 +222,16 @@ def _is_ignored(contour: Contour, torch: Torch) -> bool:
     return key is not None and torch.colours[key] == "ignore"
 
 
-def takes_nothing(plane: EndPlane, part: Part, thickness: float) -> bool:
-    """Whether all of a plate lies behind a plane, as where that states a square end once more."""
+def outermost(part: Part, thickness: float) -> Iterator[tuple[float, float, float]]:
+    """The corners of the box of a plate, by its outline or its header."""
     outer = [curve for one in part.contours if one.kind == "outer" for curve in one.curves]
     x0, y0, x1, y1 = extent(outer) or (0.0, 0.0, part.length, part.profile.height)
-    (px, py, pz), (a, b, c) = plane.point, plane.normal
-    return all(
-        a * (x - px) + b * (y - py) + c * (z - pz) <= BESIDE * hypot(a, b, c)
-        for x, y, z in product((x0, x1), (y0, y1), (0.0, thickness))
-    )
+    return product((x0, x1), (y0, y1), (0.0, thickness))
 
 
 def skew_ends(part: Part, torch: Torch) -> Iterator[Diagnostic]:
-    """An error for each end of a plate that the header has skew through the thickness, unless the
-    rows of an outline say edge by edge what is."""
+    """An error for each end of a plate that the header has skew through the thickness, unless
+    bevels of an outline say edge by edge what is: see `skew_ends.with_bevels`."""
     if any(contour.bevels for contour in part.contours):
         return
     cuts, least = part.cuts, max(torch.min_bevel, NOISE_DEG)

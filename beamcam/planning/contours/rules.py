@@ -236,16 +236,20 @@ CHAIN = error("plan-chain",
     "A controller looks at every operation of a chain in every cycle, and would fall behind.")
 
 SKEW_END = error("plan-sheet-end",
-    "found the {end} of a plate cut at {found} degrees through its thickness; expected 0",
-    "A torch cuts square. Bevels stand in the rows of an outline, where the machine's file says "
-    "what becomes of them; a saw line makes such ends of flats.")
+    "found the {end} of a plate cut at {found} degrees through its thickness, and no edge of its "
+    "outline there; expected one, as long as the plate",
+    "A torch cuts square along the longer face, so that no steel is missing, and the bevel is "
+    "manual work. An outline that ends elsewhere says another length than the header.")
 OFF = error("plan-sheet-off",
-    "found {what} at x {x}, y {y}, where the plate has no steel; expected it within the outline, "
-    "and in no cut-out",
-    "It would be cut into the sheet beside the part, or into what falls out of it. A number of the "
-    "file is wrong, or its outline or a cut-out is.")
+    "found {what}, beside the plate; expected it within the outline",
+    "It would be cut into the sheet beside the part. A number of the file is wrong, or its outline "
+    "is.")
+NOTCH = note("plan-sheet-notch",
+    "found {what}, which lies on the outline of {first} along {found} mm; it is cut with it, as a "
+    "notch",
+    "A cut-out that is open to the edge takes that edge away, and leaves one contour.")
 RULES = (
-    CHAIN, SKEW_END, OFF,
+    CHAIN, SKEW_END, OFF, NOTCH,
     SHEETS, MIXED, SHEET_FULL, QUANTITY, NOTHING, UNMAPPED, MAP, OPTION,
     LOOK_SETTING, LOOK_OVERCUT, LOOK_ORDER, LAYOUT, HATCH, NO_PROCESS, NO_THICKNESS, THICKNESS,
     OTHER_THICKNESS, OTHER_MATERIAL, ASSUMED, SHEET_SIZE, SHEET_PLACE, JUNCTION, BRANCHED,

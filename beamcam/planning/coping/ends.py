@@ -22,7 +22,7 @@ from msgspec.structs import replace
 from beamcam.errors import Diagnostic
 from beamcam.geometry.curves import Line, Point
 from beamcam.machine.coper import Coper
-from beamcam.model.part import Bevel, Contour, EndCuts, Face, Part, Profile
+from beamcam.model.part import Bevel, Contour, EndCuts, Face, Part, Profile, extent
 from beamcam.model.section import corners
 from beamcam.planning import rules as bar_rules
 from beamcam.planning.coping.cuts import borders_of, chains_of
@@ -58,13 +58,7 @@ class SectionEnd(Struct, frozen=True):
 
 def planes_of(part: Part) -> tuple[SectionEnd, SectionEnd]:
     """The start and the end of a part as it lies, each through its outermost corner at x 0 or L."""
-    profile, cuts = part.profile, part.cuts
-    outermost = corners(profile, part.section)
-    if profile.code == "T":
-        back = (profile.width - (profile.web_thickness or 0.0)) / 2
-        flange, front = profile.flange_thickness, back + (profile.web_thickness or 0.0)
-        ends = (0.0, 0.0), (0.0, profile.width), (flange, 0.0), (flange, profile.width)
-        outermost = (*ends, (profile.height, back), (profile.height, front))
+    cuts, outermost = part.cuts, _corners(part)
     planes = []
     for side, web_deg, flange_deg in (
         (-1.0, cuts.web_start, cuts.flange_start), (1.0, cuts.web_end, cuts.flange_end)
@@ -74,6 +68,30 @@ def planes_of(part: Part) -> tuple[SectionEnd, SectionEnd]:
         at = (0.0 if side < 0.0 else part.length) + side * min(leans)
         planes.append(SectionEnd(side, at, by_y, by_z))
     return planes[0], planes[1]
+
+
+def _corners(part: Part) -> Sequence[Point]:
+    """The outermost places (y, z) of a section as it lies."""
+    profile = part.profile
+    if profile.code != "T":
+        return corners(profile, part.section)
+    back = (profile.width - (profile.web_thickness or 0.0)) / 2
+    flange, front = profile.flange_thickness, back + (profile.web_thickness or 0.0)
+    ends = (0.0, 0.0), (0.0, profile.width), (flange, 0.0), (flange, profile.width)
+    return *ends, (profile.height, back), (profile.height, front)
+
+
+def outermost(part: Part) -> Iterator[tuple[float, float, float]]:
+    """The corners of a part as it lies, by its header, and by its outlines where all walls have
+    one: a wall without is as long as the part."""
+    drawn = [c for c in part.contours if c.kind == "outer" and c.process == "cut"]
+    walls = {"v", "u"} if part.profile.code in ("L", "T") else {"v", "o", "u"}
+    is_drawn = walls <= {"v" if one.face == "h" else one.face for one in drawn}
+    box = extent(curve for one in drawn for curve in one.curves) if is_drawn else None
+    for end in planes_of(agreed_ends(part)[0]):
+        for y, z in _corners(part):
+            x = end.x(y, z)
+            yield (min(max(x, box[0]), box[2]) if box else x), y, z
 
 
 def ends_on(face: Face, part: Part) -> tuple[EndLine, EndLine]:

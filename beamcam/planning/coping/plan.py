@@ -21,6 +21,7 @@ from beamcam.planning.coping.ends import (
     agreed_ends,
     crossed,
     ends_on,
+    outermost,
     planes_of,
     squared,
     tilts_at,
@@ -54,6 +55,7 @@ from beamcam.planning.coping.walls import (
     sorted_features,
     walls_of,
 )
+from beamcam.planning.end_planes import idle_planes
 from beamcam.planning.left_out import BEVEL, ROOT
 
 #: The faces in which the cuts of a kind are made, so that the torch turns little. What parts the
@@ -91,6 +93,8 @@ def plan_coping(
     off = [*_before_bar(plan), *_over_supports(plan, coper), *_over_chuck(plan, coper)]
     if off:
         raise PlanError(off)
+    if any(said.code == rules.TABLE_RADIUS.code for said in diagnostics):
+        plan = replace(plan, usual_corners=True)
     return replace(plan, remarks=(*diagnostics, *plan.remarks)) if diagnostics else plan
 
 
@@ -98,7 +102,7 @@ def _plan_profile(given: Part, machine: Machine, coper: Coper, skips: Collection
     """The work on an I, a U, an L, a T or a C. Raises PlanError as `plan_coping` does."""
     part = laid(given)
     diagnostics: list[Diagnostic] = []
-    found = sorted_features(part, machine, coper, skips)
+    found = sorted_features(part, machine, coper, skips, dict(idle_planes(part, outermost(part))))
     if found.refusals:
         raise PlanError(found.refusals)
     chart = Chart(part, coper)
@@ -136,7 +140,7 @@ def _plan_profile(given: Part, machine: Machine, coper: Coper, skips: Collection
         raise PlanError(errors_in(diagnostics))
     if not cuts:
         raise PlanError(bar_rules.NO_WORK.at(part.source, machine=machine.name))
-    diagnostics += told_of_stock(part, given, coper)
+    diagnostics += [*told_of_stock(part, given, coper), *found.told]
     outcomes = tuple(
         replace(o, left=o.left or _left(part.features[o.feature[1]], slant, at_root))
         if o.how == "made" else o

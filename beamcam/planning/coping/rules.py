@@ -139,9 +139,15 @@ NO_RADIUS = error("plan-coping-radius",
     "beamcam.toml); it is not guessed.")
 GIVEN_RADIUS = note("plan-coping-given-radius",
     "found no outer radius of the corners of {name} in the file; taken as {found} mm outside, as "
-    "{by} has it",
+    "--corner or coper.corner has it",
     "One smaller than the wall is none. Measure a corner of the bar: the torch follows it by this "
-    "radius. What a file says itself goes before the machine file, and that before --corner.")
+    "radius. What a file says itself goes before --corner, and that before the machine's table.")
+TABLE_RADIUS = warning("plan-coping-table-radius",
+    "found no outer radius of the corners of {name} in the file; taken as {found} mm outside, "
+    "{share}, as coper.corners of the machine file has it; measure a corner of the bar and give "
+    "another one by --corner",
+    "The table that is shipped is that of EN 10219-2; tubes of a mill differ, and those of other "
+    "standards. The torch goes round a corner by this radius, and the program's head says it.")
 SEAM = note("plan-coping-seam",
     "found the seam of a tube's outline {found} mm off its place; taken as closed",
     "The outline of an unrolled tube has two long sides along one line of its surface. Some draw "
@@ -184,5 +190,5 @@ SLOW = warning("plan-coping-slow",
     "slowest axis, so that the cut gets wider there.")
 RULES = (PIPE, NO_PIPE, ALONE, CROSSED, BEYOND, ROOT, LEDGE, STEP, K_AREA, NARROW, OFF, SHORT,
     TUBE_END, OPEN, ORIGIN, SUPPORT, CHUCK, DEEP, THICK, ROUNDED, BAR, TEE, LIPS, NO_LIP, GIVEN_LIP,
-    INTO_LIP, PIECE, NO_RADIUS, GIVEN_RADIUS, SEAM, CORNER, TANGENTS, REACHES, SLANT, WEDGE, BEVEL,
-    SLOW)
+    INTO_LIP, PIECE, NO_RADIUS, GIVEN_RADIUS, TABLE_RADIUS, SEAM, CORNER, TANGENTS, REACHES, SLANT,
+    WEDGE, BEVEL, SLOW)

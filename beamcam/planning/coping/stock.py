@@ -49,8 +49,12 @@ def with_corners(part: Part, coper: Coper) -> tuple[Part, Diagnostic | None]:
     radius = coper.outer_radius(profile.radius, wall)
     if profile.code != "M" or radius == profile.radius:
         return part, None
-    by = "coper.corners" if radius != coper.corner else "--corner or coper.corner"
-    diagnostic = rules.GIVEN_RADIUS.at(part.source, name=profile.name, found=f"{radius:g}", by=by)
+    values = {"name": profile.name, "found": f"{radius:g}"}
+    if coper.corner:
+        diagnostic = rules.GIVEN_RADIUS.at(part.source, **values)
+    else:
+        share = f"{radius / wall:g} walls of {wall:g} mm"
+        diagnostic = rules.TABLE_RADIUS.at(part.source, share=share, **values)
     return replace(part, profile=replace(profile, radius=radius)), diagnostic
 
 

@@ -23,6 +23,7 @@ from beamcam.planning.coping import rules
 from beamcam.planning.coping.box_tube import Unrolled, face_ends, unrolled
 from beamcam.planning.coping.chart import Chart
 from beamcam.planning.coping.cuts import ROUND, CutChain, borders_of, chains_of, led
+from beamcam.planning.coping.ends import outermost
 from beamcam.planning.coping.regions import (
     AROUND,
     CHORD,
@@ -45,6 +46,7 @@ from beamcam.planning.coping.tube_pieces import (
     without_ends,
 )
 from beamcam.planning.coping.walls import PlannedWall, Sorted, sorted_features
+from beamcam.planning.end_planes import idle_planes
 from beamcam.planning.left_out import BEVEL
 
 
@@ -101,7 +103,8 @@ def plan_tube(part: Part, machine: Machine, coper: Coper, skips: Collection[str]
     if deepest >= LEAST_SLANT:
         diagnostics.append(rules.WEDGE.at(source, found=f"{deepest:.2f}", wall=f"{wall:g}"))
     diagnostics += _slow_axes(part, machine, row, way)
-    diagnostics += told_of_stock(part, part, coper)
+    idle = dict(idle_planes(part, outermost(part)))
+    diagnostics += [*told_of_stock(part, part, coper), *found.told, *idle.values()]
     outcomes = tuple(
         replace(o, left=BEVEL) if o.how == "made" and is_slanted(part.features[o.feature[1]], slant)
         else o
@@ -123,6 +126,8 @@ def outcomes_of(
             yield Outcome((0, index), "listed", found.listed[index])
         elif index in found.skipped:
             yield Outcome((0, index), "skipped", found.skipped[index].code)
+        elif index in found.within:
+            yield Outcome((0, index), "duplicate", found.within[index].code)
         else:
             bevelled = index not in made and has_bevels(part.features[index], least)
             left = BEVEL if bevelled else ""

@@ -15,7 +15,7 @@ lies on its lips, its web up, which the torch sees from outside:
     '-   -'     its edges, which are round.
 """
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from math import inf, sqrt
 from typing import Any
 
@@ -32,6 +32,7 @@ from beamcam.planning import rules as bar_rules
 from beamcam.planning.coping import rules
 from beamcam.planning.left_out import listed_by, refuse_mark
 from beamcam.planning.turning import TURNS, turned
+from beamcam.planning.within import overlapping, within_larger
 
 #: Of a T about its length, so that its flange, in the file flat on the h side, stands at Y 0.
 ON_ITS_SIDE = next(t for t in TURNS if (t.swap, t.reverse_y, t.reverse_z) == (True, True, False))
@@ -206,16 +207,25 @@ class Sorted(Struct, frozen=True):
     listed: dict[int, str]  #: why they are manual work
     skipped: dict[int, Diagnostic]  #: why they are left out, which is allowed
     refusals: tuple[Diagnostic, ...]
+    within: dict[int, Diagnostic]  #: in larger openings
+    told: tuple[Diagnostic, ...]  #: of openings in and over others
 
 
-def sorted_features(part: Part, machine: Machine, coper: Coper, skips: Collection[str]) -> Sorted:
-    """What becomes of each feature; `skips` are the kinds that may be left out."""
+def sorted_features(
+    part: Part, machine: Machine, coper: Coper, skips: Collection[str],
+    idle: Mapping[int, Diagnostic] = {},
+) -> Sorted:  # fmt: skip
+    """What becomes of each feature; `skips` are the kinds that may be left out, `idle` planes that
+    take nothing."""
     cut: list[int] = []
     listed: dict[int, str] = {}
     skipped: dict[int, Diagnostic] = {}
     refusals: list[Diagnostic] = []
+    within = within_larger(part)
     for f, feature in enumerate(part.features):
         diagnostic: Diagnostic | None
+        if f in within or f in idle:
+            continue
         if policy_on(feature, machine.marks) is not None:
             why = listed_by(feature, machine.marks)
             diagnostic = refuse_mark(feature, machine.marks) or _unmarked(feature)
@@ -231,7 +241,8 @@ def sorted_features(part: Part, machine: Machine, coper: Coper, skips: Collectio
             skipped[f] = diagnostic
         else:
             refusals.append(diagnostic)
-    return Sorted(tuple(cut), listed, skipped, tuple(refusals))
+    told = (*idle.values(), *within.values(), *overlapping(part, within))
+    return Sorted(tuple(cut), listed, skipped, tuple(refusals), within, told)
 
 
 def _unmarked(mark: Feature) -> Diagnostic:

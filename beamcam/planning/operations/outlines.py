@@ -11,6 +11,7 @@ from beamcam.geometry.plane import Point
 from beamcam.model.part import Bend, Camber, Contour, EndPlane, Face, Part
 from beamcam.model.section import corners
 from beamcam.planning import rules
+from beamcam.planning.end_planes import NOTHING_TAKEN, takes_nothing
 from beamcam.planning.operations.finished_part import CONTOUR_TOLERANCE, Ends, wall_end
 from beamcam.planning.operations.part_planner import Numbered, PartPlanner, WorkKind
 from beamcam.planning.operations.tools import Found, Settled
@@ -113,13 +114,26 @@ SAME_PLANE = 0.1  #: mm between a plane and the end that it states once more, at
 
 
 def _beyond_saw(feature: Bend | EndPlane | Camber, planner: PartPlanner) -> Diagnostic | None:
-    """What no saw makes; a plane that is that of the part's start or end is made."""
+    """What no saw makes; a plane that takes nothing is no work, that of an end is its cut."""
     if isinstance(feature, EndPlane):
         end = planner.ends[feature.normal[0] > 0]
         places = corners(planner.part.profile, planner.part.section)
         if all(abs(feature.x(y, z) - end.x(y, z)) <= SAME_PLANE for y, z in places):
             return None
+        if takes_nothing(feature, _outermost(planner)):
+            return None
     return rules.OTHER.at(feature.source, found=NAMES[type(feature)])
 
 
-OTHER = WorkKind("other", _beyond_saw, steps=_sawn)
+def _idle(feature: Bend | EndPlane | Camber, planner: PartPlanner) -> Iterator[Diagnostic]:
+    """A note on a plane that takes nothing."""
+    if isinstance(feature, EndPlane) and takes_nothing(feature, _outermost(planner)):
+        yield NOTHING_TAKEN.at(feature.source)
+
+
+def _outermost(planner: PartPlanner) -> Iterator[tuple[float, float, float]]:
+    for y, z in corners(planner.part.profile, planner.part.section):
+        yield from ((end.x(y, z), y, z) for end in planner.ends)
+
+
+OTHER = WorkKind("other", _beyond_saw, _idle, steps=_sawn)

@@ -31,6 +31,7 @@ from beamcam.planning.operations.outlines import CONTOUR, OTHER
 from beamcam.planning.operations.part_planner import BarLine, PartPlanner, WorkKind
 from beamcam.planning.operations.slot import SLOT
 from beamcam.planning.operations.tools import Settled, WorkingStep
+from beamcam.planning.within import within_larger
 
 # --- kinds ----------------------------------------------------------------------------------------
 
@@ -164,8 +165,12 @@ def _work_on(part: Part, line: BarLine, skips: Collection[str]) -> PartWork:
 
 def _put_features(planner: PartPlanner) -> None:
     """Put each feature that can be made to those of its kind, and refuse the others."""
-    marks = planner.line.machine.marks
+    marks, within = planner.line.machine.marks, within_larger(planner.part)
     for f, given in enumerate(planner.part.features):
+        if f in within:
+            planner.settled[f] = Settled(f, "duplicate", within[f].code)
+            planner.told.append((f, within[f]))
+            continue
         if policy_on(given, marks) is not None and not _is_made(f, given, planner):
             continue
         kind, feature = kind_of(given), planner.on_reached_face(f, given)

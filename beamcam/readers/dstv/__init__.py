@@ -3,6 +3,7 @@
 from bisect import bisect_right
 from collections.abc import Iterator, Sequence
 from itertools import zip_longest
+from typing import Literal
 
 from msgspec import Struct, field
 from msgspec.structs import replace
@@ -96,16 +97,27 @@ def looks_like(data: bytes) -> bool:
     return "ST" in lines or len(lines & {"EN", "BO", "AK", "IK", "SI", "KO"}) >= 2
 
 
-def read(data: bytes, name: str, encoding: str | None = None) -> Reading:
+def read(
+    data: bytes,
+    name: str,
+    encoding: str | None = None,
+    ends: Literal["contour", "header"] | None = None,
+) -> Reading:
     """The part of a DSTV file and its diagnostics; never raises.
 
     `name` is the file's name for messages. Where the header cannot be read there is no part.
-    `encoding` is that of its text; by default it is recognised by the letters.
+    `encoding` is that of its text; by default it is recognised by the letters. `ends` says which
+    counts where header and contour describe different ends.
     """
-    return read_with_account(data, name, encoding)[0]
+    return read_with_account(data, name, encoding, ends)[0]
 
 
-def read_with_account(data: bytes, name: str, asked: str | None = None) -> tuple[Reading, Account]:
+def read_with_account(
+    data: bytes,
+    name: str,
+    asked: str | None = None,
+    ends: Literal["contour", "header"] | None = None,
+) -> tuple[Reading, Account]:
     """As `read`, with the account of the file's lines."""
     log = Log(name)
     encoding = wrong = None
@@ -153,8 +165,12 @@ def read_with_account(data: bytes, name: str, asked: str | None = None) -> tuple
     log.diagnostics += () if made is None else made.diagnostics
     if (other := upright(data, part, head.numbers, log)) is not None:
         told = log.diagnostics[-1]
-        reading, account = read_with_account(other, name, asked)
+        reading, account = read_with_account(other, name, asked, ends)
         return replace(reading, diagnostics=(told, *reading.diagnostics)), account
+    if ends is not None:
+        from beamcam.readers.dstv.ends import with_ends
+
+        part = with_ends(part, ends, head.numbers, log)
     check(part, content.contours, head.numbers, log)
     data_lines = head.numbers + [number for block in blocks for number in block.numbers]
     diagnostics = log.diagnostics
@@ -254,7 +270,7 @@ def _code_and_plane(block: Block, content: BlockContent, log: Log) -> tuple[str,
     known = _ON_PLANES.get(letter, code)
     if letter == "E":
         return known, ""
-    has_faces = bool(block.rows) and block.rows[0][0] in FACE_LETTERS
+    has_faces = bool(block.rows) and block.rows[0][0].lower() in FACE_LETTERS
     if code == "B0" and "0" not in content.plane_names and has_faces:
         log.add(rules.CODE_ZERO, block.line)
         return known, ""

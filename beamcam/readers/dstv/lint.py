@@ -35,7 +35,7 @@ ANGLE_TOLERANCE_DEG = 0.5  #: real headers hold angles such as 0.07 for square e
 LARGEST_MARK = 7.0  #: diameter; shops write punch marks as holes of 1, 2, 4, 5 or 7
 
 #: Header line of each cut angle, counted from the line ST.
-_CUT_LINES = {"web_start": 17, "web_end": 18, "flange_start": 19, "flange_end": 20}
+CUT_LINES = {"web_start": 17, "web_end": 18, "flange_start": 19, "flange_end": 20}
 
 
 class _Outline(Struct):
@@ -56,13 +56,10 @@ def check(part: Part, contours: list[ContourRows], header: list[int], log: Log) 
 
     `contours` are its contour rows and `header` the lines of the header's values.
     """
-    outers: dict[str, list[_Outline]] = {}
+    outers = _outlines(part) if contours else {}
     for feature in part.features if contours else ():
-        if isinstance(feature, Contour):
-            if feature.kind == "outer":
-                outers.setdefault(feature.face, []).append(_outline(feature))
-            elif feature.process == "cut":
-                _check_circle(feature, log)
+        if isinstance(feature, Contour) and feature.kind != "outer" and feature.process == "cut":
+            _check_circle(feature, log)
     if outers:
         _check_directions(contours, log)
         _check_extents(part, outers, header, log)
@@ -131,8 +128,35 @@ def _check_extents(
             log.add(rules.HEIGHT_CONTOUR, header[9], height=given, found=height)
 
 
+def _outlines(part: Part) -> dict[str, list[_Outline]]:
+    """The outer contours by their faces."""
+    outers: dict[str, list[_Outline]] = {}
+    for one in part.contours:
+        if one.kind == "outer":
+            outers.setdefault(one.face, []).append(_outline(one))
+    return outers
+
+
 def _check_ends(part: Part, outers: dict[str, list[_Outline]], header: list[int], log: Log) -> None:
-    """The header's cut angles against ends of v and u that are one straight edge.
+    """Add the ends of which header and contour say different things."""
+    for name, given, angle in _differing_ends(part, outers):
+        # Some programs leave the header 0 and draw the cut; none was seen to do the reverse.
+        rule = rules.CUT_ANGLE if abs(given) > ANGLE_TOLERANCE_DEG else rules.CUT_MISSING
+        text = name.replace("_", " ") + " cut"
+        log.add(rule, header[CUT_LINES[name] - 1], name=text, header=given, contour=angle + 0.0)
+
+
+def denied_ends(part: Part) -> Iterator[tuple[str, float, float]]:
+    """The cuts of a header that a contour denies: name, its angle and that of the contour."""
+    for name, given, angle in _differing_ends(part, _outlines(part)):
+        if abs(given) > ANGLE_TOLERANCE_DEG:
+            yield name, given, angle
+
+
+def _differing_ends(
+    part: Part, outers: dict[str, list[_Outline]]
+) -> Iterator[tuple[str, float, float]]:
+    """The header's cut angles that differ from ends of v and u that are one straight edge.
 
     At either end the angle is atan2(x(lowest y) - x(highest y), y_high - y_low), the web's in v
     and the flange's in u. Ends that are coped, notched or round say nothing about the cut.
@@ -146,11 +170,7 @@ def _check_ends(part: Part, outers: dict[str, list[_Outline]], header: list[int]
             given: float = getattr(cuts, name)
             if angle is None or abs(angle - given) <= ANGLE_TOLERANCE_DEG:
                 continue
-            # Some programs leave the header 0 and draw the cut; none was seen to do the reverse.
-            rule = rules.CUT_ANGLE if abs(given) > ANGLE_TOLERANCE_DEG else rules.CUT_MISSING
-            line = header[_CUT_LINES[name] - 1]
-            text = name.replace("_", " ") + " cut"
-            log.add(rule, line, name=text, header=given, contour=angle + 0.0)
+            yield name, given, angle
 
 
 def _end_angles(outline: _Outline) -> tuple[float | None, float | None]:

@@ -36,6 +36,7 @@ Item = TypeVar("Item")
 RowReader = Callable[[str, int, "RowPlace"], Item]  #: of a row, its line, and where it lies
 
 FACE_LETTERS = frozenset("vouh")
+CAPITALS = frozenset("VOUHS")  #: of faces and of reference letters
 
 
 class RowPlace(Struct):
@@ -45,6 +46,7 @@ class RowPlace(Struct):
     profile: Profile
     face: str  #: "" where no row has named one; of a block on a plane its name, which stays
     edge: str = ""
+    case_told: bool = False
 
     @property
     def plate(self) -> bool:
@@ -55,9 +57,10 @@ class RowPlace(Struct):
 
         Where no row named one it is v on a plate; on other sections RowError is raised.
         """
-        if tokens and tokens[0] in FACE_LETTERS:
+        if tokens and tokens[0].lower() in FACE_LETTERS:
+            letter = self.small(tokens[0], line)
             if len(self.face) < 2:
-                self.face = tokens[0]
+                self.face = letter
             return tokens[1:]
         found = " ".join(tokens)
         if found[:1].isalpha() or not (self.face or self.plate):
@@ -70,12 +73,22 @@ class RowPlace(Struct):
 
     def refer(self, letter: str, line: int) -> None:
         """Note the reference letter behind x."""
+        letter = self.small(letter, line)
         if letter in EDGES:
             self.edge = letter
         elif letter in FACE_LETTERS:
             self.log.add(rules.EDGE, line, found=letter)
         else:
             raise RowError(letter)
+
+    def small(self, letter: str, line: int) -> str:
+        """The letter of a face or a reference as it is meant, whose capital is told."""
+        if letter not in CAPITALS:
+            return letter
+        if not self.case_told:
+            self.log.add(rules.FACE_CASE, line, found=letter, read=letter.lower())
+            self.case_told = True
+        return letter.lower()
 
     def corner(self, row: str, line: int, least: int = 0) -> tuple[float, str, float, list[str]]:
         """x, the letter behind it or "", y, and the tokens that follow, `least` or more.
@@ -89,6 +102,7 @@ class RowPlace(Struct):
         letter = tokens[1] if tokens[1].isalpha() else ""
         if letter:
             self.refer(letter, line)
+            letter = letter.lower()
             del tokens[1]
             if len(tokens) < least + 2:
                 raise RowError(row)

@@ -178,6 +178,10 @@ SECTION_CODE = warning("dstv-section-code",
 FACE = error("dstv-face",
     "found {found!r}, expected a face v, o, u or h first",
     "Without its face a feature has no place.")
+FACE_CASE = note("dstv-face-case",
+    "found the letter {found!r}, read as {read!r}",
+    "Faces and reference letters are written small; where one stands a capital can mean nothing "
+    "else. It is told once for a block.")
 FACE_ASSUMED = warning("dstv-face-assumed",
     "found no face, read as v",
     "A plate has one face, so the row can mean no other.")
@@ -247,8 +251,13 @@ BEVEL_ANGLE = note("dstv-bevel-angle",
 
 # --- cross-checks (lint) ----------------------------------------------------------------------
 CUT_ANGLE = error("dstv-cut-angle",
-    "found {name} {header:g} in the header, but {contour:.3f} in the contour; expected the same",
+    "found {name} {header:g} in the header, but {contour:.3f} in the contour; expected the same, "
+    "or --ends contour or --ends header, which says what counts",
     "The saw and the contour would make different ends.")
+CUT_SETTLED = warning("dstv-cut-settled",
+    "found {name} {header:g} in the header, but {contour:.3f} in the contour; the {ends} counts, "
+    "as --ends says",
+    "Only one can be right. The program's head says which was taken.")
 CUT_MISSING = warning("dstv-cut-missing",
     "found {name} {header:g} in the header, but {contour:.3f} in the contour; the contour counts",
     "The angles of the header must describe the ends as well.")

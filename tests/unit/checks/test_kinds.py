@@ -233,14 +233,14 @@ def test_a_slot_of_the_wrong_depth_and_tool() -> None:
 
 
 def test_of_two_slots_about_one_middle_each_has_its_path() -> None:
-    """As of a long hole within a round one: the paths are told apart by their sizes."""
-    wide = replace(SLOT, diameter=30.0)
-    paths = [slot(ring(7.0)), slot(ring(1.0))]
+    """As of a long hole across a round one: the paths are told apart by their sizes."""
+    wide = replace(SLOT, diameter=30.0, length=10.0)
+    paths = [slot(ring(7.0, 5.0)), slot(ring(1.0))]
     for made in (paths, paths[::-1]):
         for wanted in ((SLOT, wide), (wide, SLOT)):
             assert messages("".join(made), *wanted) == []
-    (said,) = messages(slot(ring(6.5)) + paths[1], SLOT, wide)
-    assert "found the path of the slot 60 x 30 of P2 0.500 mm off" in said
+    (said,) = messages(slot(ring(6.5, 5.0)) + paths[1], SLOT, wide)
+    assert "found the path of the slot 40 x 30 of P2 0.500 mm off" in said
 
 
 def test_a_slot_twice_and_none() -> None:

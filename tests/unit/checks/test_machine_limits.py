@@ -76,8 +76,8 @@ STEEL: list[tuple[str, Part, str]] = [
     ("two holes that overlap", part(hole("v", 500.0, 100.0, 18.0), hole("v", 510.0, 100.0, 14.0)),
      "verify-hole-steel: found the hole 14 on face v of P1 at x 510, y 100 10 mm from the hole 18; "
      "expected at least 16 mm between their middles"),
-    ("two sizes at one place", part(hole("v", 500.0, 100.0, 18.0), hole("v", 500.0, 100.0, 22.0)),
-     "0 mm from the hole 18"),
+    ("two sizes near one place", part(hole("v", 500.0, 100.0, 18.0), hole("v", 503.0, 100.0, 22.0)),
+     "3 mm from the hole 18"),
     ("a hole over the end", part(hole("v", 2995.0, 100.0, 18.0)), "4 mm beyond the end of the par"),
     ("a hole over the start", part(hole("v", 4.0, 100.0, 18.0)), "5 mm beyond the start"),
     ("a hole over the flange's edge", part(hole("o", 500.0, 144.0, 18.0)), "3 mm beyond the edg"),

@@ -14,7 +14,7 @@ from msgspec.structs import replace
 
 import beamcam
 from beamcam.cli import main
-from beamcam.errors import PlanError
+from beamcam.errors import PlanError, Severity, VerifyError
 from beamcam.machine import Machine
 from beamcam.machine.coper import TubeCorner
 from beamcam.machine.overlay import with_section
@@ -236,8 +236,6 @@ def test_the_solid_and_the_recovery_agree_with_a_hole_in_a_corner(face: Face) ->
 # --- refused --------------------------------------------------------------------------------------
 
 REFUSED = [
-    ("plan-coping-radius", tube(profile=replace(SHS, radius=0.0))),
-    ("plan-coping-radius", tube(profile=replace(SHS, radius=5.0))),  # less than the wall
     ("plan-coping-radius", tube(profile=replace(SHS, radius=60.0))),
     ("plan-section", tube(profile=Profile("M", "RHS400*200*8", 400.0, 200.0, 8.0, 8.0, 16.0))),
     ("plan-section-shape", tube(profile=Profile("M", "SHS", 100.0, 100.0, 60.0, 6.0, 60.0))),
@@ -267,27 +265,61 @@ def test_corners_that_the_file_does_not_say_are_those_of_the_machine() -> None:
     text = program_of(bare, machine)
     assert not found(text, tube(HOLE), machine)
     assert found(text, bare, with_corners(TubeCorner(6.0, 2.0)))
-    with pytest.raises(PlanError, match="plan-coping-radius"):
-        planned(tube(profile=replace(SHS, flange_thickness=12.0, radius=0.0)), machine)
+    for radius in (0.0, 5.0):  # less than the wall is none
+        thick = replace(SHS, flange_thickness=12.0, radius=radius)
+        with pytest.raises(PlanError, match="plan-coping-radius"):
+            planned(tube(profile=thick), machine)
+
+
+@pytest.mark.parametrize(
+    ("wall", "radius"),
+    [(3.0, 6.0), (6.0, 12.0), (6.3, 15.75), (10.0, 25.0), (10.1, 30.3), (12.5, 37.5)],
+)
+def test_corners_that_nothing_else_says_are_those_of_the_shipped_table(
+    wall: float, radius: float
+) -> None:
+    """EN 10219-2: 2 walls up to 6 mm, 2.5 above up to 10 mm, 3 above; told, in the program too."""
+    size = replace(SHS, flange_thickness=wall, web_thickness=wall)
+    for own in (0.0, wall - 0.1):  # less than the wall is none
+        bare = tube(HOLE, profile=replace(size, radius=own))
+        said = tube(HOLE, profile=replace(size, radius=radius))
+        plan = planned(bare)
+        assert plan.operations == planned(said).operations
+        (told,) = [d for d in plan.remarks if d.code == "plan-coping-table-radius"]
+        assert told.severity is Severity.WARNING
+        assert f"taken as {radius:g} mm outside" in told.message
+        assert "by --corner" in told.message
+        text = program_of(bare)
+        assert f"(CORNERS OF {radius:g} MM OUTSIDE BY THE MACHINES TABLE: MEASURE ONE)" in text
+        assert "MACHINES TABLE" not in program_of(said)
+        assert not found(text, bare)
+        assert found(text, replace(bare, profile=replace(size, radius=1.1 * radius)))
+
+
+def test_the_read_back_does_not_believe_the_plan(monkeypatch: pytest.MonkeyPatch) -> None:
+    bare = tube(HOLE, profile=replace(SHS, radius=0.0))
+    monkeypatch.setattr("beamcam.machine.coper.Coper.outer_radius", lambda *_: 10.0)
+    with pytest.raises(VerifyError, match="verify-coping-square"):
+        program_of(bare)
 
 
 def test_corners_that_neither_says_are_those_of_the_job() -> None:
     bare = tube(HOLE, profile=replace(SHS, radius=0.0))
-    machine = with_section(TUBE, 10.0, None)
+    machine = with_section(with_corners(), 10.0, None)
     plan = planned(bare, machine)
     assert plan.operations == planned(tube(HOLE)).operations
     (said,) = [d for d in plan.remarks if d.code == "plan-coping-given-radius"]
     assert "taken as 10 mm outside, as --corner" in said.message
     text = program_of(bare, machine)
-    assert {d.code for d in found(text, bare)} == {"verify-coping-radius"}
+    assert {d.code for d in found(text, bare, with_corners())} == {"verify-coping-radius"}
     assert {d.code for d in found(text, bare, with_section(TUBE, 12.0, None))} == {
         "verify-coping-square"
     }
-    # The file goes before the machine's table, and that before the job.
-    both = with_section(with_corners(TubeCorner(6.0, 10.0 / 6.0)), 14.0, None)
+    # The file goes before the job, and that before the machine's table.
+    both = with_section(with_corners(TubeCorner(6.0, 14.0 / 6.0)), 10.0, None)
     assert planned(bare, both).operations == plan.operations
-    assert "as coper.corners has it" in str(planned(bare, both).remarks[0])
-    assert planned(tube(HOLE), both).operations == plan.operations
+    assert not found(text, bare, both)
+    assert planned(tube(HOLE), with_section(both, 14.0, None)).operations == plan.operations
     assert with_section(COPER, 10.0, None) is COPER
 
 
@@ -300,14 +332,15 @@ def test_the_option_and_the_configuration(tmp_path: Path) -> None:
         return done.exit_code, done.stderr
 
     post = ("post", part, "--machine", "tube-linuxcnc", "-o", program)
-    assert "plan-coping-radius" in run(*post)[1]
-    code, said = run(*post, "--corner", "12")
+    code, said = run(*post)
+    assert (code, "plan-coping-table-radius" in said) == (0, True)
+    code, said = run(*post, "--corner", "14")
     assert (code, "plan-coping-given-radius" in said) == (0, True)
-    assert run("verify", program, "--against", part, "--corner", "12")[0] == 0
-    assert "verify-coping-radius" in run("verify", program, "--against", part)[1]
-    (tmp_path / "beamcam.toml").write_text("corner = 12\n")
+    assert run("verify", program, "--against", part, "--corner", "14")[0] == 0
+    assert "verify-coping-square" in run("verify", program, "--against", part)[1]
+    (tmp_path / "beamcam.toml").write_text("corner = 14\n")
     assert run("verify", program, "--against", part, "--config", tmp_path / "beamcam.toml")[0] == 0
-    machine = beamcam.load("tube-linuxcnc", corner=12)
+    machine = beamcam.load("tube-linuxcnc", corner=14)
     assert beamcam.post(beamcam.read(part).parts, machine).text == program.read_text()
 
 

@@ -41,7 +41,6 @@ WRONG = [
     ("coper.rows.0.pierce_height", ROW.replace("pierce_height = 5", "pierce_height = 2")),
     ("coper.rows.0.passes", ROW + "passes = 2\n"),
     ("coper.rows.1.feed_mm_min", ROW + ROW.replace("up_to = 10", "up_to = 20")),
-    ("coper.corners", "[coper]\ncorners = [{ up_to = 6, share = 2 }]\n"),
     ("coper.profiles", '[coper]\nprofiles = ["I", "M"]\n'),
     ("words.turn", "[words]\nturn = []\n"),
     ("coper.tilt", "[coper]\ntilt = 70\n"),

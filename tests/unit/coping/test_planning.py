@@ -289,6 +289,7 @@ def test_every_rule_has_a_case() -> None:
     of_boxes = (
         "radius",
         "given-radius",
+        "table-radius",
         "corner",
         "reaches",
         "tangents",

@@ -222,6 +222,7 @@ def test_a_cope_whose_round_ends_by_a_chord_of_its_step_is_not_hurt() -> None:
 def test_every_rule_has_a_case() -> None:
     tested = {code for code, *_ in WRONG} | {"verify-coping-parts", "verify-coping-holds"}
     tested |= {"verify-coping-short", "verify-coping-zone"}  # in test_pieces.py, test_zones.py
+    tested |= {"verify-coping-plane"}  # in property/test_end_planes.py
     tested |= {"verify-coping-tilt", "verify-coping-passes"}  # in test_skew.py, test_bevels.py
     tested |= {"verify-coping-measured"}  # in test_measured.py
     tested |= {"verify-coping-lip"}  # in test_lips.py

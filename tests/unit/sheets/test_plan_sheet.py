@@ -192,11 +192,11 @@ OTHERS: list[tuple[tuple[Part, ...], dict[str, object], str, str]] = [
     ((plate(CENTRE),), {"cross": 0.0}, "plan-tool", "the size of a cross in the machine file"),
     ((plate(replace(CENTRE, depth=1.0)),), {}, "plan-tool", "marked by a cross of 5"),
     ((plate(replace(CENTRE, face="o")),), {}, "plan-face", "mark hole"),
-    # Beside the plate, and in a cut-out; a plate is by itself on a sheet.
-    ((plate(Hole("v", 300, 50, 18.0, S)),), {}, "plan-sheet-off", "diameter 18 at x 300, y 50"),
-    ((plate(Slot("v", -60, 50, 18.0, 20.0, 0.0, 0.0, S)),), {}, "plan-sheet-off", "width 18 at"),
-    ((plate(replace(contour(box(40, 20, 80, 60)), kind="inner"), Hole("v", 70, 50, 18.0, S)),), {},
-     "plan-sheet-off", "at x 70, y 50"),
+    # Beside the plate; a plate is by itself on a sheet.
+    ((plate(Hole("v", 300, 50, 18.0, S)),), {}, "plan-sheet-off", "18 on face v at x 300, y 50"),
+    ((plate(Slot("v", -60, 50, 18.0, 20.0, 0.0, 0.0, S)),), {}, "plan-sheet-off", "slot 38 x 18"),
+    ((plate(replace(contour(box(240, 20, 80, 60), None), kind="inner")),), {}, "plan-sheet-off",
+     "found inner contour"),
     ((plate(Hole("v", 300, 50, 18.0, S)), plate()), {}, "plan-sheet-off", "at x 300, y 50"),
     ((drawing(),), {}, "plan-sheet-empty", "the sheet is empty"),
     ((drawing(contour(box(0, 0, 9, 9), "#00ff00")),), {}, "plan-unmapped", "4 curves of colour"),
@@ -410,6 +410,7 @@ def test_every_rule_has_a_case() -> None:
     shown |= {code for _, _, more in REMARKS for code in more} | {
         "plan-tabs", "plan-bevel-left", "plan-thickness-unknown", "plan-bevel-noise",
         "plan-sheet-turned", "plan-sheet-apart", "plan-sheet-end", "plan-tabs-joint",
+        "plan-sheet-notch",
     }  # fmt: skip
     assert {r.code for r in rules.RULES} - OF_OTHERS <= shown
 

@@ -366,7 +366,7 @@ def test_every_rule_has_a_case() -> None:
         "verify-sheet-other", "verify-sheet-overcut", "verify-sheet-tab-width",
         "verify-sheet-tab-place", "verify-sheet-hatch-way", "verify-sheet-radius",
         "verify-sheet-corner", "verify-sheet-end-skew", "verify-sheet-direction",
-        "verify-sheet-restart",
+        "verify-sheet-restart", "verify-sheet-beside",
         "verify-sheet-laid", "verify-sheet-pierce", "verify-sheet-hole-feed",
         "verify-sheet-hole-lead", "verify-sheet-spot",
         "verify-sheet-contour", "verify-sheet-rest", "verify-sheet-edge",

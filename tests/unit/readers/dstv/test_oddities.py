@@ -1,10 +1,14 @@
 """What real files do that a strict parser chokes on: each is read, or refused by its code."""
 
+import re
+
 import pytest
 
 from beamcam.geometry.curves import Arc, Line, signed_area
 from beamcam.model.part import Bevel, Hole, Slot
 from beamcam.readers.dstv import looks_like, read
+from beamcam.readers.dstv.blocks import CODES
+from tests.conftest import SAMPLES
 
 HEADER = [
     *("ORDER-7", "D-1", "1", "P1", "S355J2", "2", "IPE300", "I"),
@@ -642,3 +646,36 @@ def test_comments_keep_their_places():
 def test_comment_behind_data():
     part = part_of("BO", "  v 1.0 2.0 18.0 ** FERTIGUNGSART=1")
     assert [(c.text, c.before) for c in part.comments] == [("FERTIGUNGSART=1", "feature:0")]
+
+
+# --- capitals -------------------------------------------------------------------------------------
+
+FACE_AND_X = re.compile(r"^(\s+)([vouh](?=\s*[-+.0-9]))?(\s*[-+0-9.]+)([uos](?=\s))?", re.MULTILINE)
+
+
+@pytest.mark.parametrize("sample", sorted((SAMPLES / "dstv").glob("*.nc1")), ids=lambda p: p.stem)
+def test_faces_and_references_in_capitals_are_the_same_part(sample):
+    """Whatever the blocks, and told once for each that has one."""
+    text = sample.read_text()
+    start = next(m.start() for m in re.finditer(r"(?m)^[A-Z][A-Z0-9]$", text) if m.start() > 100)
+    head, blocks = text[:start], text[start:]
+
+    def shout(match):
+        return "".join(one or "" for one in match.groups()).upper()
+
+    loud = head + FACE_AND_X.sub(shout, blocks)
+    read_so, said = (read(t.encode(), sample.name) for t in (text, loud))
+    assert loud != text
+    assert said.parts == read_so.parts
+    assert {d.code for d in said.diagnostics} - {d.code for d in read_so.diagnostics} == {
+        "dstv-face-case"
+    }
+    count = sum(d.code == "dstv-face-case" for d in said.diagnostics)
+    assert 0 < count <= sum(line in CODES for line in loud.splitlines())
+
+
+def test_only_faces_and_references_may_be_capitals():
+    assert codes_of("BO", "  V 10.00S 20.00 18.00", "  H 20.00 20.00 18.00") == ["face-case"]
+    assert codes_of("BO", "  W 10.00 20.00 18.00") == ["face"]
+    assert "face" in codes_of("BO", "  S 10.00 20.00 18.00")
+    assert "hole-fields" in codes_of("BO", "  v 10.00 20.00 G18.00")

@@ -1,0 +1,183 @@
+"""Openings that lie wholly in a larger one of their face, and so take no steel.
+
+ _________________     A drill in the larger opening would run in air, and a torch would fire into
+|    _________    |    what falls out of it. Nothing is missing from the part without the smaller
+|   |  o      |   |    one; but a number of the file is most often wrong, so that it is told, and
+|   |_________|   |    has a row on the list of manual work.
+|_________________|
+"""
+
+from collections import defaultdict
+from collections.abc import Collection, Iterator, Sequence
+from itertools import product
+from math import cos, floor, hypot, pi, radians, sin
+from typing import Any
+
+from msgspec import Struct
+
+from beamcam.errors import Diagnostic, note, warning
+from beamcam.geometry.curves import signed_area
+from beamcam.geometry.plane import Box, Point, join_boxes
+from beamcam.model.description import description
+from beamcam.model.part import Contour, Face, Hole, Part, Slot
+
+WITHIN = warning("plan-within",
+    "found {what}, which lies wholly within the {other} of {first} and takes no steel; it is not "
+    "made",
+    "A hole in a hole is most often a wrong place or diameter. The larger opening is made, the "
+    "other one has a row on the list of manual work.")  # fmt: skip
+OVERLAP = note("plan-opening-overlap",
+    "found {what} that overlaps the {other} of {first}; they are cut as one opening",
+    "So a keyhole is drawn, or one of the places is wrong.")  # fmt: skip
+OVER = 0.05  #: mm that one opening may reach over the other; so much an outline may be off
+SMALLER = 1.0  #: mm2 that it is smaller by; two that are as large are one, drawn twice
+CHORD = 0.01  #: mm between an outline and its chords
+CELL = 100.0  #: mm, in which openings are looked up by their places
+MOST_CELLS = 200  #: along a side; a larger opening is in no sheet
+
+
+class _Opening(Struct, frozen=True):
+    """A hole, slot or cut-out with its box; a disc goes round the rectangle of a slot."""
+
+    feature: Hole | Slot | Contour
+    box: Box
+    area: float
+    index: int  #: of the feature; -1 of one that is there
+
+    @property
+    def reaches_through(self) -> bool:
+        one = self.feature
+        return isinstance(one, Contour) or (one.kind == "through" and one.depth is None)
+
+
+def within_larger(part: Part) -> dict[int, Diagnostic]:
+    """By their indices the openings that lie in larger ones that go through, and a warning each."""
+    found: dict[int, Diagnostic] = {}
+    for small, large in _pairs([*_openings(part)]):
+        if small.index in found or not _lies_in(small, large):
+            continue
+        one, other = small.feature, large.feature
+        found[small.index] = WITHIN.at(
+            one.source, what=description(one), other=description(other), first=other.source
+        )
+    return found
+
+
+def overlapping(part: Part, within: Collection[int]) -> Iterator[Diagnostic]:
+    """A note for each opening that overlaps an earlier one and lies in none, as `within` do."""
+    import shapely
+
+    own = [one for one in _openings(part) if one.index >= 0 and one.index not in within]
+    for face in {one.feature.face: 0 for one in own}:
+        here = [one for one in own if one.feature.face == face]
+        shapes = [_polygon(one.feature) for one in here]
+        first, second = shapely.STRtree(shapes).query(shapes, predicate="intersects")
+        for a, b in zip(first.tolist(), second.tolist(), strict=True):
+            if a < b and shapes[a].intersection(shapes[b]).area > SMALLER:
+                yield OVERLAP.at(
+                    here[b].feature.source, what=description(here[b].feature),
+                    other=description(here[a].feature), first=here[a].feature.source,
+                )  # fmt: skip
+
+
+def _openings(part: Part) -> Iterator[_Opening]:
+    """The openings of a part, those too that are there. One round another part is none here."""
+    own = [(k, one) for k, one in enumerate(part.features)]
+    every = [*own, *((-1, one) for one in part.made or ())]
+    contours = [one for _, one in every if isinstance(one, Contour)]
+    boxes: list[tuple[Face, Box]] = []
+    if any(one.kind == "inner" for one in contours):
+        outer = (one for one in contours if one.kind == "outer")
+        boxes = [(one.face, box) for one in outer if (box := _box(one))]
+    for index, one in every:
+        if isinstance(one, Hole | Slot) and one.kind in ("through", "blind", "countersink"):
+            u, v, r = _sizes(one)
+            c, s = abs(cos(radians(_turn(one)))), abs(sin(radians(_turn(one))))
+            wide, high = c * u + s * v + r, s * u + c * v + r
+            area = 4 * (u * v + r * (u + v)) + pi * r * r
+            box = (one.x - wide, one.y - high, one.x + wide, one.y + high)
+            yield _Opening(one, box, area, index)
+        elif isinstance(one, Contour) and one.kind == "inner" and one.closed:
+            around = _box(one)
+            if one.process != "cut" or around is None:
+                continue
+            if not any(face == one.face and _holds(around, box) for face, box in boxes):
+                yield _Opening(one, around, abs(signed_area(one.curves)), index)
+
+
+def _pairs(openings: Sequence[_Opening]) -> Iterator[tuple[_Opening, _Opening]]:
+    """An opening and a larger one through the wall whose box holds it, the largest first."""
+    if len({one.area for one in openings}) < 2:
+        return
+    cells: defaultdict[tuple[str, int, int], list[_Opening]] = defaultdict(list)
+    for one in sorted((o for o in openings if o.reaches_through), key=lambda o: -o.area):
+        x0, y0, x1, y1 = (floor(at / CELL) for at in one.box)
+        if max(x1 - x0, y1 - y0) > MOST_CELLS:
+            continue  # a damaged file may have one as large as a planet
+        for x, y in product(range(x0, x1 + 1), range(y0, y1 + 1)):
+            cells[one.feature.face, x, y].append(one)
+    for small in openings:
+        if small.index < 0:
+            continue
+        x, y = (floor((small.box[k] + small.box[k + 2]) / 2 / CELL) for k in (0, 1))
+        for other in cells.get((small.feature.face, x, y), ()):
+            if other.area < small.area + SMALLER:
+                break
+            if _holds(other.box, small.box):
+                yield small, other
+
+
+def _box(contour: Contour) -> Box | None:
+    return join_boxes([curve.bbox for curve in contour.curves])
+
+
+def _holds(box: Box, other: Box) -> bool:
+    return (
+        box[0] - OVER <= other[0] and box[1] - OVER <= other[1]
+        and other[2] <= box[2] + OVER and other[3] <= box[3] + OVER
+    )  # fmt: skip
+
+
+def _turn(one: Hole | Slot) -> float:
+    return one.angle if isinstance(one, Slot) else 0.0
+
+
+def _sizes(one: Hole | Slot) -> tuple[float, float, float]:
+    """Half the sides of the rectangle that its disc goes round, and the radius of that."""
+    if isinstance(one, Hole):
+        return 0.0, 0.0, one.diameter / 2
+    return one.length / 2, one.height / 2, one.diameter / 2
+
+
+def _lies_in(small: _Opening, large: _Opening) -> bool:
+    """Whether all of an opening lies in another one."""
+    one, other = small.feature, large.feature
+    if isinstance(one, Contour) or isinstance(other, Contour):
+        return bool(_polygon(other).buffer(OVER).covers(_polygon(one)))
+    along, across, radius = _sizes(other)
+    c, s = cos(radians(_turn(other))), sin(radians(_turn(other)))
+    for x, y in _corners(one):
+        dx, dy = x - other.x, y - other.y
+        u, v = abs(c * dx + s * dy) - along, abs(c * dy - s * dx) - across
+        off = hypot(max(u, 0.0), max(v, 0.0)) + min(max(u, v), 0.0)
+        if off + one.diameter / 2 > radius + OVER:
+            return False
+    return True
+
+
+def _corners(one: Hole | Slot) -> Iterator[Point]:
+    """The centres of the discs at its corners."""
+    (u, v, _), turn = _sizes(one), radians(_turn(one))
+    for a, b in product((u, -u), (v, -v)):
+        yield one.x + cos(turn) * a - sin(turn) * b, one.y + sin(turn) * a + cos(turn) * b
+
+
+def _polygon(one: Hole | Slot | Contour) -> Any:
+    """A polygon of shapely."""
+    from shapely import MultiPoint, make_valid
+
+    from beamcam.planning.contours.outline import outlines
+
+    if isinstance(one, Contour):
+        return make_valid(outlines([one.curves], CHORD)[0])
+    return MultiPoint([*_corners(one)]).convex_hull.buffer(one.diameter / 2, quad_segs=64)
