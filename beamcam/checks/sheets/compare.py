@@ -38,7 +38,7 @@ from msgspec.structs import replace
 
 from beamcam.checks.job import head_of, part_faults, stock_faults
 from beamcam.checks.sheets import rules
-from beamcam.checks.sheets.asked_sheet import rows_of, skew_ends, thickness_of
+from beamcam.checks.sheets.asked_sheet import rows_of, thickness_of
 from beamcam.checks.sheets.compensation import beam_of
 from beamcam.checks.sheets.controller_state import Outputs, radius_faults
 from beamcam.checks.sheets.heights import HeightWatch
@@ -95,9 +95,7 @@ def verify_sheet(
     diagnostics = [*diagnostics, *radius_faults(done.moves, machine, torch, name)]
     if errors_in(diagnostics) or not parts:
         return tuple(diagnostics)
-    asked, sheet = machine, SharedSheet(parts[0], machine, [], list(skew_ends(parts, machine)))
-    if len(parts) > 1:
-        sheet = as_one(parts, machine, skips)
+    asked, sheet = machine, as_one(parts, machine, skips)
     part, machine = sheet.part, sheet.machine
     torch, diagnostics = machine.torch or torch, [*diagnostics, *sheet.diagnostics]
     rows = rows_of(part, torch)

@@ -3,6 +3,7 @@
 from typing import Any
 
 import pytest
+from beamcam.planning.contours.off_plate import off_plate
 from hypothesis import given
 from hypothesis import strategies as st
 from msgspec.structs import replace
@@ -11,7 +12,6 @@ from beamcam.checks.sheets.beside import beside_faults
 from beamcam.errors import VerifyError
 from beamcam.model.part import Contour, Hole, Part, Slot
 from beamcam.pipeline import post
-from beamcam.planning.contours.off_plate import off_plate
 from tests.unit.sheets.parts import S, box, contour, plate, table
 
 
