@@ -65,7 +65,7 @@ from beamcam.checks.sheets.paths import cover, follow
 from beamcam.checks.sheets.region import Region
 from beamcam.checks.sheets.remainder import link_faults, passes_folded, unchained
 from beamcam.checks.sheets.settings import look_faults
-from beamcam.checks.sheets.shared_sheet import SKELETON, SharedSheet, as_one
+from beamcam.checks.sheets.shared_sheet import SKELETON, as_one
 from beamcam.checks.sheets.strokes import Strokes, is_far, strokes_of
 from beamcam.checks.sheets.tabs import tab_faults
 from beamcam.checks.sheets.tracing import Traced
