@@ -319,8 +319,9 @@ class TubeSection:
         rest = (s + self.turn / 2) % self.turn - self.turn / 2
         if self.radius == self.half_y == self.half_z:
             return "v"
-        middles = {face: self.around(face, self.half_y if face in "vh" else self.half_z)
-                   for face in "uvoh"}  # fmt: skip
+        middles: dict[str, float] = {
+            face: self.around(face, self.half_y if face in "vh" else self.half_z) for face in "uvoh"
+        }
         half = {"u": self.half_z, "v": self.half_y, "o": self.half_z, "h": self.half_y}
 
         def off(face: str) -> float:
