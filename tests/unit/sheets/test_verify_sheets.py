@@ -204,6 +204,7 @@ MUTANTS: list[tuple[str, dict[str, object], Change, str]] = [
     ("plate-linuxcnc", {}, swap("(JOB)", "(JOB"), "verify-sheet-syntax"),
     ("plate-linuxcnc", {}, swap("%\n", ""), "verify-sheet-syntax"),
     ("plate-linuxcnc", {}, swap("G1 X", "G1 X1-"), "verify-sheet-syntax"),
+    ("plate-linuxcnc", {}, swap("G1 X", "G1 X\u0661"), "verify-sheet-syntax"),
     ("plate-linuxcnc", {"kerf_by": "machine", "lead": "line"}, swap("G41.1", "G42.1"),
      "verify-sheet-side"),
     ("plate-linuxcnc", {"kerf_by": "machine", "lead": "line"}, swap("D1.5", "D2.5"),
