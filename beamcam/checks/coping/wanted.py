@@ -93,6 +93,7 @@ def wanted_on(
         short = max(short, far - end.apart)
         drawn = areas_of(inside)
     corners = [p for one in outlines for p in corners_of(one.curves, drawn)]
+    bored = list[Shape]()  #: which have no corners, and take those that lie in them
     for feature in features:
         if isinstance(feature, Hole):
             ring = list(round_ring(feature.x, feature.y, feature.diameter / 2))
@@ -103,14 +104,20 @@ def wanted_on(
         else:
             continue
         gone = inside_of(ring)
-        drawn = drawn.difference(gone.convex_hull if isinstance(feature, Slot) else gone)
+        gone = gone.convex_hull if isinstance(feature, Slot) else gone
+        drawn = drawn.difference(gone)
         if isinstance(feature, Contour):
             corners += corners_of(feature.curves, drawn)
-    drawn = areas_of(drawn)
+        else:
+            bored.append(gone)
+    drawn, holes = areas_of(drawn), union_all(bored)
     # What is at a root is cut with it, or stays there.
     near = section.root_reach(face)
-    corners = [(x, y) for x, y in corners if near[0] <= y <= near[1]]
-    cut = with_corners_cut(drawn, corners, coper.corner_radius)
+    corners = [
+        (x, y) for x, y in corners
+        if near[0] <= y <= near[1] and not holes.dwithin(Place(x, y), FINE)
+    ]  # fmt: skip
+    cut = areas_of(with_corners_cut(drawn, corners, coper.corner_radius).difference(holes))
     return RequiredWall(drawn, cut, short if short > DRAWN else 0.0)
 
 

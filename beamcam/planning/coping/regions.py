@@ -52,6 +52,7 @@ def region_of(
     wall: PlannedWall, part: Part, features: Sequence[int], coper: Coper
 ) -> tuple[WallRegion, list[Diagnostic]]:
     """The region of a wall by those of a part's features that lie on it, and what is wrong."""
+    from shapely import Point as Place
     from shapely import union_all
 
     own = [f for f in map(part.features.__getitem__, features) if isinstance(f, Cut)]
@@ -64,21 +65,26 @@ def region_of(
         drawn = union_all([outline_on(wall, c.curves) for c in outer])
         diagnostics += _beyond(drawn, strip, wall, outer[0])
         whole = drawn.intersection(strip)
-    shape = whole
+    shape, round_ones = whole, list[Shape]()
     for feature in taken:
         gone = shape_of(curves_of(feature))
+        if not isinstance(feature, Contour):
+            round_ones.append(gone)
         if not gone.intersects(whole):
             what = "a cut-out" if isinstance(feature, Contour) else "a hole"
             diagnostics.append(rules.OFF.at(feature.source, what=f"{what} on face {wall.face}"))
         shape = shape.difference(gone)
     if shape.is_empty:
         return WallRegion(wall, shape, {}), diagnostics
-    corners = [  # what is at a root is cut with it, or stays there
+    reliefs = union_all(round_ones)
+    corners = [  # what is at a root is cut with it, or stays there; a hole may be its relief
         (x, y)
         for c in (*outer, *taken) if isinstance(c, Contour)
-        for x, y in sharp_corners(c) if not _is_at_root(y, wall, part.profile.radius)
+        for x, y in sharp_corners(c)
+        if not _is_at_root(y, wall, part.profile.radius) and not reliefs.dwithin(Place(x, y), CHORD)
     ]  # fmt: skip
-    return rounded(wall, shape, corners, part, coper, diagnostics)
+    region, diagnostics = rounded(wall, shape, corners, part, coper, diagnostics)
+    return replace(region, shape=region.shape.difference(reliefs)), diagnostics
 
 
 def _is_at_root(y: float, wall: PlannedWall, radius: float) -> bool:

@@ -1,12 +1,12 @@
 """The plan of a coper: hand-worked figures, laws, and each thing that it refuses."""
 
-from math import inf, pi, sqrt
+from math import cos, inf, pi, sin, sqrt
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
-from shapely import LineString, MultiPoint
+from shapely import LineString, MultiPoint, Point, Polygon
 
 from beamcam.checks.coping.section import kerf_of
 from beamcam.errors import PlanError
@@ -96,6 +96,30 @@ def test_a_sharp_corner_gets_the_radius_of_the_machine() -> None:
     assert more == pytest.approx(100.0 * (1 - pi / 4), abs=0.3)
     told = [d.message for d in planned(part).remarks if d.code == "plan-coping-rounded"]
     assert told == ["found 1 sharp re-entrant corner(s) on face v, cut with a radius of 10 mm"]
+
+
+@settings(max_examples=examples(6))
+@given(st.floats(14.0, 22.0), st.floats(0.0, 0.95), st.floats(-pi, pi))
+def test_a_relief_in_a_corner_is_as_round_as_it_is_drawn(
+    diameter: float, share: float, way: float
+) -> None:
+    """A hole over a corner is its radius: no steel of the machine's own stays beside it."""
+    assert COPER.coper is not None
+    far = share * diameter / 2
+    relief = Hole("v", 80.0 + far * cos(way), 250.0 + far * sin(way), diameter, AT)
+    part = part_of(outline("v", CORNERED), BACK, relief)
+    region, said = region_of(walls_of(IPE300, COPER.coper, 3.0)["v"], part, [0, 2], COPER.coper)
+    disc = Point(relief.x, relief.y).buffer(diameter / 2, 256)
+    drawn = Polygon([*CORNERED, CORNERED[0]]).difference(disc)
+    assert not said
+    assert not region.rounded
+    assert region.shape.symmetric_difference(drawn).area < 0.5
+    program_of(part)
+
+
+def test_a_hole_beside_a_corner_is_cut_out_of_what_rounds_that() -> None:
+    for x, y in ((72.0, 258.0), (90.5, 255.0), (86.0, 244.0)):
+        program_of(part_of(outline("v", CORNERED), BACK, Hole("v", x, y, 18.0, AT)))
 
 
 def test_a_drawn_radius_stays_as_it_is() -> None:
