@@ -15,7 +15,8 @@ import pytest
 
 from tests.conftest import ROOT, SAMPLES, sampled
 
-LAYOUT, JOBS = "planning/contours/copies.py", "planning/__init__.py"
+LAYOUT, REQUEST = "planning/contours/copies.py", "model/request.py"
+STOCK = "planning/stock.py"
 ROWS, HATCH = "planning/sheet_rows.py", "model/hatch.py"
 ANGLE = """0
 SECTION
@@ -73,22 +74,23 @@ EDITS = {
         LAYOUT, 'for axis in ("x", "y"))', 'for axis in ("y", "x"))',
         (*MIRROR_X, "--copies", "2x1", "--spacing", "20"),
     ),
-    "a plate less": Edit(JOBS, "for _ in range(count))", "for _ in range(count - 1))", PLATES),
-    "a piece of bar less": Edit(JOBS, "for _ in range(count))", "for _ in range(count - 1))", BARS),
+    "a plate less": Edit(REQUEST, "for _ in range(count))", "for _ in range(count - 1))", PLATES),
+    "a piece of bar less": Edit(REQUEST, "for _ in range(count))", "for _ in range(count - 1))", BARS),
     "a web that lies deeper": Edit("model/part.py", "return (self.width - web) / 2",
                                    "return (self.width - web) / 2 + 3", BEAM),
-    "a piece more": Edit(JOBS, "for _ in range(count))", "for _ in range(count + 1))", BARS),
-    "the last bar is forgotten": Edit(JOBS, "for bar in nesting.bars\n",
+    "a piece more": Edit(REQUEST, "for _ in range(count))", "for _ in range(count + 1))", BARS),
+    "the last bar is forgotten": Edit(STOCK, "for bar in nesting.bars\n",
                                       "for bar in nesting.bars[:-1]\n", MANY_BARS),
-    "a bar twice": Edit(JOBS, "for bar in nesting.bars\n",
+    "a bar twice": Edit(STOCK, "for bar in nesting.bars\n",
                         "for bar in (*nesting.bars, nesting.bars[0])\n", MANY_BARS),
-    "a bar that is not in store": Edit(JOBS, "(bar.account.length,) if", "(14000.0,) if", BARS),
+    "a bar that is not in store": Edit(STOCK, "(bar.account.length,) if", "(14000.0,) if",
+                                       BARS),
     "no quantity at all": Edit(
-        JOBS, "    return quantity if isinstance(quantity, int) else part.quantity", "    return 1",
+        REQUEST, "    return quantity if isinstance(quantity, int) else part.quantity", "    return 1",
         PLATES,
     ),
     "the second of two equal inputs is dropped": Edit(
-        JOBS, "return tuple(places)", "return tuple(places)[:1]", TWO_KINDS
+        REQUEST, "return tuple(places)", "return tuple(places)[:1]", TWO_KINDS
     ),
     "a sheet lacks a piece": Edit(ROWS, "pieces[at : at + count]", "pieces[at : at + count - 1]",
                                   PLATES),

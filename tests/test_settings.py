@@ -226,8 +226,8 @@ def test_flat_and_jobs(shop: Path, command: str, monkeypatch: pytest.MonkeyPatch
 
 def test_every_key_is_tried() -> None:
     # test_batch, test_batch_cluster, test_budget, test_trust, test_machine_choice,
-    # test_batch_machines, unit/coping/test_box_tubes
-    elsewhere = {"flat", "jobs", "dask", "limits", "trust", "by", "split", "corner", "lip"}
+    # test_batch_machines, unit/coping/test_box_tubes, unit/readers/dstv/test_ends
+    elsewhere = {"flat", "jobs", "dask", "limits", "trust", "by", "split", "corner", "lip", "ends"}
     assert {*CASES, *REFUSALS, *elsewhere} == set(ConfigFile.__struct_fields__)
 
 

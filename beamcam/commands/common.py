@@ -379,11 +379,10 @@ def write_list(posted: "Posted", output: str, console: Console, read: FilesRead)
     """
     if output == STANDARD:
         return
-    from beamcam.model.plan import unfinished
     from beamcam.planning.manual_list import LIST_BEGIN, LIST_SUFFIX, as_csv, manual_rows
 
     path = output + LIST_SUFFIX
-    if unfinished(posted.plan.outcomes) and (rows := manual_rows(posted.plan)):
+    if rows := manual_rows(posted.plan):
         write(path, as_csv(rows), console, read)
     else:
         remove_made(path, LIST_BEGIN)

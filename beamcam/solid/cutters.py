@@ -1,7 +1,8 @@
 """What each feature of a part takes of the wall of its face.
 
 A hole goes through the wall of its face, and through a root fillet in its way, but not through
-other walls; what is cut of a web or a flange takes the fillets on it.
+other walls; what is cut of a web takes the fillets on it, and so does what is cut of a flange
+along the web.
 """
 
 from collections.abc import Iterator, Sequence
@@ -92,11 +93,28 @@ def contour_cutters(
             shape = _beside_ends(shape, wall, part, margins.noise)
     if margins.outline:
         shape = shape.buffer(margins.outline, join_style="mitre")
-    if part.profile.code != "C" or wall.normal == "z":
-        yield from through_wall(shape, wall)
+    if part.profile.code in ("M", "B") or (wall.normal == "y") == (part.profile.code == "T"):
+        yield from through_wall(shape, wall)  # that the others stand on, with their fillets
     else:
         yield prism(shape, 0.0, wall.thickness, wall.frame)
-        yield from _through_lip(shape, wall, part.profile)
+        if part.profile.code == "C":
+            yield from _through_lip(shape, wall, part.profile)
+        else:
+            yield from through_wall(_along_web(shape, wall), wall)
+
+
+def _along_web(shape: Shape, wall: Wall) -> Shape:
+    """What a contour of a flange takes beside its web alone; across the web, what goes of that and
+    of its fillets is for the web's contour to say."""
+    from shapely import LineString, box
+
+    for low, high in wall.others:
+        middle = (low + high) / 2
+        over = shape.intersection(LineString([(-FAR, middle), (FAR, middle)]))
+        for one in getattr(over, "geoms", [over]):
+            if one.length > CHORD:
+                shape = shape.difference(box(one.bounds[0], -FAR, one.bounds[2], FAR))
+    return shape
 
 
 def _through_lip(shape: Shape, wall: Wall, profile: Profile) -> Iterator["Manifold"]:

@@ -10,7 +10,8 @@ from msgspec.structs import replace
 from beamcam.checks.bars.pieces import ends_of as required_ends
 from beamcam.checks.bars.targets import Unmakeable, targets_of
 from beamcam.checks.bars.tools import ToolCatalogue
-from beamcam.checks.coping.section import CoperSection, lying
+from beamcam.checks.coping.lying import lying
+from beamcam.checks.coping.section import CoperSection
 from beamcam.checks.coping.skew import plane_faults, skew_ends
 from beamcam.errors import PlanError, Source, VerifyError
 from beamcam.machine import load

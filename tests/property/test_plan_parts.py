@@ -5,7 +5,7 @@ The parts are drawn by a seeded generator, so that each run sees the same ones.
 
 from collections import Counter
 from collections.abc import Iterator
-from math import isclose
+from math import hypot, isclose
 from random import Random
 
 import pytest
@@ -185,13 +185,22 @@ def check_refusals(plan: Plan, machine: Machine) -> None:
 
 
 def check_duplicates(plan: Plan) -> None:
-    """What is called a duplicate has a hole beside it that is made and is the same."""
+    """What is called a duplicate has a hole beside it that is made and is the same, or larger."""
     how = {o.feature: o.how for o in plan.outcomes}
+    by = {o.feature: o.by for o in plan.outcomes}
     for (p, f), outcome in how.items():
         if outcome != "duplicate":
             continue
         hole = plan.pieces[p].part.features[f]
         assert isinstance(hole, Hole)
+        if by[p, f] == "plan-within":
+            assert any(
+                isinstance(other, Hole | Slot) and other.face == hole.face
+                and hypot(other.x - hole.x, other.y - hole.y) + hole.diameter / 2
+                <= other.diameter / 2 + getattr(other, "length", 0.0) / 2 + 0.06
+                for g, other in enumerate(plan.pieces[p].part.features) if g != f
+            )  # fmt: skip
+            continue
         assert any(
             isinstance(other, Hole)
             and how[p, g] in ("made", "merged")

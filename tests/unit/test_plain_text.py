@@ -97,7 +97,7 @@ def test_json_means_the_same(value: object) -> None:
 
 #: Modules that print what is no line for people: programs, tables, scripts of shells, and the bars
 #: that a terminal draws over.
-PRINTERS = {"common.py", "running.py", "completion.py", "codes.py", "machines.py", "parts.py"}
+PRINTERS = {"common.py", "running.py", "completion.py", "codes.py", "machines.py", "options.py"}
 
 
 def test_every_command_prints_through_the_gate() -> None:

@@ -352,11 +352,12 @@ def _sink_tools(sink: Hole, pilot: float, tools: ToolCatalogue) -> tuple[str, tu
 
 
 def _pilot(sink: Hole, part: Part, tools: ToolCatalogue) -> float | None:
-    """Diameter of the widest hole that a countersink stands on; None if there is none."""
-    tolerance = tools.drill.merge_tolerance + 1e-9
+    """Diameter of the widest hole made that a countersink stands on; None if there is none."""
+    tolerance, gone = tools.drill.merge_tolerance + 1e-9, needless(part)
     near = (
-        from_behind(h, part, tools) for h in part.holes
-        if abs(h.x - sink.x) <= tolerance and abs(h.y - sink.y) <= tolerance
+        from_behind(h, part, tools) for f, h in enumerate(part.features)
+        if isinstance(h, Hole) and f not in gone
+        and abs(h.x - sink.x) <= tolerance and abs(h.y - sink.y) <= tolerance
     )  # fmt: skip
     below = [
         h.diameter

@@ -45,11 +45,14 @@ def test_the_saw_makes_the_plane_that_angles_and_length_give(profile: Profile, a
     assert [(o.how, o.by) for o in made.plan.outcomes] == [("made", "saw")]
 
 
-@pytest.mark.parametrize("at", ["start", "end"])
-@pytest.mark.parametrize("off", [-0.3, 0.3])
-def test_a_plane_elsewhere_is_refused(off: float, at: str) -> None:
+@pytest.mark.parametrize(("at", "way"), [("start", 1.0), ("end", -1.0)])
+def test_a_plane_within_the_part_is_refused_and_one_beyond_takes_nothing(
+    at: str, way: float
+) -> None:
     with pytest.raises(PlanError, match="plan-other"):
-        post([leaned(BEAM, at, off)], PUSHER)
+        post([leaned(BEAM, at, 0.3 * way)], PUSHER)
+    plan = post([leaned(BEAM, at, -0.3 * way)], PUSHER).plan
+    assert "plan-plane-nothing" in {said.code for said in plan.remarks}
 
 
 def test_the_read_back_finds_a_plane_that_the_planner_takes_for_the_end(
@@ -57,7 +60,7 @@ def test_the_read_back_finds_a_plane_that_the_planner_takes_for_the_end(
 ) -> None:
     monkeypatch.setattr(outlines, "SAME_PLANE", 1.0)
     with pytest.raises(RefusedProgram, match="the end plane"):
-        post([leaned(BEAM, "end", 0.3)], PUSHER)
+        post([leaned(BEAM, "end", -0.3)], PUSHER)
 
 
 @pytest.mark.parametrize("profile", PROFILES, ids=lambda profile: profile.code)

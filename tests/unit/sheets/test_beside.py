@@ -3,7 +3,7 @@
 from typing import Any
 
 import pytest
-from beamcam.planning.contours.off_plate import off_plate
+from beamcam.planning.contours.outline import off_plate
 from hypothesis import given
 from hypothesis import strategies as st
 from msgspec.structs import replace

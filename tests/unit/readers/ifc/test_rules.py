@@ -179,9 +179,10 @@ def bow() -> bytes:
 
 
 def beside_the_web() -> bytes:
-    """Both flanges cut off on one side of the web, the fillets with them."""
+    """The upper flange cut off on one side of the web, the fillet below it left."""
     m = Small()
-    block = m.extruded(m.box(160, 400), 75.0, m.step.axes((0, 3.55, 0), (0, 1, 0), (1, 0, 0)))
+    at = m.step.axes((0, 3.55, 150.0), (0, 1, 0), (1, 0, 0))
+    block = m.extruded(m.box(160, 21.4), 75.0, at)
     m.element(m.minus(m.extruded(m.ipe300(), 2000.0), block))
     return m.data
 

@@ -8,7 +8,7 @@ from random import Random
 import pytest
 
 from beamcam import processes
-from beamcam.budget import Limits
+from beamcam.budget import InForce, Limits
 from beamcam.errors import Severity
 from beamcam.readers.ifc import Options, Selection, member, read, reader
 from beamcam.readers.ifc.entities import Unreadable
@@ -63,7 +63,7 @@ def test_what_needs_the_kernel_is_done_in_a_process_of_its_own_that_ends_when_it
                 pass
         return [n * n]
 
-    monkeypatch.setattr(reader, "limits", lambda: Limits(member_s=0.1))
+    monkeypatch.setattr(InForce, "limits", Limits(member_s=0.1))
     given = [*shared_out(share, dead, 8, 0, False)]
     assert given == [[0], [1], [4], [-3], [16], [25], [36], [49]]
 
@@ -97,7 +97,7 @@ def test_a_member_at_which_the_kernel_never_comes_back_is_lost_alone(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """The processor's time ends its process: a library does not look whether it is interrupted."""
-    monkeypatch.setattr(reader, "limits", lambda: Limits(member_s=0.02))
+    monkeypatch.setattr(InForce, "limits", Limits(member_s=0.02))
 
     def endless(stretch: range) -> list[int]:
         while SHARE in stretch:
