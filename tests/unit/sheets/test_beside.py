@@ -3,7 +3,6 @@
 from typing import Any
 
 import pytest
-from beamcam.planning.contours.outline import off_plate
 from hypothesis import given
 from hypothesis import strategies as st
 from msgspec.structs import replace
@@ -12,6 +11,7 @@ from beamcam.checks.sheets.beside import beside_faults
 from beamcam.errors import VerifyError
 from beamcam.model.part import Contour, Hole, Part, Slot
 from beamcam.pipeline import post
+from beamcam.planning.contours.outline import off_plate
 from tests.unit.sheets.parts import S, box, contour, plate, table
 
 
