@@ -71,11 +71,6 @@ class Posted(Struct, frozen=True):
             return self.written
         return b"".join(self.written()).decode("latin-1")
 
-    @property
-    def leaves_out(self) -> bool:
-        """Whether a feature of the parts is missing from the program, allowed or left to hand."""
-        return any(diagnostic.code in NOT_MADE for diagnostic in self.remarks)
-
     def pieces(self) -> Iterable[bytes]:
         """Content of the file."""
         return bytes_of(self.written)

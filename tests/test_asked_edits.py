@@ -75,7 +75,8 @@ EDITS = {
         (*MIRROR_X, "--copies", "2x1", "--spacing", "20"),
     ),
     "a plate less": Edit(REQUEST, "for _ in range(count))", "for _ in range(count - 1))", PLATES),
-    "a piece of bar less": Edit(REQUEST, "for _ in range(count))", "for _ in range(count - 1))", BARS),
+    "a piece of bar less": Edit(REQUEST, "for _ in range(count))", "for _ in range(count - 1))",
+                                BARS),
     "a web that lies deeper": Edit("model/part.py", "return (self.width - web) / 2",
                                    "return (self.width - web) / 2 + 3", BEAM),
     "a piece more": Edit(REQUEST, "for _ in range(count))", "for _ in range(count + 1))", BARS),
@@ -86,8 +87,8 @@ EDITS = {
     "a bar that is not in store": Edit(STOCK, "(bar.account.length,) if", "(14000.0,) if",
                                        BARS),
     "no quantity at all": Edit(
-        REQUEST, "    return quantity if isinstance(quantity, int) else part.quantity", "    return 1",
-        PLATES,
+        REQUEST, "    return quantity if isinstance(quantity, int) else part.quantity",
+        "    return 1", PLATES,
     ),
     "the second of two equal inputs is dropped": Edit(
         REQUEST, "return tuple(places)", "return tuple(places)[:1]", TWO_KINDS

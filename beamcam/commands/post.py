@@ -50,6 +50,7 @@ from beamcam.model.plan import (
 )
 from beamcam.model.request import Request, are_flats, stock_of
 from beamcam.pipeline import (
+    NOT_MADE,
     Begun,
     Posted,
     RefusedProgram,
@@ -190,7 +191,9 @@ def command(
     if not (console.quiet or console.as_json):
         for name, each in made:
             console.tell(success(name, each, first or contour))
-    if exit_left_out is not None and any(each.leaves_out for _, each in made):
+    if exit_left_out is not None and any(
+        remark.code in NOT_MADE for _, each in made for remark in each.remarks
+    ):
         raise SystemExit(exit_left_out)
 
 

@@ -1,8 +1,6 @@
 """The DSTV reader (.nc, .nc1): 7th edition of the standard, and what real files make of it."""
 
-from bisect import bisect_right
-from collections.abc import Iterator, Sequence
-from itertools import zip_longest
+from collections.abc import Iterator
 from typing import Literal
 
 from msgspec import Struct, field
@@ -156,10 +154,16 @@ def read_with_account(
     for block in blocks:
         _read_block(block, content, header.profile, log)
     features = tuple(_finish_contours(content, header.profile, log))
+    anchored = tuple(FileComment(text, anchor) for _, anchor, text in comments)
+    if loose:
+        from beamcam.readers.dstv.comments import place_comments
+
+        anchored = place_comments(
+            comments, loose, blocks, end, features, content.planes, content.contours
+        )
     part = replace(
         header, features=features, planes=tuple(content.planes), tolerance=content.tolerance,
-        section=tuple(content.section), info=tuple(content.info),
-        comments=place_comments(comments, loose, blocks, end, features, content),
+        section=tuple(content.section), info=tuple(content.info), comments=anchored,
         made=None if made is None else made.parts[0].features if made.parts else (),
     )  # fmt: skip
     log.diagnostics += () if made is None else made.diagnostics
@@ -330,87 +334,3 @@ def _contour_or_mark(
         return Hole(rows.face, x, y, 0.0, Source(log.file, line), None, "mark", None, rows.edge)
     thickness = profile.thickness(rows.face) if rows.face in "vouh" else 0.0
     return build_contour(rows, flip, thickness, log)
-
-
-# --- comments -------------------------------------------------------------------------------------
-
-# Positions of comments: the object that each precedes, by its line.
-
-
-Stop = tuple[int, str]  #: a line that a comment can stand before, and its anchor
-
-
-def place_comments(
-    placed: list[Placed], loose: list[tuple[int, str]], blocks: list[Block], end: int,
-    features: Sequence[Feature], content: BlockContent,
-) -> tuple[FileComment, ...]:  # fmt: skip
-    """All comments of a file with their anchors, in the order in which a writer meets them.
-
-    `placed` have their anchor already; `loose` are lines and texts between the blocks.
-    """
-    if not loose:
-        return tuple(FileComment(text, anchor) for _, anchor, text in placed)
-    from beamcam.model.anchors import anchor_key, plane_positions
-
-    stops = _stops(blocks, features, content)
-    lines = [line for line, _ in stops]
-    comments = list(placed)
-    for line, text in loose:
-        if end and line > end:
-            anchor = "after-end"
-        else:
-            at = bisect_right(lines, line)
-            anchor = stops[at][1] if at < len(stops) else "end"
-        comments.append((line, anchor, text))
-    positions = plane_positions(content.planes, features)
-    comments.sort(key=lambda item: anchor_key(item[1], positions))
-    return tuple(FileComment(text, anchor) for _, anchor, text in comments)
-
-
-def _stops(blocks: list[Block], features: Sequence[Feature], content: BlockContent) -> list[Stop]:
-    """Every line that a comment can stand before, in order, with its anchor."""
-    things: list[Stop] = []
-    rows_of = {rows.line: rows for rows in content.contours}
-    for i, feature in enumerate(features):
-        line = feature.source.line or 0
-        things.append((line, f"feature:{i}"))
-        rows = rows_of.get(line)
-        if rows is not None and isinstance(feature, Contour):
-            things += _row_stops(rows, i)
-    block_at = {block.line: block for block in blocks}
-    for k, plane in enumerate(content.planes):
-        block = block_at[plane.source.line or 0]
-        things += [
-            (line, f"plane:{k}:{row}" if row else f"plane:{k}")
-            for row, line in enumerate(block.numbers[:3])
-        ]
-    counts = {"PR": 0, "IN": 0}
-    for block in blocks:
-        if block.code in counts:
-            name = "section" if block.code == "PR" else "info"
-            for line in block.numbers:
-                things.append((line, f"{name}:{counts[block.code]}"))
-                counts[block.code] += 1
-        elif block.code == "TO" and block.numbers:
-            things.append((block.numbers[0], "tolerance"))
-    things.sort()
-    lines = [line for line, _ in things]
-    for block, limit in zip_longest(blocks, [block.line for block in blocks[1:]]):
-        at = bisect_right(lines, block.line)
-        if at < len(lines) and (limit is None or lines[at] < limit):
-            things.append((block.line, "block:" + things[at][1]))
-    things.sort()
-    return things
-
-
-def _row_stops(rows: ContourRows, feature: int) -> list[Stop]:
-    """The rows of a contour behind its first; of one that was turned round, counted from its end.
-
-    A comment stands between two rows, so that turning round puts it before the other one.
-    """
-    lines = sorted({*rows.lines, *rows.notch_lines})
-    return [
-        (line, f"feature:{feature}:{len(lines) - row if rows.turned else row}")
-        for row, line in enumerate(lines)
-        if row
-    ]
