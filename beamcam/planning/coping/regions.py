@@ -84,7 +84,9 @@ def region_of(
         if not _is_at_root(y, wall, part.profile.radius) and not reliefs.dwithin(Place(x, y), CHORD)
     ]  # fmt: skip
     region, diagnostics = rounded(wall, shape, corners, part, coper, diagnostics)
-    return replace(region, shape=region.shape.difference(reliefs)), diagnostics
+    if region.shape.intersection(reliefs).area > CHORD * CHORD:  # what rounds a corner beside one
+        region = replace(region, shape=region.shape.difference(reliefs))
+    return region, diagnostics
 
 
 def _is_at_root(y: float, wall: PlannedWall, radius: float) -> bool:
