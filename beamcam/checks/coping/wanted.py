@@ -117,7 +117,9 @@ def wanted_on(
         (x, y) for x, y in corners
         if near[0] <= y <= near[1] and not holes.dwithin(Place(x, y), FINE)
     ]  # fmt: skip
-    cut = areas_of(with_corners_cut(drawn, corners, coper.corner_radius).difference(holes))
+    cut = with_corners_cut(drawn, corners, coper.corner_radius)
+    if corners and bored:
+        cut = areas_of(cut.difference(holes))
     return RequiredWall(drawn, cut, short if short > DRAWN else 0.0)
 
 

@@ -84,7 +84,8 @@ def region_of(
         if not _is_at_root(y, wall, part.profile.radius) and not reliefs.dwithin(Place(x, y), CHORD)
     ]  # fmt: skip
     region, diagnostics = rounded(wall, shape, corners, part, coper, diagnostics)
-    if region.shape.intersection(reliefs).area > CHORD * CHORD:  # what rounds a corner beside one
+    # What rounds a corner may lie in a hole beside it.
+    if region.rounded and round_ones and region.shape.intersection(reliefs).area > CHORD * CHORD:
         region = replace(region, shape=region.shape.difference(reliefs))
     return region, diagnostics
 
