@@ -37,7 +37,8 @@ def with_skew_edges(part: Part, torch: Torch) -> Part:
         and f.face in PLATE_FACES
     ]  # fmt: skip
     bevelled = any(isinstance(f, Contour) and f.bevels for f in part.features)
-    if bevelled or part.measures is not None or part.profile.code != "B":
+    is_plate = part.profile.code == "B" and part.measures is None and part.profile.height > 0.0
+    if bevelled or not is_plate:
         return part
     start, end = _edge(part, 0), _edge(part, 1)
     skew = [e for e, deg in ((start, part.cuts.flange_start), (end, part.cuts.flange_end))

@@ -47,7 +47,8 @@ def _with_bevels(part: Part, torch: Torch) -> Part:
         if abs(flange) >= least
     ]  # fmt: skip
     rows = any(contour.bevels for contour in part.contours)
-    if not ends or rows or part.profile.code != "B" or part.measures is not None:
+    is_plate = part.profile.code == "B" and part.measures is None and part.profile.height > 0.0
+    if not ends or rows or not is_plate:
         return part
     # By the corners of both faces a plate is as long as one without the flange cut.
     longest = outline_of(replace(part, cuts=EndCuts(cuts.web_start, cuts.web_end), features=()))

@@ -149,6 +149,13 @@ def test_noise_and_bevels_of_an_outline_are_not() -> None:
     post((replace(OUTLINED, cuts=skew, features=(*FLAT.features, bevelled)),), TABLE)
 
 
+def test_a_plate_whose_file_has_no_width_has_no_such_ends() -> None:
+    flat = replace(with_ends(flange_start=30.0), profile=replace(PROFILE, height=0.0))
+    torch = TABLE.needed(TABLE.torch, "torch")
+    assert with_skew_edges(flat, torch) is flat
+    assert with_bevels((flat,), torch) == (flat,)
+
+
 def test_beside_others_on_a_sheet() -> None:
     skew = replace(OUTLINED, mark="F2", cuts=EndCuts(flange_end=30.0))
     plan = post((OUTLINED, skew, FLAT, skew), TABLE).plan
