@@ -39,7 +39,7 @@ def cycle_moves(
 ) -> Iterator[CycleMove]:  # fmt: skip
     """Moves of a cycle from the tool's position; `near` is R, `clear` the retract position.
 
-    `before` is where the tool stood before the first of a run of cycles; nan where nobody knows.
+    `before` is where the tool stood before the first of a run of cycles; nan where that is unknown.
     """
     x, y = place
     inward = 1.0 if bottom > near else -1.0

@@ -171,7 +171,7 @@ class Outcome(Struct, frozen=True, gc=False):
     def is_left_out(self) -> bool:
         """Whether it was left out because `--allow-skips` names its kind.
 
-        What is mapped away, or too small to be cut, nobody has to name; other messages report it.
+        What the map takes away, and what is too small to be cut, needs no such name.
         """
         return self.how == "skipped" and self.by.removeprefix("plan-") in SKIP_NAMES
 
