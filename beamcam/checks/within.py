@@ -1,6 +1,5 @@
 """Openings that no tool has to make, as all of their steel goes with a larger one."""
 
-from itertools import product
 from math import atan2, cos, pi, radians, sin
 from typing import Any
 
@@ -20,10 +19,8 @@ Opening = Hole | Slot | Contour
 
 def needless(part: Part) -> frozenset[int]:
     """The openings, by their indices, that lie in one that goes through the wall of their face."""
-    every: list[tuple[int, Any]] = [
-        *enumerate(part.features),
-        *((-1, one) for one in part.made or ()),
-    ]
+    every: list[tuple[int, Any]] = [*enumerate(part.features)]
+    every += [(-1, one) for one in part.made or ()]
     openings = [(k, one) for k, one in every if _is_opening(one)]
     if len({_size(one) for _, one in openings}) < 2:
         return frozenset()
@@ -34,22 +31,22 @@ def needless(part: Part) -> frozenset[int]:
     ] if any(isinstance(one, Contour) for _, one in openings) else []  # fmt: skip
     voids: dict[tuple[Face, int, int], list[tuple[Opening, Box]]] = {}
     for _, one, box in boxes:
-        if not _is_void(one) or (isinstance(one, Contour) and any(
-            face == one.face and _in(piece, box) for face, piece in pieces
-        )):  # fmt: skip
+        if not _is_void(one) or max(box[2] - box[0], box[3] - box[1]) > LARGEST:
             continue
-        if box[2] - box[0] > LARGEST or box[3] - box[1] > LARGEST:
+        if isinstance(one, Contour) and any(
+            f == one.face and _in(piece, box) for f, piece in pieces
+        ):
             continue
-        for at in product(*(range(int(box[k] // FAR), int(box[k + 2] // FAR) + 1) for k in (0, 1))):
-            voids.setdefault((one.face, *at), []).append((one, box))
-    return frozenset(
-        k for k, one, box in boxes
-        if k >= 0 and any(
-            _in(box, around) and _goes_with(one, other) for other, around in voids.get(
-                (one.face, int((box[0] + box[2]) / 2 // FAR), int((box[1] + box[3]) / 2 // FAR)), ()
-            )
-        )
-    )  # fmt: skip
+        for x in range(int(box[0] // FAR), int(box[2] // FAR) + 1):
+            for y in range(int(box[1] // FAR), int(box[3] // FAR) + 1):
+                voids.setdefault((one.face, x, y), []).append((one, box))
+    within = []
+    for k, one, box in boxes:
+        middle = int((box[0] + box[2]) / 2 // FAR), int((box[1] + box[3]) / 2 // FAR)
+        for other, around in voids.get((one.face, *middle), ()):
+            if other is not one and k >= 0 and _in(box, around) and _goes_with(one, other):
+                within.append(k)
+    return frozenset(within)
 
 
 def _is_opening(one: Any) -> bool:
@@ -72,6 +69,9 @@ def _size(one: Any) -> object:
 
 def _box(one: Opening) -> Box:
     """Of cut-outs that of their curves, of others by how far they reach in four directions."""
+    if isinstance(one, Hole):
+        r = one.diameter / 2
+        return one.x - r, one.y - r, one.x + r, one.y + r
     if isinstance(one, Contour):
         left, low, right, high = zip(*(curve.bbox for curve in one.curves), strict=True)
         return min(left), min(low), max(right), max(high)

@@ -29,6 +29,7 @@ WITHIN = warning("plan-within",
 OVERLAP = note("plan-opening-overlap",
     "found {what} that overlaps the {other} of {first}; they are cut as one opening",
     "So a keyhole is drawn, or one of the places is wrong.")  # fmt: skip
+KINDS = ("through", "blind", "countersink")  #: of holes and slots; all but marks and threads
 OVER = 0.05  #: mm that one opening may reach over the other; so much an outline may be off
 SMALLER = 1.0  #: mm2 that it is smaller by; two that are as large are one, drawn twice
 CHORD = 0.01  #: mm between an outline and its chords
@@ -90,9 +91,12 @@ def _openings(part: Part) -> Iterator[_Opening]:
         outer = (one for one in contours if one.kind == "outer")
         boxes = [(one.face, box) for one in outer if (box := _box(one))]
     for index, one in every:
-        if isinstance(one, Hole | Slot) and one.kind in ("through", "blind", "countersink"):
+        if isinstance(one, Hole) and one.kind in KINDS:
+            r = one.diameter / 2
+            yield _Opening(one, (one.x - r, one.y - r, one.x + r, one.y + r), pi * r * r, index)
+        elif isinstance(one, Slot) and one.kind in KINDS:
             u, v, r = _sizes(one)
-            c, s = abs(cos(radians(_turn(one)))), abs(sin(radians(_turn(one))))
+            c, s = abs(cos(radians(one.angle))), abs(sin(radians(one.angle)))
             wide, high = c * u + s * v + r, s * u + c * v + r
             area = 4 * (u * v + r * (u + v)) + pi * r * r
             box = (one.x - wide, one.y - high, one.x + wide, one.y + high)
@@ -107,19 +111,20 @@ def _openings(part: Part) -> Iterator[_Opening]:
 
 def _pairs(openings: Sequence[_Opening]) -> Iterator[tuple[_Opening, _Opening]]:
     """An opening and a larger one through the wall whose box holds it, the largest first."""
-    if len({one.area for one in openings}) < 2:
-        return
+    least = min((one.area for one in openings), default=0.0) + SMALLER
+    large = [one for one in openings if one.area >= least and one.reaches_through]
     cells: defaultdict[tuple[str, int, int], list[_Opening]] = defaultdict(list)
-    for one in sorted((o for o in openings if o.reaches_through), key=lambda o: -o.area):
+    for one in sorted(large, key=lambda one: -one.area):
         x0, y0, x1, y1 = (floor(at / CELL) for at in one.box)
         if max(x1 - x0, y1 - y0) > MOST_CELLS:
             continue  # a damaged file may have one as large as a planet
         for x, y in product(range(x0, x1 + 1), range(y0, y1 + 1)):
             cells[one.feature.face, x, y].append(one)
-    for small in openings:
+    for small in openings if cells else ():
         if small.index < 0:
             continue
-        x, y = (floor((small.box[k] + small.box[k + 2]) / 2 / CELL) for k in (0, 1))
+        x = floor((small.box[0] + small.box[2]) / 2 / CELL)
+        y = floor((small.box[1] + small.box[3]) / 2 / CELL)
         for other in cells.get((small.feature.face, x, y), ()):
             if other.area < small.area + SMALLER:
                 break
