@@ -7,6 +7,7 @@ Glyphs are fixed truth, which planning and the read-back share; each lays them o
 
 from collections.abc import Iterator, Mapping
 from itertools import pairwise
+from pathlib import Path
 from unicodedata import combining, name, normalize
 
 import msgspec
@@ -60,9 +61,7 @@ class _Font(Struct, frozen=True):
 
 @cached("geometry.font")
 def _font(name: str) -> _Font:
-    from importlib.resources import files  # which takes as long as a small part to plan
-
-    data = files("beamcam.geometry").joinpath(f"{name}.json").read_bytes()
+    data = Path(__file__).with_name(f"{name}.json").read_bytes()
     return msgspec.json.decode(data, type=_Font)
 
 

@@ -8,13 +8,13 @@ ___|___        |________         |____       |________|     |
    u               u               u              u         h
 """
 
-import json
 import re
 from bisect import bisect_left, bisect_right
 from collections.abc import Sequence
 from math import acos, ceil, cos, hypot, pi, radians, sin, sqrt
+from pathlib import Path
 
-from msgspec import Struct
+from msgspec import Struct, json
 
 from beamcam.caches import cached
 from beamcam.geometry.curves import signed_area
@@ -322,12 +322,10 @@ Sizes = tuple[float, float, float, float, float]  #: height, width, flange, web,
 @cached("sections.table")
 def sections() -> dict[str, tuple[ProfileCode, Sizes]]:
     """Code and measures of every section, by its name in capitals without blanks."""
-    from importlib.resources import files  # which no sheet has to wait for
-
-    text = files("beamcam.model").joinpath("sections.json").read_text("utf-8")
+    table = json.decode(Path(__file__).with_name("sections.json").read_bytes())
     return {
         plain_name(name): (group["code"], (h, b, tf, tw, r))
-        for group in json.loads(text)["groups"]
+        for group in table["groups"]
         for name, (h, b, tf, tw, r) in group["sections"].items()
     }
 
