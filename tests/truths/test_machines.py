@@ -477,7 +477,7 @@ def test_the_tube_machine_has_the_torch_of_the_coper() -> None:
     assert tube.rows == coper.rows
     assert tube.profiles == ("RO", "M", "I", "U", "L", "T", "C")
     assert (tube.turns, tube.y, tube.chuck, tube.seam) == ("bar", "follows", 250, 0)
-    # Outer corners of EN 10219-2: of walls up to 6 mm two walls, up to 10 two and a half, else three.
+    # Outer corners of EN 10219-2: two walls up to 6 mm, two and a half up to 10, else three.
     walls = (3.0, 6.0, 6.3, 8.0, 10.0, 12.5, 16.0)
     radii = [tube.outer_radius(0.0, wall) for wall in walls]
     assert radii == [6.0, 12.0, 15.75, 20.0, 25.0, 37.5, 48.0]
