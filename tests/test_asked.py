@@ -184,7 +184,7 @@ def test_several_sheets_together_are_what_was_asked_for() -> None:
     assert sum(len(finished(one).plan.pieces) for one in begun) == 5
 
 
-@pytest.mark.parametrize("every", [3, pytest.param(1, marks=pytest.mark.exhaustive)])
+@pytest.mark.parametrize("every", [9, pytest.param(1, marks=pytest.mark.exhaustive)])
 def test_no_lie_about_the_job_is_posted(every: int, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(asked_liars, "LAYOUTS", asked_liars.LAYOUTS[::every])
     lies = asked_liars.told()

@@ -75,7 +75,7 @@ def of_all(folder: Path, every: int) -> Iterator[tuple[Any, ...]]:
         program.unlink(missing_ok=True)
 
 
-@pytest.mark.parametrize("every", [37, pytest.param(1, marks=pytest.mark.exhaustive)])
+@pytest.mark.parametrize("every", [74, pytest.param(1, marks=pytest.mark.exhaustive)])
 def test_other_words_decide_nothing_else(
     every: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

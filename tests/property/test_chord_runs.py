@@ -25,6 +25,7 @@ from beamcam.machine.overlay import with_torch
 from beamcam.model.request import Request
 from beamcam.pipeline import post, read_back
 from tests.conftest import examples
+from tests.distances import distances
 from tests.unit.sheets.parts import box, contour, drawing, lines
 
 Place = tuple[float, float]
@@ -60,10 +61,7 @@ def polyline(curves: tuple[Curve, ...]) -> list[Place]:
 def apart(one: list[Place], other: list[Place]) -> float:
     """The Hausdorff distance of two polylines, by a stranger."""
     a, b = (shapely.segmentize(shapely.LineString(points), 0.2) for points in (one, other))
-    return max(
-        float(shapely.distance(shapely.points(shapely.get_coordinates(x)), y).max())
-        for x, y in ((a, b), (b, a))
-    )
+    return max(float(distances(shapely.get_coordinates(x), y).max()) for x, y in ((a, b), (b, a)))
 
 
 shapes = st.builds(

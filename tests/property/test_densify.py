@@ -12,6 +12,7 @@ from beamcam.geometry.curves import Arc, BSpline, Line
 from beamcam.geometry.polylines import points_at
 from beamcam.motion.densify import DensifyRules, densify, truncated, worst_truncation
 from tests.conftest import examples
+from tests.distances import distances
 from tests.property.curve_strategies import (
     arcs,
     beziers,
@@ -58,7 +59,7 @@ def test_no_point_of_a_curve_is_farther_than_certified(family):
     def check(curve, rules, seed):
         result = densify((curve,), rules)
         t = np.random.default_rng(seed).uniform(0, 1, SAMPLES)
-        away = shapely.distance(shapely.points(points_at(curve, t)), as_line(result.points))
+        away = distances(points_at(curve, t), as_line(result.points))
         assert np.max(away) <= result.deviation <= rules.tolerance
         measured.append(len(t))
 
@@ -76,7 +77,7 @@ def test_no_point_of_the_path_is_farther_from_the_curve(curve, rules):
     share = np.linspace(0, 1, 7)[:, None, None]
     between = result.points[:-1] + share * np.diff(result.points, axis=0)
     chosen = between.reshape(-1, 2)[:: max(1, between.size // 1000)]
-    away = shapely.distance(shapely.points(chosen), as_line(fine))
+    away = distances(chosen, as_line(fine))
     for place in chosen[away > result.deviation + slack]:  # the tip of a cusp between two samples
         k = int(np.argmin(np.hypot(*(fine - place).T)))
         beside = np.linspace(times[max(k - 1, 0)], times[min(k + 1, SAMPLES)], SAMPLES)

@@ -15,6 +15,7 @@ from beamcam.geometry.curves import Bezier, Curve
 from beamcam.geometry.polylines import points_at
 from beamcam.pipeline import post
 from tests.conftest import examples
+from tests.distances import distances
 from tests.unit.sheets.parts import contour, drawing, table
 
 #: mm that a program may be off what is drawn, whatever is drawn.
@@ -68,5 +69,5 @@ def test_what_is_cut_lies_within_the_tolerance_of_what_is_drawn(
     done, _ = table_run(posted.text, machine, "JOB")
     places = np.concatenate([points_at(curve, np.linspace(0, 1, 100)) for curve in drawn])
     shift = np.array(posted.plan.shift)
-    away = shapely.distance(shapely.points(places + shift), path_of(done.moves))
+    away = distances(places + shift, path_of(done.moves))
     assert np.max(away) < MOST

@@ -17,6 +17,7 @@ from beamcam.geometry.flat_offset import flat_offset
 from beamcam.geometry.offset import Offset, Vanished, offset_chains, raw_offsets
 from beamcam.geometry.polylines import points_at
 from tests.conftest import examples
+from tests.distances import distances
 from tests.rings import polygon_of
 
 TOLERANCE = 0.008
@@ -150,7 +151,7 @@ def test_a_line_that_vanishes_between_arcs_is_not_prolonged(radius, past_deg, sh
     assert isinstance(moved, Offset)
     dense = [shapely.LineString(points_at(c, np.linspace(0, 1, 400))) for c in ring]
     path = np.concatenate([points_at(c, np.linspace(0, 1, 400)) for c in moved.chains[0]])
-    away = shapely.distance(shapely.points(path), shapely.MultiLineString(dense))
+    away = distances(path, shapely.MultiLineString(dense))
     assert away.min() > amount - 2 * TOLERANCE
 
 
@@ -175,7 +176,7 @@ def test_fitted_splines_keep_their_tolerance_and_their_ends(seed, tolerance):
         assert dist(a.end, b.start) <= 1e-6
     dense = points_at(spline, np.linspace(0, 1, 1500))
     fine = np.concatenate([points_at(c, np.linspace(0, 1, 65)) for c in chain])
-    away = shapely.distance(shapely.points(dense), shapely.LineString(fine))
+    away = distances(dense, shapely.LineString(fine))
     sag = max((c.length / 64) ** 2 / (8 * c.radius) for c in chain if isinstance(c, Arc))
     assert away.max() <= tolerance + sag + 1e-9
 
@@ -189,7 +190,6 @@ def test_a_corner_of_short_sides_keeps_its_distance() -> None:
     (moved,) = flat_offset(chain, -0.95, 0.008)
     shares = np.linspace(0.0, 1.0, 401)
     ring = shapely.LinearRing(np.concatenate([points_at(c, shares) for c in chain]))
-    places = shapely.points(np.concatenate([points_at(c, shares) for c in moved]))
-    away = shapely.distance(ring, places)
+    away = distances(np.concatenate([points_at(c, shares) for c in moved]), ring)
     assert away.min() > 0.93
     assert away.max() < 0.97

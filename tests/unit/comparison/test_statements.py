@@ -116,7 +116,7 @@ def test_tables_are_compared_line_by_line(machine: str, stem: str, old: str, new
     assert [d.how for d in found] == ["changed"]
 
 
-@pytest.mark.parametrize("every", [5, pytest.param(1, marks=pytest.mark.exhaustive)])
+@pytest.mark.parametrize("every", [11, pytest.param(1, marks=pytest.mark.exhaustive)])
 def test_golden_programs_are_checked(
     every: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

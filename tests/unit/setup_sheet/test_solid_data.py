@@ -108,12 +108,13 @@ def test_a_page_says_why_it_has_no_solid() -> None:
     assert "every hole is there" not in given
 
 
-def test_a_page_says_that_its_circles_are_coarse() -> None:
-    program = program_of(drilled(700))
+def test_a_page_says_that_its_circles_are_coarse(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(solid_data, "LIMIT", LIMIT // 10)
+    program = program_of(drilled(70))
     page = setup_page(content_of(SheetSources(program)))
     assert "to keep the page small; every hole is there" in page
     (data,) = [line for line in page.split("<script") if 'id="solid"' in line]
-    assert len(data) < 300_000
+    assert len(data) < 30_000
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 import pypdfium2
 import pytest
-from PIL import Image, ImageDraw
 
 from beamcam.errors import Source
 from beamcam.machine import load
@@ -38,18 +37,32 @@ def picture(flip: bool = False) -> Still:
 
 
 def islands(pixels: Any) -> list[tuple[int, float, float]]:
-    """Pixels, column and row of each spot of paper that steel lies all round, the largest first."""
-    image = Image.fromarray(np.where((pixels > 250).all(axis=2), 255, 0).astype(np.uint8)).copy()
-    ImageDraw.floodfill(image, (0, 0), 128)
-    found = []
-    for _ in range(100):
-        left = np.argwhere(np.array(image) == 255)
-        if not left.size:
-            break
-        ImageDraw.floodfill(image, (int(left[0][1]), int(left[0][0])), 64)
-        spot = np.argwhere(np.array(image) == 64)
-        found.append((len(spot), float(spot[:, 1].mean()), float(spot[:, 0].mean())))
-        ImageDraw.floodfill(image, (int(left[0][1]), int(left[0][0])), 0)
+    """Pixels, column and row of each spot of paper that steel lies all round, the largest first.
+
+    Runs of paper in a row are one spot with those of the row before that they touch.
+    """
+    paper = np.pad((pixels > 250).all(axis=2), 1, constant_values=True)
+    edges = np.diff(np.pad(paper, ((0, 0), (1, 1))).astype(np.int8), axis=1)
+    begins, ends = np.argwhere(edges == 1), np.argwhere(edges == -1)
+    runs = [(y, x, end) for (y, x), (_, end) in zip(begins.tolist(), ends.tolist(), strict=True)]
+    rows: dict[int, list[int]] = {}
+    spot = [*range(len(runs))]
+
+    def first(k: int) -> int:
+        while spot[k] != k:
+            k = spot[k]
+        return k
+
+    for k, (y, x, end) in enumerate(runs):
+        rows.setdefault(y, []).append(k)
+        for other in rows.get(y - 1, ()):
+            if x < runs[other][2] and runs[other][1] < end:
+                spot[first(k)] = first(other)
+    places: dict[int, list[Any]] = {}
+    for k, (y, x, end) in enumerate(runs):
+        places.setdefault(first(k), []).append([(u - 1, y - 1) for u in range(x, end)])
+    del places[first(0)]  # what lies outside
+    found = [(len(spot), *np.mean(spot, axis=0)) for spot in map(np.concatenate, places.values())]
     return [one for one in sorted(found, reverse=True) if one[0] > 100]
 
 

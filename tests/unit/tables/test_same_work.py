@@ -16,6 +16,7 @@ from beamcam.machine.overlay import with_torch
 from beamcam.machine.torch import LayerSettings
 from beamcam.motion.steps import step_table
 from beamcam.pipeline import post
+from tests.distances import distances
 from tests.unit.sheets.parts import box, contour, drawing
 
 from .plant import DONE, Plant, units_of
@@ -85,8 +86,7 @@ def test_three_controllers_make_the_same_path() -> None:
 
 def farthest(a: shapely.LineString, b: shapely.LineString) -> float:
     """The greatest distance of `a` from `b`, looked at every 0.2 mm and at every corner."""
-    places = shapely.points(shapely.get_coordinates(shapely.segmentize(a, 0.2)))
-    return float(shapely.distance(places, b).max())
+    return float(distances(shapely.get_coordinates(shapely.segmentize(a, 0.2)), b).max())
 
 
 def test_the_controller_of_the_table_goes_on_by_the_overcut_in_each_pass() -> None:

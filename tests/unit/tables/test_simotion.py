@@ -24,6 +24,7 @@ from beamcam.model.program import SwitchTool, Travel
 from beamcam.motion.triggers import trigger_table
 from beamcam.planning.sheet import plan_sheet
 from tests.conftest import sampled
+from tests.distances import distances
 from tests.unit.sheets.parts import circle, contour, drawing
 
 from .plant import DONE, Plant, units_of
@@ -75,9 +76,8 @@ def test_what_is_read_is_what_an_executor_of_the_text_does(
         lines = [s.points for s in execution.strokes if s.process == process]
         way = shapely.MultiLineString(lines)
         ran = shapely.LineString(plant.points[process])
-        assert max(shapely.distance(shapely.points(plant.points[process]), way)) <= 0.001
-        ends = shapely.points([p for line in lines for p in line])
-        assert max(shapely.distance(ends, ran)) <= 0.005
+        assert max(distances(plant.points[process], way)) <= 0.001
+        assert max(distances([p for line in lines for p in line], ran)) <= 0.005
 
 
 def test_set_points_are_split_over_units_by_their_size() -> None:

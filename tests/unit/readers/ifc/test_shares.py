@@ -2,6 +2,7 @@
 
 import os
 import signal
+from functools import cache
 from multiprocessing import active_children
 from random import Random
 
@@ -10,6 +11,7 @@ import pytest
 from beamcam import processes
 from beamcam.budget import InForce, Limits
 from beamcam.errors import Severity
+from beamcam.readers import Reading
 from beamcam.readers.ifc import Options, Selection, member, read, reader
 from beamcam.readers.ifc.entities import Unreadable
 from beamcam.readers.ifc.reader import SHARE, WORTH, workers_for
@@ -18,7 +20,7 @@ from tests.conftest import sampled
 from tests.property.ifc_builder import model_text, random_member
 from tests.unit.readers.ifc.models import Small
 
-MANY = WORTH["fork", False]
+MANY = 4 * SHARE
 
 
 def squares(stretch: range) -> list[int]:
@@ -135,7 +137,10 @@ def model_of(encoding: str, count: int) -> bytes:
 
 
 @pytest.mark.parametrize("encoding", sampled(["openings", "csg"], 2))
-def test_a_model_is_the_same_whoever_reads_it(encoding: str) -> None:
+def test_a_model_is_the_same_whoever_reads_it(
+    encoding: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(WORTH, ("fork", False), MANY)
     data = model_of(encoding, MANY + 10)
     chosen = Selection(classes=frozenset(["beam"]), marks=frozenset(["nobody"]))
 
@@ -147,22 +152,22 @@ def test_a_model_is_the_same_whoever_reads_it(encoding: str) -> None:
         assert len(alone.parts) == (MANY + 10) * (selection is not chosen)
 
 
-def few() -> bytes:
-    """Four short beams of a hole each."""
+@cache
+def few() -> tuple[bytes, Reading]:
+    """Four short beams of a hole each, and how they are read with the kernel by one process."""
     m = Small()
     for i in range(4):
         hole = m.hole((50.0 + i, 0.0, 60.0), (0, 1, 0), 18.0, 90.0)
         m.element(m.minus(m.extruded(m.ipe300(), 400.0), hole), tag=f"B{i}")
-    return m.data
+    return m.data, read(m.data, "model.ifc", options=Options(kernel=True))
 
 
 @pytest.mark.parametrize("method", ["fork", "spawn"])
 def test_so_it_is_with_the_kernel(method: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    data = few()
+    data, alone = few()
     for module in (reader, processes):
         monkeypatch.setattr(module, "start_method", lambda: method)
     monkeypatch.setitem(WORTH, ("spawn", True), 4)
-    alone = read(data, "model.ifc", options=Options(kernel=True))
     assert read(data, "model.ifc", options=Options(kernel=True, workers=2)) == alone
     assert len(alone.parts) == 4
 
@@ -170,8 +175,7 @@ def test_so_it_is_with_the_kernel(method: str, monkeypatch: pytest.MonkeyPatch) 
 def test_a_member_at_which_the_kernel_dies_is_refused_by_name(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    data = few()
-    alone = read(data, "model.ifc", options=Options(kernel=True))
+    data, alone = few()
     deadly = alone.parts[2]
     real = member.check_kernel
 
