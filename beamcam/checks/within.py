@@ -40,11 +40,11 @@ def needless(part: Part) -> frozenset[int]:
         for x in range(int(box[0] // FAR), int(box[2] // FAR) + 1):
             for y in range(int(box[1] // FAR), int(box[3] // FAR) + 1):
                 voids.setdefault((one.face, x, y), []).append((one, box))
-    within = []
+    within, areas = [], dict[int, Any]()  # areas by identity: in a crowd each is asked for often
     for k, one, box in boxes:
         middle = int((box[0] + box[2]) / 2 // FAR), int((box[1] + box[3]) / 2 // FAR)
         for other, around in voids.get((one.face, *middle), ()):
-            if other is not one and k >= 0 and _in(box, around) and _goes_with(one, other):
+            if other is not one and k >= 0 and _in(box, around) and _goes_with(one, other, areas):
                 within.append(k)
     return frozenset(within)
 
@@ -95,14 +95,17 @@ def _reach(one: Hole | Slot, way_rad: float) -> float:
     return far
 
 
-def _goes_with(one: Opening, other: Opening) -> bool:
+def _goes_with(one: Opening, other: Opening, areas: dict[int, Any]) -> bool:
     """Whether an opening is smaller than another one and lies in it.
 
     Round and slotted ones are convex: the one lies in the other if in no direction it reaches
     farther, from middle to middle and square to the other's sides among them.
     """
     if isinstance(one, Contour) or isinstance(other, Contour):
-        small, large = _area(one), _area(other)
+        for each in (one, other):
+            if id(each) not in areas:
+                areas[id(each)] = _area(each)
+        small, large = areas[id(one)], areas[id(other)]
         less = bool(small.area + LESS <= large.area)
         return less and bool(small.difference(large.buffer(OFF)).is_empty)
     if _area_of(one) + LESS > _area_of(other):
