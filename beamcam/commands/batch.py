@@ -99,19 +99,16 @@ def command(
         raise click.UsageError("--json prints the report; give --report or --json.")
     names = _names(inputs)
     over_stock = _is_over_stock(nest, values)
-    try:
-        config = settled(values, names)
-        if over_stock and config.split:
-            raise click.UsageError(
-                "found --machines over stock; expected it with --each, or --machine for parts that "
-                "share bars and sheets."
-            )
-        settings = batch_settings(config, values, timed=report is not None)
-        console.say_remarks()
-        result = find_inputs(names, leave_out=(output,))
-        workers = workers_of(settings, config.jobs, config.dask, result.inputs)
-    except BeamcamError as error:
-        console.stop(error.diagnostics)
+    config = settled(values, names)
+    if over_stock and config.split:
+        raise click.UsageError(
+            "found --machines over stock; expected it with --each, or --machine for parts that "
+            "share bars and sheets."
+        )
+    settings = batch_settings(config, values, timed=report is not None)
+    console.say_remarks()
+    result = find_inputs(names, leave_out=(output,))
+    workers = workers_of(settings, config.jobs, config.dask, result.inputs)
     messages = [as_message(d) for d in (*result.diagnostics, *unused(result, config))]
     account = Report(STANDARD if console.as_json else report)
     read = files_read(config, (one.path for one in result.inputs))
@@ -139,11 +136,11 @@ def command(
                 for row in rows:
                     screen.show(row)
                     account.add(row)
-                    if dry and not (console.quiet or console.as_json):
+                    if dry and console.for_people:
                         say_lines(_would(row, output))
-            except BeamcamError as error:
+            except BeamcamError:
                 screen.end(" (not finished)")
-                console.stop(error.diagnostics)
+                raise
             finally:
                 rows.close()
         if stock_run is not None and not (interrupted or dry):

@@ -3,7 +3,7 @@
 import os
 import re
 import sys
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import PurePath
 from time import perf_counter
@@ -39,6 +39,7 @@ class Console:
 
     def __init__(self, quiet: bool = False, verbose: bool = False, as_json: bool = False) -> None:
         self.quiet, self.verbose, self.as_json = quiet, verbose, as_json
+        self.messages: list[Diagnostic] = []  #: on the job; said at its end, or before its refusal
         self._account: list[Diagnostic] = []  #: what is kept for a JSON list
         self._remarks: dict[Diagnostic, bool] = {}  #: on the machine; whether they were said
         self._did: set[str] = set()  #: that is told once
@@ -48,11 +49,15 @@ class Console:
         """Whether a message of that weight is said."""
         return not self.quiet or severity is Severity.ERROR
 
-    def say(self, diagnostics: Iterable[Diagnostic]) -> None:
-        """Say messages. As JSON they are one list with what was done, so this is said once."""
+    def say(self, diagnostics: Iterable[Diagnostic] = ()) -> None:
+        """Say what is kept, and these messages.
+
+        As JSON they are one list with what was done, so this is said once.
+        """
         new = [one for one, is_said in self._remarks.items() if not is_said]
         self._remarks |= dict.fromkeys(new, True)
-        diagnostics = (*new, *diagnostics)
+        diagnostics = (*new, *self.messages, *diagnostics)
+        self.messages.clear()
         shown = [d for d in first_of_each_kind(diagnostics) if self.wants(d.severity)]
         if self.as_json:
             from beamcam.reports.run import as_message
@@ -66,7 +71,7 @@ class Console:
     def say_remarks(self) -> None:
         """Say what is kept before the work begins; a JSON list waits for the end."""
         if not self.as_json:
-            self.say(())
+            self.say()
 
     def remark(self, diagnostics: Iterable[Diagnostic]) -> None:
         """Keep messages to be said with the next ones; what was said once is not said again."""
@@ -91,25 +96,31 @@ class Console:
             self._did.add(what)
             self.did(what)
 
+    @property
+    def for_people(self) -> bool:
+        """Whether people read the messages, and more than errors."""
+        return not (self.quiet or self.as_json)
+
     def tell(self, line: str) -> None:
         """Say what came of it, to people who want more than errors."""
-        if not (self.quiet or self.as_json):
+        if self.for_people:
             say_lines([line], err=True)
 
     def end(self) -> None:
         """Say what was kept of steps and remarks, where nothing else was to be said."""
         if self._account or not all(self._remarks.values()):
-            self.say(())
+            self.say()
 
     def stop(self, diagnostics: Iterable[Diagnostic]) -> NoReturn:
         """Say messages and end with the status of a refused input."""
         self.say(diagnostics)
         raise SystemExit(REFUSED)
 
-    def finish(self, diagnostics: Sequence[Diagnostic]) -> None:
-        """Say messages; where an error is among them, end with the status of a refused input."""
-        self.say(diagnostics)
-        if errors_in(diagnostics):
+    def finish(self) -> None:
+        """Say all messages; if one is an error, end with the status of a refused input."""
+        is_refused = bool(errors_in(self.messages))
+        self.say()
+        if is_refused:
             raise SystemExit(REFUSED)
 
 

@@ -44,22 +44,6 @@ def is_folder(output: str) -> bool:
     return output.endswith(("/", os.sep)) or Path(output).is_dir()
 
 
-def file_names(parts: Sequence[Part], suffix: str) -> tuple[list[str], list[Diagnostic]]:
-    """A name for each part after its mark, and a note for each that another part has already."""
-    names: list[str] = []
-    diagnostics: list[Diagnostic] = []
-    given = FileNames()
-    for part in parts:
-        wanted = (cleaned(part.mark) or "part") + suffix
-        other, name = given.owner(wanted), given.take(wanted, part.mark)
-        if other is not None:
-            diagnostics.append(
-                RENAMED.at(part.source, found=part.mark, of=wanted, other=other, name=name)
-            )
-        names.append(name)
-    return names, diagnostics
-
-
 def _print_schema(ctx: click.Context, param: click.Parameter, wanted: bool) -> None:
     if wanted:
         from beamcam.model.part_json import part_schema
@@ -105,50 +89,57 @@ def command(
     beamcam convert --schema > part.schema.json
     """
     how = drawing_choice(values) | member_choice(values, kernel=True)
-    diagnostics: tuple[Diagnostic, ...] = ()
-    try:
-        config = settled(values, (source,))
-        target = target_of(output, to)
-        (read_in,) = read_all((source,), config.strict, how, console)
-        reading = with_thickness(read_in, config)
-        diagnostics = reading.diagnostics
-        parts = counted(sound(reading))
-        # A drawing of filled shapes alone is a part without any length.
-        if not (any(part.length > 0 for part in parts) or reading.refused):
-            raise ReadError(NO_PART.at(Source(source)))
-        read = files_read(config, (source,))
-        if parts and is_folder(output):
-            diagnostics = (*diagnostics, *write_folder(read, parts, target, output, console))
-        elif not reading.refused:
-            write(output, only_text(source, parts, target, output), console, read)
-    except BeamcamError as error:
-        console.stop((*diagnostics, *error.diagnostics))
-    console.finish(diagnostics)
+    config = settled(values, (source,))
+    target = target_of(output, to)
+    (read_in,) = read_all((source,), config.strict, how, console)
+    reading = with_thickness(read_in, config)
+    console.messages += reading.diagnostics
+    parts = counted(sound(reading))
+    # A drawing of filled shapes alone is a part without any length.
+    if not (any(part.length > 0 for part in parts) or reading.refused):
+        raise ReadError(NO_PART.at(Source(source)))
+    if not reading.refused or (parts and is_folder(output)):
+        write_parts(source, parts, target, output, console, files_read(config, (source,)))
+    console.finish()
 
 
-def only_text(source: str, parts: Sequence[Part], target: Target, output: str) -> str:
-    """The part of a file in another format. Raises BeamcamError unless there is exactly one."""
+def write_parts(
+    source: str, parts: Sequence[Part], target: Target, output: str, console: Console,
+    read: FilesRead,
+) -> None:  # fmt: skip
+    """Write the only part of a file in another format, or into a folder all of them.
+
+    What is said of those in a folder is among the messages of the console. Raises BeamcamError
+    unless there is exactly one for a file.
+    """
+    if is_folder(output):
+        console.messages += _written_into(output, parts, target, console, read)
+        return
     if len(parts) != 1:
         raise ReadError(ONE_PART.at(Source(source), found=len(parts), output=output))
-    return target.write(parts[0])
+    write(output, target.write(parts[0]), console, read)
 
 
-def write_folder(
-    read: FilesRead, parts: Sequence[Part], target: Target, folder: str, console: Console
+def _written_into(
+    folder: str, parts: Sequence[Part], target: Target, console: Console, read: FilesRead
 ) -> Iterator[Diagnostic]:
-    """Write a file for each part that the format can hold; what is said of them, and a count.
+    """Write a file for each part that the format can hold, called after its mark.
 
-    One that cannot be written stops no other. None is written over the files `read`.
+    What is said of them comes back, and a count. One that cannot be written stops no other. None
+    is written over the files `read`.
     """
     try:
         Path(folder).mkdir(parents=True, exist_ok=True)
     except OSError as error:
         yield cannot_write(folder, error)
         return
-    names, renamed = file_names(parts, target.suffixes[0])
-    yield from renamed
+    names = FileNames()
     written = 0
-    for part, name in zip(parts, names, strict=True):
+    for part in parts:
+        mark_name = (cleaned(part.mark) or "part") + target.suffixes[0]
+        other, name = names.owner(mark_name), names.take(mark_name, part.mark)
+        if other is not None:
+            yield RENAMED.at(part.source, found=part.mark, of=mark_name, other=other, name=name)
         path = os.path.join(folder, name)
         try:
             if over := over_input(path, read):

@@ -16,7 +16,6 @@ from beamcam.commands.parts import (
     thickness,
 )
 from beamcam.commands.settings import settled, with_thickness
-from beamcam.errors import BeamcamError
 from beamcam.model.part_json import part_to_json
 from beamcam.pipeline import read_file
 from beamcam.readers import Reading, shown_name
@@ -76,10 +75,7 @@ def command(
     beamcam inspect gasket.dxf --thickness 3
     beamcam inspect model.ifc --class IfcColumn
     """
-    try:
-        config = settled(values, inputs)
-    except BeamcamError as error:
-        console.stop(error.diagnostics)
+    config = settled(values, inputs)
     refused = False
     how = drawing_choice(values) | member_choice(values, kernel=check)
     for path in inputs:

@@ -1,7 +1,7 @@
 """`beamcam labels`: a label for each piece, with a code that a scanner reads."""
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Mapping, Sequence
 from itertools import chain, repeat
 from pathlib import PurePath
 from typing import Any
@@ -14,12 +14,11 @@ from beamcam.commands import options
 from beamcam.commands.common import STANDARD, Console, write
 from beamcam.commands.list_ import counted_parts, machines_in_shop, refuse_missing
 from beamcam.commands.options import Grouped, quantity
-from beamcam.commands.parts import list_options
+from beamcam.commands.parts import list_options, request_of
 from beamcam.commands.settings import files_read, settled
 from beamcam.config.values import Config
-from beamcam.errors import BeamcamError, Diagnostic, PlanError, Source
-from beamcam.model.plan import Order, named_skips
-from beamcam.model.request import Request, numbered
+from beamcam.errors import Diagnostic, PlanError, Source
+from beamcam.model.request import numbered
 from beamcam.readers import content
 from beamcam.reports.labels import (
     CODES,
@@ -70,8 +69,8 @@ def _size(ctx: click.Context, param: click.Parameter, value: str) -> LabelSize:
 @options.bar
 @list_options
 def command(
-    inputs: tuple[str, ...], output: str, to: str | None, size: LabelSize, code: Code, order: Order,
-    turn: bool, as_json: bool, console: Console, **values: Any,
+    inputs: tuple[str, ...], output: str, to: str | None, size: LabelSize, code: Code,
+    as_json: bool, console: Console, **values: Any,
 ) -> None:  # fmt: skip
     """Write a label for each piece of the parts in files and folders.
 
@@ -89,45 +88,25 @@ def command(
     """
     if output == STANDARD and to is None and not as_json:
         raise click.UsageError("Say where the labels go: -o labels.pdf, or --to FORM, or --json.")
-    try:
-        form = options.form_of(output, to, as_json, FORMATS)
-        config = settled(values, inputs)
-        known = _of_batch(inputs)
-        if known is None:
-            counts, diagnostics = counted_parts(inputs, config, values, console)
-            labels, without = _labels(counts, config, code, order, turn)
-            diagnostics = (*diagnostics, *without)
-        else:
-            labels, diagnostics = known, tuple(_faults(known, inputs[0], code))
-            if diagnostics:
-                raise PlanError(diagnostics)
-        data = _written(form, labels, size, code)
-    except BeamcamError as error:
-        console.stop(error.diagnostics)
-    write(output, data, console, files_read(config, inputs))
-    console.finish(diagnostics)
-
-
-def _of_batch(inputs: tuple[str, ...]) -> tuple[Label, ...] | None:
-    """The labels of a batch over stock, whose labels.json is the only input. Raises ReadError."""
-    if len(inputs) != 1 or not inputs[0].lower().endswith(".json"):
-        return None
-    data = content(inputs[0])
-    if isinstance(data, Diagnostic) or SCHEMA.encode() not in data[:HEAD_BYTES]:
-        return None
-    return labels_in(data, inputs[0])
-
-
-def _faults(labels: Sequence[Label], name: str, code: Code) -> Iterator[Diagnostic]:
-    """An error for each label whose code would be too long."""
-    for label in labels:
-        fault = code_fault(label, code, Source(name))
-        if fault is not None:
-            yield fault
+    form = options.form_of(output, to, as_json, FORMATS)
+    config = settled(values, inputs)
+    data = content(inputs[0]) if inputs[0].lower().endswith(".json") and len(inputs) == 1 else b""
+    if isinstance(data, bytes) and SCHEMA.encode() in data[:HEAD_BYTES]:  # of a batch over stock
+        labels = labels_in(data, inputs[0])
+        faults = (code_fault(label, code, Source(inputs[0])) for label in labels)
+        if too_long := [fault for fault in faults if fault is not None]:
+            raise PlanError(too_long)
+    else:
+        counts = counted_parts(inputs, config, values, console)
+        labels, without = _labels(counts, config, values, code)
+        console.messages += without
+    written = _written(form, labels, size, code)
+    write(output, written, console, files_read(config, inputs))
+    console.finish()
 
 
 def _labels(
-    counts: Sequence[PartCount], config: Config, code: Code, order: Order, turn: bool
+    counts: Sequence[PartCount], config: Config, options: Mapping[str, Any], code: Code
 ) -> tuple[tuple[Label, ...], tuple[Diagnostic, ...]]:
     """The labels of all pieces, those of one part one behind the other; an error for a part that
     no machine makes, or whose code would be too long, which has none."""
@@ -141,10 +120,7 @@ def _labels(
         part, file = one.part, one.part.source.file
         before[file] += 1
         tried = machines(part)
-        request = Request(
-            (part,), tried[0], named_skips(config.allow_skips), config.job, order, turn,
-            config.stock_lengths, quantity=config.quantity, strict=config.strict, by=config.by,
-        )  # fmt: skip
+        request = request_of((part,), config, tried[0], config.quantity, options)
         try:
             machine, pieces = programs_of(part, tried, request)
         except PlanError as error:

@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from beamcam.commands import options
-from beamcam.commands.common import Console, say_lines
+from beamcam.commands.common import Console
 from beamcam.commands.jobs import read_program
 from beamcam.commands.parts import input_bytes
 from beamcam.commands.settings import machines_of_stock, settled
 from beamcam.commands.value_types import MODBUS_PORT, Address, Number
 from beamcam.config.values import Config
-from beamcam.errors import BeamcamError, Source, VerifyError
+from beamcam.errors import Source, VerifyError
 from beamcam.machine.machine import Machine
 from beamcam.model.request import stock_of
 from beamcam.pipeline import parts_of, read_file
@@ -186,29 +186,24 @@ def command(
     from beamcam.setup_sheet.study_page import axes_of, monitor_page
     from beamcam.simulation import PORT
 
+    machine, work = _work(parts, program, settled(values, ()))
+    reader = Reader(host, machine, len(axes_of(machine)), every)
+    reader.read_first()
+    html = monitor_page(machine, every, f"{host[0]}:{host[1]}", work).encode("utf-8")
     try:
-        machine, work = _work(parts, program, settled(values, ()))
-        reader = Reader(host, machine, len(axes_of(machine)), every)
-        reader.read_first()
-        html = monitor_page(machine, every, f"{host[0]}:{host[1]}", work).encode("utf-8")
-        try:
-            server = PageServer(page, {
-                "/": ("text/html; charset=utf-8", lambda: html),
-                "/axes": ("application/json", reader.as_json),
-            })  # fmt: skip
-        except OSError as error:
-            place = Source(f"{page[0]}:{page[1]}")
-            raise VerifyError(PORT.at(place, found=error.strerror or error)) from error
-    except BeamcamError as error:
-        console.stop(error.diagnostics)
-    if not (console.quiet or as_json):
-        at = f"http://{page[0]}:{server.server_port}/"
-        say_lines([f"{machine.name} at {host[0]}:{host[1]} is drawn in {at}; Ctrl-C ends it"],
-                  err=True)  # fmt: skip
+        server = PageServer(page, {
+            "/": ("text/html; charset=utf-8", lambda: html),
+            "/axes": ("application/json", reader.as_json),
+        })  # fmt: skip
+    except OSError as error:
+        place = Source(f"{page[0]}:{page[1]}")
+        raise VerifyError(PORT.at(place, found=error.strerror or error)) from error
+    at = f"http://{page[0]}:{server.server_port}/"
+    console.tell(f"{machine.name} at {host[0]}:{host[1]} is drawn in {at}; Ctrl-C ends it")
     threading.Thread(target=reader.run, daemon=True).start()
     server.timeout = LOOK_S
-    with server, asked_to_end() as asked_so:
-        while not asked_so:
+    with server, asked_to_end() as interrupted:
+        while not interrupted:
             server.handle_request()
             server.end_slow()
     raise SystemExit(INTERRUPTED)

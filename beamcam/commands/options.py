@@ -231,7 +231,10 @@ def form_of(
 
 
 def verbosity(function: Function) -> Function:
-    """Adds --quiet and --verbose, which come to the command as `console`; `as_json` counts too."""
+    """Adds --quiet and --verbose, which come to the command as `console`; `as_json` counts too.
+
+    A BeamcamError of the command is said, behind the console's messages, and refuses.
+    """
 
     @click.option("-q", "--quiet", is_flag=True, help="Print errors only.")
     @click.option(
@@ -245,6 +248,8 @@ def verbosity(function: Function) -> Function:
         click.get_current_context().meta[Console.__name__] = console
         try:
             return function(*args, console=console, **values)
+        except BeamcamError as error:
+            console.stop(error.diagnostics)
         finally:
             console.end()
 

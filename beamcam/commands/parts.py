@@ -15,7 +15,7 @@ from beamcam.errors import Diagnostic, ReadError
 from beamcam.machine.machine import Machine
 from beamcam.machine.overlay import MEANINGS, Meaning
 from beamcam.model.part import Part
-from beamcam.model.plan import Order, named_skips
+from beamcam.model.plan import named_skips
 from beamcam.model.request import Options, Quantity, Request, Selection, marked
 from beamcam.pipeline import counted, parts_of
 from beamcam.readers import content
@@ -251,23 +251,25 @@ looking_options = options.group(
 
 def read_parts(
     inputs: Iterable[str], config: Config, options: Mapping[str, Any], console: Console
-) -> tuple[tuple[Part, ...], tuple[Diagnostic, ...]]:
-    """All parts of the inputs, and what is said of them.
+) -> tuple[Part, ...]:
+    """All parts of the inputs; what is said of them is among the messages of the console.
 
     `options` holds the values of `part_options`. Raises ReadError.
     """
     how = drawing_choice(options, config) | member_choice(options, kernel=True)
     parts, diagnostics = parts_of(read_all(inputs, config.strict, how, console), counted)
-    return marked(parts, options["mark_from"]), diagnostics
+    console.messages += diagnostics
+    return marked(parts, options["mark_from"])
 
 
 def request_of(
     parts: tuple[Part, ...], config: Config, machine: Machine, quantity: Quantity,
-    order: Order = "given", turn: bool = False,
+    options: Mapping[str, Any],
 ) -> Request:  # fmt: skip
-    """What is asked for by options and configuration."""
+    """What is asked for by options, of which there may be `order` and `turn`, and configuration."""
     return Request(
-        parts, machine, named_skips(config.allow_skips), config.job, order, turn,
+        parts, machine, named_skips(config.allow_skips), config.job,
+        options.get("order", "given"), options.get("turn", False),
         config.stock_lengths, quantity=quantity, strict=config.strict, by=config.by,
     )  # fmt: skip
 

@@ -41,7 +41,6 @@ from beamcam.model.part import Contour, Feature, Hole, Slot, TextMark
 from beamcam.model.plan import (
     AnyPlan,
     CopePlan,
-    Order,
     SawOp,
     SheetPlan,
     clock,
@@ -100,9 +99,9 @@ rest_option = click.option(
 @options.json_messages
 @options.verbosity
 def command(
-    inputs: tuple[str, ...], output: str, order: Order, style: str | None, turn: bool,
-    first: int | None, contour: int | None, frame: str | None, rest_name: str | None,
-    no_verify: bool, exit_left_out: int | None, as_json: bool, console: Console, **values: Any,
+    inputs: tuple[str, ...], output: str, style: str | None, first: int | None,
+    contour: int | None, frame: str | None, rest_name: str | None, no_verify: bool,
+    exit_left_out: int | None, as_json: bool, console: Console, **values: Any,
 ) -> None:  # fmt: skip
     """Turn parts into a machine program.
 
@@ -135,30 +134,29 @@ def command(
     beamcam post gasket.dxf --thickness 3 --from-contour 4 -o rest.ngc
     beamcam post gasket.dxf --thickness 3 -o gasket.ngc --frame frame.ngc
     """
-    diagnostics: tuple[Diagnostic, ...] = ()
     request: Request | None = None
     strict = bool(values["strict"])
     try:
         config = settled(values, inputs)
         strict = config.strict
-        parts, diagnostics = read_parts(inputs, config, values, console)
+        parts = read_parts(inputs, config, values, console)
         machines = machines_for(config, parts, output)
         if contour is not None or frame is not None:
             _check_of_sheets(contour, frame, output, machines)
-        diagnostics += map_remarks(config, parts, machines[0])
-        request = request_of(parts, config, machines[0], config.quantity, order, turn)
+        console.messages += map_remarks(config, parts, machines[0])
+        request = request_of(parts, config, machines[0], config.quantity, values)
         request = replace(request, verified=not no_verify, date=values["date"] or "")
         stage = console.did if console.verbose else untold
 
         def planned(request_of_machine: Request) -> list[Begun]:
             job = job_name(config, request_of_machine.machine, output)
-            told = table_style(request_of_machine.machine, output, style)
-            return begin(replace(request_of_machine, name=job, style=told), stage=stage)
+            form = table_style(request_of_machine.machine, output, style)
+            return begin(replace(request_of_machine, name=job, style=form), stage=stage)
 
         from beamcam.arguments import on_best_machine
 
         begun, choice = on_best_machine(request, machines, planned)
-        diagnostics += choice
+        console.messages += choice
         names = program_names(output, len(begun))
         made = [(n, finished(one, stage)) for n, one in zip(names, begun, strict=True)]
         if first is not None or contour is not None:
@@ -166,31 +164,30 @@ def command(
         beside = [] if frame is None else _frames(made, frame)
         if rest_name is not None:
             check_rest(rest_name, [each for _, each in made])
-            text, told = rest_file(rest_name, made[0][1])
+            text, remark = rest_file(rest_name, made[0][1])
             beside += [] if text is None else [(rest_name, text)]
-            diagnostics += (told,)
+            console.messages.append(remark)
     except RefusedProgram as error:
         from beamcam.batch import KEPT
 
         kept = (*keep_refused(output, error.pieces(), files_read(config, inputs)),)
-        is_kept = any(said.code == KEPT.code for said in kept)
-        found = error.named(output + REFUSED_SUFFIX) if is_kept else error.diagnostics
-        console.stop((*diagnostics, *found, *kept))
-    except StrictError as error:
-        console.stop((*diagnostics, *error.diagnostics))
+        is_kept = any(one.code == KEPT.code for one in kept)
+        faults = error.named(output + REFUSED_SUFFIX) if is_kept else error.diagnostics
+        console.stop((*faults, *kept))
+    except StrictError:
+        raise
     except PlanError as error:
         way = () if request is None else (_suggestion(request, machines, config, values),)
-        console.stop((*diagnostics, *error.diagnostics, *way))
+        console.stop((*error.diagnostics, *way))
     except BeamcamError as error:
         from beamcam.suggestions import reading_suggestions
 
         ways = tuple(reading_suggestions(error.diagnostics, read_file, strict))
-        console.stop((*diagnostics, *error.diagnostics, *ways))
+        console.stop((*error.diagnostics, *ways))
     _write(made, beside, files_read(config, inputs), console)
-    console.say((*diagnostics, *dict.fromkeys(one for _, each in made for one in each.remarks)))
-    if not (console.quiet or console.as_json):
-        for name, each in made:
-            console.tell(success(name, each, first or contour))
+    console.say(dict.fromkeys(one for _, each in made for one in each.remarks))
+    for name, each in made if console.for_people else ():
+        console.tell(success(name, each, first or contour))
     if exit_left_out is not None and any(
         remark.code in NOT_MADE for _, each in made for remark in each.remarks
     ):

@@ -10,7 +10,6 @@ from beamcam.commands import options
 from beamcam.commands.common import PICTURES, Console, write
 from beamcam.commands.outputs import KINDS, expected, picture
 from beamcam.commands.value_types import Number
-from beamcam.errors import BeamcamError
 from beamcam.files import FilesRead
 
 if TYPE_CHECKING:
@@ -174,8 +173,6 @@ def command(
             rows = profile_table(profile, row_step(profile.duration_s, step), encoder, shown)
             lines = [",".join(f"{value:.9g}" for value in row) for row in rows.rows.tolist()]
             data = "\n".join([",".join(rows.columns), *lines]) + "\n"
-    except BeamcamError as error:
-        console.stop(error.diagnostics)
     except ValueError as error:
         raise click.UsageError(str(error)) from error
     console.did(f"profile of {profile.duration_s:g} s")

@@ -223,9 +223,7 @@ class Progress:
             for severity in Severity
             if console.wants(severity) and (console.verbose or severity is not Severity.NOTE)
         }
-        self._bar = (
-            total is not None and not (console.quiet or console.as_json) and sys.stderr.isatty()
-        )
+        self._bar = total is not None and console.for_people and sys.stderr.isatty()
         self._drawn = -1.0
         self._said: Counter[tuple[str, str]] = Counter()  #: messages by severity and code
 
@@ -286,8 +284,7 @@ class Progress:
         """Print the line of counts, and what else is to be known of the run."""
         self._clear()
         say_lines(self._more(), err=True)
-        if not (self._console.quiet or self._console.as_json):
-            say_lines([f"{self.counts}{note}"], err=True)
+        self._console.tell(f"{self.counts}{note}")
 
     def _clear(self) -> None:
         if self._bar and self._drawn >= 0:

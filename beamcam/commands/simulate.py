@@ -9,15 +9,14 @@ from typing import TYPE_CHECKING, Any, Literal
 import click
 
 from beamcam.commands import options
-from beamcam.commands.common import PICTURES, STANDARD, Console, say_lines, write
+from beamcam.commands.common import PICTURES, STANDARD, Console, suffix_of, write
 from beamcam.commands.jobs import against, asked_program
 from beamcam.commands.options import Grouped, quantity
 from beamcam.commands.outputs import of_kind, picture
 from beamcam.commands.parts import job_options
 from beamcam.commands.settings import files_read, settled
 from beamcam.commands.value_types import Address, Number
-from beamcam.errors import BeamcamError, Diagnostic, Source, VerifyError, errors_in
-from beamcam.model.plan import Order
+from beamcam.errors import Diagnostic, Source, VerifyError, errors_in
 from beamcam.system import INTERRUPTED, asked_to_end
 
 if TYPE_CHECKING:
@@ -103,8 +102,8 @@ class EncoderKind(click.ParamType):  # type: ignore[type-arg]
 def command(
     inputs: tuple[str, ...], against: bool, output: str | None, every: float | None,
     encoder: "Encoder | Literal['machine'] | None", modbus: tuple[str, int] | None,
-    serve: tuple[str, int] | None, pace: float | None, order: Order, turn: bool, as_json: bool,
-    console: Console, **values: Any,
+    serve: tuple[str, int] | None, pace: float | None, as_json: bool, console: Console,
+    **values: Any,
 ) -> None:  # fmt: skip
     """Run a program on a model of its machine and write its axes over time.
 
@@ -130,77 +129,64 @@ def command(
         raise click.UsageError(
             "Say where the trace goes: -o FILE, --modbus HOST:PORT or --serve HOST:PORT."
         )
-    drawn = output is not None and _suffix(output) in (*PICTURES, ".html")
+    drawn = output is not None and suffix_of(output) in (*PICTURES, ".html")
     if drawn and encoder is None:
         raise click.UsageError(f"Found {output!r}; expected --encoder, whose staircase it draws.")
-    remarks: list[Diagnostic] = []
-    try:
-        config = settled(values, inputs)
-        job = asked_program(
-            inputs, against, config, values, STANDARD, order, turn, console, remarks
-        )
-        if len(inputs) > 1 and errors_in(job.found):
-            raise VerifyError(job.found)
-        data, machine, name = job.program.data, job.program.machine, job.program.name
-        from beamcam.simulation.limits import run_warnings
-        from beamcam.simulation.modbus import check_range
-        from beamcam.simulation.program import simulate_program
-        from beamcam.simulation.trace import trace_rows
+    config = settled(values, inputs)
+    job = asked_program(inputs, against, config, values, STANDARD, console)
+    if len(inputs) > 1 and errors_in(job.faults):
+        raise VerifyError(job.faults)
+    data, machine, name = job.program.data, job.program.machine, job.program.name
+    from beamcam.simulation.limits import run_warnings
+    from beamcam.simulation.modbus import check_range, send
+    from beamcam.simulation.program import simulate_program
+    from beamcam.simulation.trace import trace_rows
 
-        done = simulate_program(data, machine, name, job.program.style)
-        if errors_in(done.diagnostics):
-            raise VerifyError(done.diagnostics)
-        trace = done.trace
-        diagnostics = (
-            *remarks,
-            *done.diagnostics,
-            *run_warnings(trace, machine, done.section, name),
-        )
-        reader = _own_encoder(machine) if encoder == "machine" else encoder
-        if reader is not None:
-            diagnostics += (_precision(trace, reader, name),)
-        console.did(f"ran {name} on {machine.name}")
-        if modbus is not None or serve is not None:
-            check_range(trace, machine.modbus, Source(machine.name))
-        if modbus is not None:
-            from beamcam.simulation.modbus import send
+    done = simulate_program(data, machine, name, job.program.style)
+    if errors_in(done.diagnostics):
+        raise VerifyError(done.diagnostics)
+    trace = done.trace
+    console.messages += (*done.diagnostics, *run_warnings(trace, machine, done.section, name))
+    reader = _own_encoder(machine) if encoder == "machine" else encoder
+    if reader is not None:
+        console.messages.append(_precision(trace, reader, name))
+    console.did(f"ran {name} on {machine.name}")
+    if modbus is not None or serve is not None:
+        check_range(trace, machine.modbus, Source(machine.name))
+    if modbus is not None:
+        sent = send(trace_rows(trace, every), machine.modbus, *modbus, pace or 0.0)
+        console.tell(f"{sent} rows sent to {modbus[0]}:{modbus[1]}")
+    if output is not None:
+        content: str | bytes
+        if drawn and reader is not None:
+            from beamcam.pictures.graphs import Study
 
-            sent = send(trace_rows(trace, every), machine.modbus, *modbus, pace or 0.0)
-            if not (console.quiet or as_json):
-                say_lines([f"{sent} rows sent to {modbus[0]}:{modbus[1]}"], err=True)
-        if output is not None:
-            content: str | bytes
-            if drawn and reader is not None:
-                from beamcam.pictures.graphs import Study
-
-                study = Study(
-                    PurePath(name).name, sha256(data).hexdigest(), machine.name, trace, reader
-                )
-                content = _drawn(output, study)
-            else:
-                content = _text(output, trace, machine, every, reader, diagnostics)
-            write(output, content, console, files_read(config, inputs))
-        console.say(diagnostics)
-        if serve is not None:
-            rows = trace_rows(trace, every)
-            _serve(rows, machine, serve, 1.0 if pace is None else pace, console.quiet or as_json)
-    except BeamcamError as error:
-        console.stop((*remarks, *error.diagnostics))
+            study = Study(
+                PurePath(name).name, sha256(data).hexdigest(), machine.name, trace, reader
+            )
+            content = _drawn(output, study)
+        else:
+            content = _text(output, trace, machine, every, reader, tuple(console.messages))
+        write(output, content, console, files_read(config, inputs))
+    console.say()
+    if serve is not None:
+        pace = 1.0 if pace is None else pace
+        _serve(trace_rows(trace, every), machine, serve, pace, console)
 
 
 def _serve(
-    rows: "Iterable[TraceRow]", machine: "Machine", place: tuple[str, int], pace: float, quiet: bool
-) -> None:
+    rows: "Iterable[TraceRow]", machine: "Machine", place: tuple[str, int], pace: float,
+    console: Console,
+) -> None:  # fmt: skip
     """Serve the rows of a trace as registers until they end, or with the exit status of Ctrl-C."""
     from beamcam.simulation.modbus import serve
 
     def tell(host: str, port: int) -> None:
-        if not quiet:
-            say_lines([f"{machine.name} at {host}:{port}; Ctrl-C ends it"], err=True)
+        console.tell(f"{machine.name} at {host}:{port}; Ctrl-C ends it")
 
-    with asked_to_end() as asked_so:
-        serve(rows, machine.modbus, *place, pace, tell, interrupt=asked_so)
-    if asked_so:
+    with asked_to_end() as interrupted:
+        serve(rows, machine.modbus, *place, pace, tell, interrupt=interrupted)
+    if interrupted:
         raise SystemExit(INTERRUPTED)
 
 
@@ -229,19 +215,15 @@ def _precision(trace: "Trace", encoder: "Encoder", name: str) -> Diagnostic:
     )  # fmt: skip
 
 
-def _suffix(output: str) -> str:
-    return PurePath(output).suffix.lower()
-
-
 def _drawn(output: str, study: "Study") -> str | bytes:
     """The staircase of an encoder as a picture, or as a page. Raises PictureError."""
     from beamcam.pictures.graphs import encoder_scene
 
-    if _suffix(output) == ".html":
+    if suffix_of(output) == ".html":
         from beamcam.setup_sheet.study_page import study_page
 
         return study_page(study)
-    return picture([encoder_scene(study)], _suffix(output))
+    return picture([encoder_scene(study)], suffix_of(output))
 
 
 def _text(
@@ -251,7 +233,7 @@ def _text(
     from beamcam.plain_text import json_text
     from beamcam.simulation.text import csv_text, json_data
 
-    if _suffix(output) != ".json":
+    if suffix_of(output) != ".json":
         return csv_text(trace, machine, every, encoder)
     import msgspec
 

@@ -22,8 +22,8 @@ from beamcam.batch.find import Input, find_inputs
 from beamcam.batch.names import MarkKey
 from beamcam.batch.recipe import recipe_of
 from beamcam.batch.record import claims_of
-from beamcam.batch.run import BatchError, run
-from beamcam.commands.common import Console, say_lines
+from beamcam.batch.run import run
+from beamcam.commands.common import Console
 from beamcam.commands.options import Grouped
 from beamcam.commands.running import (
     Progress,
@@ -35,7 +35,7 @@ from beamcam.commands.running import (
 )
 from beamcam.commands.settings import files_read, settled
 from beamcam.commands.value_types import Number
-from beamcam.errors import BeamcamError, Diagnostic, Source
+from beamcam.errors import Diagnostic, Source
 from beamcam.files import write_whole
 from beamcam.readers import has_end
 from beamcam.reports.run import FileRow, as_message, encoded, message_line
@@ -188,70 +188,56 @@ def command(
     beamcam watch hot -o programs --done hot/done --refused hot/refused
     beamcam watch hot -o programs --once --settle 0
     """
-    try:
-        config = settled(values, (folder,))
-        settings = batch_settings(config, values)
-        console.say_remarks()
-        for place in (output, done, refused):
-            if place is not None:
-                _make(place)
-    except BeamcamError as error:
-        console.stop(error.diagnostics)
+    config = settled(values, (folder,))
+    settings = batch_settings(config, values)
+    console.say_remarks()
+    leave_out = tuple(place for place in (output, done, refused) if place is not None)
+    for place in leave_out:
+        try:
+            os.makedirs(place, exist_ok=True)
+        except OSError as error:
+            reason = error.strerror or str(error)
+            console.stop([WRITE.at(Source(place), found=place, reason=reason)])
     hot = HotFolder(settle, end_wait)
     recipe = recipe_of(config, values, output)
-    leave_out = tuple(place for place in (output, done, refused) if place is not None)
     claims = claims_of(output, folder)
     marks: dict[MarkKey, str] = {}
     last: tuple[Diagnostic, ...] = ()
-    if not (console.quiet or console.as_json):
-        ending = "" if once else "; Ctrl-C ends it"
-        say_lines(
-            [f"watching {folder} every {every:g} s, programs go to {output}{ending}"], err=True
-        )
+    ending = "" if once else "; Ctrl-C ends it"
+    console.tell(f"watching {folder} every {every:g} s, programs go to {output}{ending}")
     with Progress(None, console) as progress, asked_to_end() as interrupted:
-        try:
-            while not interrupted:
-                inputs = find_inputs((folder,), leave_out)
-                # An empty folder is nothing wrong; what else there is to say is said once.
-                diagnostics = tuple(d for d in inputs.diagnostics if d.code != NOTHING.code)
-                diagnostics += unused(inputs, config)
-                if diagnostics != last:
-                    progress.say(map(as_message, diagnostics))
-                    last = diagnostics
-                ready = hot.take(look(inputs.inputs), time.monotonic())
-                progress.say(
-                    as_message(NO_END.at(Source(one.path), found=f"{end_wait:g}"))
-                    for one in hot.endless
-                )
-                if ready:
-                    workers = workers_of(settings, config.jobs, config.dask, ready)
-                    read = files_read(config, (one.path for one in ready))
-                    rows = run(
-                        ready, output, settings, workers, config.flat, claims=claims, read=read,
-                        recipe=recipe, interrupt=interrupted, marks=marks,
-                    )  # fmt: skip
-                    try:
-                        for one, row in zip(ready, rows, strict=False):
-                            progress.show(row)
-                            _file_away(one, row, hot, done, refused, progress)
-                    finally:
-                        rows.close()
-                elif once and not hot.is_waiting:
-                    break
-                else:
-                    interrupted.wait(every)
-        except BeamcamError as error:
-            console.stop(error.diagnostics)
+        while not interrupted:
+            inputs = find_inputs((folder,), leave_out)
+            # An empty folder is nothing wrong; what else there is to say is said once.
+            diagnostics = tuple(d for d in inputs.diagnostics if d.code != NOTHING.code)
+            diagnostics += unused(inputs, config)
+            if diagnostics != last:
+                progress.say(map(as_message, diagnostics))
+                last = diagnostics
+            ready = hot.take(look(inputs.inputs), time.monotonic())
+            progress.say(
+                as_message(NO_END.at(Source(one.path), found=f"{end_wait:g}"))
+                for one in hot.endless
+            )
+            if ready:
+                workers = workers_of(settings, config.jobs, config.dask, ready)
+                read = files_read(config, (one.path for one in ready))
+                rows = run(
+                    ready, output, settings, workers, config.flat, claims=claims, read=read,
+                    recipe=recipe, interrupt=interrupted, marks=marks,
+                )  # fmt: skip
+                try:
+                    for one, row in zip(ready, rows, strict=False):
+                        progress.show(row)
+                        _file_away(one, row, hot, done, refused, progress)
+                finally:
+                    rows.close()
+            elif once and not hot.is_waiting:
+                break
+            else:
+                interrupted.wait(every)
         progress.end()
     end_run(progress.counts, bool(interrupted), exit_left_out)
-
-
-def _make(folder: str) -> None:
-    try:
-        os.makedirs(folder, exist_ok=True)
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise BatchError(WRITE.at(Source(folder), found=folder, reason=reason)) from error
 
 
 def _file_away(
