@@ -10,9 +10,10 @@ from concurrent.futures import CancelledError
 from typing import Any
 
 from beamcam.batch import SCHEDULER
-from beamcam.batch.pool import Chunk, Result
+from beamcam.batch.pool import Chunk, Outcome
 from beamcam.batch.work import BatchSettings, FileResult, Task, make_all, thaw
 from beamcam.errors import BeamcamError, Source
+from beamcam.processes import Died
 from beamcam.system import LOOK_S
 
 ANSWER_S = 6.0  #: for the scheduler to answer, and for its workers to say which beamcam they have
@@ -108,17 +109,17 @@ class Cluster:
             raise self._error(GONE) from error
         self._chunks[future] = chunk
 
-    def wait(self) -> Iterator[Result]:
+    def wait(self) -> Iterator[Outcome]:
         done = self._done()
         for future in [f for f in self._chunks if f in done]:
             chunk = self._chunks.pop(future)
             try:
-                yield Result(chunk, "made", future.result(timeout=FETCH_S))
+                yield chunk, future.result(timeout=FETCH_S)
             except self._killed:
-                yield Result(chunk, "suspected")
+                yield chunk, Died()
             except TimeoutError:  # the worker that had the result is gone, with no fault of it
                 future.cancel()
-                yield Result(chunk, "lost")
+                yield chunk, None
             except CancelledError as error:
                 raise self._error(GONE) from error
             except Exception as error:

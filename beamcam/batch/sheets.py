@@ -7,6 +7,7 @@ that stands in the folder is that very one.
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
+from functools import partial
 from hashlib import sha256
 from pathlib import PurePosixPath
 
@@ -51,19 +52,11 @@ class SetupSheet(Struct, frozen=True):
     picture: str
 
 
-class SheetMaker(Struct, frozen=True):
-    """The work of a worker, for a shop that is frozen on its way there."""
-
-    frozen: bytes
-
-    def begin(self) -> None:
-        thaw(self.frozen)
-
-    def __call__(self, programs: Programs) -> tuple[SetupSheet, ...]:
-        """The sheets of an input's programs; none where it cannot be read any more."""
-        with suppress(OSError, BeamcamError):
-            return tuple(_sheets(programs, thaw(self.frozen)))
-        return ()
+def made_sheets(frozen: bytes, programs: Programs) -> tuple[SetupSheet, ...]:
+    """The sheets of an input's programs, by a worker; none where it cannot be read any more."""
+    with suppress(OSError, BeamcamError):
+        return tuple(_sheets(programs, thaw(frozen)))
+    return ()
 
 
 def picture_style() -> str:
@@ -96,7 +89,8 @@ def sheets_beside(
 def _made(
     rows: Iterable[FileRow], settings: BatchSettings, jobs: int, shares: Mapping[str, ShareTask]
 ) -> Iterator[SetupSheet]:
-    maker = SheetMaker(settings.freeze)
+    frozen = settings.freeze
+    maker = partial(made_sheets, frozen)
     tasks = (
         Programs(
             row["file"],
@@ -106,7 +100,7 @@ def _made(
         for row in rows
         if row["parts"]
     )
-    pool = Pool[Programs, tuple[SetupSheet, ...]](maker, max(jobs, 1), maker.begin)
+    pool = Pool[Programs, tuple[SetupSheet, ...]](maker, max(jobs, 1), partial(thaw, frozen))
     try:
         left = 0
         for task in tasks:
@@ -171,6 +165,6 @@ def _sheet(posted: Posted, output: str, settings: BatchSettings) -> SetupSheet:
     program = ReadProgram(
         b"".join(posted.pieces()), machine, PurePosixPath(output).name, machine.suffix, parts, bar,
     )  # fmt: skip
-    source = SheetSources(program, posted.plan, posted.remarks, compared=settings.read_back)
+    source = SheetSources(program, posted.plan, posted.remarks, compared=settings.request.verified)
     page = setup_page(content_of(source)).encode("utf-8", "backslashreplace")
     return SetupSheet(output, page, inline_svg(small_scene(parts[0])))

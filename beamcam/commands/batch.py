@@ -12,7 +12,7 @@ from beamcam.batch import NOT_OURS, WRITE
 from beamcam.batch.find import find_inputs
 from beamcam.batch.over_stock import StockRun
 from beamcam.batch.recipe import path_from, recipe_of
-from beamcam.batch.run import run
+from beamcam.batch.run import RunSetup, run
 from beamcam.commands import options
 from beamcam.commands.common import STANDARD, Console, keep_apart, over_input, say_lines
 from beamcam.commands.options import Grouped
@@ -121,17 +121,12 @@ def command(
         with asked_to_end() as interrupted:
             if over_stock:
                 of = [path_from(output, one.path) for one in result.inputs]
-                recipe = recipe_of(config, {**values, "nest": True, "inputs": of}, output)
-                stock_run = StockRun(
-                    result.inputs, output, settings, workers, recipe, redo, read, dry, interrupted
-                )
-                rows = stock_run.rows()
-            else:
-                recipe = recipe_of(config, values, output)
-                rows = run(
-                    result.inputs, output, settings, workers, config.flat, redo, read=read,
-                    recipe=recipe, dry=dry, interrupt=interrupted,
-                )  # fmt: skip
+                values |= {"nest": True, "inputs": of}
+            recipe = recipe_of(config, values, output)
+            setup = RunSetup(output, settings, workers, read, recipe, redo, dry, interrupted)
+            if over_stock:
+                stock_run = StockRun(result.inputs, setup)
+            rows = stock_run.rows() if stock_run else run(result.inputs, setup, config.flat)
             try:
                 for row in rows:
                     screen.show(row)
@@ -144,7 +139,7 @@ def command(
             finally:
                 rows.close()
         if stock_run is not None and not (interrupted or dry):
-            lists = [*stock_run.told, *write_lists(stock_run, output, read, redo)]
+            lists = [*stock_run.remarks, *write_lists(stock_run, output, read, redo)]
             screen.say(map(as_message, lists))
             messages += map(as_message, lists)
         unmatched = [as_message(d) for d in unmatched_keys(config, screen.counts)]

@@ -14,6 +14,7 @@ from beamcam.batch.over_stock import StockRun
 from beamcam.batch.pool import Here
 from beamcam.batch.recipe import asked_again, path_below
 from beamcam.batch.record import RECORD_NAME, Noted, Record, is_within, noted_in, partly, rests_of
+from beamcam.batch.run import RunSetup
 from beamcam.batch.work import BatchSettings, Task, make_all
 from beamcam.commands import GONE, NEW
 from beamcam.commands.golden import Checked, compared, named, sample_of
@@ -98,7 +99,8 @@ class Recorded:
             Input(path_below(str(self._folder), path), os.path.basename(path))
             for path in of_run[0].recipe.asked.get("inputs", ())
         ]
-        run = StockRun(inputs, str(self._folder), settings[1], Here(settings[1]), dry=True)
+        here = Here(settings[1])
+        run = StockRun(inputs, RunSetup(str(self._folder), settings[1], here, dry=True))
         try:
             messages = [one for row in run.planned() for one in row["messages"]]
         except BeamcamError as error:

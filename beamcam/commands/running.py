@@ -11,6 +11,7 @@ from time import monotonic, perf_counter
 from typing import IO, Any, Self
 
 import click
+from msgspec.structs import replace
 
 from beamcam.arguments import check_arguments
 from beamcam.batch.find import FoundInputs, Input
@@ -27,6 +28,7 @@ from beamcam.commands.parts import (
     drawing_options,
     letter,
     member_choice,
+    request_of,
     selection_options,
     torch_options,
 )
@@ -128,15 +130,17 @@ def batch_settings(
     of_sheets = [m for m in (sheets, *more_sheets, *more_bars) if m.torch is not None]
     if style is not None and {one.controller for one in of_sheets} - {*DIALECTS}:
         raise click.UsageError(f"--style is not for {sheets.name}.")
+    request = replace(
+        request_of((), config, bars, config.quantity, options),
+        verified=not options["no_verify"], date=options.get("date") or "", style=style,
+    )  # fmt: skip
     return BatchSettings(
-        bars, config.job, config.stock_lengths, config.quantity, config.allow_skips, config.strict,
-        not options["no_verify"], config.name, None if sheets == bars else sheets,
+        request, config.name, None if sheets == bars else sheets,
         drawing_choice(options, config) | member_choice(options, kernel=True, workers=1),
         timed=timed, clock=perf_counter, more=(*more_bars, *more_sheets),
-        date=options.get("date") or "", order=options.get("order", "given"),
-        turn=options.get("turn", False), mark_from=options.get("mark_from", "mark"), style=style,
-        by=config.by, rest_suffix=f".{options.get('rest_as', 'nc1')}" if config.split else "",
+        mark_from=options.get("mark_from", "mark"),
         remnants=tuple(map(remnant_of, options.get("remnants", ()))),
+        rest_suffix=f".{options.get('rest_as', 'nc1')}" if config.split else "",
     )  # fmt: skip
 
 
@@ -144,8 +148,7 @@ def told_of(config: Config, settings: BatchSettings) -> tuple[Diagnostic, ...]:
     """Whose configuration and machines a run has, for its report."""
     from beamcam.commands.configuration import reference, settings_line
 
-    machines = (settings.machine, *([settings.sheets] if settings.sheets else ()), *settings.more)
-    names = [reference(machine, config) for machine in machines]
+    names = [reference(machine, config) for machine in settings.machines]
     return (SETTINGS.at(Source("beamcam"), found=settings_line(config, names)),)
 
 

@@ -22,7 +22,7 @@ from beamcam.batch.find import Input, find_inputs
 from beamcam.batch.names import MarkKey
 from beamcam.batch.recipe import recipe_of
 from beamcam.batch.record import claims_of
-from beamcam.batch.run import run
+from beamcam.batch.run import RunSetup, run
 from beamcam.commands.common import Console
 from beamcam.commands.options import Grouped
 from beamcam.commands.running import (
@@ -222,10 +222,8 @@ def command(
             if ready:
                 workers = workers_of(settings, config.jobs, config.dask, ready)
                 read = files_read(config, (one.path for one in ready))
-                rows = run(
-                    ready, output, settings, workers, config.flat, claims=claims, read=read,
-                    recipe=recipe, interrupt=interrupted, marks=marks,
-                )  # fmt: skip
+                setup = RunSetup(output, settings, workers, read, recipe, interrupt=interrupted)
+                rows = run(ready, setup, config.flat, claims, marks)
                 try:
                     for one, row in zip(ready, rows, strict=False):
                         progress.show(row)
