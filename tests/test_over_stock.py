@@ -24,6 +24,7 @@ from beamcam.model.request import Request
 from beamcam.pipeline import read_file
 from beamcam.processes import Died
 from beamcam.readers import Reading
+from beamcam.system import NEVER
 from tests.conftest import SAMPLES, examples
 from tests.runs import BAD, call, part
 
@@ -371,7 +372,7 @@ def test_a_worker_that_dies_fails_its_program_alone(tmp_path: Path) -> None:
         return work.FileResult(task.index, row)
 
     tasks = (FileState(k, f"{k}.nc1", b"") for k in range(5))
-    found = {one.index: one.row["status"] for one in driven(Workers(), tasks, over_stock.NEVER)}
+    found = {one.index: one.row["status"] for one in driven(Workers(), tasks, NEVER)}
     assert found == {0: "posted", 1: "failed", 2: "posted", 3: "posted", 4: "posted"}
 
 

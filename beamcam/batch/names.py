@@ -177,7 +177,7 @@ def other_content(parts: Sequence[Part]) -> Iterator[Diagnostic]:
     first: dict[MarkKey, Part] = {}
     for part in parts:
         known = first.setdefault(mark_key(part), part) if part.mark else part
-        if known is not part and _content(known) != _content(part):
+        if known is not part and _content(part_to_json(known)) != _content(part_to_json(part)):
             where = f" in order {part.order}" if part.order else ""
             yield OTHER_CONTENT.at(part.source, found=part.mark, where=where, other=known.source)
 
@@ -213,16 +213,12 @@ def mixed_marks(
     return by_mark
 
 
-def _content(part: Part) -> object:
-    """Content of a part, without its source."""
-    return _content_of(part_to_json(part))
-
-
-def _content_of(value: object) -> object:
+def _content(value: object) -> object:
+    """Content of a part as JSON, without its source."""
     if isinstance(value, dict):
-        return {key: _content_of(v) for key, v in value.items() if key not in _NO_CONTENT}
+        return {key: _content(v) for key, v in value.items() if key not in _NO_CONTENT}
     if isinstance(value, list | tuple):
-        return [_content_of(item) for item in value]
+        return [_content(item) for item in value]
     return value
 
 

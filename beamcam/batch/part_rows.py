@@ -23,6 +23,8 @@ def part_row(
     part = posted.job.parts[0]
     how: list[str] = [outcome.how for outcome in plan.outcomes]
     ledger = {word: how.count(word) for word in OUTCOMES}
+    used = stock_used(plan, posted.job.bar)
+    bar = 0.0 if used is None or part.made is not None else used.length  # of a piece that comes cut
     passed_on = 0 if rest is None else rest["features"]
     ledger = {"read": len(how) + passed_on, **ledger, "passed_on": passed_on}
     skipped_by = (
@@ -32,20 +34,13 @@ def part_row(
         "mark": part.mark, "quantity": max(part.quantity, pieces), "pieces": pieces,
         "profile": part.profile.name, "order": part.order, "phase": part.phase,
         "length": part.length, "machine": machine.name, "output": name,
-        "sha256": sha256(content).hexdigest(), "rest": rest, "bar": _bar(posted),
+        "sha256": sha256(content).hexdigest(), "rest": rest, "bar": bar,
         "ledger": cast(Ledger, ledger), "by_hand": manual_rows(plan),
         "skipped_by": dict(sorted(skipped_by.items())), "mapped": _mapped(part, machine),
         "tools": sorted({_tool_name(op) for op in plan.operations}),
         "operations": len(plan.operations), "stock": None,
         "machine_time_s": round(posted.time(machine).total_s, 3) if timed else None,
     }  # fmt: skip
-
-
-def _bar(posted: Posted) -> float:
-    """The length of the bar that a program takes; 0 for a sheet and for a piece that comes cut."""
-    used = stock_used(posted.plan, posted.job.bar)
-    is_bar = used is not None and posted.job.parts[0].made is None
-    return used.length if used is not None and is_bar else 0.0
 
 
 def _mapped(part: Part, machine: Machine) -> dict[str, int]:

@@ -42,8 +42,9 @@ def recipe_of(config: Config, options: Mapping[str, Any], folder: str) -> Recipe
     given = {
         name: value
         for name, value in options.items()
-        if name not in _APART and (_is_given(name, value))
-    }
+        if name not in _APART and value is not None and value != _DEFAULTS.get(name)
+        and (value not in ((), False) or name in _MAY_BE_NOTHING)
+    }  # fmt: skip
     machine = config.machine if MACHINE in given else None
     if machine is not None and machine.endswith(".toml"):
         given[MACHINE] = path_from(folder, portable_path(machine))
@@ -54,12 +55,6 @@ def recipe_of(config: Config, options: Mapping[str, Any], folder: str) -> Recipe
         ]
     files, own = ([path_from(folder, p) for p in paths] for paths in (config.files, config.own))
     return Recipe(tuple(files), tuple(own), given)
-
-
-def _is_given(name: str, value: object) -> bool:
-    if value == _DEFAULTS.get(name):
-        return False
-    return value is not None and (value not in ((), False) or name in _MAY_BE_NOTHING)
 
 
 def asked_again(recipe: Recipe, folder: str) -> tuple[ConfigFiles, dict[str, Any]]:

@@ -12,7 +12,6 @@ was posted in part has a line too, under a key that no input has, so that its pr
 """
 
 import errno
-import hashlib
 import os
 import stat
 from collections.abc import Iterator
@@ -22,15 +21,11 @@ from typing import Any, BinaryIO
 
 from msgspec import Struct, convert
 
-from beamcam.batch import LINK, NOT_OURS
 from beamcam.batch.find import Input
 from beamcam.batch.names import folded
 from beamcam.batch.recipe import Recipe, path_below, path_from
-from beamcam.checks.job import MOST_BEFORE, head_of
-from beamcam.errors import Diagnostic, Source
 from beamcam.files import write_whole
-from beamcam.planning.manual_list import LIST_BEGIN, LIST_SUFFIX, as_csv
-from beamcam.readers.dstv import MADE
+from beamcam.planning.manual_list import LIST_SUFFIX, as_csv
 from beamcam.reports.run import FileRow, dumped, loaded, names_in
 from beamcam.system import BINARY
 
@@ -38,8 +33,6 @@ RECORD_NAME = ".beamcam-batch.jsonl"
 _TO_ADD = os.O_WRONLY | os.O_APPEND | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0) | BINARY
 _HEAD = b'{"key":"'
 _KEY = slice(len(_HEAD), len(_HEAD) + 64)
-#: In the form that a part has which another machine has begun: of DSTV, and of JSON.
-REST_MARKS = (MADE.encode(), b'"made": {')
 _RECIPE_HEAD = b'{"recipe":"'
 
 
@@ -71,10 +64,16 @@ class Record:
         self._size = 0
         self._places: dict[bytes, int] = {}  #: key -> where its line begins
         self._made: dict[str, str] | None = None
-        shared = _shared(self._path)
+        links = 1
+        with suppress(FileNotFoundError):
+            status = os.lstat(self._path)
+            if not stat.S_ISREG(status.st_mode):  # lines would be added to a file elsewhere
+                raise OSError(errno.EINVAL, f"{RECORD_NAME} is a link, or no plain file")
+            links = status.st_nlink
         lines = self._index()
-        if kept and (shared or lines > 2 * len(self._places) + 16):
-            # Most lines stand for what was made anew since; or another folder has the file too.
+        if kept and (links > 1 or lines > 2 * len(self._places) + 16):
+            # Most lines stand for what was made anew since; or another folder has the file too,
+            # as copies by links have.
             write_whole(self._path, self._standing(), durable=False)
             self._index()
 
@@ -95,7 +94,7 @@ class Record:
                 outputs = line.partition(b',"row":')[0][_KEY.stop :]
                 with suppress(ValueError):  # not a key: the line is torn
                     key = bytes.fromhex(line[_KEY].decode("ascii"))
-                    by_outputs[hashlib.sha256(outputs).digest()] = key, place
+                    by_outputs[sha256(outputs).digest()] = key, place
         self._places = dict(by_outputs.values())
         return lines
 
@@ -109,12 +108,6 @@ class Record:
                 yield recipes.pop(_recipe_named_by(line), b"")
                 yield line
 
-    def _line(self, place: int) -> bytes:
-        if self._lines is None:
-            self._lines = open(self._path, "rb")  # noqa: SIM115  closed by `close`
-        self._lines.seek(place)
-        return self._lines.readline()
-
     def find(self, key: bytes, found: Input) -> FileRow | None:
         """What was made of the input with that key, if all of it still stands as it was made.
 
@@ -124,22 +117,20 @@ class Record:
         if place is None:
             return None
         try:
-            line = loaded(self._line(place))
+            if self._lines is None:
+                self._lines = open(self._path, "rb")  # noqa: SIM115  closed by `close`
+            self._lines.seek(place)
+            line = loaded(self._lines.readline())
             row: FileRow = line["row"]
+            made = names_in(row)
             for part in row["parts"]:
-                path = os.path.join(self._folder, part["output"])
-                with open(path, "rb", buffering=0) as file:
-                    if hashlib.sha256(file.read()).hexdigest() != part["sha256"]:
-                        return None
                 if part["by_hand"]:
-                    with open(path + LIST_SUFFIX, "rb", buffering=0) as file:
-                        if file.read() != as_csv(part["by_hand"]).encode("utf-8"):
-                            return None
-                if part["rest"] is not None:
-                    path = os.path.join(self._folder, part["rest"]["output"])
-                    with open(path, "rb", buffering=0) as file:
-                        if hashlib.sha256(file.read()).hexdigest() != part["rest"]["sha256"]:
-                            return None
+                    listed = as_csv(part["by_hand"]).encode("utf-8")
+                    made[part["output"] + LIST_SUFFIX] = sha256(listed).hexdigest()
+            for name, digest in made.items():
+                with open(os.path.join(self._folder, name), "rb", buffering=0) as file:
+                    if sha256(file.read()).hexdigest() != digest:
+                        return None
             if (line["recipe"], line["input"]) != (self._recipe_name, self.input_of(found)):
                 self.add(key, row, found)
         except (OSError, ValueError, KeyError, TypeError):
@@ -220,21 +211,6 @@ def rests_of(noted: Noted) -> list[str]:
     return [rest["output"] for rest in rests if rest is not None]
 
 
-def _shared(path: str) -> bool:
-    """Whether a record is a file that another folder has too, as copies by links have.
-
-    Raises OSError for a link, by which lines would be added to a file elsewhere, and for what is no
-    plain file.
-    """
-    try:
-        status = os.lstat(path)
-    except FileNotFoundError:
-        return False
-    if not stat.S_ISREG(status.st_mode):
-        raise OSError(errno.EINVAL, f"{RECORD_NAME} is a link, or no plain file")
-    return status.st_nlink > 1
-
-
 def _is_below(output: str) -> bool:
     """Whether a name of a record stays below the folder, as all that batches write do."""
     words = output.replace(os.sep, "/").split("/")
@@ -249,7 +225,7 @@ def _recipe_named_by(line: bytes) -> bytes:
 
 def partly(key: bytes) -> bytes:
     """The key that the line of an input has which was posted in part: it is never found by it."""
-    return hashlib.sha256(key + b"in part").digest()
+    return sha256(key + b"in part").digest()
 
 
 def noted_in(folder: str) -> tuple[Noted, ...]:
@@ -279,77 +255,7 @@ def noted_in(folder: str) -> tuple[Noted, ...]:
     return tuple(notes)
 
 
-# --- standing -------------------------------------------------------------------------------------
-
-# Files that stand where outputs of a batch go: which of them may be written over.
-#
-# nothing there                         written
-# as the record says that it was made   written over
-# beamcam's, of which no record knows   written over: by `post`, or by a run that was killed
-# anybody else's, edited, or read-only  refused, unless the run is forced
-# by a link out of the folder           refused
-
-
-class OutputState:
-    """What stands in the folder of a batch."""
-
-    def __init__(self, folder: str, record: Record, force: bool) -> None:
-        self._folder, self._record, self._force = folder, record, force
-        self._within: dict[str, bool] = {}  #: whether folders below are in it, links followed
-
-    def refusal(self, output: str, content: bytes, path: str) -> Diagnostic | None:
-        """Why `output` of the input at `path` cannot be written; None if it can."""
-        place = os.path.join(self._folder, output)
-        if not self.is_within(output):
-            found = os.path.realpath(place)
-            return LINK.at(Source(path), found=output, to=found)
-        if self._force:
-            return None
-        try:
-            found_there = os.stat(place)
-        except OSError:
-            return None  # nothing is there, or writing says what is wrong
-        why = _locked(found_there) or self._strange(output, place, content)
-        return NOT_OURS.at(Source(path), found=output, why=why) if why else None
-
-    def is_within(self, output: str) -> bool:
-        """Whether an output lies in the folder, with every link followed."""
-        below = output.rpartition("/")[0]
-        if below not in self._within:
-            self._within[below] = is_within(self._folder, below)
-        is_link = os.path.islink(os.path.join(self._folder, output))
-        return self._within[below] and (not is_link or is_within(self._folder, output))
-
-    def _strange(self, output: str, place: str, content: bytes) -> str:
-        """Why a file is not what a batch made there; "" if it is."""
-        if not os.path.isfile(place):
-            return "which is no plain file"
-        there = b""
-        with suppress(OSError), open(place, "rb") as file:
-            there = file.read()
-        if there == content:
-            return ""
-        made = self._record.made.get(output)
-        if made is not None:
-            is_it = sha256(there).hexdigest() == made
-            return "" if is_it else "which was changed since it was made"
-        if is_list_or_rest(there) or head_of(there[:MOST_BEFORE].decode("latin-1")):
-            return ""
-        return "which beamcam did not make"
-
-
-def is_list_or_rest(data: bytes) -> bool:
-    """Whether a file was written beside programs: manual work, or what is left of a part."""
-    return data.startswith(LIST_BEGIN) or any(mark in data for mark in REST_MARKS)
-
-
 def is_within(folder: str, output: str) -> bool:
     """Whether an output lies in a folder, with every link followed."""
     real, own = os.path.realpath(os.path.join(folder, output)), os.path.realpath(folder)
     return real == own or real.startswith(os.path.join(own, ""))
-
-
-def _locked(status: os.stat_result) -> str:
-    """Why a file is not to be written, by its rights; the owner of the system has none."""
-    is_locked = stat.S_ISREG(status.st_mode) and not status.st_mode & 0o222
-    return "which is read-only" if is_locked else ""

@@ -16,6 +16,7 @@ from beamcam.commands.list_ import counted_parts, machines_in_shop, refuse_missi
 from beamcam.commands.options import Grouped, quantity
 from beamcam.commands.parts import list_options, request_of
 from beamcam.commands.settings import files_read, settled
+from beamcam.commands.value_types import parsed
 from beamcam.config.values import Config
 from beamcam.errors import Diagnostic, PlanError, Source
 from beamcam.model.request import numbered
@@ -38,15 +39,10 @@ FORMATS = ("pdf", "zpl", "json")
 HEAD_BYTES = 100  #: in which a file says what it is
 
 
-def _size(ctx: click.Context, param: click.Parameter, value: str) -> LabelSize:
-    try:
-        width, height = (float(text) for text in value.lower().split("x"))
-    except ValueError:
-        width = height = 0.0
+def _size(text: str) -> LabelSize:
+    width, height = map(float, text.lower().split("x"))
     if not (40 <= width <= 300 and 25 <= height <= 300):
-        raise click.BadParameter(
-            f"found {value!r}; expected WIDTHxHEIGHT in mm, 40x25 to 300x300, such as 100x60"
-        )
+        raise ValueError(text)
     return LabelSize(width, height)
 
 
@@ -59,7 +55,8 @@ def _size(ctx: click.Context, param: click.Parameter, value: str) -> LabelSize:
 @options.config
 @quantity
 @click.option(
-    "--size", callback=_size, default="100x60", show_default=True, metavar="WxH",
+    "--size", default="100x60", show_default=True, metavar="WxH",
+    callback=parsed(_size, "WIDTHxHEIGHT in mm, 40x25 to 300x300, such as 100x60"),
     help="Width and height of a label, mm.",
 )  # fmt: skip
 @click.option(

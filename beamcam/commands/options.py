@@ -18,7 +18,7 @@ import click
 from beamcam.commands import MORE_BARS, OUTPUT_FORMAT
 from beamcam.commands.common import STANDARD, Console
 from beamcam.commands.outputs import Callback
-from beamcam.commands.value_types import Number, QuantityType, SkipNames
+from beamcam.commands.value_types import Number, QuantityType, SkipNames, parsed
 from beamcam.errors import BeamcamError, PlanError, Source
 from beamcam.model.plan import ALL_SKIPS, SKIP_NAMES, named_skips
 from beamcam.model.request import MARKS_FROM, numbered, remnant_of
@@ -89,18 +89,16 @@ by = click.option(
 )  # fmt: skip
 
 
-def _names(ctx: click.Context, param: click.Parameter, value: str | None) -> tuple[str, ...] | None:
-    """The names in a list that commas set off, each once; None where there is no list."""
-    if value is None:
-        return None
-    names = tuple(dict.fromkeys(name.strip() for name in value.split(",") if name.strip()))
+def _names(text: str) -> tuple[str, ...]:
+    """The names in a list that commas set off, each once."""
+    names = tuple(dict.fromkeys(name.strip() for name in text.split(",") if name.strip()))
     if not names:
-        raise click.BadParameter(f"found {value!r}; expected names of machines.")
+        raise ValueError(text)
     return names
 
 
 machines = click.option(
-    "--machines", callback=_names, metavar="NAMES",
+    "--machines", callback=parsed(_names, "names of machines."), metavar="NAMES",
     help="Machines that make parts one after the other: names or TOML files, set off by commas.",
 )  # fmt: skip
 rest_as = click.option(
@@ -119,44 +117,28 @@ bar_of_program = click.option(
 )  # fmt: skip
 
 
-def _remnants(
-    ctx: click.Context, param: click.Parameter, values: tuple[str, ...]
-) -> tuple[str, ...]:
-    for value in values:
-        try:
-            remnant_of(value)
-        except ValueError:
-            raise click.BadParameter(
-                f"found {value!r}; expected a length above 0, or with its section and grade, such "
-                "as UPN200=4300 or UPN200/S235JR=4300"
-            ) from None
-    return values
+def _remnant(text: str) -> str:
+    remnant_of(text)
+    return text
 
 
 remnants = click.option(
-    "--remnant", "remnants", multiple=True, callback=_remnants, metavar="[SECTION[/GRADE]=]MM",
+    "--remnant", "remnants", multiple=True, metavar="[SECTION[/GRADE]=]MM",
+    callback=parsed(_remnant, "a length above 0, or with its section and grade, such as "
+                    "UPN200=4300 or UPN200/S235JR=4300"),
     help="A bar that is there once, used before others; may be repeated.",
 )  # fmt: skip
 job_name = click.option("--job", metavar="NAME", help="In the program's first line; else JOB.")
 
 
-def _day(ctx: click.Context, param: click.Parameter, value: str | None) -> str | None:
+def _day(text: str) -> str:
     """A day as 2024-02-29; today's by the clock, which is looked at for nothing else."""
-    if value is None:
-        return None
-    if value == "today":
-        return date.today().isoformat()
-    try:
-        return date.fromisoformat(value).isoformat()
-    except ValueError:
-        raise click.BadParameter(
-            f"found {value!r}; expected today or a day as 2024-02-29"
-        ) from None
+    return (date.today() if text == "today" else date.fromisoformat(text)).isoformat()
 
 
 job_date = click.option(
     "--date",
-    callback=_day,
+    callback=parsed(_day, "today or a day as 2024-02-29"),
     metavar="DAY",
     help="For {date} in the machine's words: today, or as 2024-02-29; else empty.",
 )

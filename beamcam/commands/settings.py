@@ -26,6 +26,7 @@ from beamcam.errors import BeamcamError, Diagnostic, MachineError, PlanError, So
 from beamcam.files import FilesRead
 from beamcam.machine import Machine
 from beamcam.machine.machine import default_machines, is_of_sheets
+from beamcam.machine.overlay import with_section, with_torch
 from beamcam.machine.words import UNKNOWN_MACHINE
 from beamcam.model.part import Part
 from beamcam.model.request import are_flats, stock_of
@@ -83,19 +84,11 @@ def settled_again(
 
 
 def _in_force(config: Config) -> Config:
-    """The configuration as it holds: its limits for all that follows, its machines by their paths.
+    """The configuration as it holds: its limits for all that follows, one's own machines by paths.
 
-    Raises MachineError as `_with_own_machines`.
+    Raises MachineError where the name of one is that of a shipped machine too.
     """
     InForce.limits = config.limits
-    return _with_own_machines(config)
-
-
-def _with_own_machines(config: Config) -> Config:
-    """The configuration with the paths of one's own machines in place of their names.
-
-    Raises MachineError where a name is that of a shipped machine too.
-    """
     if config.machine is None and not config.machines and not config.split:
         return config
     from beamcam.machine.load import resolved
@@ -113,16 +106,16 @@ def _with_own_machines(config: Config) -> Config:
 
 def files_read(config: Config, inputs: Iterable[str]) -> FilesRead:
     """Every file that a job reads: its inputs, its configuration, the files of its machines."""
-    return FilesRead(_files_read(config, inputs))
 
+    def paths() -> Iterator[str]:
+        from beamcam.machine.load import files_of
 
-def _files_read(config: Config, inputs: Iterable[str]) -> Iterator[str]:
-    from beamcam.machine.load import files_of
+        yield from inputs
+        yield from config.files
+        for name in config.all_machines:
+            yield from files_of(name)
 
-    yield from inputs
-    yield from config.files
-    for name in config.all_machines:
-        yield from files_of(name)
+    return FilesRead(paths())
 
 
 def _wanted(options: Mapping[str, Any]) -> dict[str, Any]:
@@ -144,21 +137,22 @@ def machines_for(config: Config, parts: Sequence[Part], output: str) -> Sequence
     `output` is the program's name. Where none is asked for they are those for the kind of stock,
     and of sheets by the suffix of `output`. Raises MachineError, ConfigError and PlanError.
     """
-    _agree_on_sheet(config, parts)
+    # The command line may not say another thickness or material than a part.
+    diagnostics = list(_other_thicknesses(config, parts))
+    material = config.sheet.material
+    if material is not None and config.sources.get("sheet.material") == COMMAND_LINE:
+        from beamcam.planning.contours.plate import is_same
+        from beamcam.planning.contours.rules import OTHER_MATERIAL
+
+        diagnostics += (
+            OTHER_MATERIAL.at(part.source, found=material, expected=part.grade)
+            for part in parts
+            if part.grade and not is_same(material, part.grade)
+        )
+    if diagnostics:
+        raise PlanError(diagnostics)
     stock = stock_of(parts, bool(config.sheet.unrolled))
     return machines_of_stock(config, stock, output, flats=stock == "sheet" and are_flats(parts))
-
-
-def _agree_on_sheet(config: Config, parts: Sequence[Part]) -> None:
-    """Raises PlanError where the command line says another thickness or material than a part."""
-    diagnostics: list[Diagnostic] = []
-    thickness, material = config.sheet.thickness, config.sheet.material
-    if thickness is not None and config.sources.get("sheet.thickness") == COMMAND_LINE:
-        diagnostics += _other_thicknesses(thickness, parts)
-    if material is not None and config.sources.get("sheet.material") == COMMAND_LINE:
-        diagnostics += _other_materials(material, parts)
-    if diagnostics:
-        raise PlanError(tuple(diagnostics))
 
 
 def with_thickness(reading: Reading, config: Config) -> Reading:
@@ -170,9 +164,7 @@ def with_thickness(reading: Reading, config: Config) -> Reading:
     if thickness is None:
         return reading
     sheets = [part for part in reading.parts if part.profile.code == "B"]
-    diagnostics: tuple[Diagnostic, ...] = ()
-    if config.sources.get("sheet.thickness") == COMMAND_LINE:
-        diagnostics = tuple(_other_thicknesses(thickness, sheets))
+    diagnostics = _other_thicknesses(config, sheets)
     parts = tuple(
         replace(part, profile=replace(part.profile, web_thickness=thickness))
         if part in sheets and part.profile.web_thickness is None
@@ -182,22 +174,17 @@ def with_thickness(reading: Reading, config: Config) -> Reading:
     return replace(reading, parts=parts, diagnostics=(*reading.diagnostics, *diagnostics))
 
 
-def _other_thicknesses(thickness: float, parts: Sequence[Part]) -> Iterator[Diagnostic]:
+def _other_thicknesses(config: Config, parts: Sequence[Part]) -> Iterator[Diagnostic]:
+    """An error for each part that has another thickness than the command line says, if it does."""
+    thickness = config.sheet.thickness
+    if thickness is None or config.sources.get("sheet.thickness") != COMMAND_LINE:
+        return
     from beamcam.planning.contours.rules import OTHER_THICKNESS
 
     for part in parts:
         own = part.profile.web_thickness
         if own is not None and abs(own - thickness) > SAME_THICKNESS:
             yield OTHER_THICKNESS.at(part.source, found=f"{thickness:g}", expected=f"{own:g}")
-
-
-def _other_materials(material: str, parts: Sequence[Part]) -> Iterator[Diagnostic]:
-    from beamcam.planning.contours.plate import is_same
-    from beamcam.planning.contours.rules import OTHER_MATERIAL
-
-    for part in parts:
-        if part.grade and not is_same(material, part.grade):
-            yield OTHER_MATERIAL.at(part.source, found=material, expected=part.grade)
 
 
 def map_remarks(config: Config, parts: Sequence[Part], machine: Machine) -> tuple[Diagnostic, ...]:
@@ -210,8 +197,8 @@ def map_remarks(config: Config, parts: Sequence[Part], machine: Machine) -> tupl
         return ()
     from beamcam.planning.left_out import curves_by_key, idle, unmatched
 
-    asked = {key for key, source in config.sources.items() if source == COMMAND_LINE}
-    here = {k: v for k, v in config.meanings.items() if f"map.{k}" in asked}
+    sources = config.sources
+    here = {k: v for k, v in config.meanings.items() if sources.get(f"map.{k}") == COMMAND_LINE}
     table = machine.torch.colours
     if refused := tuple(unmatched(here, parts, table)):
         raise PlanError(refused)
@@ -233,29 +220,20 @@ def machine_for_program(
         allowed = machines_for(config, parts, program)
     else:
         allowed = machines_of_stock(config, "sheet" if is_of_sheets(program) else "beam", program)
+    from beamcam.checks.job import head_of
     from beamcam.machine.load import is_file_name
 
-    named = _machine_in_head(data)
-    if named is None:
+    head = head_of(data.decode("utf-8", "replace") if isinstance(data, bytes) else data)
+    if head is None:
         return allowed[0]
-    chosen = config.all_machines
-    # A head names machines that are known here, never a file.
-    more = chosen or ([] if is_file_name(named) else [named])
-    if (known := next((one for one in allowed if one.name == named), None)) is not None:
+    if (known := next((one for one in allowed if one.name == head.machine), None)) is not None:
         return known
-    for name in more:
+    # A head names machines that are known here, never a file.
+    for name in config.all_machines or ([] if is_file_name(head.machine) else [head.machine]):
         other = machine_asked(name, config)
-        if other is not None and other.name == named:
+        if other is not None and other.name == head.machine:
             return _told(name, other, config)
     return allowed[0]
-
-
-def _machine_in_head(data: bytes | str) -> str | None:
-    """The machine that the head of a program names."""
-    from beamcam.checks.job import head_of
-
-    head = head_of(data.decode("utf-8", "replace") if isinstance(data, bytes) else data)
-    return None if head is None else head.machine
 
 
 def machines_of_stock(
@@ -266,17 +244,15 @@ def machines_of_stock(
     `is_one_of_two` says that there are some for the other kind, which may be who can do what the
     command line asks for, and `flats` that the sheets are flats.
     """
-    names = config.machine_names(stock)
-    if not names:
-        is_one_of_two = is_one_of_two or flats
-        return InTurn(
-            default_machines(stock, output, flats),
-            lambda name: _told(name, _as_asked(load_tested(name), config, is_one_of_two), config),
+    if names := config.machine_names(stock):
+        machines = {name: _named_machine(config, stock, name) for name in names}
+        return tuple(
+            _told(name, _as_asked(machines[name], config, is_one_of_two), config) for name in names
         )
-    machines = [_named_machine(config, stock, name) for name in names]
-    return tuple(
-        _told(name, _as_asked(machine, config, is_one_of_two), config)
-        for name, machine in zip(names, machines, strict=True)
+    is_one_of_two = is_one_of_two or flats
+    return InTurn(
+        default_machines(stock, output, flats),
+        lambda name: _told(name, _as_asked(load_tested(name), config, is_one_of_two), config),
     )
 
 
@@ -286,11 +262,10 @@ def machines_of_split(config: Config) -> tuple[Machine, ...]:
     What the command line asks of sheets is asked of those that cut sheets, if there is one. Raises
     MachineError, ConfigError and PlanError.
     """
-    machines = [_named_machine(config, "split", name) for name in config.split]
-    cuts_sheets = any(machine.torch is not None for machine in machines)
+    machines = {name: _named_machine(config, "split", name) for name in config.split}
+    cuts_sheets = any(machine.torch is not None for machine in machines.values())
     return tuple(
-        _told(name, _as_asked(machine, config, cuts_sheets), config)
-        for name, machine in zip(config.split, machines, strict=True)
+        _told(name, _as_asked(machines[name], config, cuts_sheets), config) for name in config.split
     )
 
 
@@ -321,7 +296,6 @@ def _told(name: str, machine: Machine, config: Config) -> Machine:
 
 def machine_asked(name: str, config: Config) -> Machine | None:
     """A machine as the job wants it; None where there is none, or it cannot do what is asked."""
-
     try:
         return _as_asked(load_tested(name), config, is_one_of_two=False)
     except BeamcamError:
@@ -335,13 +309,26 @@ def _as_asked(machine: Machine, config: Config, is_one_of_two: bool) -> Machine:
         from beamcam.config.load import with_tolerances
 
         machine = with_tolerances(machine, config)
-    if config.corner or config.lip:
-        from beamcam.machine.overlay import with_section
-
-        machine = with_section(machine, config.corner, config.lip)
-    if not (config.sheet.given() or config.map) or (machine.torch is None and is_one_of_two):
+    machine = with_section(machine, config.corner, config.lip)
+    # One configuration serves all kinds of machines, so that only what the command line asks for is
+    # asked of one without a torch.
+    if machine.torch is None and (is_one_of_two or COMMAND_LINE not in (
+        config.sources.get(f"{table}.{name}")
+        for table in ("sheet", "map")
+        for name in config.rows(table)
+    )):  # fmt: skip
         return machine
-    return _with_sheet(machine, config)
+    try:
+        return with_torch(
+            machine, config.meanings, settings=config.layer_settings, **config.sheet.given()
+        )
+    except ValueError as error:
+        from beamcam.planning.contours.rules import OPTION
+
+        sources = (config.sources.get(f"sheet.{name}") for name in config.sheet.given())
+        lines = (source for source in sources if source not in (None, COMMAND_LINE))
+        place = next(lines, None) or Source(machine.name)
+        raise PlanError(OPTION.at(place, found=error)) from error
 
 
 def _named_machine(config: Config, of: Stock | Literal["split"], named: str) -> Machine:
@@ -364,30 +351,3 @@ def _named_machine(config: Config, of: Stock | Literal["split"], named: str) -> 
         raise ConfigError(
             WRONG_VALUE.at(source, key=key, found=repr(named), expected=expected)
         ) from error
-
-
-def _with_sheet(machine: Machine, config: Config) -> Machine:
-    """The machine as the map and the table `[sheet]` want it.
-
-    One configuration serves all kinds of machines, so that only what the command line asks for is
-    asked of one without a torch.
-    """
-    is_given = COMMAND_LINE in (
-        config.sources.get(f"{table}.{name}")
-        for table in ("sheet", "map")
-        for name in config.rows(table)
-    )
-    if machine.torch is None and not is_given:
-        return machine
-    from beamcam.machine.overlay import with_torch
-    from beamcam.planning.contours import rules
-
-    try:
-        return with_torch(
-            machine, config.meanings, settings=config.layer_settings, **config.sheet.given()
-        )
-    except ValueError as error:
-        sources = (config.sources.get(f"sheet.{name}") for name in config.sheet.given())
-        lines = (source for source in sources if source not in (None, COMMAND_LINE))
-        place = next(lines, None) or Source(machine.name)
-        raise PlanError(rules.OPTION.at(place, found=error)) from error

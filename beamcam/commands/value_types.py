@@ -1,11 +1,32 @@
 """What an option takes: numbers within limits, names, addresses, quantities."""
 
 import re
+from collections.abc import Callable
 from contextlib import suppress
 from math import inf, isfinite, nan
 from typing import Any
 
 import click
+
+
+def parsed(parse: Callable[[str], Any], expected: str) -> Callable[..., Any]:
+    """A callback that gives what `parse` makes of a text, or of each of several.
+
+    One of which it raises ValueError or LookupError is refused.
+    """
+
+    def one(text: str) -> Any:
+        try:
+            return parse(text)
+        except (LookupError, ValueError) as error:
+            raise click.BadParameter(f"found {text!r}; expected {expected}") from error
+
+    def callback(ctx: click.Context, param: click.Parameter, value: Any) -> Any:
+        if value is None:
+            return None
+        return tuple(map(one, value)) if isinstance(value, tuple) else one(value)
+
+    return callback
 
 
 class Number(click.ParamType):  # type: ignore[type-arg]  # older versions take none
