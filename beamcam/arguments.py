@@ -261,18 +261,16 @@ def none_makes_it(
     refused: Sequence[tuple[Machine, Sequence[Diagnostic]]], source: Source
 ) -> tuple[Diagnostic, ...]:
     """Messages where every machine refuses: those of a single machine, or a summary of several."""
-    least = min(refused, key=lambda one: _distance(one[1]))[1]
+
+    def distance(one: tuple[Machine, Sequence[Diagnostic]]) -> tuple[bool, bool, int]:
+        codes = [diagnostic.code for diagnostic in errors_in(one[1])]
+        return not {*codes}.isdisjoint(NOT_FOR_IT), FOR_ANOTHER.issuperset(codes), len(codes)
+
+    least = min(refused, key=distance)[1]  # that says most of why none makes the part
     if len(refused) == 1:
         return tuple(least)
     found = "; ".join(f"{machine.name}: {_codes(diagnostics)}" for machine, diagnostics in refused)
     return (*least, NONE_MAKES_IT.at(source, found=found))
-
-
-def _distance(diagnostics: Iterable[Diagnostic]) -> tuple[bool, bool, int]:
-    """How little the messages of a machine say of why none makes a part."""
-    codes = [one.code for one in errors_in(diagnostics)]
-    not_for_it = any(code in NOT_FOR_IT for code in codes)
-    return not_for_it, FOR_ANOTHER.issuperset(codes), len(codes)
 
 
 def _codes(diagnostics: Iterable[Diagnostic]) -> str:

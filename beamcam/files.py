@@ -32,26 +32,38 @@ def write_whole(
     target = os.fspath(path)
     mode = _mode(target)
     if mode is not None and not (stat.S_ISREG(mode) or stat.S_ISDIR(mode)):
-        _write_to_device(target, data)
+        file = os.open(target, os.O_WRONLY | BINARY)  # /dev/null, a printer, a pipe
+        try:
+            _write_all(file, data)
+        finally:
+            os.close(file)
         return
     # A link is written through, as a shell's redirection does.
-    _replace(os.path.realpath(target) if os.path.islink(target) else target, mode, data, durable)
-
-
-def _replace(target: str, mode: int | None, data: bytes | Iterable[bytes], durable: bool) -> None:
-    """Write a new file and give it the name `target`; `mode` is that of the file there, if any."""
-    folder, name = os.path.split(target)
-    # The process's number keeps two writers apart; a name left by a dead one is used again.
-    part = os.path.join(folder, f".{name[:40]}.{os.getpid()}.part")
+    target = os.path.realpath(target) if os.path.islink(target) else target
+    part = _part(target, "")
     with taken_back(partial(os.unlink, part)):
         _write_part(target, part, mode, data, durable)
+
+
+def _part(target: str, number: str) -> str:
+    """A temporary name beside a file.
+
+    The process's number keeps two writers apart; a name left by a dead one is used again.
+    """
+    folder, name = os.path.split(target)
+    return os.path.join(folder, f".{name[:40]}.{os.getpid()}{number}.part")
 
 
 def _write_part(
     target: str, part: str, mode: int | None, data: bytes | Iterable[bytes], durable: bool
 ) -> None:
-    """Write a new file, which has the name `part` if it has any, until it is the target."""
-    file, named = _open(os.path.dirname(target) or os.curdir, part)
+    """Write a new file, which has the name `part` if it has any, until it is the target.
+
+    `mode` is that of the file there, if any.
+    """
+    unnamed = _unnamed(os.path.dirname(target) or os.curdir)
+    named = unnamed is None
+    file = _new(part, 0o666) if unnamed is None else unnamed
     try:
         try:
             _write_all(file, data)
@@ -148,8 +160,7 @@ def write_together(files: Mapping[str, bytes], durable: bool = True) -> None:
                 mode = _mode(target)
                 if mode is not None and not stat.S_ISREG(mode):
                     raise OSError(errno.EEXIST, "no plain file")
-                folder, name = os.path.split(target)
-                part = os.path.join(folder, f".{name[:40]}.{os.getpid()}-{k}.part")
+                part = _part(target, f"-{k}")
                 parts[part] = target
                 _write_named(part, data, mode, durable)
             for part, target in reversed(parts.items()):
@@ -162,10 +173,8 @@ def write_together(files: Mapping[str, bytes], durable: bool = True) -> None:
 
 
 def _write_named(path: str, data: bytes, mode: int | None, durable: bool) -> None:
-    """Write a new file under its name, in place of one that was left there."""
-    with suppress(FileNotFoundError):
-        os.unlink(path)
-    file = os.open(path, _NEW, 0o666)
+    """Write a new file under its name."""
+    file = _new(path, 0o666)
     try:
         _write(file, data)
         if mode is not None:
@@ -185,14 +194,11 @@ def remove_made(path: str, begin: bytes) -> None:
             os.unlink(path)
 
 
-def _open(folder: str, part: str) -> tuple[int, bool]:
-    """A new file in `folder`, and whether it has the name `part` already."""
-    file = _unnamed(folder)
-    if file is not None:
-        return file, False
+def _new(path: str, mode: int) -> int:
+    """A new file, in place of one that was left there."""
     with suppress(FileNotFoundError):
-        os.unlink(part)
-    return os.open(part, _NEW, 0o666), True
+        os.unlink(path)
+    return os.open(path, _NEW, mode)
 
 
 def _unnamed(folder: str) -> int | None:
@@ -211,15 +217,6 @@ def _mode(path: str) -> int | None:
     with suppress(FileNotFoundError):
         return os.stat(path).st_mode
     return None
-
-
-def _write_to_device(path: str, data: bytes | Iterable[bytes]) -> None:
-    """Write to what has no name of its own that a file could take: /dev/null, a printer, a pipe."""
-    file = os.open(path, os.O_WRONLY | BINARY)
-    try:
-        _write_all(file, data)
-    finally:
-        os.close(file)
 
 
 def _write_all(file: int, data: bytes | Iterable[bytes]) -> None:
@@ -246,9 +243,7 @@ def _link(file: int, path: str) -> bool:
 def _copy(file: int, path: str, durable: bool) -> None:
     """Copy an unnamed file to a new one, where a system lets no name be given to it."""
     os.lseek(file, 0, os.SEEK_SET)
-    with suppress(FileNotFoundError):
-        os.unlink(path)
-    copy = os.open(path, _NEW, os.fstat(file).st_mode & 0o777)
+    copy = _new(path, os.fstat(file).st_mode & 0o777)
     try:
         while piece := os.read(file, 1 << 20):
             _write(copy, piece)

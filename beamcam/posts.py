@@ -6,7 +6,7 @@ that a bar never loads what only a sheet needs.
 """
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import partial
 from typing import Any
 
@@ -93,15 +93,12 @@ def bar_post() -> Post:
             _text(program), job.parts, w.machine, w.skips, w.name, w.order, w.turn, job.bar
         )
 
-    def emit(program: Program, job: Job) -> str:
-        return gcode.emit(program, job.machine)
-
     def time(plan: Plan, _: Program, machine: Machine) -> WorkTime:
         from beamcam.planning.times import work_time
 
         return work_time(plan, machine)
 
-    return Post(plan, beam_program, emit, read_back, _with_comments, time)
+    return Post(plan, beam_program, _by_machine(gcode.emit), read_back, _with_comments, time)
 
 
 def sheet_post() -> Post:
@@ -114,16 +111,18 @@ def sheet_post() -> Post:
         text = _text(program)
         return _of_asked(verify_sheet, job, text, text)
 
-    def emit(program: Program, job: Job) -> str:
-        return cutting.emit(program, job.machine)
-
     def time(plan: SheetPlan, program: Program, machine: Machine) -> WorkTime:
         from beamcam.motion.sheet_times import program_time
 
         lifts = machine.torch is not None and machine.torch.z == "program"
         return program_time(plan, program, machine, _standing(machine) if lifts else None)
 
+    emit = _by_machine(cutting.emit)
     return Post(_plan_sheet, sheet_program, emit, read_back, _with_comments, time)
+
+
+def _by_machine(emit: Callable[[Program, Machine], str]) -> Callable[[Any, Job], Written]:
+    return lambda program, job: emit(program, job.machine)
 
 
 def _standing(machine: Machine) -> Callable[[ToolOn], float]:
@@ -183,10 +182,10 @@ def step_post() -> Post:
         pieces = (program.encode("utf-8"),) if isinstance(program, str) else program()
         return _of_asked(partial(verify_table, form), job, pieces, beginning(program))
 
-    def time(plan: SheetPlan, _: Any, machine: Machine) -> WorkTime:
-        return step_time(plan, machine)
-
-    return Post(_plan_sheet, step_table, emit, read_back, _with_remarks, time)
+    return Post(
+        _plan_sheet, step_table, emit, read_back, _with_remarks,
+        lambda plan, _, machine: step_time(plan, machine),
+    )  # fmt: skip
 
 
 def coping_post() -> Post:
@@ -204,9 +203,7 @@ def coping_post() -> Post:
         w = job.request
         return verify_coping(_text(program), job.parts, w.machine, w.skips, w.name)
 
-    def emit(program: Program, job: Job) -> str:
-        return coping.emit(program, job.machine)
-
+    emit = _by_machine(coping.emit)
     return Post(plan, coping_program, emit, read_back, _with_comments, coping_time)
 
 
@@ -321,16 +318,19 @@ def other_than_planned(
             missing.append((diagnostic.code, diagnostic.source))
         elif diagnostic.code == MOVED.code:
             moved.append(diagnostic)
-        elif diagnostic.code == UNCUT.code:
-            yield from _untold(plan, diagnostic)
+        elif diagnostic.code == UNCUT.code:  # waste that stays in a corner of a contour
+            from beamcam.planning.contours.rules import LEFT
+
+            reported = [d for d in plan.remarks if d.code == LEFT.code]
+            at = diagnostic["x"], diagnostic["y"]
+            if not any(d.source == diagnostic.source or (d["x"], d["y"]) == at for d in reported):
+                yield UNCUT_TOLD.at(diagnostic.source, **dict(diagnostic.values))
         elif diagnostic.code == HEAD_TEXT.code:  # which was written for these very parts
             refused = True
             yield replace(diagnostic, severity=Severity.ERROR)
         elif diagnostic.code == BAR_NEEDED.code and isinstance(plan, Plan):
-            if (
-                float(diagnostic["found"])
-                > plan.bar.length + job.machine.format.resolution + TOLD_BAR
-            ):
+            tolerance = job.machine.format.resolution + TOLD_BAR
+            if float(diagnostic["found"]) > plan.bar.length + tolerance:
                 expected = f"{plan.bar.length:.3f}"
                 yield BAR_TOLD.at(diagnostic.source, found=diagnostic["found"], expected=expected)
         else:
@@ -346,27 +346,11 @@ def other_than_planned(
         return
     alike = stand_ins(job.parts)
     yield from other_places(remarks, moved, alike, hand)
-    lacking, planned = _of_the_first(missing, alike), _of_the_first(named, alike)
-    for code, source in (lacking - planned) + (planned - lacking):
-        one = code, source
-        yield LEDGER.at(source, found=lacking[one], expected=planned[one])
-
-
-def _of_the_first(
-    missing: Iterable[tuple[str, Source]], alike: Mapping[Source, Source]
-) -> Counter[tuple[str, Source]]:
-    """What is missing, each text by the first of those that are alike."""
-    return Counter((code, alike.get(source, source)) for code, source in missing)
-
-
-def _untold(plan: AnyPlan, uncut: Diagnostic) -> Iterator[Diagnostic]:
-    """An error for waste that stays in a corner of a contour, unless the plan reports it."""
-    from beamcam.planning.contours.rules import LEFT
-
-    diagnostics = [d for d in plan.remarks if d.code == LEFT.code]
-    place = uncut["x"], uncut["y"]
-    if not any(d.source == uncut.source or (d["x"], d["y"]) == place for d in diagnostics):
-        yield UNCUT_TOLD.at(uncut.source, **dict(uncut.values))
+    found, planned = (  # each text by the first of those that are alike
+        Counter((code, alike.get(source, source)) for code, source in of) for of in (missing, named)
+    )
+    for one in (found - planned) + (planned - found):
+        yield LEDGER.at(one[1], found=found[one], expected=planned[one])
 
 
 def head_differences(
@@ -375,8 +359,7 @@ def head_differences(
     """Differences of a program's head from the job and from what its read-back said."""
     if not carries_head(job):
         return ()
-    told_bar = isinstance(plan, Plan) and job.machine.saw is not None
-    bar = plan.bar.length if isinstance(plan, Plan) and told_bar else None
+    bar = plan.bar.length if isinstance(plan, Plan) and job.machine.saw is not None else None
     missing, manual_work = (
         sum(one.code == of.code for one in diagnostics) for of in (MISSING, FOR_MANUAL_WORK)
     )

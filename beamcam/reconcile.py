@@ -65,7 +65,11 @@ def other_places(
     groups: dict[tuple[Source, str], tuple[list[_LetteredAt], list[_LetteredAt]]] = {}
     for which, messages in enumerate((remarks, diagnostics)):
         for diagnostic in messages:
-            one = _lettered_at(diagnostic)
+            at, drawn_at = (
+                tuple(float(diagnostic[f"{of}{name}"]) for name in ("x", "y", "height"))
+                for of in ("", "wanted_")
+            )
+            one = _LetteredAt(diagnostic.source, at, drawn_at, str(diagnostic["text"]))
             group = alike.get(one.source, one.source), one.letters
             groups.setdefault(group, ([], []))[which].append(one)
     left = {alike.get(source, source) for source in manual_work}
@@ -93,12 +97,3 @@ def _differences(
         yield TEXT_TOLD.at(one.source, found=one, expected="elsewhere")
     for one in untold:
         yield TEXT_TOLD.at(one.source, found="elsewhere", expected=one)
-
-
-def _lettered_at(diagnostic: Diagnostic) -> _LetteredAt:
-    """The place of a text in a message, of a plan or of the read-back."""
-    at, drawn_at = (
-        tuple(float(diagnostic[f"{which}{name}"]) for name in ("x", "y", "height"))
-        for which in ("", "wanted_")
-    )
-    return _LetteredAt(diagnostic.source, at, drawn_at, str(diagnostic["text"]))

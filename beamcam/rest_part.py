@@ -58,24 +58,20 @@ def rest_of_part(posted: Posted, target: Target) -> tuple[Part, str] | None:
     if not missing:
         return None
     begun = begun_part(part, posted.plan, job.machine)
-    text = target.write(_without_folder(begun))
+    file = os.path.basename(part.source.file)  # alone: the text is the same from any folder
+
+    def named(things: Iterable[Sourced]) -> tuple[Sourced, ...]:
+        return tuple(replace(one, source=replace(one.source, file=file)) for one in things)
+
+    (whole,) = named((begun,))
+    made = None if begun.made is None else named(begun.made)
+    features, planes = named(begun.features), named(begun.planes)
+    text = target.write(replace(whole, features=features, planes=planes, made=made))
     rest = _read(text, target)
     faults = tuple(rest_faults(_placed(_read(target.write(part), target), part), rest, missing))
     if faults:
         raise VerifyError(faults)
     return _placed(rest, begun), text
-
-
-def _without_folder(part: Part) -> Part:
-    """A part whose sources name the file alone: what is written is the same from any folder."""
-    name = os.path.basename(part.source.file)
-
-    def named(things: Iterable[Sourced]) -> tuple[Sourced, ...]:
-        return tuple(replace(one, source=replace(one.source, file=name)) for one in things)
-
-    made = None if part.made is None else named(part.made)
-    (whole,) = named((part,))
-    return replace(whole, features=named(part.features), planes=named(part.planes), made=made)
 
 
 def _placed(again: Part, part: Part) -> Part:

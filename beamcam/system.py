@@ -101,13 +101,6 @@ def max_workers(count: int) -> int:
     return min(count, MAX_WORKERS_WINDOWS) if is_windows() else count
 
 
-def stop_signals() -> tuple[int, ...]:
-    """The signals, besides Ctrl-C, by which a run is asked to end."""
-
-    names = ("SIGTERM", "SIGBREAK")  # Ctrl-Break and the end of a session, of Windows
-    return tuple(getattr(signal, name) for name in names if hasattr(signal, name))
-
-
 def replace_file(part: str, target: str) -> None:
     """`os.replace`; Windows refuses while anybody reads the target, which is tried again then."""
     for left in range(REPLACE_TRIES if is_windows() else 1, 0, -1):
@@ -259,7 +252,8 @@ def _numbers() -> tuple[int, ...]:
     """The signals that are heard here; only the main thread hears of any."""
     if threading.current_thread() is not threading.main_thread():
         return ()
-    return (signal.SIGINT, *stop_signals())
+    names = ("SIGINT", "SIGTERM", "SIGBREAK")  # Ctrl-Break and the end of a session, of Windows
+    return tuple(getattr(signal, name) for name in names if hasattr(signal, name))
 
 
 @contextmanager
