@@ -22,7 +22,7 @@ A, B = Input("hot/a.nc1", "a.nc1"), Input("hot/b.nc1", "b.nc1")
 
 
 def stamp(size: int) -> Stamp:
-    return Stamp(size, 1, 1)
+    return size, 1, 1
 
 
 def test_a_file_is_taken_when_it_stays_the_same() -> None:

@@ -244,6 +244,13 @@ quantity = click.option(
 )  # fmt: skip
 
 
+def refuse_usage(*faults: tuple[object, str]) -> None:
+    """Raises UsageError with the text of the first fault that is there."""
+    for is_there, text in faults:
+        if is_there:
+            raise click.UsageError(text)
+
+
 def program_names(output: str, count: int) -> tuple[str, ...]:
     """The names of `count` programs. Raises PlanError for several on standard output."""
     if output == STANDARD and count > 1:

@@ -1,7 +1,7 @@
 """`beamcam post`: parts in, a program out."""
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import PurePath
 from typing import Any
 
@@ -30,6 +30,7 @@ from beamcam.commands.options import (
     from_operation,
     program_names,
     quantity,
+    refuse_usage,
 )
 from beamcam.commands.parts import drawing_choice, part_options, read_parts, request_of
 from beamcam.commands.settings import files_read, machine_asked, machines_for, map_remarks, settled
@@ -37,7 +38,7 @@ from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Diagnostic, PlanError, Source
 from beamcam.files import REFUSED_SUFFIX, FilesRead
 from beamcam.machine.machine import Machine
-from beamcam.model.part import Contour, Feature, Hole, Slot, TextMark
+from beamcam.model.part import Contour, Hole, Slot, TextMark
 from beamcam.model.plan import (
     AnyPlan,
     CopePlan,
@@ -142,7 +143,12 @@ def command(
         parts = read_parts(inputs, config, values, console)
         machines = machines_for(config, parts, output)
         if contour is not None or frame is not None:
-            _check_of_sheets(contour, frame, output, machines)
+            coded = any(map(is_coded_sheet, machines))
+            refuse_usage(
+                (contour is not None and not coded, ONE_SHEET),
+                (frame == output, "--frame and -o name one file; expected two."),
+                (frame and not coded, "--frame is for programs of sheets, in G-code."),
+            )
         console.messages += map_remarks(config, parts, machines[0])
         request = request_of(parts, config, machines[0], config.quantity, values)
         request = replace(request, verified=not no_verify, date=values["date"] or "")
@@ -160,11 +166,15 @@ def command(
         names = program_names(output, len(begun))
         made = [(n, finished(one, stage)) for n, one in zip(names, begun, strict=True)]
         if first is not None or contour is not None:
-            made = [(output, _rest(made, first, contour))]
-        beside = [] if frame is None else _frames(made, frame)
+            made = [(output, _remainder(made, first, contour))]
+        beside: list[tuple[str, str]] = []
+        if frame is not None:
+            from beamcam.remainder import frame_of
+
+            frames = program_names(frame, len(made))
+            beside += ((n, frame_of(one).text) for n, (_, one) in zip(frames, made, strict=True))
         if rest_name is not None:
-            check_rest(rest_name, [each for _, each in made])
-            text, remark = rest_file(rest_name, made[0][1])
+            text, remark = _rest(rest_name, made[0][1])
             beside += [] if text is None else [(rest_name, text)]
             console.messages.append(remark)
     except RefusedProgram as error:
@@ -194,19 +204,6 @@ def command(
         raise SystemExit(exit_left_out)
 
 
-def _check_of_sheets(
-    contour: int | None, frame: str | None, output: str, machines: Iterable[Machine]
-) -> None:
-    """Raises click.UsageError for a remainder or a frame of what is no sheet's G-code."""
-    coded = any(map(is_coded_sheet, machines))
-    if contour is not None and not coded:
-        raise click.UsageError(ONE_SHEET)
-    if frame is not None and frame == output:
-        raise click.UsageError("--frame and -o name one file; expected two.")
-    if frame is not None and not coded:
-        raise click.UsageError("--frame is for programs of sheets, in G-code.")
-
-
 def _suggestion(
     request: Request, tried: Sequence[Machine], config: Config, options: Mapping[str, Any]
 ) -> Diagnostic:
@@ -227,69 +224,54 @@ def _suggestion(
     return suggestions(request, tried, alike, read)
 
 
-def _rest(made: Sequence[tuple[str, Posted]], first: int | None, contour: int | None) -> Posted:
-    """The rest of the only program, from an operation of a bar or a contour of a sheet on.
+def _remainder(
+    made: Sequence[tuple[str, Posted]], first: int | None, contour: int | None
+) -> Posted:
+    """That of the only program, from an operation of a bar or a contour of a sheet on.
 
     Raises PlanError and RefusedProgram.
     """
     from beamcam.remainder import rest_of, rest_of_sheet
 
-    if first is None:
-        assert contour is not None
-        if len(made) != 1:
-            raise click.UsageError(ONE_SHEET)
-        return rest_of_sheet(made[0][1], contour)
-    if contour is not None:
-        raise click.UsageError("--from-operation and --from-contour exclude each other.")
-    if made[0][1].job.machine.stock != "beam" or len(made) != 1:
-        raise click.UsageError(ONE_BAR)
-    return rest_of(made[0][1], first)
+    (_, posted), *others = made
+    refuse_usage(
+        (None not in (first, contour), "--from-operation and --from-contour exclude each other."),
+        (contour is not None and others, ONE_SHEET),
+        (first is not None and (others or posted.job.machine.stock != "beam"), ONE_BAR),
+    )
+    if first is not None:
+        return rest_of(posted, first)
+    assert contour is not None
+    return rest_of_sheet(posted, contour)
 
 
-def check_rest(path: str, made: Sequence[Posted]) -> None:
-    """Raises click.UsageError where no rest can be written, or not in such a file."""
-    from beamcam.commands.convert import target_of
-    from beamcam.writers import TARGETS
+def _rest(path: str, posted: Posted) -> tuple[str | None, Diagnostic]:
+    """The text of what a program leaves of its part, None where nothing is left, and a note of it.
 
-    if target_of(path, None).name == NOT_WHOLE:
-        expected = ", ".join(s for t in TARGETS if t.name != NOT_WHOLE for s in t.suffixes)
-        raise click.UsageError(f"--rest {path!r}: expected a name in {expected}")
-    request = made[0].job.request
-    if len(request.parts) != 1 or request.turn or request.machine.stock == "sheet":
-        raise click.UsageError(OF_ONE)
-
-
-def rest_file(path: str, posted: Posted) -> tuple[str | None, Diagnostic]:
-    """The text of the rest, None where nothing is left, and a note of it.
-
-    Raises BeamcamError as `rest_of_part` does.
+    Raises BeamcamError as `rest_of_part` does, UsageError where there is none or for another form.
     """
     from beamcam.commands.convert import target_of
     from beamcam.rest_part import NO_REST, REST, rest_of_part
+    from beamcam.writers import TARGETS
 
-    rest = rest_of_part(posted, target_of(path, None))
+    target, request = target_of(path, None), posted.job.request
+    forms = ", ".join(s for t in TARGETS if t.name != NOT_WHOLE for s in t.suffixes)
+    of_one = len(request.parts) == 1 and not request.turn and request.machine.stock != "sheet"
+    refuse_usage(
+        (target.name == NOT_WHOLE, f"--rest {path!r}: expected a name in {forms}"),
+        (not of_one, OF_ONE),
+    )
+    rest = rest_of_part(posted, target)
     if rest is None:
         return None, NO_REST.at(Source(path))
     part, text = rest
     return text, REST.at(Source(path), found=len(part.features))
 
 
-def _frames(made: Sequence[tuple[str, Posted]], name: str) -> list[tuple[str, str]]:
-    """The frame of each program, by the name of its file. Raises RefusedProgram."""
-    from beamcam.remainder import frame_of
-
-    return [
-        (path, frame_of(posted).text)
-        for path, (_, posted) in zip(program_names(name, len(made)), made, strict=True)
-    ]
-
-
 def _write(
-    made: Sequence[tuple[str, Posted]],
-    beside: Sequence[tuple[str, str]],
-    read: FilesRead,
+    made: Sequence[tuple[str, Posted]], beside: Sequence[tuple[str, str]], read: FilesRead,
     console: Console,
-) -> None:
+) -> None:  # fmt: skip
     """Write programs, lists of manual work and what else goes with them by the names of `beside`.
 
     None is written if one would be written over.
@@ -349,25 +331,20 @@ def _made(plan: AnyPlan, comes_cut: bool) -> Iterator[str]:
     for outcome in plan.outcomes:
         if outcome.how in ("made", "merged"):
             piece, index = outcome.feature
-            kinds[_kind(plan.pieces[piece].part.features[index])] += 1
+            match plan.pieces[piece].part.features[index]:
+                case Hole():
+                    kinds["hole"] += 1
+                case Slot():
+                    kinds["slot"] += 1
+                case TextMark():
+                    kinds["text"] += 1
+                case Contour(process="mark" | "engrave"):  # others and planes are made by the cuts
+                    kinds["line"] += 1
     kinds["cut"] = sum(isinstance(op, SawOp) for op in plan.operations)
     for kind in ("hole", "slot", "line", "text", "cut"):
         if kinds[kind]:
             yield _counted(kinds[kind], kind)
     yield f"1 {'part' if comes_cut else 'bar'} of {round(plan.bar.length, 3):g}"
-
-
-def _kind(feature: Feature) -> str:
-    match feature:
-        case Hole():
-            return "hole"
-        case Slot():
-            return "slot"
-        case TextMark():
-            return "text"
-        case Contour(process="mark" | "engrave"):
-            return "line"
-    return "end"  # a contour or plane that the cuts make
 
 
 def _read_back(posted: Posted, is_rest: bool) -> str:
@@ -381,16 +358,15 @@ def _read_back(posted: Posted, is_rest: bool) -> str:
     parts = "the part" if pieces == 1 else f"the {pieces} parts"
     left_out = sum(1 for _ in left_out_sources(plan))
     manual_work = sum(1 for _ in manual_work_sources(plan))
-    exactly = f"read back: {parts}, exactly"
-    lacking = [f"{_counted(left_out, 'feature')} left out"] if left_out else []
+    but_for = [f"{_counted(left_out, 'feature')} left out"] if left_out else []
     if manual_work:
-        lacking.append(f"{_counted(manual_work, 'feature')} left for manual work")
+        but_for.append(f"{_counted(manual_work, 'feature')} left for manual work")
     if isinstance(plan, CopePlan):
         from beamcam.planning.coping.rules import ROUNDED
 
         rounded = sum(int(one["count"]) for one in plan.remarks if one.code == ROUNDED.code)
-        lacking += [f"{_counted(rounded, 'corner')} rounded"] if rounded else []
-    return f"read back: {parts} but for {' and '.join(lacking)}" if lacking else exactly
+        but_for += [f"{_counted(rounded, 'corner')} rounded"] if rounded else []
+    return f"read back: {parts}{' but for ' if but_for else ', exactly'}{' and '.join(but_for)}"
 
 
 def _counted(count: int, what: str) -> str:

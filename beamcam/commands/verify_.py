@@ -18,7 +18,14 @@ from beamcam.commands.common import (
     suffix_of,
 )
 from beamcam.commands.diff import refuse_part
-from beamcam.commands.options import ONE_BAR, ONE_SHEET, Grouped, from_contour, from_operation
+from beamcam.commands.options import (
+    ONE_BAR,
+    ONE_SHEET,
+    Grouped,
+    from_contour,
+    from_operation,
+    refuse_usage,
+)
 from beamcam.commands.parts import (
     input_bytes,
     looking_options,
@@ -93,7 +100,7 @@ def command(
     """
     where = "--from-contour" if first is None else "--from-operation"
     start = contour if first is None else first
-    _refuse(
+    refuse_usage(
         (against and not parts, "--against needs at least one PART."),
         (parts and not against, "PARTs come after --against."),
         (None not in (first, contour), "--from-operation and --from-contour exclude each other."),
@@ -111,7 +118,7 @@ def command(
     machine = machine_for_program(config, program, data, expected_parts)
     name, bar = shown_name(program), values["bar"]
     head = head_of(data.decode("utf-8", "replace"))
-    _refuse(
+    refuse_usage(
         (first is not None and machine.stock != "beam", ONE_BAR),
         (contour is not None and not is_coded_sheet(machine), ONE_SHEET),
     )
@@ -142,13 +149,6 @@ def command(
         raise SystemExit(REFUSED)
     if exit_left_out is not None and any(d.code in NOT_MADE for d in diagnostics):
         raise SystemExit(exit_left_out)
-
-
-def _refuse(*faults: tuple[object, str]) -> None:
-    """Raises UsageError with the text of the first fault that is there."""
-    for is_there, text in faults:
-        if is_there:
-            raise click.UsageError(text)
 
 
 def faults_of_rest(

@@ -9,8 +9,9 @@ A file that changes after it was handed over is complete again some time later.
 import os
 import shutil
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
+from itertools import chain, count
 from typing import Any
 
 import click
@@ -45,12 +46,7 @@ AGAIN_S = 30.0  #: after which what failed for the disk or a process is tried ag
 END_S = 60.0  #: after which a file without its end is handed over all the same
 
 
-class Stamp(Struct, frozen=True):
-    """File data that reveal a change."""
-
-    size: int
-    changed_ns: int
-    inode: int
+Stamp = tuple[int, int, int]  #: size, time of change in ns and inode of a file: they tell a change
 
 
 class Sight(Struct, frozen=True):
@@ -68,7 +64,7 @@ def look(inputs: Iterable[Input]) -> dict[Input, Stamp]:
     for found in inputs:
         with suppress(OSError):  # it was taken away since the folder was listed
             at = os.stat(found.path)
-            stamps[found] = Stamp(at.st_size, at.st_mtime_ns, at.st_ino)
+            stamps[found] = at.st_size, at.st_mtime_ns, at.st_ino
     return stamps
 
 
@@ -89,14 +85,13 @@ class HotFolder:
         Those among them whose end was waited for in vain are then `endless`.
         """
         fresh = {}
+        ready = []
+        self.endless = ()
         for found, stamp in stamps.items():
             sight = self._seen.get(found)
             if sight is None or sight.stamp != stamp:
                 sight = Sight(stamp, now_s)
             fresh[found] = sight
-        ready = []
-        self.endless = ()
-        for found, sight in fresh.items():
             stood_s = now_s - sight.since_s
             if sight.handed or stood_s < self._settle_s:
                 continue
@@ -132,22 +127,14 @@ def file_away(found: Input, folder: str, row: FileRow | None = None) -> str:
     """
     place = os.path.join(folder, *found.tree.split("/"))
     os.makedirs(os.path.dirname(place), exist_ok=True)
-    target = next(path for path in _numbered(place) if not os.path.lexists(path))
+    stem, suffix = os.path.splitext(place)
+    numbered = chain([place], (f"{stem}-{number}{suffix}" for number in count(2)))
+    target = next(path for path in numbered if not os.path.lexists(path))
     if row is not None:
         text = "".join(message_line(message) + "\n" for message in row["messages"])
         write_whole(f"{target}.txt", encoded(text))
     shutil.move(found.path, target)
     return target
-
-
-def _numbered(path: str) -> Iterator[str]:
-    """`path`, then with -2, -3, ... before its suffix."""
-    stem, suffix = os.path.splitext(path)
-    yield path
-    number = 2
-    while True:
-        yield f"{stem}-{number}{suffix}"
-        number += 1
 
 
 @click.command("watch", cls=Grouped)
@@ -239,13 +226,9 @@ def command(
 
 
 def _file_away(
-    found: Input,
-    row: FileRow,
-    hot: HotFolder,
-    done: str | None,
-    refused: str | None,
+    found: Input, row: FileRow, hot: HotFolder, done: str | None, refused: str | None,
     progress: Progress,
-) -> None:
+) -> None:  # fmt: skip
     """Move an input to where it belongs now; one that failed is tried again later."""
     if row["status"] == "failed":
         hot.again(found, time.monotonic())
