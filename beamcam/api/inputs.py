@@ -12,34 +12,12 @@ from msgspec import Struct
 
 from beamcam.arguments import HERE, AskError, ask_type
 from beamcam.conversion import PositiveCount
-from beamcam.errors import error
+from beamcam.errors import Diagnostic, error
 from beamcam.model.part import Part
 from beamcam.model.request import MarkFrom
 
 #: The content of a file, or where it is.
 FileInput = str | os.PathLike[str] | bytes | bytearray | memoryview | IO[bytes] | IO[str]
-
-
-class CheckedReadOptions(Struct, forbid_unknown_fields=True):
-    """What a caller asks of a reader, checked."""
-
-    units: str | None = None
-    width: str | None = None
-    layers: tuple[str, ...] = ()
-    letters: tuple[str, ...] = ()
-    fit: tuple[str, ...] = ()
-    encoding: str | None = None
-    ends: Literal["contour", "header"] | None = None
-    wrap: str | None = None
-    marks: tuple[str, ...] = ()
-    guids: tuple[str, ...] = ()
-    classes: tuple[str, ...] = ()
-    assemblies: tuple[str, ...] = ()
-    force: bool = False
-    letter: Literal["mark"] | None = None
-    mark_from: MarkFrom = "mark"
-    check: bool = True
-    workers: PositiveCount = 1
 
 
 class SheetOptions(TypedDict, total=False):
@@ -92,7 +70,7 @@ class ReadOptions(TypedDict, total=False):
     letter: Literal["mark"] | None  #: whether they are lettered with their marks
     mark_from: MarkFrom  #: where marks stand: "mark", "drawing", "file" or "position"
     check: bool  #: whether their cuts are checked by the geometry kernel; True
-    workers: int  #: processes that read a large model; 1
+    workers: PositiveCount  #: processes that read a large model; 1
 
 
 ASK_NUMBER = error("ask-number",
@@ -107,6 +85,11 @@ ASK_VALUE = error("ask-value",
 
 
 Asked = TypeVar("Asked")
+
+
+def ask_value(name: str, fault: str) -> Diagnostic:
+    """What is said of a wrong value of an option."""
+    return ASK_VALUE.at(HERE, name=name, fault=fault)
 
 
 def check_flags(**flags: object) -> None:
@@ -151,7 +134,7 @@ def converted(value: object, kind: type[Asked], name: str = "") -> Asked:
     except msgspec.ValidationError as error:
         fault, _, where = str(error).partition(" - at `$")
         place = where.rstrip("`").lstrip(".") or name
-        raise AskError(ASK_VALUE.at(HERE, name=place or "the options", fault=fault)) from error
+        raise AskError(ask_value(place or "the options", fault)) from error
 
 
 def _check_numbers(part: Part) -> None:

@@ -16,7 +16,6 @@ from beamcam.comparison.pairing import Difference
 from beamcam.comparison.statements import ProgramText, diff_texts
 from beamcam.controllers.dialect import ARC, SYNTAX, WORD
 from beamcam.errors import Diagnostic, Severity, Source, VerifyError, errors_in
-from beamcam.machine import Machine
 from beamcam.machine.machine import DEFAULT_MACHINE
 from beamcam.model.part import Part, Profile
 from beamcam.model.plan import Plan
@@ -27,7 +26,6 @@ if TYPE_CHECKING:
     from beamcam.pictures.program import ReadProgram
     from beamcam.pictures.scene import Scene
     from beamcam.recovery import Recovered
-    from beamcam.setup_sheet.content import SheetSources
     from beamcam.simulation.program import Simulated
 
 # --- comparison -----------------------------------------------------------------------------------
@@ -66,7 +64,12 @@ def compared(a: ProgramText, b: ProgramText) -> ComparisonResult:
             for fault in read_back(one.text, Request((), one.machine, name=one.name))
             if fault.severity is not Severity.NOTE
         )
-    return ComparisonResult((*different, *_left_to_hand(a.text, b.text)), diagnostics)
+    heads = [head_of(one.text) for one in (a, b)]
+    old, new = (0 if head is None else head.manual_work for head in heads)
+    if old != new:
+        text = f"marks left for manual work: {old} in A, {new} in B"
+        different = (*different, Difference("feature", "changed", text))
+    return ComparisonResult(tuple(different), diagnostics)
 
 
 def program_text(name: str, text: str, machine: AnyMachine | None) -> ProgramText:
@@ -78,16 +81,6 @@ def program_text(name: str, text: str, machine: AnyMachine | None) -> ProgramTex
         head = head_of(text)
         machine = DEFAULT_MACHINE if head is None else head.machine
     return ProgramText(name, text, machine_of(machine))
-
-
-def _left_to_hand(first: str, second: str) -> tuple[Difference, ...]:
-    """Whether the heads of two programs leave different numbers of marks for manual work."""
-    heads = [head_of(text) for text in (first, second)]
-    old, new = (0 if head is None else head.manual_work for head in heads)
-    if old == new:
-        return ()
-    text = f"marks left for manual work: {old} in A, {new} in B"
-    return (Difference("feature", "changed", text),)
 
 
 Picture = Literal["svg", "png", "pdf"]
@@ -213,7 +206,10 @@ def report(
     if program is None:
         program = post(all_parts, loaded, bar=bar, skips=left_out)
     if isinstance(program, Posted):
-        source = _posted_source(program, all_parts, loaded, name)
+        plan, data = program.plan, b"".join(program.pieces())
+        length = plan.bar.length if isinstance(plan, Plan) else None
+        read = _read_program(data, loaded, f"{name}{loaded.suffix}", length, all_parts)
+        source = SheetSources(read, plan, program.remarks)
     else:
         read = _read_program(program, loaded, name, bar, all_parts)
         request = Request(all_parts, loaded, left_out, name, style=read.style)
@@ -226,18 +222,6 @@ def report(
     from beamcam.setup_sheet.page import setup_page
 
     return setup_page(content)
-
-
-def _posted_source(
-    posted: Posted, parts: tuple[Part, ...], machine: Machine, name: str
-) -> "SheetSources":
-    """What the setup sheet of a posted program is made of; its plan is known, and its remarks."""
-    from beamcam.setup_sheet.content import SheetSources
-
-    bar = posted.plan.bar.length if isinstance(posted.plan, Plan) else None
-    data = b"".join(posted.pieces())
-    read = _read_program(data, machine, f"{name}{machine.suffix}", bar, parts)
-    return SheetSources(read, posted.plan, posted.remarks)
 
 
 def _is_parts(value: object) -> bool:

@@ -18,8 +18,7 @@ from beamcam.model.part_json import part_to_json
 from beamcam.model.plan import stock_used
 from beamcam.model.request import Request, Share, number_of
 from beamcam.pipeline import Begun, begin_share, plans_of
-from beamcam.planning.manual_list import MARK_ROWS, manual_rows
-from beamcam.reports.part_list import ManualWork, PartCount
+from beamcam.reports.part_list import PartCount, manual_work_of
 from beamcam.reports.run import StockRow, dumped
 from beamcam.system import free_of_devices
 
@@ -46,10 +45,8 @@ class FileState(Task, frozen=True):
                 made.looked.append(replace(count, refused=tuple(error.diagnostics)))
                 continue
             made.say(choice)
-            kinds = [one["kind"] for one in manual_rows(planned.plan)]
-            manual_work = ManualWork(sum(kind in MARK_ROWS for kind in kinds), kinds.count("bevel"))
-            machine = planned.job.machine.name
-            made.looked.append(replace(count, machine=machine, manual_work=manual_work))
+            machine, work = planned.job.machine.name, manual_work_of(planned.plan)
+            made.looked.append(replace(count, machine=machine, manual_work=work))
 
 
 class ShareTask(Task, frozen=True):
