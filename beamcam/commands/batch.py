@@ -15,7 +15,6 @@ from beamcam.batch.recipe import path_from, recipe_of
 from beamcam.batch.run import RunSetup, run
 from beamcam.commands import options
 from beamcam.commands.common import STANDARD, Console, keep_apart, over_input, say_lines
-from beamcam.commands.options import Grouped
 from beamcam.commands.running import (
     Progress,
     Report,
@@ -41,7 +40,7 @@ from beamcam.system import asked_to_end, cores, portable_path
 FILES_A_WORKER = 20  #: of setup sheets; for fewer a process of their own is not worth its start
 
 
-@click.command("batch", cls=Grouped)
+@click.command("batch", cls=options.Grouped)
 @click.argument("inputs", nargs=-1, required=True, metavar="IN...", type=options.FILE)
 @run_options
 @options.remnants

@@ -10,7 +10,6 @@ import click
 from beamcam.batch.names import FileNames, cleaned
 from beamcam.commands import NO_PART, ONE_PART, OUTPUT_FORMAT, RENAMED, WRITTEN, options
 from beamcam.commands.common import Console, cannot_write, over_input, read_all, say_json, write
-from beamcam.commands.options import Grouped
 from beamcam.commands.parts import (
     drawing_choice,
     drawing_options,
@@ -52,7 +51,7 @@ def _print_schema(ctx: click.Context, param: click.Parameter, wanted: bool) -> N
         ctx.exit()
 
 
-@click.command("convert", cls=Grouped)
+@click.command("convert", cls=options.Grouped)
 @click.argument("source", metavar="INPUT", type=options.FILE)
 @options.output("File, folder/ for a file a part, or -.")
 @options.config

@@ -7,7 +7,6 @@ import click
 
 from beamcam.commands import options
 from beamcam.commands.common import REFUSED, Console, followed, say_json, say_lines
-from beamcam.commands.options import Grouped
 from beamcam.commands.parts import (
     drawing_choice,
     drawing_options,
@@ -47,7 +46,7 @@ def show(path: str, reading: Reading, console: Console) -> None:
     console.say(reading.diagnostics)
 
 
-@click.command("inspect", cls=Grouped)
+@click.command("inspect", cls=options.Grouped)
 @options.inputs
 @options.config
 @member_options

@@ -13,7 +13,6 @@ from beamcam.batch.names import FileNames, output_name
 from beamcam.commands import options
 from beamcam.commands.common import STANDARD, Console, write
 from beamcam.commands.list_ import counted_parts, machines_in_shop, refuse_missing
-from beamcam.commands.options import Grouped, quantity
 from beamcam.commands.parts import list_options, request_of
 from beamcam.commands.settings import files_read, settled
 from beamcam.commands.value_types import parsed
@@ -46,14 +45,14 @@ def _size(text: str) -> LabelSize:
     return LabelSize(width, height)
 
 
-@click.command("labels", cls=Grouped)
+@click.command("labels", cls=options.Grouped)
 @options.inputs
 @options.output("A .pdf, a .zpl for Zebra printers, or a .json.", False)
 @options.to(FORMATS)
 @options.machine
 @options.by
 @options.config
-@quantity
+@options.quantity
 @click.option(
     "--size", default="100x60", show_default=True, metavar="WxH",
     callback=parsed(_size, "WIDTHxHEIGHT in mm, 40x25 to 300x300, such as 100x60"),

@@ -14,7 +14,6 @@ from beamcam.batch.names import other_content
 from beamcam.budget import refused_pieces
 from beamcam.commands import MISSING_EXTRA, options
 from beamcam.commands.common import STANDARD, Console, read_all, shows_colour, write
-from beamcam.commands.options import Grouped, quantity
 from beamcam.commands.parts import drawing_choice, list_options, member_choice, request_of
 from beamcam.commands.settings import (
     files_read,
@@ -46,7 +45,7 @@ SCHEMA = "beamcam/list/1"
 FORMATS = ("txt", "csv", "xlsx", "json")
 
 
-@click.command("list", cls=Grouped)
+@click.command("list", cls=options.Grouped)
 @options.inputs
 @options.output("A .txt, .csv, .xlsx or .json; text on standard output if not given.", False)
 @options.to(FORMATS)
@@ -58,7 +57,7 @@ FORMATS = ("txt", "csv", "xlsx", "json")
     help="Length of stock bars; may be repeated. By default from the configuration.",
 )  # fmt: skip
 @options.remnants
-@quantity
+@options.quantity
 @click.option(
     "--table", type=click.Choice(["parts", "bars", "cuts"]), default="parts", show_default=True,
     help="Which table a .csv holds.",

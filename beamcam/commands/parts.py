@@ -8,7 +8,6 @@ import click
 
 from beamcam.commands import options
 from beamcam.commands.common import Console, read_all
-from beamcam.commands.options import group, quantity
 from beamcam.commands.value_types import Number, parsed
 from beamcam.config.values import Config, Origin
 from beamcam.errors import Diagnostic, ReadError
@@ -80,7 +79,7 @@ _SIZE = re.compile(r"(\d{1,6}(?:\.\d+)?)x(\d{1,6}(?:\.\d+)?)")
 
 #: Reading options: `units`, `width`, `layers`, `fit` and `wrap` of a drawing, `encoding` and `ends`
 #: of DSTV.
-drawing_options = group(
+drawing_options = options.group(
     click.option("--units", help="Unit of a drawing's numbers: mm, in, cm, ..."),
     click.option("--width", help="Width of an SVG's page, as 600mm."),
     click.option("--layers", multiple=True, help="Read this layer only; may be repeated."),
@@ -101,7 +100,7 @@ drawing_options = group(
 thickness = click.option("--thickness", type=Number(), help="Thickness of a drawing's sheet, mm.")
 
 #: Settings of a sheet and its cuts, which override the machine file, and what sections lack.
-torch_options = group(
+torch_options = options.group(
     click.option("--corner", type=Number(above=0), metavar="RADIUS",
                  help="Outer corner radius of a rectangular tube, if the file has none."),
     click.option("--lip", type=Number(above=0), metavar="LENGTH",
@@ -177,7 +176,7 @@ def drawing_choice(values: Mapping[str, Any], config: Config | None = None) -> d
 
 
 #: Which members of a model are meant: `marks`, `guids`, `classes` and `assemblies`.
-selection_options = group(
+selection_options = options.group(
     click.option("--mark", "marks", multiple=True, help="Members of a model with this mark."),
     click.option("--guid", "guids", multiple=True, help="The member with this GlobalId."),
     click.option("--class", "classes", multiple=True, help="Members of this IFC class."),
@@ -187,7 +186,7 @@ letter = click.option(
     "--letter", type=click.Choice(["mark"]), help="Letter the members of a model with their marks."
 )
 #: The same, and `force`: whether they are trusted where their data contradict each other.
-member_options = group(
+member_options = options.group(
     selection_options,
     click.option("--force", is_flag=True, help="Accept members with contradictory data."),
     letter,
@@ -226,7 +225,12 @@ job_options = options.group(
 )  # fmt: skip
 #: Of a command that only looks at the work which parts are: `plan` and `verify`.
 looking_options = options.group(
-    quantity, options.skips, part_options, options.strict, options.as_json, options.verbosity
+    options.quantity,
+    options.skips,
+    part_options,
+    options.strict,
+    options.as_json,
+    options.verbosity,
 )
 
 

@@ -1,6 +1,7 @@
 """`beamcam plan`: the work that makes parts, step by step, with reasons and time; text or data."""
 
 from collections.abc import Iterable, Iterator
+from functools import partial
 from itertools import chain, pairwise
 from math import dist
 from typing import Any
@@ -11,7 +12,6 @@ from beamcam.arguments import on_best_machine
 from beamcam.commands import options
 from beamcam.commands.common import Console, write
 from beamcam.commands.common import as_json as json_of
-from beamcam.commands.options import Grouped
 from beamcam.commands.outputs import of_kind
 from beamcam.commands.parts import looking_options, read_parts, request_of
 from beamcam.commands.settings import files_read, machines_for, settled
@@ -28,17 +28,16 @@ from beamcam.model.plan import (
     SheetPlan,
     WorkTime,
 )
-from beamcam.model.request import Request
 from beamcam.motion.coping import NAMES
-from beamcam.pipeline import from_store, remarks_on, whole_job
+from beamcam.pipeline import begin, remarks_on
 from beamcam.plain_text import terminal_text
 from beamcam.planning.beam import Trial, try_turns
 from beamcam.planning.explain import Explanation, explain
-from beamcam.posts import Planned, post_of
+from beamcam.posts import post_of
 from beamcam.reports.run import as_message, ledger_of
 
 
-@click.command("plan", cls=Grouped)
+@click.command("plan", cls=options.Grouped)
 @options.inputs
 @options.output(
     "A .txt or .json file; standard output if not given.", required=False, kind=of_kind("plan")
@@ -70,7 +69,7 @@ def command(
     parts = read_parts(inputs, config, values, console)
     machines = machines_for(config, parts, output)
     request = request_of(parts, config, machines[0], values["quantity"], values)
-    (planned,), choice = on_best_machine(request, machines, _planned)
+    (planned,), choice = on_best_machine(request, machines, partial(begin, together=True))
     job, plan, machine = planned.job, planned.plan, planned.job.machine
     console.remark(choice)
     console.messages += remarks_on(plan, machine, config.strict)
@@ -119,17 +118,6 @@ def command(
         "settings": used(config, machine),
     }  # fmt: skip
     write(output, json_of(whole) + "\n", console, read)
-
-
-def _planned(request: Request) -> list[Planned]:
-    """All that is asked for on one bar or sheet. Raises PlanError."""
-
-    def planned(bar: float | None) -> Planned:
-        job = whole_job(request, bar)
-        return Planned(job, post_of(request.machine).plan(job))
-
-    longest = max((part.length for part in request.parts), default=0.0)
-    return [from_store(planned, request.stock, longest)]
 
 
 Trials = list[tuple[Part, tuple[Trial, ...]]]

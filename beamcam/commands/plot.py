@@ -7,13 +7,12 @@ import click
 from beamcam.commands import options
 from beamcam.commands.common import Console, write
 from beamcam.commands.jobs import one_program, posted_job, read_program
-from beamcam.commands.options import Grouped, quantity
 from beamcam.commands.outputs import check_paper, paper, picture, picture_suffix, unit
 from beamcam.commands.parts import job_options, read_parts
 from beamcam.commands.settings import files_read, machines_for, settled
 
 
-@click.command("plot", cls=Grouped)
+@click.command("plot", cls=options.Grouped)
 @options.inputs
 @options.output(".svg, .png or .pdf; - is an SVG on standard output.")
 @click.option(
@@ -26,7 +25,7 @@ from beamcam.commands.settings import files_read, machines_for, settled
 @options.machine
 @options.config
 @options.bar
-@quantity
+@options.quantity
 @job_options
 @options.verbosity
 def command(

@@ -22,16 +22,6 @@ from beamcam.commands.common import (
     write,
     write_list,
 )
-from beamcam.commands.options import (
-    ONE_BAR,
-    ONE_SHEET,
-    Grouped,
-    from_contour,
-    from_operation,
-    program_names,
-    quantity,
-    refuse_usage,
-)
 from beamcam.commands.parts import drawing_choice, part_options, read_parts, request_of
 from beamcam.commands.settings import files_read, machine_asked, machines_for, map_remarks, settled
 from beamcam.config.values import Config
@@ -70,14 +60,14 @@ rest_option = click.option(
 )  # fmt: skip
 
 
-@click.command("post", cls=Grouped)
+@click.command("post", cls=options.Grouped)
 @options.inputs
 @options.output("The program's file; - is standard output.", kind=program)
 @options.machine
 @options.by
 @options.config
 @options.bar
-@quantity
+@options.quantity
 @options.job_name
 @options.job_date
 @options.skips
@@ -85,7 +75,7 @@ rest_option = click.option(
 @options.order
 @options.style
 @options.turn
-@from_operation("Write only the remainder of the program, from operation N of `plan`.")
+@options.from_operation("Write only the remainder of the program, from operation N of `plan`.")
 @click.option(
     "--frame",
     type=options.FILE,
@@ -93,7 +83,7 @@ rest_option = click.option(
     help="Write a program too that leads the head round the work, its tool off.",
 )
 @rest_option
-@from_contour("Write only the rest of a sheet's program, from contour N of `plan`.")
+@options.from_contour("Write only the rest of a sheet's program, from contour N of `plan`.")
 @part_options
 @options.no_verify
 @options.strict
@@ -144,8 +134,8 @@ def command(
         machines = machines_for(config, parts, output)
         if contour is not None or frame is not None:
             coded = any(map(is_coded_sheet, machines))
-            refuse_usage(
-                (contour is not None and not coded, ONE_SHEET),
+            options.refuse_usage(
+                (contour is not None and not coded, options.ONE_SHEET),
                 (frame == output, "--frame and -o name one file; expected two."),
                 (frame and not coded, "--frame is for programs of sheets, in G-code."),
             )
@@ -163,7 +153,7 @@ def command(
 
         begun, choice = on_best_machine(request, machines, planned)
         console.messages += choice
-        names = program_names(output, len(begun))
+        names = options.program_names(output, len(begun))
         made = [(n, finished(one, stage)) for n, one in zip(names, begun, strict=True)]
         if first is not None or contour is not None:
             made = [(output, _remainder(made, first, contour))]
@@ -171,7 +161,7 @@ def command(
         if frame is not None:
             from beamcam.remainder import frame_of
 
-            frames = program_names(frame, len(made))
+            frames = options.program_names(frame, len(made))
             beside += ((n, frame_of(one).text) for n, (_, one) in zip(frames, made, strict=True))
         if rest_name is not None:
             text, remark = _rest(rest_name, made[0][1])
@@ -234,10 +224,10 @@ def _remainder(
     from beamcam.remainder import rest_of, rest_of_sheet
 
     (_, posted), *others = made
-    refuse_usage(
+    options.refuse_usage(
         (None not in (first, contour), "--from-operation and --from-contour exclude each other."),
-        (contour is not None and others, ONE_SHEET),
-        (first is not None and (others or posted.job.machine.stock != "beam"), ONE_BAR),
+        (contour is not None and others, options.ONE_SHEET),
+        (first is not None and (others or posted.job.machine.stock != "beam"), options.ONE_BAR),
     )
     if first is not None:
         return rest_of(posted, first)
@@ -257,7 +247,7 @@ def _rest(path: str, posted: Posted) -> tuple[str | None, Diagnostic]:
     target, request = target_of(path, None), posted.job.request
     forms = ", ".join(s for t in TARGETS if t.name != NOT_WHOLE for s in t.suffixes)
     of_one = len(request.parts) == 1 and not request.turn and request.machine.stock != "sheet"
-    refuse_usage(
+    options.refuse_usage(
         (target.name == NOT_WHOLE, f"--rest {path!r}: expected a name in {forms}"),
         (not of_one, OF_ONE),
     )

@@ -10,7 +10,6 @@ from beamcam.commands import SECTION, options
 from beamcam.commands.common import STANDARD, Console, read_all
 from beamcam.commands.convert import is_folder, target_of, write_parts
 from beamcam.commands.diff import refuse_part
-from beamcam.commands.options import Grouped
 from beamcam.commands.parts import input_bytes, torch_options
 from beamcam.commands.settings import files_read, machine_for_program, settled
 from beamcam.config.values import Config
@@ -26,7 +25,7 @@ from beamcam.writers import TARGETS
 READ_BY = ("codesys", "linuxcnc", "grbl", "mach3")
 
 
-@click.command("recover", cls=Grouped)
+@click.command("recover", cls=options.Grouped)
 @click.argument("program", type=options.FILE)
 @options.output("File, folder/ for a file a part, or -.")
 @options.machine

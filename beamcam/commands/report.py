@@ -10,13 +10,12 @@ from beamcam.commands import options
 from beamcam.commands.common import Console, write
 from beamcam.commands.configuration import configuration_line, machine_line, reference
 from beamcam.commands.jobs import against, asked_program
-from beamcam.commands.options import Grouped, quantity
 from beamcam.commands.outputs import KINDS, check_paper, expected, paper, unit
 from beamcam.commands.parts import job_options
 from beamcam.commands.settings import files_read, settled
 
 
-@click.command("report", cls=Grouped)
+@click.command("report", cls=options.Grouped)
 @options.inputs
 @options.output(".html or .pdf; - is HTML on standard output.")
 @against
@@ -25,7 +24,7 @@ from beamcam.commands.settings import files_read, settled
 @options.machine
 @options.config
 @options.bar
-@quantity
+@options.quantity
 @options.job_name
 @job_options
 @options.verbosity

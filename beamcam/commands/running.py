@@ -21,7 +21,6 @@ from beamcam.batch.shares import ShareTask
 from beamcam.batch.work import BatchSettings
 from beamcam.commands import SETTINGS, options
 from beamcam.commands.common import REFUSED, Console, say_lines
-from beamcam.commands.options import quantity
 from beamcam.commands.outputs import KINDS, expected
 from beamcam.commands.parts import (
     drawing_choice,
@@ -69,7 +68,7 @@ run_options = options.group(
     options.rest_as,
     options.config,
     options.bar,
-    quantity,
+    options.quantity,
     options.job_name,
     options.job_date,
     click.option(

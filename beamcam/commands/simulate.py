@@ -11,7 +11,6 @@ import click
 from beamcam.commands import options
 from beamcam.commands.common import PICTURES, STANDARD, Console, suffix_of, write
 from beamcam.commands.jobs import against, asked_program
-from beamcam.commands.options import Grouped, quantity
 from beamcam.commands.outputs import of_kind, picture
 from beamcam.commands.parts import job_options
 from beamcam.commands.settings import files_read, settled
@@ -68,13 +67,13 @@ class EncoderKind(click.ParamType):  # type: ignore[type-arg]
         return Encoder(int(match[1]), float(match[3]), bool(match[2]), match[4] == "centre")
 
 
-@click.command("simulate", cls=Grouped)
+@click.command("simulate", cls=options.Grouped)
 @options.inputs
 @against
 @options.machine
 @options.config
 @options.bar
-@quantity
+@options.quantity
 @click.option(
     "-o", "--output", type=options.FILE, callback=of_kind("simulate"),
     help="The trace as .csv or .json; with --encoder its staircase as .svg, .png, .pdf or .html; "

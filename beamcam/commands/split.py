@@ -9,7 +9,6 @@ import click
 from beamcam.batch.names import FileNames, cleaned
 from beamcam.commands import options
 from beamcam.commands.common import Console, cannot_write, keep_apart, write
-from beamcam.commands.options import Grouped
 from beamcam.commands.parts import part_options, read_parts, request_of
 from beamcam.commands.post import success
 from beamcam.commands.settings import files_read, machines_of_split, settled
@@ -17,7 +16,7 @@ from beamcam.planning.manual_list import LIST_SUFFIX, as_csv, manual_rows
 from beamcam.writers import target_of_suffix
 
 
-@click.command("split", cls=Grouped)
+@click.command("split", cls=options.Grouped)
 @options.inputs
 @click.option(
     "-o", "--output", "folder", default=".", show_default=True, type=options.FILE,

@@ -18,14 +18,6 @@ from beamcam.commands.common import (
     suffix_of,
 )
 from beamcam.commands.diff import refuse_part
-from beamcam.commands.options import (
-    ONE_BAR,
-    ONE_SHEET,
-    Grouped,
-    from_contour,
-    from_operation,
-    refuse_usage,
-)
 from beamcam.commands.parts import (
     input_bytes,
     looking_options,
@@ -53,7 +45,7 @@ after = click.option(
 )
 
 
-@click.command("verify", cls=Grouped)
+@click.command("verify", cls=options.Grouped)
 @click.argument("program", type=options.FILE)
 @click.option("--against", is_flag=True, help="Compare with the PARTs that follow.")
 @click.argument("parts", nargs=-1, metavar="[PART]...", type=options.FILE)
@@ -62,8 +54,8 @@ after = click.option(
 @options.bar_of_program
 @options.order
 @options.turn
-@from_operation("PROGRAM is the remainder of one, from operation N of `plan`.")
-@from_contour("PROGRAM is the rest of one of a sheet, from contour N of `plan`.")
+@options.from_operation("PROGRAM is the remainder of one, from operation N of `plan`.")
+@options.from_contour("PROGRAM is the rest of one of a sheet, from contour N of `plan`.")
 @after
 @click.option("--solid", is_flag=True, help="Machine PROGRAM as a solid as well, and compare.")
 @looking_options
@@ -100,7 +92,7 @@ def command(
     """
     where = "--from-contour" if first is None else "--from-operation"
     start = contour if first is None else first
-    refuse_usage(
+    options.refuse_usage(
         (against and not parts, "--against needs at least one PART."),
         (parts and not against, "PARTs come after --against."),
         (None not in (first, contour), "--from-operation and --from-contour exclude each other."),
@@ -118,9 +110,9 @@ def command(
     machine = machine_for_program(config, program, data, expected_parts)
     name, bar = shown_name(program), values["bar"]
     head = head_of(data.decode("utf-8", "replace"))
-    refuse_usage(
-        (first is not None and machine.stock != "beam", ONE_BAR),
-        (contour is not None and not is_coded_sheet(machine), ONE_SHEET),
+    options.refuse_usage(
+        (first is not None and machine.stock != "beam", options.ONE_BAR),
+        (contour is not None and not is_coded_sheet(machine), options.ONE_SHEET),
     )
     allowed = config.allow_skips
     if head is not None and not config.strict and "allow_skips" not in config.sources:
@@ -162,7 +154,7 @@ def faults_of_rest(
     from beamcam.remainder import faults_of, faults_of_sheet_rest
 
     of_sheet = is_coded_sheet(request.machine)
-    rule = ONE_SHEET if of_sheet else ONE_BAR
+    rule = options.ONE_SHEET if of_sheet else options.ONE_BAR
     job = whole_job(request, bar)
     if whole is None:
         name = f"program posted of {PurePath(shown_name(request.parts[0].source.file)).name}"

@@ -24,8 +24,8 @@ from beamcam.batch.names import MarkKey
 from beamcam.batch.recipe import recipe_of
 from beamcam.batch.record import claims_of
 from beamcam.batch.run import RunSetup, run
+from beamcam.commands import options
 from beamcam.commands.common import Console
-from beamcam.commands.options import Grouped
 from beamcam.commands.running import (
     Progress,
     batch_settings,
@@ -137,7 +137,7 @@ def file_away(found: Input, folder: str, row: FileRow | None = None) -> str:
     return target
 
 
-@click.command("watch", cls=Grouped)
+@click.command("watch", cls=options.Grouped)
 @click.argument("folder", metavar="IN_FOLDER", type=click.Path(exists=True, file_okay=False))
 @run_options
 @click.option("--done", metavar="FOLDER", help="Move posted inputs to this folder.")
