@@ -33,7 +33,7 @@ from beamcam.files import FilesRead, write_whole
 from beamcam.reports.labels import SCHEMA, Label
 from beamcam.reports.labels import as_json as labels_as_json
 from beamcam.reports.part_list import BARS, CUTS, PARTS, bar_list, cutting_list, part_list
-from beamcam.reports.run import FileRow, Message, as_message
+from beamcam.reports.run import FileRow, as_message
 from beamcam.reports.tables import as_csv
 from beamcam.system import asked_to_end, cores, portable_path
 
@@ -149,7 +149,10 @@ def command(
         try:
             account.write(screen.counts, messages, None if dry else settings, jobs, shares)
         except OSError as error:
-            unwritten = [_unwritten(error, report)]
+            if report == STANDARD:
+                raise  # its reader has gone, and there is no one to tell
+            reason = error.strerror or str(error)
+            unwritten = [as_message(WRITE.at(Source(str(report)), found=report, reason=reason))]
             screen.say(unwritten)
             messages += unwritten
         screen.end(
@@ -157,14 +160,6 @@ def command(
         )
     is_refused = any(one["severity"] == "error" for one in messages)
     end_run(screen.counts, bool(interrupted), exit_left_out, is_refused)
-
-
-def _unwritten(error: OSError, report: str | None) -> Message:
-    """The message about a report that cannot be written. Raises the error of standard output."""
-    if report == STANDARD:
-        raise error  # whoever reads it has gone, and there is no one to tell
-    reason = error.strerror or str(error)
-    return as_message(WRITE.at(Source(str(report)), found=report, reason=reason))
 
 
 def _is_over_stock(nest: bool | None, options: Mapping[str, Any]) -> bool:
@@ -224,31 +219,27 @@ def is_stock_list(path: str) -> bool:
     return head is not None and not _is_strange(path, head)
 
 
-def stock_lists(run: StockRun) -> Iterator[tuple[str, str]]:
-    """Name and content of each list: parts, bars, cuts, and a label for each piece that is made."""
+def write_lists(run: StockRun, folder: str, read: FilesRead, force: bool) -> Iterator[Diagnostic]:
+    """Write the lists into the folder of the programs; an error for each that cannot be.
+
+    They are of parts, bars and cuts, and a label for each piece that is made. A file that is no
+    such list is not written over, unless it is forced.
+    """
     bars = run.bars()
-    yield "parts.csv", as_csv(part_list(run.counts))
-    yield "bars.csv", as_csv(bar_list(bars))
-    yield "cuts.csv", as_csv(cutting_list(bars))
     labels = [
         Label(part.mark, tuple(label_lines(part, number, of)), program)
         for part, number, of, program in run.labelled()
     ]
-    yield "labels.json", labels_as_json(labels)
-
-
-def write_lists(run: StockRun, folder: str, read: FilesRead, force: bool) -> Iterator[Diagnostic]:
-    """Write the lists into the folder of the programs; an error for each that cannot be.
-
-    A file that is no such list is not written over, unless it is forced.
-    """
-    for name, content in stock_lists(run):
+    contents = (
+        as_csv(part_list(run.counts)), as_csv(bar_list(bars)), as_csv(cutting_list(bars)),
+        labels_as_json(labels),
+    )  # fmt: skip
+    for name, content in zip(HEADS, contents, strict=True):
         path = os.path.join(folder, name)
         if over := over_input(path, read):
             yield over
         elif not force and _is_strange(path, HEADS[name]):
-            why = "which beamcam did not make"
-            yield NOT_OURS.at(Source(path), found=name, why=why)
+            yield NOT_OURS.at(Source(path), found=name, why="which beamcam did not make")
         else:
             try:
                 write_whole(path, content)

@@ -5,6 +5,7 @@ import re
 import sys
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
+from functools import partial
 from pathlib import PurePath
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, NoReturn
@@ -143,9 +144,12 @@ def say_lines(lines: Iterable[str], err: bool = False) -> None:
     On a terminal the severity of a message on standard error has its colour.
     """
     coloured = err and shows_colour(sys.stderr)
-    for line in lines:
-        text = terminal_text(line)
-        click.echo(_coloured(text) if coloured else text, err=err, color=coloured or None)
+    for line in map(terminal_text, lines):
+        if coloured and (match := _SEVERITY.search(line)):
+            begin, end = match.span("word")
+            styled = click.style(match["word"], fg=_COLOURS[match["word"]], bold=True)
+            line = line[:begin] + styled + line[end:]
+        click.echo(line, err=err, color=coloured or None)
 
 
 def shows_colour(stream: Any) -> bool:
@@ -158,16 +162,6 @@ def shows_colour(stream: Any) -> bool:
     if os.environ.get("FORCE_COLOR"):
         return True
     return stream.isatty() and os.environ.get("TERM") != "dumb"
-
-
-def _coloured(line: str) -> str:
-    """A message with the colour of its severity."""
-    match = _SEVERITY.search(line)
-    if match is None:
-        return line
-    begin, end = match.span("word")
-    styled = click.style(match["word"], fg=_COLOURS[match["word"]], bold=True)
-    return line[:begin] + styled + line[end:]
 
 
 def as_json(value: object, indent: int | None = 1) -> str:
@@ -218,17 +212,14 @@ def followed(path: str, console: Console) -> Iterator[Callable[[int, int], None]
             if not bars:
                 if perf_counter() - begun < PATIENCE:
                     return
-                stack.enter_context(taken_back(_show_cursor))
+                # As click does at the end of a bar, which hides the cursor.
+                show_cursor = partial(os.write, sys.stderr.fileno(), b"\n\x1b[?25h")
+                stack.enter_context(taken_back(show_cursor))
                 bar = click.progressbar(length=of, label=label, file=sys.stderr)
                 bars.append(stack.enter_context(bar))
             bars[0].update(done - bars[0].pos)
 
         yield follow
-
-
-def _show_cursor() -> None:
-    """What click does at the end of a bar, which hides the cursor."""
-    os.write(sys.stderr.fileno(), b"\n\x1b[?25h")
 
 
 def write(

@@ -10,9 +10,11 @@ from msgspec import Struct
 
 from beamcam.commands import options
 from beamcam.commands.common import Console, cannot_write, say_json, say_lines
+from beamcam.commands.configuration import settings_line
 from beamcam.commands.settings import settled
-from beamcam.config.values import CONFIG_NAME, Config, ConfigFile, Setting, Stock
+from beamcam.config.values import CONFIG_NAME, ConfigFile, Setting, Stock
 from beamcam.errors import BeamcamError
+from beamcam.machine.machine import default_machines
 
 
 def shown(setting: Setting) -> str:
@@ -73,7 +75,14 @@ def command(
     if config.remarks:
         console.say(config.remarks)
     rows = config.settings()
-    used = _used(config, console)
+    stocks: tuple[Stock, ...] = ("beam", "sheet")
+    machines = [
+        n for stock in stocks for n in config.machine_names(stock) or default_machines(stock)
+    ]
+    try:
+        used = settings_line(config, [*machines, *config.split])
+    except BeamcamError as error:
+        console.stop(error.diagnostics)
     if as_json:
         values = {r.key: {"value": r.value, "source": r.source and str(r.source)} for r in rows}
         say_json({**values, "settings": {"value": used, "source": None}})
@@ -81,21 +90,6 @@ def command(
     width = max(len(shown(row)) for row in rows)
     say_lines(f"{shown(row):{width}}  # {row.source or 'default'}" for row in rows)
     say_lines([f"# {used}"])
-
-
-def _used(config: Config, console: Console) -> str:
-    """Whose configuration it is, and the machines for bars and sheets with their checksums."""
-    from beamcam.commands.configuration import settings_line
-    from beamcam.machine.machine import default_machines
-
-    stocks: tuple[Stock, ...] = ("beam", "sheet")
-    names = [
-        name for stock in stocks for name in config.machine_names(stock) or default_machines(stock)
-    ] + [*config.split]
-    try:
-        return settings_line(config, names)
-    except BeamcamError as error:
-        console.stop(error.diagnostics)
 
 
 def _remember(folders: tuple[str, ...], console: Console) -> None:

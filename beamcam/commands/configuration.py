@@ -27,7 +27,6 @@ from beamcam.config.values import CONFIG_NAME, Config, ConfigFiles
 from beamcam.errors import Diagnostic, Source
 from beamcam.machine.load import SHIPPED, files_of_machine
 from beamcam.machine.machine import Machine
-from beamcam.machine.toml import TomlFile
 from beamcam.model.plan import ALL_SKIPS, SKIP_NAMES, named_skips
 from beamcam.system import user_folder
 
@@ -136,7 +135,12 @@ def machine_line(name: str) -> str:
     """A machine's name, its file and those it is laid over. Raises MachineError."""
     files = files_of_machine(name)
     called = files[0].table.get("name", files[0].path.stem)
-    return f"{called} ({' over '.join(map(_file, files))})"
+    shown = (
+        f"{file.shown}{' as shipped' if file.path.parent == SHIPPED else ''}, sha256 "
+        f"{sha256(file.text.encode()).hexdigest()[:DIGITS]}"
+        for file in files
+    )
+    return f"{called} ({' over '.join(shown)})"
 
 
 def reference(machine: Machine, config: Config) -> str:
@@ -162,8 +166,3 @@ def _whose(path: str, own: bool) -> str:
     if not own:
         return "beside the inputs, harmless keys only"
     return "here or above" if os.path.basename(path) == CONFIG_NAME else "named"
-
-
-def _file(file: TomlFile) -> str:
-    place = f"{file.shown} as shipped" if file.path.parent == SHIPPED else file.shown
-    return f"{place}, sha256 {sha256(file.text.encode()).hexdigest()[:DIGITS]}"

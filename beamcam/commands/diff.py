@@ -242,13 +242,6 @@ def _files(folder: Path, recorded: Mapping[str, Machine]) -> dict[str, Path]:
     return files
 
 
-def _machine(config: Config, name: str, data: bytes, recorded: Mapping[str, Machine]) -> Machine:
-    """The machine that a program is for: what is asked for, else what the record says."""
-    if name in recorded and config.sources.get("machine") != COMMAND_LINE:
-        return recorded[name]
-    return machine_for_program(config, name, data)
-
-
 def _compared(
     name: str, first: Path, second: Path, recorded: Mapping[str, Machine], config: Config
 ) -> Checked:
@@ -257,7 +250,9 @@ def _compared(
     if old == new:
         return Checked(shown, "same")
     try:
-        machines = [_machine(config, name, data, recorded) for data in (old, new)]
+        # What is asked for counts first, then what the record says.
+        known = recorded.get(name) if config.sources.get("machine") != COMMAND_LINE else None
+        machines = [known or machine_for_program(config, name, data) for data in (old, new)]
         differences, diagnostics = differences_of(
             [(str(first), old), (shown, new)], machines, config.strict
         )

@@ -41,13 +41,16 @@ def compared(
     path: str, old: bytes, new: bytes, machine: Machine, manual_work: Sequence[ManualRow]
 ) -> Checked:
     """A golden program with its list of manual work, and those that are made now."""
-    listed = _list_differs(path, manual_work)
+    beside = Path(path + LIST_SUFFIX)
+    was = beside.read_bytes() if beside.is_file() else b""
+    listed: tuple[Difference, ...] = ()
+    if was != (as_csv(manual_work).encode("utf-8") if manual_work else b""):
+        text = f"found {len(was.splitlines()[1:])} mark(s) of manual work, now {len(manual_work)}"
+        listed = (Difference("feature", "changed", f"{beside.name}: {text}"),)
+    if old == new and not listed:
+        return Checked(path, "same")
     if old == new:
-        return (
-            Checked(path, "differs", listed, (), new, manual_work)
-            if listed
-            else Checked(path, "same")
-        )
+        return Checked(path, "differs", listed, (), new, manual_work)
     before, now = (data.decode("utf-8", "replace") for data in (old, new))
     differences, diagnostics = diff_texts(
         ProgramText(path, before, machine), ProgramText(f"{path}, as it is made now", now, machine)
@@ -56,19 +59,6 @@ def compared(
     result: Result = "differs" if differences or diagnostics or listed else "bytes"
     differences = (*differences, *listed)
     return Checked(path, result, differences, tuple(map(as_message, diagnostics)), new, manual_work)
-
-
-def _list_differs(path: str, rows: Sequence[ManualRow]) -> tuple[Difference, ...]:
-    """Whether the list of manual work beside a program has changed."""
-    beside = Path(path + LIST_SUFFIX)
-    old = beside.read_bytes() if beside.is_file() else b""
-    new = as_csv(rows).encode("utf-8") if rows else b""
-    if old == new:
-        return ()
-    text = (
-        f"{beside.name}: found {len(old.splitlines()[1:])} mark(s) of manual work, now {len(rows)}"
-    )
-    return (Difference("feature", "changed", text),)
 
 
 def sample_of(samples: Path, stem: str, program: str, suffix: str = "") -> Path:

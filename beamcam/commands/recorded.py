@@ -134,7 +134,10 @@ class Recorded:
         if name not in self._shops:
             files, again = asked_again(noted.recipe, str(self._folder))
             given = {n: value for n, value in self._asked.items() if value is not None}
-            options = {**_unasked(), **again, **given}
+            from beamcam.commands.batch import command
+
+            unasked: click.Context = command.make_context("batch", ["in", "-o", "out"])
+            options = {**unasked.params, **again, **given}
             try:
                 if "machine" in given:  # in place of all that the record names
                     options["machines"] = None
@@ -200,8 +203,7 @@ class Recorded:
             elif stands and self._update and len(new) == len(known):
                 path.unlink()  # the program has another name now, which is written
             elif stands:
-                message = as_message(GONE.at(Source(str(path)), found=name))
-                yield Checked(str(path), "refused", (), (message,))
+                yield _refused(str(path), [GONE.at(Source(str(path)), found=name)])
         more = (name for name in new if name not in self._known)
         yield from (self._is_new(name, new[name], manual_work[name]) for name in more)
 
@@ -213,8 +215,7 @@ class Recorded:
                 if path.is_file() and self._update:
                     path.unlink()  # no machine is the next one now
                 elif path.is_file():
-                    message = as_message(GONE.at(Source(str(path)), found=name))
-                    yield Checked(str(path), "refused", (), (message,))
+                    yield _refused(str(path), [GONE.at(Source(str(path)), found=name)])
             elif not path.is_file():
                 yield self._is_new(name, new[name], ())
             elif path.read_bytes() != new[name]:
@@ -271,11 +272,3 @@ def machines_of(row: FileRow, settings: BatchSettings) -> list[Machine]:
 
 def _refused(path: str, diagnostics: Sequence[Diagnostic]) -> Checked:
     return Checked(path, "refused", (), tuple(map(as_message, diagnostics)))
-
-
-def _unasked() -> dict[str, Any]:
-    """The values of a batch's options where none of them is given."""
-    from beamcam.commands.batch import command
-
-    context: click.Context = command.make_context("batch", ["in", "-o", "out"])
-    return dict(context.params)

@@ -354,7 +354,15 @@ class Report:
             rows = [one for one in messages if one["code"] != SETTINGS.code]
             pieces = as_csv(self._read(), counts, rows)
         elif suffix == ".html":
-            pieces = self._page(counts, messages, settings, jobs, shares)
+            from beamcam.reports.run_page import as_html
+
+            beside: tuple[Any, ...] = ()
+            if settings is not None:
+                from beamcam.batch.sheets import picture_style, sheets_beside
+
+                sheets = sheets_beside(self.path, self._read(), settings, jobs, shares)
+                beside = sheets, picture_style()
+            pieces = as_html(self._read, counts, messages, *beside)
         else:
             pieces = as_json(self._read(), counts, messages)
         if self.path == "-":
@@ -364,19 +372,6 @@ class Report:
             write_whole(self.path, pieces)
         if self._rows is not None:
             self._rows.close()
-
-    def _page(
-        self, counts: Counts, messages: Iterable[Message], settings: BatchSettings | None,
-        jobs: int, shares: Sequence[ShareTask],
-    ) -> Iterable[bytes]:  # fmt: skip
-        from beamcam.reports.run_page import as_html
-
-        if settings is None or self.path is None:
-            return as_html(self._read, counts, messages)
-        from beamcam.batch.sheets import picture_style, sheets_beside
-
-        extras = sheets_beside(self.path, self._read(), settings, jobs, shares)
-        return as_html(self._read, counts, messages, extras, picture_style())
 
     def _read(self) -> Iterator[FileRow]:
         if self._rows is not None:
