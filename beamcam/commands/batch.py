@@ -2,7 +2,7 @@
 
 import os
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 import click
@@ -28,6 +28,7 @@ from beamcam.commands.running import (
     workers_of,
 )
 from beamcam.commands.settings import files_read, settled
+from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Diagnostic, Source
 from beamcam.files import FilesRead, write_whole
 from beamcam.reports.labels import SCHEMA, Label
@@ -97,13 +98,8 @@ def command(
     if console.as_json and report is not None:
         raise click.UsageError("--json prints the report; give --report or --json.")
     names = _names(inputs)
-    over_stock = _is_over_stock(nest, values)
     config = settled(values, names)
-    if over_stock and config.split:
-        raise click.UsageError(
-            "found --machines over stock; expected it with --each, or --machine for parts that "
-            "share bars and sheets."
-        )
+    over_stock = _is_over_stock(nest, values, config)
     settings = batch_settings(config, values, timed=report is not None)
     console.say_remarks()
     result = find_inputs(names, leave_out=(output,))
@@ -137,13 +133,15 @@ def command(
                 raise
             finally:
                 rows.close()
+
+        def say(diagnostics: Iterable[Diagnostic]) -> None:
+            new = [as_message(one) for one in diagnostics]
+            screen.say(new)
+            messages.extend(new)
+
         if stock_run is not None and not (interrupted or dry):
-            lists = [*stock_run.remarks, *write_lists(stock_run, output, read, redo)]
-            screen.say(map(as_message, lists))
-            messages += map(as_message, lists)
-        unmatched = [as_message(d) for d in unmatched_keys(config, screen.counts)]
-        screen.say(unmatched)
-        messages += unmatched
+            say((*stock_run.remarks, *write_lists(stock_run, output, read, redo)))
+        say(unmatched_keys(config, screen.counts))
         jobs = min(config.jobs or cores(), max(1, screen.counts.total // FILES_A_WORKER))
         shares = () if stock_run is None else stock_run.tasks
         try:
@@ -152,9 +150,7 @@ def command(
             if report == STANDARD:
                 raise  # its reader has gone, and there is no one to tell
             reason = error.strerror or str(error)
-            unwritten = [as_message(WRITE.at(Source(str(report)), found=report, reason=reason))]
-            screen.say(unwritten)
-            messages += unwritten
+            say([WRITE.at(Source(str(report)), found=report, reason=reason)])
         screen.end(
             " (interrupted)" if interrupted else " (dry run, nothing written)" if dry else ""
         )
@@ -162,7 +158,7 @@ def command(
     end_run(screen.counts, bool(interrupted), exit_left_out, is_refused)
 
 
-def _is_over_stock(nest: bool | None, options: Mapping[str, Any]) -> bool:
+def _is_over_stock(nest: bool | None, options: Mapping[str, Any], config: Config) -> bool:
     """Whether parts share bars and sheets. Raises UsageError for options that exclude it."""
     stock = [option for option, value in (
         ("--bar", options["bar"]), ("--remnant", options["remnants"]),
@@ -178,6 +174,11 @@ def _is_over_stock(nest: bool | None, options: Mapping[str, Any]) -> bool:
                     f"found {option} over stock; expected it with --each, since a program over "
                     "stock is called by its section and grade."
                 )
+        if config.split:
+            raise click.UsageError(
+                "found --machines over stock; expected it with --each, or --machine for parts that "
+                "share bars and sheets."
+            )
     return over_stock
 
 

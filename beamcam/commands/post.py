@@ -157,16 +157,7 @@ def command(
         made = [(n, finished(one, stage)) for n, one in zip(names, begun, strict=True)]
         if first is not None or contour is not None:
             made = [(output, _remainder(made, first, contour))]
-        beside: list[tuple[str, str]] = []
-        if frame is not None:
-            from beamcam.remainder import frame_of
-
-            frames = options.program_names(frame, len(made))
-            beside += ((n, frame_of(one).text) for n, (_, one) in zip(frames, made, strict=True))
-        if rest_name is not None:
-            text, remark = _rest(rest_name, made[0][1])
-            beside += [] if text is None else [(rest_name, text)]
-            console.messages.append(remark)
+        beside = _beside(made, frame, rest_name, console)
     except RefusedProgram as error:
         from beamcam.batch import KEPT
 
@@ -235,27 +226,40 @@ def _remainder(
     return rest_of_sheet(posted, contour)
 
 
-def _rest(path: str, posted: Posted) -> tuple[str | None, Diagnostic]:
-    """The text of what a program leaves of its part, None where nothing is left, and a note of it.
+def _beside(
+    made: Sequence[tuple[str, Posted]], frame: str | None, rest_name: str | None, console: Console
+) -> list[tuple[str, str]]:
+    """The frame of each program, and what the only one leaves of its part, by names of files.
 
-    Raises BeamcamError as `rest_of_part` does, UsageError where there is none or for another form.
+    Raises BeamcamError as `frame_of` and `rest_of_part` do, UsageError for what has no rest.
     """
+    beside: list[tuple[str, str]] = []
+    if frame is not None:
+        from beamcam.remainder import frame_of
+
+        frames = options.program_names(frame, len(made))
+        beside += ((n, frame_of(one).text) for n, (_, one) in zip(frames, made, strict=True))
+    if rest_name is None:
+        return beside
     from beamcam.commands.convert import target_of
     from beamcam.rest_part import NO_REST, REST, rest_of_part
     from beamcam.writers import TARGETS
 
-    target, request = target_of(path, None), posted.job.request
+    posted = made[0][1]
+    target, request = target_of(rest_name, None), posted.job.request
     forms = ", ".join(s for t in TARGETS if t.name != NOT_WHOLE for s in t.suffixes)
     of_one = len(request.parts) == 1 and not request.turn and request.machine.stock != "sheet"
     options.refuse_usage(
-        (target.name == NOT_WHOLE, f"--rest {path!r}: expected a name in {forms}"),
+        (target.name == NOT_WHOLE, f"--rest {rest_name!r}: expected a name in {forms}"),
         (not of_one, OF_ONE),
     )
     rest = rest_of_part(posted, target)
     if rest is None:
-        return None, NO_REST.at(Source(path))
+        console.messages.append(NO_REST.at(Source(rest_name)))
+        return beside
     part, text = rest
-    return text, REST.at(Source(path), found=len(part.features))
+    console.messages.append(REST.at(Source(rest_name), found=len(part.features)))
+    return [*beside, (rest_name, text)]
 
 
 def _write(

@@ -17,6 +17,7 @@ from beamcam.config.values import (
     COMMAND_LINE,
     Config,
     ConfigFiles,
+    Sheet,
     Stock,
     config_files,
     over,
@@ -38,15 +39,7 @@ _OPTIONS = {
     "strict": "strict", "job": "job", "jobs": "jobs", "name": "name", "quantity": "quantity",
     "flat": "flat", "colours": "map", "corner": "corner", "lip": "lip", "ends": "ends",
 }  # fmt: skip
-#: Options that are rows of the table `[sheet]`.
 SAME_THICKNESS = 0.01  #: mm that two statements may differ by
-SHEET_OPTIONS = (
-    "thickness", "material", "amps", "nozzle", "kerf", "kerf_by", "lead", "lead_in",
-    "lead_out", "tabs", "tab_width", "inner_tabs", "overcut", "gap", "allow_open", "place",
-    "origin", "mirror",
-    "rotate", "copies", "spacing", "common_cuts", "chain_cuts", "skeleton_cuts", "sheet_size",
-    "unrolled",
-)  # fmt: skip
 
 
 def settled(options: Mapping[str, Any], inputs: Iterable[str]) -> Config:
@@ -123,7 +116,9 @@ def _wanted(options: Mapping[str, Any]) -> dict[str, Any]:
     given = {key: options[name] for name, key in _OPTIONS.items() if options.get(name) is not None}
     if options.get("bar") is not None:
         given["stock_lengths"] = (options["bar"],)
-    sheet = {name: options[name] for name in SHEET_OPTIONS if options.get(name) is not None}
+    sheet = {
+        name: options[name] for name in Sheet.__struct_fields__ if options.get(name) is not None
+    }
     if sheet:
         given["sheet"] = sheet
     if options.get("scheduler") is not None:
