@@ -107,12 +107,7 @@ def load_tested(name: str) -> Machine:
     machine = load_machine(name)
     from beamcam.self_test import known_proof_faults
 
-    diagnostics = tuple(
-        WORD.at(source_in(name, key, text), key=key, said=fault)
-        for key, text, fault in known_proof_faults(machine)
-    )
-    if diagnostics:
-        raise MachineError(diagnostics[:1])
+    _refuse_words(name, known_proof_faults(machine)[:1])
     return machine
 
 
@@ -124,13 +119,14 @@ def load_machine(name: str) -> Machine:
     from beamcam.controllers.machine_words import known_faults
 
     machine = load(name)
-    diagnostics = tuple(
-        WORD.at(source_in(name, key, text), key=key, said=fault)
-        for key, text, fault in known_faults(machine)
-    )
-    if diagnostics:
-        raise MachineError(diagnostics)
+    _refuse_words(name, known_faults(machine))
     return machine
+
+
+def _refuse_words(name: str, faults: Iterable[tuple[str, str, str]]) -> None:
+    """Raises MachineError for words of a machine file: by key, text and fault of each."""
+    if wrong := [WORD.at(source_in(name, k, text), key=k, said=said) for k, text, said in faults]:
+        raise MachineError(wrong)
 
 
 def ask_type(name: str, value: object, expected: str) -> Diagnostic:

@@ -28,10 +28,7 @@ if TYPE_CHECKING:
     from beamcam.recovery import Recovered
     from beamcam.simulation.program import Simulated
 
-# --- comparison -----------------------------------------------------------------------------------
-
-# Two programs of a machine compared by what they mean.
-
+# --- comparison: two programs of a machine compared by what they mean -----------------------------
 
 #: Faults that make a program's meaning unknown.
 NOT_UNDERSTOOD = {r.code for r in (SYNTAX, WORD, ARC)}

@@ -38,8 +38,7 @@ class Cluster:
     ) -> None:  # fmt: skip
         """Raises SchedulerError if there is none at `address`, or it has no worker."""
         self._address = address
-        self._answer_s = ANSWER_S if answer_s is None else answer_s
-        self._per_thread = CHUNKS if chunks is None else chunks
+        self._answer_s, self._per_thread = answer_s or ANSWER_S, chunks or CHUNKS
         self._frozen = settings.freeze
         self._chunks: dict[Any, Chunk] = {}
         try:
@@ -110,7 +109,17 @@ class Cluster:
         self._chunks[future] = chunk
 
     def wait(self) -> Iterator[Outcome]:
-        done = self._done()
+        try:
+            with self._client.as_current():
+                done = self._wait(
+                    list(self._chunks), timeout=LOOK_S, return_when="FIRST_COMPLETED"
+                ).done
+        except TimeoutError:
+            if self._client.status == "running":
+                return
+            raise self._error(GONE) from None
+        except CancelledError as error:
+            raise self._error(GONE) from error
         for future in [f for f in self._chunks if f in done]:
             chunk = self._chunks.pop(future)
             try:
@@ -124,21 +133,6 @@ class Cluster:
                 raise self._error(GONE) from error
             except Exception as error:
                 raise self._error(f"{type(error).__name__}: {error}") from error
-
-    def _done(self) -> set[Any]:
-        """The futures that are done, if any. Raises SchedulerError if the scheduler is gone."""
-        try:
-            with self._client.as_current():
-                done: set[Any] = self._wait(
-                    list(self._chunks), timeout=LOOK_S, return_when="FIRST_COMPLETED"
-                ).done
-            return done
-        except TimeoutError:
-            if self._client.status == "running":
-                return set()
-            raise self._error(GONE) from None
-        except CancelledError as error:
-            raise self._error(GONE) from error
 
     def close(self) -> None:
         self._client.cancel(list(self._chunks))

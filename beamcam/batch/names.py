@@ -148,10 +148,7 @@ def folded(name: str) -> str:
     return unicodedata.normalize("NFC", name).casefold()
 
 
-# --- same marks -----------------------------------------------------------------------------------
-
-# Marks that two parts of one order have, though they differ.
-
+# --- marks that two parts of one order have, though they differ -----------------------------------
 
 #: Keys that say where a part, or something of it, comes from or is listed.
 _NO_CONTENT = frozenset({

@@ -159,7 +159,7 @@ class StockRun:
             except (PlanError, VerifyError) as error:
                 waiting.append((key, self._refused(error, places, unplanned)))
                 continue
-            lots.append(Lot(request, shares))
+            lots.append((request, shares))
         return lots, unplanned
 
     def _refused(

@@ -4,7 +4,6 @@ from collections import Counter
 from collections.abc import Generator, Iterator, Sequence
 from hashlib import sha256
 
-from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.arguments import on_best_machine
@@ -99,17 +98,15 @@ class ShareTask(Task, frozen=True):
         return sha256(dumped([parts, rest])).digest()
 
 
-class Lot(Struct, frozen=True):
-    """The parts of one machine and one kind of stock, and their shares of it."""
-
-    request: Request
-    shares: tuple[Share, ...]
+#: The request for the parts of one machine and one kind of stock, and their shares of it.
+Lot = tuple[Request, tuple[Share, ...]]
 
 
 def tasks_of(lot: Lot, stem: str, before: int) -> Iterator[ShareTask]:
     """The tasks of a lot, `before` others."""
-    request, machine, of = lot.request, lot.request.machine, len(lot.shares)
-    for number, share in enumerate(lot.shares, 1):
+    request, shares = lot
+    machine, of = request.machine, len(shares)
+    for number, share in enumerate(shares, 1):
         places = tuple(dict.fromkeys(share.pieces))
         at = {place: k for k, place in enumerate(places)}
         name = f"{stem}-{number}{machine.suffix}" if of > 1 else f"{stem}{machine.suffix}"
@@ -124,8 +121,8 @@ def stems_of(lots: Sequence[Lot]) -> list[str]:
     """What the programs of each lot are called: section or thickness, grade; and where two lots
     would be called the same, the machine."""
     plain = []
-    for lot in lots:
-        first, torch = lot.request.parts[0], lot.request.machine.torch
+    for request, _ in lots:
+        first, torch = request.parts[0], request.machine.torch
         what = first.profile.name or first.profile.code
         if torch is not None:
             own = first.profile.web_thickness
@@ -136,8 +133,6 @@ def stems_of(lots: Sequence[Lot]) -> list[str]:
     twice = {stem for stem, count in Counter(map(folded, plain)).items() if count > 1}
     names = FileNames()
     return [
-        names.take(
-            f"{stem}_{cleaned(lot.request.machine.name)}" if folded(stem) in twice else stem, ""
-        )
-        for stem, lot in zip(plain, lots, strict=True)
+        names.take(f"{stem}_{cleaned(request.machine.name)}" if folded(stem) in twice else stem, "")
+        for stem, (request, _) in zip(plain, lots, strict=True)
     ]

@@ -293,10 +293,7 @@ def stop_without_output(error: OSError) -> NoReturn:
     Console().stop([cannot_write("stdout", error)])
 
 
-# --- programs -------------------------------------------------------------------------------------
-
-# The files of a program: how it may be called, its form, and what goes with it.
-
+# --- programs: the files of a program: how it may be called, its form, and what goes with it ------
 
 PICTURES = (".svg", ".png", ".pdf")
 

@@ -103,10 +103,7 @@ _CHECKS: dict[str, Callable[[Any], str]] = {
 }
 
 
-# --- provenance -----------------------------------------------------------------------------------
-
-# Whose configuration a run uses, and which machine file, with its checksum.
-
+# --- provenance: whose configuration a run uses, and which machine file, with its checksum --------
 
 DIGITS = 12  #: of a checksum, as its first ones are compared by eye
 

@@ -200,9 +200,7 @@ def command(
         raise SystemExit(REFUSED)
 
 
-# --- folders --------------------------------------------------------------------------------------
-
-# Two folders of programs or parts, compared file by file.
+# --- folders: two folders of programs or parts, compared file by file -----------------------------
 
 
 def diff_folders(

@@ -26,10 +26,7 @@ from beamcam.system import INTERRUPTED, LOOK_S, asked_to_end
 if TYPE_CHECKING:
     from beamcam.setup_sheet.study_page import KnownWork
 
-# --- page server ----------------------------------------------------------------------------------
-
-# The server of a page for this computer: who may ask, how many at once, and for how long.
-
+# --- page server for this computer: who may ask, how many at once, and for how long ---------------
 
 MOST_CALLERS = 16  #: at once, a thread each; a page has one or two
 ANSWERED_S = 5.0  #: that a caller may take for question and answer

@@ -276,10 +276,7 @@ def from_contour(help_text: str) -> Decorator:
     )
 
 
-# --- help -----------------------------------------------------------------------------------------
-
-# A command whose options stand in groups in its help.
-
+# --- help: a command whose options stand in groups in its help ------------------------------------
 
 SAID = "What is said"
 OTHER = "Other"

@@ -262,9 +262,7 @@ def request_of(
     )  # fmt: skip
 
 
-# --- programs -------------------------------------------------------------------------------------
-
-# Shared by the commands that read programs.
+# --- programs, for the commands that read them ----------------------------------------------------
 
 
 def input_bytes(path: str) -> bytes:
