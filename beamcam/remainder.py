@@ -74,9 +74,14 @@ def rest_of(posted: Posted, first: int) -> Posted:
     notes = map(Comment, what_has_to_be_true(plan, first, machine))
     commands = (*commands[:begin], *notes, *commands[work[first - 2] + 1 :])
     text = gcode.emit(replace(whole, commands=commands), machine)
-    wrong = faults_of(text, posted.text, first, replace(job, bar=plan.bar.length))
-    if errors_in(wrong):
-        raise RefusedProgram(wrong, text)
+    job = replace(job, bar=plan.bar.length)
+    return _checked(posted, text, faults_of(text, posted.text, first, job))
+
+
+def _checked(posted: Posted, text: str, faults: tuple[Diagnostic, ...]) -> Posted:
+    """The text as a program that was posted. Raises RefusedProgram."""
+    if errors_in(faults):
+        raise RefusedProgram(faults, text)
     return replace(posted, written=text)
 
 
@@ -142,10 +147,8 @@ def frame_of(posted: Posted) -> Posted:
         ),
     )  # fmt: skip
     text = cutting.emit(program, machine)
-    wrong = frame_faults(text, posted.text, machine, posted.job.request.name)
-    if errors_in(wrong):
-        raise RefusedProgram(wrong, text)
-    return replace(posted, written=text, program=program, remarks=())
+    faults = frame_faults(text, posted.text, machine, posted.job.request.name)
+    return _checked(replace(posted, program=program, remarks=()), text, faults)
 
 
 # --- sheets ---------------------------------------------------------------------------------------
@@ -186,10 +189,7 @@ def rest_of_sheet(posted: Posted, first: int) -> Posted:
     notes = map(Comment, sheet_conditions(plan, first))
     rest = replace(rest, about=whole.about, commands=(start, *head, *notes, *work))
     text = cutting.emit(rest, job.machine)
-    wrong = faults_of_sheet_rest(text, posted.text, first, job)
-    if errors_in(wrong):
-        raise RefusedProgram(wrong, text)
-    return replace(posted, written=text)
+    return _checked(posted, text, faults_of_sheet_rest(text, posted.text, first, job))
 
 
 def faults_of_sheet_rest(

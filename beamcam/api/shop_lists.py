@@ -240,18 +240,6 @@ def not_made(counts: Iterable[PartCount]) -> tuple[Diagnostic, ...]:
     return tuple(dict.fromkeys(diagnostic for one in counts for diagnostic in one.refused))
 
 
-def programs_of(
-    part: Part, machines: Sequence[Machine], asked: Request
-) -> tuple[Machine, tuple[int, ...]]:
-    """The machine that a batch makes a part on, and the pieces that each of its programs makes.
-
-    Raises PlanError where no machine makes it.
-    """
-    request = replace(asked, parts=(part,), machine=machines[0])
-    planned, _ = on_best_machine(request, machines, plans_of)
-    return planned[0].job.machine, tuple(len(one.job.pieces) for one in planned)
-
-
 def _check_quantity(quantity: object) -> None:
     is_number = isinstance(quantity, int) and not isinstance(quantity, bool) and quantity > 0
     if quantity != "file" and not is_number:

@@ -101,22 +101,20 @@ def _made(
         if row["parts"]
     )
     pool = Pool[Programs, tuple[SetupSheet, ...]](maker, max(jobs, 1), partial(thaw, frozen))
+    left, task = 0, next(tasks, None)
     try:
-        left = 0
-        for task in tasks:
-            if jobs <= 1 and (task.share is not None or is_interruptible(task.path)):
-                yield from maker(task)
-                continue
-            while not pool.has_room():
+        while left or task is not None:
+            if task is None or not pool.has_room():
                 for _, made in pool.wait():
                     left -= 1
                     yield from () if isinstance(made, Died) else made
-            pool.submit(task)
-            left += 1
-        while left > 0:
-            for _, made in pool.wait():
-                left -= 1
-                yield from () if isinstance(made, Died) else made
+                continue
+            if jobs <= 1 and (task.share is not None or is_interruptible(task.path)):
+                yield from maker(task)
+            else:
+                pool.submit(task)
+                left += 1
+            task = next(tasks, None)
     finally:
         pool.close()
 

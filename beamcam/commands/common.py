@@ -14,7 +14,7 @@ import click
 
 from beamcam.commands import ACCOUNT, CANNOT_WRITE, OVER_INPUT
 from beamcam.errors import Diagnostic, Severity, Source, errors_in, first_of_each_kind
-from beamcam.files import REFUSED_SUFFIX, FilesRead, remove_made, write_whole
+from beamcam.files import REFUSED_SUFFIX, FilesRead, write_whole
 from beamcam.machine.tables import DIALECTS, TABLE_CONTROLLERS
 from beamcam.plain_text import json_text, terminal_text
 from beamcam.system import is_reader_gone, is_unicode, taken_back
@@ -369,19 +369,3 @@ def outputs(
         yield output, main
         return
     yield output, posted.pieces()
-
-
-def write_list(posted: "Posted", output: str, console: Console, read: FilesRead) -> None:
-    """Write the list of manual work beside a program, or take away an older one.
-
-    Of a program on standard output the messages alone say what is left for manual work.
-    """
-    if output == STANDARD:
-        return
-    from beamcam.planning.manual_list import LIST_BEGIN, LIST_SUFFIX, as_csv, manual_rows
-
-    path = output + LIST_SUFFIX
-    if rows := manual_rows(posted.plan):
-        write(path, as_csv(rows), console, read)
-    else:
-        remove_made(path, LIST_BEGIN)

@@ -8,7 +8,8 @@ from typing import Any
 
 import click
 
-from beamcam.api.shop_lists import label_lines, programs_of
+from beamcam.api.shop_lists import label_lines
+from beamcam.arguments import on_best_machine
 from beamcam.batch.names import FileNames, output_name
 from beamcam.commands import options
 from beamcam.commands.common import STANDARD, Console, write
@@ -19,6 +20,7 @@ from beamcam.commands.value_types import parsed
 from beamcam.config.values import Config
 from beamcam.errors import Diagnostic, PlanError, Source
 from beamcam.model.request import numbered
+from beamcam.pipeline import plans_of
 from beamcam.readers import content
 from beamcam.reports.labels import (
     CODES,
@@ -118,11 +120,12 @@ def _labels(
         tried = machines(part)
         request = request_of((part,), config, tried[0], config.quantity, options)
         try:
-            machine, pieces = programs_of(part, tried, request)
+            planned, _ = on_best_machine(request, tried, plans_of)
         except PlanError as error:
             diagnostics += error.diagnostics
             continue
         stem, several = PurePath(file).stem, parts_of[file] > 1
+        machine, pieces = planned[0].job.machine, [len(one.job.pieces) for one in planned]
         name = output_name(config.name, stem, part, before[file], several, machine)
         programs = [names.take(each, part.mark) for each in numbered(name, len(pieces))]
         fault = code_fault(Label(part.mark, (), programs[-1]), code, part.source)

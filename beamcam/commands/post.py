@@ -20,13 +20,12 @@ from beamcam.commands.common import (
     program,
     table_style,
     write,
-    write_list,
 )
 from beamcam.commands.parts import drawing_choice, part_options, read_parts, request_of
 from beamcam.commands.settings import files_read, machine_asked, machines_for, map_remarks, settled
 from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Diagnostic, PlanError, Source
-from beamcam.files import REFUSED_SUFFIX, FilesRead
+from beamcam.files import REFUSED_SUFFIX, FilesRead, remove_made
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Contour, Hole, Slot, TextMark
 from beamcam.model.plan import (
@@ -268,8 +267,10 @@ def _write(
 ) -> None:  # fmt: skip
     """Write programs, lists of manual work and what else goes with them by the names of `beside`.
 
-    None is written if one would be written over.
+    None is written if one would be written over; an older list is taken away.
     """
+    from beamcam.planning.manual_list import LIST_BEGIN, LIST_SUFFIX, as_csv, manual_rows
+
     files = [
         (name, posted, tuple(outputs(posted, posted.job.machine, name))) for name, posted in made
     ]
@@ -280,7 +281,11 @@ def _write(
             from beamcam.reports.run import ledger_of
 
             console.did(f"{posted.job.machine.name}: {ledger_of(posted.plan.outcomes)}")
-        write_list(posted, name, console, read)
+        # Of a program on standard output the messages alone say what is left for manual work.
+        if rows := manual_rows(posted.plan) if name != STANDARD else []:
+            write(name + LIST_SUFFIX, as_csv(rows), console, read)
+        elif name != STANDARD:
+            remove_made(name + LIST_SUFFIX, LIST_BEGIN)
         for path, content in pieces:
             write(path, content, console, read)
     for path, text in beside:

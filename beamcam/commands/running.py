@@ -21,6 +21,7 @@ from beamcam.batch.shares import ShareTask
 from beamcam.batch.work import BatchSettings
 from beamcam.commands import SETTINGS, options
 from beamcam.commands.common import REFUSED, Console, say_lines
+from beamcam.commands.options import refuse_usage
 from beamcam.commands.outputs import KINDS, expected
 from beamcam.commands.parts import (
     drawing_choice,
@@ -31,7 +32,7 @@ from beamcam.commands.parts import (
     selection_options,
     torch_options,
 )
-from beamcam.commands.settings import check_split, machines_of_split, machines_of_stock
+from beamcam.commands.settings import machines_of_split, machines_of_stock
 from beamcam.config import UNUSED
 from beamcam.config.values import Config, Dask
 from beamcam.errors import Diagnostic, Severity, Source
@@ -110,7 +111,14 @@ def batch_settings(
     name = config.name or ""
     check_arguments(config.job, None, config.allow_skips)
     if config.split:
-        check_split(config, options)
+        found = "found {} with --machines; expected {}.".format
+        refuse_usage(
+            (options.get("machine"), found("--machine", "one of the two")),
+            (config.quantity,
+             found("a quantity", "programs of one piece, each run as often as needed")),
+            (options.get("turn"), found("--turn", "parts as they were read")),
+            (options.get("no_verify"), found("--no-verify", "programs that are read back")),
+        )  # fmt: skip
         bars, *more_bars = machines_of_split(config)
         sheets, more_sheets = bars, []
     else:

@@ -7,7 +7,6 @@ above and of the user, the nearest first   over   the defaults; the same for eve
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, Literal
 
-import click
 from msgspec.structs import replace
 
 from beamcam.arguments import InTurn, load_tested
@@ -262,19 +261,6 @@ def machines_of_split(config: Config) -> tuple[Machine, ...]:
     return tuple(
         _told(name, _as_asked(machines[name], config, cuts_sheets), config) for name in config.split
     )
-
-
-def check_split(config: Config, options: Mapping[str, Any]) -> None:
-    """Raises UsageError for what excludes that several machines make a part."""
-    excluded = (
-        ("--machine", options.get("machine"), "one of the two"),
-        ("a quantity", config.quantity, "programs of one piece, each run as often as needed"),
-        ("--turn", options.get("turn"), "parts as they were read"),
-        ("--no-verify", options.get("no_verify"), "programs that are read back"),
-    )
-    for option, value, expected in excluded:
-        if value:
-            raise click.UsageError(f"found {option} with --machines; expected {expected}.")
 
 
 def _told(name: str, machine: Machine, config: Config) -> Machine:
