@@ -6,7 +6,7 @@ import os
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from contextlib import suppress
 from math import isfinite
-from typing import Generic, TypeVar, overload
+from typing import TYPE_CHECKING, Generic, TypeVar, overload
 
 from msgspec import Struct
 from msgspec.structs import replace
@@ -29,6 +29,9 @@ from beamcam.model.plan import ALL_SKIPS, SKIP_NAMES, clock
 from beamcam.model.request import Request
 from beamcam.plain_text import MAX_COMMENT, terminal_text
 from beamcam.posts import Planned, plan_seconds
+
+if TYPE_CHECKING:
+    from beamcam.config.values import Config
 
 ASK_TYPE = error("ask-type",
     "found {found} for {name}; expected {expected}",
@@ -121,6 +124,32 @@ def load_machine(name: str) -> Machine:
     machine = load(name)
     _refuse_words(name, known_faults(machine))
     return machine
+
+
+def for_job(machine: Machine, config: "Config") -> Machine:
+    """A machine with the tolerances, the map and the sheet of a job.
+
+    Raises ConfigError and PlanError for what it cannot do.
+    """
+    from beamcam.machine.overlay import with_section, with_torch
+
+    if config.tolerances:
+        from beamcam.config.load import with_tolerances
+
+        machine = with_tolerances(machine, config)
+    machine = with_section(machine, config.corner, config.lip)
+    try:
+        return with_torch(
+            machine, config.meanings, settings=config.layer_settings, **config.sheet.given()
+        )
+    except ValueError as error:
+        from beamcam.config.values import COMMAND_LINE
+        from beamcam.planning.contours.rules import OPTION
+
+        sources = (config.sources.get(f"sheet.{name}") for name in config.sheet.given())
+        places = (one for one in sources if one not in (None, COMMAND_LINE))
+        place = next(places, None) or Source(machine.name)
+        raise PlanError(OPTION.at(place, found=error)) from error
 
 
 def _refuse_words(name: str, faults: Iterable[tuple[str, str, str]]) -> None:

@@ -25,12 +25,12 @@ from beamcam.arguments import (
     AskError,
     ask_type,
     check_arguments,
+    for_job,
     machine_of,
 )
-from beamcam.errors import Diagnostic, PlanError, ReadError, Source
+from beamcam.errors import Diagnostic, ReadError
 from beamcam.machine import Machine
 from beamcam.machine.machine import DEFAULT_MACHINE
-from beamcam.machine.overlay import with_section, with_torch
 from beamcam.machine.runtime import STYLES
 from beamcam.machine.tables import DIALECTS, STEP_FORMS, TABLE_CONTROLLERS
 from beamcam.model.part import Part
@@ -71,25 +71,9 @@ def load(
 
     loaded = machine_of(machine)
     tables: dict[str, Any] = {"sheet": sheet, "map": map or {}, "tolerances": tolerances or {}}
-    settings = converted({**tables, "corner": corner, "lip": lip}, ConfigFile)
-    config = Config(
-        loaded.name, sheet=settings.sheet, map=settings.map, tolerances=settings.tolerances
-    )
-    if config.tolerances:
-        from beamcam.config.load import with_tolerances
-
-        loaded = with_tolerances(loaded, config)
-    loaded = with_section(loaded, settings.corner, settings.lip)
-    if not (config.map or sheet):
-        return loaded
-    try:
-        return with_torch(
-            loaded, config.meanings, settings=config.layer_settings, **config.sheet.given()
-        )
-    except ValueError as error:
-        from beamcam.planning.contours.rules import OPTION
-
-        raise PlanError(OPTION.at(Source(loaded.name), found=error)) from error
+    read = converted({**tables, "corner": corner, "lip": lip}, ConfigFile)
+    given = {name: getattr(read, name) for name in (*tables, "corner", "lip")}
+    return for_job(loaded, Config(loaded.name, **given))
 
 
 def read(

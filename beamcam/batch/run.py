@@ -51,10 +51,6 @@ class QueuedInput(Struct):
     row: FileRow | None = None  #: of an input that needs no work
     made: FileResult | None = None
 
-    @property
-    def is_done(self) -> bool:
-        return self.row is not None or self.made is not None
-
 
 class RunSetup(Struct, frozen=True):
     """Where a run writes, by which settings and workers, and how."""
@@ -141,7 +137,9 @@ class Run:
         self._mixed = mixed_marks(paths, self._settings.mark_from, self._parts_of, interrupt)
         while not interrupt:
             fed = self._feed()
-            while self._slots and self._slots[0].is_done and not interrupt:
+            while self._slots and not interrupt:
+                if self._slots[0].row is None and self._slots[0].made is None:
+                    break  # it is not done
                 yield self._finish(self._slots.popleft())
             if self._next == len(self._inputs) and not self._slots:
                 return

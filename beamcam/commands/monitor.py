@@ -15,7 +15,7 @@ from beamcam.commands.common import Console
 from beamcam.commands.jobs import read_program
 from beamcam.commands.parts import input_bytes
 from beamcam.commands.settings import machines_of_stock, settled
-from beamcam.commands.value_types import MODBUS_PORT, Address, Number
+from beamcam.commands.value_types import MODBUS_PORT, Number, address
 from beamcam.config.values import Config
 from beamcam.errors import Source, VerifyError
 from beamcam.machine.machine import Machine
@@ -37,6 +37,32 @@ REFUSED_HOST = 421  #: HTTP: Misdirected Request
 Pages = Mapping[str, tuple[str, Callable[[], bytes]]]
 
 
+class Handler(BaseHTTPRequestHandler):
+    """Answers a caller of a `PageServer`."""
+
+    timeout = ANSWERED_S  #: of each wait for the caller
+    server: "PageServer"
+
+    def do_GET(self) -> None:
+        if not is_own_host(self.headers["Host"], self.server.bound, self.server.server_port):
+            self.send_error(REFUSED_HOST, "Another host is named")
+            return
+        if self.path not in self.server.pages:
+            self.send_error(404)
+            return
+        kind, content = self.server.pages[self.path]
+        body = content()
+        self.send_response(200)
+        self.send_header("Content-Type", kind)
+        self.send_header("Content-Length", str(len(body)))
+        self.send_header("Cache-Control", "no-store")
+        self.end_headers()
+        self.wfile.write(body)
+
+    def log_message(self, *_: object) -> None:
+        pass  # a reading each tenth of a second would hide what is said
+
+
 class PageServer(ThreadingHTTPServer):
     """Answers GET for some paths; others, and hosts that are not its own, get an error.
 
@@ -49,7 +75,8 @@ class PageServer(ThreadingHTTPServer):
     def __init__(self, address: tuple[str, int], pages: Pages) -> None:
         self.callers: dict[Any, float] = {}  #: connection -> when it came
         self._lock = threading.Lock()
-        super().__init__(address, _handler(pages, address[0]))
+        self.pages, self.bound = pages, address[0]
+        super().__init__(address, Handler)
 
     def process_request(self, request: Any, client_address: Any) -> None:
         """A thread for the caller; one too many is turned away, one that is slow ended."""
@@ -116,35 +143,8 @@ def is_own_host(named: str | None, bound: str, port: int) -> bool:
     return True
 
 
-def _handler(pages: Pages, bound: str) -> type[BaseHTTPRequestHandler]:
-    class Handler(BaseHTTPRequestHandler):
-        timeout = ANSWERED_S  #: of each wait for the caller
-        server: PageServer
-
-        def do_GET(self) -> None:
-            if not is_own_host(self.headers["Host"], bound, self.server.server_port):
-                self.send_error(REFUSED_HOST, "Another host is named")
-                return
-            if self.path not in pages:
-                self.send_error(404)
-                return
-            kind, content = pages[self.path]
-            body = content()
-            self.send_response(200)
-            self.send_header("Content-Type", kind)
-            self.send_header("Content-Length", str(len(body)))
-            self.send_header("Cache-Control", "no-store")
-            self.end_headers()
-            self.wfile.write(body)
-
-        def log_message(self, *_: object) -> None:
-            pass  # a reading each tenth of a second would hide what is said
-
-    return Handler
-
-
 @click.command("monitor")
-@click.argument("host", metavar="HOST[:PORT]", type=Address(MODBUS_PORT))
+@click.argument("host", metavar="HOST[:PORT]", callback=address(MODBUS_PORT))
 @options.machine
 @options.config
 @click.option(
@@ -156,7 +156,7 @@ def _handler(pages: Pages, bound: str) -> type[BaseHTTPRequestHandler]:
     help="Program that the controller runs: its parts or its path, and the block are shown.",
 )  # fmt: skip
 @click.option(
-    "--page", type=Address(), default="127.0.0.1:8020", show_default=True,
+    "--page", callback=address(), metavar="HOST:PORT", default="127.0.0.1:8020", show_default=True,
     help="Address of the page; by default only for this computer.",
 )  # fmt: skip
 @click.option(

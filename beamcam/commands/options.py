@@ -15,10 +15,10 @@ from typing import Any
 
 import click
 
-from beamcam.commands import MORE_BARS, OUTPUT_FORMAT
+from beamcam.commands import MORE_BARS, OUTPUT_FORMAT, value_types
 from beamcam.commands.common import STANDARD, Console
 from beamcam.commands.outputs import Callback
-from beamcam.commands.value_types import Number, QuantityType, SkipNames, parsed
+from beamcam.commands.value_types import Number, SkipNames, parsed
 from beamcam.errors import BeamcamError, PlanError, Source
 from beamcam.model.plan import ALL_SKIPS, SKIP_NAMES, named_skips
 from beamcam.model.request import MARKS_FROM, numbered, remnant_of
@@ -105,16 +105,15 @@ rest_as = click.option(
     "--rest-as", type=click.Choice(["nc1", "json"]), default="nc1", show_default=True,
     help="Form of the files of what one machine leaves to the next.",
 )  # fmt: skip
-bar = click.option(
-    "--bar", type=Number(above=0), metavar="MM",
-    help="Length of the bar; by default the shortest in stock, or what the parts need.",
-)  # fmt: skip
 
 
-bar_of_program = click.option(
-    "--bar", type=Number(above=0), metavar="MM",
-    help="Length of the bar; by default as the head of PROGRAM says.",
-)  # fmt: skip
+def _bar(default: str) -> Decorator:
+    text = f"Length of the bar; by default {default}."
+    return click.option("--bar", type=Number(above=0), metavar="MM", help=text)
+
+
+bar = _bar("the shortest in stock, or what the parts need")
+bar_of_program = _bar("as the head of PROGRAM says")
 
 
 def _remnant(text: str) -> str:
@@ -239,7 +238,8 @@ def verbosity(function: Function) -> Function:
 
 
 quantity = click.option(
-    "--quantity", type=QuantityType(), metavar="file|N",
+    "--quantity", metavar="file|N",
+    callback=parsed(value_types.quantity, f"file, or 1 to {value_types.MAX_QUANTITY}"),
     help="Pieces of each part: as many as its file says, or N.",
 )  # fmt: skip
 

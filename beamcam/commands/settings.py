@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 from msgspec.structs import replace
 
-from beamcam.arguments import InTurn, load_tested
+from beamcam.arguments import InTurn, for_job, load_tested
 from beamcam.budget import InForce
 from beamcam.commands.common import remark, running_console
 from beamcam.config.values import (
@@ -22,11 +22,10 @@ from beamcam.config.values import (
     over,
     own_files,
 )
-from beamcam.errors import BeamcamError, Diagnostic, MachineError, PlanError, Source
+from beamcam.errors import BeamcamError, Diagnostic, MachineError, PlanError
 from beamcam.files import FilesRead
 from beamcam.machine import Machine
 from beamcam.machine.machine import default_machines, is_of_sheets
-from beamcam.machine.overlay import with_section, with_torch
 from beamcam.machine.words import UNKNOWN_MACHINE
 from beamcam.model.part import Part
 from beamcam.model.request import are_flats, stock_of
@@ -286,11 +285,6 @@ def machine_asked(name: str, config: Config) -> Machine | None:
 def _as_asked(machine: Machine, config: Config, is_one_of_two: bool) -> Machine:
     """A machine with the tolerances, the map and the sheet of the job."""
     remark(machine.remarks)
-    if config.tolerances:
-        from beamcam.config.load import with_tolerances
-
-        machine = with_tolerances(machine, config)
-    machine = with_section(machine, config.corner, config.lip)
     # One configuration serves all kinds of machines, so that only what the command line asks for is
     # asked of one without a torch.
     if machine.torch is None and (is_one_of_two or COMMAND_LINE not in (
@@ -298,18 +292,8 @@ def _as_asked(machine: Machine, config: Config, is_one_of_two: bool) -> Machine:
         for table in ("sheet", "map")
         for name in config.rows(table)
     )):  # fmt: skip
-        return machine
-    try:
-        return with_torch(
-            machine, config.meanings, settings=config.layer_settings, **config.sheet.given()
-        )
-    except ValueError as error:
-        from beamcam.planning.contours.rules import OPTION
-
-        sources = (config.sources.get(f"sheet.{name}") for name in config.sheet.given())
-        lines = (source for source in sources if source not in (None, COMMAND_LINE))
-        place = next(lines, None) or Source(machine.name)
-        raise PlanError(OPTION.at(place, found=error)) from error
+        config = replace(config, sheet=Sheet(), map={})
+    return for_job(machine, config)
 
 
 def _named_machine(config: Config, of: Stock | Literal["split"], named: str) -> Machine:

@@ -14,7 +14,7 @@ from beamcam.commands.jobs import against, asked_program
 from beamcam.commands.outputs import of_kind, picture
 from beamcam.commands.parts import job_options
 from beamcam.commands.settings import files_read, settled
-from beamcam.commands.value_types import Address, Number
+from beamcam.commands.value_types import Number, address, parsed
 from beamcam.errors import Diagnostic, Source, VerifyError, errors_in
 from beamcam.system import INTERRUPTED, asked_to_end
 
@@ -24,47 +24,31 @@ if TYPE_CHECKING:
     from beamcam.simulation.encoder import Encoder
     from beamcam.simulation.trace import Trace, TraceRow
 
-_UNITS_S = {"ms": 0.001, "s": 1.0}
-
-
-class Duration(click.ParamType):  # type: ignore[type-arg]  # older versions take none
-    """A time such as 10ms or 0.5s, in seconds."""
-
-    name = "time"
-
-    def convert(
-        self, value: object, param: click.Parameter | None, ctx: click.Context | None
-    ) -> float:
-        match = re.fullmatch(r"(\d+(?:\.\d+)?)(ms|s)", str(value))
-        if match is None or float(match[1]) <= 0:
-            self.fail(f"found {value!r}; expected a time above 0 such as 10ms or 0.5s", param, ctx)
-        return float(match[1]) * _UNITS_S[match[2]]
-
-
 _ENCODER = re.compile(r"(\d{1,9})(x4)?/(\d{1,6}(?:\.\d{1,6})?)(?:/(floor|centre))?")
 
 
-class EncoderKind(click.ParamType):  # type: ignore[type-arg]
+def _seconds(text: str) -> float:
+    """A time such as 10ms or 0.5s."""
+    match = re.fullmatch(r"(\d+(?:\.\d+)?)(ms|s)", text)
+    if match is None or float(match[1]) <= 0:
+        raise ValueError(text)
+    return float(match[1]) * {"ms": 0.001, "s": 1.0}[match[2]]
+
+
+def _encoder(text: str) -> "Encoder | Literal['machine']":
     """COUNTS/TRAVEL: counts of a turn, and the mm that an axis travels in it.
 
     `x4` behind the counts is quadrature, `/centre` the count that is nearest; `machine` stands for
     the encoder of the machine's file.
     """
+    from beamcam.simulation.encoder import Encoder
 
-    name = "counts/mm"
-
-    def convert(
-        self, value: object, param: click.Parameter | None, ctx: click.Context | None
-    ) -> "Encoder | Literal['machine']":
-        from beamcam.simulation.encoder import Encoder
-
-        if value == "machine":
-            return "machine"
-        match = _ENCODER.fullmatch(str(value))
-        if match is None or int(match[1]) == 0 or float(match[3]) == 0.0:
-            expected = "COUNTS/TRAVEL of a turn such as 512/65, 512x4/65/centre, or machine"
-            self.fail(f"found {value!r}; expected {expected}", param, ctx)
-        return Encoder(int(match[1]), float(match[3]), bool(match[2]), match[4] == "centre")
+    if text == "machine":
+        return "machine"
+    match = _ENCODER.fullmatch(text)
+    if match is None or int(match[1]) == 0 or float(match[3]) == 0.0:
+        raise ValueError(text)
+    return Encoder(int(match[1]), float(match[3]), bool(match[2]), match[4] == "centre")
 
 
 @click.command("simulate", cls=options.Grouped)
@@ -79,17 +63,27 @@ class EncoderKind(click.ParamType):  # type: ignore[type-arg]
     help="The trace as .csv or .json; with --encoder its staircase as .svg, .png, .pdf or .html; "
     "- is CSV on standard output.",
 )  # fmt: skip
-@click.option("--every", type=Duration(), help="Sample at this step, such as 10ms; else by event.")
+@click.option(
+    "--every", metavar="TIME", callback=parsed(_seconds, "a time above 0 such as 10ms or 0.5s"),
+    help="Sample at this step, such as 10ms; else by event.",
+)  # fmt: skip
 @click.option(
     "--encoder",
-    type=EncoderKind(),
+    metavar="COUNTS/MM",
+    callback=parsed(
+        _encoder, "COUNTS/TRAVEL of a turn such as 512/65, 512x4/65/centre, or machine"
+    ),
     help="Add encoder readings: counts and travel per turn, such as 512/65 or 512x4/65/centre, or "
     "`machine`: those of the machine's file.",
 )
-@click.option("--modbus", type=Address(), help="Send the trace to this Modbus TCP server.")
 @click.option(
-    "--serve", type=Address(), help="Act as the controller: a Modbus TCP server, until Ctrl-C."
-)
+    "--modbus", callback=address(), metavar="HOST:PORT",
+    help="Send the trace to this Modbus TCP server.",
+)  # fmt: skip
+@click.option(
+    "--serve", callback=address(), metavar="HOST:PORT",
+    help="Act as the controller: a Modbus TCP server, until Ctrl-C.",
+)  # fmt: skip
 @click.option(
     "--pace",
     type=Number(least=0),

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Callable
 from contextlib import suppress
+from functools import partial
 from math import inf, isfinite, nan
 from typing import Any
 
@@ -94,42 +95,25 @@ class SkipNames(click.Choice):  # type: ignore[type-arg]  # older versions take 
 MODBUS_PORT = 502  #: of Modbus TCP, by the standard
 
 
-class Address(click.ParamType):  # type: ignore[type-arg]  # older versions take none
-    """HOST:PORT; the port may be left out where there is one by default."""
-
-    name = "host:port"
-
-    def __init__(self, port: int | None = None) -> None:
-        self._port = port
-
-    def convert(
-        self, value: object, param: click.Parameter | None, ctx: click.Context | None
-    ) -> tuple[str, int]:
-        text = str(value)
-        if self._port is not None and ":" not in text.rpartition("]")[2]:
-            text = f"{text}:{self._port}"
-        host, colon, port = text.rpartition(":")
-        if not (colon and host and port.isdigit() and 0 < int(port) < 65536):
-            self.fail(f"found {value!r}; expected HOST:PORT such as localhost:502", param, ctx)
-        return host.strip("[]"), int(port)
+def _address(default_port: int | None, text: str) -> tuple[str, int]:
+    if default_port is not None and ":" not in text.rpartition("]")[2]:
+        text = f"{text}:{default_port}"
+    host, colon, port = text.rpartition(":")
+    if not (colon and host and port.isdigit() and 0 < int(port) < 65536):
+        raise ValueError(text)
+    return host.strip("[]"), int(port)
 
 
-FROM_FILE = "file"
-
-
-class QuantityType(click.ParamType):  # type: ignore[type-arg]
-    """`file`, or a number of pieces."""
-
-    name = "quantity"
-
-    def convert(
-        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
-    ) -> str | int:
-        if value == FROM_FILE or isinstance(value, int):
-            return value  # type: ignore[no-any-return]
-        if value.isascii() and value.isdigit() and 0 < int(value[:9]) <= MAX_QUANTITY:
-            return int(value)
-        self.fail(f"found {value!r}; expected file, or 1 to {MAX_QUANTITY}", param, ctx)
+def address(default_port: int | None = None) -> Callable[..., Any]:
+    """The callback of a HOST:PORT; the port may be left out where there is one by default."""
+    return parsed(partial(_address, default_port), "HOST:PORT such as localhost:502")
 
 
 MAX_QUANTITY = 100_000
+
+
+def quantity(text: str) -> str | int:
+    """`file`, or a number of pieces. Raises ValueError."""
+    if text != "file" and not (text.isdecimal() and 0 < int(text[:9]) <= MAX_QUANTITY):
+        raise ValueError(text)
+    return text if text == "file" else int(text)
