@@ -6,7 +6,7 @@ import os
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from contextlib import suppress
 from math import isfinite
-from typing import TYPE_CHECKING, Generic, TypeVar, overload
+from typing import TYPE_CHECKING, Generic, TypeVar
 
 from msgspec import Struct
 from msgspec.structs import replace
@@ -197,13 +197,7 @@ class InTurn(Sequence[Machine]):
     def __len__(self) -> int:
         return len(self._names)
 
-    @overload
-    def __getitem__(self, index: int) -> Machine: ...
-    @overload
-    def __getitem__(self, index: slice) -> Sequence[Machine]: ...
-    def __getitem__(self, index: int | slice) -> Machine | Sequence[Machine]:
-        if isinstance(index, slice):
-            return InTurn(self._names[index], self._load)
+    def __getitem__(self, index: int) -> Machine:  # type: ignore[override]  # no slices of it
         name = self._names[index]
         if name not in self._loaded:
             self._loaded[name] = self._load(name)

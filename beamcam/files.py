@@ -162,7 +162,15 @@ def write_together(files: Mapping[str, bytes], durable: bool = True) -> None:
                     raise OSError(errno.EEXIST, "no plain file")
                 part = _part(target, f"-{k}")
                 parts[part] = target
-                _write_named(part, data, mode, durable)
+                file = _new(part, 0o666)
+                try:
+                    _write(file, data)
+                    if mode is not None:
+                        os.chmod(part, mode & 0o777)
+                    if durable:
+                        os.fsync(file)
+                finally:
+                    os.close(file)
             for part, target in reversed(parts.items()):
                 replace_file(part, target)
                 named.append(target)
@@ -170,19 +178,6 @@ def write_together(files: Mapping[str, bytes], durable: bool = True) -> None:
         except BaseException:
             undo()
             raise
-
-
-def _write_named(path: str, data: bytes, mode: int | None, durable: bool) -> None:
-    """Write a new file under its name."""
-    file = _new(path, 0o666)
-    try:
-        _write(file, data)
-        if mode is not None:
-            os.chmod(path, mode & 0o777)
-        if durable:
-            os.fsync(file)
-    finally:
-        os.close(file)
 
 
 def remove_made(path: str, begin: bytes) -> None:

@@ -35,7 +35,15 @@ from beamcam.model.program import Program
 from beamcam.model.request import Job, Request, Share, pieces_of
 from beamcam.planning.left_out import LEFT_OUT, MANUAL_WORK, map_remarks, told
 from beamcam.planning.rules import is_too_short
-from beamcam.posts import Planned, Written, beginning, head_differences, other_than_planned, post_of
+from beamcam.posts import (
+    Planned,
+    Written,
+    beginning,
+    bytes_of,
+    head_differences,
+    other_than_planned,
+    post_of,
+)
 from beamcam.readers import Reading, content, read, shown_name
 
 Stage = Callable[[str], None]  #: callback with the finished stage
@@ -99,11 +107,6 @@ class RefusedProgram(VerifyError):
     def pieces(self) -> Iterable[bytes]:
         """The program as it would have stood in the file."""
         return bytes_of(self.written)
-
-
-def bytes_of(written: Written) -> Iterable[bytes]:
-    """The bytes of a program, piece by piece."""
-    return (written.encode(),) if isinstance(written, str) else written()
 
 
 def read_file(path: str, strict: bool = False, **options: object) -> Reading:

@@ -179,8 +179,7 @@ def step_post() -> Post:
     def read_back(program: Written, job: Job) -> tuple[Diagnostic, ...]:
         style = job.request.style
         form = style if style in READ_BACK else job.machine.suffix
-        pieces = (program.encode("utf-8"),) if isinstance(program, str) else program()
-        return _of_asked(partial(verify_table, form), job, pieces, beginning(program))
+        return _of_asked(partial(verify_table, form), job, bytes_of(program), beginning(program))
 
     return Post(
         _plan_sheet, step_table, emit, read_back, _with_remarks,
@@ -267,6 +266,11 @@ def carries_head(job: Job) -> bool:
     """Whether the form of a program has a place for remarks; a binary table has none."""
     form = job.request.style or job.machine.suffix
     return job.machine.controller != "stepper" or form != ".bin"
+
+
+def bytes_of(written: Written) -> Iterable[bytes]:
+    """The bytes of a program, piece by piece."""
+    return (written.encode(),) if isinstance(written, str) else written()
 
 
 def beginning(program: Written) -> str:

@@ -194,7 +194,17 @@ def chain_for(
     """The chain that makes the only part of a request, and a note. Raises PlanError for none."""
     chain = chain_of(request, machines)
     if not chain:
-        raise PlanError(_refused(request, machines))
+        refused = []
+        for machine in machines:
+            why: tuple[Diagnostic, ...] = ()
+            # It leaves to others what it has no tool for; of one that leaves it so, what it leaves.
+            for skips in (request.skips, SKIP_NAMES):
+                try:
+                    begin(replace(request, machine=machine, skips=skips))
+                except PlanError as error:
+                    why = tuple(error.diagnostics)
+            refused.append((machine, why))
+        raise PlanError(none_makes_it(refused, request.parts[0].source))
     names = ", then ".join(link.machine.name for link in chain)
     return chain, (SPLIT.at(request.parts[0].source, found=len(chain), machines=names),)
 
@@ -218,23 +228,6 @@ def stages_of(request: Request, chain: Sequence[ChainLink], target: Target) -> I
             raise AssertionError("a machine of a chain leaves nothing")
         part, text = rest
         yield Stage(posted, text, len(part.features))
-
-
-def _refused(request: Request, machines: Sequence[Machine]) -> tuple[Diagnostic, ...]:
-    """Why each machine does not make a part, though it leaves to others what it has no tool for.
-
-    Of one that leaves it so, what it leaves.
-    """
-    refused = []
-    for machine in machines:
-        said: tuple[Diagnostic, ...] = ()
-        for skips in (request.skips, SKIP_NAMES):
-            try:
-                begin(replace(request, machine=machine, skips=skips))
-            except PlanError as error:
-                said = tuple(error.diagnostics)
-        refused.append((machine, said))
-    return none_makes_it(refused, request.parts[0].source)
 
 
 def _read(text: str, target: Target) -> Part:

@@ -53,7 +53,12 @@ def find_inputs(names: Sequence[str], leave_out: Collection[str] = ()) -> FoundI
                 root = os.path.dirname(root)
         for path in paths:
             if os.path.isdir(path):
-                below = _walk(path, without, diagnostics, configurations, parents=_parents(path))
+                parents: list[tuple[tuple[int, int], str]] = []  # identity and path of each
+                real = os.path.realpath(path)
+                while (place := os.path.dirname(real)) != real:
+                    parents.append((_identity(place) or (-1, -1), place))
+                    real = place
+                below = _walk(path, without, diagnostics, configurations, parents)
                 places += ((inner, root) for inner in below)
             else:
                 places.append((path, root))
@@ -94,8 +99,8 @@ def _identity(path: str) -> tuple[int, int] | None:
 
 def _walk(
     folder: str, without: Collection[tuple[int, int]], diagnostics: list[Diagnostic],
-    configurations: list[str], above: tuple[tuple[tuple[int, int], str], ...] = (),
-    parents: tuple[tuple[tuple[int, int], str], ...] = (),
+    configurations: list[str], parents: Sequence[tuple[tuple[int, int], str]],
+    above: tuple[tuple[tuple[int, int], str], ...] = (),
 ) -> Iterator[str]:  # fmt: skip
     """The files below a folder, in order of their names; links are followed, but never back.
 
@@ -127,19 +132,9 @@ def _walk(
             continue
         if is_folder:
             through = (*above, (identity, folder))
-            yield from _walk(entry.path, without, diagnostics, configurations, through, parents)
+            yield from _walk(entry.path, without, diagnostics, configurations, parents, through)
         elif entry.name.lower().endswith(SUFFIXES):
             yield entry.path
-
-
-def _parents(folder: str) -> tuple[tuple[tuple[int, int], str], ...]:
-    """Identity and path of every folder above one."""
-    folders = []
-    below = os.path.realpath(folder)
-    while (place := os.path.dirname(below)) != below:
-        folders.append((_identity(place) or (-1, -1), place))
-        below = place
-    return tuple(folders)
 
 
 def read_input(path: str) -> bytes | Diagnostic:

@@ -41,34 +41,25 @@ FIELDS: Mapping[str, str | int] = {
 }
 
 
-class TemplateError(ValueError):
-    """A template that no output can be called after, and what was expected."""
-
-    def __init__(self, found: str, expected: str) -> None:
-        self.expected = expected
-        super().__init__(f"found {found}; expected {expected}")
-
-
-def check_template(template: str) -> None:
-    """Raises TemplateError if no output can be called after a template."""
+def template_fault(template: str) -> tuple[str, str] | None:
+    """What of a template no output can be called after, and what is expected; None if one can."""
     try:
         for _, name, form, _ in Formatter().parse(template):
             if name is None:
                 continue
             if not _FORM.fullmatch(form or ""):
-                raise TemplateError(repr(template), "widths of two digits at most")
+                return repr(template), "widths of two digits at most"
             if name not in FIELDS:
                 known = ", ".join("{" + field + "}" for field in FIELDS)
-                raise TemplateError(f"{{{name}}} in {template!r}", f"one of {known}")
+                return f"{{{name}}} in {template!r}", f"one of {known}"
         made = template.format_map(FIELDS)
-    except TemplateError:
-        raise
     except (IndexError, KeyError, AttributeError, ValueError) as error:
-        raise TemplateError(repr(template), f"a template ({error})") from error
+        return repr(template), f"a template ({error})"
     if made.startswith("/") or not _NOT_IN_NAMES.isdisjoint(made):
-        raise TemplateError(repr(template), "a path below the output folder")
+        return repr(template), "a path below the output folder"
     if not all(word.strip(". ") and word[-1] not in ". " for word in made.split("/")):
-        raise TemplateError(repr(template), "names between the slashes")
+        return repr(template), "names between the slashes"
+    return None
 
 
 def cleaned(text: str) -> str:

@@ -80,7 +80,13 @@ def driven(workers: Workers, tasks: Iterator[Task], interrupt: EndRequest) -> It
     away, is_left = 0, True
     while not interrupt:
         while workers.has_room() and (again or is_left):
-            chunk = again.popleft() if again else _chunk(tasks, workers.most_files)
+            chunk = again.popleft() if again else ()
+            if not chunk:
+                size = 0
+                for task in islice(tasks, workers.most_files):
+                    chunk, size = (*chunk, task), size + len(task.data)
+                    if size >= CHUNK_BYTES:
+                        break
             if not chunk:
                 is_left = False
                 break
@@ -107,17 +113,6 @@ def results_of(outcome: Outcome, again: deque[Chunk]) -> Iterator[FileResult]:
         again.extend((task,) for task in chunk)
     else:
         yield died(chunk[0])
-
-
-def _chunk(tasks: Iterator[Task], most: int) -> Chunk:
-    chunk: list[Task] = []
-    size = 0
-    for task in islice(tasks, most):
-        chunk.append(task)
-        size += len(task.data)
-        if size >= CHUNK_BYTES:
-            break
-    return tuple(chunk)
 
 
 def begin_there(frozen: bytes) -> None:

@@ -21,8 +21,7 @@ from beamcam.batch.find import Input, read_input
 from beamcam.batch.names import MarkKey, folded, mixed_marks, other_content
 from beamcam.batch.outputs import Outputs
 from beamcam.batch.pool import CHUNK_BYTES, Chunk, Workers, results_of
-from beamcam.batch.recipe import Recipe
-from beamcam.batch.record import RECORD_NAME, Record, noted_in, partly, rests_of
+from beamcam.batch.record import RECORD_NAME, Recipe, Record, noted_in, partly, rests_of
 from beamcam.batch.work import BatchSettings, FileResult, Task, row_of
 from beamcam.errors import BeamcamError, Diagnostic, Source
 from beamcam.files import FilesRead

@@ -18,7 +18,6 @@ from beamcam.batch.shares import ShareTask
 from beamcam.batch.work import BatchSettings, thaw
 from beamcam.errors import BeamcamError
 from beamcam.files import write_whole
-from beamcam.model.part import Part
 from beamcam.model.request import marked
 from beamcam.pictures.formats import inline_svg
 from beamcam.pictures.part import small_scene
@@ -131,26 +130,22 @@ def _sheets(programs: Programs, settings: BatchSettings) -> Iterator[SetupSheet]
     left = list(programs.outputs)
     for part in marked(counted(sound(reading)), settings.mark_from):
         with suppress(BeamcamError):
-            for posted in _posted(part, settings):
+            request = settings.request_of(part)
+            if settings.chain:
+                from beamcam.rest_part import chain_for, stages_of
+
+                chain, _ = chain_for(request, settings.chain)
+                target = target_of_suffix(settings.rest_suffix)
+                made: Iterator[Posted] = (one.posted for one in stages_of(request, chain, target))
+            else:
+                planned, _ = on_best_machine(request, settings.machines_for(part), begin)
+                made = map(finished, planned)
+            for posted in made:
                 digest = _digest(posted)
                 output = next((name for name, known in left if known == digest), None)
                 if output is not None:
                     left.remove((output, digest))
                     yield _sheet(posted, output, settings)
-
-
-def _posted(part: Part, settings: BatchSettings) -> Iterator[Posted]:
-    """The programs of a part. Raises BeamcamError."""
-    request = settings.request_of(part)
-    if settings.chain:
-        from beamcam.rest_part import chain_for, stages_of
-
-        chain, _ = chain_for(request, settings.chain)
-        target = target_of_suffix(settings.rest_suffix)
-        yield from (stage.posted for stage in stages_of(request, chain, target))
-        return
-    planned, _ = on_best_machine(request, settings.machines_for(part), begin)
-    yield from map(finished, planned)
 
 
 def _digest(posted: Posted) -> str:

@@ -11,7 +11,7 @@ from beamcam.api.shop_lists import label_lines
 from beamcam.batch import NOT_OURS, WRITE
 from beamcam.batch.find import find_inputs
 from beamcam.batch.over_stock import StockRun
-from beamcam.batch.recipe import path_from, recipe_of
+from beamcam.batch.record import path_from, recipe_of
 from beamcam.batch.run import RunSetup, run
 from beamcam.commands import options
 from beamcam.commands.common import STANDARD, Console, keep_apart, over_input, say_lines

@@ -82,13 +82,10 @@ def _loaded(path: str) -> Config:
 
 def _expected_name(template: str) -> str:
     """The expected form of an invalid name template; "" if it is valid."""
-    from beamcam.batch.names import TemplateError, check_template
+    from beamcam.batch.names import template_fault
 
-    try:
-        check_template(template)
-    except TemplateError as error:
-        return error.expected
-    return ""
+    fault = template_fault(template)
+    return "" if fault is None else fault[1]
 
 
 def _expected_skips(skips: Sequence[str]) -> str:
@@ -124,7 +121,14 @@ def used(config: Config, machine: Machine) -> str:
 
 def configuration_line(config: Config) -> str:
     """The files of a configuration, the nearest first, and whose they are."""
-    shown = [f"{path} ({_whose(path, path in config.own)})" for path in config.files]
+    shown = []
+    for path in config.files:
+        whose = "here or above" if os.path.basename(path) == CONFIG_NAME else "named"
+        if is_in(path, [user_folder()]):
+            whose = "the user's"
+        elif path not in config.own:
+            whose = "beside the inputs, harmless keys only"
+        shown.append(f"{path} ({whose})")
     return ", ".join(shown) or "none"
 
 
@@ -155,11 +159,3 @@ def strange(name: str) -> tuple[Diagnostic, ...]:
     if not name.endswith(".toml") or is_in(name, [user_folder()]):
         return ()
     return (MACHINE_ELSEWHERE.at(Source(name), found=machine_line(name)),)
-
-
-def _whose(path: str, own: bool) -> str:
-    if is_in(path, [user_folder()]):
-        return "the user's"
-    if not own:
-        return "beside the inputs, harmless keys only"
-    return "here or above" if os.path.basename(path) == CONFIG_NAME else "named"

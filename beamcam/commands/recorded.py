@@ -13,8 +13,17 @@ from beamcam.batch import LINK
 from beamcam.batch.find import Input, read_input
 from beamcam.batch.over_stock import StockRun
 from beamcam.batch.pool import Here
-from beamcam.batch.recipe import asked_again, path_below
-from beamcam.batch.record import RECORD_NAME, Noted, Record, is_within, noted_in, partly, rests_of
+from beamcam.batch.record import (
+    RECORD_NAME,
+    Noted,
+    Record,
+    asked_again,
+    is_within,
+    noted_in,
+    partly,
+    path_below,
+    rests_of,
+)
 from beamcam.batch.run import RunSetup
 from beamcam.batch.work import BatchSettings, Task, make_all
 from beamcam.commands import GONE, NEW

@@ -15,7 +15,7 @@ from msgspec.structs import replace
 
 from beamcam.arguments import check_arguments
 from beamcam.batch.find import FoundInputs, Input
-from beamcam.batch.names import check_template
+from beamcam.batch.names import template_fault
 from beamcam.batch.pool import Here, Workers
 from beamcam.batch.shares import ShareTask
 from beamcam.batch.work import BatchSettings
@@ -46,11 +46,8 @@ from beamcam.system import INTERRUPTED, cores
 
 
 def _template(ctx: click.Context, param: click.Parameter, value: str | None) -> str | None:
-    if value is not None:
-        try:
-            check_template(value)
-        except ValueError as error:
-            raise click.BadParameter(str(error)) from error
+    if value is not None and (fault := template_fault(value)) is not None:
+        raise click.BadParameter("found {}; expected {}".format(*fault))
     return value
 
 

@@ -130,6 +130,7 @@ def command(
     if len(inputs) > 1 and errors_in(job.faults):
         raise VerifyError(job.faults)
     data, machine, name = job.program.data, job.program.machine, job.program.name
+    from beamcam.simulation.encoder import Encoder
     from beamcam.simulation.limits import run_warnings
     from beamcam.simulation.modbus import check_range, send
     from beamcam.simulation.program import simulate_program
@@ -140,9 +141,14 @@ def command(
         raise VerifyError(done.diagnostics)
     trace = done.trace
     console.messages += (*done.diagnostics, *run_warnings(trace, machine, done.section, name))
-    reader = _own_encoder(machine) if encoder == "machine" else encoder
-    if reader is not None:
-        console.messages.append(_precision(trace, reader, name))
+    if encoder == "machine":
+        if (own := machine.triggers) is None:
+            fault = f"the file of {machine.name} says nothing of encoders"
+            raise click.UsageError(f"Found --encoder machine, but {fault}; expected COUNTS/TRAVEL.")
+        centred = own.counted == "centre"
+        encoder = Encoder(own.counts_per_turn, own.travel_per_turn, own.quadrature, centred)
+    if encoder is not None:
+        console.messages.append(_precision(trace, encoder, name))
     console.did(f"ran {name} on {machine.name}")
     if modbus is not None or serve is not None:
         check_range(trace, machine.modbus, Source(machine.name))
@@ -151,15 +157,15 @@ def command(
         console.tell(f"{sent} rows sent to {modbus[0]}:{modbus[1]}")
     if output is not None:
         content: str | bytes
-        if drawn and reader is not None:
+        if drawn and encoder is not None:
             from beamcam.pictures.graphs import Study
 
             study = Study(
-                PurePath(name).name, sha256(data).hexdigest(), machine.name, trace, reader
+                PurePath(name).name, sha256(data).hexdigest(), machine.name, trace, encoder
             )
             content = _drawn(output, study)
         else:
-            content = _text(output, trace, machine, every, reader, tuple(console.messages))
+            content = _text(output, trace, machine, every, encoder, tuple(console.messages))
         write(output, content, console, files_read(config, inputs))
     console.say()
     if serve is not None:
@@ -181,18 +187,6 @@ def _serve(
         serve(rows, machine.modbus, *place, pace, tell, interrupt=interrupted)
     if interrupted:
         raise SystemExit(INTERRUPTED)
-
-
-def _own_encoder(machine: "Machine") -> "Encoder":
-    """The encoder of a machine's file. Raises UsageError where it has none."""
-    from beamcam.simulation.encoder import Encoder
-
-    own = machine.triggers
-    if own is None:
-        found = f"the file of {machine.name} says nothing of encoders"
-        raise click.UsageError(f"Found --encoder machine, but {found}; expected COUNTS/TRAVEL.")
-    centred = own.counted == "centre"
-    return Encoder(own.counts_per_turn, own.travel_per_turn, own.quadrature, centred)
 
 
 def _precision(trace: "Trace", encoder: "Encoder", name: str) -> Diagnostic:

@@ -21,8 +21,7 @@ from msgspec.structs import replace
 from beamcam.batch import NO_END, NOTHING, WRITE
 from beamcam.batch.find import Input, find_inputs
 from beamcam.batch.names import MarkKey
-from beamcam.batch.recipe import recipe_of
-from beamcam.batch.record import claims_of
+from beamcam.batch.record import claims_of, recipe_of
 from beamcam.batch.run import RunSetup, run
 from beamcam.commands import options
 from beamcam.commands.common import Console
@@ -214,7 +213,16 @@ def command(
                 try:
                     for one, row in zip(ready, rows, strict=False):
                         progress.show(row)
-                        _file_away(one, row, hot, done, refused, progress)
+                        into = refused if row["status"] == "refused" else done
+                        if row["status"] == "failed":
+                            hot.again(one, time.monotonic())
+                        elif into is not None and hot.is_as_seen(one):
+                            try:
+                                file_away(one, into, row if row["status"] == "refused" else None)
+                            except OSError as error:
+                                reason = error.strerror or str(error)
+                                fault = WRITE.at(Source(one.path), found=into, reason=reason)
+                                progress.say([as_message(fault)])
                 finally:
                     rows.close()
             elif once and not hot.is_waiting:
@@ -223,21 +231,3 @@ def command(
                 interrupted.wait(every)
         progress.end()
     end_run(progress.counts, bool(interrupted), exit_left_out)
-
-
-def _file_away(
-    found: Input, row: FileRow, hot: HotFolder, done: str | None, refused: str | None,
-    progress: Progress,
-) -> None:  # fmt: skip
-    """Move an input to where it belongs now; one that failed is tried again later."""
-    if row["status"] == "failed":
-        hot.again(found, time.monotonic())
-        return
-    place = refused if row["status"] == "refused" else done
-    if place is None or not hot.is_as_seen(found):
-        return
-    try:
-        file_away(found, place, row if row["status"] == "refused" else None)
-    except OSError as error:
-        diagnostic = WRITE.at(Source(found.path), found=place, reason=error.strerror or str(error))
-        progress.say([as_message(diagnostic)])
