@@ -3,7 +3,7 @@ that makes it: the one that is named, or of several the one that leaves out fewe
 """
 
 import os
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from contextlib import suppress
 from math import isfinite
 from typing import TYPE_CHECKING, Generic, TypeVar
@@ -59,8 +59,26 @@ class AskError(BeamcamError):
 
 def check_arguments(job: object = "JOB", bar: object = None, skips: object = ()) -> None:
     """Raise AskError for a job's name, a bar or names of skips that cannot be meant."""
-    if diagnostics := tuple(_faults(job, bar, skips)):
-        raise AskError(diagnostics)
+    faults: list[Diagnostic] = []
+    if not isinstance(job, str):
+        faults.append(ask_type("job", job, "a text"))
+    elif expected := expected_job(job):
+        faults.append(ASK_JOB.at(HERE, found=shown(job), expected=expected))
+    if bar is not None:
+        if isinstance(bar, bool | str | bytes) or not hasattr(bar, "__float__"):
+            faults.append(ask_type("bar", bar, "a number, or None"))
+        elif not (isfinite(bar) and bar > 0):  # type: ignore[operator]
+            faults.append(ASK_BAR.at(HERE, found=f"{bar}"))
+    if isinstance(skips, str | bytes) or not isinstance(skips, Collection):
+        faults.append(ask_type("skips", skips, "a list of names"))
+    else:
+        faults += (
+            ASK_SKIP.at(HERE, found=name, expected=nearest(str(name), SKIP_NAMES))
+            for name in skips
+            if name not in SKIP_NAMES and name != ALL_SKIPS
+        )
+    if faults:
+        raise AskError(faults)
 
 
 def expected_job(job: str) -> str:
@@ -68,24 +86,6 @@ def expected_job(job: str) -> str:
     if terminal_text(job) != job:
         return "one line of printable characters"
     return "" if len(job) <= MAX_COMMENT else f"{MAX_COMMENT} characters at most"
-
-
-def _faults(job: object, bar: object, skips: object) -> Iterator[Diagnostic]:
-    if not isinstance(job, str):
-        yield ask_type("job", job, "a text")
-    elif expected := expected_job(job):
-        yield ASK_JOB.at(HERE, found=shown(job), expected=expected)
-    if bar is not None:
-        if isinstance(bar, bool | str | bytes) or not hasattr(bar, "__float__"):
-            yield ask_type("bar", bar, "a number, or None")
-        elif not (isfinite(bar) and bar > 0):  # type: ignore[operator]
-            yield ASK_BAR.at(HERE, found=f"{bar}")
-    if isinstance(skips, str | bytes) or not isinstance(skips, Collection):
-        yield ask_type("skips", skips, "a list of names")
-        return
-    for name in skips:
-        if name not in SKIP_NAMES and name != ALL_SKIPS:
-            yield ASK_SKIP.at(HERE, found=name, expected=nearest(str(name), SKIP_NAMES))
 
 
 def machine_of(machine: AnyMachine) -> Machine:

@@ -24,7 +24,6 @@ from beamcam.pipeline import Posted, read_back
 
 if TYPE_CHECKING:
     from beamcam.pictures.program import ReadProgram
-    from beamcam.pictures.scene import Scene
     from beamcam.recovery import Recovered
     from beamcam.simulation.program import Simulated
 
@@ -180,7 +179,9 @@ def plot(
         from beamcam.pictures.program import program_scene
 
         scene = program_scene(_read_program(shown, machine, name, bar, parts), unit)
-    return _picture(scene, to, paper)
+    from beamcam.pictures.formats import picture
+
+    return picture([scene], f".{to}", paper)
 
 
 def report(
@@ -239,17 +240,3 @@ def _read_program(
     loaded = machine_of(DEFAULT_MACHINE if machine is None else machine)
     style = PurePath(name).suffix.lower()
     return ReadProgram(program_bytes(program), loaded, name, style, checked_parts(parts), bar)
-
-
-def _picture(scene: "Scene", form: Picture, paper: Paper) -> str | bytes:
-    if form == "pdf":
-        from beamcam.pictures.formats import to_pdf
-
-        return to_pdf([scene], paper)
-    if form == "png":
-        from beamcam.pictures.formats import to_png
-
-        return to_png(scene)
-    from beamcam.pictures.formats import to_svg
-
-    return to_svg(scene)

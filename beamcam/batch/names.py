@@ -187,7 +187,10 @@ def mixed_marks(
         if not path.lower().endswith(DSTV_SUFFIXES) or not os.path.isfile(path):
             continue
         with suppress(OSError), open(path, "rb") as file:
-            order, drawing, phase, mark = said_of_part(file.read(HEAD_BYTES))
+            lines = [line.strip() for line in file.read(HEAD_BYTES).decode("latin-1").splitlines()]
+            lines = [line for line in lines if not line.startswith("**")]
+            at = lines.index("ST") + 1 if "ST" in lines else len(lines)
+            order, drawing, phase, mark = [*lines[at : at + 4], "", "", "", ""][:4]
             stem = os.path.splitext(os.path.basename(path))[0]
             fields = {"drawing": drawing, "file": stem, "position": phase}
             mark = fields.get(mark_from) or mark
@@ -208,12 +211,3 @@ def _content(value: object) -> object:
     if isinstance(value, list | tuple):
         return [_content(item) for item in value]
     return value
-
-
-def said_of_part(begin: bytes) -> tuple[str, str, str, str]:
-    """Order, drawing, phase and mark by the first lines of a file, empty where it has none."""
-    lines = [line.strip() for line in begin.decode("latin-1").splitlines()]
-    lines = [line for line in lines if not line.startswith("**")]
-    at = lines.index("ST") + 1 if "ST" in lines else len(lines)
-    order, drawing, phase, mark = [*lines[at : at + 4], "", "", "", ""][:4]
-    return order, drawing, phase, mark

@@ -2,7 +2,7 @@
 
 import os
 import sys
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import click
@@ -29,7 +29,7 @@ from beamcam.commands.running import (
 )
 from beamcam.commands.settings import files_read, settled
 from beamcam.config.values import Config
-from beamcam.errors import BeamcamError, Diagnostic, Source
+from beamcam.errors import BeamcamError, Diagnostic, Source, errors_in
 from beamcam.files import FilesRead, write_whole
 from beamcam.reports.labels import SCHEMA, Label
 from beamcam.reports.labels import as_json as labels_as_json
@@ -104,15 +104,15 @@ def command(
     console.say_remarks()
     result = find_inputs(names, leave_out=(output,))
     workers = workers_of(settings, config.jobs, config.dask, result.inputs)
-    messages = [as_message(d) for d in (*result.diagnostics, *unused(result, config))]
+    diagnostics = [*result.diagnostics, *unused(result, config)]
     account = Report(STANDARD if console.as_json else report)
     read = files_read(config, (one.path for one in result.inputs))
     if report is not None:
         keep_apart([report], read, console)
     stock_run: StockRun | None = None
     with Progress(0 if over_stock else len(result.inputs), console) as screen:
-        screen.say(messages)
-        messages += map(as_message, (*config.remarks, *told_of(config, settings)))
+        screen.say(diagnostics)
+        diagnostics += (*config.remarks, *told_of(config, settings))
         with asked_to_end() as interrupted:
             if over_stock:
                 of = [path_from(output, one.path) for one in result.inputs]
@@ -134,10 +134,9 @@ def command(
             finally:
                 rows.close()
 
-        def say(diagnostics: Iterable[Diagnostic]) -> None:
-            new = [as_message(one) for one in diagnostics]
+        def say(new: Sequence[Diagnostic]) -> None:
             screen.say(new)
-            messages.extend(new)
+            diagnostics.extend(new)
 
         if stock_run is not None and not (interrupted or dry):
             say((*stock_run.remarks, *write_lists(stock_run, output, read, redo)))
@@ -145,6 +144,7 @@ def command(
         jobs = min(config.jobs or cores(), max(1, screen.counts.total // FILES_A_WORKER))
         shares = () if stock_run is None else stock_run.tasks
         try:
+            messages = [as_message(one) for one in diagnostics]
             account.write(screen.counts, messages, None if dry else settings, jobs, shares)
         except OSError as error:
             if report == STANDARD:
@@ -154,8 +154,7 @@ def command(
         screen.end(
             " (interrupted)" if interrupted else " (dry run, nothing written)" if dry else ""
         )
-    is_refused = any(one["severity"] == "error" for one in messages)
-    end_run(screen.counts, bool(interrupted), exit_left_out, is_refused)
+    end_run(screen.counts, bool(interrupted), exit_left_out, bool(errors_in(diagnostics)))
 
 
 def _is_over_stock(nest: bool | None, options: Mapping[str, Any], config: Config) -> bool:

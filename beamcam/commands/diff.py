@@ -13,7 +13,7 @@ from beamcam.batch.record import RECORD_NAME
 from beamcam.commands import options
 from beamcam.commands.common import REFUSED, STANDARD, Console, say_json, say_lines, write
 from beamcam.commands.golden import Checked, Result, say_results
-from beamcam.commands.outputs import KINDS, expected, picture
+from beamcam.commands.outputs import KINDS, expected
 from beamcam.commands.parts import input_bytes
 from beamcam.commands.recorded import Recorded
 from beamcam.commands.settings import files_read, machine_for_program, settled
@@ -69,6 +69,7 @@ def drawn_over(
     Raises ReadError, VerifyError and PictureError; UsageError for another format.
     """
     from beamcam.pictures.comparison import compared_parts, compared_programs
+    from beamcam.pictures.formats import picture
     from beamcam.pictures.program import ReadProgram
 
     suffix = PurePath(output).suffix.lower()

@@ -63,24 +63,6 @@ against = click.option(
 )
 
 
-def is_program(inputs: Sequence[str], first: bytes, against: bool) -> bool:
-    """Whether the first input is a program and the others its parts; or else all are parts.
-
-    `first` is its content. Standard input is a program. Raises UsageError where --against does not
-    stand between a program and parts, ReadError for a file of another format.
-    """
-    refuse_other_format(inputs[0], first)
-    is_one = inputs[0] == STANDARD or not is_part(shown_name(inputs[0]), first)
-    if against and not is_one:
-        raise click.UsageError(
-            f"found the part {inputs[0]!r} before --against; expected a program there. Without "
-            "--against parts are posted."
-        )
-    if against and len(inputs) < 2:
-        raise click.UsageError("--against needs at least one PART.")
-    return is_one
-
-
 class AskedProgram(Struct, frozen=True):
     """A program that is a file or was posted just now."""
 
@@ -93,12 +75,22 @@ def asked_program(
     inputs: Sequence[str], against: bool, config: Config, options: Mapping[str, Any], output: str,
     console: Console,
 ) -> AskedProgram:  # fmt: skip
-    """The program among the inputs, read back against the parts behind it; or that of the parts.
+    """The program that is the first input, read back against the parts behind it; or that of parts.
 
-    What readers and planner say is among the messages of the console. Raises BeamcamError.
+    Standard input is a program. What readers and planner say is among the messages of the console.
+    Raises BeamcamError.
     """
     first = input_bytes(inputs[0])
-    if not is_program(inputs, first, against):
+    refuse_other_format(inputs[0], first)
+    is_one = inputs[0] == STANDARD or not is_part(shown_name(inputs[0]), first)
+    if against and not is_one:
+        raise click.UsageError(
+            f"found the part {inputs[0]!r} before --against; expected a program there. Without "
+            "--against parts are posted."
+        )
+    if against and len(inputs) < 2:
+        raise click.UsageError("--against needs at least one PART.")
+    if not is_one:
         return posted_job(inputs, config, options, output, console)
     parts = read_parts(inputs[1:], config, options, console) if inputs[1:] else ()
     program = read_program(first, inputs[0], config, options.get("bar"))

@@ -10,7 +10,7 @@ from beamcam.arguments import load_tested
 from beamcam.batch.names import cleaned
 from beamcam.commands import options
 from beamcam.commands.common import Console, cannot_write, say_json, say_lines, write
-from beamcam.commands.outputs import picture, picture_suffix
+from beamcam.commands.outputs import picture_suffix
 from beamcam.config.values import own_files
 from beamcam.errors import BeamcamError, Diagnostic, Source
 from beamcam.files import FilesRead, write_whole
@@ -190,6 +190,7 @@ def plot(name: str, output: str, console: Console) -> None:
     \b
     beamcam machines plot mine -o mine.svg
     """
+    from beamcam.pictures.formats import picture
     from beamcam.pictures.line import line_scene
 
     suffix = picture_suffix(output)

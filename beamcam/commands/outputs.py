@@ -1,15 +1,10 @@
 """What commands write besides programs: the names that each kind of output has, and pictures."""
 
-from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Mapping
 
 import click
 
 from beamcam.commands.common import PICTURES, STANDARD, suffix_of
-
-if TYPE_CHECKING:
-    from beamcam.pictures.formats import Paper
-    from beamcam.pictures.scene import Scene
 
 #: What a command writes besides programs and parts; a name without a suffix is taken too.
 KINDS: Mapping[str, tuple[str, ...]] = {
@@ -65,21 +60,3 @@ def picture_suffix(output: str) -> str:
     if suffix not in PICTURES:
         raise click.UsageError(expected(output, "plot"))
     return suffix
-
-
-def picture(scenes: "Sequence[Scene]", suffix: str, paper: "Paper" = "a4") -> str | bytes:
-    """Pictures in a format; only a PDF has room for more than the first.
-
-    Raises PictureError where the library for the format is not installed.
-    """
-    if suffix == ".pdf":
-        from beamcam.pictures.formats import to_pdf
-
-        return to_pdf(scenes, paper)
-    if suffix == ".png":
-        from beamcam.pictures.formats import to_png
-
-        return to_png(scenes[0])
-    from beamcam.pictures.formats import to_svg
-
-    return to_svg(scenes[0])

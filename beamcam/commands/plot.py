@@ -7,7 +7,7 @@ import click
 from beamcam.commands import options
 from beamcam.commands.common import Console, write
 from beamcam.commands.jobs import one_program, posted_job, read_program
-from beamcam.commands.outputs import check_paper, paper, picture, picture_suffix, unit
+from beamcam.commands.outputs import check_paper, paper, picture_suffix, unit
 from beamcam.commands.parts import job_options, read_parts
 from beamcam.commands.settings import files_read, machines_for, settled
 
@@ -44,6 +44,7 @@ def command(
     beamcam plot M74.nc1 M58.nc1 M74.nc1 -o bar.svg
     beamcam plot plate.dxf --thickness 3 --show program -o plate.pdf
     """
+    from beamcam.pictures.formats import picture
     from beamcam.pictures.part import part_scene
     from beamcam.pictures.program import program_scene
 

@@ -8,7 +8,7 @@ import click
 
 from beamcam.commands import options
 from beamcam.commands.common import PICTURES, Console, write
-from beamcam.commands.outputs import KINDS, expected, picture
+from beamcam.commands.outputs import KINDS, expected
 from beamcam.commands.value_types import Number
 from beamcam.files import FilesRead
 
@@ -162,6 +162,7 @@ def command(
         if suffix not in ("", *KINDS["profile"]):
             raise ValueError(expected(output, "profile"))
         if suffix in PICTURES:
+            from beamcam.pictures.formats import picture
             from beamcam.pictures.graphs import profile_scene
 
             data = picture([profile_scene(profile, shown)], suffix)

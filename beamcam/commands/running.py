@@ -41,7 +41,16 @@ from beamcam.machine.tables import DIALECTS
 from beamcam.model.request import remnant_of
 from beamcam.plain_text import json_text
 from beamcam.readers import is_interruptible
-from beamcam.reports.run import Counts, FileRow, Message, dumped, ledger_line, loaded, message_line
+from beamcam.reports.run import (
+    Counts,
+    FileRow,
+    Message,
+    as_message,
+    dumped,
+    ledger_line,
+    loaded,
+    message_line,
+)
 from beamcam.system import INTERRUPTED, cores
 
 
@@ -280,12 +289,12 @@ class Progress:
             if more > 0:
                 yield f"{severity} {code}: {more} more; --verbose or the report shows them"
 
-    def say(self, messages: Iterable[Message]) -> None:
+    def say(self, diagnostics: Iterable[Diagnostic]) -> None:
         """Print what is said about the run as a whole; it is little, so that notes count too."""
-        for message in () if self._console.as_json else messages:
-            if self._console.wants(Severity(message["severity"])):
+        for one in () if self._console.as_json else diagnostics:
+            if self._console.wants(one.severity):
                 self._clear()
-                say_lines([message_line(message)], err=True)
+                say_lines([message_line(as_message(one))], err=True)
 
     def end(self, note: str = "") -> None:
         """Print the line of counts, and what else is to be known of the run."""

@@ -11,7 +11,7 @@ import click
 from beamcam.commands import options
 from beamcam.commands.common import PICTURES, STANDARD, Console, suffix_of, write
 from beamcam.commands.jobs import against, asked_program
-from beamcam.commands.outputs import of_kind, picture
+from beamcam.commands.outputs import of_kind
 from beamcam.commands.parts import job_options
 from beamcam.commands.settings import files_read, settled
 from beamcam.commands.value_types import Number, address, parsed
@@ -204,6 +204,7 @@ def _precision(trace: "Trace", encoder: "Encoder", name: str) -> Diagnostic:
 
 def _drawn(output: str, study: "Study") -> str | bytes:
     """The staircase of an encoder as a picture, or as a page. Raises PictureError."""
+    from beamcam.pictures.formats import picture
     from beamcam.pictures.graphs import encoder_scene
 
     if suffix_of(output) == ".html":

@@ -38,7 +38,7 @@ from beamcam.commands.value_types import Number
 from beamcam.errors import Diagnostic, Source
 from beamcam.files import write_whole
 from beamcam.readers import has_end
-from beamcam.reports.run import FileRow, as_message, encoded, message_line
+from beamcam.reports.run import FileRow, encoded, message_line
 from beamcam.system import asked_to_end
 
 AGAIN_S = 30.0  #: after which what failed for the disk or a process is tried again
@@ -198,13 +198,10 @@ def command(
             diagnostics = tuple(d for d in inputs.diagnostics if d.code != NOTHING.code)
             diagnostics += unused(inputs, config)
             if diagnostics != last:
-                progress.say(map(as_message, diagnostics))
+                progress.say(diagnostics)
                 last = diagnostics
             ready = hot.take(look(inputs.inputs), time.monotonic())
-            progress.say(
-                as_message(NO_END.at(Source(one.path), found=f"{end_wait:g}"))
-                for one in hot.endless
-            )
+            progress.say(NO_END.at(Source(one.path), found=f"{end_wait:g}") for one in hot.endless)
             if ready:
                 workers = workers_of(settings, config.jobs, config.dask, ready)
                 read = files_read(config, (one.path for one in ready))
@@ -222,7 +219,7 @@ def command(
                             except OSError as error:
                                 reason = error.strerror or str(error)
                                 fault = WRITE.at(Source(one.path), found=into, reason=reason)
-                                progress.say([as_message(fault)])
+                                progress.say([fault])
                 finally:
                     rows.close()
             elif once and not hot.is_waiting:
