@@ -75,8 +75,16 @@ def _write_part(
                 if mode is None and _link(file, target):
                     return
                 named = True
-                if not _link(file, part):
-                    _copy(file, part, durable)
+                if not _link(file, part):  # a system that lets no name be given to it
+                    os.lseek(file, 0, os.SEEK_SET)
+                    copy = _new(part, os.fstat(file).st_mode & 0o777)
+                    try:
+                        while piece := os.read(file, 1 << 20):
+                            _write(copy, piece)
+                        if durable:
+                            os.fsync(copy)
+                    finally:
+                        os.close(copy)
         finally:
             os.close(file)
         replace_file(part, target)
@@ -233,16 +241,3 @@ def _link(file: int, path: str) -> bool:
     except OSError:
         return False
     return True
-
-
-def _copy(file: int, path: str, durable: bool) -> None:
-    """Copy an unnamed file to a new one, where a system lets no name be given to it."""
-    os.lseek(file, 0, os.SEEK_SET)
-    copy = _new(path, os.fstat(file).st_mode & 0o777)
-    try:
-        while piece := os.read(file, 1 << 20):
-            _write(copy, piece)
-        if durable:
-            os.fsync(copy)
-    finally:
-        os.close(copy)

@@ -68,17 +68,6 @@ def compared(a: ProgramText, b: ProgramText) -> ComparisonResult:
     return ComparisonResult(tuple(different), diagnostics)
 
 
-def program_text(name: str, text: str, machine: AnyMachine | None) -> ProgramText:
-    """A program and the machine that reads it: the one given, else the one that its head names.
-
-    Raises MachineError.
-    """
-    if machine is None:
-        head = head_of(text)
-        machine = DEFAULT_MACHINE if head is None else head.machine
-    return ProgramText(name, text, machine_of(machine))
-
-
 Picture = Literal["svg", "png", "pdf"]
 Unit = Literal["mm", "inch"]
 Paper = Literal["a4", "a3"]
@@ -123,7 +112,12 @@ def diff(
         return ComparisonResult(diff_parts(checked_parts(a), checked_parts(b)), ())  # type: ignore[arg-type]
     if _is_parts(a) or _is_parts(b):
         raise AskError(ask_type("b", type(b).__name__, "two programs, or two parts"))
-    return compared(*(program_text(n, _text(p), machine) for n, p in (("A", a), ("B", b))))
+    texts = []
+    for name, text in (("A", _text(a)), ("B", _text(b))):
+        head = head_of(text)
+        used = machine or (DEFAULT_MACHINE if head is None else head.machine)
+        texts.append(ProgramText(name, text, machine_of(used)))
+    return compared(*texts)
 
 
 def recover(

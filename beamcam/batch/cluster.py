@@ -15,6 +15,7 @@ from beamcam.batch.work import BatchSettings, FileResult, Task, make_all, thaw
 from beamcam.errors import BeamcamError, Source
 from beamcam.processes import Died
 from beamcam.system import LOOK_S
+from beamcam.version import __version__
 
 ANSWER_S = 6.0  #: for the scheduler to answer, and for its workers to say which beamcam they have
 CHUNKS = 2  #: that each thread of the cluster has at most, one of them in work
@@ -89,8 +90,6 @@ class Cluster:
                 raise self._error(f"the worker {worker} has {has}")
 
     def _error(self, found: str) -> SchedulerError:
-        from beamcam.version import __version__
-
         return SchedulerError(
             SCHEDULER.at(
                 Source("--scheduler"), address=self._address, found=found, version=__version__
@@ -159,8 +158,6 @@ def distributed_alone() -> Any:
 
 def make_there(frozen: bytes, chunk: tuple[Task, ...]) -> list[FileResult]:
     """`make_all` on a worker. Raises RuntimeError if its beamcam is another than the shop's."""
-    from beamcam.version import __version__
-
     settings = thaw(frozen)
     if settings.version != __version__:
         raise RuntimeError(f"a worker has beamcam {__version__}, not {settings.version}")

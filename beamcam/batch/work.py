@@ -6,6 +6,7 @@ worker once, frozen.
 """
 
 import os
+import pickle
 from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
 from functools import partial
 from hashlib import sha256
@@ -74,8 +75,6 @@ class BatchSettings(Struct, frozen=True):
     @property
     def freeze(self) -> bytes:
         """The shop for a worker; `thaw` gives it back."""
-        import pickle
-
         return pickle.dumps(self)
 
     @property
@@ -123,8 +122,6 @@ class BatchSettings(Struct, frozen=True):
 @cached("batch.shop")
 def thaw(frozen: bytes) -> BatchSettings:
     """The shop that was frozen; the same object each time, so that what is known of it is kept."""
-    import pickle
-
     settings: BatchSettings = pickle.loads(frozen)
     return settings
 

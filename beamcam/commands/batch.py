@@ -19,7 +19,6 @@ from beamcam.commands.running import (
     Progress,
     Report,
     batch_settings,
-    checked_report,
     end_run,
     run_options,
     told_of,
@@ -28,6 +27,7 @@ from beamcam.commands.running import (
     workers_of,
 )
 from beamcam.commands.settings import files_read, settled
+from beamcam.commands.value_types import of_kind
 from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Diagnostic, Source, errors_in
 from beamcam.files import FilesRead, write_whole
@@ -61,7 +61,10 @@ FILES_A_WORKER = 20  #: of setup sheets; for fewer a process of their own is not
     "--dry-run", "dry", is_flag=True, help="Show what would be written where, and write nothing."
 )
 @click.option(
-    "--report", callback=checked_report, metavar="FILE", help="Write .json, .csv or .html; -."
+    "--report",
+    callback=of_kind("batch", without=()),
+    metavar="FILE",
+    help="Write .json, .csv or .html; -.",
 )
 def command(
     inputs: tuple[str, ...], output: str, redo: bool, dry: bool, nest: bool | None,

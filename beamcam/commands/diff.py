@@ -13,10 +13,10 @@ from beamcam.batch.record import RECORD_NAME
 from beamcam.commands import options
 from beamcam.commands.common import REFUSED, STANDARD, Console, say_json, say_lines, write
 from beamcam.commands.golden import Checked, Result, say_results
-from beamcam.commands.outputs import KINDS, expected
 from beamcam.commands.parts import input_bytes
 from beamcam.commands.recorded import Recorded
 from beamcam.commands.settings import files_read, machine_for_program, settled
+from beamcam.commands.value_types import KINDS, expected
 from beamcam.comparison.pairing import Difference
 from beamcam.comparison.parts import diff_parts
 from beamcam.comparison.statements import ProgramText

@@ -17,33 +17,11 @@ from beamcam.commands.parts import (
 from beamcam.commands.settings import settled, with_thickness
 from beamcam.model.part_json import part_to_json
 from beamcam.pipeline import read_file
-from beamcam.readers import Reading, shown_name
+from beamcam.readers import shown_name
 from beamcam.reports.run import as_message
 from beamcam.reports.tables import member_table, part_table
 
 SCHEMA = "beamcam/inspect/1"
-
-
-def as_json_object(path: str, reading: Reading) -> dict[str, object]:
-    """The output of `--json`: the parts as far as they were read, and every message."""
-    return {
-        "schema": SCHEMA,
-        "file": os.path.basename(path),
-        "format": reading.format,
-        "parts": [part_to_json(part) for part in reading.parts],
-        "diagnostics": [as_message(diagnostic) for diagnostic in reading.diagnostics],
-    }
-
-
-def show(path: str, reading: Reading, console: Console) -> None:
-    """Print a reading for people: a model's members a line each, other parts at length."""
-    say_lines([f"{path}: {reading.format}, {len(reading.parts)} part(s)"])
-    if reading.format == "ifc":
-        say_lines(member_table(reading.parts, reading.diagnostics))
-    else:
-        for part in reading.parts:
-            say_lines(part_table(part))
-    console.say(reading.diagnostics)
 
 
 @click.command("inspect", cls=options.Grouped)
@@ -82,10 +60,20 @@ def command(
             read = read_file(path, config.strict, **how, progress=follow)
         reading = with_thickness(read, config)
         console.did(f"read {shown_name(path)}")
-        if as_json:
-            say_json(as_json_object(path, reading), None)
+        if as_json:  # the parts as far as they were read, and every message
+            whole = {
+                "schema": SCHEMA, "file": os.path.basename(path), "format": reading.format,
+                "parts": [part_to_json(part) for part in reading.parts],
+                "diagnostics": [as_message(diagnostic) for diagnostic in reading.diagnostics],
+            }  # fmt: skip
+            say_json(whole, None)
         else:
-            show(path, reading, console)
+            say_lines([f"{path}: {reading.format}, {len(reading.parts)} part(s)"])
+            if reading.format == "ifc":  # a member a line
+                say_lines(member_table(reading.parts, reading.diagnostics))
+            else:
+                say_lines(line for part in reading.parts for line in part_table(part))
+            console.say(reading.diagnostics)
         refused |= reading.refused
     if refused:
         raise SystemExit(REFUSED)

@@ -96,18 +96,20 @@ def command(
             raise PlanError(too_long)
     else:
         counts = counted_parts(inputs, config, values, console)
-        labels, without = _labels(counts, config, values, code)
-        console.messages += without
+        labels = _labels(counts, config, values, code, console)
     written = _written(form, labels, size, code)
     write(output, written, console, files_read(config, inputs))
     console.finish()
 
 
 def _labels(
-    counts: Sequence[PartCount], config: Config, options: Mapping[str, Any], code: Code
-) -> tuple[tuple[Label, ...], tuple[Diagnostic, ...]]:
-    """The labels of all pieces, those of one part one behind the other; an error for a part that
-    no machine makes, or whose code would be too long, which has none."""
+    counts: Sequence[PartCount], config: Config, options: Mapping[str, Any], code: Code,
+    console: Console,
+) -> tuple[Label, ...]:  # fmt: skip
+    """The labels of all pieces, those of one part one behind the other.
+
+    A part that no machine makes, or whose code would be too long, has none: the console has errors.
+    """
     labels: list[Label] = []
     diagnostics: list[Diagnostic] = []
     names = FileNames()
@@ -139,7 +141,8 @@ def _labels(
                   of_piece[min(k, len(of_piece) - 1)])
             for k in range(one.quantity)
         )  # fmt: skip
-    return tuple(labels), tuple(dict.fromkeys(diagnostics))
+    console.messages += dict.fromkeys(diagnostics)
+    return tuple(labels)
 
 
 def _written(form: str, labels: Sequence[Label], size: LabelSize, code: Code) -> str | bytes:

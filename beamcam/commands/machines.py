@@ -10,7 +10,7 @@ from beamcam.arguments import load_tested
 from beamcam.batch.names import cleaned
 from beamcam.commands import options
 from beamcam.commands.common import Console, cannot_write, say_json, say_lines, write
-from beamcam.commands.outputs import picture_suffix
+from beamcam.commands.value_types import picture_suffix
 from beamcam.config.values import own_files
 from beamcam.errors import BeamcamError, Diagnostic, Source
 from beamcam.files import FilesRead, write_whole

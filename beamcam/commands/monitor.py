@@ -233,23 +233,23 @@ class Reader:
         self._host, self._machine, self._axes, self._every_s = host, machine, axes, every_s
         self._said: dict[str, Any] = {"reads": 0, "fault": ""}
 
-    def read_first(self) -> None:
-        """Raises VerifyError where there is no controller, or not such registers."""
+    def _client(self) -> Any:
         from beamcam.simulation import CONTROLLER
         from beamcam.simulation.modbus import Client
 
-        with Client(*self._host, CONTROLLER) as client:
+        return Client(*self._host, CONTROLLER)
+
+    def read_first(self) -> None:
+        """Raises VerifyError where there is no controller, or not such registers."""
+        with self._client() as client:
             self._read(client)
 
     def run(self) -> None:
         """Read until the process ends."""
-        from beamcam.simulation import CONTROLLER
-        from beamcam.simulation.modbus import Client
-
         pause = threading.Event()
         while True:
             try:
-                with Client(*self._host, CONTROLLER) as client:
+                with self._client() as client:
                     while not pause.wait(self._every_s):
                         self._read(client)
             except VerifyError as error:

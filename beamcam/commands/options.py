@@ -17,8 +17,7 @@ import click
 
 from beamcam.commands import MORE_BARS, OUTPUT_FORMAT, value_types
 from beamcam.commands.common import STANDARD, Console
-from beamcam.commands.outputs import Callback
-from beamcam.commands.value_types import Number, SkipNames, parsed
+from beamcam.commands.value_types import Callback, Number, SkipNames, parsed
 from beamcam.errors import BeamcamError, PlanError, Source
 from beamcam.model.plan import ALL_SKIPS, SKIP_NAMES, named_skips
 from beamcam.model.request import MARKS_FROM, numbered, remnant_of

@@ -12,9 +12,9 @@ from beamcam.arguments import on_best_machine
 from beamcam.commands import options
 from beamcam.commands.common import Console, write
 from beamcam.commands.common import as_json as json_of
-from beamcam.commands.outputs import of_kind
 from beamcam.commands.parts import looking_options, read_parts, request_of
 from beamcam.commands.settings import files_read, machines_for, settled
+from beamcam.commands.value_types import of_kind
 from beamcam.machine.coper import A_OF_FACE
 from beamcam.model.lengths import total_length
 from beamcam.model.part import Part

@@ -7,9 +7,9 @@ import click
 from beamcam.commands import options
 from beamcam.commands.common import Console, write
 from beamcam.commands.jobs import one_program, posted_job, read_program
-from beamcam.commands.outputs import check_paper, paper, picture_suffix, unit
 from beamcam.commands.parts import job_options, read_parts
 from beamcam.commands.settings import files_read, machines_for, settled
+from beamcam.commands.value_types import check_paper, paper, picture_suffix, unit
 
 
 @click.command("plot", cls=options.Grouped)

@@ -8,8 +8,7 @@ import click
 
 from beamcam.commands import options
 from beamcam.commands.common import PICTURES, Console, write
-from beamcam.commands.outputs import KINDS, expected
-from beamcam.commands.value_types import Number
+from beamcam.commands.value_types import KINDS, Number, expected
 from beamcam.files import FilesRead
 
 if TYPE_CHECKING:
@@ -30,7 +29,10 @@ def points_of(
     for pair in text.split(","):
         time, colon, velocity = pair.partition(":")
         try:
-            points.append((_finite(time), _finite(velocity)))
+            point = float(time), float(velocity)
+            if not all(map(isfinite, point)):
+                raise ValueError(pair)
+            points.append(point)
         except ValueError:
             raise click.BadParameter(
                 f"found {pair!r}; expected TIME:VELOCITY,TIME:VELOCITY,..."
@@ -38,25 +40,6 @@ def points_of(
         if not colon:
             raise click.BadParameter(f"found {pair!r}; expected TIME:VELOCITY")
     return tuple(points)
-
-
-def _finite(text: str) -> float:
-    """Raises ValueError for infinity and nan too."""
-    number = float(text)
-    if not isfinite(number):
-        raise ValueError(text)
-    return number
-
-
-def row_step(duration_s: float, step_s: float | None) -> float:
-    """Seconds between the rows of a table. Raises ValueError for more rows than memory holds."""
-    step_s = step_s or duration_s / 200
-    if duration_s > MOST_ROWS * step_s:
-        raise ValueError(
-            f"found a step of {step_s:g} s; expected {duration_s / MOST_ROWS:g} s or more, "
-            f"for at most {MOST_ROWS:,} rows"
-        )
-    return step_s
 
 
 def unit_of(name: str | None, pulses: int | None, travel: float | None) -> "VelocityUnit":
@@ -171,7 +154,13 @@ def command(
 
             data = guide_page(profile, shown)
         else:
-            rows = profile_table(profile, row_step(profile.duration_s, step), encoder, shown)
+            step = step or profile.duration_s / 200
+            if profile.duration_s > MOST_ROWS * step:  # than memory holds
+                raise ValueError(
+                    f"found a step of {step:g} s; expected {profile.duration_s / MOST_ROWS:g} s or "
+                    f"more, for at most {MOST_ROWS:,} rows"
+                )
+            rows = profile_table(profile, step, encoder, shown)
             lines = [",".join(f"{value:.9g}" for value in row) for row in rows.rows.tolist()]
             data = "\n".join([",".join(rows.columns), *lines]) + "\n"
     except ValueError as error:

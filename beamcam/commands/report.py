@@ -10,9 +10,9 @@ from beamcam.commands import options
 from beamcam.commands.common import Console, write
 from beamcam.commands.configuration import configuration_line, machine_line, reference
 from beamcam.commands.jobs import against, asked_program
-from beamcam.commands.outputs import KINDS, check_paper, expected, paper, unit
 from beamcam.commands.parts import job_options
 from beamcam.commands.settings import files_read, settled
+from beamcam.commands.value_types import KINDS, check_paper, expected, paper, unit
 
 
 @click.command("report", cls=options.Grouped)

@@ -22,7 +22,6 @@ from beamcam.batch.work import BatchSettings
 from beamcam.commands import SETTINGS, options
 from beamcam.commands.common import REFUSED, Console, say_lines
 from beamcam.commands.options import refuse_usage
-from beamcam.commands.outputs import KINDS, expected
 from beamcam.commands.parts import (
     drawing_choice,
     drawing_options,
@@ -57,12 +56,6 @@ from beamcam.system import INTERRUPTED, cores
 def _template(ctx: click.Context, param: click.Parameter, value: str | None) -> str | None:
     if value is not None and (fault := template_fault(value)) is not None:
         raise click.BadParameter("found {}; expected {}".format(*fault))
-    return value
-
-
-def checked_report(ctx: click.Context, param: click.Parameter, value: str | None) -> str | None:
-    if value not in (None, "-") and not value.lower().endswith(KINDS["batch"]):
-        raise click.BadParameter(expected(value, "batch"))
     return value
 
 

@@ -11,10 +11,9 @@ import click
 from beamcam.commands import options
 from beamcam.commands.common import PICTURES, STANDARD, Console, suffix_of, write
 from beamcam.commands.jobs import against, asked_program
-from beamcam.commands.outputs import of_kind
 from beamcam.commands.parts import job_options
 from beamcam.commands.settings import files_read, settled
-from beamcam.commands.value_types import Number, address, parsed
+from beamcam.commands.value_types import Number, address, of_kind, parsed
 from beamcam.errors import Diagnostic, Source, VerifyError, errors_in
 from beamcam.system import INTERRUPTED, asked_to_end
 

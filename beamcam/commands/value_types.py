@@ -1,13 +1,15 @@
-"""What an option takes: numbers within limits, names, addresses, quantities."""
+"""What an option takes: numbers within limits, names, addresses, quantities, names of outputs."""
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from functools import partial
 from math import inf, isfinite, nan
 from typing import Any
 
 import click
+
+from beamcam.commands.common import PICTURES, STANDARD, suffix_of
 
 
 def parsed(parse: Callable[[str], Any], expected: str) -> Callable[..., Any]:
@@ -117,3 +119,61 @@ def quantity(text: str) -> str | int:
     if text != "file" and not (text.isdecimal() and 0 < int(text[:9]) <= MAX_QUANTITY):
         raise ValueError(text)
     return text if text == "file" else int(text)
+
+
+# --- outputs besides programs ---------------------------------------------------------------------
+
+#: What a command writes besides programs and parts; a name without a suffix is taken too.
+KINDS: Mapping[str, tuple[str, ...]] = {
+    "batch": (".json", ".csv", ".html"),  # its report
+    "diff": (".html", *PICTURES),
+    "plan": (".txt", ".json"),
+    "plot": PICTURES,
+    "profile": (".csv", *PICTURES, ".html"),
+    "report": (".html", ".pdf"),
+    "simulate": (".csv", ".json", *PICTURES, ".html"),
+}
+
+Callback = Callable[[click.Context, click.Parameter, str | None], str | None]
+
+
+def expected(found: str, kind: str) -> str:
+    """The message for an output of another kind."""
+    return f"found {found!r}; expected a name in {', '.join(KINDS[kind])}, or -"
+
+
+def of_kind(kind: str, without: tuple[str, ...] = ("",)) -> Callback:
+    """Refuses an output whose suffix says what the command cannot write, or that has none."""
+
+    def check(ctx: click.Context, param: click.Parameter, value: str | None) -> str | None:
+        if value not in (None, STANDARD) and suffix_of(value) not in (*without, *KINDS[kind]):
+            raise click.BadParameter(expected(value, kind))
+        return value
+
+    return check
+
+
+unit = click.option(
+    "--unit", type=click.Choice(["mm", "inch"]), default="mm", show_default=True,
+    help="Of the lengths that are shown.",
+)  # fmt: skip
+
+
+paper = click.option(
+    "--paper", type=click.Choice(["a4", "a3"]), default="a4", show_default=True,
+    help="Of a PDF; what is wide lies on its side.",
+)  # fmt: skip
+
+
+def check_paper(paper: str, suffix: str) -> None:
+    """Raises UsageError for a paper where no PDF is written."""
+    if paper != "a4" and suffix != ".pdf":
+        raise click.UsageError(f"found --paper {paper} with {suffix}; expected it with a .pdf.")
+
+
+def picture_suffix(output: str) -> str:
+    """The format of a picture by its name; standard output is an SVG."""
+    suffix = ".svg" if output == STANDARD else suffix_of(output)
+    if suffix not in PICTURES:
+        raise click.UsageError(expected(output, "plot"))
+    return suffix
