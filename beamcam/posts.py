@@ -107,17 +107,13 @@ def sheet_post() -> Post:
     from beamcam.emitters import cutting
     from beamcam.motion.sheet import sheet_program
 
-    def read_back(program: Written, job: Job) -> tuple[Diagnostic, ...]:
-        text = _text(program)
-        return _of_asked(verify_sheet, job, text, text)
-
     def time(plan: SheetPlan, program: Program, machine: Machine) -> WorkTime:
         from beamcam.motion.sheet_times import program_time
 
         lifts = machine.torch is not None and machine.torch.z == "program"
         return program_time(plan, program, machine, _standing(machine) if lifts else None)
 
-    emit = _by_machine(cutting.emit)
+    emit, read_back = _by_machine(cutting.emit), partial(_read_text_back, verify_sheet)
     return Post(_plan_sheet, sheet_program, emit, read_back, _with_comments, time)
 
 
@@ -158,10 +154,7 @@ def trigger_post() -> Post:
             diagnostic = CHAIN.at(job.parts[0].source, found=error.found, expected=error.expected)
             raise PlanError(diagnostic) from error
 
-    def read_back(program: Written, job: Job) -> tuple[Diagnostic, ...]:
-        text = _text(program)
-        return _of_asked(verify_triggers, job, text, text)
-
+    read_back = partial(_read_text_back, verify_triggers)
     return Post(_plan_sheet, trigger_table, emit, read_back, _with_remarks, trigger_time)
 
 
@@ -260,6 +253,12 @@ def _of_asked(
     w = job.request
     head = begin if carries_head(job) else ""
     return verify(program, parts, job.machine, w.skips, w.name, head)
+
+
+def _read_text_back(
+    verify: Callable[..., tuple[Diagnostic, ...]], program: Written, job: Job
+) -> tuple[Diagnostic, ...]:
+    return _of_asked(verify, job, _text(program), _text(program))
 
 
 def carries_head(job: Job) -> bool:

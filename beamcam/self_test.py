@@ -93,27 +93,26 @@ def _parts(machine: Machine) -> Iterator[Part]:
                 yield Part("P1", profile, _LENGTH, _AT)
         return
     profiles = machine.layout.profiles if machine.layout else ()
+    sizes = [size for tools in machine.tools if tools.kind == "drill" for size in tools.sizes]
+
+    def near(size: float) -> float:
+        return min(sizes, key=lambda one: abs(one - size))
+
     for profile in _SECTIONS:
         if profile.code in profiles:
-            holes = tuple(_holes(profile, machine))
+            features: list[Hole] = []  # two on each face that a spindle reaches, by two tools
+            for spindle in machine.spindles if sizes else ():
+                width = profile.face_width(spindle.face)
+                y = width / 2 if spindle.face == "v" or profile.code != "I" else width / 5
+                features += (
+                    Hole(spindle.face, 300.0, y, near(14.0), _AT),
+                    Hole(spindle.face, 600.0, y, near(18.0), _AT),
+                )
+            holes = tuple(features)
             length = max(_LENGTH, 1.1 * machine.layout.min_part if machine.layout else 0.0)
             yield Part("P1", profile, length, _AT, features=holes, cuts=EndCuts(web_end=20.0))
             yield Part("P1", profile, length, _AT, features=holes)
             yield Part("P1", profile, length, _AT)
-
-
-def _holes(profile: Profile, machine: Machine) -> Iterator[Hole]:
-    """Two through holes on each face that a spindle reaches, by two tools where there are two."""
-    sizes = [size for tools in machine.tools if tools.kind == "drill" for size in tools.sizes]
-    if not sizes:
-        return
-    small = min(sizes, key=lambda size: abs(size - 14.0))
-    large = min(sizes, key=lambda size: abs(size - 18.0))
-    for spindle in machine.spindles:
-        width = profile.face_width(spindle.face)
-        y = width / 2 if spindle.face == "v" or profile.code != "I" else width / 5
-        yield Hole(spindle.face, 300.0, y, small, _AT)
-        yield Hole(spindle.face, 600.0, y, large, _AT)
 
 
 def _sheets(machine: Machine) -> Iterator[Part]:

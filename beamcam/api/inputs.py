@@ -123,7 +123,17 @@ def checked_parts(parts: Part | Iterable[Part]) -> tuple[Part, ...]:
     for part in all_parts:
         if not isinstance(part, Part):
             raise AskError(ask_type("parts", part, "a Part, or several"))
-        _check_numbers(part)
+        waiting: list[tuple[str, Any]] = [("", part)]
+        while waiting:
+            name, value = waiting.pop()
+            if isinstance(value, float):
+                if not isfinite(value):
+                    raise AskError(ASK_NUMBER.at(part.source, found=value, name=name))
+            elif isinstance(value, Struct):
+                fields = ((field, getattr(value, field)) for field in value.__struct_fields__)
+                waiting += ((f"{name}.{f}".lstrip("."), inner) for f, inner in fields)
+            elif isinstance(value, tuple):
+                waiting += ((name, inner) for inner in value)
     return all_parts
 
 
@@ -135,18 +145,3 @@ def converted(value: object, kind: type[Asked], name: str = "") -> Asked:
         fault, _, where = str(error).partition(" - at `$")
         place = where.rstrip("`").lstrip(".") or name
         raise AskError(ask_value(place or "the options", fault)) from error
-
-
-def _check_numbers(part: Part) -> None:
-    """Raise AskError for the first number of a part that is not finite."""
-    waiting: list[tuple[str, Any]] = [("", part)]
-    while waiting:
-        name, value = waiting.pop()
-        if isinstance(value, float):
-            if not isfinite(value):
-                raise AskError(ASK_NUMBER.at(part.source, found=value, name=name))
-        elif isinstance(value, Struct):
-            fields = ((field, getattr(value, field)) for field in value.__struct_fields__)
-            waiting += ((f"{name}.{f}".lstrip("."), inner) for f, inner in fields)
-        elif isinstance(value, tuple):
-            waiting += ((name, inner) for inner in value)

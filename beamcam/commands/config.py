@@ -12,9 +12,11 @@ from beamcam.commands import options
 from beamcam.commands.common import Console, cannot_write, say_json, say_lines
 from beamcam.commands.configuration import settings_line
 from beamcam.commands.settings import settled
+from beamcam.config.load import remember as remember_trust
 from beamcam.config.values import CONFIG_NAME, ConfigFile, Setting, Stock
 from beamcam.errors import BeamcamError
 from beamcam.machine.machine import default_machines
+from beamcam.system import user_folder
 
 
 def shown(setting: Setting) -> str:
@@ -68,7 +70,18 @@ def command(
     console = Console(as_json=as_json)
     try:
         if remember:
-            _remember(values["trust"], console)
+            missing = next((one for one in values["trust"] if not os.path.isdir(one)), None)
+            options.refuse_usage(
+                (
+                    not values["trust"],
+                    "found --remember without a folder; expected --trust FOLDER.",
+                ),
+                (missing, f"found no folder {missing!r}; expected one that is there."),
+            )  # fmt: skip
+            try:
+                remember_trust(values["trust"])
+            except OSError as error:
+                console.stop([cannot_write(os.path.join(user_folder(), CONFIG_NAME), error)])
         config = settled(values, inputs)
     except BeamcamError as error:
         console.stop(error.diagnostics)
@@ -90,22 +103,6 @@ def command(
     width = max(len(shown(row)) for row in rows)
     say_lines(f"{shown(row):{width}}  # {row.source or 'default'}" for row in rows)
     say_lines([f"# {used}"])
-
-
-def _remember(folders: tuple[str, ...], console: Console) -> None:
-    """Have the user's own configuration trust the folders. Raises ConfigError."""
-    if not folders:
-        raise click.UsageError("found --remember without a folder; expected --trust FOLDER.")
-    for folder in folders:
-        if not os.path.isdir(folder):
-            raise click.UsageError(f"found no folder {folder!r}; expected one that is there.")
-    from beamcam.config.load import remember
-    from beamcam.system import user_folder
-
-    try:
-        remember(folders)
-    except OSError as error:
-        console.stop([cannot_write(os.path.join(user_folder(), CONFIG_NAME), error)])
 
 
 def _rows(key: str) -> tuple[str, ...]:

@@ -28,12 +28,12 @@ from beamcam.reports.labels import (
     Code,
     Label,
     LabelSize,
-    as_json,
     as_pdf,
     as_zpl,
     code_fault,
     labels_in,
 )
+from beamcam.reports.labels import as_json as labels_as_json
 from beamcam.reports.part_list import PartCount
 
 FORMATS = ("pdf", "zpl", "json")
@@ -97,7 +97,14 @@ def command(
     else:
         counts = counted_parts(inputs, config, values, console)
         labels = _labels(counts, config, values, code, console)
-    written = _written(form, labels, size, code)
+    try:
+        written = (
+            as_zpl(labels, size, code) if form == "zpl"
+            else labels_as_json(labels) if form == "json"
+            else as_pdf(labels, size, code)
+        )  # fmt: skip
+    except ImportError as error:
+        raise refuse_missing(error, "labels") from error
     write(output, written, console, files_read(config, inputs))
     console.finish()
 
@@ -143,15 +150,3 @@ def _labels(
         )  # fmt: skip
     console.messages += dict.fromkeys(diagnostics)
     return tuple(labels)
-
-
-def _written(form: str, labels: Sequence[Label], size: LabelSize, code: Code) -> str | bytes:
-    """The labels in a form. Raises ReadError where a library is missing."""
-    if form == "zpl":
-        return as_zpl(labels, size, code)
-    if form == "json":
-        return as_json(labels)
-    try:
-        return as_pdf(labels, size, code)
-    except ImportError as error:
-        raise refuse_missing(error, "labels") from error
