@@ -236,7 +236,7 @@ def on_best_machine(
     line that saws and drills goes before a torch round the profile. A machine that makes all of
     the parts goes before one that leaves out what is allowed. In order no machine behind the first
     that makes all is planned on, or loaded. Only what a machine cannot make (PlanError) has another
-    one taken. Where none makes it the PlanError has what the one said that lacks least, and for
+    one taken. Where none makes it the PlanError has what the one said that refuses least, and for
     each machine why.
     """
     if request.skips and len(machines) > 1:

@@ -79,11 +79,11 @@ def bar_post() -> Post:
         w = job.request
         _refuse_begun(job)
         given = [w.parts[place] for place in dict.fromkeys(job.pieces)]
-        told = tuple(one for part in given for one in told_of_round(part, w.machine, w.skips))
-        if errors_in(told):
-            raise PlanError(told)
+        remarks = tuple(one for part in given for one in told_of_round(part, w.machine, w.skips))
+        if errors_in(remarks):
+            raise PlanError(remarks)
         plan = plan_oriented(job.parts, w.machine, job.bar, w.skips, w.order, w.turn)
-        return replace(plan, remarks=(*told, *plan.remarks)) if told else plan
+        return replace(plan, remarks=(*remarks, *plan.remarks)) if remarks else plan
 
     def read_back(program: Written, job: Job) -> tuple[Diagnostic, ...]:
         w = job.request
@@ -98,7 +98,7 @@ def bar_post() -> Post:
 
         return work_time(plan, machine)
 
-    return Post(plan, beam_program, _by_machine(gcode.emit), read_back, _with_comments, time)
+    return Post(plan, beam_program, _by_machine(gcode), read_back, _with_comments, time)
 
 
 def sheet_post() -> Post:
@@ -113,12 +113,12 @@ def sheet_post() -> Post:
         lifts = machine.torch is not None and machine.torch.z == "program"
         return program_time(plan, program, machine, _standing(machine) if lifts else None)
 
-    emit, read_back = _by_machine(cutting.emit), partial(_read_text_back, verify_sheet)
+    emit, read_back = _by_machine(cutting), partial(_read_text_back, verify_sheet)
     return Post(_plan_sheet, sheet_program, emit, read_back, _with_comments, time)
 
 
-def _by_machine(emit: Callable[[Program, Machine], str]) -> Callable[[Any, Job], Written]:
-    return lambda program, job: emit(program, job.machine)
+def _by_machine(emitter: Any) -> Callable[[Any, Job], Written]:
+    return lambda program, job: emitter.emit(program, job.machine)
 
 
 def _standing(machine: Machine) -> Callable[[ToolOn], float]:
@@ -195,7 +195,7 @@ def coping_post() -> Post:
         w = job.request
         return verify_coping(_text(program), job.parts, w.machine, w.skips, w.name)
 
-    emit = _by_machine(coping.emit)
+    emit = _by_machine(coping)
     return Post(plan, coping_program, emit, read_back, _with_comments, coping_time)
 
 
@@ -310,7 +310,7 @@ def other_than_planned(
 
     The features that it found missing, and that may be, are those that the plan left out by name;
     the marks that it found to be manual work are those on the plan's list; the contours with waste
-    that no beam reaches are those that the plan reports; the bar that it needs where nobody gave
+    that no beam reaches are those that the plan reports; the bar that it needs where none gave
     its length is no longer than the plan's.
     """
     missing: list[tuple[str, Source]] = []
@@ -349,11 +349,11 @@ def other_than_planned(
         return
     alike = stand_ins(job.parts)
     yield from other_places(remarks, moved, alike, hand)
-    found, planned = (  # each text by the first of those that are alike
+    missed, planned = (  # each text by the first of those that are alike
         Counter((code, alike.get(source, source)) for code, source in of) for of in (missing, named)
     )
-    for one in (found - planned) + (planned - found):
-        yield LEDGER.at(one[1], found=found[one], expected=planned[one])
+    for one in (missed - planned) + (planned - missed):
+        yield LEDGER.at(one[1], found=missed[one], expected=planned[one])
 
 
 def head_differences(

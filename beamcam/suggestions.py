@@ -46,7 +46,7 @@ WAYS_TO_READ = note("read-ways-out",
 NO_WAY_TO_READ = note("read-no-way-out",
     "found no way out: no option reads the file as it stands; expected it corrected where the "
     "messages say",
-    "Whoever wrote the file has to export it again; a guess would make another part.")  # fmt: skip
+    "The file has to be exported again; a guess would make another part.")  # fmt: skip
 #: Options of the readers, as on a command line and as they take them, by the file's format.
 _READING: Mapping[str, Sequence[tuple[str, Mapping[str, object]]]] = {
     "dxf": (("--units mm", {"units": "mm"}), ("--units in", {"units": "in"})),
@@ -110,9 +110,9 @@ def suggestions(
         return UNTRIED.at(source, found=f"{curves} curves", expected=MOST_CURVES)
     texts = sum(isinstance(f, TextMark) for f in features)
     search = _Search(curves + len(features) + TEXT_WORK * texts)
-    found = _options(search, request, tried, tuple(others), read)
-    if found:
-        return SUGGESTIONS.at(source, found=" or ".join(found))
+    ways = _options(search, request, tried, tuple(others), read)
+    if ways:
+        return SUGGESTIONS.at(source, found=" or ".join(ways))
     if search.is_spent:
         return UNTRIED.at(source, found=f"{curves + len(features)} curves and features",
                           expected=MOST_WORK // MANY_TRIES)  # fmt: skip
@@ -127,7 +127,7 @@ def _options(
     on = [replace(request, machine=machine) for machine in tried]
     # What is refused only for how many there are is helped by no other lay of one.
     refused = [
-        (one, {said.code for said in why.diagnostics})
+        (one, {fault.code for fault in why.diagnostics})
         for one in on
         if one.machine.torch is not None and isinstance(why := search.planned(one), BeamcamError)
     ]

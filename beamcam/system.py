@@ -15,7 +15,7 @@ from typing import Any, Literal
 
 BINARY = getattr(os, "O_BINARY", 0)  #: without it Windows writes "\r\n" for "\n"
 
-#: How a file is opened to be read: a pipe that nobody writes to is not waited for.
+#: How a file is opened to be read: a pipe without a writer is not waited for.
 _TO_READ = os.O_RDONLY | BINARY | getattr(os, "O_NONBLOCK", 0)
 
 #: Waiting for more than 63 things at once is an error of Windows; the pipe of a worker is one.

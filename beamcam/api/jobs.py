@@ -88,11 +88,11 @@ def read(
     check_flags(strict=strict)
     check_text("name", name)
     data = bytes_of(source, "source")
-    asked = _reader_options(options)
+    how = _reader_options(options)
     if data is None:
-        reading = read_file(os.fspath(source), strict, **asked)  # type: ignore[arg-type]
+        reading = read_file(os.fspath(source), strict, **how)  # type: ignore[arg-type]
     else:
-        reading = judged(read_bytes(data, name, **asked), strict)
+        reading = judged(read_bytes(data, name, **how), strict)
     if reading.refused:
         raise ReadError(reading.diagnostics)
     return replace(reading, parts=marked(reading.parts, options.get("mark_from", "mark")))
@@ -135,8 +135,8 @@ def convert(part: Part, to: str = "dstv", *, thickness: float | None = None) -> 
     if thickness is not None and only.profile.web_thickness is None:
         from beamcam.config.values import Sheet
 
-        asked = converted({"thickness": thickness}, Sheet).thickness
-        only = replace(only, profile=replace(only.profile, web_thickness=asked))
+        given = converted({"thickness": thickness}, Sheet).thickness
+        only = replace(only, profile=replace(only.profile, web_thickness=given))
     return target.write(only)
 
 
@@ -322,7 +322,7 @@ def program_bytes(program: object) -> bytes:
     data = bytes_of(program, "program")
     if data is not None:
         return data
-    found = content(os.fspath(program))  # type: ignore[call-overload]
-    if isinstance(found, Diagnostic):
-        raise ReadError(found)
-    return bytes(found)
+    read = content(os.fspath(program))  # type: ignore[call-overload]
+    if isinstance(read, Diagnostic):
+        raise ReadError(read)
+    return bytes(read)

@@ -1,5 +1,5 @@
-"""What is seen of a program from Python: its course, its parts, pictures and sheets, and how two
-of them differ."""
+"""What is seen of a program from Python: its axes over time, its parts, pictures and sheets, and
+how two of them differ."""
 
 from collections.abc import Iterable
 from pathlib import PurePath

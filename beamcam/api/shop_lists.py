@@ -182,7 +182,7 @@ def planned_counts(
 def bars_of(
     counts: Sequence[PartCount],
     machines_for: MachinesFor,
-    asked: Request,
+    request: Request,
     remnants: Sequence[Remnant] = (),
 ) -> tuple[tuple[PartCount, ...], tuple[CutBar, ...]]:
     """The bars of the plans by which `post` makes the parts: of one machine, section and grade.
@@ -209,15 +209,15 @@ def bars_of(
     bars: list[CutBar] = []
     for key, places in lots.items():
         parts = tuple(replace(known[k].part, quantity=known[k].quantity) for k in places)
-        request = replace(
-            asked, parts=parts, machine=machine_of_lot[key], quantity="file",
+        of_lot = replace(
+            request, parts=parts, machine=machine_of_lot[key], quantity="file",
             remnants=there.get(key, ()),
         )  # fmt: skip
         planned: dict[Share, CutBar] = {}  # of bars with the same pieces, which are many
-        for share in shares_of(request):
+        for share in shares_of(of_lot):
             try:
                 if share not in planned:
-                    bar = plan_share(request, share)
+                    bar = plan_share(of_lot, share)
                     used = stock_used(bar.plan, bar.job.bar)
                     assert used is not None  # the machine is one for bars
                     planned[share] = CutBar(

@@ -77,12 +77,12 @@ class Cluster:
             return __version__
 
         try:
-            found = self._client.sync(
+            versions = self._client.sync(
                 self._client._run, version_there, on_error="return", callback_timeout=self._answer_s
             )
         except (OSError, TimeoutError) as error:
             raise self._error(f"its workers give no answer within {self._answer_s:g} s") from error
-        for worker, has in sorted(found.items()):
+        for worker, has in sorted(versions.items()):
             if not isinstance(has, str):
                 raise self._error(f"the worker {worker} gives no answer: {has!r}")
             if has != version:

@@ -188,7 +188,7 @@ class Record:
                 yield recipes.pop(_recipe_named_by(line), b"")
                 yield line
 
-    def find(self, key: bytes, found: Input) -> FileRow | None:
+    def find(self, key: bytes, item: Input) -> FileRow | None:
         """What was made of the input with that key, if all of it still stands as it was made.
 
         It is noted again where the run that made it was asked otherwise for the same.
@@ -211,8 +211,8 @@ class Record:
                 with open(os.path.join(self._folder, name), "rb", buffering=0) as file:
                     if sha256(file.read()).hexdigest() != digest:
                         return None
-            if (line["recipe"], line["input"]) != (self._recipe_name, self.input_of(found)):
-                self.add(key, row, found)
+            if (line["recipe"], line["input"]) != (self._recipe_name, self.input_of(item)):
+                self.add(key, row, item)
         except (OSError, ValueError, KeyError, TypeError):
             return None  # the line cannot be used: the file is done again
         return row
@@ -228,7 +228,7 @@ class Record:
                         self._made |= names_in(loaded(line)["row"])
         return self._made
 
-    def add(self, key: bytes, row: FileRow, found: Input) -> None:
+    def add(self, key: bytes, row: FileRow, item: Input) -> None:
         """Note what was made of the input with that key. Raises OSError."""
         if not self._kept:
             return
@@ -240,7 +240,7 @@ class Record:
             lines = self._recipe_line
         noted = {
             "key": key.hex(), "outputs": [part["output"] for part in row["parts"]], "row": row,
-            "recipe": self._recipe_name, "input": self.input_of(found), "tree": found.tree,
+            "recipe": self._recipe_name, "input": self.input_of(item), "tree": item.tree,
         }  # fmt: skip
         lines += dumped(noted) + b"\n"
         if self._file is None:
@@ -252,9 +252,9 @@ class Record:
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
         self._torn = False
 
-    def input_of(self, found: Input) -> str:
+    def input_of(self, item: Input) -> str:
         """The path of an input from the folder of the outputs."""
-        folder, name = os.path.split(found.path)
+        folder, name = os.path.split(item.path)
         if folder not in self._from_here:
             self._from_here[folder] = path_from(self._folder, folder or os.curdir)
         return f"{self._from_here[folder]}/{name}"

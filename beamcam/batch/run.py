@@ -194,19 +194,19 @@ class Run:
 
     def _read(self, index: int) -> Task | None:
         """Read an input, and give what is to be done if there is anything."""
-        found = self._inputs[index]
-        slot = QueuedInput(index, found)
+        item = self._inputs[index]
+        slot = QueuedInput(index, item)
         self._slots.append(slot)
-        if found.path in self._own:
-            slot.row = row_of(found.path, "unchanged", OWN_REST.at(Source(found.path)))
+        if item.path in self._own:
+            slot.row = row_of(item.path, "unchanged", OWN_REST.at(Source(item.path)))
             return None
-        data = self._mixed.get(found.path) or read_input(found.path)
+        data = self._mixed.get(item.path) or read_input(item.path)
         if isinstance(data, Diagnostic):
-            slot.row = row_of(found.path, "refused", data)
+            slot.row = row_of(item.path, "refused", data)
             return None
-        about = f"{found.path}\0{'' if self._flat else found.tree}\0"
+        about = f"{item.path}\0{'' if self._flat else item.tree}\0"
         key = about.encode("utf-8", "surrogateescape") + data
-        return self.to_do(slot, key, Task(index, found.path, data))
+        return self.to_do(slot, key, Task(index, item.path, data))
 
     def to_do(self, slot: QueuedInput, key: bytes, task: Task) -> Task | None:
         """The task of an input; None where it was done by an earlier run, as its key says."""

@@ -45,7 +45,7 @@ from beamcam.writers import target_of_suffix
 class BatchSettings(Struct, frozen=True):
     """All that decides what becomes of a file's bytes."""
 
-    request: Request  #: of each part, which it lacks; its machine is that of bars
+    request: Request  #: of each part, still without it; its machine is that of bars
     name: str | None = None  #: template of the outputs' names
     sheets: Machine | None = None  #: the machine of sheets, if it is another
     reading: Mapping[str, object] = field(default_factory=dict)  #: options of the readers

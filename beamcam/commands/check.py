@@ -51,7 +51,7 @@ _NO_PROGRAMS = (".toml", ".json", ".html", ".md", ".txt", REFUSED_SUFFIX)
 )
 @click.option(
     "--stray",
-    "strays",
+    "patterns",
     multiple=True,
     metavar="PATTERN",
     help="Leave out programs that have no part here, as 'by-hand/*.gcode'; several times.",
@@ -63,7 +63,7 @@ _NO_PROGRAMS = (".toml", ".json", ".html", ".md", ".txt", REFUSED_SUFFIX)
 @options.as_json
 @options.verbosity
 def command(
-    folder: Path, samples: Path | None, update: bool, strays: tuple[str, ...], as_json: bool,
+    folder: Path, samples: Path | None, update: bool, patterns: tuple[str, ...], as_json: bool,
     console: Console, **values: Any,
 ) -> None:  # fmt: skip
     """Post every golden program in FOLDER again and say what differs, by meaning and by bytes.
@@ -97,7 +97,7 @@ def command(
             if path.resolve() in known:
                 continue
             if name is None and any(
-                fnmatch(path.relative_to(folder).as_posix(), one) for one in strays
+                fnmatch(path.relative_to(folder).as_posix(), one) for one in patterns
             ):
                 left_out += 1
                 continue

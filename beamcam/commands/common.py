@@ -5,7 +5,6 @@ import re
 import sys
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
-from functools import partial
 from pathlib import PurePath
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, NoReturn
@@ -189,8 +188,8 @@ def read_all(
             reading = read_file(path, strict, **options, progress=follow)
         if console.verbose:
             features = sum(len(part.features) for part in reading.parts)
-            found = f"{reading.format}, {len(reading.parts)} part(s), {features} feature(s)"
-            console.did(f"read {shown_name(path)}: {found}")
+            read = f"{reading.format}, {len(reading.parts)} part(s), {features} feature(s)"
+            console.did(f"read {shown_name(path)}: {read}")
         yield reading
 
 
@@ -213,8 +212,8 @@ def followed(path: str, console: Console) -> Iterator[Callable[[int, int], None]
                 if perf_counter() - begun < PATIENCE:
                     return
                 # As click does at the end of a bar, which hides the cursor.
-                show_cursor = partial(os.write, sys.stderr.fileno(), b"\n\x1b[?25h")
-                stack.enter_context(taken_back(show_cursor))
+                show_cursor = b"\n\x1b[?25h"
+                stack.enter_context(taken_back(lambda: os.write(sys.stderr.fileno(), show_cursor)))
                 bar = click.progressbar(length=of, label=label, file=sys.stderr)
                 bars.append(stack.enter_context(bar))
             bars[0].update(done - bars[0].pos)

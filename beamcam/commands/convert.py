@@ -43,8 +43,8 @@ def is_folder(output: str) -> bool:
     return output.endswith(("/", os.sep)) or Path(output).is_dir()
 
 
-def _print_schema(ctx: click.Context, param: click.Parameter, wanted: bool) -> None:
-    if wanted:
+def _print_schema(ctx: click.Context, param: click.Parameter, asked_for: bool) -> None:
+    if asked_for:
         from beamcam.model.part_json import part_schema
 
         say_json(part_schema())

@@ -26,7 +26,7 @@ Function = Callable[..., Any]
 Decorator = Callable[[Function], Function]
 
 NO_SKIPS = "none"
-#: Whoever reads or writes it reports its failure, with a code.
+#: Its reader or writer reports its failure, with a code.
 FILE = click.Path(readable=False)
 
 

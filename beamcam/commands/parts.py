@@ -99,7 +99,8 @@ drawing_options = options.group(
 #: The thickness of a drawing's sheet, which no drawing says.
 thickness = click.option("--thickness", type=Number(), help="Thickness of a drawing's sheet, mm.")
 
-#: Settings of a sheet and its cuts, which override the machine file, and what sections lack.
+#: Settings of a sheet and its cuts, which override the machine file; what files do not say of
+#: sections.
 torch_options = options.group(
     click.option("--corner", type=Number(above=0), metavar="RADIUS",
                  help="Outer corner radius of a rectangular tube, if the file has none."),

@@ -60,10 +60,10 @@ class Sight(Struct, frozen=True):
 def look(inputs: Iterable[Input]) -> dict[Input, Stamp]:
     """The stamp of each input that is there."""
     stamps = {}
-    for found in inputs:
+    for item in inputs:
         with suppress(OSError):  # it was taken away since the folder was listed
-            at = os.stat(found.path)
-            stamps[found] = at.st_size, at.st_mtime_ns, at.st_ino
+            at = os.stat(item.path)
+            stamps[item] = at.st_size, at.st_mtime_ns, at.st_ino
     return stamps
 
 
@@ -86,21 +86,21 @@ class HotFolder:
         fresh = {}
         ready = []
         self.endless = ()
-        for found, stamp in stamps.items():
-            sight = self._seen.get(found)
+        for item, stamp in stamps.items():
+            sight = self._seen.get(item)
             if sight is None or sight.stamp != stamp:
                 sight = Sight(stamp, now_s)
-            fresh[found] = sight
+            fresh[item] = sight
             stood_s = now_s - sight.since_s
             if sight.handed or stood_s < self._settle_s:
                 continue
-            endless = not (sight.endless or self._ends(found.path))
+            endless = not (sight.endless or self._ends(item.path))
             if endless and stood_s < self._end_s:
                 continue
             if endless:
-                self.endless = (*self.endless, found)
-            fresh[found] = replace(sight, handed=True, endless=endless or sight.endless)
-            ready.append(found)
+                self.endless = (*self.endless, item)
+            fresh[item] = replace(sight, handed=True, endless=endless or sight.endless)
+            ready.append(item)
         self._seen = fresh
         return tuple(ready)
 
@@ -109,22 +109,22 @@ class HotFolder:
         """Whether there is a file that has not been handed over."""
         return not all(sight.handed for sight in self._seen.values())
 
-    def again(self, found: Input, now_s: float) -> None:
+    def again(self, item: Input, now_s: float) -> None:
         """Hand an input over again after a while, even if it has not changed."""
-        self._seen[found] = replace(self._seen[found], handed=False, since_s=now_s + AGAIN_S)
+        self._seen[item] = replace(self._seen[item], handed=False, since_s=now_s + AGAIN_S)
 
-    def is_as_seen(self, found: Input) -> bool:
+    def is_as_seen(self, item: Input) -> bool:
         """Whether an input is still what was handed over."""
-        return look([found]).get(found) == self._seen[found].stamp
+        return look([item]).get(item) == self._seen[item].stamp
 
 
-def file_away(found: Input, folder: str, row: FileRow | None = None) -> str:
+def file_away(item: Input, folder: str, row: FileRow | None = None) -> str:
     """Move an input into `folder`, below it as below the hot folder, and give its path there.
 
     An older one of the name is kept and the new one numbered. With `row` its messages are written
     beside it. Raises OSError.
     """
-    place = os.path.join(folder, *found.tree.split("/"))
+    place = os.path.join(folder, *item.tree.split("/"))
     os.makedirs(os.path.dirname(place), exist_ok=True)
     stem, suffix = os.path.splitext(place)
     numbered = chain([place], (f"{stem}-{number}{suffix}" for number in count(2)))
@@ -132,7 +132,7 @@ def file_away(found: Input, folder: str, row: FileRow | None = None) -> str:
     if row is not None:
         text = "".join(message_line(message) + "\n" for message in row["messages"])
         write_whole(f"{target}.txt", encoded(text))
-    shutil.move(found.path, target)
+    shutil.move(item.path, target)
     return target
 
 
