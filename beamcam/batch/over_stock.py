@@ -90,7 +90,26 @@ class StockRun:
 
         Raises BatchError and PlanError as `rows` does.
         """
-        refused = [row for row in self._looked() if row["status"] != "posted"]
+        rows: dict[int, FileRow] = {}
+
+        def tasks() -> Iterator[FileState]:
+            for index, one in enumerate(self._inputs):
+                data = read_input(one.path)
+                if isinstance(data, Diagnostic):
+                    rows[index] = row_of(one.path, "refused", data)
+                else:
+                    yield FileState(index, one.path, data)
+
+        looked: dict[int, list[PartCount]] = {}
+        for made in driven(self._setup.workers, tasks(), self._setup.interrupt):
+            rows[made.index], looked[made.index] = made.row, made.looked
+        refused: list[FileRow] = []
+        for index, row in sorted(rows.items()):
+            self.counts += looked.get(index, ())
+            if row["status"] == "posted":
+                self._messages[row["file"]] = row["messages"]
+            else:
+                refused.append(row)
         if self._setup.interrupt:
             return
         if mixed := tuple(other_content([one.part for one in self.counts])):
@@ -105,27 +124,6 @@ class StockRun:
         for file, messages in unplanned.items():
             before = self._messages.pop(file, [])
             yield {**row_of(file, "refused"), "messages": before + messages}
-
-    def _looked(self) -> Iterator[FileRow]:
-        """The row of each input once its parts are known."""
-        rows: dict[int, FileRow] = {}
-
-        def tasks() -> Iterator[FileState]:
-            for index, one in enumerate(self._inputs):
-                data = read_input(one.path)
-                if isinstance(data, Diagnostic):
-                    rows[index] = row_of(one.path, "refused", data)
-                else:
-                    yield FileState(index, one.path, data)
-
-        looked: dict[int, list[PartCount]] = {}
-        for made in driven(self._setup.workers, tasks(), self._setup.interrupt):
-            rows[made.index], looked[made.index] = made.row, made.looked
-        for index, row in sorted(rows.items()):
-            self.counts += looked.get(index, ())
-            if row["status"] == "posted":
-                self._messages[row["file"]] = row["messages"]
-            yield row
 
     def _lots(self) -> tuple[list[Lot], dict[str, list[Message]]]:
         """The lots in the order of their first parts; what is said of those without shares."""

@@ -11,7 +11,9 @@ from functools import partial
 from itertools import islice
 from typing import Protocol
 
-from beamcam.batch.work import BatchSettings, FileResult, Task, died, make_all, thaw
+from beamcam.batch import DIED
+from beamcam.batch.work import BatchSettings, FileResult, Task, make_all, row_of, thaw
+from beamcam.errors import Source
 from beamcam.processes import Died, Pool
 from beamcam.system import EndRequest, collector_seldom
 
@@ -112,7 +114,8 @@ def results_of(outcome: Outcome, again: deque[Chunk]) -> Iterator[FileResult]:
     elif len(chunk) > 1:
         again.extend((task,) for task in chunk)
     else:
-        yield died(chunk[0])
+        (task,) = chunk
+        yield FileResult(task.index, row_of(task.name, "failed", DIED.at(Source(task.name))))
 
 
 def begin_there(frozen: bytes) -> None:

@@ -16,7 +16,7 @@ from msgspec.structs import replace
 
 from beamcam import budget
 from beamcam.arguments import on_best_machine
-from beamcam.batch import DIED, INTERNAL, NO_PART, SAME_NAME
+from beamcam.batch import INTERNAL, NO_PART, SAME_NAME
 from beamcam.batch.names import FileNames, mark_key, other_content, stage_names
 from beamcam.batch.part_rows import part_row
 from beamcam.budget import Limits
@@ -234,11 +234,6 @@ def row_of(path: str, status: Status, *diagnostics: Diagnostic) -> FileRow:
         "file": path, "status": status, "format": "", "seconds": 0.0, "parts": [],
         "messages": [*map(as_message, diagnostics)],
     }  # fmt: skip
-
-
-def died(task: Task) -> FileResult:
-    """The result of a file that ended its worker."""
-    return FileResult(task.index, row_of(task.name, "failed", DIED.at(Source(task.name))))
 
 
 def parts_in(task: Task, settings: BatchSettings, made: FileResult) -> tuple[Part, ...]:

@@ -19,7 +19,6 @@ from beamcam.plain_text import json_text, terminal_text
 from beamcam.system import is_reader_gone, is_unicode, taken_back
 
 if TYPE_CHECKING:
-    from beamcam.config.values import Config
     from beamcam.machine.machine import Machine
     from beamcam.pipeline import Posted
     from beamcam.readers import Reading
@@ -338,16 +337,6 @@ def table_style(machine: "Machine", output: str, style: str | None) -> str | Non
 def is_coded_sheet(machine: "Machine") -> bool:
     """Whether a machine cuts sheets by a program of contours."""
     return machine.stock == "sheet" and machine.controller not in TABLE_CONTROLLERS
-
-
-def job_name(config: "Config", machine: "Machine", output: str) -> str:
-    """The name of a job: of a trigger program that was given none that of its file.
-
-    Its units are files and variables of one project, and would be taken for those of another job.
-    """
-    if machine.controller in DIALECTS and "job" not in config.sources and output != STANDARD:
-        return PurePath(output).stem
-    return config.job
 
 
 def outputs(

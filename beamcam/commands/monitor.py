@@ -6,9 +6,10 @@ import threading
 from collections.abc import Callable, Mapping
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from time import monotonic
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
+from msgspec.structs import replace
 
 from beamcam.commands import options
 from beamcam.commands.common import Console
@@ -16,15 +17,11 @@ from beamcam.commands.jobs import read_program
 from beamcam.commands.parts import input_bytes
 from beamcam.commands.settings import machines_of_stock, settled
 from beamcam.commands.value_types import MODBUS_PORT, Number, address
-from beamcam.config.values import Config
 from beamcam.errors import Source, VerifyError
 from beamcam.machine.machine import Machine
 from beamcam.model.request import stock_of
 from beamcam.pipeline import parts_of, read_file
 from beamcam.system import INTERRUPTED, LOOK_S, asked_to_end
-
-if TYPE_CHECKING:
-    from beamcam.setup_sheet.study_page import KnownWork
 
 # --- page server for this computer: who may ask, how many at once, and for how long ---------------
 
@@ -180,10 +177,19 @@ def command(
     beamcam monitor 192.168.0.10 --program job.gcode
     beamcam monitor 127.0.0.1:5020 --page 127.0.0.1:8021 --every 0.05
     """
-    from beamcam.setup_sheet.study_page import axes_of, monitor_page
+    from beamcam.setup_sheet.study_page import KnownWork, axes_of, monitor_page
     from beamcam.simulation import PORT
 
-    machine, work = _work(parts, program, settled(values, ()))
+    config = settled(values, ())
+    laid, _ = parts_of(map(read_file, parts))
+    if program is not None:
+        read = read_program(input_bytes(program), program, config)
+        machine, work = read.machine, KnownWork(program=replace(read, parts=laid))
+    else:
+        machine = machines_of_stock(config, "beam", "")[0]
+        work = KnownWork(laid[0].profile if laid else None)
+    if laid and stock_of(laid) != machine.stock:
+        raise click.UsageError(f"Found {parts[0]!r}; expected a part for {machine.name}.")
     reader = Reader(host, machine, len(axes_of(machine)), every)
     reader.read_first()
     html = monitor_page(machine, every, f"{host[0]}:{host[1]}", work).encode("utf-8")
@@ -204,26 +210,6 @@ def command(
             server.handle_request()
             server.end_slow()
     raise SystemExit(INTERRUPTED)
-
-
-def _work(
-    paths: tuple[str, ...], program: str | None, config: Config
-) -> "tuple[Machine, KnownWork]":
-    """The machine, and what is known of its work. Raises BeamcamError."""
-    from msgspec.structs import replace
-
-    from beamcam.setup_sheet.study_page import KnownWork
-
-    parts, _ = parts_of(map(read_file, paths))
-    if program is not None:
-        read = read_program(input_bytes(program), program, config)
-        machine, work = read.machine, KnownWork(program=replace(read, parts=parts))
-    else:
-        machine = machines_of_stock(config, "beam", "")[0]
-        work = KnownWork(parts[0].profile if parts else None)
-    if parts and stock_of(parts) != machine.stock:
-        raise click.UsageError(f"Found {paths[0]!r}; expected a part for {machine.name}.")
-    return machine, work
 
 
 class Reader:

@@ -144,17 +144,6 @@ def plan_lines(plan: Plan, explained: Explanation, trials: Trials) -> Iterator[s
         into = f"{load.spindle} station {load.station}: {load.tool.name}"
         before = f"change before step {load.before + 1}, {into}"
         yield f"tool {into}" if load.out is None else f"{before} for {load.out.name}"
-    yield from _step_lines(explained)
-    yield from not_made_lines(plan)
-    yield (
-        f"{len(plan.operations)} operations, {explained.changes} changes of spindle or tool, "
-        f"bar {explained.forward:.1f} mm forward and {explained.back:.1f} mm back, "
-        f"{explained.total_s:.0f} s"
-    )
-
-
-def _step_lines(explained: Explanation) -> Iterator[str]:
-    """The operations with the codes of their reasons, and what the codes mean."""
     width = max(len(step.what) for step in explained.steps)
     place = max(len(step.where) for step in explained.steps)
     for number, step in enumerate(explained.steps, 1):
@@ -168,6 +157,12 @@ def _step_lines(explained: Explanation) -> Iterator[str]:
     codes_used = dict(reason for step in explained.steps for reason in step.reasons)
     for code, text in sorted(codes_used.items()):
         yield f"{code}: {text}"
+    yield from not_made_lines(plan)
+    yield (
+        f"{len(plan.operations)} operations, {explained.changes} changes of spindle or tool, "
+        f"bar {explained.forward:.1f} mm forward and {explained.back:.1f} mm back, "
+        f"{explained.total_s:.0f} s"
+    )
 
 
 def plan_record(plan: Plan, explained: Explanation, trials: Trials) -> dict[str, object]:

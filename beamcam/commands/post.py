@@ -13,7 +13,6 @@ from beamcam.commands.common import (
     STANDARD,
     Console,
     is_coded_sheet,
-    job_name,
     keep_apart,
     keep_refused,
     outputs,
@@ -27,6 +26,7 @@ from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Diagnostic, PlanError, Source
 from beamcam.files import REFUSED_SUFFIX, FilesRead, remove_made
 from beamcam.machine.machine import Machine
+from beamcam.machine.tables import DIALECTS
 from beamcam.model.part import Contour, Hole, Slot, TextMark
 from beamcam.model.plan import (
     AnyPlan,
@@ -144,9 +144,14 @@ def command(
         stage = console.did if console.verbose else untold
 
         def planned(request_of_machine: Request) -> list[Begun]:
-            job = job_name(config, request_of_machine.machine, output)
-            form = table_style(request_of_machine.machine, output, style)
-            return begin(replace(request_of_machine, name=job, style=form), stage=stage)
+            machine = request_of_machine.machine
+            # The units of a trigger program are files and variables of one project: one without a
+            # job's name has that of its file, or they would be taken for those of another job.
+            is_named = "job" in config.sources or output == STANDARD
+            by_file = machine.controller in DIALECTS and not is_named
+            name = PurePath(output).stem if by_file else config.job
+            form = table_style(machine, output, style)
+            return begin(replace(request_of_machine, name=name, style=form), stage=stage)
 
         from beamcam.arguments import on_best_machine
 

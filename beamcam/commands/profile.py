@@ -13,7 +13,6 @@ from beamcam.files import FilesRead
 
 if TYPE_CHECKING:
     from beamcam.motion.velocity_profile import VelocityProfile
-    from beamcam.reports.velocity_profile import VelocityUnit
 
 MOST_ROWS = 1_000_000
 NUMBER = Number()
@@ -42,25 +41,7 @@ def points_of(
     return tuple(points)
 
 
-def unit_of(name: str | None, pulses: int | None, travel: float | None) -> "VelocityUnit":
-    """The unit that the options speak of. Raises ValueError where they contradict each other."""
-    from beamcam.reports.velocity_profile import MM_S, RPM, UNITS
-
-    if travel is not None and pulses is None:
-        raise ValueError("--travel goes with --pulses, the encoder's pulses a revolution")
-    if name is None:
-        return RPM if pulses is not None and travel is None else MM_S
-    unit = UNITS[name]
-    if pulses is not None and (travel is None) is (unit is MM_S):
-        raise ValueError(
-            "with --unit mm/s the encoder needs --travel, its way of a revolution"
-            if unit is MM_S
-            else "--travel goes with --unit mm/s; rpm are revolutions already"
-        )
-    return unit
-
-
-def wanted_profile(
+def profile_of(
     velocity: float | None, acceleration: float | None, distance: float | None, time: float | None,
     jerk: float, cruise: float, points: tuple[tuple[float, float], ...], max_jerk: float | None,
 ) -> "VelocityProfile":  # fmt: skip
@@ -133,13 +114,22 @@ def command(
     beamcam profile --points 0:0,2:300,5:300,6:0 -o job.html
     beamcam profile --distance 500 --velocity 200 --acceleration 800 --max-jerk 9000 -o -
     """
-    from beamcam.reports.velocity_profile import Encoder, profile_table
+    from beamcam.reports.velocity_profile import MM_S, RPM, Encoder, profile_table
 
     suffix = os.path.splitext(output)[1].lower()
     try:
-        shown = unit_of(unit, pulses, travel)
+        if travel is not None and pulses is None:
+            raise ValueError("--travel goes with --pulses, the encoder's pulses a revolution")
+        in_turns = unit == "rpm" or (unit is None and pulses is not None and travel is None)
+        if unit is not None and pulses is not None and (travel is None) is not in_turns:
+            raise ValueError(
+                "--travel goes with --unit mm/s; rpm are revolutions already"
+                if in_turns
+                else "with --unit mm/s the encoder needs --travel, its way of a revolution"
+            )
+        shown = RPM if in_turns else MM_S
         way = None if distance is None else distance * shown.seconds
-        profile = wanted_profile(velocity, acceleration, way, time, jerk, cruise, points, max_jerk)
+        profile = profile_of(velocity, acceleration, way, time, jerk, cruise, points, max_jerk)
         encoder = None if pulses is None else Encoder(pulses, travel)
         data: str | bytes
         if suffix not in ("", *KINDS["profile"]):
