@@ -108,12 +108,12 @@ def _reader_options(options: ReadOptions) -> dict[str, object]:
             "a".encode(encoding)
         except (LookupError, UnicodeError) as error:
             raise AskError(ask_value("encoding", str(error))) from error
-    lists = ("layers", "letters", "fit")
-    names = ("units", "width", "encoding", "ends", "wrap", *lists)
+    names = ("units", "width", "encoding", "ends", "wrap", "layers", "letters", "fit")
     given: dict[str, Any] = {
-        name: of for name in names if (of := values.get(name)) not in (None, [])
+        name: tuple(of) if isinstance(of, list) else of
+        for name in names
+        if (of := values.get(name)) not in (None, [])
     }
-    given |= {name: tuple(given[name]) for name in lists if name in given}
     members = (values.get(name, ()) for name in ("marks", "guids", "classes", "assemblies"))
     how = Options(
         values.get("force", False), values.get("check", True),

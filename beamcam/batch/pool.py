@@ -21,7 +21,6 @@ Chunk = tuple[Task, ...]
 CHUNK_BYTES = 256 * 1024  #: a chunk of more is closed
 CHUNK_FILES = 16  #: most files that a process of this machine gets at once
 
-
 #: What became of a chunk: results, that a worker died at it, or None where it was lost with a
 #: worker through no fault of its own.
 Outcome = tuple[Chunk, Sequence[FileResult] | Died | None]

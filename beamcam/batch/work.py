@@ -58,9 +58,8 @@ class BatchSettings(Struct, frozen=True):
     #: of what one machine leaves to the next where `machine` and `more` make parts one after the
     #: other; "" where one of them makes a part
     rest_suffix: str = ""
-    limits: Limits = field(
-        default_factory=lambda: budget.InForce.limits
-    )  #: how much each file may take
+    #: how much each file may take
+    limits: Limits = field(default_factory=lambda: budget.InForce.limits)
 
     @property
     def machine(self) -> Machine:

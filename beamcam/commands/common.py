@@ -295,7 +295,6 @@ def stop_without_output(error: OSError) -> NoReturn:
 
 PICTURES = (".svg", ".png", ".pdf")
 
-
 #: Suffixes that are never programs, whatever suffix a machine uses.
 NO_PROGRAMS = (*PICTURES, ".html", ".json", ".dxf", ".nc1", ".ifc", ".ifczip", ".toml")
 

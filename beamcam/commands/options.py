@@ -261,18 +261,13 @@ ONE_BAR = "--from-operation is for the program of one bar."
 ONE_SHEET = "--from-contour is for the program of one sheet, in G-code."
 
 
-def from_operation(help_text: str) -> Decorator:
-    """The option --from-operation."""
-    return click.option(
-        "--from-operation", "first", type=click.IntRange(min=2), metavar="N", help=help_text
-    )
+def _begins_with(option: str, name: str) -> Callable[[str], Decorator]:
+    kind = click.IntRange(min=2)
+    return lambda text: click.option(option, name, type=kind, metavar="N", help=text)
 
 
-def from_contour(help_text: str) -> Decorator:
-    """The option --from-contour."""
-    return click.option(
-        "--from-contour", "contour", type=click.IntRange(min=2), metavar="N", help=help_text
-    )
+from_operation = _begins_with("--from-operation", "first")
+from_contour = _begins_with("--from-contour", "contour")
 
 
 # --- help: a command whose options stand in groups in its help ------------------------------------

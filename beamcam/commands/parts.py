@@ -76,7 +76,6 @@ def _size(text: str) -> tuple[float, float]:
 
 _SIZE = re.compile(r"(\d{1,6}(?:\.\d+)?)x(\d{1,6}(?:\.\d+)?)")
 
-
 #: Reading options: `units`, `width`, `layers`, `fit` and `wrap` of a drawing, `encoding` and `ends`
 #: of DSTV.
 drawing_options = options.group(

@@ -144,13 +144,8 @@ def command(
         stage = console.did if console.verbose else untold
 
         def planned(request_of_machine: Request) -> list[Begun]:
-            machine = request_of_machine.machine
-            # The units of a trigger program are files and variables of one project: one without a
-            # job's name has that of its file, or they would be taken for those of another job.
-            is_named = "job" in config.sources or output == STANDARD
-            by_file = machine.controller in DIALECTS and not is_named
-            name = PurePath(output).stem if by_file else config.job
-            form = table_style(machine, output, style)
+            name = _job_name(config, request_of_machine.machine, output)
+            form = table_style(request_of_machine.machine, output, style)
             return begin(replace(request_of_machine, name=name, style=form), stage=stage)
 
         from beamcam.arguments import on_best_machine
@@ -187,6 +182,16 @@ def command(
         remark.code in NOT_MADE for _, each in made for remark in each.remarks
     ):
         raise SystemExit(exit_left_out)
+
+
+def _job_name(config: Config, machine: Machine, output: str) -> str:
+    """The name of a job: of a trigger program that was given none that of its file.
+
+    Its units are files and variables of one project, and would be taken for those of another job.
+    """
+    if machine.controller in DIALECTS and "job" not in config.sources and output != STANDARD:
+        return PurePath(output).stem
+    return config.job
 
 
 def _suggestion(

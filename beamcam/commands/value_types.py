@@ -158,7 +158,6 @@ unit = click.option(
     help="Of the lengths that are shown.",
 )  # fmt: skip
 
-
 paper = click.option(
     "--paper", type=click.Choice(["a4", "a3"]), default="a4", show_default=True,
     help="Of a PDF; what is wide lies on its side.",

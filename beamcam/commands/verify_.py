@@ -36,7 +36,6 @@ from beamcam.reports.run import as_message
 #: Rules for features that a program may be without.
 NOT_MADE = (LEFT_OUT.code, MANUAL_WORK.code)
 
-
 after = click.option(
     "--after",
     type=options.FILE,

@@ -44,7 +44,6 @@ from beamcam.system import asked_to_end
 AGAIN_S = 30.0  #: after which what failed for the disk or a process is tried again
 END_S = 60.0  #: after which a file without its end is handed over all the same
 
-
 Stamp = tuple[int, int, int]  #: size, time of change in ns and inode of a file: they tell a change
 
 
