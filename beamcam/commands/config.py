@@ -67,19 +67,17 @@ def command(
             names = ", ".join(_rows(name))
             say_lines([f"{name:{width}}  {help}{': ' if names else ''}{names}"])
         return
-    console = Console(as_json=as_json)
+    console, trust = Console(as_json=as_json), values["trust"]
+    missing = [f"found no folder {one!r}; expected one that is there."
+               for one in trust if not os.path.isdir(one)]  # fmt: skip
+    options.refuse_usage(
+        (remember and not trust, "found --remember without a folder; expected --trust FOLDER."),
+        *((remember, text) for text in missing),
+    )
     try:
         if remember:
-            missing = next((one for one in values["trust"] if not os.path.isdir(one)), None)
-            options.refuse_usage(
-                (
-                    not values["trust"],
-                    "found --remember without a folder; expected --trust FOLDER.",
-                ),
-                (missing, f"found no folder {missing!r}; expected one that is there."),
-            )  # fmt: skip
             try:
-                remember_trust(values["trust"])
+                remember_trust(trust)
             except OSError as error:
                 console.stop([cannot_write(os.path.join(user_folder(), CONFIG_NAME), error)])
         config = settled(values, inputs)

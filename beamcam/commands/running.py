@@ -110,13 +110,13 @@ def batch_settings(
     name = config.name or ""
     check_arguments(config.job, None, config.allow_skips)
     if config.split:
-        found = "found {} with --machines; expected {}.".format
+        excluded = "found {} with --machines; expected {}.".format
         refuse_usage(
-            (options.get("machine"), found("--machine", "one of the two")),
+            (options.get("machine"), excluded("--machine", "one of the two")),
             (config.quantity,
-             found("a quantity", "programs of one piece, each run as often as needed")),
-            (options.get("turn"), found("--turn", "parts as they were read")),
-            (options.get("no_verify"), found("--no-verify", "programs that are read back")),
+             excluded("a quantity", "programs of one piece, each run as often as needed")),
+            (options.get("turn"), excluded("--turn", "parts as they were read")),
+            (options.get("no_verify"), excluded("--no-verify", "programs that are read back")),
         )  # fmt: skip
         bars, *more_bars = machines_of_split(config)
         sheets, more_sheets = bars, []
