@@ -176,10 +176,10 @@ def read_back(
     """
     written: Written = program if isinstance(program, str) else lambda: (program,)
     verify = post_of(request.machine).verify
-    return by_told_bar(beginning(written), whole_job(request, bar), partial(verify, written))
+    return by_bar_of_head(beginning(written), whole_job(request, bar), partial(verify, written))
 
 
-def by_told_bar(
+def by_bar_of_head(
     text: str, job: Job, verify: Callable[[Job], tuple[Diagnostic, ...]]
 ) -> tuple[Diagnostic, ...]:
     """What `verify` says of a program for a bar, which the head of its `text` may name.

@@ -43,7 +43,7 @@ from beamcam.model.program import (
 )
 from beamcam.model.request import Job
 from beamcam.motion.sheet import sheet_program
-from beamcam.pipeline import Posted, RefusedProgram, by_told_bar
+from beamcam.pipeline import Posted, RefusedProgram, by_bar_of_head
 from beamcam.planning.contours.plate import worked_box
 from beamcam.planning.order import tool_loads
 from beamcam.posts import post_of
@@ -97,7 +97,7 @@ def faults_of(
             job.bar,
         )  # fmt: skip
 
-    return by_told_bar(rest, job, verify)
+    return by_bar_of_head(rest, job, verify)
 
 
 def what_has_to_be_true(plan: Plan, first: int, machine: Machine) -> Iterator[str]:

@@ -115,7 +115,7 @@ class FileNames:
 
     def __init__(self) -> None:
         self._owners: dict[str, str] = {}
-        self._last: dict[str, int] = {}  #: number given last, by the name that was wanted
+        self._last: dict[str, int] = {}  #: number given last, by the name without it
 
     def owner(self, name: str) -> str | None:
         """The mark of the part that has the name; None where it is free."""

@@ -1,7 +1,7 @@
 """Workers: chunks of files in, results out, in any order.
 
-`Here` is this process; others are in `processes` and `cluster`, which are loaded if they are asked
-for.
+`Here` is this process, `Processes` are others of this machine; those of other machines are in
+`cluster`, which is loaded where they are named.
 """
 
 import gc

@@ -21,7 +21,7 @@ from beamcam.commands.running import (
     batch_settings,
     end_run,
     run_options,
-    told_of,
+    settings_note,
     unmatched_keys,
     unused,
     workers_of,
@@ -115,7 +115,7 @@ def command(
     stock_run: StockRun | None = None
     with Progress(0 if over_stock else len(result.inputs), console) as screen:
         screen.say(diagnostics)
-        diagnostics += (*config.remarks, *told_of(config, settings))
+        diagnostics += (*config.remarks, *settings_note(config, settings))
         with asked_to_end() as interrupted:
             if over_stock:
                 of = [path_from(output, one.path) for one in result.inputs]

@@ -80,7 +80,7 @@ def sample_of(samples: Path, stem: str, program: str, suffix: str = "") -> Path:
     raise ReadError(diagnostic)
 
 
-def told(results: Sequence[Checked]) -> Iterator[str]:
+def lines_of(results: Sequence[Checked]) -> Iterator[str]:
     """Messages on the programs that differ, one line for a difference common to several.
 
     A change of a machine is one line, however many programs it changes.
@@ -133,7 +133,7 @@ def say_results(
             for r, of_one in zip(results, messages, strict=True)
         ])  # fmt: skip
         return
-    say_lines(told([r for r in results if r.result != silent]))
+    say_lines(lines_of([r for r in results if r.result != silent]))
     say_lines((message_line(m) for of_one in messages for m in of_one), err=True)
     if counts and not console.quiet:
         say_lines([counts])

@@ -47,11 +47,11 @@ def read_program(data: bytes, path: str, config: Config, bar: float | None = Non
     """
     name = PurePath(shown_name(path)).name  # a picture is the same in each folder
     machine = machine_for_program(config, path, data)
-    bar = bar or bar_told(data) or (config.stock_lengths[0] if config.stock_lengths else None)
+    bar = bar or bar_of_head(data) or (config.stock_lengths[0] if config.stock_lengths else None)
     return ReadProgram(data, machine, name, PurePath(name).suffix.lower(), bar=bar)
 
 
-def bar_told(data: bytes) -> float | None:
+def bar_of_head(data: bytes) -> float | None:
     """The length of the bar that the head of a program names."""
     head = head_of(data.decode("utf-8", "replace"))
     return None if head is None else head.bar
@@ -97,7 +97,7 @@ def asked_program(
     as_given = request_of(parts, config, program.machine, options["quantity"], {})
     request = replace(as_given, name=shown_name(inputs[0]), style=program.style)
     program = replace(program, parts=whole_job(request).parts)
-    bar = options.get("bar") if bar_told(first) else program.bar
+    bar = options.get("bar") if bar_of_head(first) else program.bar
     return AskedProgram(program, faults=read_back(first, request, bar))
 
 

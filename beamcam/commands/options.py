@@ -272,7 +272,7 @@ from_contour = _begins_with("--from-contour", "contour")
 
 # --- help: a command whose options stand in groups in its help ------------------------------------
 
-SAID = "What is said"
+MESSAGES = "What is said"
 OTHER = "Other"
 #: Heading -> the options below it, by the names of their values, in this order.
 GROUPS: Mapping[str, tuple[str, ...]] = {
@@ -298,7 +298,7 @@ GROUPS: Mapping[str, tuple[str, ...]] = {
         "jobs", "scheduler", "redo", "dry", "settle", "end_wait", "every", "encoder", "modbus",
         "serve", "pace", "once", "update",
     ),
-    SAID: ("as_json", "report", "unit", "paper", "quiet", "verbose", "schema"),
+    MESSAGES: ("as_json", "report", "unit", "paper", "quiet", "verbose", "schema"),
 }  # fmt: skip
 #: What matters most, in the order of use; `--help` of a command with many options shows these.
 FIRST = (
@@ -336,7 +336,7 @@ class Grouped(click.Command):
             }
         else:
             for param in params:
-                headings[SAID if param in helps else heading_of(param.name or "")].append(param)
+                headings[MESSAGES if param in helps else heading_of(param.name or "")].append(param)
         for heading, listed in headings.items():
             records = [r for r in (p.get_help_record(ctx) for p in listed) if r is not None]
             if records:

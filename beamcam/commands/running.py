@@ -150,7 +150,7 @@ def batch_settings(
     )  # fmt: skip
 
 
-def told_of(config: Config, settings: BatchSettings) -> tuple[Diagnostic, ...]:
+def settings_note(config: Config, settings: BatchSettings) -> tuple[Diagnostic, ...]:
     """Whose configuration and machines a run has, for its report."""
     from beamcam.commands.configuration import reference, settings_line
 

@@ -225,7 +225,7 @@ def machine_for_program(
     for name in config.all_machines or ([] if is_file_name(head.machine) else [head.machine]):
         other = machine_asked(name, config)
         if other is not None and other.name == head.machine:
-            return _told(name, other, config)
+            return _reported(name, other, config)
     return allowed[0]
 
 
@@ -240,12 +240,13 @@ def machines_of_stock(
     if names := config.machine_names(stock):
         machines = {name: _named_machine(config, stock, name) for name in names}
         return tuple(
-            _told(name, _as_asked(machines[name], config, is_one_of_two), config) for name in names
+            _reported(name, _as_asked(machines[name], config, is_one_of_two), config)
+            for name in names
         )
     is_one_of_two = is_one_of_two or flats
     return InTurn(
         default_machines(stock, output, flats),
-        lambda name: _told(name, _as_asked(load_tested(name), config, is_one_of_two), config),
+        lambda name: _reported(name, _as_asked(load_tested(name), config, is_one_of_two), config),
     )
 
 
@@ -258,11 +259,12 @@ def machines_of_split(config: Config) -> tuple[Machine, ...]:
     machines = {name: _named_machine(config, "split", name) for name in config.split}
     cuts_sheets = any(machine.torch is not None for machine in machines.values())
     return tuple(
-        _told(name, _as_asked(machines[name], config, cuts_sheets), config) for name in config.split
+        _reported(name, _as_asked(machines[name], config, cuts_sheets), config)
+        for name in config.split
     )
 
 
-def _told(name: str, machine: Machine, config: Config) -> Machine:
+def _reported(name: str, machine: Machine, config: Config) -> Machine:
     """The machine; --verbose says whose file it is, and an untrusted one is always reported."""
     console = running_console()
     if console is not None and (console.verbose or name.endswith(".toml")):
