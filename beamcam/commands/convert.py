@@ -1,7 +1,7 @@
 """`beamcam convert`: a part from one format to another."""
 
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path, PurePath
 from typing import Any
 
@@ -18,7 +18,7 @@ from beamcam.commands.parts import (
     thickness,
 )
 from beamcam.commands.settings import files_read, settled, with_thickness
-from beamcam.errors import BeamcamError, Diagnostic, ReadError, Source
+from beamcam.errors import BeamcamError, ReadError, Source
 from beamcam.files import FilesRead, write_whole
 from beamcam.model.part import Part
 from beamcam.pipeline import counted
@@ -106,50 +106,41 @@ def write_parts(
     source: str, parts: Sequence[Part], target: Target, output: str, console: Console,
     read: FilesRead,
 ) -> None:  # fmt: skip
-    """Write the only part of a file in another format, or into a folder all of them.
+    """Write the only part of a file in another format, or all into a folder, called by their marks.
 
-    What is said of those in a folder is among the messages of the console. Raises BeamcamError
-    unless there is exactly one for a file.
+    What is said of those in a folder is among the messages of the console: one that cannot be
+    written stops no other. None of the files `read` is written over. Raises BeamcamError unless
+    there is exactly one for a file.
     """
-    if is_folder(output):
-        console.messages += _written_into(output, parts, target, console, read)
+    if not is_folder(output):
+        if len(parts) != 1:
+            raise ReadError(ONE_PART.at(Source(source), found=len(parts), output=output))
+        write(output, target.write(parts[0]), console, read)
         return
-    if len(parts) != 1:
-        raise ReadError(ONE_PART.at(Source(source), found=len(parts), output=output))
-    write(output, target.write(parts[0]), console, read)
-
-
-def _written_into(
-    folder: str, parts: Sequence[Part], target: Target, console: Console, read: FilesRead
-) -> Iterator[Diagnostic]:
-    """Write a file for each part that the format can hold, called after its mark.
-
-    What is said of them comes back, and a count. One that cannot be written stops no other. None
-    is written over the files `read`.
-    """
     try:
-        Path(folder).mkdir(parents=True, exist_ok=True)
+        Path(output).mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        yield cannot_write(folder, error)
+        console.messages.append(cannot_write(output, error))
         return
-    names = FileNames()
-    written = 0
+    names, written = FileNames(), 0
     for part in parts:
         mark_name = (cleaned(part.mark) or "part") + target.suffixes[0]
         other, name = names.owner(mark_name), names.take(mark_name, part.mark)
         if other is not None:
-            yield RENAMED.at(part.source, found=part.mark, of=mark_name, other=other, name=name)
-        path = os.path.join(folder, name)
+            renamed = RENAMED.at(part.source, found=part.mark, of=mark_name, other=other, name=name)
+            console.messages.append(renamed)
+        path = os.path.join(output, name)
         try:
             if over := over_input(path, read):
                 raise ReadError(over)
             write_whole(path, target.write(part))
         except BeamcamError as error:
-            yield from error.diagnostics
+            console.messages += error.diagnostics
         except OSError as error:
-            yield cannot_write(path, error)
+            console.messages.append(cannot_write(path, error))
         else:
             console.did(f"wrote {path}")
             written += 1
     members = sum(part.quantity for part in parts)
-    yield WRITTEN.at(Source(folder), found=written, of=len(parts), members=members)
+    count = WRITTEN.at(Source(output), found=written, of=len(parts), members=members)
+    console.messages.append(count)

@@ -209,16 +209,7 @@ def command(
                 try:
                     for one, row in zip(ready, rows, strict=False):
                         progress.show(row)
-                        into = refused if row["status"] == "refused" else done
-                        if row["status"] == "failed":
-                            hot.again(one, time.monotonic())
-                        elif into is not None and hot.is_as_seen(one):
-                            try:
-                                file_away(one, into, row if row["status"] == "refused" else None)
-                            except OSError as error:
-                                reason = error.strerror or str(error)
-                                fault = WRITE.at(Source(one.path), found=into, reason=reason)
-                                progress.say([fault])
+                        _file_away(one, row, hot, done, refused, progress)
                 finally:
                     rows.close()
             elif once and not hot.is_waiting:
@@ -227,3 +218,20 @@ def command(
                 interrupted.wait(every)
         progress.end()
     end_run(progress.counts, bool(interrupted), exit_left_out)
+
+
+def _file_away(
+    item: Input, row: FileRow, hot: HotFolder, done: str | None, refused: str | None,
+    progress: Progress,
+) -> None:  # fmt: skip
+    """Move an input to where it belongs now; one that failed is tried again later."""
+    is_refused = row["status"] == "refused"
+    folder = refused if is_refused else done
+    if row["status"] == "failed":
+        hot.again(item, time.monotonic())
+    elif folder is not None and hot.is_as_seen(item):
+        try:
+            file_away(item, folder, row if is_refused else None)
+        except OSError as error:
+            reason = error.strerror or str(error)
+            progress.say([WRITE.at(Source(item.path), found=folder, reason=reason)])
