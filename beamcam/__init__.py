@@ -5,6 +5,8 @@ From Python: `beamcam.read`, `load`, `plan`, `post`, `verify`, `convert`, `simul
 `beamcam.api`, imported when they are first asked for.
 """
 
+# ruff: noqa: F403, F405  the names of the one star stand in `__all__`
+
 from __future__ import annotations
 
 from importlib import import_module
@@ -15,22 +17,7 @@ TYPE_CHECKING = False  # as `typing` has it, which is not loaded before Ctrl-C i
 if TYPE_CHECKING:
     from typing import Any
 
-    from beamcam.api import (
-        convert,
-        diff,
-        labels,
-        lists,
-        load,
-        plan,
-        plot,
-        post,
-        read,
-        recover,
-        report,
-        rest,
-        simulate,
-        verify,
-    )
+    from beamcam.api import *
 
 __all__ = [
     "__version__", "convert", "diff", "labels", "lists", "load", "plan", "plot", "post", "read",

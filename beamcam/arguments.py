@@ -3,10 +3,10 @@ that makes it: the one that is named, or of several the one that leaves out fewe
 """
 
 import os
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from contextlib import suppress
 from math import isfinite
-from typing import Generic, TypeVar, overload
+from typing import TYPE_CHECKING, Generic, TypeVar
 
 from msgspec import Struct
 from msgspec.structs import replace
@@ -29,6 +29,9 @@ from beamcam.model.plan import ALL_SKIPS, SKIP_NAMES, clock
 from beamcam.model.request import Request
 from beamcam.plain_text import MAX_COMMENT, terminal_text
 from beamcam.posts import Planned, plan_seconds
+
+if TYPE_CHECKING:
+    from beamcam.config.values import Config
 
 ASK_TYPE = error("ask-type",
     "found {found} for {name}; expected {expected}",
@@ -56,8 +59,26 @@ class AskError(BeamcamError):
 
 def check_arguments(job: object = "JOB", bar: object = None, skips: object = ()) -> None:
     """Raise AskError for a job's name, a bar or names of skips that cannot be meant."""
-    if diagnostics := tuple(_faults(job, bar, skips)):
-        raise AskError(diagnostics)
+    faults: list[Diagnostic] = []
+    if not isinstance(job, str):
+        faults.append(ask_type("job", job, "a text"))
+    elif expected := expected_job(job):
+        faults.append(ASK_JOB.at(HERE, found=shown(job), expected=expected))
+    if bar is not None:
+        if isinstance(bar, bool | str | bytes) or not hasattr(bar, "__float__"):
+            faults.append(ask_type("bar", bar, "a number, or None"))
+        elif not (isfinite(bar) and bar > 0):  # type: ignore[operator]
+            faults.append(ASK_BAR.at(HERE, found=f"{bar}"))
+    if isinstance(skips, str | bytes) or not isinstance(skips, Collection):
+        faults.append(ask_type("skips", skips, "a list of names"))
+    else:
+        faults += (
+            ASK_SKIP.at(HERE, found=name, expected=nearest(str(name), SKIP_NAMES))
+            for name in skips
+            if name not in SKIP_NAMES and name != ALL_SKIPS
+        )
+    if faults:
+        raise AskError(faults)
 
 
 def expected_job(job: str) -> str:
@@ -65,24 +86,6 @@ def expected_job(job: str) -> str:
     if terminal_text(job) != job:
         return "one line of printable characters"
     return "" if len(job) <= MAX_COMMENT else f"{MAX_COMMENT} characters at most"
-
-
-def _faults(job: object, bar: object, skips: object) -> Iterator[Diagnostic]:
-    if not isinstance(job, str):
-        yield ask_type("job", job, "a text")
-    elif expected := expected_job(job):
-        yield ASK_JOB.at(HERE, found=shown(job), expected=expected)
-    if bar is not None:
-        if isinstance(bar, bool | str | bytes) or not hasattr(bar, "__float__"):
-            yield ask_type("bar", bar, "a number, or None")
-        elif not (isfinite(bar) and bar > 0):  # type: ignore[operator]
-            yield ASK_BAR.at(HERE, found=f"{bar}")
-    if isinstance(skips, str | bytes) or not isinstance(skips, Collection):
-        yield ask_type("skips", skips, "a list of names")
-        return
-    for name in skips:
-        if name not in SKIP_NAMES and name != ALL_SKIPS:
-            yield ASK_SKIP.at(HERE, found=name, expected=nearest(str(name), SKIP_NAMES))
 
 
 def machine_of(machine: AnyMachine) -> Machine:
@@ -107,12 +110,7 @@ def load_tested(name: str) -> Machine:
     machine = load_machine(name)
     from beamcam.self_test import known_proof_faults
 
-    diagnostics = tuple(
-        WORD.at(source_in(name, key, text), key=key, said=fault)
-        for key, text, fault in known_proof_faults(machine)
-    )
-    if diagnostics:
-        raise MachineError(diagnostics[:1])
+    _refuse_words(name, known_proof_faults(machine)[:1])
     return machine
 
 
@@ -124,13 +122,40 @@ def load_machine(name: str) -> Machine:
     from beamcam.controllers.machine_words import known_faults
 
     machine = load(name)
-    diagnostics = tuple(
-        WORD.at(source_in(name, key, text), key=key, said=fault)
-        for key, text, fault in known_faults(machine)
-    )
-    if diagnostics:
-        raise MachineError(diagnostics)
+    _refuse_words(name, known_faults(machine))
     return machine
+
+
+def for_job(machine: Machine, config: "Config") -> Machine:
+    """A machine with the tolerances, the map and the sheet of a job.
+
+    Raises ConfigError and PlanError for what it cannot do.
+    """
+    from beamcam.machine.overlay import with_section, with_torch
+
+    if config.tolerances:
+        from beamcam.config.load import with_tolerances
+
+        machine = with_tolerances(machine, config)
+    machine = with_section(machine, config.corner, config.lip)
+    try:
+        return with_torch(
+            machine, config.meanings, settings=config.layer_settings, **config.sheet.given()
+        )
+    except ValueError as error:
+        from beamcam.config.values import COMMAND_LINE
+        from beamcam.planning.contours.rules import OPTION
+
+        sources = (config.sources.get(f"sheet.{name}") for name in config.sheet.given())
+        places = (one for one in sources if one not in (None, COMMAND_LINE))
+        place = next(places, None) or Source(machine.name)
+        raise PlanError(OPTION.at(place, found=error)) from error
+
+
+def _refuse_words(name: str, faults: Iterable[tuple[str, str, str]]) -> None:
+    """Raises MachineError for words of a machine file: by key, text and fault of each."""
+    if wrong := [WORD.at(source_in(name, k, text), key=k, said=said) for k, text, said in faults]:
+        raise MachineError(wrong)
 
 
 def ask_type(name: str, value: object, expected: str) -> Diagnostic:
@@ -172,13 +197,7 @@ class InTurn(Sequence[Machine]):
     def __len__(self) -> int:
         return len(self._names)
 
-    @overload
-    def __getitem__(self, index: int) -> Machine: ...
-    @overload
-    def __getitem__(self, index: slice) -> Sequence[Machine]: ...
-    def __getitem__(self, index: int | slice) -> Machine | Sequence[Machine]:
-        if isinstance(index, slice):
-            return InTurn(self._names[index], self._load)
+    def __getitem__(self, index: int) -> Machine:  # type: ignore[override]  # no slices of it
         name = self._names[index]
         if name not in self._loaded:
             self._loaded[name] = self._load(name)
@@ -217,7 +236,7 @@ def on_best_machine(
     line that saws and drills goes before a torch round the profile. A machine that makes all of
     the parts goes before one that leaves out what is allowed. In order no machine behind the first
     that makes all is planned on, or loaded. Only what a machine cannot make (PlanError) has another
-    one taken. Where none makes it the PlanError has what the one said that lacks least, and for
+    one taken. Where none makes it the PlanError has what the one said that refuses least, and for
     each machine why.
     """
     if request.skips and len(machines) > 1:
@@ -261,18 +280,16 @@ def none_makes_it(
     refused: Sequence[tuple[Machine, Sequence[Diagnostic]]], source: Source
 ) -> tuple[Diagnostic, ...]:
     """Messages where every machine refuses: those of a single machine, or a summary of several."""
-    least = min(refused, key=lambda one: _distance(one[1]))[1]
+
+    def distance(one: tuple[Machine, Sequence[Diagnostic]]) -> tuple[bool, bool, int]:
+        codes = [diagnostic.code for diagnostic in errors_in(one[1])]
+        return not {*codes}.isdisjoint(NOT_FOR_IT), FOR_ANOTHER.issuperset(codes), len(codes)
+
+    least = min(refused, key=distance)[1]  # that says most of why none makes the part
     if len(refused) == 1:
         return tuple(least)
     found = "; ".join(f"{machine.name}: {_codes(diagnostics)}" for machine, diagnostics in refused)
     return (*least, NONE_MAKES_IT.at(source, found=found))
-
-
-def _distance(diagnostics: Iterable[Diagnostic]) -> tuple[bool, bool, int]:
-    """How little the messages of a machine say of why none makes a part."""
-    codes = [one.code for one in errors_in(diagnostics)]
-    not_for_it = any(code in NOT_FOR_IT for code in codes)
-    return not_for_it, FOR_ANOTHER.issuperset(codes), len(codes)
 
 
 def _codes(diagnostics: Iterable[Diagnostic]) -> str:

@@ -29,10 +29,6 @@ class Limits(Keys, frozen=True):
     depth: Annotated[int, Meta(ge=1, le=MAX_DEPTH)] = 100  #: of blocks inserted in one another
     member_s: Positive = 5.0  #: of the processor for one member of a building model
 
-    def given(self) -> dict[str, float]:
-        """All of them by their names."""
-        return {name: getattr(self, name) for name in self.__struct_fields__}
-
 
 class LimitError(BeamcamError):
     """A job that asks for more than the limits allow; no other machine would help it."""

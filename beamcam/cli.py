@@ -59,7 +59,7 @@ class Commands(click.Group):
         try:
             return super().main(*args, **values)
         except BrokenPipeError:
-            raise  # whoever read it has had enough
+            raise  # its reader has had enough
         except OSError as error:
             if error.filename is not None:
                 raise

@@ -79,7 +79,12 @@ class Rule(Struct, frozen=True):
 
     def at(self, source: Source, **values: object) -> Diagnostic:
         """The diagnostic for this rule at `source`. Raises KeyError if a value is missing."""
-        shown = {name: _shortened(value) for name, value in values.items()}
+        shown = {
+            name: f"{value[:MAX_SHOWN]}... ({len(value) - MAX_SHOWN} more characters)"
+            if isinstance(value, str) and len(value) > MAX_SHOWN
+            else value
+            for name, value in values.items()
+        }
         kept = tuple(
             (name, value if isinstance(value, str | int | float) else str(value))
             for name, value in shown.items()
@@ -87,13 +92,7 @@ class Rule(Struct, frozen=True):
         return Diagnostic(source, self.severity, self.code, self.message.format_map(shown), kept)
 
 
-def _shortened(value: object) -> object:
-    """A value as a message shows it: of a long text the beginning."""
-    if isinstance(value, str) and len(value) > MAX_SHOWN:
-        return f"{value[:MAX_SHOWN]}... ({len(value) - MAX_SHOWN} more characters)"
-    return value
-
-
+#: Characters of a value that a message shows; a list of all keys of a machine has 900.
 def first_of_each_kind(diagnostics: Iterable[Diagnostic]) -> Iterator[Diagnostic]:
     """The first `MAX_OF_A_KIND` of each code, and at the end how many more there are of it."""
     counts: dict[str, int] = {}

@@ -32,26 +32,38 @@ def write_whole(
     target = os.fspath(path)
     mode = _mode(target)
     if mode is not None and not (stat.S_ISREG(mode) or stat.S_ISDIR(mode)):
-        _write_to_device(target, data)
+        file = os.open(target, os.O_WRONLY | BINARY)  # /dev/null, a printer, a pipe
+        try:
+            _write_all(file, data)
+        finally:
+            os.close(file)
         return
     # A link is written through, as a shell's redirection does.
-    _replace(os.path.realpath(target) if os.path.islink(target) else target, mode, data, durable)
-
-
-def _replace(target: str, mode: int | None, data: bytes | Iterable[bytes], durable: bool) -> None:
-    """Write a new file and give it the name `target`; `mode` is that of the file there, if any."""
-    folder, name = os.path.split(target)
-    # The process's number keeps two writers apart; a name left by a dead one is used again.
-    part = os.path.join(folder, f".{name[:40]}.{os.getpid()}.part")
+    target = os.path.realpath(target) if os.path.islink(target) else target
+    part = _part(target, "")
     with taken_back(partial(os.unlink, part)):
         _write_part(target, part, mode, data, durable)
+
+
+def _part(target: str, number: str) -> str:
+    """A temporary name beside a file.
+
+    The process's number keeps two writers apart; a name left by a dead one is used again.
+    """
+    folder, name = os.path.split(target)
+    return os.path.join(folder, f".{name[:40]}.{os.getpid()}{number}.part")
 
 
 def _write_part(
     target: str, part: str, mode: int | None, data: bytes | Iterable[bytes], durable: bool
 ) -> None:
-    """Write a new file, which has the name `part` if it has any, until it is the target."""
-    file, named = _open(os.path.dirname(target) or os.curdir, part)
+    """Write a new file, which has the name `part` if it has any, until it is the target.
+
+    `mode` is that of the file there, if any.
+    """
+    unnamed = _unnamed(os.path.dirname(target) or os.curdir)
+    named = unnamed is None
+    file = _new(part, 0o666) if unnamed is None else unnamed
     try:
         try:
             _write_all(file, data)
@@ -63,8 +75,16 @@ def _write_part(
                 if mode is None and _link(file, target):
                     return
                 named = True
-                if not _link(file, part):
-                    _copy(file, part, durable)
+                if not _link(file, part):  # a system that lets no name be given to it
+                    os.lseek(file, 0, os.SEEK_SET)
+                    copy = _new(part, os.fstat(file).st_mode & 0o777)
+                    try:
+                        while piece := os.read(file, 1 << 20):
+                            _write(copy, piece)
+                        if durable:
+                            os.fsync(copy)
+                    finally:
+                        os.close(copy)
         finally:
             os.close(file)
         replace_file(part, target)
@@ -148,10 +168,17 @@ def write_together(files: Mapping[str, bytes], durable: bool = True) -> None:
                 mode = _mode(target)
                 if mode is not None and not stat.S_ISREG(mode):
                     raise OSError(errno.EEXIST, "no plain file")
-                folder, name = os.path.split(target)
-                part = os.path.join(folder, f".{name[:40]}.{os.getpid()}-{k}.part")
+                part = _part(target, f"-{k}")
                 parts[part] = target
-                _write_named(part, data, mode, durable)
+                file = _new(part, 0o666)
+                try:
+                    _write(file, data)
+                    if mode is not None:
+                        os.chmod(part, mode & 0o777)
+                    if durable:
+                        os.fsync(file)
+                finally:
+                    os.close(file)
             for part, target in reversed(parts.items()):
                 replace_file(part, target)
                 named.append(target)
@@ -159,21 +186,6 @@ def write_together(files: Mapping[str, bytes], durable: bool = True) -> None:
         except BaseException:
             undo()
             raise
-
-
-def _write_named(path: str, data: bytes, mode: int | None, durable: bool) -> None:
-    """Write a new file under its name, in place of one that was left there."""
-    with suppress(FileNotFoundError):
-        os.unlink(path)
-    file = os.open(path, _NEW, 0o666)
-    try:
-        _write(file, data)
-        if mode is not None:
-            os.chmod(path, mode & 0o777)
-        if durable:
-            os.fsync(file)
-    finally:
-        os.close(file)
 
 
 def remove_made(path: str, begin: bytes) -> None:
@@ -185,14 +197,11 @@ def remove_made(path: str, begin: bytes) -> None:
             os.unlink(path)
 
 
-def _open(folder: str, part: str) -> tuple[int, bool]:
-    """A new file in `folder`, and whether it has the name `part` already."""
-    file = _unnamed(folder)
-    if file is not None:
-        return file, False
+def _new(path: str, mode: int) -> int:
+    """A new file, in place of one that was left there."""
     with suppress(FileNotFoundError):
-        os.unlink(part)
-    return os.open(part, _NEW, 0o666), True
+        os.unlink(path)
+    return os.open(path, _NEW, mode)
 
 
 def _unnamed(folder: str) -> int | None:
@@ -211,15 +220,6 @@ def _mode(path: str) -> int | None:
     with suppress(FileNotFoundError):
         return os.stat(path).st_mode
     return None
-
-
-def _write_to_device(path: str, data: bytes | Iterable[bytes]) -> None:
-    """Write to what has no name of its own that a file could take: /dev/null, a printer, a pipe."""
-    file = os.open(path, os.O_WRONLY | BINARY)
-    try:
-        _write_all(file, data)
-    finally:
-        os.close(file)
 
 
 def _write_all(file: int, data: bytes | Iterable[bytes]) -> None:
@@ -241,18 +241,3 @@ def _link(file: int, path: str) -> bool:
     except OSError:
         return False
     return True
-
-
-def _copy(file: int, path: str, durable: bool) -> None:
-    """Copy an unnamed file to a new one, where a system lets no name be given to it."""
-    os.lseek(file, 0, os.SEEK_SET)
-    with suppress(FileNotFoundError):
-        os.unlink(path)
-    copy = os.open(path, _NEW, os.fstat(file).st_mode & 0o777)
-    try:
-        while piece := os.read(file, 1 << 20):
-            _write(copy, piece)
-        if durable:
-            os.fsync(copy)
-    finally:
-        os.close(copy)

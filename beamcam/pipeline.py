@@ -8,7 +8,7 @@ Which planner, motion step, emitter and read-back belong together stands in `pos
 
 from collections.abc import Callable, Collection, Generator, Iterable, Sequence
 from functools import partial
-from typing import Any, TypeVar
+from typing import Any
 
 from msgspec import Struct
 from msgspec.structs import replace
@@ -35,10 +35,17 @@ from beamcam.model.program import Program
 from beamcam.model.request import Job, Request, Share, pieces_of
 from beamcam.planning.left_out import LEFT_OUT, MANUAL_WORK, map_remarks, told
 from beamcam.planning.rules import is_too_short
-from beamcam.posts import Planned, Written, beginning, head_differences, other_than_planned, post_of
+from beamcam.posts import (
+    Planned,
+    Written,
+    beginning,
+    bytes_of,
+    head_differences,
+    other_than_planned,
+    post_of,
+)
 from beamcam.readers import Reading, content, read, shown_name
 
-Made = TypeVar("Made")
 Stage = Callable[[str], None]  #: callback with the finished stage
 
 
@@ -100,11 +107,6 @@ class RefusedProgram(VerifyError):
     def pieces(self) -> Iterable[bytes]:
         """The program as it would have stood in the file."""
         return bytes_of(self.written)
-
-
-def bytes_of(written: Written) -> Iterable[bytes]:
-    """The bytes of a program, piece by piece."""
-    return (written.encode(),) if isinstance(written, str) else written()
 
 
 def read_file(path: str, strict: bool = False, **options: object) -> Reading:
@@ -174,10 +176,10 @@ def read_back(
     """
     written: Written = program if isinstance(program, str) else lambda: (program,)
     verify = post_of(request.machine).verify
-    return by_told_bar(beginning(written), whole_job(request, bar), partial(verify, written))
+    return by_bar_of_head(beginning(written), whole_job(request, bar), partial(verify, written))
 
 
-def by_told_bar(
+def by_bar_of_head(
     text: str, job: Job, verify: Callable[[Job], tuple[Diagnostic, ...]]
 ) -> tuple[Diagnostic, ...]:
     """What `verify` says of a program for a bar, which the head of its `text` may name.
@@ -254,28 +256,6 @@ def _in_store(request: Request) -> tuple[float, ...]:
     return tuple(sorted({*request.stock, *request.remnants}))
 
 
-def from_store(
-    make: Callable[[float | None], Made], lengths: Sequence[float], longest_part: float
-) -> Made:
-    """What `make` gives for the first of `lengths` (mm, rising) that is not too short.
-
-    Without any it is asked for None, a bar as long as the parts need. Raises PlanError as `make`
-    does; where all bars are too short, for the longest.
-    """
-    if not lengths:
-        return make(None)
-    *shorter, longest = lengths
-    for length in shorter:
-        if length < longest_part:
-            continue
-        try:
-            return make(length)
-        except PlanError as error:
-            if not is_too_short(error.diagnostics):
-                raise
-    return make(longest)
-
-
 def begin(request: Request, together: bool = False, stage: Stage = untold) -> list[Begun]:
     """The programs of a request, planned, each on the shortest bar in store that takes it.
 
@@ -300,39 +280,28 @@ def begin_share(
 ) -> Begun:
     """The program of a share, planned on the shortest of its bars that takes it.
 
-    `program` is its number, and of how many. Raises PlanError.
+    `program` is its number, and of how many. Raises PlanError; where all bars are too short, for
+    the longest.
     """
-
-    def planned(job: Job) -> Begun:
-        plan = post_of(job.machine).plan(job)  # which is all that a bar can be too short for
-        stage(f"planned {len(plan.operations)} operation(s)")
-        return Begun(job, plan, posting(job, plan))
-
-    return _on_shortest(request, share, planned, program)
-
-
-def _on_shortest(
-    request: Request, share: Share, make: Callable[[Job], Made], program: tuple[int, int] = (1, 1)
-) -> Made:
-    """What `make` gives for a share of a request on the shortest bar in store that takes it.
-
-    `program` is the number of its program, and of how many.
-    """
-    longest = max((request.parts[place].length for place in share.pieces), default=0.0)
-    return from_store(
-        lambda bar: make(Job(request, share.pieces, bar, *program)), share.lengths, longest
-    )
+    longest_part = max((request.parts[place].length for place in share.pieces), default=0.0)
+    *shorter, longest = share.lengths or (None,)  # without any a bar as long as the parts need
+    for bar in (*(one for one in shorter if one is None or one >= longest_part), longest):
+        job = Job(request, share.pieces, bar, *program)
+        try:
+            plan = post_of(job.machine).plan(job)  # which is all that a bar can be too short for
+            break
+        except PlanError as error:
+            if bar == longest or not is_too_short(error.diagnostics):
+                raise
+    stage(f"planned {len(plan.operations)} operation(s)")
+    return Begun(job, plan, posting(job, plan))
 
 
 def plan_share(request: Request, share: Share) -> Planned:
     """The plan by which `begin` makes the program of a share. Raises PlanError as `begin` does."""
-
-    def planned(job: Job) -> Planned:
-        plan = post_of(job.machine).plan(job)
-        remarks_on(plan, job.machine, request.strict)
-        return Planned(job, plan)
-
-    return _on_shortest(request, share, planned)
+    begun = begin_share(request, share)
+    remarks_on(begun.plan, begun.job.machine, request.strict)
+    return begun
 
 
 def plans_of(request: Request) -> list[Planned]:

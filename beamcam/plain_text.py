@@ -91,7 +91,7 @@ def terminal_lines(text: str) -> str:
 def json_text(text: str) -> str:
     """JSON with the characters spelled out as `\\uXXXX` that `terminal_text` would spell out.
 
-    It means the same to whoever reads it, and line ends between its values stay.
+    It means the same to all readers, and line ends between its values stay.
     """
     return "\n".join(
         line if line.isprintable() else "".join(map(_escaped, line)) for line in text.split("\n")

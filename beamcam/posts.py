@@ -6,7 +6,7 @@ that a bar never loads what only a sheet needs.
 """
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import partial
 from typing import Any
 
@@ -79,11 +79,11 @@ def bar_post() -> Post:
         w = job.request
         _refuse_begun(job)
         given = [w.parts[place] for place in dict.fromkeys(job.pieces)]
-        told = tuple(one for part in given for one in told_of_round(part, w.machine, w.skips))
-        if errors_in(told):
-            raise PlanError(told)
+        remarks = tuple(one for part in given for one in told_of_round(part, w.machine, w.skips))
+        if errors_in(remarks):
+            raise PlanError(remarks)
         plan = plan_oriented(job.parts, w.machine, job.bar, w.skips, w.order, w.turn)
-        return replace(plan, remarks=(*told, *plan.remarks)) if told else plan
+        return replace(plan, remarks=(*remarks, *plan.remarks)) if remarks else plan
 
     def read_back(program: Written, job: Job) -> tuple[Diagnostic, ...]:
         w = job.request
@@ -93,15 +93,12 @@ def bar_post() -> Post:
             _text(program), job.parts, w.machine, w.skips, w.name, w.order, w.turn, job.bar
         )
 
-    def emit(program: Program, job: Job) -> str:
-        return gcode.emit(program, job.machine)
-
     def time(plan: Plan, _: Program, machine: Machine) -> WorkTime:
         from beamcam.planning.times import work_time
 
         return work_time(plan, machine)
 
-    return Post(plan, beam_program, emit, read_back, _with_comments, time)
+    return Post(plan, beam_program, _by_machine(gcode), read_back, _with_comments, time)
 
 
 def sheet_post() -> Post:
@@ -110,20 +107,18 @@ def sheet_post() -> Post:
     from beamcam.emitters import cutting
     from beamcam.motion.sheet import sheet_program
 
-    def read_back(program: Written, job: Job) -> tuple[Diagnostic, ...]:
-        text = _text(program)
-        return _of_asked(verify_sheet, job, text, text)
-
-    def emit(program: Program, job: Job) -> str:
-        return cutting.emit(program, job.machine)
-
     def time(plan: SheetPlan, program: Program, machine: Machine) -> WorkTime:
         from beamcam.motion.sheet_times import program_time
 
         lifts = machine.torch is not None and machine.torch.z == "program"
         return program_time(plan, program, machine, _standing(machine) if lifts else None)
 
+    emit, read_back = _by_machine(cutting), partial(_read_text_back, verify_sheet)
     return Post(_plan_sheet, sheet_program, emit, read_back, _with_comments, time)
+
+
+def _by_machine(emitter: Any) -> Callable[[Any, Job], Written]:
+    return lambda program, job: emitter.emit(program, job.machine)
 
 
 def _standing(machine: Machine) -> Callable[[ToolOn], float]:
@@ -159,10 +154,7 @@ def trigger_post() -> Post:
             diagnostic = CHAIN.at(job.parts[0].source, found=error.found, expected=error.expected)
             raise PlanError(diagnostic) from error
 
-    def read_back(program: Written, job: Job) -> tuple[Diagnostic, ...]:
-        text = _text(program)
-        return _of_asked(verify_triggers, job, text, text)
-
+    read_back = partial(_read_text_back, verify_triggers)
     return Post(_plan_sheet, trigger_table, emit, read_back, _with_remarks, trigger_time)
 
 
@@ -180,13 +172,12 @@ def step_post() -> Post:
     def read_back(program: Written, job: Job) -> tuple[Diagnostic, ...]:
         style = job.request.style
         form = style if style in READ_BACK else job.machine.suffix
-        pieces = (program.encode("utf-8"),) if isinstance(program, str) else program()
-        return _of_asked(partial(verify_table, form), job, pieces, beginning(program))
+        return _of_asked(partial(verify_table, form), job, bytes_of(program), beginning(program))
 
-    def time(plan: SheetPlan, _: Any, machine: Machine) -> WorkTime:
-        return step_time(plan, machine)
-
-    return Post(_plan_sheet, step_table, emit, read_back, _with_remarks, time)
+    return Post(
+        _plan_sheet, step_table, emit, read_back, _with_remarks,
+        lambda plan, _, machine: step_time(plan, machine),
+    )  # fmt: skip
 
 
 def coping_post() -> Post:
@@ -204,9 +195,7 @@ def coping_post() -> Post:
         w = job.request
         return verify_coping(_text(program), job.parts, w.machine, w.skips, w.name)
 
-    def emit(program: Program, job: Job) -> str:
-        return coping.emit(program, job.machine)
-
+    emit = _by_machine(coping)
     return Post(plan, coping_program, emit, read_back, _with_comments, coping_time)
 
 
@@ -266,10 +255,21 @@ def _of_asked(
     return verify(program, parts, job.machine, w.skips, w.name, head)
 
 
+def _read_text_back(
+    verify: Callable[..., tuple[Diagnostic, ...]], program: Written, job: Job
+) -> tuple[Diagnostic, ...]:
+    return _of_asked(verify, job, _text(program), _text(program))
+
+
 def carries_head(job: Job) -> bool:
     """Whether the form of a program has a place for remarks; a binary table has none."""
     form = job.request.style or job.machine.suffix
     return job.machine.controller != "stepper" or form != ".bin"
+
+
+def bytes_of(written: Written) -> Iterable[bytes]:
+    """The bytes of a program, piece by piece."""
+    return (written.encode(),) if isinstance(written, str) else written()
 
 
 def beginning(program: Written) -> str:
@@ -310,7 +310,7 @@ def other_than_planned(
 
     The features that it found missing, and that may be, are those that the plan left out by name;
     the marks that it found to be manual work are those on the plan's list; the contours with waste
-    that no beam reaches are those that the plan reports; the bar that it needs where nobody gave
+    that no beam reaches are those that the plan reports; the bar that it needs where none gave
     its length is no longer than the plan's.
     """
     missing: list[tuple[str, Source]] = []
@@ -321,16 +321,19 @@ def other_than_planned(
             missing.append((diagnostic.code, diagnostic.source))
         elif diagnostic.code == MOVED.code:
             moved.append(diagnostic)
-        elif diagnostic.code == UNCUT.code:
-            yield from _untold(plan, diagnostic)
+        elif diagnostic.code == UNCUT.code:  # waste that stays in a corner of a contour
+            from beamcam.planning.contours.rules import LEFT
+
+            reported = [d for d in plan.remarks if d.code == LEFT.code]
+            at = diagnostic["x"], diagnostic["y"]
+            if not any(d.source == diagnostic.source or (d["x"], d["y"]) == at for d in reported):
+                yield UNCUT_TOLD.at(diagnostic.source, **dict(diagnostic.values))
         elif diagnostic.code == HEAD_TEXT.code:  # which was written for these very parts
             refused = True
             yield replace(diagnostic, severity=Severity.ERROR)
         elif diagnostic.code == BAR_NEEDED.code and isinstance(plan, Plan):
-            if (
-                float(diagnostic["found"])
-                > plan.bar.length + job.machine.format.resolution + TOLD_BAR
-            ):
+            tolerance = job.machine.format.resolution + TOLD_BAR
+            if float(diagnostic["found"]) > plan.bar.length + tolerance:
                 expected = f"{plan.bar.length:.3f}"
                 yield BAR_TOLD.at(diagnostic.source, found=diagnostic["found"], expected=expected)
         else:
@@ -346,27 +349,11 @@ def other_than_planned(
         return
     alike = stand_ins(job.parts)
     yield from other_places(remarks, moved, alike, hand)
-    lacking, planned = _of_the_first(missing, alike), _of_the_first(named, alike)
-    for code, source in (lacking - planned) + (planned - lacking):
-        one = code, source
-        yield LEDGER.at(source, found=lacking[one], expected=planned[one])
-
-
-def _of_the_first(
-    missing: Iterable[tuple[str, Source]], alike: Mapping[Source, Source]
-) -> Counter[tuple[str, Source]]:
-    """What is missing, each text by the first of those that are alike."""
-    return Counter((code, alike.get(source, source)) for code, source in missing)
-
-
-def _untold(plan: AnyPlan, uncut: Diagnostic) -> Iterator[Diagnostic]:
-    """An error for waste that stays in a corner of a contour, unless the plan reports it."""
-    from beamcam.planning.contours.rules import LEFT
-
-    diagnostics = [d for d in plan.remarks if d.code == LEFT.code]
-    place = uncut["x"], uncut["y"]
-    if not any(d.source == uncut.source or (d["x"], d["y"]) == place for d in diagnostics):
-        yield UNCUT_TOLD.at(uncut.source, **dict(uncut.values))
+    missed, planned = (  # each text by the first of those that are alike
+        Counter((code, alike.get(source, source)) for code, source in of) for of in (missing, named)
+    )
+    for one in (missed - planned) + (planned - missed):
+        yield LEDGER.at(one[1], found=missed[one], expected=planned[one])
 
 
 def head_differences(
@@ -375,8 +362,7 @@ def head_differences(
     """Differences of a program's head from the job and from what its read-back said."""
     if not carries_head(job):
         return ()
-    told_bar = isinstance(plan, Plan) and job.machine.saw is not None
-    bar = plan.bar.length if isinstance(plan, Plan) and told_bar else None
+    bar = plan.bar.length if isinstance(plan, Plan) and job.machine.saw is not None else None
     missing, manual_work = (
         sum(one.code == of.code for one in diagnostics) for of in (MISSING, FOR_MANUAL_WORK)
     )

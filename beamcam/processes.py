@@ -2,7 +2,7 @@
 
     pool.submit(task) -> ProcessPoolExecutor -> work(task) in a worker -> pool.wait()
 
-A worker that dies, as a geometry kernel can, takes the whole executor with it, and nobody knows at
+A worker that dies, as a geometry kernel can, takes the whole executor with it, and none can tell at
 which task. So each task that was lost beside others is tried again, one by one; who then kills a
 worker by itself has `Died`.
 """

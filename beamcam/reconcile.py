@@ -65,40 +65,25 @@ def other_places(
     groups: dict[tuple[Source, str], tuple[list[_LetteredAt], list[_LetteredAt]]] = {}
     for which, messages in enumerate((remarks, diagnostics)):
         for diagnostic in messages:
-            one = _lettered_at(diagnostic)
+            at, drawn_at = (
+                tuple(float(diagnostic[f"{of}{name}"]) for name in ("x", "y", "height"))
+                for of in ("", "wanted_")
+            )
+            one = _LetteredAt(diagnostic.source, at, drawn_at, str(diagnostic["text"]))
             group = alike.get(one.source, one.source), one.letters
             groups.setdefault(group, ([], []))[which].append(one)
     left = {alike.get(source, source) for source in manual_work}
     for (source, _), (planned, moved) in groups.items():
-        yield from _differences(planned, moved, source in left)
-
-
-def _differences(
-    planned: Sequence[_LetteredAt], moved: Sequence[_LetteredAt], is_one_left: bool
-) -> Iterator[Diagnostic]:
-    """What differs of texts that are alike.
-
-    Of a text that was moved to where the part has another of them, that other is found in place.
-    """
-    theirs, ours = {one.drawn_at for one in planned}, {one.drawn_at for one in moved}
-    elsewhere = [one for one in moved if not one.is_at(each.place for each in planned)]
-    untold = [one for one in planned if not one.is_at(each.place for each in moved)]
-    if not elsewhere and not untold and theirs != ours and not is_one_left:
-        elsewhere = [one for one in moved if one.drawn_at not in theirs]
-        untold = [one for one in planned if one.drawn_at not in ours]
-    else:
-        elsewhere = [one for one in elsewhere if not one.is_at(ours - theirs - {one.drawn_at})]
-        untold = [one for one in untold if not one.is_at(theirs - ours - {one.drawn_at})]
-    for one in elsewhere:
-        yield TEXT_TOLD.at(one.source, found=one, expected="elsewhere")
-    for one in untold:
-        yield TEXT_TOLD.at(one.source, found="elsewhere", expected=one)
-
-
-def _lettered_at(diagnostic: Diagnostic) -> _LetteredAt:
-    """The place of a text in a message, of a plan or of the read-back."""
-    at, drawn_at = (
-        tuple(float(diagnostic[f"{which}{name}"]) for name in ("x", "y", "height"))
-        for which in ("", "wanted_")
-    )
-    return _LetteredAt(diagnostic.source, at, drawn_at, str(diagnostic["text"]))
+        theirs, ours = {one.drawn_at for one in planned}, {one.drawn_at for one in moved}
+        elsewhere = [one for one in moved if not one.is_at(each.place for each in planned)]
+        untold = [one for one in planned if not one.is_at(each.place for each in moved)]
+        if not elsewhere and not untold and theirs != ours and source not in left:
+            elsewhere = [one for one in moved if one.drawn_at not in theirs]
+            untold = [one for one in planned if one.drawn_at not in ours]
+        else:  # one moved to where the part has another of them: that other is in place
+            elsewhere = [one for one in elsewhere if not one.is_at(ours - theirs - {one.drawn_at})]
+            untold = [one for one in untold if not one.is_at(theirs - ours - {one.drawn_at})]
+        for one in elsewhere:
+            yield TEXT_TOLD.at(one.source, found=one, expected="elsewhere")
+        for one in untold:
+            yield TEXT_TOLD.at(one.source, found="elsewhere", expected=one)

@@ -16,7 +16,7 @@ A laser may show its spot, at a power that marks nothing (`torch.frame_power`).
 0 ------------- 1
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 from msgspec.structs import replace
 
@@ -25,9 +25,8 @@ from beamcam.checks.sheets.remainder import SAID, frame_faults, rest_faults, sai
 from beamcam.emitters import cutting, gcode
 from beamcam.errors import Diagnostic, PlanError, error, errors_in
 from beamcam.machine.machine import Machine
-from beamcam.model.plan import Operation, Plan, SawOp, SheetPlan
+from beamcam.model.plan import Plan, SawOp, SheetPlan
 from beamcam.model.program import (
-    Command,
     Comment,
     DrillCycle,
     Feed,
@@ -44,7 +43,7 @@ from beamcam.model.program import (
 )
 from beamcam.model.request import Job
 from beamcam.motion.sheet import sheet_program
-from beamcam.pipeline import Posted, RefusedProgram, by_told_bar
+from beamcam.pipeline import Posted, RefusedProgram, by_bar_of_head
 from beamcam.planning.contours.plate import worked_box
 from beamcam.planning.order import tool_loads
 from beamcam.posts import post_of
@@ -69,23 +68,21 @@ def rest_of(posted: Posted, first: int) -> Posted:
     count = len(plan.operations)
     if not 2 <= first <= count:
         raise PlanError(OPERATION.at(source, found=first, expected=count))
-    head, rest = _parted(whole.commands, first)
-    notes = map(Comment, what_has_to_be_true(plan, first, machine))
-    text = gcode.emit(replace(whole, commands=(*head, *notes, *rest)), machine)
-    wrong = faults_of(text, posted.text, first, replace(job, bar=plan.bar.length))
-    if errors_in(wrong):
-        raise RefusedProgram(wrong, text)
-    return replace(posted, written=text)
-
-
-def _parted(
-    commands: Sequence[Command], first: int
-) -> tuple[tuple[Command, ...], tuple[Command, ...]]:
-    """The head of a program, and its commands from an operation on."""
+    commands = whole.commands
     work = [k for k, command in enumerate(commands) if isinstance(command, _WORK)]
     begin = next(k for k, c in enumerate(commands) if not isinstance(c, StartBar | Comment))
-    cut = work[first - 2] + 1
-    return tuple(commands[:begin]), tuple(commands[cut:])
+    notes = map(Comment, what_has_to_be_true(plan, first, machine))
+    commands = (*commands[:begin], *notes, *commands[work[first - 2] + 1 :])
+    text = gcode.emit(replace(whole, commands=commands), machine)
+    job = replace(job, bar=plan.bar.length)
+    return _checked(posted, text, faults_of(text, posted.text, first, job))
+
+
+def _checked(posted: Posted, text: str, faults: tuple[Diagnostic, ...]) -> Posted:
+    """The text as a program that was posted. Raises RefusedProgram."""
+    if errors_in(faults):
+        raise RefusedProgram(faults, text)
+    return replace(posted, written=text)
 
 
 def faults_of(
@@ -100,15 +97,19 @@ def faults_of(
             job.bar,
         )  # fmt: skip
 
-    return by_told_bar(rest, job, verify)
+    return by_bar_of_head(rest, job, verify)
 
 
 def what_has_to_be_true(plan: Plan, first: int, machine: Machine) -> Iterator[str]:
     """Conditions for the operator to check before starting the remainder, line by line."""
     done, left = plan.operations[: first - 1], plan.operations[first - 1 :]
     last = done[-1]
+    if isinstance(last, SawOp):
+        called = f"SAW CUT AT {last.angle:g} DEG"
+    else:
+        called = f"{last.tool.name} ON FACE {' AND '.join(last.faces)}"
     yield f"REST FROM OPERATION {first} OF {len(plan.operations)}. START ONLY IF ALL THIS IS TRUE:"
-    yield f"- OPERATIONS 1 TO {first - 1} ARE DONE, THE LAST ONE AT X {last.x:.3f}: {_called(last)}"
+    yield f"- OPERATIONS 1 TO {first - 1} ARE DONE, THE LAST ONE AT X {last.x:.3f}: {called}"
     if machine.saw is not None:
         to_cut = {op.pieces[0] for op in left if isinstance(op, SawOp) and op.at == "end"}
         off = [piece.part.mark for p, piece in enumerate(plan.pieces) if p not in to_cut]
@@ -121,12 +122,6 @@ def what_has_to_be_true(plan: Plan, first: int, machine: Machine) -> Iterator[st
             held[load.spindle, load.station] = load.tool.name
     for (spindle, station), tool in sorted(held.items()):
         yield f"- {spindle} STATION {station} HOLDS {tool}"
-
-
-def _called(operation: Operation) -> str:
-    if isinstance(operation, SawOp):
-        return f"SAW CUT AT {operation.angle:g} DEG"
-    return f"{operation.tool.name} ON FACE {' AND '.join(operation.faces)}"
 
 
 def frame_of(posted: Posted) -> Posted:
@@ -152,10 +147,8 @@ def frame_of(posted: Posted) -> Posted:
         ),
     )  # fmt: skip
     text = cutting.emit(program, machine)
-    wrong = frame_faults(text, posted.text, machine, posted.job.request.name)
-    if errors_in(wrong):
-        raise RefusedProgram(wrong, text)
-    return replace(posted, written=text, program=program, remarks=())
+    faults = frame_faults(text, posted.text, machine, posted.job.request.name)
+    return _checked(replace(posted, program=program, remarks=()), text, faults)
 
 
 # --- sheets ---------------------------------------------------------------------------------------
@@ -196,10 +189,7 @@ def rest_of_sheet(posted: Posted, first: int) -> Posted:
     notes = map(Comment, sheet_conditions(plan, first))
     rest = replace(rest, about=whole.about, commands=(start, *head, *notes, *work))
     text = cutting.emit(rest, job.machine)
-    wrong = faults_of_sheet_rest(text, posted.text, first, job)
-    if errors_in(wrong):
-        raise RefusedProgram(wrong, text)
-    return replace(posted, written=text)
+    return _checked(posted, text, faults_of_sheet_rest(text, posted.text, first, job))
 
 
 def faults_of_sheet_rest(

@@ -58,24 +58,20 @@ def rest_of_part(posted: Posted, target: Target) -> tuple[Part, str] | None:
     if not missing:
         return None
     begun = begun_part(part, posted.plan, job.machine)
-    text = target.write(_without_folder(begun))
+    file = os.path.basename(part.source.file)  # alone: the text is the same from any folder
+
+    def named(things: Iterable[Sourced]) -> tuple[Sourced, ...]:
+        return tuple(replace(one, source=replace(one.source, file=file)) for one in things)
+
+    (whole,) = named((begun,))
+    made = None if begun.made is None else named(begun.made)
+    features, planes = named(begun.features), named(begun.planes)
+    text = target.write(replace(whole, features=features, planes=planes, made=made))
     rest = _read(text, target)
     faults = tuple(rest_faults(_placed(_read(target.write(part), target), part), rest, missing))
     if faults:
         raise VerifyError(faults)
     return _placed(rest, begun), text
-
-
-def _without_folder(part: Part) -> Part:
-    """A part whose sources name the file alone: what is written is the same from any folder."""
-    name = os.path.basename(part.source.file)
-
-    def named(things: Iterable[Sourced]) -> tuple[Sourced, ...]:
-        return tuple(replace(one, source=replace(one.source, file=name)) for one in things)
-
-    made = None if part.made is None else named(part.made)
-    (whole,) = named((part,))
-    return replace(whole, features=named(part.features), planes=named(part.planes), made=made)
 
 
 def _placed(again: Part, part: Part) -> Part:
@@ -198,7 +194,17 @@ def chain_for(
     """The chain that makes the only part of a request, and a note. Raises PlanError for none."""
     chain = chain_of(request, machines)
     if not chain:
-        raise PlanError(_refused(request, machines))
+        refused = []
+        for machine in machines:
+            why: tuple[Diagnostic, ...] = ()
+            # It leaves to others what it has no tool for; of one that leaves it so, what it leaves.
+            for skips in (request.skips, SKIP_NAMES):
+                try:
+                    begin(replace(request, machine=machine, skips=skips))
+                except PlanError as error:
+                    why = tuple(error.diagnostics)
+            refused.append((machine, why))
+        raise PlanError(none_makes_it(refused, request.parts[0].source))
     names = ", then ".join(link.machine.name for link in chain)
     return chain, (SPLIT.at(request.parts[0].source, found=len(chain), machines=names),)
 
@@ -222,23 +228,6 @@ def stages_of(request: Request, chain: Sequence[ChainLink], target: Target) -> I
             raise AssertionError("a machine of a chain leaves nothing")
         part, text = rest
         yield Stage(posted, text, len(part.features))
-
-
-def _refused(request: Request, machines: Sequence[Machine]) -> tuple[Diagnostic, ...]:
-    """Why each machine does not make a part, though it leaves to others what it has no tool for.
-
-    Of one that leaves it so, what it leaves.
-    """
-    refused = []
-    for machine in machines:
-        said: tuple[Diagnostic, ...] = ()
-        for skips in (request.skips, SKIP_NAMES):
-            try:
-                begin(replace(request, machine=machine, skips=skips))
-            except PlanError as error:
-                said = tuple(error.diagnostics)
-        refused.append((machine, said))
-    return none_makes_it(refused, request.parts[0].source)
 
 
 def _read(text: str, target: Target) -> Part:

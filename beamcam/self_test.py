@@ -15,12 +15,11 @@ from beamcam.controllers.machine_words import WordFault, fault_in
 from beamcam.emitters.gcode import head_lines
 from beamcam.errors import Diagnostic, PlanError, Source, errors_in
 from beamcam.geometry.curves import Arc, Bezier, Curve, Line
-from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Contour, EndCuts, Feature, Hole, Part, Process, Profile
 from beamcam.model.plan import SKIP_NAMES, left_out_kinds, manual_work_sources
 from beamcam.model.request import Job, Request
-from beamcam.posts import Written, beginning, carries_head, post_of
+from beamcam.posts import beginning, carries_head, post_of
 
 _AT = Source("the plate or bar on trial")
 _NAME = "JOB"
@@ -41,15 +40,19 @@ def proof_faults(machine: Machine) -> tuple[WordFault, ...]:
     """What the read-back refuses of the program of a small part, by the words that wrote it."""
     for part in _parts(machine):
         job = Job(Request((part,), machine, SKIP_NAMES, _NAME), (0,))
+        post = post_of(machine)
         try:
-            written = _written(job)
+            plan = post.plan(job)
+            manual_work = sum(1 for _ in manual_work_sources(plan))
+            head = tuple(head_lines(job, plan, left_out_kinds(plan), manual_work))
+            written = post.emit(post.with_head(post.motion(plan, machine, _NAME), head), job)
         except PlanError:
             continue  # the next one asks for less
         if carries_head(job) and head_of(beginning(written)) is None:
             text = machine.words.comment
             expected = "a comment with {text}, for the head"
             return (fault_in("words.comment", text, repr(text), expected),)
-        diagnostics = errors_in(post_of(machine).verify(written, job))
+        diagnostics = errors_in(post.verify(written, job))
         lines = written.splitlines() if isinstance(written, str) else []
         return tuple(_fault(one, lines, machine) for one in diagnostics)
     return ()
@@ -58,32 +61,18 @@ def proof_faults(machine: Machine) -> tuple[WordFault, ...]:
 known_proof_faults = PerObject("machine.proof", proof_faults)
 
 
-def _written(job: Job) -> Written:
-    post = post_of(job.machine)
-    plan = post.plan(job)
-    manual_work = sum(1 for _ in manual_work_sources(plan))
-    head = tuple(head_lines(job, plan, left_out_kinds(plan), manual_work))
-    return post.emit(post.with_head(post.motion(plan, job.machine, _NAME), head), job)
-
-
 def _fault(diagnostic: Diagnostic, lines: list[str], machine: Machine) -> WordFault:
-    line = diagnostic.source.line
-    block = (
-        lines[line - 1] if diagnostic.source.file == _NAME and line and line <= len(lines) else ""
-    )
-    key, text = _template_of(block, machine)
-    return key, text, diagnostic.message
-
-
-def _template_of(block: str, machine: Machine) -> tuple[str, str]:
-    """The key of the words, and the line of theirs, that a block was written by."""
+    """The key of the words and the line of theirs by which the block was written; its fault."""
+    line, block = diagnostic.source.line, ""
+    if diagnostic.source.file == _NAME and line and line <= len(lines):
+        block = lines[line - 1]
     for name in machine.words.__struct_fields__:
         template = getattr(machine.words, name)
         for text in (template,) if isinstance(template, str) else template:
             pattern = re.sub(r"\\\{.*?\\\}", ".*", re.escape(text))
             if text.strip() and block and re.fullmatch(rf"(N\d+ )?{pattern}.*", block):
-                return f"words.{name}", text
-    return "words", ""
+                return f"words.{name}", text, diagnostic.message
+    return "words", "", diagnostic.message
 
 
 # --- parts ----------------------------------------------------------------------------------------
@@ -94,42 +83,36 @@ def _parts(machine: Machine) -> Iterator[Part]:
     if machine.torch is not None:
         yield from _sheets(machine)
         return
-    if machine.coper is not None:
-        yield from _coped(machine.coper)
+    if (coper := machine.coper) is not None:
+        for profile in _SECTIONS:
+            if profile.code in coper.profiles:
+                thick = profile.web_thickness or 0.0
+                size = max(20.0, coper.min_hole, coper.min_hole_share * thick)
+                hole = Hole("v", 300.0, 0.45 * profile.height, size, _AT)
+                yield Part("P1", profile, _LENGTH, _AT, features=(hole,))
+                yield Part("P1", profile, _LENGTH, _AT)
         return
     profiles = machine.layout.profiles if machine.layout else ()
+    sizes = [size for tools in machine.tools if tools.kind == "drill" for size in tools.sizes]
+
+    def near(size: float) -> float:
+        return min(sizes, key=lambda one: abs(one - size))
+
     for profile in _SECTIONS:
         if profile.code in profiles:
-            holes = tuple(_holes(profile, machine))
+            features: list[Hole] = []  # two on each face that a spindle reaches, by two tools
+            for spindle in machine.spindles if sizes else ():
+                width = profile.face_width(spindle.face)
+                y = width / 2 if spindle.face == "v" or profile.code != "I" else width / 5
+                features += (
+                    Hole(spindle.face, 300.0, y, near(14.0), _AT),
+                    Hole(spindle.face, 600.0, y, near(18.0), _AT),
+                )
+            holes = tuple(features)
             length = max(_LENGTH, 1.1 * machine.layout.min_part if machine.layout else 0.0)
             yield Part("P1", profile, length, _AT, features=holes, cuts=EndCuts(web_end=20.0))
             yield Part("P1", profile, length, _AT, features=holes)
             yield Part("P1", profile, length, _AT)
-
-
-def _coped(coper: Coper) -> Iterator[Part]:
-    """A bar with a hole, and one without, of each section that has such walls."""
-    for profile in _SECTIONS:
-        if profile.code in coper.profiles:
-            thick = profile.web_thickness or 0.0
-            size = max(20.0, coper.min_hole, coper.min_hole_share * thick)
-            hole = Hole("v", 300.0, 0.45 * profile.height, size, _AT)
-            yield Part("P1", profile, _LENGTH, _AT, features=(hole,))
-            yield Part("P1", profile, _LENGTH, _AT)
-
-
-def _holes(profile: Profile, machine: Machine) -> Iterator[Hole]:
-    """Two through holes on each face that a spindle reaches, by two tools where there are two."""
-    sizes = [size for tools in machine.tools if tools.kind == "drill" for size in tools.sizes]
-    if not sizes:
-        return
-    small = min(sizes, key=lambda size: abs(size - 14.0))
-    large = min(sizes, key=lambda size: abs(size - 18.0))
-    for spindle in machine.spindles:
-        width = profile.face_width(spindle.face)
-        y = width / 2 if spindle.face == "v" or profile.code != "I" else width / 5
-        yield Hole(spindle.face, 300.0, y, small, _AT)
-        yield Hole(spindle.face, 600.0, y, large, _AT)
 
 
 def _sheets(machine: Machine) -> Iterator[Part]:

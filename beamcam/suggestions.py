@@ -1,7 +1,8 @@
 """The ways out of a refusal: options with which it can be made, each tried before it is named."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from itertools import chain, islice
+from itertools import islice
+from typing import Any
 
 from msgspec.structs import replace
 
@@ -45,7 +46,7 @@ WAYS_TO_READ = note("read-ways-out",
 NO_WAY_TO_READ = note("read-no-way-out",
     "found no way out: no option reads the file as it stands; expected it corrected where the "
     "messages say",
-    "Whoever wrote the file has to export it again; a guess would make another part.")  # fmt: skip
+    "The file has to be exported again; a guess would make another part.")  # fmt: skip
 #: Options of the readers, as on a command line and as they take them, by the file's format.
 _READING: Mapping[str, Sequence[tuple[str, Mapping[str, object]]]] = {
     "dxf": (("--units mm", {"units": "mm"}), ("--units in", {"units": "in"})),
@@ -109,9 +110,9 @@ def suggestions(
         return UNTRIED.at(source, found=f"{curves} curves", expected=MOST_CURVES)
     texts = sum(isinstance(f, TextMark) for f in features)
     search = _Search(curves + len(features) + TEXT_WORK * texts)
-    found = _options(search, request, tried, tuple(others), read)
-    if found:
-        return SUGGESTIONS.at(source, found=" or ".join(found))
+    ways = _options(search, request, tried, tuple(others), read)
+    if ways:
+        return SUGGESTIONS.at(source, found=" or ".join(ways))
     if search.is_spent:
         return UNTRIED.at(source, found=f"{curves + len(features)} curves and features",
                           expected=MOST_WORK // MANY_TRIES)  # fmt: skip
@@ -126,7 +127,7 @@ def _options(
     on = [replace(request, machine=machine) for machine in tried]
     # What is refused only for how many there are is helped by no other lay of one.
     refused = [
-        (one, {said.code for said in why.diagnostics})
+        (one, {fault.code for fault in why.diagnostics})
         for one in on
         if one.machine.torch is not None and isinstance(why := search.planned(one), BeamcamError)
     ]
@@ -149,26 +150,32 @@ def _options(
         one for one, why in answers
         if isinstance(why, BeamcamError) and any(d.code in _SKIPPED for d in why.diagnostics)
     ]  # fmt: skip
-    options = [*_first(map(search.by_thickness, on))] or [
-        *_first(map(search.by_placing, on)), *elsewhere,
-        *_first(search.by_map(one) for one, codes in refused if UNMAPPED.code in codes),
-        *_first(map(search.by_gap, open_ones)), *search.by_switch(touching, "common_cuts"),
-        *_first(map(search.by_rotating, too_large)),
-        *search.by_switch((one for one, _ in (*refused, *answers)), "unrolled"),
+    unmapped = [one for one, codes in refused if UNMAPPED.code in codes]
+    options = search.first(_thicknesses(on)) or [
+        *search.first(
+            ("--place corner", _set(one, place="corner"))
+            for one, torch in _torches(on) if torch.place == "drawn"
+        ),
+        *elsewhere,
+        *search.first(
+            (f"--map '{OTHERS}=cut'", _set(one, colours={**torch.colours, OTHERS: "cut"}))
+            for one, torch in _torches(unmapped)
+        ),
+        *search.by_gap(open_ones), *search.first(_switched(touching, "common_cuts")),
+        *search.first(_rotated(too_large)),
+        *search.first(_switched((one for one, _ in (*refused, *answers)), "unrolled")),
         *(() if elsewhere else search.by_leave(may_leave, may_leave_too)),
-        *_first(map(search.by_bar, on)), *_first(map(search.by_turning, on)),
+        *search.first(_longer_bars(on)),
+        *search.first(
+            ("--turn", replace(one, turn=True)) for one in on if one.machine.stock == "beam"
+        ),
         *search.one_by_one(on),
     ]  # fmt: skip
     if not options:
-        options = [*search.by_switch(open_ones, "allow_open")]
+        options = search.first(_switched(open_ones, "allow_open"))
     if not options and read is not None:
-        options = [*search.by_units(on, read)]
+        options = search.first(_in_other_units(on, read))
     return options
-
-
-def _first(found: Iterable[Iterator[str]]) -> Iterator[str]:
-    """The first option, of those that help on one machine or another."""
-    return islice(chain.from_iterable(found), 1)
 
 
 def _keeps_size(machine: Machine) -> bool:
@@ -177,8 +184,63 @@ def _keeps_size(machine: Machine) -> bool:
     return torch is not None and torch.kerf_by != "none" and any(row.kerf for row in torch.rows)
 
 
-def _with_torch(request: Request, torch: Torch) -> Request:
+Tries = Iterator[tuple[str, Request]]  #: the words of an option, and the request with it
+
+
+def _torches(on: Iterable[Request]) -> Iterator[tuple[Request, Torch]]:
+    """The requests to machines with a torch, and it."""
+    return ((one, one.machine.torch) for one in on if one.machine.torch is not None)
+
+
+def _set(request: Request, **values: Any) -> Request:
+    """A request whose machine has a torch with these values."""
+    torch = replace(request.machine.needed(request.machine.torch, "torch"), **values)
     return replace(request, machine=replace(request.machine, torch=torch))
+
+
+def _thicknesses(on: Iterable[Request]) -> Tries:
+    """The thicknesses of each machine's cut chart, rising, where none is known."""
+    for request, torch in _torches(on):
+        if not (torch.thickness or any(part.profile.web_thickness for part in request.parts)):
+            for thickness in sorted({row.up_to for row in torch.rows}):
+                yield f"--thickness {thickness:g}", _set(request, thickness=thickness)
+
+
+def _switched(on: Iterable[Request], key: str) -> Tries:
+    """An option that is on or off, turned on."""
+    for request, torch in _torches(on):
+        if not getattr(torch, key):
+            yield f"--{key.replace('_', '-')}", _set(request, **{key: True})
+
+
+def _rotated(on: Iterable[Request]) -> Tries:
+    """Turns by which the work may fit on the table, the least first."""
+    for request, torch in _torches(on):
+        for angle in () if torch.rotate else range(ROTATED_DEG, 180, ROTATED_DEG):
+            yield f"--rotate {angle}", _set(request, rotate=float(angle))
+
+
+def _longer_bars(on: Iterable[Request]) -> Tries:
+    """Bars, the shortest first, where the parts are refused for theirs."""
+    for request in on:
+        for length in LONG_BARS if request.machine.stock == "beam" else ():
+            if length != max(request.stock, default=None):
+                yield f"--bar {length:g}", replace(request, stock=(length,))
+
+
+def _in_other_units(on: Sequence[Request], read: Callable[..., Reading]) -> Tries:
+    """Other units of the drawings, where what they are refused for is their size."""
+    parts = on[0].parts
+    if not parts or any(part.measures is None for part in parts):
+        return
+    for unit in UNITS:
+        try:
+            again = [read(part.source.file, units=unit) for part in parts]
+        except BeamcamError:
+            continue
+        other = tuple(part for reading in again for part in reading.parts)
+        for request in on if len(other) == len(parts) else ():
+            yield f"--units {unit}", replace(request, parts=other)
 
 
 class _Search:
@@ -212,82 +274,17 @@ class _Search:
         except BeamcamError as error:
             return error
 
-    def by_thickness(self, request: Request) -> Iterator[str]:
-        """The least thickness of the machine's cut chart that would do, where none is known."""
-        torch = request.machine.torch
-        known = any(part.profile.web_thickness for part in request.parts)
-        if torch is None or torch.thickness or known:
-            return
-        for thickness in sorted({row.up_to for row in torch.rows}):
-            if self.made(_with_torch(request, replace(torch, thickness=thickness))) is not None:
-                yield f"--thickness {thickness:g}"
-                return
+    def first(self, tries: Iterable[tuple[str, Request]]) -> list[str]:
+        """The words of the first try by which the parts can be made, if there is one."""
+        return [*islice((words for words, one in tries if self.made(one) is not None), 1)]
 
-    def by_map(self, request: Request) -> Iterator[str]:
-        """Cuts, where the map has no process for some lines of a drawing."""
-        torch = request.machine.torch
-        if torch is None:
-            return
-        colours = {**torch.colours, OTHERS: "cut"}
-        if self.made(_with_torch(request, replace(torch, colours=colours))) is not None:
-            yield f"--map '{OTHERS}=cut'"
-
-    def by_gap(self, request: Request) -> Iterator[str]:
+    def by_gap(self, on: Iterable[Request]) -> list[str]:
         """The least gap between ends that has to be closed, if the widest is enough."""
-        torch = request.machine.torch
-        if torch is None:
-            return
-        wider = [gap for gap in GAPS if gap > torch.gap]
-        tried = (_with_torch(request, replace(torch, gap=gap)) for gap in wider)
-        if wider and self.made(_with_torch(request, replace(torch, gap=wider[-1]))) is not None:
-            least = next((k for k, one in enumerate(tried) if self.made(one) is not None), -1)
-            yield f"--gap {wider[least]:g}"
-
-    def by_switch(self, requests: Iterable[Request], key: str) -> Iterator[str]:
-        """An option that is on or off, turned on, on the first machine where that helps."""
-        for request in requests:
-            torch = request.machine.torch
-            if torch is None or getattr(torch, key):
-                continue
-            if self.made(_with_torch(request, replace(torch, **{key: True}))) is not None:
-                yield f"--{key.replace('_', '-')}"
-                return
-
-    def by_rotating(self, request: Request) -> Iterator[str]:
-        """The least turn by which the work fits on the table."""
-        torch = request.machine.torch
-        if torch is None or torch.rotate:
-            return
-        for angle in range(ROTATED_DEG, 180, ROTATED_DEG):
-            turned = _with_torch(request, replace(torch, rotate=float(angle)))
-            if self.made(turned) is not None:
-                yield f"--rotate {angle}"
-                return
-
-    def by_units(self, on: Sequence[Request], read: Callable[..., Reading]) -> Iterator[str]:
-        """Another unit of the drawings, where what they are refused for is their size."""
-        parts = on[0].parts
-        if not parts or any(part.measures is None for part in parts):
-            return
-        for unit in UNITS:
-            try:
-                again = [read(part.source.file, units=unit) for part in parts]
-            except BeamcamError:
-                continue
-            other = tuple(part for reading in again for part in reading.parts)
-            if len(other) == len(parts) and any(
-                self.made(replace(request, parts=other)) is not None for request in on
-            ):
-                yield f"--units {unit}"
-                return
-
-    def by_placing(self, request: Request) -> Iterator[str]:
-        """The corner of the table, where work that is left where it is drawn is refused."""
-        torch = request.machine.torch
-        if torch is None or torch.place != "drawn":
-            return
-        if self.made(_with_torch(request, replace(torch, place="corner"))) is not None:
-            yield "--place corner"
+        for request, torch in _torches(on):
+            tries = [(f"--gap {gap:g}", _set(request, gap=gap)) for gap in GAPS if gap > torch.gap]
+            if widest := self.first(tries[-1:]):
+                return self.first(tries) or widest
+        return []
 
     def by_splitting(self, request: Request, machines: Iterable[Machine]) -> Iterator[str]:
         """The machines that make a part one after the other."""
@@ -316,16 +313,6 @@ class _Search:
                 ranked.append((len(names), k, f"--allow-skips {','.join(names)}{elsewhere}"))
         yield from (words for _, _, words in sorted(ranked)[:1])
 
-    def by_bar(self, request: Request) -> Iterator[str]:
-        """The shortest bar that would do, where the parts are refused for their bar."""
-        if request.machine.stock != "beam":
-            return
-        for length in LONG_BARS:
-            known = length == max(request.stock, default=None)
-            if not known and self.made(replace(request, stock=(length,))) is not None:
-                yield f"--bar {length:g}"
-                return
-
     def one_by_one(self, on: Sequence[Request]) -> Iterator[str]:
         """What makes each of several parts by itself, as those of two sections."""
         parts = on[0].parts
@@ -337,7 +324,3 @@ class _Search:
         yield "`beamcam batch` (a program for each part)"
         if parts[0].guid is not None:
             yield f"--mark {parts[0].mark} (that member alone)"
-
-    def by_turning(self, request: Request) -> Iterator[str]:
-        if request.machine.stock == "beam" and self.made(replace(request, turn=True)) is not None:
-            yield "--turn"

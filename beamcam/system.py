@@ -15,7 +15,7 @@ from typing import Any, Literal
 
 BINARY = getattr(os, "O_BINARY", 0)  #: without it Windows writes "\r\n" for "\n"
 
-#: How a file is opened to be read: a pipe that nobody writes to is not waited for.
+#: How a file is opened to be read: a pipe without a writer is not waited for.
 _TO_READ = os.O_RDONLY | BINARY | getattr(os, "O_NONBLOCK", 0)
 
 #: Waiting for more than 63 things at once is an error of Windows; the pipe of a worker is one.
@@ -99,13 +99,6 @@ def cores() -> int:
 def max_workers(count: int) -> int:
     """As many of the workers as one process can wait for."""
     return min(count, MAX_WORKERS_WINDOWS) if is_windows() else count
-
-
-def stop_signals() -> tuple[int, ...]:
-    """The signals, besides Ctrl-C, by which a run is asked to end."""
-
-    names = ("SIGTERM", "SIGBREAK")  # Ctrl-Break and the end of a session, of Windows
-    return tuple(getattr(signal, name) for name in names if hasattr(signal, name))
 
 
 def replace_file(part: str, target: str) -> None:
@@ -259,7 +252,8 @@ def _numbers() -> tuple[int, ...]:
     """The signals that are heard here; only the main thread hears of any."""
     if threading.current_thread() is not threading.main_thread():
         return ()
-    return (signal.SIGINT, *stop_signals())
+    names = ("SIGINT", "SIGTERM", "SIGBREAK")  # Ctrl-Break and the end of a session, of Windows
+    return tuple(getattr(signal, name) for name in names if hasattr(signal, name))
 
 
 @contextmanager

@@ -17,9 +17,10 @@ import pytest
 from beamcam.batch import cluster, pool
 from beamcam.batch.find import find_inputs
 from beamcam.batch.pool import MOST_BYTES, HeadStart, Here
-from beamcam.batch.run import run
-from beamcam.batch.work import BatchSettings, FileResult, Task, make_all
+from beamcam.batch.run import RunSetup, run
+from beamcam.batch.work import BatchSettings, FileResult, Task, make_all, thaw
 from beamcam.machine import load
+from beamcam.model.request import Request
 from tests.conftest import ROOT
 from tests.runs import HANG_S, batch, counts, fill, programs, report, wait_until
 
@@ -52,7 +53,7 @@ def make_or_die(frozen: bytes, chunk: tuple[Task, ...]) -> list[FileResult]:
     """What a cluster says of a chunk that has cost it several workers, said at once."""
     if any(task.name.endswith("P003.nc1") for task in chunk):
         raise distributed.KilledWorker("make_or_die", SimpleNamespace(address="tcp://x"), 3)
-    return make_all(chunk, cluster.thaw(frozen))
+    return make_all(chunk, thaw(frozen))
 
 
 def test_a_worker_that_dies_there(
@@ -60,9 +61,9 @@ def test_a_worker_that_dies_there(
 ) -> None:
     fill(tmp_path / "in", 6)
     monkeypatch.setattr(cluster, "make_there", make_or_die)
-    shop = BatchSettings(load("beamline"))
+    shop = BatchSettings(Request((), load("beamline")))
     found = find_inputs((str(tmp_path / "in"),)).inputs
-    rows = list(run(found, str(tmp_path / "out"), shop, cluster.Cluster(shop, scheduler)))
+    rows = list(run(found, RunSetup(str(tmp_path / "out"), shop, cluster.Cluster(shop, scheduler))))
     assert [row["status"] for row in rows] == ["posted"] * 3 + ["failed"] + ["posted"] * 2
     assert rows[3]["messages"][0]["code"] == "batch-worker"
 
@@ -117,14 +118,14 @@ def test_nothing_is_written_before_the_cluster_has_answered(
 
 def test_a_large_input_waits_for_the_cluster() -> None:
     """A model of minutes would hold the one process here that long."""
-    shop = BatchSettings(load("beamline"))
+    shop = BatchSettings(Request((), load("beamline")))
     there = Here(shop)
     workers = HeadStart(shop, 100, lambda: there)
     large = (Task(0, "large.nc1", b" " * (MOST_BYTES + 1)),)
     assert workers.at_once == 1
     workers.submit(large)
     assert not there.has_room()
-    assert [result.chunk for result in workers.wait()] == [large]
+    assert [chunk for chunk, _ in workers.wait()] == [large]
     workers.close()
 
 
@@ -138,7 +139,7 @@ def test_numpy_is_there_after_the_import_of_distributed() -> None:
 
 
 def test_another_version_there_is_refused(scheduler: str) -> None:
-    shop = BatchSettings(load("beamline"), version="0.0.1")
+    shop = BatchSettings(Request((), load("beamline")), version="0.0.1")
     with pytest.raises(cluster.SchedulerError, match=r"has beamcam .*, not 0\.0\.1"):
         cluster.Cluster(shop, scheduler)
 

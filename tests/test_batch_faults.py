@@ -24,7 +24,7 @@ from beamcam.batch.work import BatchSettings, FileResult, Task
 from beamcam.errors import Diagnostic, Source
 from beamcam.machine import load
 from beamcam.model.plan import AnyPlan
-from beamcam.model.request import Job
+from beamcam.model.request import Job, Request
 from beamcam.pipeline import Posted
 from tests.conftest import ROOT
 from tests.runs import BAD, HANG_S, batch, counts, fill, part, programs, report, wait_until
@@ -189,7 +189,7 @@ def test_a_drawing_without_a_part(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     from beamcam.readers import Reading
 
     monkeypatch.setattr(work, "read", lambda data, name: Reading("dxf", ()))
-    made = made_of(Task(0, "a.dxf", b"x"), BatchSettings(load("beamline")))
+    made = made_of(Task(0, "a.dxf", b"x"), BatchSettings(Request((), load("beamline"))))
     assert [m["code"] for m in made.row["messages"]] == ["batch-no-part"]
     assert made.row["status"] == "refused"
 
@@ -201,13 +201,13 @@ def test_several_parts_in_a_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     texts = (part("M 1"), BAD, part("M_1", 2500.0), part("M2"), part("M2", 2500.0))
     parts = tuple(read(text.encode(), f"{k}.nc1").parts[0] for k, text in enumerate(texts))
     monkeypatch.setattr(work, "read", lambda data, name: Reading("ifc", parts))
-    shop = BatchSettings(load("beamline"))
+    shop = BatchSettings(Request((), load("beamline")))
     made = made_of(Task(0, "in/model.ifc", b"x"), shop)
     names = [name for name, _ in made.outputs]
     assert names == ["model_M_1.gcode", "model_M_1-2.gcode", "model_M2.gcode"]
     assert made.row["status"] == "refused"
     assert [p["output"] for p in made.row["parts"]] == names
-    shop = BatchSettings(load("beamline"), name="{mark}.gcode")
+    shop = BatchSettings(Request((), load("beamline")), name="{mark}.gcode")
     made = made_of(Task(0, "in/model.ifc", b"x"), shop)
     assert [name for name, _ in made.outputs] == ["M_1.gcode", "M2.gcode"]
     codes = [m["code"] for m in made.row["messages"] if m["severity"] == "error"]
@@ -223,7 +223,7 @@ def test_members_that_cannot_be_read_stop_no_other(monkeypatch: pytest.MonkeyPat
     for name, outputs in (("ifc", 1), ("dstv", 0)):
         reading = Reading(name, (good,), (said,))
         monkeypatch.setattr(work, "read", lambda data, file, reading=reading: reading)
-        made = made_of(Task(0, "in/model.ifc", b"x"), BatchSettings(load("beamline")))
+        made = made_of(Task(0, "in/model.ifc", b"x"), BatchSettings(Request((), load("beamline"))))
         assert made.row["status"] == "refused"
         assert [m["code"] for m in made.row["messages"] if m["severity"] == "error"] == [
             "read-empty"
@@ -251,7 +251,7 @@ def test_the_files_of_a_chunk_go_from_stage_to_stage_together(
     monkeypatch.setattr(pipeline, "posting", posting)
     texts = (part("A"), BAD, part("B", 3000.0))
     tasks = [Task(k, f"{k}.nc1", text.encode()) for k, text in enumerate(texts)]
-    shop = BatchSettings(load("beamline"), clock=itertools.count().__next__)
+    shop = BatchSettings(Request((), load("beamline")), clock=itertools.count().__next__)
     made = work.make_all(tasks, shop)
     stages = ("put", "printed", "read")  # behind the plan
     assert told == [(stage, mark) for stage in stages for mark in "AB"]

@@ -17,7 +17,7 @@ from beamcam.cli import COMMANDS, main
 from beamcam.commands import common
 from beamcam.commands.common import NO_PROGRAMS
 from beamcam.commands.options import FIRST, GROUPS, MOST_SHOWN, OTHER, Grouped, heading_of
-from beamcam.commands.outputs import KINDS
+from beamcam.commands.value_types import KINDS
 from beamcam.machine.machine import DEFAULTS
 from tests.conftest import ROOT, SAMPLES
 from tests.runs import call, part

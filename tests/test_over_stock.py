@@ -14,14 +14,17 @@ from msgspec.structs import replace
 from beamcam.batch import over_stock, work
 from beamcam.batch.find import Input
 from beamcam.batch.pool import Here, driven
-from beamcam.batch.pool import Result as Outcome
+from beamcam.batch.run import RunSetup
 from beamcam.batch.run import run as run_files
 from beamcam.batch.shares import FileState
 from beamcam.batch.work import BatchSettings
 from beamcam.checks.job import Head, head_of
 from beamcam.machine import load
+from beamcam.model.request import Request
 from beamcam.pipeline import read_file
+from beamcam.processes import Died
 from beamcam.readers import Reading
+from beamcam.system import NEVER
 from tests.conftest import SAMPLES, examples
 from tests.runs import BAD, call, part
 
@@ -357,19 +360,19 @@ def test_a_worker_that_dies_fails_its_program_alone(tmp_path: Path) -> None:
             chunk = self.chunks.pop()
             self.seen.update(task.index for task in chunk)
             if any(task.index == 1 for task in chunk):
-                yield Outcome(chunk, "suspected")
+                yield chunk, Died()
             elif any(task.index == 2 and self.seen[2] == 1 for task in chunk):
-                yield Outcome(chunk, "lost")
+                yield chunk, None
             else:
-                yield Outcome(chunk, "made", [made(task) for task in chunk])
+                yield chunk, [made(task) for task in chunk]
 
     def made(task: Any) -> work.FileResult:
         row: Any = {"file": task.name, "status": "posted", "format": "", "seconds": 0.0,
                     "parts": [], "messages": []}  # fmt: skip
-        return work.FileResult(task.index, row, ())
+        return work.FileResult(task.index, row)
 
     tasks = (FileState(k, f"{k}.nc1", b"") for k in range(5))
-    found = {one.index: one.row["status"] for one in driven(Workers(), tasks, over_stock.NEVER)}
+    found = {one.index: one.row["status"] for one in driven(Workers(), tasks, NEVER)}
     assert found == {0: "posted", 1: "failed", 2: "posted", 3: "posted", 4: "posted"}
 
 
@@ -429,11 +432,11 @@ def test_marks_are_kept_over_the_runs_of_a_watch(tmp_path: Path) -> None:
     folder = order(tmp_path / "in", "channel")
     text = (folder / "channel.nc1").read_text().replace("3000.00", "2990.00")
     (folder / "later.nc1").write_text(text)
-    shop, known = BatchSettings(load("beamline")), dict[Any, str]()
+    shop, known = BatchSettings(Request((), load("beamline"))), dict[Any, str]()
     found = []
     for name in ("channel.nc1", "later.nc1"):
         inputs = [Input(str(folder / name), name)]
-        found += run_files(inputs, str(tmp_path / "out"), shop, Here(shop), marks=known)
+        found += run_files(inputs, RunSetup(str(tmp_path / "out"), shop, Here(shop)), marks=known)
     assert [row["status"] for row in found] == ["posted", "refused"]
     assert [m["code"] for m in found[1]["messages"]] == ["list-mark-twice"]
     assert [*heads(tmp_path / "out")] == ["channel.gcode"]

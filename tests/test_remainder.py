@@ -4,13 +4,14 @@ import re
 from pathlib import Path
 
 import pytest
+from msgspec.structs import replace
 
-from beamcam import remainder
+from beamcam.emitters import gcode
 from beamcam.errors import PlanError
-from beamcam.machine import load
+from beamcam.machine import Machine, load
 from beamcam.model.part import Part
 from beamcam.model.plan import Plan
-from beamcam.model.program import Command
+from beamcam.model.program import Comment, Program, StartBar
 from beamcam.pipeline import Posted, RefusedProgram, post
 from beamcam.readers import read
 from beamcam.remainder import rest_of, what_has_to_be_true
@@ -119,25 +120,27 @@ def test_a_rest_that_is_not_the_rest_is_refused(
     monkeypatch: pytest.MonkeyPatch, fault: str
 ) -> None:
     """Whatever goes wrong in parting it: the read-back of both together finds it."""
-    parted = remainder._parted
-    Commands = tuple[Command, ...]
+    posted, emit = whole(CHANNEL, "beamline"), gcode.emit
+    assert isinstance(posted.program, Program)
+    commands = posted.program.commands
 
-    def broken(commands: Commands, first: int) -> tuple[Commands, Commands]:
-        head, rest = parted(commands, first)
-        done = commands[: -len(rest)]
+    def broken(program: Program, machine: Machine) -> str:
+        begin = next(
+            k for k, c in enumerate(program.commands) if not isinstance(c, StartBar | Comment)
+        )
+        head, rest = program.commands[:begin], program.commands[begin:]
         if fault == "dropped":
             rest = rest[1:]
         elif fault == "doubled":
-            rest = (done[-1], *rest)
+            rest = (commands[-len(rest) - 1], *rest)
         elif fault == "swapped":
             rest = (rest[-1], *rest[:-1])
         else:
             head = ()
-        return head, rest
+        return emit(replace(program, commands=(*head, *rest)), machine)
 
-    posted = whole(CHANNEL, "beamline")
     assert rest_of(posted, 8).text
-    monkeypatch.setattr(remainder, "_parted", broken)
+    monkeypatch.setattr(gcode, "emit", broken)
     with pytest.raises(RefusedProgram, match="error verify-"):
         rest_of(posted, 8)
 

@@ -12,34 +12,12 @@ from msgspec import Struct
 
 from beamcam.arguments import HERE, AskError, ask_type
 from beamcam.conversion import PositiveCount
-from beamcam.errors import error
+from beamcam.errors import Diagnostic, error
 from beamcam.model.part import Part
 from beamcam.model.request import MarkFrom
 
 #: The content of a file, or where it is.
 FileInput = str | os.PathLike[str] | bytes | bytearray | memoryview | IO[bytes] | IO[str]
-
-
-class CheckedReadOptions(Struct, forbid_unknown_fields=True):
-    """What a caller asks of a reader, checked."""
-
-    units: str | None = None
-    width: str | None = None
-    layers: tuple[str, ...] = ()
-    letters: tuple[str, ...] = ()
-    fit: tuple[str, ...] = ()
-    encoding: str | None = None
-    ends: Literal["contour", "header"] | None = None
-    wrap: str | None = None
-    marks: tuple[str, ...] = ()
-    guids: tuple[str, ...] = ()
-    classes: tuple[str, ...] = ()
-    assemblies: tuple[str, ...] = ()
-    force: bool = False
-    letter: Literal["mark"] | None = None
-    mark_from: MarkFrom = "mark"
-    check: bool = True
-    workers: PositiveCount = 1
 
 
 class SheetOptions(TypedDict, total=False):
@@ -92,7 +70,7 @@ class ReadOptions(TypedDict, total=False):
     letter: Literal["mark"] | None  #: whether they are lettered with their marks
     mark_from: MarkFrom  #: where marks stand: "mark", "drawing", "file" or "position"
     check: bool  #: whether their cuts are checked by the geometry kernel; True
-    workers: int  #: processes that read a large model; 1
+    workers: PositiveCount  #: processes that read a large model; 1
 
 
 ASK_NUMBER = error("ask-number",
@@ -107,6 +85,11 @@ ASK_VALUE = error("ask-value",
 
 
 Asked = TypeVar("Asked")
+
+
+def ask_value(name: str, fault: str) -> Diagnostic:
+    """What is said of a wrong value of an option."""
+    return ASK_VALUE.at(HERE, name=name, fault=fault)
 
 
 def check_flags(**flags: object) -> None:
@@ -140,7 +123,17 @@ def checked_parts(parts: Part | Iterable[Part]) -> tuple[Part, ...]:
     for part in all_parts:
         if not isinstance(part, Part):
             raise AskError(ask_type("parts", part, "a Part, or several"))
-        _check_numbers(part)
+        waiting: list[tuple[str, Any]] = [("", part)]
+        while waiting:
+            name, value = waiting.pop()
+            if isinstance(value, float):
+                if not isfinite(value):
+                    raise AskError(ASK_NUMBER.at(part.source, found=value, name=name))
+            elif isinstance(value, Struct):
+                fields = ((field, getattr(value, field)) for field in value.__struct_fields__)
+                waiting += ((f"{name}.{f}".lstrip("."), inner) for f, inner in fields)
+            elif isinstance(value, tuple):
+                waiting += ((name, inner) for inner in value)
     return all_parts
 
 
@@ -151,19 +144,4 @@ def converted(value: object, kind: type[Asked], name: str = "") -> Asked:
     except msgspec.ValidationError as error:
         fault, _, where = str(error).partition(" - at `$")
         place = where.rstrip("`").lstrip(".") or name
-        raise AskError(ASK_VALUE.at(HERE, name=place or "the options", fault=fault)) from error
-
-
-def _check_numbers(part: Part) -> None:
-    """Raise AskError for the first number of a part that is not finite."""
-    waiting: list[tuple[str, Any]] = [("", part)]
-    while waiting:
-        name, value = waiting.pop()
-        if isinstance(value, float):
-            if not isfinite(value):
-                raise AskError(ASK_NUMBER.at(part.source, found=value, name=name))
-        elif isinstance(value, Struct):
-            fields = ((field, getattr(value, field)) for field in value.__struct_fields__)
-            waiting += ((f"{name}.{f}".lstrip("."), inner) for f, inner in fields)
-        elif isinstance(value, tuple):
-            waiting += ((name, inner) for inner in value)
+        raise AskError(ask_value(place or "the options", fault)) from error

@@ -2,28 +2,35 @@
 have there."""
 
 import os
-from collections.abc import Collection, Iterable, Mapping
-from typing import Any, Literal, Unpack, get_args
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Literal, Unpack, get_args
 
 from msgspec.structs import replace
 
 from beamcam.api.inputs import (
-    ASK_VALUE,
-    CheckedReadOptions,
     FileInput,
     ReadOptions,
     SheetOptions,
+    ask_value,
     check_choice,
     check_flags,
     check_text,
     checked_parts,
     converted,
 )
-from beamcam.arguments import ASK_TYPE, AnyMachine, AskError, ask_type, check_arguments, machine_of
-from beamcam.errors import Diagnostic, PlanError, ReadError, Source
+from beamcam.arguments import (
+    ASK_TYPE,
+    HERE,
+    AnyMachine,
+    AskError,
+    ask_type,
+    check_arguments,
+    for_job,
+    machine_of,
+)
+from beamcam.errors import Diagnostic, ReadError
 from beamcam.machine import Machine
 from beamcam.machine.machine import DEFAULT_MACHINE
-from beamcam.machine.overlay import with_section, with_torch
 from beamcam.machine.runtime import STYLES
 from beamcam.machine.tables import DIALECTS, STEP_FORMS, TABLE_CONTROLLERS
 from beamcam.model.part import Part
@@ -35,6 +42,9 @@ from beamcam.pipeline import read_back as read_program_back
 from beamcam.posts import post_of
 from beamcam.readers import Reading, content
 from beamcam.readers import read as read_bytes
+
+if TYPE_CHECKING:
+    from beamcam.writers import Target
 
 Process = Literal["cut", "mark", "engrave", "ignore"]
 
@@ -61,25 +71,9 @@ def load(
 
     loaded = machine_of(machine)
     tables: dict[str, Any] = {"sheet": sheet, "map": map or {}, "tolerances": tolerances or {}}
-    settings = converted({**tables, "corner": corner, "lip": lip}, ConfigFile)
-    config = Config(
-        loaded.name, sheet=settings.sheet, map=settings.map, tolerances=settings.tolerances
-    )
-    if config.tolerances:
-        from beamcam.config.load import with_tolerances
-
-        loaded = with_tolerances(loaded, config)
-    loaded = with_section(loaded, settings.corner, settings.lip)
-    if not (config.map or sheet):
-        return loaded
-    try:
-        return with_torch(
-            loaded, config.meanings, settings=config.layer_settings, **config.sheet.given()
-        )
-    except ValueError as error:
-        from beamcam.planning.contours.rules import OPTION
-
-        raise PlanError(OPTION.at(Source(loaded.name), found=error)) from error
+    read = converted({**tables, "corner": corner, "lip": lip}, ConfigFile)
+    given = {name: getattr(read, name) for name in (*tables, "corner", "lip")}
+    return for_job(loaded, Config(loaded.name, **given))
 
 
 def read(
@@ -94,33 +88,38 @@ def read(
     check_flags(strict=strict)
     check_text("name", name)
     data = bytes_of(source, "source")
-    asked = _reader_options(options)
+    how = _reader_options(options)
     if data is None:
-        reading = read_file(os.fspath(source), strict, **asked)  # type: ignore[arg-type]
+        reading = read_file(os.fspath(source), strict, **how)  # type: ignore[arg-type]
     else:
-        reading = judged(read_bytes(data, name, **asked), strict)
+        reading = judged(read_bytes(data, name, **how), strict)
     if reading.refused:
         raise ReadError(reading.diagnostics)
-    source_of_marks = converted(options, CheckedReadOptions).mark_from
-    return replace(reading, parts=marked(reading.parts, source_of_marks))
+    return replace(reading, parts=marked(reading.parts, options.get("mark_from", "mark")))
 
 
-def _reader_options(asked: ReadOptions) -> dict[str, object]:
-    """What was asked of a reader, by the names that readers have for it. Raises AskError."""
-    values = converted(asked, CheckedReadOptions)
-    if values.encoding is not None:
+def _reader_options(options: ReadOptions) -> dict[str, object]:
+    """The options of a reader, by the names that readers have for them. Raises AskError."""
+    for name in options.keys() - ReadOptions.__annotations__.keys():
+        raise AskError(ask_value("the options", f"Object contains unknown field `{name}`"))
+    values: dict[str, Any] = {**converted(options, ReadOptions)}
+    if (encoding := values.get("encoding")) is not None:
         try:
-            "a".encode(values.encoding)
+            "a".encode(encoding)
         except (LookupError, UnicodeError) as error:
-            diagnostic = ASK_VALUE.at(Source("beamcam"), name="encoding", fault=str(error))
-            raise AskError(diagnostic) from error
-    names = ("units", "width", "encoding", "ends", "layers", "letters", "fit", "wrap")
-    given = {name: value for name in names if (value := getattr(values, name)) not in (None, ())}
-    members = (values.marks, values.guids, values.classes, values.assemblies)
-    options = Options(
-        values.force, values.check, letter=values.letter == "mark", workers=values.workers
-    )
-    return given | {"selection": Selection(*map(frozenset, members)), "options": options}
+            raise AskError(ask_value("encoding", str(error))) from error
+    names = ("units", "width", "encoding", "ends", "wrap", "layers", "letters", "fit")
+    given: dict[str, Any] = {
+        name: tuple(of) if isinstance(of, list) else of
+        for name in names
+        if (of := values.get(name)) not in (None, [])
+    }
+    members = (values.get(name, ()) for name in ("marks", "guids", "classes", "assemblies"))
+    how = Options(
+        values.get("force", False), values.get("check", True),
+        letter=values.get("letter") == "mark", workers=values.get("workers", 1),
+    )  # fmt: skip
+    return given | {"selection": Selection(*map(frozenset, members)), "options": how}
 
 
 def convert(part: Part, to: str = "dstv", *, thickness: float | None = None) -> str:
@@ -132,15 +131,12 @@ def convert(part: Part, to: str = "dstv", *, thickness: float | None = None) -> 
     from beamcam.writers import TARGETS
 
     (only,) = checked_parts(part)
-    target = next((target for target in TARGETS if target.name == to), None)
-    if target is None:
-        expected = ", ".join(target.name for target in TARGETS)
-        raise AskError(ASK_TYPE.at(Source("beamcam"), name="to", found=repr(to), expected=expected))
+    target = _target(to, TARGETS)
     if thickness is not None and only.profile.web_thickness is None:
         from beamcam.config.values import Sheet
 
-        asked = converted({"thickness": thickness}, Sheet).thickness
-        only = replace(only, profile=replace(only.profile, web_thickness=asked))
+        given = converted({"thickness": thickness}, Sheet).thickness
+        only = replace(only, profile=replace(only.profile, web_thickness=given))
     return target.write(only)
 
 
@@ -191,15 +187,12 @@ def post(
     posted = post_bar(
         all_parts, loaded, job, bar, skips, read_back, order, turn, strict, style, date
     )
-    if from_contour is not None:
-        from beamcam.remainder import rest_of_sheet
-
-        return rest_of_sheet(posted, _contour(from_contour, loaded))
-    if from_operation is None:
+    first = _first(from_operation, from_contour, loaded)
+    if first is None:
         return posted
-    from beamcam.remainder import rest_of
+    from beamcam.remainder import rest_of, rest_of_sheet
 
-    return rest_of(posted, _operation(from_operation, loaded))
+    return (rest_of if from_contour is None else rest_of_sheet)(posted, first)
 
 
 def rest(posted: Posted, to: str = "dstv") -> str | None:
@@ -211,20 +204,22 @@ def rest(posted: Posted, to: str = "dstv") -> str | None:
     from beamcam.rest_part import rest_of_part
     from beamcam.writers import TARGETS
 
-    target = next((target for target in TARGETS[:2] if target.name == to), None)
-    if target is None:
-        expected = ", ".join(target.name for target in TARGETS[:2])
-        raise AskError(ASK_TYPE.at(Source("beamcam"), name="to", found=repr(to), expected=expected))
-    request = posted.job.request
+    target, request = _target(to, TARGETS[:2]), posted.job.request
     if len(request.parts) != 1 or request.turn or request.machine.stock == "sheet":
-        name, found = (
-            "posted",
-            "a program of several parts, of a sheet, or of a part that is turned",
-        )
+        found = "a program of several parts, of a sheet, or of a part that is turned"
         expected = "one of one part of a bar, as it was read"
-        raise AskError(ASK_TYPE.at(Source("beamcam"), name=name, found=found, expected=expected))
+        raise AskError(ASK_TYPE.at(HERE, name="posted", found=found, expected=expected))
     left = rest_of_part(posted, target)
     return None if left is None else left[1]
+
+
+def _target(to: str, targets: "Sequence[Target]") -> "Target":
+    """The format of that name. Raises AskError."""
+    target = next((target for target in targets if target.name == to), None)
+    if target is None:
+        expected = ", ".join(target.name for target in targets)
+        raise AskError(ASK_TYPE.at(HERE, name="to", found=repr(to), expected=expected))
+    return target
 
 
 def verify(
@@ -248,35 +243,27 @@ def verify(
     check_flags(turn=turn, solid=solid)
     check_text("name", name)
     if solid and (from_operation is not None or from_contour is not None):
-        fault = "a remainder has no solid of its own"
-        raise AskError(ASK_VALUE.at(Source("beamcam"), name="solid", fault=fault))
+        raise AskError(ask_value("solid", "a remainder has no solid of its own"))
     loaded, all_parts, data = machine_of(machine), checked_parts(parts), program_bytes(program)
     check_choice("order", order, get_args(Order))
     check_style(style, loaded)
     request = Request(all_parts, loaded, named_skips(skips), name, order, turn, style=style)
-    if from_operation is None and from_contour is None:
+    first = _first(from_operation, from_contour, loaded)
+    if first is None:
         diagnostics = read_program_back(data, request, bar)
         if not solid:
             return diagnostics
         from beamcam.solid.opinion import solid_faults
 
         return (*diagnostics, *solid_faults(data, request, bar))
-    from beamcam.remainder import faults_of
+    from beamcam.remainder import faults_of, faults_of_sheet_rest
 
-    if from_contour is not None:
-        first = _contour(from_contour, loaded)
-    else:
-        first = _operation(from_operation, loaded)
     if after is None:
         whole = post_bar(all_parts, loaded, "JOB", bar, skips, False, order, turn).text
     else:
         whole = program_bytes(after).decode("utf-8", "replace")
     rest, job = data.decode("utf-8", "replace"), whole_job(request, bar)
-    if from_contour is not None:
-        from beamcam.remainder import faults_of_sheet_rest
-
-        return faults_of_sheet_rest(rest, whole, first, job)
-    return faults_of(rest, whole, first, job)
+    return (faults_of if from_contour is None else faults_of_sheet_rest)(rest, whole, first, job)
 
 
 def check_style(style: object, machine: Machine) -> None:
@@ -287,21 +274,22 @@ def check_style(style: object, machine: Machine) -> None:
         raise AskError(ask_type("style", style, " or ".join(map(repr, (*forms, None)))))
 
 
-def _contour(first: object, machine: Machine) -> int:
-    """The contour that the rest of a sheet's program begins with. Raises AskError."""
-    number: int = converted(first, int, "from_contour")
-    if machine.stock != "sheet" or machine.controller in TABLE_CONTROLLERS:
-        fault = f"{machine.name} runs no program of contours"
-        raise AskError(ASK_VALUE.at(Source("beamcam"), name="from_contour", fault=fault))
-    return number
+def _first(operation: object, contour: object, machine: Machine) -> int | None:
+    """The contour of a sheet or the operation that a remainder begins with, if it is asked for.
 
-
-def _operation(first: object, machine: Machine) -> int:
-    """The operation that a remainder begins with. Raises AskError."""
-    number: int = converted(first, int, "from_operation")
+    Raises AskError.
+    """
+    if contour is not None:
+        number: int = converted(contour, int, "from_contour")
+        if machine.stock != "sheet" or machine.controller in TABLE_CONTROLLERS:
+            fault = f"{machine.name} runs no program of contours"
+            raise AskError(ask_value("from_contour", fault))
+        return number
+    if operation is None:
+        return None
+    number = converted(operation, int, "from_operation")
     if machine.stock != "beam":
-        fault = f"{machine.name} works on no bars"
-        raise AskError(ASK_VALUE.at(Source("beamcam"), name="from_operation", fault=fault))
+        raise AskError(ask_value("from_operation", f"{machine.name} works on no bars"))
     return number
 
 
@@ -334,7 +322,7 @@ def program_bytes(program: object) -> bytes:
     data = bytes_of(program, "program")
     if data is not None:
         return data
-    found = content(os.fspath(program))  # type: ignore[call-overload]
-    if isinstance(found, Diagnostic):
-        raise ReadError(found)
-    return bytes(found)
+    read = content(os.fspath(program))  # type: ignore[call-overload]
+    if isinstance(read, Diagnostic):
+        raise ReadError(read)
+    return bytes(read)

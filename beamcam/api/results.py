@@ -1,5 +1,5 @@
-"""What is seen of a program from Python: its course, its parts, pictures and sheets, and how two
-of them differ."""
+"""What is seen of a program from Python: its axes over time, its parts, pictures and sheets, and
+how two of them differ."""
 
 from collections.abc import Iterable
 from pathlib import PurePath
@@ -16,7 +16,6 @@ from beamcam.comparison.pairing import Difference
 from beamcam.comparison.statements import ProgramText, diff_texts
 from beamcam.controllers.dialect import ARC, SYNTAX, WORD
 from beamcam.errors import Diagnostic, Severity, Source, VerifyError, errors_in
-from beamcam.machine import Machine
 from beamcam.machine.machine import DEFAULT_MACHINE
 from beamcam.model.part import Part, Profile
 from beamcam.model.plan import Plan
@@ -25,15 +24,10 @@ from beamcam.pipeline import Posted, read_back
 
 if TYPE_CHECKING:
     from beamcam.pictures.program import ReadProgram
-    from beamcam.pictures.scene import Scene
     from beamcam.recovery import Recovered
-    from beamcam.setup_sheet.content import SheetSources
     from beamcam.simulation.program import Simulated
 
-# --- comparison -----------------------------------------------------------------------------------
-
-# Two programs of a machine compared by what they mean.
-
+# --- comparison: two programs of a machine compared by what they mean -----------------------------
 
 #: Faults that make a program's meaning unknown.
 NOT_UNDERSTOOD = {r.code for r in (SYNTAX, WORD, ARC)}
@@ -66,28 +60,12 @@ def compared(a: ProgramText, b: ProgramText) -> ComparisonResult:
             for fault in read_back(one.text, Request((), one.machine, name=one.name))
             if fault.severity is not Severity.NOTE
         )
-    return ComparisonResult((*different, *_left_to_hand(a.text, b.text)), diagnostics)
-
-
-def program_text(name: str, text: str, machine: AnyMachine | None) -> ProgramText:
-    """A program and the machine that reads it: the one given, else the one that its head names.
-
-    Raises MachineError.
-    """
-    if machine is None:
-        head = head_of(text)
-        machine = DEFAULT_MACHINE if head is None else head.machine
-    return ProgramText(name, text, machine_of(machine))
-
-
-def _left_to_hand(first: str, second: str) -> tuple[Difference, ...]:
-    """Whether the heads of two programs leave different numbers of marks for manual work."""
-    heads = [head_of(text) for text in (first, second)]
+    heads = [head_of(one.text) for one in (a, b)]
     old, new = (0 if head is None else head.manual_work for head in heads)
-    if old == new:
-        return ()
-    text = f"marks left for manual work: {old} in A, {new} in B"
-    return (Difference("feature", "changed", text),)
+    if old != new:
+        text = f"marks left for manual work: {old} in A, {new} in B"
+        different = (*different, Difference("feature", "changed", text))
+    return ComparisonResult(tuple(different), diagnostics)
 
 
 Picture = Literal["svg", "png", "pdf"]
@@ -134,7 +112,12 @@ def diff(
         return ComparisonResult(diff_parts(checked_parts(a), checked_parts(b)), ())  # type: ignore[arg-type]
     if _is_parts(a) or _is_parts(b):
         raise AskError(ask_type("b", type(b).__name__, "two programs, or two parts"))
-    return compared(*(program_text(n, _text(p), machine) for n, p in (("A", a), ("B", b))))
+    texts = []
+    for name, text in (("A", _text(a)), ("B", _text(b))):
+        head = head_of(text)
+        used = machine or (DEFAULT_MACHINE if head is None else head.machine)
+        texts.append(ProgramText(name, text, machine_of(used)))
+    return compared(*texts)
 
 
 def recover(
@@ -190,7 +173,9 @@ def plot(
         from beamcam.pictures.program import program_scene
 
         scene = program_scene(_read_program(shown, machine, name, bar, parts), unit)
-    return _picture(scene, to, paper)
+    from beamcam.pictures.formats import picture
+
+    return picture([scene], f".{to}", paper)
 
 
 def report(
@@ -213,7 +198,10 @@ def report(
     if program is None:
         program = post(all_parts, loaded, bar=bar, skips=left_out)
     if isinstance(program, Posted):
-        source = _posted_source(program, all_parts, loaded, name)
+        plan, data = program.plan, b"".join(program.pieces())
+        length = plan.bar.length if isinstance(plan, Plan) else None
+        read = _read_program(data, loaded, f"{name}{loaded.suffix}", length, all_parts)
+        source = SheetSources(read, plan, program.remarks)
     else:
         read = _read_program(program, loaded, name, bar, all_parts)
         request = Request(all_parts, loaded, left_out, name, style=read.style)
@@ -226,18 +214,6 @@ def report(
     from beamcam.setup_sheet.page import setup_page
 
     return setup_page(content)
-
-
-def _posted_source(
-    posted: Posted, parts: tuple[Part, ...], machine: Machine, name: str
-) -> "SheetSources":
-    """What the setup sheet of a posted program is made of; its plan is known, and its remarks."""
-    from beamcam.setup_sheet.content import SheetSources
-
-    bar = posted.plan.bar.length if isinstance(posted.plan, Plan) else None
-    data = b"".join(posted.pieces())
-    read = _read_program(data, machine, f"{name}{machine.suffix}", bar, parts)
-    return SheetSources(read, posted.plan, posted.remarks)
 
 
 def _is_parts(value: object) -> bool:
@@ -258,17 +234,3 @@ def _read_program(
     loaded = machine_of(DEFAULT_MACHINE if machine is None else machine)
     style = PurePath(name).suffix.lower()
     return ReadProgram(program_bytes(program), loaded, name, style, checked_parts(parts), bar)
-
-
-def _picture(scene: "Scene", form: Picture, paper: Paper) -> str | bytes:
-    if form == "pdf":
-        from beamcam.pictures.formats import to_pdf
-
-        return to_pdf([scene], paper)
-    if form == "png":
-        from beamcam.pictures.formats import to_png
-
-        return to_png(scene)
-    from beamcam.pictures.formats import to_svg
-
-    return to_svg(scene)

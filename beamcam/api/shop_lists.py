@@ -34,15 +34,13 @@ from beamcam.model.request import (
     stock_of,
 )
 from beamcam.pipeline import plan_share, plans_of, shares_of
-from beamcam.planning.manual_list import MARK_ROWS, manual_rows
-from beamcam.posts import Planned
 from beamcam.reports.part_list import (
     CutBar,
     CutPiece,
-    ManualWork,
     PartCount,
     bar_list,
     cutting_list,
+    manual_work_of,
     part_list,
 )
 
@@ -167,24 +165,24 @@ def planned_counts(
     if request.stock:
         lengths = {*request.stock, *(remnant.length for remnant in remnants)}
         request = replace(request, stock=tuple(sorted(lengths)))
-    return tuple(_planned(one, machines_for(one.part), request) for one in counts)
-
-
-def _planned(one: PartCount, machines: Sequence[Machine], asked: Request) -> PartCount:
-    request = replace(asked, parts=(one.part,), machine=machines[0], quantity=1)
-    try:
-        (planned, *_), _ = on_best_machine(request, machines, plans_of)
-    except PlanError as error:
-        return replace(one, refused=tuple(error.diagnostics))
-    kinds = [row["kind"] for row in manual_rows(planned.plan)]
-    manual_work = ManualWork(sum(kind in MARK_ROWS for kind in kinds), kinds.count("bevel"))
-    return replace(one, machine=planned.job.machine.name, manual_work=manual_work)
+    planned: list[PartCount] = []
+    for one in counts:
+        machines = machines_for(one.part)
+        of_one = replace(request, parts=(one.part,), machine=machines[0], quantity=1)
+        try:
+            (first, *_), _ = on_best_machine(of_one, machines, plans_of)
+        except PlanError as error:
+            planned.append(replace(one, refused=tuple(error.diagnostics)))
+            continue
+        manual_work = manual_work_of(first.plan)
+        planned.append(replace(one, machine=first.job.machine.name, manual_work=manual_work))
+    return tuple(planned)
 
 
 def bars_of(
     counts: Sequence[PartCount],
     machines_for: MachinesFor,
-    asked: Request,
+    request: Request,
     remnants: Sequence[Remnant] = (),
 ) -> tuple[tuple[PartCount, ...], tuple[CutBar, ...]]:
     """The bars of the plans by which `post` makes the parts: of one machine, section and grade.
@@ -211,16 +209,24 @@ def bars_of(
     bars: list[CutBar] = []
     for key, places in lots.items():
         parts = tuple(replace(known[k].part, quantity=known[k].quantity) for k in places)
-        request = replace(
-            asked, parts=parts, machine=machine_of_lot[key], quantity="file",
+        of_lot = replace(
+            request, parts=parts, machine=machine_of_lot[key], quantity="file",
             remnants=there.get(key, ()),
         )  # fmt: skip
         planned: dict[Share, CutBar] = {}  # of bars with the same pieces, which are many
-        for share in shares_of(request):
+        for share in shares_of(of_lot):
             try:
                 if share not in planned:
-                    parts_read = [known[k].part for k in places]
-                    planned[share] = _bar(plan_share(request, share), parts_read)
+                    bar = plan_share(of_lot, share)
+                    used = stock_used(bar.plan, bar.job.bar)
+                    assert used is not None  # the machine is one for bars
+                    planned[share] = CutBar(
+                        tuple(
+                            CutPiece(known[places[bar.job.pieces[p.given]]].part, p.start, p.turn)
+                            for p in bar.plan.pieces
+                        ),
+                        used.length, used.cuts, used.remnant, key[0],
+                    )  # fmt: skip
                 bars.append(planned[share])
             except PlanError as error:
                 for k in {places[piece] for piece in share.pieces}:
@@ -229,33 +235,9 @@ def bars_of(
     return tuple(known), tuple(bars)
 
 
-def _bar(planned: Planned, parts: Sequence[Part]) -> CutBar:
-    """A planned bar as rows of a cutting list; `parts` are those of its request."""
-    plan, job = planned.plan, planned.job
-    used = stock_used(plan, job.bar)
-    if used is None:
-        raise TypeError("a bar is planned on a machine for bars")
-    pieces = tuple(
-        CutPiece(parts[job.pieces[piece.given]], piece.start, piece.turn) for piece in plan.pieces
-    )
-    return CutBar(pieces, used.length, used.cuts, used.remnant, job.machine.name)
-
-
 def not_made(counts: Iterable[PartCount]) -> tuple[Diagnostic, ...]:
     """Why parts are not made: what is said of several once."""
     return tuple(dict.fromkeys(diagnostic for one in counts for diagnostic in one.refused))
-
-
-def programs_of(
-    part: Part, machines: Sequence[Machine], asked: Request
-) -> tuple[Machine, tuple[int, ...]]:
-    """The machine that a batch makes a part on, and the pieces that each of its programs makes.
-
-    Raises PlanError where no machine makes it.
-    """
-    request = replace(asked, parts=(part,), machine=machines[0])
-    planned, _ = on_best_machine(request, machines, plans_of)
-    return planned[0].job.machine, tuple(len(one.job.pieces) for one in planned)
 
 
 def _check_quantity(quantity: object) -> None:

@@ -10,10 +10,12 @@ from concurrent.futures import CancelledError
 from typing import Any
 
 from beamcam.batch import SCHEDULER
-from beamcam.batch.pool import Chunk, Result
+from beamcam.batch.pool import Chunk, Outcome
 from beamcam.batch.work import BatchSettings, FileResult, Task, make_all, thaw
 from beamcam.errors import BeamcamError, Source
+from beamcam.processes import Died
 from beamcam.system import LOOK_S
+from beamcam.version import __version__
 
 ANSWER_S = 6.0  #: for the scheduler to answer, and for its workers to say which beamcam they have
 CHUNKS = 2  #: that each thread of the cluster has at most, one of them in work
@@ -37,8 +39,7 @@ class Cluster:
     ) -> None:  # fmt: skip
         """Raises SchedulerError if there is none at `address`, or it has no worker."""
         self._address = address
-        self._answer_s = ANSWER_S if answer_s is None else answer_s
-        self._per_thread = CHUNKS if chunks is None else chunks
+        self._answer_s, self._per_thread = answer_s or ANSWER_S, chunks or CHUNKS
         self._frozen = settings.freeze
         self._chunks: dict[Any, Chunk] = {}
         try:
@@ -76,12 +77,12 @@ class Cluster:
             return __version__
 
         try:
-            found = self._client.sync(
+            versions = self._client.sync(
                 self._client._run, version_there, on_error="return", callback_timeout=self._answer_s
             )
         except (OSError, TimeoutError) as error:
             raise self._error(f"its workers give no answer within {self._answer_s:g} s") from error
-        for worker, has in sorted(found.items()):
+        for worker, has in sorted(versions.items()):
             if not isinstance(has, str):
                 raise self._error(f"the worker {worker} gives no answer: {has!r}")
             if has != version:
@@ -89,8 +90,6 @@ class Cluster:
                 raise self._error(f"the worker {worker} has {has}")
 
     def _error(self, found: str) -> SchedulerError:
-        from beamcam.version import __version__
-
         return SchedulerError(
             SCHEDULER.at(
                 Source("--scheduler"), address=self._address, found=found, version=__version__
@@ -108,36 +107,31 @@ class Cluster:
             raise self._error(GONE) from error
         self._chunks[future] = chunk
 
-    def wait(self) -> Iterator[Result]:
-        done = self._done()
+    def wait(self) -> Iterator[Outcome]:
+        try:
+            with self._client.as_current():
+                done = self._wait(
+                    list(self._chunks), timeout=LOOK_S, return_when="FIRST_COMPLETED"
+                ).done
+        except TimeoutError:
+            if self._client.status == "running":
+                return
+            raise self._error(GONE) from None
+        except CancelledError as error:
+            raise self._error(GONE) from error
         for future in [f for f in self._chunks if f in done]:
             chunk = self._chunks.pop(future)
             try:
-                yield Result(chunk, "made", future.result(timeout=FETCH_S))
+                yield chunk, future.result(timeout=FETCH_S)
             except self._killed:
-                yield Result(chunk, "suspected")
+                yield chunk, Died()
             except TimeoutError:  # the worker that had the result is gone, with no fault of it
                 future.cancel()
-                yield Result(chunk, "lost")
+                yield chunk, None
             except CancelledError as error:
                 raise self._error(GONE) from error
             except Exception as error:
                 raise self._error(f"{type(error).__name__}: {error}") from error
-
-    def _done(self) -> set[Any]:
-        """The futures that are done, if any. Raises SchedulerError if the scheduler is gone."""
-        try:
-            with self._client.as_current():
-                done: set[Any] = self._wait(
-                    list(self._chunks), timeout=LOOK_S, return_when="FIRST_COMPLETED"
-                ).done
-            return done
-        except TimeoutError:
-            if self._client.status == "running":
-                return set()
-            raise self._error(GONE) from None
-        except CancelledError as error:
-            raise self._error(GONE) from error
 
     def close(self) -> None:
         self._client.cancel(list(self._chunks))
@@ -164,8 +158,6 @@ def distributed_alone() -> Any:
 
 def make_there(frozen: bytes, chunk: tuple[Task, ...]) -> list[FileResult]:
     """`make_all` on a worker. Raises RuntimeError if its beamcam is another than the shop's."""
-    from beamcam.version import __version__
-
     settings = thaw(frozen)
     if settings.version != __version__:
         raise RuntimeError(f"a worker has beamcam {__version__}, not {settings.version}")

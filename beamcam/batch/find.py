@@ -10,6 +10,7 @@ starts with a dot is left alone. A file met twice is taken once.
 import glob
 import os
 from collections.abc import Collection, Iterable, Iterator, Sequence
+from contextlib import suppress
 
 from msgspec import Struct
 
@@ -45,21 +46,22 @@ def find_inputs(names: Sequence[str], leave_out: Collection[str] = ()) -> FoundI
     without = {identity for path in leave_out if (identity := _identity(path)) is not None}
     for name in names:
         before = len(places), len(diagnostics)
-        if os.path.isdir(name):
-            below = _walk(name, without, diagnostics, configurations, parents=_parents(name))
-            places += ((path, name) for path in below)
-        elif os.path.lexists(name) or not glob.has_magic(name):
-            places.append((name, os.path.dirname(name)))
-        else:
-            root = _fixed_folder(name)
-            for path in sorted(glob.glob(name, recursive=True)):
-                if os.path.isdir(path):
-                    below = _walk(
-                        path, without, diagnostics, configurations, parents=_parents(path)
-                    )
-                    places += ((inner, root) for inner in below)
-                else:
-                    places.append((path, root))
+        paths, root = [name], name if os.path.isdir(name) else os.path.dirname(name)
+        if not os.path.lexists(name) and glob.has_magic(name):
+            paths = sorted(glob.glob(name, recursive=True))
+            while glob.has_magic(root):
+                root = os.path.dirname(root)
+        for path in paths:
+            if os.path.isdir(path):
+                parents: list[tuple[tuple[int, int], str]] = []  # identity and path of each
+                real = os.path.realpath(path)
+                while (place := os.path.dirname(real)) != real:
+                    parents.append((_identity(place) or (-1, -1), place))
+                    real = place
+                below = _walk(path, without, diagnostics, configurations, parents)
+                places += ((inner, root) for inner in below)
+            else:
+                places.append((path, root))
         if (len(places), len(diagnostics)) == before:
             diagnostics.append(NOTHING.at(Source(name), found=name))
     return FoundInputs(
@@ -70,7 +72,9 @@ def find_inputs(names: Sequence[str], leave_out: Collection[str] = ()) -> FoundI
 def _inputs(places: Iterable[tuple[str, str]]) -> Iterator[Input]:
     """The inputs, each once, with their paths below the folder that all of them share."""
     places = list(places)
-    base = _common([os.path.abspath(folder) for folder in {folder for _, folder in places}])
+    base = ""  # where they share none, as on two drives
+    with suppress(ValueError):
+        base = os.path.commonpath([os.path.abspath(one) for one in {one for _, one in places}])
     seen: set[str] = set()
     below: dict[str, tuple[str, str]] = {}  # folder of a file -> its absolute path, and below base
     for path, _ in places:
@@ -85,22 +89,6 @@ def _inputs(places: Iterable[tuple[str, str]]) -> Iterator[Input]:
             yield Input(path, f"{relative}/{name}" if relative else name)
 
 
-def _common(folders: Iterable[str]) -> str:
-    """The folder that all of `folders` lie in; "" where there is none, as on two drives."""
-    try:
-        return os.path.commonpath(folders)
-    except ValueError:
-        return ""
-
-
-def _fixed_folder(pattern: str) -> str:
-    """The folder of a pattern as far as it has no magic."""
-    folder = os.path.dirname(pattern)
-    while glob.has_magic(folder):
-        folder = os.path.dirname(folder)
-    return folder
-
-
 def _identity(path: str) -> tuple[int, int] | None:
     try:
         status = os.stat(path)
@@ -111,8 +99,8 @@ def _identity(path: str) -> tuple[int, int] | None:
 
 def _walk(
     folder: str, without: Collection[tuple[int, int]], diagnostics: list[Diagnostic],
-    configurations: list[str], above: tuple[tuple[tuple[int, int], str], ...] = (),
-    parents: tuple[tuple[tuple[int, int], str], ...] = (),
+    configurations: list[str], parents: Sequence[tuple[tuple[int, int], str]],
+    above: tuple[tuple[tuple[int, int], str], ...] = (),
 ) -> Iterator[str]:  # fmt: skip
     """The files below a folder, in order of their names; links are followed, but never back.
 
@@ -143,26 +131,10 @@ def _walk(
             diagnostics.append(UNREADABLE.at(Source(entry.path), found=error.strerror or error))
             continue
         if is_folder:
-            yield from _walk(
-                entry.path,
-                without,
-                diagnostics,
-                configurations,
-                (*above, (identity, folder)),
-                parents,
-            )
+            through = (*above, (identity, folder))
+            yield from _walk(entry.path, without, diagnostics, configurations, parents, through)
         elif entry.name.lower().endswith(SUFFIXES):
             yield entry.path
-
-
-def _parents(folder: str) -> tuple[tuple[tuple[int, int], str], ...]:
-    """Identity and path of every folder above one."""
-    folders = []
-    below = os.path.realpath(folder)
-    while (place := os.path.dirname(below)) != below:
-        folders.append((_identity(place) or (-1, -1), place))
-        below = place
-    return tuple(folders)
 
 
 def read_input(path: str) -> bytes | Diagnostic:

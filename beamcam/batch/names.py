@@ -41,34 +41,25 @@ FIELDS: Mapping[str, str | int] = {
 }
 
 
-class TemplateError(ValueError):
-    """A template that no output can be called after, and what was expected."""
-
-    def __init__(self, found: str, expected: str) -> None:
-        self.expected = expected
-        super().__init__(f"found {found}; expected {expected}")
-
-
-def check_template(template: str) -> None:
-    """Raises TemplateError if no output can be called after a template."""
+def template_fault(template: str) -> tuple[str, str] | None:
+    """What of a template no output can be called after, and what is expected; None if one can."""
     try:
         for _, name, form, _ in Formatter().parse(template):
             if name is None:
                 continue
             if not _FORM.fullmatch(form or ""):
-                raise TemplateError(repr(template), "widths of two digits at most")
+                return repr(template), "widths of two digits at most"
             if name not in FIELDS:
                 known = ", ".join("{" + field + "}" for field in FIELDS)
-                raise TemplateError(f"{{{name}}} in {template!r}", f"one of {known}")
+                return f"{{{name}}} in {template!r}", f"one of {known}"
         made = template.format_map(FIELDS)
-    except TemplateError:
-        raise
     except (IndexError, KeyError, AttributeError, ValueError) as error:
-        raise TemplateError(repr(template), f"a template ({error})") from error
+        return repr(template), f"a template ({error})"
     if made.startswith("/") or not _NOT_IN_NAMES.isdisjoint(made):
-        raise TemplateError(repr(template), "a path below the output folder")
+        return repr(template), "a path below the output folder"
     if not all(word.strip(". ") and word[-1] not in ". " for word in made.split("/")):
-        raise TemplateError(repr(template), "names between the slashes")
+        return repr(template), "names between the slashes"
+    return None
 
 
 def cleaned(text: str) -> str:
@@ -124,7 +115,7 @@ class FileNames:
 
     def __init__(self) -> None:
         self._owners: dict[str, str] = {}
-        self._last: dict[str, int] = {}  #: number given last, by the name that was wanted
+        self._last: dict[str, int] = {}  #: number given last, by the name without it
 
     def owner(self, name: str) -> str | None:
         """The mark of the part that has the name; None where it is free."""
@@ -148,10 +139,7 @@ def folded(name: str) -> str:
     return unicodedata.normalize("NFC", name).casefold()
 
 
-# --- same marks -----------------------------------------------------------------------------------
-
-# Marks that two parts of one order have, though they differ.
-
+# --- marks that two parts of one order have, though they differ -----------------------------------
 
 #: Keys that say where a part, or something of it, comes from or is listed.
 _NO_CONTENT = frozenset({
@@ -177,7 +165,7 @@ def other_content(parts: Sequence[Part]) -> Iterator[Diagnostic]:
     first: dict[MarkKey, Part] = {}
     for part in parts:
         known = first.setdefault(mark_key(part), part) if part.mark else part
-        if known is not part and _content(known) != _content(part):
+        if known is not part and _content(part_to_json(known)) != _content(part_to_json(part)):
             where = f" in order {part.order}" if part.order else ""
             yield OTHER_CONTENT.at(part.source, found=part.mark, where=where, other=known.source)
 
@@ -199,7 +187,10 @@ def mixed_marks(
         if not path.lower().endswith(DSTV_SUFFIXES) or not os.path.isfile(path):
             continue
         with suppress(OSError), open(path, "rb") as file:
-            order, drawing, phase, mark = said_of_part(file.read(HEAD_BYTES))
+            lines = [line.strip() for line in file.read(HEAD_BYTES).decode("latin-1").splitlines()]
+            lines = [line for line in lines if not line.startswith("**")]
+            at = lines.index("ST") + 1 if "ST" in lines else len(lines)
+            order, drawing, phase, mark = [*lines[at : at + 4], "", "", "", ""][:4]
             stem = os.path.splitext(os.path.basename(path))[0]
             fields = {"drawing": drawing, "file": stem, "position": phase}
             mark = fields.get(mark_from) or mark
@@ -213,23 +204,10 @@ def mixed_marks(
     return by_mark
 
 
-def _content(part: Part) -> object:
-    """Content of a part, without its source."""
-    return _content_of(part_to_json(part))
-
-
-def _content_of(value: object) -> object:
+def _content(value: object) -> object:
+    """Content of a part as JSON, without its source."""
     if isinstance(value, dict):
-        return {key: _content_of(v) for key, v in value.items() if key not in _NO_CONTENT}
+        return {key: _content(v) for key, v in value.items() if key not in _NO_CONTENT}
     if isinstance(value, list | tuple):
-        return [_content_of(item) for item in value]
+        return [_content(item) for item in value]
     return value
-
-
-def said_of_part(begin: bytes) -> tuple[str, str, str, str]:
-    """Order, drawing, phase and mark by the first lines of a file, empty where it has none."""
-    lines = [line.strip() for line in begin.decode("latin-1").splitlines()]
-    lines = [line for line in lines if not line.startswith("**")]
-    at = lines.index("ST") + 1 if "ST" in lines else len(lines)
-    order, drawing, phase, mark = [*lines[at : at + 4], "", "", "", ""][:4]
-    return order, drawing, phase, mark

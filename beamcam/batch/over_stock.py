@@ -12,56 +12,42 @@ stock are those of the last run is not made again.
 import os
 from collections import deque
 from collections.abc import Generator, Iterator, Sequence
+from contextlib import suppress
 from hashlib import sha256
 
-from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.batch import STALE_SHARE
 from beamcam.batch.find import Input, read_input
 from beamcam.batch.names import other_content
-from beamcam.batch.pool import Workers, driven
-from beamcam.batch.recipe import Recipe
+from beamcam.batch.pool import driven
 from beamcam.batch.record import Record
-from beamcam.batch.run import BatchError, QueuedInput, Run, recorded
+from beamcam.batch.run import BatchError, QueuedInput, Run, RunSetup, recorded
 from beamcam.batch.shares import FileState, Lot, ShareTask, stems_of, tasks_of
-from beamcam.batch.work import BatchSettings, Task, refused_row
+from beamcam.batch.work import Task, row_of
 from beamcam.checks.job import job_faults
 from beamcam.errors import BeamcamError, Diagnostic, PlanError, Source, VerifyError
 from beamcam.files import FilesRead
 from beamcam.model.part import Part
-from beamcam.model.request import Job, LotKey, Request, Share
+from beamcam.model.request import Job, LotKey
 from beamcam.pipeline import shares_of
 from beamcam.reports.part_list import CutBar, CutPiece, PartCount
 from beamcam.reports.run import FileRow, Message, PartRow, as_message
-from beamcam.system import NEVER, EndRequest
 
 THICKNESS_DECIMALS = 2
-
-
-class MadeShare(Struct, frozen=True):
-    """A program of the run, made now or before."""
-
-    task: ShareTask
-    row: PartRow
 
 
 class ShareRun(Run):
     """The programs of shares, written and recorded as those of files are."""
 
-    def __init__(
-        self, tasks: Sequence[ShareTask], folder: str, settings: BatchSettings, workers: Workers,
-        record: Record, force: bool, read: FilesRead, dry: bool, interrupt: EndRequest,
-    ) -> None:  # fmt: skip
+    def __init__(self, tasks: Sequence[ShareTask], setup: RunSetup, record: Record) -> None:
         inputs = [Input(task.parts[0].source.file, task.name) for task in tasks]
-        super().__init__(
-            inputs, folder, settings, workers, record, True, force, None, read, dry, interrupt
-        )
+        super().__init__(inputs, setup, record, flat=True)
         self._tasks = tasks
         # Other bars in store change no program that lies on the same bar.
-        self._settings_hash = sha256(
-            replace(settings, stock_lengths=(), remnants=()).identity
-        ).digest()
+        request = replace(setup.settings.request, stock=())
+        without = replace(setup.settings, request=request, remnants=())
+        self._settings_hash = sha256(without.identity).digest()
 
     def _read(self, index: int) -> Task | None:
         task = self._tasks[index]
@@ -79,24 +65,13 @@ class ShareRun(Run):
 class StockRun:
     """A run over stock. `counts` and `made` say what became of each part once it is done."""
 
-    def __init__(
-        self, inputs: Sequence[Input], folder: str, settings: BatchSettings, workers: Workers,
-        recipe: Recipe | None = None, force: bool = False, read: FilesRead | None = None,
-        dry: bool = False, interrupt: EndRequest = NEVER,
-    ) -> None:  # fmt: skip
-        self._inputs, self._folder, self._settings, self._workers = (
-            inputs,
-            folder,
-            settings,
-            workers,
-        )
-        self._recipe, self._force, self._read, self._dry = recipe, force, read, dry
-        self._asked = interrupt
+    def __init__(self, inputs: Sequence[Input], setup: RunSetup) -> None:
+        self._inputs, self._setup, self._settings = inputs, setup, setup.settings
         self.counts: list[PartCount] = []
         self.tasks: list[ShareTask] = []
-        self.made: list[MadeShare] = []
-        self.told: list[Diagnostic] = []  #: on the run as a whole
-        self._said: dict[str, list[Message]] = {}  #: by file, for the first program with its parts
+        self.made: list[tuple[ShareTask, PartRow]] = []  #: the programs, made now or before
+        self.remarks: list[Diagnostic] = []  #: on the run as a whole
+        self._messages: dict[str, list[Message]] = {}  #: by file, for its first program
 
     def rows(self) -> Generator[FileRow, None, None]:
         """The rows of files that are refused or failed, then those of the programs.
@@ -105,21 +80,37 @@ class StockRun:
         order and for a folder that cannot be used; PlanError for remnants of which it is not known
         what they are.
         """
-        with recorded(self._folder, self._workers, self._recipe, self._dry) as record:
-            yield from self._rows(record)
-
-    def _rows(self, record: Record) -> Iterator[FileRow]:
-        yield from self.planned()
-        if not self._asked:
-            yield from self._programs(record)
+        with recorded(self._setup) as record:
+            yield from self.planned()
+            if not self._setup.interrupt:
+                yield from self._programs(record)
 
     def planned(self) -> Iterator[FileRow]:
         """The rows of files that are refused or failed; then `tasks` are all programs.
 
         Raises BatchError and PlanError as `rows` does.
         """
-        refused = [row for row in self._looked() if row["status"] != "posted"]
-        if self._asked:
+        rows: dict[int, FileRow] = {}
+
+        def tasks() -> Iterator[FileState]:
+            for index, one in enumerate(self._inputs):
+                data = read_input(one.path)
+                if isinstance(data, Diagnostic):
+                    rows[index] = row_of(one.path, "refused", data)
+                else:
+                    yield FileState(index, one.path, data)
+
+        looked: dict[int, list[PartCount]] = {}
+        for made in driven(self._setup.workers, tasks(), self._setup.interrupt):
+            rows[made.index], looked[made.index] = made.row, made.looked
+        refused: list[FileRow] = []
+        for index, row in sorted(rows.items()):
+            self.counts += looked.get(index, ())
+            if row["status"] == "posted":
+                self._messages[row["file"]] = row["messages"]
+            else:
+                refused.append(row)
+        if self._setup.interrupt:
             return
         if mixed := tuple(other_content([one.part for one in self.counts])):
             raise BatchError(mixed)
@@ -131,33 +122,8 @@ class StockRun:
             row["messages"] += unplanned.pop(row["file"], [])
             yield row
         for file, messages in unplanned.items():
-            yield {
-                **refused_row(file, messages[0]),
-                "messages": self._said.pop(file, []) + messages,
-            }
-
-    def _looked(self) -> Iterator[FileRow]:
-        """The row of each input once its parts are known."""
-        rows: dict[int, FileRow] = {}
-
-        def tasks() -> Iterator[FileState]:
-            for index, one in enumerate(self._inputs):
-                data = read_input(one.path)
-                if isinstance(data, Diagnostic):
-                    rows[index] = refused_row(one.path, as_message(data))
-                else:
-                    yield FileState(index, one.path, data)
-
-        by_index = {made.index: made for made in driven(self._workers, tasks(), self._asked)}
-        for index in range(len(self._inputs)):
-            if index in by_index:
-                self.counts += by_index[index].looked
-                rows[index] = by_index[index].row
-        for index in sorted(rows):
-            row = rows[index]
-            if row["status"] == "posted":
-                self._said[row["file"]] = row["messages"]
-            yield row
+            before = self._messages.pop(file, [])
+            yield {**row_of(file, "refused"), "messages": before + messages}
 
     def _lots(self) -> tuple[list[Lot], dict[str, list[Message]]]:
         """The lots in the order of their first parts; what is said of those without shares."""
@@ -180,17 +146,18 @@ class StockRun:
             request = replace(
                 self._settings.request_of(parts[0]), parts=parts,
                 machine=self._settings.machine_named(key[0]),
-                quantity=self._settings.quantity or "file", remnants=remnants.get(key, ()),
+                quantity=self._settings.request.quantity or "file", remnants=remnants.get(key, ()),
             )  # fmt: skip
             try:
                 shares = shares_of(request)
-                faults = job_faults(request, [_job(request, share) for share in shares])
-                if faults:
+                longest = ((one, one.lengths[0] if one.lengths else None) for one in shares)
+                jobs = [Job(request, share.pieces, bar) for share, bar in longest]
+                if faults := job_faults(request, jobs):
                     raise VerifyError(faults)
             except (PlanError, VerifyError) as error:
                 waiting.append((key, self._refused(error, places, unplanned)))
                 continue
-            lots.append(Lot(request, shares))
+            lots.append((request, shares))
         return lots, unplanned
 
     def _refused(
@@ -216,61 +183,42 @@ class StockRun:
         return one.machine, round(thickness, THICKNESS_DECIMALS), material
 
     def _programs(self, record: Record) -> Iterator[FileRow]:
-        tasks, before = self.tasks, {**record.made}
-        run = ShareRun(
-            tasks, self._folder, self._settings, self._workers, record, self._force,
-            self._read or FilesRead(one.path for one in self._inputs), self._dry, self._asked,
-        )  # fmt: skip
-        for task, row in zip(tasks, run.rows(), strict=False):
+        before, setup = {**record.made}, self._setup
+        if setup.read is None:
+            setup = replace(setup, read=FilesRead(one.path for one in self._inputs))
+        run = ShareRun(self.tasks, setup, record)
+        for task, row in zip(self.tasks, run.rows(), strict=False):
             row["file"] = task.name
             for file in dict.fromkeys(part.source.file for part in task.parts):
-                row["messages"] += self._said.pop(file, [])
-            self.made += (MadeShare(task, part) for part in row["parts"])
+                row["messages"] += self._messages.pop(file, [])
+            self.made += ((task, part) for part in row["parts"])
             yield row
-        now = {task.name for task in tasks}
-        for output in sorted(before.keys() - now):
-            if _stands(os.path.join(self._folder, output), before[output]):
-                self.told.append(STALE_SHARE.at(Source(output), found=output))
+        for output in sorted(before.keys() - {task.name for task in self.tasks}):
+            with suppress(OSError), open(os.path.join(setup.folder, output), "rb") as program:
+                if sha256(program.read()).hexdigest() == before[output]:
+                    self.remarks.append(STALE_SHARE.at(Source(output), found=output))
 
     def bars(self) -> tuple[CutBar, ...]:
         """The bars that programs are for, as a cutting list has them."""
         return tuple(
             CutBar(
                 tuple(
-                    CutPiece(_piece(one.task, laid["piece"]), laid["at"], laid["turn"])
-                    for laid in one.row["stock"]["pieces"]
+                    CutPiece(task.parts[task.pieces[laid["piece"]]], laid["at"], laid["turn"])
+                    for laid in stock["pieces"]
                 ),
-                one.row["bar"], one.row["stock"]["cuts"], one.row["stock"]["remnant"],
-                one.row["machine"],
+                row["bar"], stock["cuts"], stock["remnant"], row["machine"],
             )
-            for one in self.made
-            if one.row["stock"] is not None
+            for task, row in self.made
+            if (stock := row["stock"]) is not None
         )  # fmt: skip
 
     def labelled(self) -> Iterator[tuple[Part, int, int, str]]:
         """Each piece that a program makes: its part, its number, of how many, and the program."""
         of_part: dict[int, list[str]] = {}
-        for one in self.made:
-            for place in one.task.pieces:
-                of_part.setdefault(id(one.task.parts[place]), []).append(one.row["output"])
+        for task, row in self.made:
+            for place in task.pieces:
+                of_part.setdefault(id(task.parts[place]), []).append(row["output"])
         for count in self.counts:
             programs = of_part.get(id(count.part), [])
             for number, program in enumerate(programs, 1):
                 yield count.part, number, count.quantity, program
-
-
-def _job(request: Request, share: Share) -> Job:
-    return Job(request, share.pieces, share.lengths[0] if share.lengths else None)
-
-
-def _piece(task: ShareTask, piece: int) -> Part:
-    return task.parts[task.pieces[piece]]
-
-
-def _stands(path: str, made: str) -> bool:
-    """Whether a program stands as it was made."""
-    try:
-        with open(path, "rb") as file:
-            return sha256(file.read()).hexdigest() == made
-    except OSError:
-        return False

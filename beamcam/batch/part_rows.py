@@ -1,11 +1,10 @@
 """What the account of a batch says of one program."""
 
 from collections import Counter
+from collections.abc import Mapping
 from hashlib import sha256
 from typing import cast
 
-from beamcam.machine.machine import Machine
-from beamcam.model.part import Part
 from beamcam.model.plan import ContourOp, stock_used
 from beamcam.pipeline import Posted
 from beamcam.planning.manual_list import manual_rows
@@ -23,6 +22,13 @@ def part_row(
     part = posted.job.parts[0]
     how: list[str] = [outcome.how for outcome in plan.outcomes]
     ledger = {word: how.count(word) for word in OUTCOMES}
+    used = stock_used(plan, posted.job.bar)
+    bar = 0.0 if used is None or part.made is not None else used.length  # of a piece that comes cut
+    mapped: Mapping[str, int] = {}  # curves by the keys of the machine's map of colours and layers
+    if machine.torch is not None:
+        from beamcam.planning.left_out import curves_by_key
+
+        mapped = curves_by_key((part,), machine.torch.colours)
     passed_on = 0 if rest is None else rest["features"]
     ledger = {"read": len(how) + passed_on, **ledger, "passed_on": passed_on}
     skipped_by = (
@@ -32,29 +38,13 @@ def part_row(
         "mark": part.mark, "quantity": max(part.quantity, pieces), "pieces": pieces,
         "profile": part.profile.name, "order": part.order, "phase": part.phase,
         "length": part.length, "machine": machine.name, "output": name,
-        "sha256": sha256(content).hexdigest(), "rest": rest, "bar": _bar(posted),
+        "sha256": sha256(content).hexdigest(), "rest": rest, "bar": bar,
         "ledger": cast(Ledger, ledger), "by_hand": manual_rows(plan),
-        "skipped_by": dict(sorted(skipped_by.items())), "mapped": _mapped(part, machine),
+        "skipped_by": dict(sorted(skipped_by.items())), "mapped": dict(sorted(mapped.items())),
         "tools": sorted({_tool_name(op) for op in plan.operations}),
         "operations": len(plan.operations), "stock": None,
         "machine_time_s": round(posted.time(machine).total_s, 3) if timed else None,
     }  # fmt: skip
-
-
-def _bar(posted: Posted) -> float:
-    """The length of the bar that a program takes; 0 for a sheet and for a piece that comes cut."""
-    used = stock_used(posted.plan, posted.job.bar)
-    is_bar = used is not None and posted.job.parts[0].made is None
-    return used.length if used is not None and is_bar else 0.0
-
-
-def _mapped(part: Part, machine: Machine) -> dict[str, int]:
-    """The curves that each key of the machine's map of colours and layers stands for."""
-    if machine.torch is None:
-        return {}
-    from beamcam.planning.left_out import curves_by_key
-
-    return dict(sorted(curves_by_key((part,), machine.torch.colours).items()))
 
 
 def _tool_name(operation: object) -> str:

@@ -1,18 +1,19 @@
 """Workers: chunks of files in, results out, in any order.
 
-`Here` is this process; others are in `processes` and `cluster`, which are loaded if they are asked
-for.
+`Here` is this process, `Processes` are others of this machine; those of other machines are in
+`cluster`, which is loaded where they are named.
 """
 
 import gc
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from itertools import islice
-from typing import Literal, Protocol
+from typing import Protocol
 
-from msgspec import Struct
-
-from beamcam.batch.work import BatchSettings, FileResult, Task, died, make_all, thaw
+from beamcam.batch import DIED
+from beamcam.batch.work import BatchSettings, FileResult, Task, make_all, row_of, thaw
+from beamcam.errors import Source
 from beamcam.processes import Died, Pool
 from beamcam.system import EndRequest, collector_seldom
 
@@ -20,18 +21,13 @@ Chunk = tuple[Task, ...]
 CHUNK_BYTES = 256 * 1024  #: a chunk of more is closed
 CHUNK_FILES = 16  #: most files that a process of this machine gets at once
 
-
-class Result(Struct, frozen=True):
-    """The outcome of a chunk: made, lost with a worker through no fault of its own, or suspected
-    of having killed it."""
-
-    chunk: Chunk
-    how: Literal["made", "lost", "suspected"]
-    made: Sequence[FileResult] = ()
+#: What became of a chunk: results, that a worker died at it, or None where it was lost with a
+#: worker through no fault of its own.
+Outcome = tuple[Chunk, Sequence[FileResult] | Died | None]
 
 
 class Workers(Protocol):
-    """Whoever does the work."""
+    """What does the work: this process, others, or a cluster."""
 
     @property
     def at_once(self) -> int:
@@ -47,7 +43,7 @@ class Workers(Protocol):
     def submit(self, chunk: Chunk) -> None:
         """Hand over a chunk; there has to be room."""
 
-    def wait(self) -> Iterator[Result]:
+    def wait(self) -> Iterator[Outcome]:
         """What is done, or nothing after a moment; there has to be something under way."""
 
     def close(self) -> None:
@@ -62,15 +58,15 @@ class Here:
 
     def __init__(self, settings: BatchSettings) -> None:
         self._settings = settings
-        self._done: Result | None = None
+        self._done: Outcome | None = None
 
     def has_room(self) -> bool:
         return self._done is None
 
     def submit(self, chunk: Chunk) -> None:
-        self._done = Result(chunk, "made", make_all(chunk, self._settings))
+        self._done = chunk, make_all(chunk, self._settings)
 
-    def wait(self) -> Iterator[Result]:
+    def wait(self) -> Iterator[Outcome]:
         if self._done is not None:
             done, self._done = self._done, None
             yield done
@@ -85,7 +81,13 @@ def driven(workers: Workers, tasks: Iterator[Task], interrupt: EndRequest) -> It
     away, is_left = 0, True
     while not interrupt:
         while workers.has_room() and (again or is_left):
-            chunk = again.popleft() if again else _chunk(tasks, workers.most_files)
+            chunk = again.popleft() if again else ()
+            if not chunk:
+                size = 0
+                for task in islice(tasks, workers.most_files):
+                    chunk, size = (*chunk, task), size + len(task.data)
+                    if size >= CHUNK_BYTES:
+                        break
             if not chunk:
                 is_left = False
                 break
@@ -93,77 +95,48 @@ def driven(workers: Workers, tasks: Iterator[Task], interrupt: EndRequest) -> It
             away += 1
         if not away:
             return
-        for result in workers.wait():
+        for outcome in workers.wait():
             away -= 1
-            if result.how == "made":
-                yield from result.made
-            elif result.how == "lost":
-                again.append(result.chunk)
-            elif len(result.chunk) > 1:
-                again.extend((task,) for task in result.chunk)
-            else:
-                (task,) = result.chunk
-                yield FileResult(task.index, died(task.name), ())
+            yield from results_of(outcome, again)
 
 
-def _chunk(tasks: Iterator[Task], most: int) -> Chunk:
-    chunk: list[Task] = []
-    size = 0
-    for task in islice(tasks, most):
-        chunk.append(task)
-        size += len(task.data)
-        if size >= CHUNK_BYTES:
-            break
-    return tuple(chunk)
+def results_of(outcome: Outcome, again: deque[Chunk]) -> Iterator[FileResult]:
+    """The results of a chunk; what has to be submitted again is added to `again`.
+
+    Of a chunk at which a worker died each file is tried alone.
+    """
+    chunk, made = outcome
+    if made is None:
+        again.append(chunk)
+    elif not isinstance(made, Died):
+        yield from made
+    elif len(chunk) > 1:
+        again.extend((task,) for task in chunk)
+    else:
+        (task,) = chunk
+        yield FileResult(task.index, row_of(task.name, "failed", DIED.at(Source(task.name))))
 
 
-class Making(Struct, frozen=True):
-    """The work of a worker, for a shop that is frozen on its way there."""
-
-    frozen: bytes
-
-    def begin(self) -> None:
-        thaw(self.frozen)
-        gc.freeze()  # what is there now stays, and need not be looked through again and again
-        collector_seldom()
-
-    def __call__(self, chunk: Chunk) -> list[FileResult]:
-        return make_all(chunk, thaw(self.frozen))
+def begin_there(frozen: bytes) -> None:
+    """Thaw the shop in a worker, which then makes chunks of files."""
+    thaw(frozen)
+    gc.freeze()  # what is there now stays, and need not be looked through again and again
+    collector_seldom()
 
 
-class Processes:
+def make_there(frozen: bytes, chunk: Chunk) -> list[FileResult]:
+    """`make_all` in a worker, by the shop that was frozen on its way there."""
+    return make_all(chunk, thaw(frozen))
+
+
+class Processes(Pool[Chunk, list[FileResult]]):
     """Work in processes of this machine, started as they are needed."""
 
     most_files = CHUNK_FILES
 
     def __init__(self, settings: BatchSettings, jobs: int) -> None:
-        making = Making(settings.freeze)
-        self._pool = Pool[Chunk, list[FileResult]](making, jobs, making.begin)
-        self.at_once = self._pool.at_once
-
-    def has_room(self) -> bool:
-        return self._pool.has_room()
-
-    def submit(self, chunk: Chunk) -> None:
-        self._pool.submit(chunk)
-
-    def wait(self) -> Iterator[Result]:
-        for chunk, made in self._pool.wait():
-            if isinstance(made, Died):
-                yield Result(chunk, "suspected")
-            else:
-                yield Result(chunk, "made", made)
-
-    def done(self) -> bool:
-        """Whether `wait` would give something at once."""
-        return self._pool.done()
-
-    def withdraw(self) -> list[Chunk]:
-        """The chunks that no worker has begun, or that were lost with one."""
-        return self._pool.withdraw()
-
-    def close(self) -> None:
-        self._pool.close()
+        frozen = settings.freeze
+        super().__init__(partial(make_there, frozen), jobs, partial(begin_there, frozen))
 
 
 # --- head start -----------------------------------------------------------------------------------
@@ -214,25 +187,25 @@ class HeadStart:
         self._reached().submit(chunk)
         self._chunks_there += 1
 
-    def wait(self) -> Iterator[Result]:
+    def wait(self) -> Iterator[Outcome]:
         if self._there is None:
             self._reached()
             yield from self._given_up()
         elif self._chunks_here and (self._here.done() or not self._chunks_there):
-            for result in self._here.wait():
+            for chunk, made in self._here.wait():
                 self._chunks_here -= 1
-                yield result
+                yield chunk, made
             yield from self._given_up()  # what was lost with the process here
         else:
             for result in self._there.wait():
                 self._chunks_there -= 1
                 yield result
 
-    def _given_up(self) -> Iterator[Result]:
+    def _given_up(self) -> Iterator[Outcome]:
         """The chunks that are not made here any more, for the cluster."""
         for chunk in self._here.withdraw():
             self._chunks_here -= 1
-            yield Result(chunk, "lost")
+            yield chunk, None
 
     def close(self) -> None:
         self._here.close()

@@ -7,40 +7,113 @@ torn line is not used. An output that is missing or changed makes its line void.
     {"recipe":"3f...","of":{"configs":[],"asked":{"machine":"../mine.toml"}}}
     {"key":"a1...","outputs":["M58.gcode"],"row":{...},"recipe":"3f...","input":"../in/M58.nc1",...}
 
-Lines of the first kind say what the run was asked for, which those of its inputs name. A file that
-was posted in part has a line too, under a key that no input has, so that its programs are known.
+Lines of the first kind say what the run was asked for, so that `check` asks for the same; those of
+its inputs name them. Paths are kept from the folder of the outputs, so that they hold where it, its
+inputs and its machines lie together on another system. A file that was posted in part has a line
+too, under a key that no input has, so that its programs are known.
 """
 
 import errno
-import hashlib
 import os
 import stat
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from hashlib import sha256
 from typing import Any, BinaryIO
 
-from msgspec import Struct, convert
+from msgspec import Struct, convert, field
 
-from beamcam.batch import LINK, NOT_OURS
 from beamcam.batch.find import Input
 from beamcam.batch.names import folded
-from beamcam.batch.recipe import Recipe, path_below, path_from
-from beamcam.checks.job import MOST_BEFORE, head_of
-from beamcam.errors import Diagnostic, Source
+from beamcam.config.values import Config, ConfigFiles
 from beamcam.files import write_whole
-from beamcam.planning.manual_list import LIST_BEGIN, LIST_SUFFIX, as_csv
-from beamcam.readers.dstv import MADE
+from beamcam.planning.manual_list import LIST_SUFFIX, as_csv
 from beamcam.reports.run import FileRow, dumped, loaded, names_in
-from beamcam.system import BINARY
+from beamcam.system import BINARY, portable_path
 
 RECORD_NAME = ".beamcam-batch.jsonl"
 _TO_ADD = os.O_WRONLY | os.O_APPEND | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0) | BINARY
 _HEAD = b'{"key":"'
 _KEY = slice(len(_HEAD), len(_HEAD) + 64)
-#: In the form that a part has which another machine has begun: of DSTV, and of JSON.
-REST_MARKS = (MADE.encode(), b'"made": {')
 _RECIPE_HEAD = b'{"recipe":"'
+
+
+MACHINE, MACHINES = "machine", "machines"  #: the options that may be paths
+#: Options that say nothing of the programs, or are kept in another way.
+_APART = ("config_file", "trust", "jobs", "as_json")
+#: Values of options that are as if they were not given.
+_DEFAULTS = {"order": "given", "mark_from": "mark", "rest_as": "nc1"}
+#: Options whose value means something though it is empty: `--allow-skips none`, `--tree`.
+_MAY_BE_NOTHING = ("skips", "strict", "flat")
+
+
+class Recipe(Struct, frozen=True, forbid_unknown_fields=True):
+    """The configuration of a run and the options that it was given."""
+
+    configs: tuple[str, ...] = ()  #: its files, the nearest first
+    own: tuple[str, ...] = ()  #: those of them that were followed in full
+    asked: Mapping[str, Any] = field(default_factory=dict)  #: by the names of the options' values
+
+    @property
+    def name(self) -> str:
+        """What lines of a record call it by."""
+        return sha256(dumped(self)).hexdigest()[:16]
+
+
+def recipe_of(config: Config, options: Mapping[str, Any], folder: str) -> Recipe:
+    """The recipe of a run into `folder`; `options` holds the values of its options."""
+    given = {
+        name: value
+        for name, value in options.items()
+        if name not in _APART and value is not None and value != _DEFAULTS.get(name)
+        and (value not in ((), False) or name in _MAY_BE_NOTHING)
+    }  # fmt: skip
+    machine = config.machine if MACHINE in given else None
+    if machine is not None and machine.endswith(".toml"):
+        given[MACHINE] = path_from(folder, portable_path(machine))
+    if MACHINES in given:
+        given[MACHINES] = [
+            path_from(folder, portable_path(name)) if name.endswith(".toml") else name
+            for name in config.split
+        ]
+    files, own = ([path_from(folder, p) for p in paths] for paths in (config.files, config.own))
+    return Recipe(tuple(files), tuple(own), given)
+
+
+def asked_again(recipe: Recipe, folder: str) -> tuple[ConfigFiles, dict[str, Any]]:
+    """The configuration's files and the options of a recipe, as they hold from here.
+
+    What is never kept in a record is not taken from one either.
+    """
+    options = {
+        name: tuple(value) if isinstance(value, list) else value
+        for name, value in recipe.asked.items()
+        if name not in _APART
+    }
+    machine = options.get(MACHINE)
+    if isinstance(machine, str) and machine.endswith(".toml"):
+        options[MACHINE] = path_below(folder, machine)
+    if MACHINES in options:
+        options[MACHINES] = tuple(
+            path_below(folder, name) if name.endswith(".toml") else name
+            for name in map(str, options[MACHINES])
+        )
+    beside = tuple(path_below(folder, p) for p in recipe.configs if p not in recipe.own)
+    return ConfigFiles(beside, tuple(path_below(folder, p) for p in recipe.own)), options
+
+
+def path_from(folder: str, path: str) -> str:
+    """A path as it is reached from a folder, with "/"; in full where it lies on another drive."""
+    whole = os.path.abspath(path)
+    try:
+        return os.path.relpath(whole, os.path.abspath(folder)).replace(os.sep, "/")
+    except ValueError:
+        return whole
+
+
+def path_below(folder: str, path: str) -> str:
+    """The path that `path_from` made of it, from here."""
+    return os.path.normpath(os.path.join(folder, path))
 
 
 class Noted(Struct, frozen=True):
@@ -71,10 +144,16 @@ class Record:
         self._size = 0
         self._places: dict[bytes, int] = {}  #: key -> where its line begins
         self._made: dict[str, str] | None = None
-        shared = _shared(self._path)
+        links = 1
+        with suppress(FileNotFoundError):
+            status = os.lstat(self._path)
+            if not stat.S_ISREG(status.st_mode):  # lines would be added to a file elsewhere
+                raise OSError(errno.EINVAL, f"{RECORD_NAME} is a link, or no plain file")
+            links = status.st_nlink
         lines = self._index()
-        if kept and (shared or lines > 2 * len(self._places) + 16):
-            # Most lines stand for what was made anew since; or another folder has the file too.
+        if kept and (links > 1 or lines > 2 * len(self._places) + 16):
+            # Most lines stand for what was made anew since; or another folder has the file too,
+            # as copies by links have.
             write_whole(self._path, self._standing(), durable=False)
             self._index()
 
@@ -95,7 +174,7 @@ class Record:
                 outputs = line.partition(b',"row":')[0][_KEY.stop :]
                 with suppress(ValueError):  # not a key: the line is torn
                     key = bytes.fromhex(line[_KEY].decode("ascii"))
-                    by_outputs[hashlib.sha256(outputs).digest()] = key, place
+                    by_outputs[sha256(outputs).digest()] = key, place
         self._places = dict(by_outputs.values())
         return lines
 
@@ -109,13 +188,7 @@ class Record:
                 yield recipes.pop(_recipe_named_by(line), b"")
                 yield line
 
-    def _line(self, place: int) -> bytes:
-        if self._lines is None:
-            self._lines = open(self._path, "rb")  # noqa: SIM115  closed by `close`
-        self._lines.seek(place)
-        return self._lines.readline()
-
-    def find(self, key: bytes, found: Input) -> FileRow | None:
+    def find(self, key: bytes, item: Input) -> FileRow | None:
         """What was made of the input with that key, if all of it still stands as it was made.
 
         It is noted again where the run that made it was asked otherwise for the same.
@@ -124,24 +197,22 @@ class Record:
         if place is None:
             return None
         try:
-            line = loaded(self._line(place))
+            if self._lines is None:
+                self._lines = open(self._path, "rb")  # noqa: SIM115  closed by `close`
+            self._lines.seek(place)
+            line = loaded(self._lines.readline())
             row: FileRow = line["row"]
+            made = names_in(row)
             for part in row["parts"]:
-                path = os.path.join(self._folder, part["output"])
-                with open(path, "rb", buffering=0) as file:
-                    if hashlib.sha256(file.read()).hexdigest() != part["sha256"]:
-                        return None
                 if part["by_hand"]:
-                    with open(path + LIST_SUFFIX, "rb", buffering=0) as file:
-                        if file.read() != as_csv(part["by_hand"]).encode("utf-8"):
-                            return None
-                if part["rest"] is not None:
-                    path = os.path.join(self._folder, part["rest"]["output"])
-                    with open(path, "rb", buffering=0) as file:
-                        if hashlib.sha256(file.read()).hexdigest() != part["rest"]["sha256"]:
-                            return None
-            if (line["recipe"], line["input"]) != (self._recipe_name, self.input_of(found)):
-                self.add(key, row, found)
+                    listed = as_csv(part["by_hand"]).encode("utf-8")
+                    made[part["output"] + LIST_SUFFIX] = sha256(listed).hexdigest()
+            for name, digest in made.items():
+                with open(os.path.join(self._folder, name), "rb", buffering=0) as file:
+                    if sha256(file.read()).hexdigest() != digest:
+                        return None
+            if (line["recipe"], line["input"]) != (self._recipe_name, self.input_of(item)):
+                self.add(key, row, item)
         except (OSError, ValueError, KeyError, TypeError):
             return None  # the line cannot be used: the file is done again
         return row
@@ -157,7 +228,7 @@ class Record:
                         self._made |= names_in(loaded(line)["row"])
         return self._made
 
-    def add(self, key: bytes, row: FileRow, found: Input) -> None:
+    def add(self, key: bytes, row: FileRow, item: Input) -> None:
         """Note what was made of the input with that key. Raises OSError."""
         if not self._kept:
             return
@@ -169,7 +240,7 @@ class Record:
             lines = self._recipe_line
         noted = {
             "key": key.hex(), "outputs": [part["output"] for part in row["parts"]], "row": row,
-            "recipe": self._recipe_name, "input": self.input_of(found), "tree": found.tree,
+            "recipe": self._recipe_name, "input": self.input_of(item), "tree": item.tree,
         }  # fmt: skip
         lines += dumped(noted) + b"\n"
         if self._file is None:
@@ -181,9 +252,9 @@ class Record:
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
         self._torn = False
 
-    def input_of(self, found: Input) -> str:
+    def input_of(self, item: Input) -> str:
         """The path of an input from the folder of the outputs."""
-        folder, name = os.path.split(found.path)
+        folder, name = os.path.split(item.path)
         if folder not in self._from_here:
             self._from_here[folder] = path_from(self._folder, folder or os.curdir)
         return f"{self._from_here[folder]}/{name}"
@@ -220,21 +291,6 @@ def rests_of(noted: Noted) -> list[str]:
     return [rest["output"] for rest in rests if rest is not None]
 
 
-def _shared(path: str) -> bool:
-    """Whether a record is a file that another folder has too, as copies by links have.
-
-    Raises OSError for a link, by which lines would be added to a file elsewhere, and for what is no
-    plain file.
-    """
-    try:
-        status = os.lstat(path)
-    except FileNotFoundError:
-        return False
-    if not stat.S_ISREG(status.st_mode):
-        raise OSError(errno.EINVAL, f"{RECORD_NAME} is a link, or no plain file")
-    return status.st_nlink > 1
-
-
 def _is_below(output: str) -> bool:
     """Whether a name of a record stays below the folder, as all that batches write do."""
     words = output.replace(os.sep, "/").split("/")
@@ -249,7 +305,7 @@ def _recipe_named_by(line: bytes) -> bytes:
 
 def partly(key: bytes) -> bytes:
     """The key that the line of an input has which was posted in part: it is never found by it."""
-    return hashlib.sha256(key + b"in part").digest()
+    return sha256(key + b"in part").digest()
 
 
 def noted_in(folder: str) -> tuple[Noted, ...]:
@@ -279,77 +335,7 @@ def noted_in(folder: str) -> tuple[Noted, ...]:
     return tuple(notes)
 
 
-# --- standing -------------------------------------------------------------------------------------
-
-# Files that stand where outputs of a batch go: which of them may be written over.
-#
-# nothing there                         written
-# as the record says that it was made   written over
-# beamcam's, of which no record knows   written over: by `post`, or by a run that was killed
-# anybody else's, edited, or read-only  refused, unless the run is forced
-# by a link out of the folder           refused
-
-
-class OutputState:
-    """What stands in the folder of a batch."""
-
-    def __init__(self, folder: str, record: Record, force: bool) -> None:
-        self._folder, self._record, self._force = folder, record, force
-        self._within: dict[str, bool] = {}  #: whether folders below are in it, links followed
-
-    def refusal(self, output: str, content: bytes, path: str) -> Diagnostic | None:
-        """Why `output` of the input at `path` cannot be written; None if it can."""
-        place = os.path.join(self._folder, output)
-        if not self.is_within(output):
-            found = os.path.realpath(place)
-            return LINK.at(Source(path), found=output, to=found)
-        if self._force:
-            return None
-        try:
-            found_there = os.stat(place)
-        except OSError:
-            return None  # nothing is there, or writing says what is wrong
-        why = _locked(found_there) or self._strange(output, place, content)
-        return NOT_OURS.at(Source(path), found=output, why=why) if why else None
-
-    def is_within(self, output: str) -> bool:
-        """Whether an output lies in the folder, with every link followed."""
-        below = output.rpartition("/")[0]
-        if below not in self._within:
-            self._within[below] = is_within(self._folder, below)
-        is_link = os.path.islink(os.path.join(self._folder, output))
-        return self._within[below] and (not is_link or is_within(self._folder, output))
-
-    def _strange(self, output: str, place: str, content: bytes) -> str:
-        """Why a file is not what a batch made there; "" if it is."""
-        if not os.path.isfile(place):
-            return "which is no plain file"
-        there = b""
-        with suppress(OSError), open(place, "rb") as file:
-            there = file.read()
-        if there == content:
-            return ""
-        made = self._record.made.get(output)
-        if made is not None:
-            is_it = sha256(there).hexdigest() == made
-            return "" if is_it else "which was changed since it was made"
-        if is_list_or_rest(there) or head_of(there[:MOST_BEFORE].decode("latin-1")):
-            return ""
-        return "which beamcam did not make"
-
-
-def is_list_or_rest(data: bytes) -> bool:
-    """Whether a file was written beside programs: manual work, or what is left of a part."""
-    return data.startswith(LIST_BEGIN) or any(mark in data for mark in REST_MARKS)
-
-
 def is_within(folder: str, output: str) -> bool:
     """Whether an output lies in a folder, with every link followed."""
     real, own = os.path.realpath(os.path.join(folder, output)), os.path.realpath(folder)
     return real == own or real.startswith(os.path.join(own, ""))
-
-
-def _locked(status: os.stat_result) -> str:
-    """Why a file is not to be written, by its rights; the owner of the system has none."""
-    is_locked = stat.S_ISREG(status.st_mode) and not status.st_mode & 0o222
-    return "which is read-only" if is_locked else ""

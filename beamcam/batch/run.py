@@ -20,10 +20,9 @@ from beamcam.batch import KEPT, OWN_REST, RECORD, STALE, WRITE
 from beamcam.batch.find import Input, read_input
 from beamcam.batch.names import MarkKey, folded, mixed_marks, other_content
 from beamcam.batch.outputs import Outputs
-from beamcam.batch.pool import CHUNK_BYTES, Chunk, Result, Workers
-from beamcam.batch.recipe import Recipe
-from beamcam.batch.record import RECORD_NAME, Record, noted_in, partly, rests_of
-from beamcam.batch.work import BatchSettings, FileResult, Task, died, refused_row
+from beamcam.batch.pool import CHUNK_BYTES, Chunk, Workers, results_of
+from beamcam.batch.record import RECORD_NAME, Recipe, Record, noted_in, partly, rests_of
+from beamcam.batch.work import BatchSettings, FileResult, Task, row_of
 from beamcam.errors import BeamcamError, Diagnostic, Source
 from beamcam.files import FilesRead
 from beamcam.model.part import Part
@@ -51,89 +50,77 @@ class QueuedInput(Struct):
     row: FileRow | None = None  #: of an input that needs no work
     made: FileResult | None = None
 
-    @property
-    def is_done(self) -> bool:
-        return self.row is not None or self.made is not None
+
+class RunSetup(Struct, frozen=True):
+    """Where a run writes, by which settings and workers, and how."""
+
+    folder: str
+    settings: BatchSettings
+    workers: Workers
+    read: FilesRead | None = None  #: none of which is written over; by default the inputs
+    recipe: Recipe | None = None  #: what the record says that was asked for
+    force: bool = False  #: does again what is unchanged, writes over what is not as a batch made it
+    dry: bool = False  #: writes nothing
+    interrupt: EndRequest = NEVER  #: once it asks for the end no further row comes
 
 
 def run(
-    inputs: Sequence[Input], folder: str, settings: BatchSettings, workers: Workers,
-    flat: bool = False, force: bool = False, claims: dict[str, str] | None = None,
-    read: FilesRead | None = None, recipe: Recipe | None = None, dry: bool = False,
-    interrupt: EndRequest = NEVER, marks: dict[MarkKey, str] | None = None,
+    inputs: Sequence[Input], setup: RunSetup, flat: bool = False,
+    claims: dict[str, str] | None = None, marks: dict[MarkKey, str] | None = None,
 ) -> Generator[FileRow, None, None]:  # fmt: skip
-    """Post every input into `folder` and give its row, in the order of the inputs.
+    """Post every input into a folder and give its row, in the order of the inputs.
 
-    `flat` puts all outputs into one folder, else they lie as their inputs do. `force` does again
-    what is unchanged, and writes over what is not as a batch made it. `claims` keeps names apart
-    over several runs: it holds which input has which, and is added to; so does `marks` with the
-    first input that has a mark of an order. None of the files `read`,
-    by default the inputs, is written over. `recipe` is what the record says that was asked for. A
-    `dry` run writes nothing. Once `interrupt` asks for its end no further row comes. Raises
-    BatchError if the folder cannot be used; closes the workers.
+    `flat` puts all outputs into one folder, else they lie as their inputs do. `claims` keeps names
+    apart over several runs: it holds which input has which, and is added to; so does `marks` with
+    the first input that has a mark of an order. Raises BatchError if the folder cannot be used;
+    closes the workers.
     """
-    with recorded(folder, workers, recipe, dry) as record:
-        yield from Run(
-            inputs,
-            folder,
-            settings,
-            workers,
-            record,
-            flat,
-            force,
-            claims,
-            read,
-            dry,
-            interrupt,
-            marks,
-        ).rows()
+    with recorded(setup) as record:
+        yield from Run(inputs, setup, record, flat, claims, marks).rows()
 
 
 @contextmanager
-def recorded(
-    folder: str, workers: Workers, recipe: Recipe | None, dry: bool
-) -> Generator[Record, None, None]:
+def recorded(setup: RunSetup) -> Generator[Record, None, None]:
     """The record of a run into a folder; at its end the workers are closed.
 
     Raises BatchError if the folder cannot be used.
     """
+    folder, dry = setup.folder, setup.dry
     try:
         if not dry:
             os.makedirs(folder, exist_ok=True)
-        record = Record(folder, recipe, not dry)
+        record = Record(folder, setup.recipe, not dry)
     except OSError as error:
-        workers.close()
+        setup.workers.close()
         reason = error.strerror or str(error)
         raise BatchError(WRITE.at(Source(folder), found=folder, reason=reason)) from error
     try:
         yield record
     finally:
-        workers.close()
+        setup.workers.close()
         record.close()
         if can_sync_all() and not dry:
             os.sync()  # once for all, in place of waiting for the disk after each file
 
 
 class Run:
+    """A run under way; see `run`."""
+
     def __init__(
-        self, inputs: Sequence[Input], folder: str, settings: BatchSettings, workers: Workers,
-        record: Record, flat: bool, force: bool, claims: dict[str, str] | None,
-        read: FilesRead | None, dry: bool, asked: EndRequest,
-        marks: dict[MarkKey, str] | None = None,
+        self, inputs: Sequence[Input], setup: RunSetup, record: Record, flat: bool,
+        claims: dict[str, str] | None = None, marks: dict[MarkKey, str] | None = None,
     ) -> None:  # fmt: skip
-        self._asked = asked
-        self._inputs, self._folder, self._settings = inputs, folder, settings
-        self._workers, self._record, self._flat, self._force = workers, record, flat, force
-        self._settings_hash = sha256(settings.identity).digest()
+        self._inputs, self._setup, self._record, self._flat = inputs, setup, record, flat
+        self._folder, self._settings, self._workers = setup.folder, setup.settings, setup.workers
+        self._settings_hash = sha256(setup.settings.identity).digest()
         self._next = 0
         self._slots: deque[QueuedInput] = deque()
         self._away: dict[int, QueuedInput] = {}  #: what workers have, by index
         self._again: deque[Chunk] = deque()
         self._held = self._flying = 0
         self._claims = {} if claims is None else claims  #: name of an output -> input that has it
-        read = read or FilesRead(found.path for found in inputs)
-        self._outputs = Outputs(folder, record, self._claims, read, force, dry)
-        self._dry = dry
+        read = setup.read or FilesRead(one.path for one in inputs)
+        self._outputs = Outputs(setup.folder, record, self._claims, read, setup.force, setup.dry)
         self._marks = {} if marks is None else marks
         self._keeps_record = True
         self._own: frozenset[str] = frozenset()
@@ -145,16 +132,24 @@ class Run:
         if self._settings.chain:
             self._look_back()
         paths = [one.path for one in self._inputs if one.path not in self._own]
-        self._mixed = mixed_marks(paths, self._settings.mark_from, self._parts_of, self._asked)
-        while not self._asked:
+        interrupt = self._setup.interrupt
+        self._mixed = mixed_marks(paths, self._settings.mark_from, self._parts_of, interrupt)
+        while not interrupt:
             fed = self._feed()
-            while self._slots and self._slots[0].is_done and not self._asked:
+            while self._slots and not interrupt:
+                if self._slots[0].row is None and self._slots[0].made is None:
+                    break  # it is not done
                 yield self._finish(self._slots.popleft())
             if self._next == len(self._inputs) and not self._slots:
                 return
             if not fed:
-                for result in self._workers.wait():
-                    self._take(result)
+                for outcome in self._workers.wait():
+                    for made in results_of(outcome, self._again):
+                        slot = self._away.pop(made.index)
+                        self._flying -= slot.size
+                        slot.made = made
+                        slot.size = sum(len(data) for _, data in (*made.outputs, *made.rests))
+                        self._held += slot.size
 
     def _look_back(self) -> None:
         """Note which outputs of earlier runs there are, and which inputs are such outputs."""
@@ -179,7 +174,10 @@ class Run:
         if self._again:
             self._workers.submit(self._again.popleft())
             return True
-        end = min(self._next + self._most_files(), len(self._inputs))
+        # A chunk is a quarter of a worker's share at most.
+        share = len(self._inputs) // self._workers.at_once // 4
+        most_files = max(1, min(self._workers.most_files, share))
+        end = min(self._next + most_files, len(self._inputs))
         if self._next == end or self._held >= MOST_HELD or self._flying >= MOST_FLYING:
             return False
         chunk: list[Task] = []
@@ -194,35 +192,26 @@ class Run:
             self._workers.submit(tuple(chunk))
         return True
 
-    def _most_files(self) -> int:
-        """Number of files of the next chunk: one is a quarter of a worker's share at most."""
-        share = len(self._inputs) // self._workers.at_once
-        return max(1, min(self._workers.most_files, share // 4))
-
     def _read(self, index: int) -> Task | None:
         """Read an input, and give what is to be done if there is anything."""
-        found = self._inputs[index]
-        slot = QueuedInput(index, found)
+        item = self._inputs[index]
+        slot = QueuedInput(index, item)
         self._slots.append(slot)
-        if found.path in self._own:
-            diagnostic = OWN_REST.at(Source(found.path))
-            slot.row = {**refused_row(found.path, as_message(diagnostic)), "status": "unchanged"}
+        if item.path in self._own:
+            slot.row = row_of(item.path, "unchanged", OWN_REST.at(Source(item.path)))
             return None
-        if found.path in self._mixed:
-            slot.row = refused_row(found.path, as_message(self._mixed[found.path]))
-            return None
-        data = read_input(found.path)
+        data = self._mixed.get(item.path) or read_input(item.path)
         if isinstance(data, Diagnostic):
-            slot.row = refused_row(found.path, as_message(data))
+            slot.row = row_of(item.path, "refused", data)
             return None
-        about = f"{found.path}\0{'' if self._flat else found.tree}\0"
+        about = f"{item.path}\0{'' if self._flat else item.tree}\0"
         key = about.encode("utf-8", "surrogateescape") + data
-        return self.to_do(slot, key, Task(index, found.path, data))
+        return self.to_do(slot, key, Task(index, item.path, data))
 
     def to_do(self, slot: QueuedInput, key: bytes, task: Task) -> Task | None:
         """The task of an input; None where it was done by an earlier run, as its key says."""
         slot.key = sha256(self._settings_hash + key).digest()
-        done = None if self._force else self._record.find(slot.key, slot.input)
+        done = None if self._setup.force else self._record.find(slot.key, slot.input)
         # A run that did not ask for times has not noted any.
         lacks_time = done is not None and any(p["machine_time_s"] is None for p in done["parts"])
         if done is not None and not (self._settings.timed and lacks_time):
@@ -233,28 +222,6 @@ class Run:
         self._away[slot.index] = slot
         return task
 
-    def _take(self, result: Result) -> None:
-        """Results of the workers, or their loss."""
-        if result.how == "made":
-            for made in result.made:
-                slot = self._land(made.index)
-                slot.made = made
-                slot.size = sum(len(content) for _, content in (*made.outputs, *made.rests))
-                self._held += slot.size
-        elif result.how == "lost":
-            self._again.append(result.chunk)
-        elif len(result.chunk) > 1:
-            self._again.extend((task,) for task in result.chunk)
-        else:
-            (task,) = result.chunk
-            slot = self._land(task.index)
-            slot.row = died(task.name)
-
-    def _land(self, index: int) -> QueuedInput:
-        slot = self._away.pop(index)
-        self._flying -= slot.size
-        return slot
-
     def _finish(self, slot: QueuedInput) -> FileRow:
         """The row of an input that is done, its outputs written and noted."""
         if slot.made is None:
@@ -262,7 +229,10 @@ class Run:
             if row is None:
                 raise AssertionError("a slot that is done has a row or what was made")
             if row["status"] == "unchanged":
-                row = self._still_its_own(row)
+                # An earlier input may have taken the name of its output.
+                clash = self._outputs.claim(names_in(row), row["file"])
+                if clash is not None:
+                    row = {**row_of(row["file"], "refused", clash), "format": row["format"]}
                 self._refuse_mixed(row)
         else:
             row = slot.made.row
@@ -307,15 +277,8 @@ class Run:
         data = read_input(path)
         if isinstance(data, Diagnostic):
             return ()
-        reading = judged(read(data, path, **self._settings.reading), self._settings.strict)
+        reading = judged(read(data, path, **self._settings.reading), self._settings.request.strict)
         return marked(counted(sound(reading)), self._settings.mark_from)
-
-    def _still_its_own(self, row: FileRow) -> FileRow:
-        """The row of an unchanged input, unless an earlier one has taken its output's name."""
-        clash = self._outputs.claim(names_in(row), row["file"])
-        if clash is not None:
-            return {**refused_row(row["file"], as_message(clash)), "format": row["format"]}
-        return row
 
     def _write_all(self, slot: QueuedInput, made: FileResult, row: FileRow) -> None:
         """Write the outputs of an input; keep in its row those that stand."""
@@ -348,7 +311,7 @@ class Run:
             diagnostic = self._outputs.refusal(output, content, path) or self._outputs.write(
                 {output: content}, path
             )
-            if diagnostic is None and not self._dry:
+            if diagnostic is None and not self._setup.dry:
                 diagnostic = KEPT.at(Source(path), found=output)
             if diagnostic is not None:
                 row["messages"].append(as_message(diagnostic))
@@ -358,8 +321,7 @@ class Run:
         if self._settings.name is not None:
             return  # without the part there is no name to look for
         tree = os.path.basename(slot.input.tree) if self._flat else slot.input.tree
-        machines = (self._settings.machine, self._settings.sheets, *self._settings.more)
-        suffixes = dict.fromkeys(machine.suffix for machine in machines if machine is not None)
+        suffixes = dict.fromkeys(machine.suffix for machine in self._settings.machines)
         self._warn_of(slot, row, (os.path.splitext(tree)[0] + suffix for suffix in suffixes))
 
     def _warn_of(self, slot: QueuedInput, row: FileRow, outputs: Iterable[str]) -> None:

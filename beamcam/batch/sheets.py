@@ -7,6 +7,7 @@ that stands in the folder is that very one.
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
+from functools import partial
 from hashlib import sha256
 from pathlib import PurePosixPath
 
@@ -17,7 +18,6 @@ from beamcam.batch.shares import ShareTask
 from beamcam.batch.work import BatchSettings, thaw
 from beamcam.errors import BeamcamError
 from beamcam.files import write_whole
-from beamcam.model.part import Part
 from beamcam.model.request import marked
 from beamcam.pictures.formats import inline_svg
 from beamcam.pictures.part import small_scene
@@ -51,19 +51,11 @@ class SetupSheet(Struct, frozen=True):
     picture: str
 
 
-class SheetMaker(Struct, frozen=True):
-    """The work of a worker, for a shop that is frozen on its way there."""
-
-    frozen: bytes
-
-    def begin(self) -> None:
-        thaw(self.frozen)
-
-    def __call__(self, programs: Programs) -> tuple[SetupSheet, ...]:
-        """The sheets of an input's programs; none where it cannot be read any more."""
-        with suppress(OSError, BeamcamError):
-            return tuple(_sheets(programs, thaw(self.frozen)))
-        return ()
+def made_sheets(frozen: bytes, programs: Programs) -> tuple[SetupSheet, ...]:
+    """The sheets of an input's programs, by a worker; none where it cannot be read any more."""
+    with suppress(OSError, BeamcamError):
+        return tuple(_sheets(programs, thaw(frozen)))
+    return ()
 
 
 def picture_style() -> str:
@@ -96,7 +88,8 @@ def sheets_beside(
 def _made(
     rows: Iterable[FileRow], settings: BatchSettings, jobs: int, shares: Mapping[str, ShareTask]
 ) -> Iterator[SetupSheet]:
-    maker = SheetMaker(settings.freeze)
+    frozen = settings.freeze
+    maker = partial(made_sheets, frozen)
     tasks = (
         Programs(
             row["file"],
@@ -106,23 +99,21 @@ def _made(
         for row in rows
         if row["parts"]
     )
-    pool = Pool[Programs, tuple[SetupSheet, ...]](maker, max(jobs, 1), maker.begin)
+    pool = Pool[Programs, tuple[SetupSheet, ...]](maker, max(jobs, 1), partial(thaw, frozen))
+    left, task = 0, next(tasks, None)
     try:
-        left = 0
-        for task in tasks:
-            if jobs <= 1 and (task.share is not None or is_interruptible(task.path)):
-                yield from maker(task)
-                continue
-            while not pool.has_room():
+        while left or task is not None:
+            if task is None or not pool.has_room():
                 for _, made in pool.wait():
                     left -= 1
                     yield from () if isinstance(made, Died) else made
-            pool.submit(task)
-            left += 1
-        while left > 0:
-            for _, made in pool.wait():
-                left -= 1
-                yield from () if isinstance(made, Died) else made
+                continue
+            if jobs <= 1 and (task.share is not None or is_interruptible(task.path)):
+                yield from maker(task)
+            else:
+                pool.submit(task)
+                left += 1
+            task = next(tasks, None)
     finally:
         pool.close()
 
@@ -139,26 +130,22 @@ def _sheets(programs: Programs, settings: BatchSettings) -> Iterator[SetupSheet]
     left = list(programs.outputs)
     for part in marked(counted(sound(reading)), settings.mark_from):
         with suppress(BeamcamError):
-            for posted in _posted(part, settings):
+            request = settings.request_of(part)
+            if settings.chain:
+                from beamcam.rest_part import chain_for, stages_of
+
+                chain, _ = chain_for(request, settings.chain)
+                target = target_of_suffix(settings.rest_suffix)
+                made: Iterator[Posted] = (one.posted for one in stages_of(request, chain, target))
+            else:
+                planned, _ = on_best_machine(request, settings.machines_for(part), begin)
+                made = map(finished, planned)
+            for posted in made:
                 digest = _digest(posted)
                 output = next((name for name, known in left if known == digest), None)
                 if output is not None:
                     left.remove((output, digest))
                     yield _sheet(posted, output, settings)
-
-
-def _posted(part: Part, settings: BatchSettings) -> Iterator[Posted]:
-    """The programs of a part. Raises BeamcamError."""
-    request = settings.request_of(part)
-    if settings.chain:
-        from beamcam.rest_part import chain_for, stages_of
-
-        chain, _ = chain_for(request, settings.chain)
-        target = target_of_suffix(settings.rest_suffix)
-        yield from (stage.posted for stage in stages_of(request, chain, target))
-        return
-    planned, _ = on_best_machine(request, settings.machines_for(part), begin)
-    yield from map(finished, planned)
 
 
 def _digest(posted: Posted) -> str:
@@ -171,6 +158,6 @@ def _sheet(posted: Posted, output: str, settings: BatchSettings) -> SetupSheet:
     program = ReadProgram(
         b"".join(posted.pieces()), machine, PurePosixPath(output).name, machine.suffix, parts, bar,
     )  # fmt: skip
-    source = SheetSources(program, posted.plan, posted.remarks, compared=settings.read_back)
+    source = SheetSources(program, posted.plan, posted.remarks, compared=settings.request.verified)
     page = setup_page(content_of(source)).encode("utf-8", "backslashreplace")
     return SetupSheet(output, page, inline_svg(small_scene(parts[0])))

@@ -6,7 +6,8 @@ worker once, frozen.
 """
 
 import os
-from collections.abc import Callable, Generator, Mapping, Sequence, Set
+import pickle
+from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
 from functools import partial
 from hashlib import sha256
 
@@ -15,20 +16,17 @@ from msgspec.structs import replace
 
 from beamcam import budget
 from beamcam.arguments import on_best_machine
-from beamcam.batch import DIED, INTERNAL, NO_PART, SAME_NAME
-from beamcam.batch.names import FileNames, mark_key, other_content, output_name, stage_names
+from beamcam.batch import INTERNAL, NO_PART, SAME_NAME
+from beamcam.batch.names import FileNames, mark_key, other_content, stage_names
 from beamcam.batch.part_rows import part_row
 from beamcam.budget import Limits
 from beamcam.caches import cached
-from beamcam.errors import BeamcamError, ReadError, Source, VerifyError
+from beamcam.errors import BeamcamError, Diagnostic, ReadError, Source, VerifyError
 from beamcam.files import REFUSED_SUFFIX
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
-from beamcam.model.plan import Order, named_skips
 from beamcam.model.request import (
-    ChosenBy,
     MarkFrom,
-    Quantity,
     Remnant,
     Request,
     are_flats,
@@ -39,7 +37,7 @@ from beamcam.model.request import (
 from beamcam.pipeline import Begun, Posted, RefusedProgram, begin, counted, judged, parts_of
 from beamcam.readers import read, sound
 from beamcam.reports.part_list import PartCount
-from beamcam.reports.run import FileRow, Message, PartRow, RestRow, as_message
+from beamcam.reports.run import FileRow, PartRow, RestRow, Status, as_message
 from beamcam.version import __version__
 from beamcam.writers import target_of_suffix
 
@@ -47,13 +45,7 @@ from beamcam.writers import target_of_suffix
 class BatchSettings(Struct, frozen=True):
     """All that decides what becomes of a file's bytes."""
 
-    machine: Machine  #: of bars
-    job: str = "JOB"
-    stock_lengths: tuple[float, ...] = ()  #: rising; a part takes the first that it fits on
-    quantity: Quantity = None
-    skips: tuple[str, ...] = ()
-    strict: bool = False
-    read_back: bool = True
+    request: Request  #: of each part, still without it; its machine is that of bars
     name: str | None = None  #: template of the outputs' names
     sheets: Machine | None = None  #: the machine of sheets, if it is another
     reading: Mapping[str, object] = field(default_factory=dict)  #: options of the readers
@@ -61,25 +53,27 @@ class BatchSettings(Struct, frozen=True):
     timed: bool = True  #: whether the machine's time is worked out
     clock: Callable[[], float] | None = None
     more: tuple[Machine, ...] = ()  #: machines of either stock that are tried after the first
-    date: str = ""  #: for words of the machine
-    order: Order = "given"  #: of the pieces on a bar
-    turn: bool = False  #: whether parts may lie turned
     mark_from: MarkFrom = "mark"  #: where marks stand
-    style: str | None = None  #: of trigger programs: "chain" or "table"
     remnants: tuple[Remnant, ...] = ()  #: bars that are there once, for a run over stock
-    by: ChosenBy = "order"  #: which of the machines makes a part
     #: of what one machine leaves to the next where `machine` and `more` make parts one after the
     #: other; "" where one of them makes a part
     rest_suffix: str = ""
-    limits: Limits = field(
-        default_factory=lambda: budget.InForce.limits
-    )  #: how much each file may take
+    #: how much each file may take
+    limits: Limits = field(default_factory=lambda: budget.InForce.limits)
+
+    @property
+    def machine(self) -> Machine:
+        """That of bars."""
+        return self.request.machine
+
+    @property
+    def machines(self) -> tuple[Machine, ...]:
+        """All of them, those of bars and of sheets first."""
+        return (self.machine, *(() if self.sheets is None else (self.sheets,)), *self.more)
 
     @property
     def freeze(self) -> bytes:
         """The shop for a worker; `thaw` gives it back."""
-        import pickle
-
         return pickle.dumps(self)
 
     @property
@@ -109,24 +103,12 @@ class BatchSettings(Struct, frozen=True):
 
     def request_of(self, part: Part) -> Request:
         """What is asked of the first machine that may make a part."""
-        style = self.style if stock_of((part,)) == "sheet" else None
-        return Request(
-            (part,), self._first_for(part), named_skips(self.skips), self.job,
-            self.order, self.turn, self.stock_lengths, style,
-            quantity=self.quantity, strict=self.strict,
-            verified=self.read_back, date=self.date, by=self.by,
-        )  # fmt: skip
-
-    def lengths_for(self, part: Part) -> tuple[float, ...]:
-        """The lengths of bars that a part may be cut from, remnants among them, rising."""
-        if not self.stock_lengths:
-            return ()
-        return tuple(sorted({*self.stock_lengths, *(one.length for one in self.remnants)}))
+        style = self.request.style if stock_of((part,)) == "sheet" else None
+        return replace(self.request, parts=(part,), machine=self._first_for(part), style=style)
 
     def machine_named(self, name: str) -> Machine:
         """The machine of that name; that of bars where there is none."""
-        known = (self.machine, *(() if self.sheets is None else (self.sheets,)), *self.more)
-        return next((machine for machine in known if machine.name == name), self.machine)
+        return next((machine for machine in self.machines if machine.name == name), self.machine)
 
     def _first_for(self, part: Part) -> Machine:
         if self.sheets is not None:
@@ -139,8 +121,6 @@ class BatchSettings(Struct, frozen=True):
 @cached("batch.shop")
 def thaw(frozen: bytes) -> BatchSettings:
     """The shop that was frozen; the same object each time, so that what is known of it is kept."""
-    import pickle
-
     settings: BatchSettings = pickle.loads(frozen)
     return settings
 
@@ -152,31 +132,56 @@ class Task(Struct, frozen=True):
     name: str  #: of the file, for messages
     data: bytes
 
-    def post(
-        self, settings: BatchSettings, row: FileRow, work: "Found"
-    ) -> Generator[str, None, None]:
+    def post(self, settings: BatchSettings, made: "FileResult") -> Generator[str, None, None]:
         """Add the programs of all parts that can be made; the others refuse the file."""
-        yield from _post_all(self, settings, row, work)
+        parts = parts_in(self, settings, made)
+        yield "read the file"
+        stem = os.path.splitext(os.path.basename(self.name))[0]
+        names = FileNames()
+        # Parts that differ from an earlier one with their mark refuse the file.
+        mixed = () if len({*map(mark_key, parts)}) == len(parts) else tuple(other_content(parts))
+        if mixed:
+            made.refuse(mixed)
+        sources = {one.source for one in mixed}
+        for number, part in enumerate(parts, 1):
+            if part.source in sources:
+                continue
+            called = partial(stage_names, settings.name, stem, part, number, len(parts) > 1)
+            if settings.chain:
+                yield from _post_chain(part, called, settings, names, made)
+                continue
+            try:
+                planned, choice = on_best_machine(
+                    settings.request_of(part), settings.machines_for(part), begin
+                )
+            except BeamcamError as error:
+                made.refuse(error.diagnostics)
+                continue
+            yield "planned"
+            made.say(choice)
+            name, _ = called(planned[0].job.machine, 0, "")
+            for each, numbered_name in zip(planned, numbered(name, len(planned)), strict=True):
+                yield from _post_job(each, numbered_name, settings, names, made)
 
 
-class Found(Struct):
-    """What comes of a task besides its row."""
+class FileResult(Struct):
+    """What becomes of one file: its programs by name, and its row in the account."""
 
-    outputs: list[tuple[str, bytes]] = field(default_factory=list)  #: programs by name
+    index: int
+    row: FileRow
+    outputs: list[tuple[str, bytes]] = field(default_factory=list)  #: by names below the input's
     refused: list[tuple[str, bytes]] = field(default_factory=list)  #: that the read-back refused
     looked: list[PartCount] = field(default_factory=list)  #: parts, where that is the task
     rests: list[tuple[str, bytes]] = field(default_factory=list)  #: between programs, by name
 
+    def say(self, diagnostics: Iterable[Diagnostic]) -> None:
+        """Add messages to the row."""
+        self.row["messages"] += map(as_message, diagnostics)
 
-class FileResult(Struct, frozen=True):
-    """Result of one file: its programs by name, and its row in the account."""
-
-    index: int
-    row: FileRow
-    outputs: tuple[tuple[str, bytes], ...]  #: names below the input's folder, and contents
-    refused: tuple[tuple[str, bytes], ...] = ()  #: programs that the read-back refused, likewise
-    looked: tuple[PartCount, ...] = ()  #: the parts with what makes them, where that was asked
-    rests: tuple[tuple[str, bytes], ...] = ()  #: what one program leaves to the next, likewise
+    def refuse(self, diagnostics: Iterable[Diagnostic]) -> None:
+        """The file is refused, for what the messages say."""
+        self.row["status"] = "refused"
+        self.say(diagnostics)
 
 
 def make_all(tasks: Sequence[Task], settings: BatchSettings) -> list[FileResult]:
@@ -206,130 +211,71 @@ def make_all(tasks: Sequence[Task], settings: BatchSettings) -> list[FileResult]
 
 def making(task: Task, settings: BatchSettings) -> Generator[str, None, FileResult]:
     """The programs of one file, stage by stage."""
-    row: FileRow = {
-        "file": task.name, "status": "posted", "format": "", "seconds": 0.0, "parts": [],
-        "messages": [],
-    }  # fmt: skip
-    work = Found()
+    made = FileResult(task.index, row_of(task.name, "posted"))
     try:
-        yield from task.post(settings, row, work)
+        yield from task.post(settings, made)
     except BeamcamError as error:
-        row["status"] = "refused"
-        row["messages"] += map(as_message, error.diagnostics)
+        made.refuse(error.diagnostics)
     except Exception as error:
         import traceback
 
-        row["status"] = "failed"
         frame = traceback.extract_tb(error.__traceback__)[-1]
         what = f"{type(error).__name__} at {os.path.basename(frame.filename)}:{frame.lineno}"
         what = f"{what}: {error}" if str(error) else what
-        diagnostic = INTERNAL.at(Source(task.name), found=what)
-        row["messages"].append(as_message(diagnostic))
-        row["parts"], work.outputs, work.rests = [], [], []
-    return FileResult(
-        task.index, row, tuple(work.outputs), tuple(work.refused), tuple(work.looked),
-        tuple(work.rests),
-    )  # fmt: skip
+        made.say([INTERNAL.at(Source(task.name), found=what)])
+        made.row["status"], made.row["parts"], made.outputs, made.rests = "failed", [], [], []
+    return made
 
 
-def refused_row(path: str, message: Message) -> FileRow:
-    """The row of a file that is refused before it is worked on."""
+def row_of(path: str, status: Status, *diagnostics: Diagnostic) -> FileRow:
+    """The row of a file of which nothing is made yet."""
     return {
-        "file": path, "status": "refused", "format": "", "seconds": 0.0, "parts": [],
-        "messages": [message],
+        "file": path, "status": status, "format": "", "seconds": 0.0, "parts": [],
+        "messages": [*map(as_message, diagnostics)],
     }  # fmt: skip
 
 
-def died(path: str) -> FileRow:
-    """The row of a file that ended its worker."""
-    return {**refused_row(path, as_message(DIED.at(Source(path)))), "status": "failed"}
-
-
-def parts_in(task: Task, settings: BatchSettings, row: FileRow) -> tuple[Part, ...]:
+def parts_in(task: Task, settings: BatchSettings, made: FileResult) -> tuple[Part, ...]:
     """The sound parts of a file; what is said of it is added to its row.
 
     Raises ReadError for a file without any.
     """
-    reading = judged(read(task.data, task.name, **settings.reading), settings.strict)
-    row["format"] = reading.format
+    reading = judged(read(task.data, task.name, **settings.reading), settings.request.strict)
+    made.row["format"] = reading.format
     if reading.format == "ifc" and reading.refused:
         # The members of a model are parts of their own: those that cannot be read stop no other.
-        row["status"], parts, diagnostics = "refused", counted(sound(reading)), reading.diagnostics
+        made.refuse(reading.diagnostics)
+        parts = counted(sound(reading))
     else:
         parts, diagnostics = parts_of((reading,), counted)
-    row["messages"] += map(as_message, diagnostics)
+        made.say(diagnostics)
     if not parts:
         raise ReadError(NO_PART.at(Source(task.name)))
     return marked(parts, settings.mark_from)
 
 
-def _post_all(
-    task: Task, settings: BatchSettings, row: FileRow, work: Found
-) -> Generator[str, None, None]:
-    parts = parts_in(task, settings, row)
-    yield "read the file"
-    stem = os.path.splitext(os.path.basename(task.name))[0]
-    names = FileNames()
-    mixed = _mixed(parts, row)
-    for number, part in enumerate(parts, 1):
-        if part.source in mixed:
-            continue
-        if settings.chain:
-            of_stage = partial(stage_names, settings.name, stem, part, number, len(parts) > 1)
-            yield from _post_chain(part, of_stage, settings, row, names, work)
-            continue
-        try:
-            planned, choice = on_best_machine(
-                settings.request_of(part), settings.machines_for(part), begin
-            )
-        except BeamcamError as error:
-            row["status"] = "refused"
-            row["messages"] += map(as_message, error.diagnostics)
-            continue
-        yield "planned"
-        row["messages"] += map(as_message, choice)
-        name = output_name(
-            settings.name, stem, part, number, len(parts) > 1, planned[0].job.machine
-        )
-        for each, called in zip(planned, numbered(name, len(planned)), strict=True):
-            yield from _post_job(each, called, settings, row, names, work)
-
-
-def _mixed(parts: Sequence[Part], row: FileRow) -> Set[Source]:
-    """The sources of parts that differ from an earlier one with their mark; the row is refused."""
-    if len({*map(mark_key, parts)}) == len(parts):
-        return frozenset()
-    diagnostics = tuple(other_content(parts))
-    if diagnostics:
-        row["status"] = "refused"
-        row["messages"] += map(as_message, diagnostics)
-    return {one.source for one in diagnostics}
-
-
 def _post_job(
-    planned: Begun, name: str, settings: BatchSettings, row: FileRow, names: FileNames, work: Found
+    planned: Begun, name: str, settings: BatchSettings, names: FileNames, made: FileResult
 ) -> Generator[str, None, None]:
     """Add the program of a part, or of the pieces of it that lie on one bar."""
     part = planned.job.parts[0]
     refused_name = partial(names.take, name + REFUSED_SUFFIX, part.mark)
-    posted = yield from posted_of(planned, refused_name, row, work)
+    posted = yield from posted_of(planned, refused_name, made)
     if posted is None:
         return
     other = names.owner(name)
     if other is not None and settings.name is not None:
-        row["status"] = "refused"
-        clash = SAME_NAME.at(part.source, found=name, other=f"part {other}")
-        row["messages"].append(as_message(clash))
+        made.refuse([SAME_NAME.at(part.source, found=name, other=f"part {other}")])
         return
     name = names.take(name, part.mark)
     content = posted.text.encode("utf-8")
-    work.outputs.append((name, content))
-    row["parts"].append(part_row(posted, name, content, settings.timed))
+    made.outputs.append((name, content))
+    made.row["parts"].append(part_row(posted, name, content, settings.timed))
 
 
 def _post_chain(
     part: Part, called: Callable[[Machine, int, str], tuple[str, str]], settings: BatchSettings,
-    row: FileRow, names: FileNames, work: Found,
+    names: FileNames, made: FileResult,
 ) -> Generator[str, None, None]:  # fmt: skip
     """Add the programs of a part on several machines, all of them or none, and what is between.
 
@@ -350,22 +296,18 @@ def _post_chain(
             stages.append(stage)
             yield "read a program back"
     except BeamcamError as error:
-        if isinstance(error, RefusedProgram):
-            name = names.take(names_of_links[len(stages)][0] + REFUSED_SUFFIX, part.mark)
-            work.refused.append((name, b"".join(error.pieces())))
-            error = VerifyError(error.named(name))
-        row["status"] = "refused"
-        row["messages"] += map(as_message, error.diagnostics)
+
+        def refused_name() -> str:
+            name = names_of_links[len(stages)][0]
+            return names.take(name + REFUSED_SUFFIX, part.mark)
+
+        _refuse_program(error, refused_name, made)
         return
-    row["messages"] += map(
-        as_message, (*diagnostics, *(one for stage in stages for one in stage.remarks))
-    )
+    made.say((*diagnostics, *(one for stage in stages for one in stage.remarks)))
     taken = [name for pair in names_of_links for name in pair if names.owner(name) is not None]
     if taken and settings.name is not None:
         other = f"part {names.owner(taken[0])}"
-        row["status"] = "refused"
-        clash = SAME_NAME.at(part.source, found=taken[0], other=other)
-        row["messages"].append(as_message(clash))
+        made.refuse([SAME_NAME.at(part.source, found=taken[0], other=other)])
         return
     for stage, (name, rest_name) in zip(stages, names_of_links, strict=True):
         name = names.take(name, part.mark)
@@ -376,25 +318,29 @@ def _post_chain(
             data = stage.rest.encode("utf-8")
             digest = sha256(data).hexdigest()
             rest = {"output": rest_name, "sha256": digest, "features": stage.passed_on}
-            work.rests.append((rest_name, data))
-        work.outputs.append((name, content))
+            made.rests.append((rest_name, data))
+        made.outputs.append((name, content))
         posted = replace(stage.posted, plan=stage.plan)
-        row["parts"].append(part_row(posted, name, content, settings.timed, rest))
+        made.row["parts"].append(part_row(posted, name, content, settings.timed, rest))
 
 
 def posted_of(
-    planned: Begun, refused_name: Callable[[], str], row: FileRow, work: Found
+    planned: Begun, refused_name: Callable[[], str], made: FileResult
 ) -> Generator[str, None, Posted | None]:
     """The program that was planned; None where it is refused, which its row says."""
     try:
         posted = yield from planned.stages
     except BeamcamError as error:
-        if isinstance(error, RefusedProgram):
-            kept = refused_name()
-            work.refused.append((kept, b"".join(error.pieces())))
-            error = VerifyError(error.named(kept))
-        row["status"] = "refused"
-        row["messages"] += map(as_message, error.diagnostics)
+        _refuse_program(error, refused_name, made)
         return None
-    row["messages"] += map(as_message, posted.remarks)
+    made.say(posted.remarks)
     return posted
+
+
+def _refuse_program(error: BeamcamError, name: Callable[[], str], made: FileResult) -> None:
+    """The file is refused; a program that the read-back refused is kept under a name."""
+    if isinstance(error, RefusedProgram):
+        kept = name()
+        made.refused.append((kept, b"".join(error.pieces())))
+        error = VerifyError(error.named(kept))
+    made.refuse(error.diagnostics)

@@ -78,4 +78,4 @@ UNKNOWN = error("check-unknown",
 NOTHING = error("check-nothing",
     "found no program to compare; expected what `batch` wrote, or a folder with the name of a "
     "machine",
-    "The folder is empty, is another one, or all of its programs are strays.")
+    "The folder is empty, is another one, or none of its programs has a part here.")

@@ -2,7 +2,7 @@
 
 import os
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import click
@@ -11,37 +11,37 @@ from beamcam.api.shop_lists import label_lines
 from beamcam.batch import NOT_OURS, WRITE
 from beamcam.batch.find import find_inputs
 from beamcam.batch.over_stock import StockRun
-from beamcam.batch.recipe import path_from, recipe_of
-from beamcam.batch.run import run
+from beamcam.batch.record import path_from, recipe_of
+from beamcam.batch.run import RunSetup, run
 from beamcam.commands import options
 from beamcam.commands.common import STANDARD, Console, keep_apart, over_input, say_lines
-from beamcam.commands.options import Grouped
 from beamcam.commands.running import (
     Progress,
     Report,
     batch_settings,
-    checked_report,
     end_run,
     run_options,
-    told_of,
+    settings_note,
     unmatched_keys,
     unused,
     workers_of,
 )
 from beamcam.commands.settings import files_read, settled
-from beamcam.errors import BeamcamError, Diagnostic, Source
+from beamcam.commands.value_types import of_kind
+from beamcam.config.values import Config
+from beamcam.errors import BeamcamError, Diagnostic, Source, errors_in
 from beamcam.files import FilesRead, write_whole
 from beamcam.reports.labels import SCHEMA, Label
 from beamcam.reports.labels import as_json as labels_as_json
 from beamcam.reports.part_list import BARS, CUTS, PARTS, bar_list, cutting_list, part_list
-from beamcam.reports.run import FileRow, Message, as_message
+from beamcam.reports.run import FileRow, as_message
 from beamcam.reports.tables import as_csv
 from beamcam.system import asked_to_end, cores, portable_path
 
 FILES_A_WORKER = 20  #: of setup sheets; for fewer a process of their own is not worth its start
 
 
-@click.command("batch", cls=Grouped)
+@click.command("batch", cls=options.Grouped)
 @click.argument("inputs", nargs=-1, required=True, metavar="IN...", type=options.FILE)
 @run_options
 @options.remnants
@@ -61,7 +61,10 @@ FILES_A_WORKER = 20  #: of setup sheets; for fewer a process of their own is not
     "--dry-run", "dry", is_flag=True, help="Show what would be written where, and write nothing."
 )
 @click.option(
-    "--report", callback=checked_report, metavar="FILE", help="Write .json, .csv or .html; -."
+    "--report",
+    callback=of_kind("batch", without=()),
+    metavar="FILE",
+    help="Write .json, .csv or .html; -.",
 )
 def command(
     inputs: tuple[str, ...], output: str, redo: bool, dry: bool, nest: bool | None,
@@ -98,85 +101,66 @@ def command(
     if console.as_json and report is not None:
         raise click.UsageError("--json prints the report; give --report or --json.")
     names = _names(inputs)
-    over_stock = _is_over_stock(nest, values)
-    try:
-        config = settled(values, names)
-        if over_stock and config.split:
-            raise click.UsageError(
-                "found --machines over stock; expected it with --each, or --machine for parts that "
-                "share bars and sheets."
-            )
-        settings = batch_settings(config, values, timed=report is not None)
-        console.say_remarks()
-        result = find_inputs(names, leave_out=(output,))
-        workers = workers_of(settings, config.jobs, config.dask, result.inputs)
-    except BeamcamError as error:
-        console.stop(error.diagnostics)
-    messages = [as_message(d) for d in (*result.diagnostics, *unused(result, config))]
+    config = settled(values, names)
+    over_stock = _is_over_stock(nest, values, config)
+    settings = batch_settings(config, values, timed=report is not None)
+    console.say_remarks()
+    result = find_inputs(names, leave_out=(output,))
+    workers = workers_of(settings, config.jobs, config.dask, result.inputs)
+    diagnostics = [*result.diagnostics, *unused(result, config)]
     account = Report(STANDARD if console.as_json else report)
     read = files_read(config, (one.path for one in result.inputs))
     if report is not None:
         keep_apart([report], read, console)
     stock_run: StockRun | None = None
     with Progress(0 if over_stock else len(result.inputs), console) as screen:
-        screen.say(messages)
-        messages += map(as_message, (*config.remarks, *told_of(config, settings)))
+        screen.say(diagnostics)
+        diagnostics += (*config.remarks, *settings_note(config, settings))
         with asked_to_end() as interrupted:
             if over_stock:
                 of = [path_from(output, one.path) for one in result.inputs]
-                recipe = recipe_of(config, {**values, "nest": True, "inputs": of}, output)
-                stock_run = StockRun(
-                    result.inputs, output, settings, workers, recipe, redo, read, dry, interrupted
-                )
-                rows = stock_run.rows()
-            else:
-                recipe = recipe_of(config, values, output)
-                rows = run(
-                    result.inputs, output, settings, workers, config.flat, redo, read=read,
-                    recipe=recipe, dry=dry, interrupt=interrupted,
-                )  # fmt: skip
+                values |= {"nest": True, "inputs": of}
+            recipe = recipe_of(config, values, output)
+            setup = RunSetup(output, settings, workers, read, recipe, redo, dry, interrupted)
+            if over_stock:
+                stock_run = StockRun(result.inputs, setup)
+            rows = stock_run.rows() if stock_run else run(result.inputs, setup, config.flat)
             try:
                 for row in rows:
                     screen.show(row)
                     account.add(row)
-                    if dry and not (console.quiet or console.as_json):
+                    if dry and console.for_people:
                         say_lines(_would(row, output))
-            except BeamcamError as error:
+            except BeamcamError:
                 screen.end(" (not finished)")
-                console.stop(error.diagnostics)
+                raise
             finally:
                 rows.close()
+
+        def say(new: Sequence[Diagnostic]) -> None:
+            screen.say(new)
+            diagnostics.extend(new)
+
         if stock_run is not None and not (interrupted or dry):
-            lists = [*stock_run.told, *write_lists(stock_run, output, read, redo)]
-            screen.say(map(as_message, lists))
-            messages += map(as_message, lists)
-        unmatched = [as_message(d) for d in unmatched_keys(config, screen.counts)]
-        screen.say(unmatched)
-        messages += unmatched
+            say((*stock_run.remarks, *write_lists(stock_run, output, read, redo)))
+        say(unmatched_keys(config, screen.counts))
         jobs = min(config.jobs or cores(), max(1, screen.counts.total // FILES_A_WORKER))
         shares = () if stock_run is None else stock_run.tasks
         try:
+            messages = [as_message(one) for one in diagnostics]
             account.write(screen.counts, messages, None if dry else settings, jobs, shares)
         except OSError as error:
-            unwritten = [_unwritten(error, report)]
-            screen.say(unwritten)
-            messages += unwritten
+            if report == STANDARD:
+                raise  # its reader has gone, and there is no one to tell
+            reason = error.strerror or str(error)
+            say([WRITE.at(Source(str(report)), found=report, reason=reason)])
         screen.end(
             " (interrupted)" if interrupted else " (dry run, nothing written)" if dry else ""
         )
-    is_refused = any(one["severity"] == "error" for one in messages)
-    end_run(screen.counts, bool(interrupted), exit_left_out, is_refused)
+    end_run(screen.counts, bool(interrupted), exit_left_out, bool(errors_in(diagnostics)))
 
 
-def _unwritten(error: OSError, report: str | None) -> Message:
-    """The message about a report that cannot be written. Raises the error of standard output."""
-    if report == STANDARD:
-        raise error  # whoever reads it has gone, and there is no one to tell
-    reason = error.strerror or str(error)
-    return as_message(WRITE.at(Source(str(report)), found=report, reason=reason))
-
-
-def _is_over_stock(nest: bool | None, options: Mapping[str, Any]) -> bool:
+def _is_over_stock(nest: bool | None, options: Mapping[str, Any], config: Config) -> bool:
     """Whether parts share bars and sheets. Raises UsageError for options that exclude it."""
     stock = [option for option, value in (
         ("--bar", options["bar"]), ("--remnant", options["remnants"]),
@@ -192,6 +176,11 @@ def _is_over_stock(nest: bool | None, options: Mapping[str, Any]) -> bool:
                     f"found {option} over stock; expected it with --each, since a program over "
                     "stock is called by its section and grade."
                 )
+        if config.split:
+            raise click.UsageError(
+                "found --machines over stock; expected it with --each, or --machine for parts that "
+                "share bars and sheets."
+            )
     return over_stock
 
 
@@ -233,31 +222,27 @@ def is_stock_list(path: str) -> bool:
     return head is not None and not _is_strange(path, head)
 
 
-def stock_lists(run: StockRun) -> Iterator[tuple[str, str]]:
-    """Name and content of each list: parts, bars, cuts, and a label for each piece that is made."""
+def write_lists(run: StockRun, folder: str, read: FilesRead, force: bool) -> Iterator[Diagnostic]:
+    """Write the lists into the folder of the programs; an error for each that cannot be.
+
+    They are of parts, bars and cuts, and a label for each piece that is made. A file that is no
+    such list is not written over, unless it is forced.
+    """
     bars = run.bars()
-    yield "parts.csv", as_csv(part_list(run.counts))
-    yield "bars.csv", as_csv(bar_list(bars))
-    yield "cuts.csv", as_csv(cutting_list(bars))
     labels = [
         Label(part.mark, tuple(label_lines(part, number, of)), program)
         for part, number, of, program in run.labelled()
     ]
-    yield "labels.json", labels_as_json(labels)
-
-
-def write_lists(run: StockRun, folder: str, read: FilesRead, force: bool) -> Iterator[Diagnostic]:
-    """Write the lists into the folder of the programs; an error for each that cannot be.
-
-    A file that is no such list is not written over, unless it is forced.
-    """
-    for name, content in stock_lists(run):
+    contents = (
+        as_csv(part_list(run.counts)), as_csv(bar_list(bars)), as_csv(cutting_list(bars)),
+        labels_as_json(labels),
+    )  # fmt: skip
+    for name, content in zip(HEADS, contents, strict=True):
         path = os.path.join(folder, name)
         if over := over_input(path, read):
             yield over
         elif not force and _is_strange(path, HEADS[name]):
-            why = "which beamcam did not make"
-            yield NOT_OURS.at(Source(path), found=name, why=why)
+            yield NOT_OURS.at(Source(path), found=name, why="which beamcam did not make")
         else:
             try:
                 write_whole(path, content)

@@ -1,7 +1,6 @@
 """`beamcam check`: a folder of golden programs, posted again and compared."""
 
 import re
-from collections.abc import Iterator, Sequence
 from fnmatch import fnmatch
 from pathlib import Path
 from typing import Any
@@ -11,27 +10,19 @@ from msgspec.structs import replace
 
 from beamcam.commands import NO_SAMPLE, NOTHING, UNKNOWN, options
 from beamcam.commands.batch import is_stock_list
-from beamcam.commands.common import (
-    REFUSED,
-    Console,
-    cannot_write,
-    outputs,
-    say_json,
-    say_lines,
-    table_style,
-)
-from beamcam.commands.golden import Checked, compared, named, records, sample_of, told
+from beamcam.commands.common import REFUSED, Console, cannot_write, outputs, say_lines, table_style
+from beamcam.commands.golden import Checked, compared, named, sample_of, say_results
 from beamcam.commands.parts import program_text, request_of
 from beamcam.commands.recorded import DEFAULT_SAMPLES, Recorded, accept, record_folders
 from beamcam.commands.settings import machines_for, settled
 from beamcam.config.values import Config, over
-from beamcam.errors import BeamcamError, Severity, Source
+from beamcam.errors import BeamcamError, Source
 from beamcam.files import REFUSED_SUFFIX
 from beamcam.machine import Machine, shipped
 from beamcam.pipeline import begin, finished, parts_of, read_file
 from beamcam.planning.manual_list import LIST_SUFFIX, manual_rows
 from beamcam.readers import is_of_programs
-from beamcam.reports.run import as_message, message_line
+from beamcam.reports.run import as_message
 
 #: Where others than the header of a machine file say the job's name: behind `%`, as the unit of a
 #: program, in the head of a step table.
@@ -60,7 +51,7 @@ _NO_PROGRAMS = (".toml", ".json", ".html", ".md", ".txt", REFUSED_SUFFIX)
 )
 @click.option(
     "--stray",
-    "strays",
+    "patterns",
     multiple=True,
     metavar="PATTERN",
     help="Leave out programs that have no part here, as 'by-hand/*.gcode'; several times.",
@@ -72,7 +63,7 @@ _NO_PROGRAMS = (".toml", ".json", ".html", ".md", ".txt", REFUSED_SUFFIX)
 @options.as_json
 @options.verbosity
 def command(
-    folder: Path, samples: Path | None, update: bool, strays: tuple[str, ...], as_json: bool,
+    folder: Path, samples: Path | None, update: bool, patterns: tuple[str, ...], as_json: bool,
     console: Console, **values: Any,
 ) -> None:  # fmt: skip
     """Post every golden program in FOLDER again and say what differs, by meaning and by bytes.
@@ -106,7 +97,7 @@ def command(
             if path.resolve() in known:
                 continue
             if name is None and any(
-                fnmatch(path.relative_to(folder).as_posix(), one) for one in strays
+                fnmatch(path.relative_to(folder).as_posix(), one) for one in patterns
             ):
                 left_out += 1
                 continue
@@ -116,58 +107,26 @@ def command(
             named_so = over(config, {"machine": name})
             results.append(_check(path, samples or DEFAULT_SAMPLES, named_so))
             console.did(f"{path} on {name}: {results[-1].result}")
-    except BeamcamError as error:
-        console.stop(error.diagnostics)
     except OSError as error:
         console.stop([cannot_write(str(error.filename or folder), error)])
-    counts = tuple(_counts(results, len(unknown), left_out))
-    results += _not_compared(results, unknown, str(folder))
-    _say(results, counts, as_json, console)
-    left = _accepted(results, console) if update else results
-    if any(r.result != "same" for r in left):
-        raise SystemExit(REFUSED)
-
-
-def _not_compared(results: list[Checked], unknown: list[str], folder: str) -> Iterator[Checked]:
-    """What is wrong with a folder as a whole: programs without a part, or no program at all."""
-    if unknown:
-        diagnostic = UNKNOWN.at(Source(folder), found=len(unknown), names=named(unknown))
-    elif not results:
-        diagnostic = NOTHING.at(Source(folder))
-    else:
-        return
-    yield Checked(folder, "unknown", (), (as_message(diagnostic),))
-
-
-def _counts(results: list[Checked], unknown: int, left_out: int) -> Iterator[str]:
-    """The last line, where anything was compared."""
-    if results:
-        same = sum(r.result == "same" for r in results)
-        more = f", {left_out} left out" if left_out else ""
-        yield f"{same} of {len(results) + unknown} programs are the same{more}"
-
-
-def _say(results: list[Checked], counts: Sequence[str], as_json: bool, console: Console) -> None:
-    if as_json:
-        say_json(records(results, (s.value for s in Severity if console.wants(s))))
-        return
-    say_lines(told(results))
-    severities = {severity.value for severity in Severity if console.wants(severity)}
-    messages = (m for r in results for m in r.messages if m["severity"] in severities)
-    say_lines(map(message_line, messages), err=True)
-    if not console.quiet:
-        say_lines(counts)
-
-
-def _accepted(results: list[Checked], console: Console) -> tuple[Checked, ...]:
-    """The outcome after the changed programs are written."""
+    same = sum(r.result == "same" for r in results)
+    more = f", {left_out} left out" if left_out else ""
+    counts = f"{same} of {len(results) + len(unknown)} programs are the same{more}"
+    if unknown or not results:
+        counts, at = counts if results else "", Source(str(folder))
+        fault = NOTHING.at(at)
+        if unknown:
+            fault = UNKNOWN.at(at, found=len(unknown), names=named(unknown))
+        results.append(Checked(str(folder), "unknown", (), (as_message(fault),)))
+    say_results(results, counts, console, as_json)
     try:
-        left = accept(results)
+        left = accept(results) if update else results
     except OSError as error:
         console.stop([cannot_write(str(error.filename), error)])
-    if not console.quiet and not console.as_json and len(left) < len(results):
+    if console.for_people and len(left) < len(results):
         say_lines([f"{len(results) - len(left)} programs written"])
-    return left
+    if any(r.result != "same" for r in left):
+        raise SystemExit(REFUSED)
 
 
 def _programs(folder: Path, machine: str | None) -> list[tuple[Path, str | None]]:
@@ -199,7 +158,7 @@ def _check(path: Path, samples: Path, config: Config) -> Checked:
         parts, _ = parts_of(read_file(sample, config.strict) for sample in sources)
         machine = machines_for(config, parts, str(path))[0]
         style = table_style(machine, str(path), None)
-        request = request_of(parts, config, machine, None)
+        request = request_of(parts, config, machine, None, {})
         named_so = replace(request, name=_job(old, machine), style=style)
         (begun,) = begin(named_so, together=True)
         posted = finished(begun)
@@ -216,17 +175,11 @@ def _job(text: str, machine: Machine) -> str:
     """The job's name as the golden program states it."""
     for line in machine.words.header:
         if "{job}" in line:
-            stated = re.search(_stating(line), text, re.MULTILINE)
-            if stated:
-                return stated["job"]
+            parts = re.split(r"\{(\w+)\}", line)  # every other part is the name of a value
+            parts[::2] = map(re.escape, parts[::2])
+            parts[1::2] = (r"(?P<job>.*\S)" if n == "job" else ".*" for n in parts[1::2])
+            match = re.search(f"^(?:N[0-9]+ )?{''.join(parts)}$", text, re.MULTILINE)
+            if match:
+                return match["job"]
     match = _JOB.search(text)
     return match[match.lastindex or 0] if match else "JOB"
-
-
-def _stating(template: str) -> str:
-    """The pattern of a line of a header that says the name of the job."""
-    parts = re.split(r"\{(\w+)\}", template)  # every other part is the name of a value
-    values = [r"(?P<job>.*\S)" if name == "job" else ".*" for name in parts[1::2]]
-    texts = [re.escape(part) for part in parts[::2]]
-    pattern = "".join(text + value for text, value in zip(texts, [*values, ""], strict=True))
-    return f"^(?:N[0-9]+ )?{pattern}$"

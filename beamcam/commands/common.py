@@ -3,7 +3,7 @@
 import os
 import re
 import sys
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import PurePath
 from time import perf_counter
@@ -13,13 +13,12 @@ import click
 
 from beamcam.commands import ACCOUNT, CANNOT_WRITE, OVER_INPUT
 from beamcam.errors import Diagnostic, Severity, Source, errors_in, first_of_each_kind
-from beamcam.files import REFUSED_SUFFIX, FilesRead, remove_made, write_whole
+from beamcam.files import REFUSED_SUFFIX, FilesRead, write_whole
 from beamcam.machine.tables import DIALECTS, TABLE_CONTROLLERS
 from beamcam.plain_text import json_text, terminal_text
 from beamcam.system import is_reader_gone, is_unicode, taken_back
 
 if TYPE_CHECKING:
-    from beamcam.config.values import Config
     from beamcam.machine.machine import Machine
     from beamcam.pipeline import Posted
     from beamcam.readers import Reading
@@ -39,6 +38,7 @@ class Console:
 
     def __init__(self, quiet: bool = False, verbose: bool = False, as_json: bool = False) -> None:
         self.quiet, self.verbose, self.as_json = quiet, verbose, as_json
+        self.messages: list[Diagnostic] = []  #: on the job; said at its end, or before its refusal
         self._account: list[Diagnostic] = []  #: what is kept for a JSON list
         self._remarks: dict[Diagnostic, bool] = {}  #: on the machine; whether they were said
         self._did: set[str] = set()  #: that is told once
@@ -48,11 +48,15 @@ class Console:
         """Whether a message of that weight is said."""
         return not self.quiet or severity is Severity.ERROR
 
-    def say(self, diagnostics: Iterable[Diagnostic]) -> None:
-        """Say messages. As JSON they are one list with what was done, so this is said once."""
+    def say(self, diagnostics: Iterable[Diagnostic] = ()) -> None:
+        """Say what is kept, and these messages.
+
+        As JSON they are one list with what was done, so this is said once.
+        """
         new = [one for one, is_said in self._remarks.items() if not is_said]
         self._remarks |= dict.fromkeys(new, True)
-        diagnostics = (*new, *diagnostics)
+        diagnostics = (*new, *self.messages, *diagnostics)
+        self.messages.clear()
         shown = [d for d in first_of_each_kind(diagnostics) if self.wants(d.severity)]
         if self.as_json:
             from beamcam.reports.run import as_message
@@ -66,7 +70,7 @@ class Console:
     def say_remarks(self) -> None:
         """Say what is kept before the work begins; a JSON list waits for the end."""
         if not self.as_json:
-            self.say(())
+            self.say()
 
     def remark(self, diagnostics: Iterable[Diagnostic]) -> None:
         """Keep messages to be said with the next ones; what was said once is not said again."""
@@ -91,25 +95,31 @@ class Console:
             self._did.add(what)
             self.did(what)
 
+    @property
+    def for_people(self) -> bool:
+        """Whether people read the messages, and more than errors."""
+        return not (self.quiet or self.as_json)
+
     def tell(self, line: str) -> None:
         """Say what came of it, to people who want more than errors."""
-        if not (self.quiet or self.as_json):
+        if self.for_people:
             say_lines([line], err=True)
 
     def end(self) -> None:
         """Say what was kept of steps and remarks, where nothing else was to be said."""
         if self._account or not all(self._remarks.values()):
-            self.say(())
+            self.say()
 
     def stop(self, diagnostics: Iterable[Diagnostic]) -> NoReturn:
         """Say messages and end with the status of a refused input."""
         self.say(diagnostics)
         raise SystemExit(REFUSED)
 
-    def finish(self, diagnostics: Sequence[Diagnostic]) -> None:
-        """Say messages; where an error is among them, end with the status of a refused input."""
-        self.say(diagnostics)
-        if errors_in(diagnostics):
+    def finish(self) -> None:
+        """Say all messages; if one is an error, end with the status of a refused input."""
+        is_refused = bool(errors_in(self.messages))
+        self.say()
+        if is_refused:
             raise SystemExit(REFUSED)
 
 
@@ -132,9 +142,12 @@ def say_lines(lines: Iterable[str], err: bool = False) -> None:
     On a terminal the severity of a message on standard error has its colour.
     """
     coloured = err and shows_colour(sys.stderr)
-    for line in lines:
-        text = terminal_text(line)
-        click.echo(_coloured(text) if coloured else text, err=err, color=coloured or None)
+    for line in map(terminal_text, lines):
+        if coloured and (match := _SEVERITY.search(line)):
+            begin, end = match.span("word")
+            styled = click.style(match["word"], fg=_COLOURS[match["word"]], bold=True)
+            line = line[:begin] + styled + line[end:]
+        click.echo(line, err=err, color=coloured or None)
 
 
 def shows_colour(stream: Any) -> bool:
@@ -147,16 +160,6 @@ def shows_colour(stream: Any) -> bool:
     if os.environ.get("FORCE_COLOR"):
         return True
     return stream.isatty() and os.environ.get("TERM") != "dumb"
-
-
-def _coloured(line: str) -> str:
-    """A message with the colour of its severity."""
-    match = _SEVERITY.search(line)
-    if match is None:
-        return line
-    begin, end = match.span("word")
-    styled = click.style(match["word"], fg=_COLOURS[match["word"]], bold=True)
-    return line[:begin] + styled + line[end:]
 
 
 def as_json(value: object, indent: int | None = 1) -> str:
@@ -184,8 +187,8 @@ def read_all(
             reading = read_file(path, strict, **options, progress=follow)
         if console.verbose:
             features = sum(len(part.features) for part in reading.parts)
-            found = f"{reading.format}, {len(reading.parts)} part(s), {features} feature(s)"
-            console.did(f"read {shown_name(path)}: {found}")
+            read = f"{reading.format}, {len(reading.parts)} part(s), {features} feature(s)"
+            console.did(f"read {shown_name(path)}: {read}")
         yield reading
 
 
@@ -207,17 +210,14 @@ def followed(path: str, console: Console) -> Iterator[Callable[[int, int], None]
             if not bars:
                 if perf_counter() - begun < PATIENCE:
                     return
-                stack.enter_context(taken_back(_show_cursor))
+                # As click does at the end of a bar, which hides the cursor.
+                show_cursor = b"\n\x1b[?25h"
+                stack.enter_context(taken_back(lambda: os.write(sys.stderr.fileno(), show_cursor)))
                 bar = click.progressbar(length=of, label=label, file=sys.stderr)
                 bars.append(stack.enter_context(bar))
             bars[0].update(done - bars[0].pos)
 
         yield follow
-
-
-def _show_cursor() -> None:
-    """What click does at the end of a bar, which hides the cursor."""
-    os.write(sys.stderr.fileno(), b"\n\x1b[?25h")
 
 
 def write(
@@ -291,13 +291,9 @@ def stop_without_output(error: OSError) -> NoReturn:
     Console().stop([cannot_write("stdout", error)])
 
 
-# --- programs -------------------------------------------------------------------------------------
-
-# The files of a program: how it may be called, its form, and what goes with it.
-
+# --- programs: the files of a program: how it may be called, its form, and what goes with it ------
 
 PICTURES = (".svg", ".png", ".pdf")
-
 
 #: Suffixes that are never programs, whatever suffix a machine uses.
 NO_PROGRAMS = (*PICTURES, ".html", ".json", ".dxf", ".nc1", ".ifc", ".ifczip", ".toml")
@@ -342,16 +338,6 @@ def is_coded_sheet(machine: "Machine") -> bool:
     return machine.stock == "sheet" and machine.controller not in TABLE_CONTROLLERS
 
 
-def job_name(config: "Config", machine: "Machine", output: str) -> str:
-    """The name of a job: of a trigger program that was given none that of its file.
-
-    Its units are files and variables of one project, and would be taken for those of another job.
-    """
-    if machine.controller in DIALECTS and "job" not in config.sources and output != STANDARD:
-        return PurePath(output).stem
-    return config.job
-
-
 def outputs(
     posted: "Posted", machine: "Machine", output: str
 ) -> Iterator[tuple[str, str | Iterable[bytes]]]:
@@ -370,19 +356,3 @@ def outputs(
         yield output, main
         return
     yield output, posted.pieces()
-
-
-def write_list(posted: "Posted", output: str, console: Console, read: FilesRead) -> None:
-    """Write the list of manual work beside a program, or take away an older one.
-
-    Of a program on standard output the messages alone say what is left for manual work.
-    """
-    if output == STANDARD:
-        return
-    from beamcam.planning.manual_list import LIST_BEGIN, LIST_SUFFIX, as_csv, manual_rows
-
-    path = output + LIST_SUFFIX
-    if rows := manual_rows(posted.plan):
-        write(path, as_csv(rows), console, read)
-    else:
-        remove_made(path, LIST_BEGIN)

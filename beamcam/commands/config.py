@@ -10,9 +10,13 @@ from msgspec import Struct
 
 from beamcam.commands import options
 from beamcam.commands.common import Console, cannot_write, say_json, say_lines
+from beamcam.commands.configuration import settings_line
 from beamcam.commands.settings import settled
-from beamcam.config.values import CONFIG_NAME, Config, ConfigFile, Setting, Stock
+from beamcam.config.load import remember as remember_trust
+from beamcam.config.values import CONFIG_NAME, ConfigFile, Setting, Stock
 from beamcam.errors import BeamcamError
+from beamcam.machine.machine import default_machines
+from beamcam.system import user_folder
 
 
 def shown(setting: Setting) -> str:
@@ -63,17 +67,33 @@ def command(
             names = ", ".join(_rows(name))
             say_lines([f"{name:{width}}  {help}{': ' if names else ''}{names}"])
         return
-    console = Console(as_json=as_json)
+    console, trust = Console(as_json=as_json), values["trust"]
+    missing = [f"found no folder {one!r}; expected one that is there."
+               for one in trust if not os.path.isdir(one)]  # fmt: skip
+    options.refuse_usage(
+        (remember and not trust, "found --remember without a folder; expected --trust FOLDER."),
+        *((remember, text) for text in missing),
+    )
     try:
         if remember:
-            _remember(values["trust"], console)
+            try:
+                remember_trust(trust)
+            except OSError as error:
+                console.stop([cannot_write(os.path.join(user_folder(), CONFIG_NAME), error)])
         config = settled(values, inputs)
     except BeamcamError as error:
         console.stop(error.diagnostics)
     if config.remarks:
         console.say(config.remarks)
     rows = config.settings()
-    used = _used(config, console)
+    stocks: tuple[Stock, ...] = ("beam", "sheet")
+    machines = [
+        n for stock in stocks for n in config.machine_names(stock) or default_machines(stock)
+    ]
+    try:
+        used = settings_line(config, [*machines, *config.split])
+    except BeamcamError as error:
+        console.stop(error.diagnostics)
     if as_json:
         values = {r.key: {"value": r.value, "source": r.source and str(r.source)} for r in rows}
         say_json({**values, "settings": {"value": used, "source": None}})
@@ -81,37 +101,6 @@ def command(
     width = max(len(shown(row)) for row in rows)
     say_lines(f"{shown(row):{width}}  # {row.source or 'default'}" for row in rows)
     say_lines([f"# {used}"])
-
-
-def _used(config: Config, console: Console) -> str:
-    """Whose configuration it is, and the machines for bars and sheets with their checksums."""
-    from beamcam.commands.configuration import settings_line
-    from beamcam.machine.machine import default_machines
-
-    stocks: tuple[Stock, ...] = ("beam", "sheet")
-    names = [
-        name for stock in stocks for name in config.machine_names(stock) or default_machines(stock)
-    ] + [*config.split]
-    try:
-        return settings_line(config, names)
-    except BeamcamError as error:
-        console.stop(error.diagnostics)
-
-
-def _remember(folders: tuple[str, ...], console: Console) -> None:
-    """Have the user's own configuration trust the folders. Raises ConfigError."""
-    if not folders:
-        raise click.UsageError("found --remember without a folder; expected --trust FOLDER.")
-    for folder in folders:
-        if not os.path.isdir(folder):
-            raise click.UsageError(f"found no folder {folder!r}; expected one that is there.")
-    from beamcam.config.load import remember
-    from beamcam.system import user_folder
-
-    try:
-        remember(folders)
-    except OSError as error:
-        console.stop([cannot_write(os.path.join(user_folder(), CONFIG_NAME), error)])
 
 
 def _rows(key: str) -> tuple[str, ...]:

@@ -27,7 +27,6 @@ from beamcam.config.values import CONFIG_NAME, Config, ConfigFiles
 from beamcam.errors import Diagnostic, Source
 from beamcam.machine.load import SHIPPED, files_of_machine
 from beamcam.machine.machine import Machine
-from beamcam.machine.toml import TomlFile
 from beamcam.model.plan import ALL_SKIPS, SKIP_NAMES, named_skips
 from beamcam.system import user_folder
 
@@ -83,13 +82,10 @@ def _loaded(path: str) -> Config:
 
 def _expected_name(template: str) -> str:
     """The expected form of an invalid name template; "" if it is valid."""
-    from beamcam.batch.names import TemplateError, check_template
+    from beamcam.batch.names import template_fault
 
-    try:
-        check_template(template)
-    except TemplateError as error:
-        return error.expected
-    return ""
+    fault = template_fault(template)
+    return "" if fault is None else fault[1]
 
 
 def _expected_skips(skips: Sequence[str]) -> str:
@@ -104,10 +100,7 @@ _CHECKS: dict[str, Callable[[Any], str]] = {
 }
 
 
-# --- provenance -----------------------------------------------------------------------------------
-
-# Whose configuration a run uses, and which machine file, with its checksum.
-
+# --- provenance: whose configuration a run uses, and which machine file, with its checksum --------
 
 DIGITS = 12  #: of a checksum, as its first ones are compared by eye
 
@@ -128,7 +121,14 @@ def used(config: Config, machine: Machine) -> str:
 
 def configuration_line(config: Config) -> str:
     """The files of a configuration, the nearest first, and whose they are."""
-    shown = [f"{path} ({_whose(path, path in config.own)})" for path in config.files]
+    shown = []
+    for path in config.files:
+        whose = "here or above" if os.path.basename(path) == CONFIG_NAME else "named"
+        if is_in(path, [user_folder()]):
+            whose = "the user's"
+        elif path not in config.own:
+            whose = "beside the inputs, harmless keys only"
+        shown.append(f"{path} ({whose})")
     return ", ".join(shown) or "none"
 
 
@@ -136,7 +136,12 @@ def machine_line(name: str) -> str:
     """A machine's name, its file and those it is laid over. Raises MachineError."""
     files = files_of_machine(name)
     called = files[0].table.get("name", files[0].path.stem)
-    return f"{called} ({' over '.join(map(_file, files))})"
+    shown = (
+        f"{file.shown}{' as shipped' if file.path.parent == SHIPPED else ''}, sha256 "
+        f"{sha256(file.text.encode()).hexdigest()[:DIGITS]}"
+        for file in files
+    )
+    return f"{called} ({' over '.join(shown)})"
 
 
 def reference(machine: Machine, config: Config) -> str:
@@ -154,16 +159,3 @@ def strange(name: str) -> tuple[Diagnostic, ...]:
     if not name.endswith(".toml") or is_in(name, [user_folder()]):
         return ()
     return (MACHINE_ELSEWHERE.at(Source(name), found=machine_line(name)),)
-
-
-def _whose(path: str, own: bool) -> str:
-    if is_in(path, [user_folder()]):
-        return "the user's"
-    if not own:
-        return "beside the inputs, harmless keys only"
-    return "here or above" if os.path.basename(path) == CONFIG_NAME else "named"
-
-
-def _file(file: TomlFile) -> str:
-    place = f"{file.shown} as shipped" if file.path.parent == SHIPPED else file.shown
-    return f"{place}, sha256 {sha256(file.text.encode()).hexdigest()[:DIGITS]}"

@@ -1,7 +1,7 @@
 """`beamcam convert`: a part from one format to another."""
 
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path, PurePath
 from typing import Any
 
@@ -10,7 +10,6 @@ import click
 from beamcam.batch.names import FileNames, cleaned
 from beamcam.commands import NO_PART, ONE_PART, OUTPUT_FORMAT, RENAMED, WRITTEN, options
 from beamcam.commands.common import Console, cannot_write, over_input, read_all, say_json, write
-from beamcam.commands.options import Grouped
 from beamcam.commands.parts import (
     drawing_choice,
     drawing_options,
@@ -19,7 +18,7 @@ from beamcam.commands.parts import (
     thickness,
 )
 from beamcam.commands.settings import files_read, settled, with_thickness
-from beamcam.errors import BeamcamError, Diagnostic, ReadError, Source
+from beamcam.errors import BeamcamError, ReadError, Source
 from beamcam.files import FilesRead, write_whole
 from beamcam.model.part import Part
 from beamcam.pipeline import counted
@@ -44,31 +43,15 @@ def is_folder(output: str) -> bool:
     return output.endswith(("/", os.sep)) or Path(output).is_dir()
 
 
-def file_names(parts: Sequence[Part], suffix: str) -> tuple[list[str], list[Diagnostic]]:
-    """A name for each part after its mark, and a note for each that another part has already."""
-    names: list[str] = []
-    diagnostics: list[Diagnostic] = []
-    given = FileNames()
-    for part in parts:
-        wanted = (cleaned(part.mark) or "part") + suffix
-        other, name = given.owner(wanted), given.take(wanted, part.mark)
-        if other is not None:
-            diagnostics.append(
-                RENAMED.at(part.source, found=part.mark, of=wanted, other=other, name=name)
-            )
-        names.append(name)
-    return names, diagnostics
-
-
-def _print_schema(ctx: click.Context, param: click.Parameter, wanted: bool) -> None:
-    if wanted:
+def _print_schema(ctx: click.Context, param: click.Parameter, asked_for: bool) -> None:
+    if asked_for:
         from beamcam.model.part_json import part_schema
 
         say_json(part_schema())
         ctx.exit()
 
 
-@click.command("convert", cls=Grouped)
+@click.command("convert", cls=options.Grouped)
 @click.argument("source", metavar="INPUT", type=options.FILE)
 @options.output("File, folder/ for a file a part, or -.")
 @options.config
@@ -105,61 +88,59 @@ def command(
     beamcam convert --schema > part.schema.json
     """
     how = drawing_choice(values) | member_choice(values, kernel=True)
-    diagnostics: tuple[Diagnostic, ...] = ()
-    try:
-        config = settled(values, (source,))
-        target = target_of(output, to)
-        (read_in,) = read_all((source,), config.strict, how, console)
-        reading = with_thickness(read_in, config)
-        diagnostics = reading.diagnostics
-        parts = counted(sound(reading))
-        # A drawing of filled shapes alone is a part without any length.
-        if not (any(part.length > 0 for part in parts) or reading.refused):
-            raise ReadError(NO_PART.at(Source(source)))
-        read = files_read(config, (source,))
-        if parts and is_folder(output):
-            diagnostics = (*diagnostics, *write_folder(read, parts, target, output, console))
-        elif not reading.refused:
-            write(output, only_text(source, parts, target, output), console, read)
-    except BeamcamError as error:
-        console.stop((*diagnostics, *error.diagnostics))
-    console.finish(diagnostics)
+    config = settled(values, (source,))
+    target = target_of(output, to)
+    (read_in,) = read_all((source,), config.strict, how, console)
+    reading = with_thickness(read_in, config)
+    console.messages += reading.diagnostics
+    parts = counted(sound(reading))
+    # A drawing of filled shapes alone is a part without any length.
+    if not (any(part.length > 0 for part in parts) or reading.refused):
+        raise ReadError(NO_PART.at(Source(source)))
+    if not reading.refused or (parts and is_folder(output)):
+        write_parts(source, parts, target, output, console, files_read(config, (source,)))
+    console.finish()
 
 
-def only_text(source: str, parts: Sequence[Part], target: Target, output: str) -> str:
-    """The part of a file in another format. Raises BeamcamError unless there is exactly one."""
-    if len(parts) != 1:
-        raise ReadError(ONE_PART.at(Source(source), found=len(parts), output=output))
-    return target.write(parts[0])
+def write_parts(
+    source: str, parts: Sequence[Part], target: Target, output: str, console: Console,
+    read: FilesRead,
+) -> None:  # fmt: skip
+    """Write the only part of a file in another format, or all into a folder, called by their marks.
 
-
-def write_folder(
-    read: FilesRead, parts: Sequence[Part], target: Target, folder: str, console: Console
-) -> Iterator[Diagnostic]:
-    """Write a file for each part that the format can hold; what is said of them, and a count.
-
-    One that cannot be written stops no other. None is written over the files `read`.
+    What is said of those in a folder is among the messages of the console: one that cannot be
+    written stops no other. None of the files `read` is written over. Raises BeamcamError unless
+    there is exactly one for a file.
     """
-    try:
-        Path(folder).mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        yield cannot_write(folder, error)
+    if not is_folder(output):
+        if len(parts) != 1:
+            raise ReadError(ONE_PART.at(Source(source), found=len(parts), output=output))
+        write(output, target.write(parts[0]), console, read)
         return
-    names, renamed = file_names(parts, target.suffixes[0])
-    yield from renamed
-    written = 0
-    for part, name in zip(parts, names, strict=True):
-        path = os.path.join(folder, name)
+    try:
+        Path(output).mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        console.messages.append(cannot_write(output, error))
+        return
+    names, written = FileNames(), 0
+    for part in parts:
+        mark_name = (cleaned(part.mark) or "part") + target.suffixes[0]
+        other, name = names.owner(mark_name), names.take(mark_name, part.mark)
+        if other is not None:
+            renamed = RENAMED.at(part.source, found=part.mark, of=mark_name, other=other, name=name)
+            console.messages.append(renamed)
+        path = os.path.join(output, name)
         try:
             if over := over_input(path, read):
                 raise ReadError(over)
             write_whole(path, target.write(part))
         except BeamcamError as error:
-            yield from error.diagnostics
+            console.messages += error.diagnostics
         except OSError as error:
-            yield cannot_write(path, error)
+            console.messages.append(cannot_write(path, error))
         else:
             console.did(f"wrote {path}")
             written += 1
     members = sum(part.quantity for part in parts)
-    yield WRITTEN.at(Source(folder), found=written, of=len(parts), members=members)
+    count = WRITTEN.at(Source(output), found=written, of=len(parts), members=members)
+    console.messages.append(count)

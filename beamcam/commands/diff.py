@@ -12,21 +12,21 @@ from beamcam.api.results import compared
 from beamcam.batch.record import RECORD_NAME
 from beamcam.commands import options
 from beamcam.commands.common import REFUSED, STANDARD, Console, say_json, say_lines, write
-from beamcam.commands.golden import Checked, Result, records, told
-from beamcam.commands.outputs import KINDS, expected, picture
+from beamcam.commands.golden import Checked, Result, say_results
 from beamcam.commands.parts import input_bytes
 from beamcam.commands.recorded import Recorded
 from beamcam.commands.settings import files_read, machine_for_program, settled
+from beamcam.commands.value_types import KINDS, expected
 from beamcam.comparison.pairing import Difference
 from beamcam.comparison.parts import diff_parts
 from beamcam.comparison.statements import ProgramText
 from beamcam.config.values import COMMAND_LINE, Config
-from beamcam.errors import BeamcamError, Diagnostic, ReadError, Severity, errors_in
+from beamcam.errors import BeamcamError, Diagnostic, ReadError, errors_in
 from beamcam.machine import Machine
 from beamcam.model.part import Part
 from beamcam.pipeline import judged, parts_of
 from beamcam.readers import is_of_programs, shown_name
-from beamcam.reports.run import as_message, message_line
+from beamcam.reports.run import as_message
 
 
 def differences_of(
@@ -69,6 +69,7 @@ def drawn_over(
     Raises ReadError, VerifyError and PictureError; UsageError for another format.
     """
     from beamcam.pictures.comparison import compared_parts, compared_programs
+    from beamcam.pictures.formats import picture
     from beamcam.pictures.program import ReadProgram
 
     suffix = PurePath(output).suffix.lower()
@@ -178,75 +179,48 @@ def command(
         raise click.UsageError("A and B have to be two files or two folders.")
     if a == b == STANDARD:
         raise click.UsageError("found - twice; expected it once, standard input is read once.")
-    try:
-        config = settled(values, (a, b))
-        contents = [input_bytes(path) for path in (a, b)]
-        data = [(shown_name(path), content) for path, content in zip((a, b), contents, strict=True)]
-        machines = [machine_for_program(config, *one) for one in zip((a, b), contents, strict=True)]
-        for (name, _), machine in zip(data, machines, strict=True):
-            console.did(f"read {name}, a program as one of {machine.name}")
-        differences, diagnostics = differences_of(data, machines, config.strict)
-        if output is not None:
-            drawn = drawn_over(data, machines, differences, output)
-    except BeamcamError as error:
-        console.stop(error.diagnostics)
+    config = settled(values, (a, b))
+    contents = [input_bytes(path) for path in (a, b)]
+    data = [(shown_name(path), content) for path, content in zip((a, b), contents, strict=True)]
+    machines = [machine_for_program(config, *one) for one in zip((a, b), contents, strict=True)]
+    for (name, _), machine in zip(data, machines, strict=True):
+        console.did(f"read {name}, a program as one of {machine.name}")
+    differences, diagnostics = differences_of(data, machines, config.strict)
+    if output is not None:
+        drawn = drawn_over(data, machines, differences, output)
     console.did(f"compared them: {len(differences)} difference(s)")
     if output is not None:
         write(output, drawn, console, files_read(config, (a, b)))
+    elif as_json:
+        say_json([difference.as_data() for difference in differences])
     else:
-        show(differences, as_json)
+        say_lines(difference.text for difference in differences)
     if diagnostics:
         console.say(diagnostics)
     if differences or errors_in(diagnostics):
         raise SystemExit(REFUSED)
 
 
-def show(differences: tuple[Difference, ...], as_json: bool) -> None:
-    """Print differences on standard output."""
-    if as_json:
-        say_json([d.as_data() for d in differences])
-    else:
-        say_lines(difference.text for difference in differences)
-
-
-# --- folders --------------------------------------------------------------------------------------
-
-# Two folders of programs or parts, compared file by file.
+# --- folders: two folders of programs or parts, compared file by file -----------------------------
 
 
 def diff_folders(
     a: Path, b: Path, as_json: bool, console: Console, options: Mapping[str, Any]
 ) -> None:
     """Print what the files of `b` make otherwise than those of `a`, and end with the status."""
-    try:
-        config = settled(options, (str(a), str(b)))
-        recorded = _recorded(a) | _recorded(b)
-        first, second = _files(a, recorded), _files(b, recorded)
-        results = []
-        for name in sorted(first.keys() & second.keys()):
-            results.append(_compared(name, first[name], second[name], recorded, config))
-            console.did(f"{name}: {results[-1].result}")
-    except BeamcamError as error:
-        console.stop(error.diagnostics)
-    alone = [(str(a / name), "only in A") for name in sorted(first.keys() - second.keys())]
-    alone += [(str(b / name), "only in B") for name in sorted(second.keys() - first.keys())]
-    severities = [severity.value for severity in Severity if console.wants(severity)]
-    if as_json:
-        rows = records(results, severities)
-        rows += [
-            {"file": name, "result": where, "differences": [], "messages": []}
-            for name, where in alone
-        ]
-        say_json(rows)
-    else:
-        say_lines(told([one for one in results if one.result != "bytes"]))
-        say_lines(f"{name}: {where}" for name, where in alone)
-        messages = (m for one in results for m in one.messages if m["severity"] in severities)
-        say_lines(map(message_line, messages), err=True)
-        if not console.quiet:
-            same = sum(one.result in ("same", "bytes") for one in results)
-            say_lines([f"{same} of {len(results) + len(alone)} files mean the same"])
-    if alone or any(one.result not in ("same", "bytes") for one in results):
+    config = settled(options, (str(a), str(b)))
+    recorded = _recorded(a) | _recorded(b)
+    first, second = _files(a, recorded), _files(b, recorded)
+    results = []
+    for name in sorted(first.keys() & second.keys()):
+        results.append(_compared(name, first[name], second[name], recorded, config))
+        console.did(f"{name}: {results[-1].result}")
+    results += (Checked(str(a / n), "only in A") for n in sorted(first.keys() - second.keys()))
+    results += (Checked(str(b / n), "only in B") for n in sorted(second.keys() - first.keys()))
+    same = sum(one.result in ("same", "bytes") for one in results)
+    counts = f"{same} of {len(results)} files mean the same"
+    say_results(results, counts, console, as_json, silent="bytes")
+    if same < len(results):
         raise SystemExit(REFUSED)
 
 
@@ -267,13 +241,6 @@ def _files(folder: Path, recorded: Mapping[str, Machine]) -> dict[str, Path]:
     return files
 
 
-def _machine(config: Config, name: str, data: bytes, recorded: Mapping[str, Machine]) -> Machine:
-    """The machine that a program is for: what is asked for, else what the record says."""
-    if name in recorded and config.sources.get("machine") != COMMAND_LINE:
-        return recorded[name]
-    return machine_for_program(config, name, data)
-
-
 def _compared(
     name: str, first: Path, second: Path, recorded: Mapping[str, Machine], config: Config
 ) -> Checked:
@@ -282,7 +249,9 @@ def _compared(
     if old == new:
         return Checked(shown, "same")
     try:
-        machines = [_machine(config, name, data, recorded) for data in (old, new)]
+        # What is asked for counts first, then what the record says.
+        known = recorded.get(name) if config.sources.get("machine") != COMMAND_LINE else None
+        machines = [known or machine_for_program(config, name, data) for data in (old, new)]
         differences, diagnostics = differences_of(
             [(str(first), old), (shown, new)], machines, config.strict
         )

@@ -13,6 +13,7 @@ from msgspec.structs import asdict
 
 from beamcam.commands import options
 from beamcam.commands.common import REFUSED, say_json, say_lines
+from beamcam.config.load import load as load_config
 from beamcam.config.values import CONFIG_NAME, own_files
 from beamcam.errors import BeamcamError
 from beamcam.machine import shipped
@@ -110,7 +111,14 @@ def looked_at() -> Iterator[Finding]:
         missing = [name for name in packages if not _version(name)]
         how = f"pip install 'beamcam[{extra}]'" if missing else "is there"
         yield Finding(f"extra {extra}", "missing" if missing else "ok", f"{use}: {how}")
-    yield _configuration()
+    try:
+        for path in (own := own_files()):
+            load_config(path)
+        places = f"none; looked for {CONFIG_NAME} here and above, then in {user_folder()}"
+        text = ", ".join(map(os.path.abspath, own)) or places
+        yield Finding("configuration", "ok", text)
+    except BeamcamError as error:
+        yield Finding("configuration", "fault", str(error.diagnostics[0]))
     yield Finding("machines", "ok", f"{len(shipped())} shipped: {', '.join(shipped())}")
     yield _tried("a beam", lambda: _posted(BEAM, "doctor.nc1", "beamline"))
     yield _tried("a drawing", lambda: _posted(SHEET, "doctor.svg", "plate-linuxcnc"))
@@ -122,21 +130,6 @@ def _version(package: str) -> str:
         return metadata.version(package)
     except metadata.PackageNotFoundError:
         return ""
-
-
-def _configuration() -> Finding:
-    files = own_files()
-    if files:
-        from beamcam.config.load import load
-
-        try:
-            for path in files:
-                load(path)
-        except BeamcamError as error:
-            return Finding("configuration", "fault", str(error.diagnostics[0]))
-        return Finding("configuration", "ok", ", ".join(map(os.path.abspath, files)))
-    places = f"{CONFIG_NAME} here and above, then in {user_folder()}"
-    return Finding("configuration", "ok", f"none; looked for {places}")
 
 
 def _tried(what: str, work: Callable[[], int]) -> Finding:

@@ -1,7 +1,7 @@
 """A golden program and what became of it: where its part lies, what it makes otherwise."""
 
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Literal
 
@@ -9,14 +9,17 @@ from msgspec import Struct
 
 from beamcam import readers
 from beamcam.commands import NEW, NO_SAMPLE
+from beamcam.commands.common import Console, say_json, say_lines
 from beamcam.comparison.pairing import Difference
 from beamcam.comparison.statements import ProgramText, diff_texts
-from beamcam.errors import ReadError, Source, errors_in
+from beamcam.errors import ReadError, Severity, Source, errors_in
 from beamcam.machine import Machine
 from beamcam.planning.manual_list import LIST_SUFFIX, ManualRow, as_csv
-from beamcam.reports.run import Message, as_message
+from beamcam.reports.run import Message, as_message, message_line
 
-Result = Literal["same", "bytes", "differs", "refused", "missing", "unknown"]
+Result = Literal[
+    "same", "bytes", "differs", "refused", "missing", "unknown", "only in A", "only in B"
+]
 MOST_NAMED = 3  #: programs of a group that are named
 TEXTS = {"bytes": "another text that means the same", "differs": "makes something else"}
 
@@ -26,7 +29,7 @@ class Checked(Struct, frozen=True):
 
     path: str
     #: "bytes" is another text that means the same, "missing" one without its sample; "unknown" are
-    #: all programs of a folder whose sources are not known
+    #: all programs of a folder whose sources are not known; of two folders, in which one it is
     result: Result
     differences: tuple[Difference, ...] = ()
     messages: tuple[Message, ...] = ()
@@ -38,13 +41,16 @@ def compared(
     path: str, old: bytes, new: bytes, machine: Machine, manual_work: Sequence[ManualRow]
 ) -> Checked:
     """A golden program with its list of manual work, and those that are made now."""
-    listed = _list_differs(path, manual_work)
+    beside = Path(path + LIST_SUFFIX)
+    was = beside.read_bytes() if beside.is_file() else b""
+    listed: tuple[Difference, ...] = ()
+    if was != (as_csv(manual_work).encode("utf-8") if manual_work else b""):
+        text = f"found {len(was.splitlines()[1:])} mark(s) of manual work, now {len(manual_work)}"
+        listed = (Difference("feature", "changed", f"{beside.name}: {text}"),)
+    if old == new and not listed:
+        return Checked(path, "same")
     if old == new:
-        return (
-            Checked(path, "differs", listed, (), new, manual_work)
-            if listed
-            else Checked(path, "same")
-        )
+        return Checked(path, "differs", listed, (), new, manual_work)
     before, now = (data.decode("utf-8", "replace") for data in (old, new))
     differences, diagnostics = diff_texts(
         ProgramText(path, before, machine), ProgramText(f"{path}, as it is made now", now, machine)
@@ -53,19 +59,6 @@ def compared(
     result: Result = "differs" if differences or diagnostics or listed else "bytes"
     differences = (*differences, *listed)
     return Checked(path, result, differences, tuple(map(as_message, diagnostics)), new, manual_work)
-
-
-def _list_differs(path: str, rows: Sequence[ManualRow]) -> tuple[Difference, ...]:
-    """Whether the list of manual work beside a program has changed."""
-    beside = Path(path + LIST_SUFFIX)
-    old = beside.read_bytes() if beside.is_file() else b""
-    new = as_csv(rows).encode("utf-8") if rows else b""
-    if old == new:
-        return ()
-    text = (
-        f"{beside.name}: found {len(old.splitlines()[1:])} mark(s) of manual work, now {len(rows)}"
-    )
-    return (Difference("feature", "changed", text),)
 
 
 def sample_of(samples: Path, stem: str, program: str, suffix: str = "") -> Path:
@@ -87,7 +80,7 @@ def sample_of(samples: Path, stem: str, program: str, suffix: str = "") -> Path:
     raise ReadError(diagnostic)
 
 
-def told(results: Sequence[Checked]) -> Iterator[str]:
+def lines_of(results: Sequence[Checked]) -> Iterator[str]:
     """Messages on the programs that differ, one line for a difference common to several.
 
     A change of a machine is one line, however many programs it changes.
@@ -112,6 +105,8 @@ def told(results: Sequence[Checked]) -> Iterator[str]:
             is_new = any(text["code"] == NEW.code for text in one.messages)
             yield f"{one.path}: {'not in the folder' if is_new else TEXTS[one.result]}"
             yield from (f"  {difference.text}" for difference in one.differences)
+        elif one.result in ("only in A", "only in B"):
+            yield f"{one.path}: {one.result}"
 
 
 def named(paths: Sequence[str]) -> str:
@@ -121,15 +116,24 @@ def named(paths: Sequence[str]) -> str:
     return f"{shown} and {more} more" if more > 0 else shown
 
 
-def records(results: Iterable[Checked], severities: Iterable[str]) -> list[dict[str, object]]:
-    """The results as data, with the messages of those severities."""
-    kept = set(severities)
-    return [
-        {
-            "file": r.path,
-            "result": r.result,
-            "differences": [d.as_data() for d in r.differences],
-            "messages": [m for m in r.messages if m["severity"] in kept],
-        }
-        for r in results
-    ]
+def say_results(
+    results: Sequence[Checked], counts: str, console: Console, as_json: bool,
+    silent: Result = "same",
+) -> None:  # fmt: skip
+    """Print the results, as JSON or as lines; those that are `silent` have none.
+
+    `counts` is the last line, if there is any.
+    """
+    severities = {severity.value for severity in Severity if console.wants(severity)}
+    messages = [[m for m in r.messages if m["severity"] in severities] for r in results]
+    if as_json:
+        say_json([
+            {"file": r.path, "result": r.result,
+             "differences": [d.as_data() for d in r.differences], "messages": of_one}
+            for r, of_one in zip(results, messages, strict=True)
+        ])  # fmt: skip
+        return
+    say_lines(lines_of([r for r in results if r.result != silent]))
+    say_lines((message_line(m) for of_one in messages for m in of_one), err=True)
+    if counts and not console.quiet:
+        say_lines([counts])

@@ -7,7 +7,6 @@ import click
 
 from beamcam.commands import options
 from beamcam.commands.common import REFUSED, Console, followed, say_json, say_lines
-from beamcam.commands.options import Grouped
 from beamcam.commands.parts import (
     drawing_choice,
     drawing_options,
@@ -16,39 +15,16 @@ from beamcam.commands.parts import (
     thickness,
 )
 from beamcam.commands.settings import settled, with_thickness
-from beamcam.errors import BeamcamError
 from beamcam.model.part_json import part_to_json
 from beamcam.pipeline import read_file
-from beamcam.readers import Reading, shown_name
+from beamcam.readers import shown_name
 from beamcam.reports.run import as_message
 from beamcam.reports.tables import member_table, part_table
 
 SCHEMA = "beamcam/inspect/1"
 
 
-def as_json_object(path: str, reading: Reading) -> dict[str, object]:
-    """The output of `--json`: the parts as far as they were read, and every message."""
-    return {
-        "schema": SCHEMA,
-        "file": os.path.basename(path),
-        "format": reading.format,
-        "parts": [part_to_json(part) for part in reading.parts],
-        "diagnostics": [as_message(diagnostic) for diagnostic in reading.diagnostics],
-    }
-
-
-def show(path: str, reading: Reading, console: Console) -> None:
-    """Print a reading for people: a model's members a line each, other parts at length."""
-    say_lines([f"{path}: {reading.format}, {len(reading.parts)} part(s)"])
-    if reading.format == "ifc":
-        say_lines(member_table(reading.parts, reading.diagnostics))
-    else:
-        for part in reading.parts:
-            say_lines(part_table(part))
-    console.say(reading.diagnostics)
-
-
-@click.command("inspect", cls=Grouped)
+@click.command("inspect", cls=options.Grouped)
 @options.inputs
 @options.config
 @member_options
@@ -76,10 +52,7 @@ def command(
     beamcam inspect gasket.dxf --thickness 3
     beamcam inspect model.ifc --class IfcColumn
     """
-    try:
-        config = settled(values, inputs)
-    except BeamcamError as error:
-        console.stop(error.diagnostics)
+    config = settled(values, inputs)
     refused = False
     how = drawing_choice(values) | member_choice(values, kernel=check)
     for path in inputs:
@@ -87,10 +60,20 @@ def command(
             read = read_file(path, config.strict, **how, progress=follow)
         reading = with_thickness(read, config)
         console.did(f"read {shown_name(path)}")
-        if as_json:
-            say_json(as_json_object(path, reading), None)
+        if as_json:  # the parts as far as they were read, and every message
+            whole = {
+                "schema": SCHEMA, "file": os.path.basename(path), "format": reading.format,
+                "parts": [part_to_json(part) for part in reading.parts],
+                "diagnostics": [as_message(diagnostic) for diagnostic in reading.diagnostics],
+            }  # fmt: skip
+            say_json(whole, None)
         else:
-            show(path, reading, console)
+            say_lines([f"{path}: {reading.format}, {len(reading.parts)} part(s)"])
+            if reading.format == "ifc":  # a member a line
+                say_lines(member_table(reading.parts, reading.diagnostics))
+            else:
+                say_lines(line for part in reading.parts for line in part_table(part))
+            console.say(reading.diagnostics)
         refused |= reading.refused
     if refused:
         raise SystemExit(REFUSED)

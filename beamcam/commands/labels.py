@@ -1,25 +1,26 @@
 """`beamcam labels`: a label for each piece, with a code that a scanner reads."""
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Mapping, Sequence
 from itertools import chain, repeat
 from pathlib import PurePath
 from typing import Any
 
 import click
 
-from beamcam.api.shop_lists import label_lines, programs_of
+from beamcam.api.shop_lists import label_lines
+from beamcam.arguments import on_best_machine
 from beamcam.batch.names import FileNames, output_name
 from beamcam.commands import options
 from beamcam.commands.common import STANDARD, Console, write
 from beamcam.commands.list_ import counted_parts, machines_in_shop, refuse_missing
-from beamcam.commands.options import Grouped, quantity
-from beamcam.commands.parts import list_options
+from beamcam.commands.parts import list_options, request_of
 from beamcam.commands.settings import files_read, settled
+from beamcam.commands.value_types import parsed
 from beamcam.config.values import Config
-from beamcam.errors import BeamcamError, Diagnostic, PlanError, Source
-from beamcam.model.plan import Order, named_skips
-from beamcam.model.request import Request, numbered
+from beamcam.errors import Diagnostic, PlanError, Source
+from beamcam.model.request import numbered
+from beamcam.pipeline import plans_of
 from beamcam.readers import content
 from beamcam.reports.labels import (
     CODES,
@@ -27,40 +28,36 @@ from beamcam.reports.labels import (
     Code,
     Label,
     LabelSize,
-    as_json,
     as_pdf,
     as_zpl,
     code_fault,
     labels_in,
 )
+from beamcam.reports.labels import as_json as labels_as_json
 from beamcam.reports.part_list import PartCount
 
 FORMATS = ("pdf", "zpl", "json")
 HEAD_BYTES = 100  #: in which a file says what it is
 
 
-def _size(ctx: click.Context, param: click.Parameter, value: str) -> LabelSize:
-    try:
-        width, height = (float(text) for text in value.lower().split("x"))
-    except ValueError:
-        width = height = 0.0
+def _size(text: str) -> LabelSize:
+    width, height = map(float, text.lower().split("x"))
     if not (40 <= width <= 300 and 25 <= height <= 300):
-        raise click.BadParameter(
-            f"found {value!r}; expected WIDTHxHEIGHT in mm, 40x25 to 300x300, such as 100x60"
-        )
+        raise ValueError(text)
     return LabelSize(width, height)
 
 
-@click.command("labels", cls=Grouped)
+@click.command("labels", cls=options.Grouped)
 @options.inputs
 @options.output("A .pdf, a .zpl for Zebra printers, or a .json.", False)
 @options.to(FORMATS)
 @options.machine
 @options.by
 @options.config
-@quantity
+@options.quantity
 @click.option(
-    "--size", callback=_size, default="100x60", show_default=True, metavar="WxH",
+    "--size", default="100x60", show_default=True, metavar="WxH",
+    callback=parsed(_size, "WIDTHxHEIGHT in mm, 40x25 to 300x300, such as 100x60"),
     help="Width and height of a label, mm.",
 )  # fmt: skip
 @click.option(
@@ -70,8 +67,8 @@ def _size(ctx: click.Context, param: click.Parameter, value: str) -> LabelSize:
 @options.bar
 @list_options
 def command(
-    inputs: tuple[str, ...], output: str, to: str | None, size: LabelSize, code: Code, order: Order,
-    turn: bool, as_json: bool, console: Console, **values: Any,
+    inputs: tuple[str, ...], output: str, to: str | None, size: LabelSize, code: Code,
+    as_json: bool, console: Console, **values: Any,
 ) -> None:  # fmt: skip
     """Write a label for each piece of the parts in files and folders.
 
@@ -89,48 +86,37 @@ def command(
     """
     if output == STANDARD and to is None and not as_json:
         raise click.UsageError("Say where the labels go: -o labels.pdf, or --to FORM, or --json.")
+    form = options.form_of(output, to, as_json, FORMATS)
+    config = settled(values, inputs)
+    data = content(inputs[0]) if inputs[0].lower().endswith(".json") and len(inputs) == 1 else b""
+    if isinstance(data, bytes) and SCHEMA.encode() in data[:HEAD_BYTES]:  # of a batch over stock
+        labels = labels_in(data, inputs[0])
+        faults = (code_fault(label, code, Source(inputs[0])) for label in labels)
+        if too_long := [fault for fault in faults if fault is not None]:
+            raise PlanError(too_long)
+    else:
+        counts = counted_parts(inputs, config, values, console)
+        labels = _labels(counts, config, values, code, console)
     try:
-        form = options.form_of(output, to, as_json, FORMATS)
-        config = settled(values, inputs)
-        known = _of_batch(inputs)
-        if known is None:
-            counts, diagnostics = counted_parts(inputs, config, values, console)
-            labels, without = _labels(counts, config, code, order, turn)
-            diagnostics = (*diagnostics, *without)
-        else:
-            labels, diagnostics = known, tuple(_faults(known, inputs[0], code))
-            if diagnostics:
-                raise PlanError(diagnostics)
-        data = _written(form, labels, size, code)
-    except BeamcamError as error:
-        console.stop(error.diagnostics)
-    write(output, data, console, files_read(config, inputs))
-    console.finish(diagnostics)
-
-
-def _of_batch(inputs: tuple[str, ...]) -> tuple[Label, ...] | None:
-    """The labels of a batch over stock, whose labels.json is the only input. Raises ReadError."""
-    if len(inputs) != 1 or not inputs[0].lower().endswith(".json"):
-        return None
-    data = content(inputs[0])
-    if isinstance(data, Diagnostic) or SCHEMA.encode() not in data[:HEAD_BYTES]:
-        return None
-    return labels_in(data, inputs[0])
-
-
-def _faults(labels: Sequence[Label], name: str, code: Code) -> Iterator[Diagnostic]:
-    """An error for each label whose code would be too long."""
-    for label in labels:
-        fault = code_fault(label, code, Source(name))
-        if fault is not None:
-            yield fault
+        written = (
+            as_zpl(labels, size, code) if form == "zpl"
+            else labels_as_json(labels) if form == "json"
+            else as_pdf(labels, size, code)
+        )  # fmt: skip
+    except ImportError as error:
+        raise refuse_missing(error, "labels") from error
+    write(output, written, console, files_read(config, inputs))
+    console.finish()
 
 
 def _labels(
-    counts: Sequence[PartCount], config: Config, code: Code, order: Order, turn: bool
-) -> tuple[tuple[Label, ...], tuple[Diagnostic, ...]]:
-    """The labels of all pieces, those of one part one behind the other; an error for a part that
-    no machine makes, or whose code would be too long, which has none."""
+    counts: Sequence[PartCount], config: Config, options: Mapping[str, Any], code: Code,
+    console: Console,
+) -> tuple[Label, ...]:  # fmt: skip
+    """The labels of all pieces, those of one part one behind the other.
+
+    A part that no machine makes, or whose code would be too long, has none: the console has errors.
+    """
     labels: list[Label] = []
     diagnostics: list[Diagnostic] = []
     names = FileNames()
@@ -141,16 +127,14 @@ def _labels(
         part, file = one.part, one.part.source.file
         before[file] += 1
         tried = machines(part)
-        request = Request(
-            (part,), tried[0], named_skips(config.allow_skips), config.job, order, turn,
-            config.stock_lengths, quantity=config.quantity, strict=config.strict, by=config.by,
-        )  # fmt: skip
+        request = request_of((part,), config, tried[0], config.quantity, options)
         try:
-            machine, pieces = programs_of(part, tried, request)
+            planned, _ = on_best_machine(request, tried, plans_of)
         except PlanError as error:
             diagnostics += error.diagnostics
             continue
         stem, several = PurePath(file).stem, parts_of[file] > 1
+        machine, pieces = planned[0].job.machine, [len(one.job.pieces) for one in planned]
         name = output_name(config.name, stem, part, before[file], several, machine)
         programs = [names.take(each, part.mark) for each in numbered(name, len(pieces))]
         fault = code_fault(Label(part.mark, (), programs[-1]), code, part.source)
@@ -164,16 +148,5 @@ def _labels(
                   of_piece[min(k, len(of_piece) - 1)])
             for k in range(one.quantity)
         )  # fmt: skip
-    return tuple(labels), tuple(dict.fromkeys(diagnostics))
-
-
-def _written(form: str, labels: Sequence[Label], size: LabelSize, code: Code) -> str | bytes:
-    """The labels in a form. Raises ReadError where a library is missing."""
-    if form == "zpl":
-        return as_zpl(labels, size, code)
-    if form == "json":
-        return as_json(labels)
-    try:
-        return as_pdf(labels, size, code)
-    except ImportError as error:
-        raise refuse_missing(error, "labels") from error
+    console.messages += dict.fromkeys(diagnostics)
+    return tuple(labels)

@@ -14,8 +14,7 @@ from beamcam.batch.names import other_content
 from beamcam.budget import refused_pieces
 from beamcam.commands import MISSING_EXTRA, options
 from beamcam.commands.common import STANDARD, Console, read_all, shows_colour, write
-from beamcam.commands.options import Grouped, quantity
-from beamcam.commands.parts import drawing_choice, list_options, member_choice
+from beamcam.commands.parts import drawing_choice, list_options, member_choice, request_of
 from beamcam.commands.settings import (
     files_read,
     machines_of_stock,
@@ -24,11 +23,10 @@ from beamcam.commands.settings import (
 )
 from beamcam.commands.value_types import Number
 from beamcam.config.values import Config, Stock
-from beamcam.errors import BeamcamError, Diagnostic, ReadError, Source
+from beamcam.errors import BeamcamError, ReadError, Source
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
-from beamcam.model.plan import Order, named_skips
-from beamcam.model.request import Request, are_flats, marked, number_of, remnant_of, stock_of
+from beamcam.model.request import are_flats, marked, number_of, remnant_of, stock_of
 from beamcam.pipeline import counted
 from beamcam.plain_text import terminal_text
 from beamcam.readers import sound
@@ -40,14 +38,14 @@ from beamcam.reports.part_list import (
     part_list,
     total_row,
 )
-from beamcam.reports.tables import Table, as_csv, as_lines, as_xlsx
+from beamcam.reports.tables import as_csv, as_lines, as_xlsx
 from beamcam.reports.tables import as_json as as_json_text
 
 SCHEMA = "beamcam/list/1"
 FORMATS = ("txt", "csv", "xlsx", "json")
 
 
-@click.command("list", cls=Grouped)
+@click.command("list", cls=options.Grouped)
 @options.inputs
 @options.output("A .txt, .csv, .xlsx or .json; text on standard output if not given.", False)
 @options.to(FORMATS)
@@ -59,7 +57,7 @@ FORMATS = ("txt", "csv", "xlsx", "json")
     help="Length of stock bars; may be repeated. By default from the configuration.",
 )  # fmt: skip
 @options.remnants
-@quantity
+@options.quantity
 @click.option(
     "--table", type=click.Choice(["parts", "bars", "cuts"]), default="parts", show_default=True,
     help="Which table a .csv holds.",
@@ -67,8 +65,7 @@ FORMATS = ("txt", "csv", "xlsx", "json")
 @list_options
 def command(
     inputs: tuple[str, ...], output: str, to: str | None, bars: tuple[float, ...],
-    remnants: tuple[str, ...], table: str, order: Order, turn: bool, as_json: bool,
-    console: Console, **values: Any,
+    remnants: tuple[str, ...], table: str, as_json: bool, console: Console, **values: Any,
 ) -> None:  # fmt: skip
     """Write the part list of files and folders, and the cutting list of their bars.
 
@@ -86,30 +83,20 @@ def command(
     beamcam list *.nc1 --quantity 1 -o cuts.csv --table cuts
     beamcam list jobs/ --json | jq '.bars'
     """
-    try:
-        form = options.form_of(output, to, as_json, FORMATS, "txt")
-        config = settled(values, inputs)
-        counts, diagnostics = counted_parts(inputs, config, values, console)
-        request = _asked(config, tuple(sorted(bars)) or config.stock_lengths, order, turn)
-        machines = machines_in_shop(config, "")
-        there = tuple(map(remnant_of, remnants))
-        counts = planned_counts(counts, machines, request, there)
-        counts, nested = bars_of(counts, machines, request, there)
-        data = _written(form, counts, nested, table, output == STANDARD)
-    except BeamcamError as error:
-        console.stop(error.diagnostics)
-    write(output, data, console, files_read(config, inputs))
-    diagnostics = (*diagnostics, *not_made(counts))
-    console.finish(diagnostics)
-
-
-def _asked(config: Config, lengths: Sequence[float], order: Order, turn: bool) -> Request:
-    """What is asked for, whichever the parts and the machine are."""
+    form = options.form_of(output, to, as_json, FORMATS, "txt")
+    config = settled(values, inputs)
+    counts = counted_parts(inputs, config, values, console)
     machine = machines_of_stock(config, "beam", "", is_one_of_two=True)[0]
-    return Request(
-        (), machine, named_skips(config.allow_skips), config.job, order, turn, tuple(lengths),
-        strict=config.strict, by=config.by,
-    )  # fmt: skip
+    lengths = tuple(sorted(bars)) or config.stock_lengths
+    request = replace(request_of((), config, machine, None, values), stock=lengths)
+    machines = machines_in_shop(config, "")
+    there = tuple(map(remnant_of, remnants))
+    counts = planned_counts(counts, machines, request, there)
+    counts, nested = bars_of(counts, machines, request, there)
+    data = _written(form, counts, nested, table, output == STANDARD)
+    write(output, data, console, files_read(config, inputs))
+    console.messages += not_made(counts)
+    console.finish()
 
 
 def _written(
@@ -129,43 +116,38 @@ def _written(
                 return as_xlsx(shown)
             except ImportError as error:
                 raise refuse_missing(error, "xlsx") from error
-    return _text(shown, is_shown and shows_colour(sys.stdout))
-
-
-def _text(tables: Sequence[Table], is_coloured: bool) -> str:
-    """The tables as lines; in colour the rows of parts that are not made are red."""
-    parts, *others = tables
-    whole = replace(parts, rows=(*parts.rows, total_row(parts)))
-    lines = ((terminal_text(line), is_marked) for line, is_marked in as_lines([whole, *others]))
+    shown[0] = replace(parts, rows=(*parts.rows, total_row(parts)))
+    is_coloured = is_shown and shows_colour(sys.stdout)
+    lines = ((terminal_text(line), is_not_made) for line, is_not_made in as_lines(shown))
     return "".join(
-        f"{click.style(line, fg='red') if is_marked and is_coloured else line}\n"
-        for line, is_marked in lines
+        f"{click.style(line, fg='red') if is_not_made and is_coloured else line}\n"
+        for line, is_not_made in lines
     )
 
 
 def counted_parts(
     names: Sequence[str], config: Config, options: Mapping[str, Any], console: Console
-) -> tuple[tuple[PartCount, ...], tuple[Diagnostic, ...]]:
-    """The parts in order with their quantities, and everything that was said of their files.
+) -> tuple[PartCount, ...]:
+    """The parts in order with their quantities; the console has what is said of their files.
 
     The quantities are those of the files where the job does not say. A part that an error is said
     of is left out, as are files that hold none and parts of which there are too many. Raises
     ReadError for two parts that differ under one mark of an order: nothing is listed then.
     """
     inputs: FoundInputs = find_inputs(names)
-    diagnostics: list[Diagnostic] = [*inputs.diagnostics]
+    console.messages += inputs.diagnostics
     parts: list[Part] = []
     how = drawing_choice(options, config) | member_choice(options, kernel=False)
     for reading in read_all((i.path for i in inputs.inputs), config.strict, how, console):
         reading = with_thickness(reading, config)
-        diagnostics += reading.diagnostics
+        console.messages += reading.diagnostics
         parts += marked(counted(sound(reading)), options["mark_from"])
     if mixed := tuple(other_content(parts)):
-        raise ReadError((*diagnostics, *mixed))
+        raise ReadError(mixed)
     counts = [PartCount(part, number_of(part, config.quantity)) for part in parts]
     refused = list(refused_pieces((one.part.source, one.quantity) for one in counts))
-    diagnostics += [one for one in refused if one is not None]
-    return tuple(compress(counts, (one is None for one in refused))), tuple(diagnostics)
+    console.messages += [one for one in refused if one is not None]
+    return tuple(compress(counts, (one is None for one in refused)))
 
 
 def machines_in_shop(config: Config, name: str) -> Callable[[Part], Sequence[Machine]]:

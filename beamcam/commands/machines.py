@@ -10,7 +10,7 @@ from beamcam.arguments import load_tested
 from beamcam.batch.names import cleaned
 from beamcam.commands import options
 from beamcam.commands.common import Console, cannot_write, say_json, say_lines, write
-from beamcam.commands.outputs import picture, picture_suffix
+from beamcam.commands.value_types import picture_suffix
 from beamcam.config.values import own_files
 from beamcam.errors import BeamcamError, Diagnostic, Source
 from beamcam.files import FilesRead, write_whole
@@ -97,13 +97,15 @@ def new(name: str, base: str, chart: str | None, user: bool, console: Console) -
         raise click.UsageError(f"found {name!r} for the machine's name; expected {expected}.")
     folder = machine_folders(own_files())[-1 if user else 0]
     path = os.path.join(folder, f"{name}.toml")
-    rows = _chart(chart, console) if chart else []
-    try:
-        if rows and load(base).torch is None:
-            raise click.UsageError(f"{base} has no torch, so --chart has no effect.")
-        text = starting_file(name, base, rows)
-    except BeamcamError as error:
-        console.stop(error.diagnostics)
+    rows: list[dict[str, Any]] = []
+    if chart:
+        with open(chart, encoding="utf-8", errors="replace") as file:
+            rows, faults = chart_rows(file.read(MAX_CHART_BYTES), chart)
+        if faults:
+            console.stop(faults)
+    if rows and load(base).torch is None:
+        raise click.UsageError(f"{base} has no torch, so --chart has no effect.")
+    text = starting_file(name, base, rows)
     if os.path.lexists(path):
         raise click.UsageError(f"{path} is there already; expected a name that is free.")
     try:
@@ -115,15 +117,6 @@ def new(name: str, base: str, chart: str | None, user: bool, console: Console) -
     if not console.quiet:
         say_lines([f"{path}: change what differs, then `beamcam machines check {name}`:"])
         _held_up(load(path), path, console)
-
-
-def _chart(path: str, console: Console) -> list[dict[str, Any]]:
-    """The rows of a cut chart; ends where one cannot be read."""
-    with open(path, encoding="utf-8", errors="replace") as file:
-        rows, diagnostics = chart_rows(file.read(MAX_CHART_BYTES), path)
-    if diagnostics:
-        console.stop(diagnostics)
-    return rows
 
 
 @command.command("show")
@@ -164,11 +157,8 @@ def check(name: str, console: Console) -> None:
     \b
     beamcam machines check mine
     """
-    try:
-        place = resolved(name, own_files())
-        machine = load_tested(place)
-    except BeamcamError as error:
-        console.stop(error.diagnostics)
+    place = resolved(name, own_files())
+    machine = load_tested(place)
     console.say(machine.remarks)
     faults = _held_up(machine, place, console)
     console.did(f"held a section up to {machine.name}")
@@ -200,18 +190,16 @@ def plot(name: str, output: str, console: Console) -> None:
     \b
     beamcam machines plot mine -o mine.svg
     """
+    from beamcam.pictures.formats import picture
     from beamcam.pictures.line import line_scene
 
     suffix = picture_suffix(output)
-    try:
-        place = resolved(name, own_files())
-        machine = load_tested(place)
-        if machine.stock != "beam":
-            what = "a coper" if machine.stock == "profile" else "a table"
-            raise click.UsageError(f"found {machine.name}, {what}; expected a saw or drilling line")
-        drawn = picture([line_scene(machine)], suffix)
-    except BeamcamError as error:
-        console.stop(error.diagnostics)
+    place = resolved(name, own_files())
+    machine = load_tested(place)
+    if machine.stock != "beam":
+        what = "a coper" if machine.stock == "profile" else "a table"
+        raise click.UsageError(f"found {machine.name}, {what}; expected a saw or drilling line")
+    drawn = picture([line_scene(machine)], suffix)
     write(output, drawn, console, FilesRead(files_of(place)))
 
 

@@ -6,30 +6,24 @@ import threading
 from collections.abc import Callable, Mapping
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from time import monotonic
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
+from msgspec.structs import replace
 
 from beamcam.commands import options
-from beamcam.commands.common import Console, say_lines
+from beamcam.commands.common import Console
 from beamcam.commands.jobs import read_program
 from beamcam.commands.parts import input_bytes
 from beamcam.commands.settings import machines_of_stock, settled
-from beamcam.commands.value_types import MODBUS_PORT, Address, Number
-from beamcam.config.values import Config
-from beamcam.errors import BeamcamError, Source, VerifyError
+from beamcam.commands.value_types import MODBUS_PORT, Number, address
+from beamcam.errors import Source, VerifyError
 from beamcam.machine.machine import Machine
 from beamcam.model.request import stock_of
 from beamcam.pipeline import parts_of, read_file
 from beamcam.system import INTERRUPTED, LOOK_S, asked_to_end
 
-if TYPE_CHECKING:
-    from beamcam.setup_sheet.study_page import KnownWork
-
-# --- page server ----------------------------------------------------------------------------------
-
-# The server of a page for this computer: who may ask, how many at once, and for how long.
-
+# --- page server for this computer: who may ask, how many at once, and for how long ---------------
 
 MOST_CALLERS = 16  #: at once, a thread each; a page has one or two
 ANSWERED_S = 5.0  #: that a caller may take for question and answer
@@ -38,6 +32,32 @@ REFUSED_HOST = 421  #: HTTP: Misdirected Request
 
 #: What stands at a path: its kind, and what gives its content now.
 Pages = Mapping[str, tuple[str, Callable[[], bytes]]]
+
+
+class Handler(BaseHTTPRequestHandler):
+    """Answers a caller of a `PageServer`."""
+
+    timeout = ANSWERED_S  #: of each wait for the caller
+    server: "PageServer"
+
+    def do_GET(self) -> None:
+        if not is_own_host(self.headers["Host"], self.server.bound, self.server.server_port):
+            self.send_error(REFUSED_HOST, "Another host is named")
+            return
+        if self.path not in self.server.pages:
+            self.send_error(404)
+            return
+        kind, content = self.server.pages[self.path]
+        body = content()
+        self.send_response(200)
+        self.send_header("Content-Type", kind)
+        self.send_header("Content-Length", str(len(body)))
+        self.send_header("Cache-Control", "no-store")
+        self.end_headers()
+        self.wfile.write(body)
+
+    def log_message(self, *_: object) -> None:
+        pass  # a reading each tenth of a second would hide what is said
 
 
 class PageServer(ThreadingHTTPServer):
@@ -52,7 +72,8 @@ class PageServer(ThreadingHTTPServer):
     def __init__(self, address: tuple[str, int], pages: Pages) -> None:
         self.callers: dict[Any, float] = {}  #: connection -> when it came
         self._lock = threading.Lock()
-        super().__init__(address, _handler(pages, address[0]))
+        self.pages, self.bound = pages, address[0]
+        super().__init__(address, Handler)
 
     def process_request(self, request: Any, client_address: Any) -> None:
         """A thread for the caller; one too many is turned away, one that is slow ended."""
@@ -119,35 +140,8 @@ def is_own_host(named: str | None, bound: str, port: int) -> bool:
     return True
 
 
-def _handler(pages: Pages, bound: str) -> type[BaseHTTPRequestHandler]:
-    class Handler(BaseHTTPRequestHandler):
-        timeout = ANSWERED_S  #: of each wait for the caller
-        server: PageServer
-
-        def do_GET(self) -> None:
-            if not is_own_host(self.headers["Host"], bound, self.server.server_port):
-                self.send_error(REFUSED_HOST, "Another host is named")
-                return
-            if self.path not in pages:
-                self.send_error(404)
-                return
-            kind, content = pages[self.path]
-            body = content()
-            self.send_response(200)
-            self.send_header("Content-Type", kind)
-            self.send_header("Content-Length", str(len(body)))
-            self.send_header("Cache-Control", "no-store")
-            self.end_headers()
-            self.wfile.write(body)
-
-        def log_message(self, *_: object) -> None:
-            pass  # a reading each tenth of a second would hide what is said
-
-    return Handler
-
-
 @click.command("monitor")
-@click.argument("host", metavar="HOST[:PORT]", type=Address(MODBUS_PORT))
+@click.argument("host", metavar="HOST[:PORT]", callback=address(MODBUS_PORT))
 @options.machine
 @options.config
 @click.option(
@@ -159,7 +153,7 @@ def _handler(pages: Pages, bound: str) -> type[BaseHTTPRequestHandler]:
     help="Program that the controller runs: its parts or its path, and the block are shown.",
 )  # fmt: skip
 @click.option(
-    "--page", type=Address(), default="127.0.0.1:8020", show_default=True,
+    "--page", callback=address(), metavar="HOST:PORT", default="127.0.0.1:8020", show_default=True,
     help="Address of the page; by default only for this computer.",
 )  # fmt: skip
 @click.option(
@@ -183,55 +177,39 @@ def command(
     beamcam monitor 192.168.0.10 --program job.gcode
     beamcam monitor 127.0.0.1:5020 --page 127.0.0.1:8021 --every 0.05
     """
-    from beamcam.setup_sheet.study_page import axes_of, monitor_page
+    from beamcam.setup_sheet.study_page import KnownWork, axes_of, monitor_page
     from beamcam.simulation import PORT
 
+    config = settled(values, ())
+    laid, _ = parts_of(map(read_file, parts))
+    if program is not None:
+        read = read_program(input_bytes(program), program, config)
+        machine, work = read.machine, KnownWork(program=replace(read, parts=laid))
+    else:
+        machine = machines_of_stock(config, "beam", "")[0]
+        work = KnownWork(laid[0].profile if laid else None)
+    if laid and stock_of(laid) != machine.stock:
+        raise click.UsageError(f"Found {parts[0]!r}; expected a part for {machine.name}.")
+    reader = Reader(host, machine, len(axes_of(machine)), every)
+    reader.read_first()
+    html = monitor_page(machine, every, f"{host[0]}:{host[1]}", work).encode("utf-8")
     try:
-        machine, work = _work(parts, program, settled(values, ()))
-        reader = Reader(host, machine, len(axes_of(machine)), every)
-        reader.read_first()
-        html = monitor_page(machine, every, f"{host[0]}:{host[1]}", work).encode("utf-8")
-        try:
-            server = PageServer(page, {
-                "/": ("text/html; charset=utf-8", lambda: html),
-                "/axes": ("application/json", reader.as_json),
-            })  # fmt: skip
-        except OSError as error:
-            place = Source(f"{page[0]}:{page[1]}")
-            raise VerifyError(PORT.at(place, found=error.strerror or error)) from error
-    except BeamcamError as error:
-        console.stop(error.diagnostics)
-    if not (console.quiet or as_json):
-        at = f"http://{page[0]}:{server.server_port}/"
-        say_lines([f"{machine.name} at {host[0]}:{host[1]} is drawn in {at}; Ctrl-C ends it"],
-                  err=True)  # fmt: skip
+        server = PageServer(page, {
+            "/": ("text/html; charset=utf-8", lambda: html),
+            "/axes": ("application/json", reader.as_json),
+        })  # fmt: skip
+    except OSError as error:
+        place = Source(f"{page[0]}:{page[1]}")
+        raise VerifyError(PORT.at(place, found=error.strerror or error)) from error
+    at = f"http://{page[0]}:{server.server_port}/"
+    console.tell(f"{machine.name} at {host[0]}:{host[1]} is drawn in {at}; Ctrl-C ends it")
     threading.Thread(target=reader.run, daemon=True).start()
     server.timeout = LOOK_S
-    with server, asked_to_end() as asked_so:
-        while not asked_so:
+    with server, asked_to_end() as interrupted:
+        while not interrupted:
             server.handle_request()
             server.end_slow()
     raise SystemExit(INTERRUPTED)
-
-
-def _work(
-    paths: tuple[str, ...], program: str | None, config: Config
-) -> "tuple[Machine, KnownWork]":
-    """The machine, and what is known of its work. Raises BeamcamError."""
-    from msgspec.structs import replace
-
-    from beamcam.setup_sheet.study_page import KnownWork
-
-    parts, _ = parts_of(map(read_file, paths))
-    if program is not None:
-        read = read_program(input_bytes(program), program, config)
-        machine, work = read.machine, KnownWork(program=replace(read, parts=parts))
-    else:
-        machine = machines_of_stock(config, "beam", "")[0]
-        work = KnownWork(parts[0].profile if parts else None)
-    if parts and stock_of(parts) != machine.stock:
-        raise click.UsageError(f"Found {paths[0]!r}; expected a part for {machine.name}.")
-    return machine, work
 
 
 class Reader:
@@ -241,23 +219,23 @@ class Reader:
         self._host, self._machine, self._axes, self._every_s = host, machine, axes, every_s
         self._said: dict[str, Any] = {"reads": 0, "fault": ""}
 
-    def read_first(self) -> None:
-        """Raises VerifyError where there is no controller, or not such registers."""
+    def _client(self) -> Any:
         from beamcam.simulation import CONTROLLER
         from beamcam.simulation.modbus import Client
 
-        with Client(*self._host, CONTROLLER) as client:
+        return Client(*self._host, CONTROLLER)
+
+    def read_first(self) -> None:
+        """Raises VerifyError where there is no controller, or not such registers."""
+        with self._client() as client:
             self._read(client)
 
     def run(self) -> None:
         """Read until the process ends."""
-        from beamcam.simulation import CONTROLLER
-        from beamcam.simulation.modbus import Client
-
         pause = threading.Event()
         while True:
             try:
-                with Client(*self._host, CONTROLLER) as client:
+                with self._client() as client:
                     while not pause.wait(self._every_s):
                         self._read(client)
             except VerifyError as error:

@@ -15,10 +15,9 @@ from typing import Any
 
 import click
 
-from beamcam.commands import MORE_BARS, OUTPUT_FORMAT
+from beamcam.commands import MORE_BARS, OUTPUT_FORMAT, value_types
 from beamcam.commands.common import STANDARD, Console
-from beamcam.commands.outputs import Callback
-from beamcam.commands.value_types import Number, QuantityType, SkipNames
+from beamcam.commands.value_types import Callback, Number, SkipNames, parsed
 from beamcam.errors import BeamcamError, PlanError, Source
 from beamcam.model.plan import ALL_SKIPS, SKIP_NAMES, named_skips
 from beamcam.model.request import MARKS_FROM, numbered, remnant_of
@@ -27,7 +26,7 @@ Function = Callable[..., Any]
 Decorator = Callable[[Function], Function]
 
 NO_SKIPS = "none"
-#: Whoever reads or writes it reports its failure, with a code.
+#: Its reader or writer reports its failure, with a code.
 FILE = click.Path(readable=False)
 
 
@@ -89,74 +88,55 @@ by = click.option(
 )  # fmt: skip
 
 
-def _names(ctx: click.Context, param: click.Parameter, value: str | None) -> tuple[str, ...] | None:
-    """The names in a list that commas set off, each once; None where there is no list."""
-    if value is None:
-        return None
-    names = tuple(dict.fromkeys(name.strip() for name in value.split(",") if name.strip()))
+def _names(text: str) -> tuple[str, ...]:
+    """The names in a list that commas set off, each once."""
+    names = tuple(dict.fromkeys(name.strip() for name in text.split(",") if name.strip()))
     if not names:
-        raise click.BadParameter(f"found {value!r}; expected names of machines.")
+        raise ValueError(text)
     return names
 
 
 machines = click.option(
-    "--machines", callback=_names, metavar="NAMES",
+    "--machines", callback=parsed(_names, "names of machines."), metavar="NAMES",
     help="Machines that make parts one after the other: names or TOML files, set off by commas.",
 )  # fmt: skip
 rest_as = click.option(
     "--rest-as", type=click.Choice(["nc1", "json"]), default="nc1", show_default=True,
     help="Form of the files of what one machine leaves to the next.",
 )  # fmt: skip
-bar = click.option(
-    "--bar", type=Number(above=0), metavar="MM",
-    help="Length of the bar; by default the shortest in stock, or what the parts need.",
-)  # fmt: skip
 
 
-bar_of_program = click.option(
-    "--bar", type=Number(above=0), metavar="MM",
-    help="Length of the bar; by default as the head of PROGRAM says.",
-)  # fmt: skip
+def _bar(default: str) -> Decorator:
+    text = f"Length of the bar; by default {default}."
+    return click.option("--bar", type=Number(above=0), metavar="MM", help=text)
 
 
-def _remnants(
-    ctx: click.Context, param: click.Parameter, values: tuple[str, ...]
-) -> tuple[str, ...]:
-    for value in values:
-        try:
-            remnant_of(value)
-        except ValueError:
-            raise click.BadParameter(
-                f"found {value!r}; expected a length above 0, or with its section and grade, such "
-                "as UPN200=4300 or UPN200/S235JR=4300"
-            ) from None
-    return values
+bar = _bar("the shortest in stock, or what the parts need")
+bar_of_program = _bar("as the head of PROGRAM says")
+
+
+def _remnant(text: str) -> str:
+    remnant_of(text)
+    return text
 
 
 remnants = click.option(
-    "--remnant", "remnants", multiple=True, callback=_remnants, metavar="[SECTION[/GRADE]=]MM",
+    "--remnant", "remnants", multiple=True, metavar="[SECTION[/GRADE]=]MM",
+    callback=parsed(_remnant, "a length above 0, or with its section and grade, such as "
+                    "UPN200=4300 or UPN200/S235JR=4300"),
     help="A bar that is there once, used before others; may be repeated.",
 )  # fmt: skip
 job_name = click.option("--job", metavar="NAME", help="In the program's first line; else JOB.")
 
 
-def _day(ctx: click.Context, param: click.Parameter, value: str | None) -> str | None:
+def _day(text: str) -> str:
     """A day as 2024-02-29; today's by the clock, which is looked at for nothing else."""
-    if value is None:
-        return None
-    if value == "today":
-        return date.today().isoformat()
-    try:
-        return date.fromisoformat(value).isoformat()
-    except ValueError:
-        raise click.BadParameter(
-            f"found {value!r}; expected today or a day as 2024-02-29"
-        ) from None
+    return (date.today() if text == "today" else date.fromisoformat(text)).isoformat()
 
 
 job_date = click.option(
     "--date",
-    callback=_day,
+    callback=parsed(_day, "today or a day as 2024-02-29"),
     metavar="DAY",
     help="For {date} in the machine's words: today, or as 2024-02-29; else empty.",
 )
@@ -231,7 +211,10 @@ def form_of(
 
 
 def verbosity(function: Function) -> Function:
-    """Adds --quiet and --verbose, which come to the command as `console`; `as_json` counts too."""
+    """Adds --quiet and --verbose, which come to the command as `console`; `as_json` counts too.
+
+    A BeamcamError of the command is said, behind the console's messages, and refuses.
+    """
 
     @click.option("-q", "--quiet", is_flag=True, help="Print errors only.")
     @click.option(
@@ -245,6 +228,8 @@ def verbosity(function: Function) -> Function:
         click.get_current_context().meta[Console.__name__] = console
         try:
             return function(*args, console=console, **values)
+        except BeamcamError as error:
+            console.stop(error.diagnostics)
         finally:
             console.end()
 
@@ -252,9 +237,17 @@ def verbosity(function: Function) -> Function:
 
 
 quantity = click.option(
-    "--quantity", type=QuantityType(), metavar="file|N",
+    "--quantity", metavar="file|N",
+    callback=parsed(value_types.quantity, f"file, or 1 to {value_types.MAX_QUANTITY}"),
     help="Pieces of each part: as many as its file says, or N.",
 )  # fmt: skip
+
+
+def refuse_usage(*faults: tuple[object, str]) -> None:
+    """Raises UsageError with the text of the first fault that is there."""
+    for is_there, text in faults:
+        if is_there:
+            raise click.UsageError(text)
 
 
 def program_names(output: str, count: int) -> tuple[str, ...]:
@@ -268,26 +261,18 @@ ONE_BAR = "--from-operation is for the program of one bar."
 ONE_SHEET = "--from-contour is for the program of one sheet, in G-code."
 
 
-def from_operation(help_text: str) -> Decorator:
-    """The option --from-operation."""
-    return click.option(
-        "--from-operation", "first", type=click.IntRange(min=2), metavar="N", help=help_text
-    )
+def _begins_with(option: str, name: str) -> Callable[[str], Decorator]:
+    kind = click.IntRange(min=2)
+    return lambda text: click.option(option, name, type=kind, metavar="N", help=text)
 
 
-def from_contour(help_text: str) -> Decorator:
-    """The option --from-contour."""
-    return click.option(
-        "--from-contour", "contour", type=click.IntRange(min=2), metavar="N", help=help_text
-    )
+from_operation = _begins_with("--from-operation", "first")
+from_contour = _begins_with("--from-contour", "contour")
 
 
-# --- help -----------------------------------------------------------------------------------------
+# --- help: a command whose options stand in groups in its help ------------------------------------
 
-# A command whose options stand in groups in its help.
-
-
-SAID = "What is said"
+MESSAGES = "What is said"
 OTHER = "Other"
 #: Heading -> the options below it, by the names of their values, in this order.
 GROUPS: Mapping[str, tuple[str, ...]] = {
@@ -313,7 +298,7 @@ GROUPS: Mapping[str, tuple[str, ...]] = {
         "jobs", "scheduler", "redo", "dry", "settle", "end_wait", "every", "encoder", "modbus",
         "serve", "pace", "once", "update",
     ),
-    SAID: ("as_json", "report", "unit", "paper", "quiet", "verbose", "schema"),
+    MESSAGES: ("as_json", "report", "unit", "paper", "quiet", "verbose", "schema"),
 }  # fmt: skip
 #: What matters most, in the order of use; `--help` of a command with many options shows these.
 FIRST = (
@@ -351,7 +336,7 @@ class Grouped(click.Command):
             }
         else:
             for param in params:
-                headings[SAID if param in helps else heading_of(param.name or "")].append(param)
+                headings[MESSAGES if param in helps else heading_of(param.name or "")].append(param)
         for heading, listed in headings.items():
             records = [r for r in (p.get_help_record(ctx) for p in listed) if r is not None]
             if records:

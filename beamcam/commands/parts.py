@@ -8,14 +8,13 @@ import click
 
 from beamcam.commands import options
 from beamcam.commands.common import Console, read_all
-from beamcam.commands.options import group, quantity
-from beamcam.commands.value_types import Number
+from beamcam.commands.value_types import Number, parsed
 from beamcam.config.values import Config, Origin
 from beamcam.errors import Diagnostic, ReadError
 from beamcam.machine.machine import Machine
 from beamcam.machine.overlay import MEANINGS, Meaning
 from beamcam.model.part import Part
-from beamcam.model.plan import Order, named_skips
+from beamcam.model.plan import named_skips
 from beamcam.model.request import Options, Quantity, Request, Selection, marked
 from beamcam.pipeline import counted, parts_of
 from beamcam.readers import content
@@ -40,76 +39,57 @@ def _map(
     return table or None
 
 
-def _fit(ctx: click.Context, param: click.Parameter, values: tuple[str, ...]) -> tuple[str, ...]:
-    """The layers of "newton=LAYER"; "" of "newton", which the reader answers with their names."""
-    layers = []
-    for value in values:
-        method, _, layer = value.partition("=")
-        if method.strip() != "newton":
-            raise click.BadParameter(f"found {value!r}; expected newton=LAYER")
-        layers.append(layer.strip())
-    return tuple(layers)
+def _fit(text: str) -> str:
+    """The layer of "newton=LAYER"; "" of "newton", which the reader answers with their names."""
+    method, _, layer = text.partition("=")
+    if method.strip() != "newton":
+        raise ValueError(text)
+    return layer.strip()
 
 
-def _copies(
-    ctx: click.Context, param: click.Parameter, value: str | None
-) -> tuple[int, int] | None:
-    """The two counts of "3x2"."""
-    if value is None:
-        return None
-    columns, _, rows = value.partition("x")
+def _copies(text: str) -> tuple[int, int]:
+    columns, _, rows = text.partition("x")
     if not (columns.isdecimal() and rows.isdecimal() and int(columns) and int(rows)):
-        raise click.BadParameter(f"found {value!r}; expected two counts such as 3x2")
+        raise ValueError(text)
     return int(columns), int(rows)
 
 
-def _tube(ctx: click.Context, param: click.Parameter, value: str | None) -> str | None:
-    """The diameter and wall of a round tube."""
-    if value is not None:
-        from beamcam.readers.drawing import tube_of
+def _tube(text: str) -> str:
+    from beamcam.readers.drawing import tube_of
 
-        if tube_of(value) is None:
-            raise click.BadParameter(f"found {value!r}; expected diameter x wall, as RO168.3x8")
-    return value
+    if tube_of(text) is None:
+        raise ValueError(text)
+    return text
 
 
-def _encoding(ctx: click.Context, param: click.Parameter, value: str | None) -> str | None:
-    """The name of an encoding of text that Python knows."""
-    if value is None:
-        return None
-    try:
-        "a".encode(value)  # raises LookupError too of what is no encoding of text
-    except (LookupError, UnicodeError) as error:
-        raise click.BadParameter(f"found {value!r}; expected one such as cp1251, cp850") from error
-    return value
+def _encoding(text: str) -> str:
+    "a".encode(text)  # raises LookupError too of what is no encoding of text
+    return text
 
 
-def _size(
-    ctx: click.Context, param: click.Parameter, value: str | None
-) -> tuple[float, float] | None:
-    """The length and width of a sheet."""
-    if value is None:
-        return None
-    match = _SIZE.fullmatch(value.strip().lower())
+def _size(text: str) -> tuple[float, float]:
+    match = _SIZE.fullmatch(text.strip().lower())
     if match is None or not all(float(side) > 0 for side in match.groups()):
-        raise click.BadParameter(f"found {value!r}; expected length x width in mm, as 3000x1500")
+        raise ValueError(text)
     return float(match[1]), float(match[2])
 
 
 _SIZE = re.compile(r"(\d{1,6}(?:\.\d+)?)x(\d{1,6}(?:\.\d+)?)")
 
-
 #: Reading options: `units`, `width`, `layers`, `fit` and `wrap` of a drawing, `encoding` and `ends`
 #: of DSTV.
-drawing_options = group(
+drawing_options = options.group(
     click.option("--units", help="Unit of a drawing's numbers: mm, in, cm, ..."),
     click.option("--width", help="Width of an SVG's page, as 600mm."),
     click.option("--layers", multiple=True, help="Read this layer only; may be repeated."),
-    click.option("--fit", multiple=True, callback=_fit, metavar="newton=LAYER",
+    click.option("--fit", multiple=True, metavar="newton=LAYER",
+                 callback=parsed(_fit, "newton=LAYER"),
                  help="Polylines of this layer become polynomials through their vertices."),
-    click.option("--wrap", callback=_tube, metavar="RO168.3x8",
+    click.option("--wrap", metavar="RO168.3x8",
+                 callback=parsed(_tube, "diameter x wall, as RO168.3x8"),
                  help="A drawing is the unrolled surface of this round tube: diameter x wall."),
-    click.option("--encoding", callback=_encoding, metavar="NAME",
+    click.option("--encoding", metavar="NAME",
+                 callback=parsed(_encoding, "one such as cp1251, cp850"),
                  help="Encoding of a DSTV file, such as cp1251; detected by default."),
     click.option("--ends", type=click.Choice(["contour", "header"]),
                  help="What counts where header and contour of a DSTV file have different ends."),
@@ -118,8 +98,9 @@ drawing_options = group(
 #: The thickness of a drawing's sheet, which no drawing says.
 thickness = click.option("--thickness", type=Number(), help="Thickness of a drawing's sheet, mm.")
 
-#: Settings of a sheet and its cuts, which override the machine file, and what sections lack.
-torch_options = group(
+#: Settings of a sheet and its cuts, which override the machine file; what files do not say of
+#: sections.
+torch_options = options.group(
     click.option("--corner", type=Number(above=0), metavar="RADIUS",
                  help="Outer corner radius of a rectangular tube, if the file has none."),
     click.option("--lip", type=Number(above=0), metavar="LENGTH",
@@ -155,7 +136,8 @@ torch_options = group(
                  help="x: left for right; y: top for bottom."),
     click.option("--rotate", type=click.FloatRange(-360, 360), metavar="DEGREES",
                  help="Turn the part about its middle."),
-    click.option("--copies", callback=_copies, metavar="NxM",
+    click.option("--copies", metavar="NxM",
+                 callback=parsed(_copies, "two counts such as 3x2"),
                  help="Lay out N copies side by side, in M rows."),
     click.option("--spacing", type=Number(least=0), help="Between two copies, mm."),
     click.option("--common-cuts/--no-common-cuts", default=None,
@@ -164,7 +146,8 @@ torch_options = group(
                  help="Longest way from one part to the next with the torch on; 0 pierces each."),
     click.option("--skeleton-cuts/--no-skeleton-cuts", default=None,
                  help="Cut what is left of the sheet between the rows of parts."),
-    click.option("--sheet", "sheet_size", callback=_size, metavar="LxW",
+    click.option("--sheet", "sheet_size", metavar="LxW",
+                 callback=parsed(_size, "length x width in mm, as 3000x1500"),
                  help="Size of the sheet that the parts lie on, as 3000x1500; the whole table if "
                  "absent."),
     click.option("--unrolled", is_flag=True, default=None,
@@ -193,7 +176,7 @@ def drawing_choice(values: Mapping[str, Any], config: Config | None = None) -> d
 
 
 #: Which members of a model are meant: `marks`, `guids`, `classes` and `assemblies`.
-selection_options = group(
+selection_options = options.group(
     click.option("--mark", "marks", multiple=True, help="Members of a model with this mark."),
     click.option("--guid", "guids", multiple=True, help="The member with this GlobalId."),
     click.option("--class", "classes", multiple=True, help="Members of this IFC class."),
@@ -203,7 +186,7 @@ letter = click.option(
     "--letter", type=click.Choice(["mark"]), help="Letter the members of a model with their marks."
 )
 #: The same, and `force`: whether they are trusted where their data contradict each other.
-member_options = group(
+member_options = options.group(
     selection_options,
     click.option("--force", is_flag=True, help="Accept members with contradictory data."),
     letter,
@@ -242,7 +225,12 @@ job_options = options.group(
 )  # fmt: skip
 #: Of a command that only looks at the work which parts are: `plan` and `verify`.
 looking_options = options.group(
-    quantity, options.skips, part_options, options.strict, options.as_json, options.verbosity
+    options.quantity,
+    options.skips,
+    part_options,
+    options.strict,
+    options.as_json,
+    options.verbosity,
 )
 
 
@@ -251,30 +239,30 @@ looking_options = options.group(
 
 def read_parts(
     inputs: Iterable[str], config: Config, options: Mapping[str, Any], console: Console
-) -> tuple[tuple[Part, ...], tuple[Diagnostic, ...]]:
-    """All parts of the inputs, and what is said of them.
+) -> tuple[Part, ...]:
+    """All parts of the inputs; what is said of them is among the messages of the console.
 
     `options` holds the values of `part_options`. Raises ReadError.
     """
     how = drawing_choice(options, config) | member_choice(options, kernel=True)
     parts, diagnostics = parts_of(read_all(inputs, config.strict, how, console), counted)
-    return marked(parts, options["mark_from"]), diagnostics
+    console.messages += diagnostics
+    return marked(parts, options["mark_from"])
 
 
 def request_of(
     parts: tuple[Part, ...], config: Config, machine: Machine, quantity: Quantity,
-    order: Order = "given", turn: bool = False,
+    options: Mapping[str, Any],
 ) -> Request:  # fmt: skip
-    """What is asked for by options and configuration."""
+    """What is asked for by options, of which there may be `order` and `turn`, and configuration."""
     return Request(
-        parts, machine, named_skips(config.allow_skips), config.job, order, turn,
+        parts, machine, named_skips(config.allow_skips), config.job,
+        options.get("order", "given"), options.get("turn", False),
         config.stock_lengths, quantity=quantity, strict=config.strict, by=config.by,
     )  # fmt: skip
 
 
-# --- programs -------------------------------------------------------------------------------------
-
-# Shared by the commands that read programs.
+# --- programs, for the commands that read them ----------------------------------------------------
 
 
 def input_bytes(path: str) -> bytes:

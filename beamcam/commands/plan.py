@@ -1,7 +1,8 @@
 """`beamcam plan`: the work that makes parts, step by step, with reasons and time; text or data."""
 
 from collections.abc import Iterable, Iterator
-from itertools import pairwise
+from functools import partial
+from itertools import chain, pairwise
 from math import dist
 from typing import Any
 
@@ -11,15 +12,10 @@ from beamcam.arguments import on_best_machine
 from beamcam.commands import options
 from beamcam.commands.common import Console, write
 from beamcam.commands.common import as_json as json_of
-from beamcam.commands.options import Grouped
-from beamcam.commands.outputs import of_kind
 from beamcam.commands.parts import looking_options, read_parts, request_of
 from beamcam.commands.settings import files_read, machines_for, settled
-from beamcam.config.values import Config
-from beamcam.errors import BeamcamError, Diagnostic
-from beamcam.files import FilesRead
+from beamcam.commands.value_types import of_kind
 from beamcam.machine.coper import A_OF_FACE
-from beamcam.machine.machine import Machine
 from beamcam.model.lengths import total_length
 from beamcam.model.part import Part
 from beamcam.model.plan import (
@@ -28,23 +24,20 @@ from beamcam.model.plan import (
     ContourOp,
     CopeCut,
     CopePlan,
-    Order,
     Plan,
     SheetPlan,
-    ToolLoad,
     WorkTime,
 )
-from beamcam.model.request import Request
 from beamcam.motion.coping import NAMES
-from beamcam.pipeline import from_store, remarks_on, whole_job
+from beamcam.pipeline import begin, remarks_on
 from beamcam.plain_text import terminal_text
 from beamcam.planning.beam import Trial, try_turns
 from beamcam.planning.explain import Explanation, explain
-from beamcam.posts import Planned, post_of
+from beamcam.posts import post_of
 from beamcam.reports.run import as_message, ledger_of
 
 
-@click.command("plan", cls=Grouped)
+@click.command("plan", cls=options.Grouped)
 @options.inputs
 @options.output(
     "A .txt or .json file; standard output if not given.", required=False, kind=of_kind("plan")
@@ -57,9 +50,8 @@ from beamcam.reports.run import as_message, ledger_of
 @options.turn
 @looking_options
 def command(
-    inputs: tuple[str, ...], output: str, order: Order, turn: bool, as_json: bool,
-    console: Console, **values: Any,
-) -> None:  # fmt: skip
+    inputs: tuple[str, ...], output: str, as_json: bool, console: Console, **values: Any
+) -> None:
     """Explain the work that makes parts, step by step.
 
     Each operation is listed with its machine X, its tool, its time and a code for each reason: why
@@ -72,93 +64,67 @@ def command(
     beamcam plan M74.nc1 M58.nc1 --machine beamline-pusher --order best --turn
     beamcam plan M58.nc1 --json | jq .time
     """
-    diagnostics: tuple[Diagnostic, ...] = ()
     as_json = as_json or output.lower().endswith(".json")
-    try:
-        config = settled(values, inputs)
-        parts, diagnostics = read_parts(inputs, config, values, console)
-        machines = machines_for(config, parts, output)
-        request = request_of(parts, config, machines[0], values["quantity"], order, turn)
-        (planned,), choice = on_best_machine(request, machines, _planned)
-        job, plan, machine = planned.job, planned.plan, planned.job.machine
-        console.remark(choice)
-        remarks = (*diagnostics, *remarks_on(plan, machine, config.strict))
-        read = files_read(config, inputs)
-        if not isinstance(plan, Plan):
-            kind = post_of(machine)
-            time = kind.time(plan, kind.motion(plan, machine, config.job), machine)
-            if isinstance(plan, SheetPlan):
-                lines, record = (
-                    sheet_lines(plan, time, machine), sheet_record(plan, time, machine, remarks)
-                )  # fmt: skip
-                console.did(f"planned a sheet on {machine.name}")
-            else:
-                lines, record = (
-                    coping_lines(plan, time, machine), coping_record(plan, time, machine, remarks)
-                )  # fmt: skip
-                console.did(f"planned a part on {machine.name}")
-            _print(output, read, console, as_json, lines, record, remarks, config, machine)
-            return
-        turned = dict.fromkeys(job.parts) if turn else ()  # each once, however often it is made
+    config = settled(values, inputs)
+    parts = read_parts(inputs, config, values, console)
+    machines = machines_for(config, parts, output)
+    request = request_of(parts, config, machines[0], values["quantity"], values)
+    (planned,), choice = on_best_machine(request, machines, partial(begin, together=True))
+    job, plan, machine = planned.job, planned.plan, planned.job.machine
+    console.remark(choice)
+    console.messages += remarks_on(plan, machine, config.strict)
+    read = files_read(config, inputs)
+    lines: Iterable[str]
+    if isinstance(plan, Plan):
+        turned = dict.fromkeys(job.parts) if values["turn"] else ()  # each once, however often made
         skips = job.request.skips
         trials = [(part, tuple(try_turns(part, machine, skips))) for part in turned]
-    except BeamcamError as error:
-        console.stop((*diagnostics, *error.diagnostics))
-    console.did(f"planned {len(plan.operations)} operation(s): {ledger_of(plan.outcomes)}")
-    explained = explain(plan, machine)
-    record = plan_record(plan, explained, machine, trials, remarks)
-    lines = plan_lines(plan, explained, machine, trials)
-    _print(output, read, console, as_json, lines, record, remarks, config, machine)
-
-
-def _planned(request: Request) -> list[Planned]:
-    """All that is asked for on one bar or sheet. Raises PlanError."""
-
-    def planned(bar: float | None) -> Planned:
-        job = whole_job(request, bar)
-        return Planned(job, post_of(request.machine).plan(job))
-
-    longest = max((part.length for part in request.parts), default=0.0)
-    return [from_store(planned, request.stock, longest)]
-
-
-def _print(
-    output: str, read: FilesRead, console: Console, as_json: bool, lines: Iterable[str],
-    record: dict[str, object], diagnostics: tuple[Diagnostic, ...], config: Config,
-    machine: Machine,
-) -> None:  # fmt: skip
-    if as_json:
-        from beamcam.commands.configuration import used
-
-        record["settings"] = used(config, machine)
-        write(output, json_of(record) + "\n", console, read)
+        console.did(f"planned {len(plan.operations)} operation(s): {ledger_of(plan.outcomes)}")
+        explained = explain(plan, machine)
+        lines, record = plan_lines(plan, explained, trials), plan_record(plan, explained, trials)
+        spent: dict[str, object] = {
+            "changes": explained.changes,
+            "travel": {"forward": explained.forward, "back": explained.back},
+            "time": {
+                "manual_changes_s": round(explained.manual_changes_s, 3),
+                "total_s": round(explained.total_s, 3),
+            },
+        }
     else:
+        kind = post_of(machine)
+        time = kind.time(plan, kind.motion(plan, machine, config.job), machine)
+        if isinstance(plan, SheetPlan):
+            lines, record = sheet_lines(plan, time), sheet_record(plan, time)
+        else:
+            lines, record = coping_lines(plan, time), coping_record(plan, time)
+        spent = {"time": {"home_s": round(time.home_s, 3), "total_s": round(time.total_s, 3)}}
+        what = "sheet" if isinstance(plan, SheetPlan) else "part"
+        console.did(f"planned a {what} on {machine.name}")
+    if not as_json:
+        lines = chain((f"machine {machine.name}: {machine.title}",), lines)
         write(output, "\n".join(map(terminal_text, lines)) + "\n", console, read)
-        console.say(diagnostics)
+        console.say()
+        return
+    from beamcam.commands.configuration import used
+
+    messages = [as_message(one) for one in console.messages]
+    console.messages.clear()
+    features = [
+        {"part": o.feature[0], "feature": o.feature[1], "how": o.how, "by": o.by}
+        for o in plan.outcomes
+    ]
+    whole = {
+        "machine": machine.name, **record, "features": features, **spent, "messages": messages,
+        "settings": used(config, machine),
+    }  # fmt: skip
+    write(output, json_of(whole) + "\n", console, read)
 
 
 Trials = list[tuple[Part, tuple[Trial, ...]]]
 
 
-def plan_lines(
-    plan: Plan, explained: Explanation, machine: Machine, trials: Trials
-) -> Iterator[str]:
-    """The plan as text."""
-    yield f"machine {machine.name}: {machine.title}"
-    yield from _bar_lines(plan, trials)
-    for loaded in explained.loads:
-        yield _load_line(loaded)
-    yield from _step_lines(explained)
-    yield from not_made_lines(plan)
-    yield (
-        f"{len(plan.operations)} operations, {explained.changes} changes of spindle or tool, "
-        f"bar {explained.forward:.1f} mm forward and {explained.back:.1f} mm back, "
-        f"{explained.total_s:.0f} s"
-    )
-
-
-def _bar_lines(plan: Plan, trials: Trials) -> Iterator[str]:
-    """The account of the bar, where each part lies on it, and how else it was tried."""
+def plan_lines(plan: Plan, explained: Explanation, trials: Trials) -> Iterator[str]:
+    """The account of the bar, where each part lies on it, how else it was tried, and the steps."""
     bar = plan.bar
     yield (
         f"bar {bar.length:.3f} = front trim {bar.front_trim:.3f} + parts {bar.parts:.3f} "
@@ -174,10 +140,10 @@ def _bar_lines(plan: Plan, trials: Trials) -> Iterator[str]:
         for trial in tried:
             shown = trial.because if trial.seconds is None else f"{trial.seconds:.1f} s"
             yield f"  {part.mark} {trial.turn.name}: {shown}"
-
-
-def _step_lines(explained: Explanation) -> Iterator[str]:
-    """The operations with the codes of their reasons, and what the codes mean."""
+    for load in explained.loads:
+        into = f"{load.spindle} station {load.station}: {load.tool.name}"
+        before = f"change before step {load.before + 1}, {into}"
+        yield f"tool {into}" if load.out is None else f"{before} for {load.out.name}"
     width = max(len(step.what) for step in explained.steps)
     place = max(len(step.where) for step in explained.steps)
     for number, step in enumerate(explained.steps, 1):
@@ -191,23 +157,18 @@ def _step_lines(explained: Explanation) -> Iterator[str]:
     codes_used = dict(reason for step in explained.steps for reason in step.reasons)
     for code, text in sorted(codes_used.items()):
         yield f"{code}: {text}"
+    yield from not_made_lines(plan)
+    yield (
+        f"{len(plan.operations)} operations, {explained.changes} changes of spindle or tool, "
+        f"bar {explained.forward:.1f} mm forward and {explained.back:.1f} mm back, "
+        f"{explained.total_s:.0f} s"
+    )
 
 
-def _load_line(loaded: ToolLoad) -> str:
-    into = f"{loaded.spindle} station {loaded.station}: {loaded.tool.name}"
-    if loaded.out is None:
-        return f"tool {into}"
-    return f"change before step {loaded.before + 1}, {into} for {loaded.out.name}"
-
-
-def plan_record(
-    plan: Plan, explained: Explanation, machine: Machine, trials: Trials,
-    diagnostics: tuple[Diagnostic, ...],
-) -> dict[str, object]:  # fmt: skip
+def plan_record(plan: Plan, explained: Explanation, trials: Trials) -> dict[str, object]:
     """The plan as data."""
     bar = plan.bar
     return {
-        "machine": machine.name,
         "bar": {
             "length": bar.length, "front_trim": bar.front_trim, "parts": bar.parts,
             "kerfs": bar.kerfs, "nested": bar.nested, "rest": bar.remnant,
@@ -237,17 +198,6 @@ def plan_record(
             }
             for step in explained.steps
         ],
-        "features": [
-            {"part": o.feature[0], "feature": o.feature[1], "how": o.how, "by": o.by}
-            for o in plan.outcomes
-        ],
-        "changes": explained.changes,
-        "travel": {"forward": explained.forward, "back": explained.back},
-        "time": {
-            "manual_changes_s": round(explained.manual_changes_s, 3),
-            "total_s": round(explained.total_s, 3),
-        },
-        "messages": [as_message(d) for d in diagnostics],
     }  # fmt: skip
 
 
@@ -266,9 +216,8 @@ def not_made_lines(plan: AnyPlan) -> Iterator[str]:
             yield f"{NOT_MADE[outcome.how]}: {source} ({outcome.by})"
 
 
-def sheet_lines(plan: SheetPlan, time: WorkTime, machine: Machine) -> Iterator[str]:
+def sheet_lines(plan: SheetPlan, time: WorkTime) -> Iterator[str]:
     """The plan of a sheet as text."""
-    yield f"machine {machine.name}: {machine.title}"
     for piece in plan.pieces:
         part, (x, y) = piece.part, piece.place
         yield (
@@ -289,9 +238,7 @@ def sheet_lines(plan: SheetPlan, time: WorkTime, machine: Machine) -> Iterator[s
     )
 
 
-def sheet_record(
-    plan: SheetPlan, time: WorkTime, machine: Machine, diagnostics: tuple[Diagnostic, ...]
-) -> dict[str, object]:
+def sheet_record(plan: SheetPlan, time: WorkTime) -> dict[str, object]:
     """The plan of a sheet as data."""
     sheets = [
         {
@@ -304,7 +251,6 @@ def sheet_record(
         for piece in plan.pieces
     ]
     return {
-        "machine": machine.name,
         "sheet": sheets[0],
         "others": sheets[1:],  # that share the sheet
         "operations": [
@@ -315,7 +261,6 @@ def sheet_record(
             }
             for op, seconds in zip(plan.operations, time.operations, strict=True)
         ],
-        **_whole(plan, time, diagnostics),
     }  # fmt: skip
 
 
@@ -324,10 +269,9 @@ def cut_length(cut: CopeCut) -> float:
     return sum(dist(a, b) for a, b in pairwise(cut.path))
 
 
-def coping_lines(plan: CopePlan, time: WorkTime, machine: Machine) -> Iterator[str]:
+def coping_lines(plan: CopePlan, time: WorkTime) -> Iterator[str]:
     """The plan of a coped part as text."""
     (piece,) = plan.pieces
-    yield f"machine {machine.name}: {machine.title}"
     comes = f"from a bar of {plan.bar:.3f} mm at least"
     if piece.part.made is not None:
         comes = "cut to length by another machine"
@@ -354,13 +298,10 @@ def coping_lines(plan: CopePlan, time: WorkTime, machine: Machine) -> Iterator[s
     )
 
 
-def coping_record(
-    plan: CopePlan, time: WorkTime, machine: Machine, diagnostics: tuple[Diagnostic, ...]
-) -> dict[str, object]:
+def coping_record(plan: CopePlan, time: WorkTime) -> dict[str, object]:
     """The plan of a coped part as data."""
     (piece,) = plan.pieces
     return {
-        "machine": machine.name,
         "bar": {"length": plan.bar, "start": piece.start},
         "part": piece.part.mark,
         "operations": [
@@ -374,17 +315,4 @@ def coping_record(
             }
             for cut, seconds in zip(plan.operations, time.operations, strict=True)
         ],
-        **_whole(plan, time, diagnostics),
     }  # fmt: skip
-
-
-def _whole(plan: AnyPlan, time: WorkTime, diagnostics: tuple[Diagnostic, ...]) -> dict[str, object]:
-    """What the data of both kinds of plan end with."""
-    return {
-        "features": [
-            {"part": o.feature[0], "feature": o.feature[1], "how": o.how, "by": o.by}
-            for o in plan.outcomes
-        ],
-        "time": {"home_s": round(time.home_s, 3), "total_s": round(time.total_s, 3)},
-        "messages": [as_message(d) for d in diagnostics],
-    }

@@ -1,6 +1,5 @@
 """`beamcam plot`: a part, or what a program makes, as a picture."""
 
-from collections.abc import Mapping, Sequence
 from typing import Any
 
 import click
@@ -8,17 +7,12 @@ import click
 from beamcam.commands import options
 from beamcam.commands.common import Console, write
 from beamcam.commands.jobs import one_program, posted_job, read_program
-from beamcam.commands.options import Grouped, quantity
-from beamcam.commands.outputs import check_paper, paper, picture, picture_suffix, unit
 from beamcam.commands.parts import job_options, read_parts
 from beamcam.commands.settings import files_read, machines_for, settled
-from beamcam.config.values import Config
-from beamcam.errors import BeamcamError, Diagnostic
-from beamcam.model.part import Part
-from beamcam.model.plan import Order
+from beamcam.commands.value_types import check_paper, paper, picture_suffix, unit
 
 
-@click.command("plot", cls=Grouped)
+@click.command("plot", cls=options.Grouped)
 @options.inputs
 @options.output(".svg, .png or .pdf; - is an SVG on standard output.")
 @click.option(
@@ -31,12 +25,12 @@ from beamcam.model.plan import Order
 @options.machine
 @options.config
 @options.bar
-@quantity
+@options.quantity
 @job_options
 @options.verbosity
 def command(
-    inputs: tuple[str, ...], output: str, show: str | None, unit: Any, paper: Any, order: Order,
-    turn: bool, as_json: bool, console: Console, **values: Any,
+    inputs: tuple[str, ...], output: str, show: str | None, unit: Any, paper: Any, as_json: bool,
+    console: Console, **values: Any,
 ) -> None:  # fmt: skip
     """Draw a part with its faces unfolded, or what a program makes.
 
@@ -50,41 +44,29 @@ def command(
     beamcam plot M74.nc1 M58.nc1 M74.nc1 -o bar.svg
     beamcam plot plate.dxf --thickness 3 --show program -o plate.pdf
     """
+    from beamcam.pictures.formats import picture
     from beamcam.pictures.part import part_scene
     from beamcam.pictures.program import program_scene
 
     suffix = picture_suffix(output)
     check_paper(paper, suffix)
-    diagnostics: tuple[Diagnostic, ...] = ()
-    try:
-        config = settled(values, inputs)
-        data = one_program(inputs)
-        if data is not None:
-            scenes = [program_scene(read_program(data, inputs[0], config, values["bar"]), unit)]
-        elif show == "program" or (show is None and len(inputs) > 1):
-            parts, diagnostics = read_parts(inputs, config, values, console)
-            job = posted_job(inputs, parts, config, values, output, order, turn, console)
-            diagnostics = (*diagnostics, *job.diagnostics, *job.posted.remarks)
-            scenes = [program_scene(job.program, unit)]
-        else:
-            parts, diagnostics = read_parts(inputs, config, values, console)
-            if not parts or (len(parts) > 1 and suffix != ".pdf"):
-                console.say(diagnostics)
-                result = f"found {len(parts)} parts for {output!r}"
-                raise click.UsageError(f"{result}; expected one, or a .pdf of many pages")
-            table = _processes(config, parts, output)
-            scenes = [part_scene(part, unit, table) for part in parts]
-        drawn = picture(scenes, suffix, paper)
-    except BeamcamError as error:
-        console.stop((*diagnostics, *error.diagnostics))
+    config = settled(values, inputs)
+    data = one_program(inputs)
+    if data is not None:
+        scenes = [program_scene(read_program(data, inputs[0], config, values["bar"]), unit)]
+    elif show == "program" or (show is None and len(inputs) > 1):
+        scenes = [program_scene(posted_job(inputs, config, values, output, console).program, unit)]
+    else:
+        parts = read_parts(inputs, config, values, console)
+        if not parts or (len(parts) > 1 and suffix != ".pdf"):
+            console.say()
+            result = f"found {len(parts)} parts for {output!r}"
+            raise click.UsageError(f"{result}; expected one, or a .pdf of many pages")
+        is_drawn = any(part.measures is not None for part in parts)
+        torch = machines_for(config, parts, output)[0].torch if is_drawn else None
+        colours = None if torch is None else torch.colours
+        scenes = [part_scene(part, unit, colours) for part in parts]
+    drawn = picture(scenes, suffix, paper)
     console.did(f"drew {len(scenes)} picture(s)")
     write(output, drawn, console, files_read(config, inputs))
-    console.say(diagnostics)
-
-
-def _processes(config: Config, parts: Sequence[Part], output: str) -> Mapping[str, str] | None:
-    """Processes of the colours and layers of drawings on the machine; None without drawings."""
-    if all(part.measures is None for part in parts):
-        return None
-    torch = machines_for(config, parts, output)[0].torch
-    return None if torch is None else torch.colours
+    console.say()

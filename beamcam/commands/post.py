@@ -1,7 +1,7 @@
 """`beamcam post`: parts in, a program out."""
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import PurePath
 from typing import Any
 
@@ -13,35 +13,24 @@ from beamcam.commands.common import (
     STANDARD,
     Console,
     is_coded_sheet,
-    job_name,
     keep_apart,
     keep_refused,
     outputs,
     program,
     table_style,
     write,
-    write_list,
-)
-from beamcam.commands.options import (
-    ONE_BAR,
-    ONE_SHEET,
-    Grouped,
-    from_contour,
-    from_operation,
-    program_names,
-    quantity,
 )
 from beamcam.commands.parts import drawing_choice, part_options, read_parts, request_of
 from beamcam.commands.settings import files_read, machine_asked, machines_for, map_remarks, settled
 from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Diagnostic, PlanError, Source
-from beamcam.files import REFUSED_SUFFIX, FilesRead
+from beamcam.files import REFUSED_SUFFIX, FilesRead, remove_made
 from beamcam.machine.machine import Machine
-from beamcam.model.part import Contour, Feature, Hole, Slot, TextMark
+from beamcam.machine.tables import DIALECTS
+from beamcam.model.part import Contour, Hole, Slot, TextMark
 from beamcam.model.plan import (
     AnyPlan,
     CopePlan,
-    Order,
     SawOp,
     SheetPlan,
     clock,
@@ -70,14 +59,14 @@ rest_option = click.option(
 )  # fmt: skip
 
 
-@click.command("post", cls=Grouped)
+@click.command("post", cls=options.Grouped)
 @options.inputs
 @options.output("The program's file; - is standard output.", kind=program)
 @options.machine
 @options.by
 @options.config
 @options.bar
-@quantity
+@options.quantity
 @options.job_name
 @options.job_date
 @options.skips
@@ -85,7 +74,7 @@ rest_option = click.option(
 @options.order
 @options.style
 @options.turn
-@from_operation("Write only the remainder of the program, from operation N of `plan`.")
+@options.from_operation("Write only the remainder of the program, from operation N of `plan`.")
 @click.option(
     "--frame",
     type=options.FILE,
@@ -93,16 +82,16 @@ rest_option = click.option(
     help="Write a program too that leads the head round the work, its tool off.",
 )
 @rest_option
-@from_contour("Write only the rest of a sheet's program, from contour N of `plan`.")
+@options.from_contour("Write only the rest of a sheet's program, from contour N of `plan`.")
 @part_options
 @options.no_verify
 @options.strict
 @options.json_messages
 @options.verbosity
 def command(
-    inputs: tuple[str, ...], output: str, order: Order, style: str | None, turn: bool,
-    first: int | None, contour: int | None, frame: str | None, rest_name: str | None,
-    no_verify: bool, exit_left_out: int | None, as_json: bool, console: Console, **values: Any,
+    inputs: tuple[str, ...], output: str, style: str | None, first: int | None,
+    contour: int | None, frame: str | None, rest_name: str | None, no_verify: bool,
+    exit_left_out: int | None, as_json: bool, console: Console, **values: Any,
 ) -> None:  # fmt: skip
     """Turn parts into a machine program.
 
@@ -135,79 +124,74 @@ def command(
     beamcam post gasket.dxf --thickness 3 --from-contour 4 -o rest.ngc
     beamcam post gasket.dxf --thickness 3 -o gasket.ngc --frame frame.ngc
     """
-    diagnostics: tuple[Diagnostic, ...] = ()
     request: Request | None = None
     strict = bool(values["strict"])
     try:
         config = settled(values, inputs)
         strict = config.strict
-        parts, diagnostics = read_parts(inputs, config, values, console)
+        parts = read_parts(inputs, config, values, console)
         machines = machines_for(config, parts, output)
         if contour is not None or frame is not None:
-            _check_of_sheets(contour, frame, output, machines)
-        diagnostics += map_remarks(config, parts, machines[0])
-        request = request_of(parts, config, machines[0], config.quantity, order, turn)
+            coded = any(map(is_coded_sheet, machines))
+            options.refuse_usage(
+                (contour is not None and not coded, options.ONE_SHEET),
+                (frame == output, "--frame and -o name one file; expected two."),
+                (frame and not coded, "--frame is for programs of sheets, in G-code."),
+            )
+        console.messages += map_remarks(config, parts, machines[0])
+        request = request_of(parts, config, machines[0], config.quantity, values)
         request = replace(request, verified=not no_verify, date=values["date"] or "")
         stage = console.did if console.verbose else untold
 
         def planned(request_of_machine: Request) -> list[Begun]:
-            job = job_name(config, request_of_machine.machine, output)
-            told = table_style(request_of_machine.machine, output, style)
-            return begin(replace(request_of_machine, name=job, style=told), stage=stage)
+            name = _job_name(config, request_of_machine.machine, output)
+            form = table_style(request_of_machine.machine, output, style)
+            return begin(replace(request_of_machine, name=name, style=form), stage=stage)
 
         from beamcam.arguments import on_best_machine
 
         begun, choice = on_best_machine(request, machines, planned)
-        diagnostics += choice
-        names = program_names(output, len(begun))
+        console.messages += choice
+        names = options.program_names(output, len(begun))
         made = [(n, finished(one, stage)) for n, one in zip(names, begun, strict=True)]
         if first is not None or contour is not None:
-            made = [(output, _rest(made, first, contour))]
-        beside = [] if frame is None else _frames(made, frame)
-        if rest_name is not None:
-            check_rest(rest_name, [each for _, each in made])
-            text, told = rest_file(rest_name, made[0][1])
-            beside += [] if text is None else [(rest_name, text)]
-            diagnostics += (told,)
+            made = [(output, _remainder(made, first, contour))]
+        beside = _beside(made, frame, rest_name, console)
     except RefusedProgram as error:
         from beamcam.batch import KEPT
 
         kept = (*keep_refused(output, error.pieces(), files_read(config, inputs)),)
-        is_kept = any(said.code == KEPT.code for said in kept)
-        found = error.named(output + REFUSED_SUFFIX) if is_kept else error.diagnostics
-        console.stop((*diagnostics, *found, *kept))
-    except StrictError as error:
-        console.stop((*diagnostics, *error.diagnostics))
+        is_kept = any(one.code == KEPT.code for one in kept)
+        faults = error.named(output + REFUSED_SUFFIX) if is_kept else error.diagnostics
+        console.stop((*faults, *kept))
+    except StrictError:
+        raise
     except PlanError as error:
         way = () if request is None else (_suggestion(request, machines, config, values),)
-        console.stop((*diagnostics, *error.diagnostics, *way))
+        console.stop((*error.diagnostics, *way))
     except BeamcamError as error:
         from beamcam.suggestions import reading_suggestions
 
         ways = tuple(reading_suggestions(error.diagnostics, read_file, strict))
-        console.stop((*diagnostics, *error.diagnostics, *ways))
+        console.stop((*error.diagnostics, *ways))
     _write(made, beside, files_read(config, inputs), console)
-    console.say((*diagnostics, *dict.fromkeys(one for _, each in made for one in each.remarks)))
-    if not (console.quiet or console.as_json):
-        for name, each in made:
-            console.tell(success(name, each, first or contour))
+    console.say(dict.fromkeys(one for _, each in made for one in each.remarks))
+    for name, each in made if console.for_people else ():
+        console.tell(success(name, each, first or contour))
     if exit_left_out is not None and any(
         remark.code in NOT_MADE for _, each in made for remark in each.remarks
     ):
         raise SystemExit(exit_left_out)
 
 
-def _check_of_sheets(
-    contour: int | None, frame: str | None, output: str, machines: Iterable[Machine]
-) -> None:
-    """Raises click.UsageError for a remainder or a frame of what is no sheet's G-code."""
-    coded = any(map(is_coded_sheet, machines))
-    if contour is not None and not coded:
-        raise click.UsageError(ONE_SHEET)
-    if frame is not None and frame == output:
-        raise click.UsageError("--frame and -o name one file; expected two.")
-    if frame is not None and not coded:
-        raise click.UsageError("--frame is for programs of sheets, in G-code.")
+def _job_name(config: Config, machine: Machine, output: str) -> str:
+    """The name of a job: of a trigger program that was given none that of its file.
+
+    Its units are files and variables of one project, and would be taken for those of another job.
+    """
+    if machine.controller in DIALECTS and "job" not in config.sources and output != STANDARD:
+        return PurePath(output).stem
+    return config.job
 
 
 def _suggestion(
@@ -230,73 +214,73 @@ def _suggestion(
     return suggestions(request, tried, alike, read)
 
 
-def _rest(made: Sequence[tuple[str, Posted]], first: int | None, contour: int | None) -> Posted:
-    """The rest of the only program, from an operation of a bar or a contour of a sheet on.
+def _remainder(
+    made: Sequence[tuple[str, Posted]], first: int | None, contour: int | None
+) -> Posted:
+    """That of the only program, from an operation of a bar or a contour of a sheet on.
 
     Raises PlanError and RefusedProgram.
     """
     from beamcam.remainder import rest_of, rest_of_sheet
 
-    if first is None:
-        assert contour is not None
-        if len(made) != 1:
-            raise click.UsageError(ONE_SHEET)
-        return rest_of_sheet(made[0][1], contour)
-    if contour is not None:
-        raise click.UsageError("--from-operation and --from-contour exclude each other.")
-    if made[0][1].job.machine.stock != "beam" or len(made) != 1:
-        raise click.UsageError(ONE_BAR)
-    return rest_of(made[0][1], first)
+    (_, posted), *others = made
+    options.refuse_usage(
+        (None not in (first, contour), "--from-operation and --from-contour exclude each other."),
+        (contour is not None and others, options.ONE_SHEET),
+        (first is not None and (others or posted.job.machine.stock != "beam"), options.ONE_BAR),
+    )
+    if first is not None:
+        return rest_of(posted, first)
+    assert contour is not None
+    return rest_of_sheet(posted, contour)
 
 
-def check_rest(path: str, made: Sequence[Posted]) -> None:
-    """Raises click.UsageError where no rest can be written, or not in such a file."""
-    from beamcam.commands.convert import target_of
-    from beamcam.writers import TARGETS
+def _beside(
+    made: Sequence[tuple[str, Posted]], frame: str | None, rest_name: str | None, console: Console
+) -> list[tuple[str, str]]:
+    """The frame of each program, and what the only one leaves of its part, by names of files.
 
-    if target_of(path, None).name == NOT_WHOLE:
-        expected = ", ".join(s for t in TARGETS if t.name != NOT_WHOLE for s in t.suffixes)
-        raise click.UsageError(f"--rest {path!r}: expected a name in {expected}")
-    request = made[0].job.request
-    if len(request.parts) != 1 or request.turn or request.machine.stock == "sheet":
-        raise click.UsageError(OF_ONE)
-
-
-def rest_file(path: str, posted: Posted) -> tuple[str | None, Diagnostic]:
-    """The text of the rest, None where nothing is left, and a note of it.
-
-    Raises BeamcamError as `rest_of_part` does.
+    Raises BeamcamError as `frame_of` and `rest_of_part` do, UsageError for what has no rest.
     """
+    beside: list[tuple[str, str]] = []
+    if frame is not None:
+        from beamcam.remainder import frame_of
+
+        frames = options.program_names(frame, len(made))
+        beside += ((n, frame_of(one).text) for n, (_, one) in zip(frames, made, strict=True))
+    if rest_name is None:
+        return beside
     from beamcam.commands.convert import target_of
     from beamcam.rest_part import NO_REST, REST, rest_of_part
+    from beamcam.writers import TARGETS
 
-    rest = rest_of_part(posted, target_of(path, None))
+    posted = made[0][1]
+    target, request = target_of(rest_name, None), posted.job.request
+    forms = ", ".join(s for t in TARGETS if t.name != NOT_WHOLE for s in t.suffixes)
+    of_one = len(request.parts) == 1 and not request.turn and request.machine.stock != "sheet"
+    options.refuse_usage(
+        (target.name == NOT_WHOLE, f"--rest {rest_name!r}: expected a name in {forms}"),
+        (not of_one, OF_ONE),
+    )
+    rest = rest_of_part(posted, target)
     if rest is None:
-        return None, NO_REST.at(Source(path))
+        console.messages.append(NO_REST.at(Source(rest_name)))
+        return beside
     part, text = rest
-    return text, REST.at(Source(path), found=len(part.features))
-
-
-def _frames(made: Sequence[tuple[str, Posted]], name: str) -> list[tuple[str, str]]:
-    """The frame of each program, by the name of its file. Raises RefusedProgram."""
-    from beamcam.remainder import frame_of
-
-    return [
-        (path, frame_of(posted).text)
-        for path, (_, posted) in zip(program_names(name, len(made)), made, strict=True)
-    ]
+    console.messages.append(REST.at(Source(rest_name), found=len(part.features)))
+    return [*beside, (rest_name, text)]
 
 
 def _write(
-    made: Sequence[tuple[str, Posted]],
-    beside: Sequence[tuple[str, str]],
-    read: FilesRead,
+    made: Sequence[tuple[str, Posted]], beside: Sequence[tuple[str, str]], read: FilesRead,
     console: Console,
-) -> None:
+) -> None:  # fmt: skip
     """Write programs, lists of manual work and what else goes with them by the names of `beside`.
 
-    None is written if one would be written over.
+    None is written if one would be written over; an older list is taken away.
     """
+    from beamcam.planning.manual_list import LIST_BEGIN, LIST_SUFFIX, as_csv, manual_rows
+
     files = [
         (name, posted, tuple(outputs(posted, posted.job.machine, name))) for name, posted in made
     ]
@@ -307,7 +291,11 @@ def _write(
             from beamcam.reports.run import ledger_of
 
             console.did(f"{posted.job.machine.name}: {ledger_of(posted.plan.outcomes)}")
-        write_list(posted, name, console, read)
+        # Of a program on standard output the messages alone say what is left for manual work.
+        if rows := manual_rows(posted.plan) if name != STANDARD else []:
+            write(name + LIST_SUFFIX, as_csv(rows), console, read)
+        elif name != STANDARD:
+            remove_made(name + LIST_SUFFIX, LIST_BEGIN)
         for path, content in pieces:
             write(path, content, console, read)
     for path, text in beside:
@@ -352,25 +340,20 @@ def _made(plan: AnyPlan, comes_cut: bool) -> Iterator[str]:
     for outcome in plan.outcomes:
         if outcome.how in ("made", "merged"):
             piece, index = outcome.feature
-            kinds[_kind(plan.pieces[piece].part.features[index])] += 1
+            match plan.pieces[piece].part.features[index]:
+                case Hole():
+                    kinds["hole"] += 1
+                case Slot():
+                    kinds["slot"] += 1
+                case TextMark():
+                    kinds["text"] += 1
+                case Contour(process="mark" | "engrave"):  # others and planes are made by the cuts
+                    kinds["line"] += 1
     kinds["cut"] = sum(isinstance(op, SawOp) for op in plan.operations)
     for kind in ("hole", "slot", "line", "text", "cut"):
         if kinds[kind]:
             yield _counted(kinds[kind], kind)
     yield f"1 {'part' if comes_cut else 'bar'} of {round(plan.bar.length, 3):g}"
-
-
-def _kind(feature: Feature) -> str:
-    match feature:
-        case Hole():
-            return "hole"
-        case Slot():
-            return "slot"
-        case TextMark():
-            return "text"
-        case Contour(process="mark" | "engrave"):
-            return "line"
-    return "end"  # a contour or plane that the cuts make
 
 
 def _read_back(posted: Posted, is_rest: bool) -> str:
@@ -384,16 +367,15 @@ def _read_back(posted: Posted, is_rest: bool) -> str:
     parts = "the part" if pieces == 1 else f"the {pieces} parts"
     left_out = sum(1 for _ in left_out_sources(plan))
     manual_work = sum(1 for _ in manual_work_sources(plan))
-    exactly = f"read back: {parts}, exactly"
-    lacking = [f"{_counted(left_out, 'feature')} left out"] if left_out else []
+    but_for = [f"{_counted(left_out, 'feature')} left out"] if left_out else []
     if manual_work:
-        lacking.append(f"{_counted(manual_work, 'feature')} left for manual work")
+        but_for.append(f"{_counted(manual_work, 'feature')} left for manual work")
     if isinstance(plan, CopePlan):
         from beamcam.planning.coping.rules import ROUNDED
 
         rounded = sum(int(one["count"]) for one in plan.remarks if one.code == ROUNDED.code)
-        lacking += [f"{_counted(rounded, 'corner')} rounded"] if rounded else []
-    return f"read back: {parts} but for {' and '.join(lacking)}" if lacking else exactly
+        but_for += [f"{_counted(rounded, 'corner')} rounded"] if rounded else []
+    return f"read back: {parts}{' but for ' if but_for else ', exactly'}{' and '.join(but_for)}"
 
 
 def _counted(count: int, what: str) -> str:

@@ -8,14 +8,11 @@ import click
 
 from beamcam.commands import options
 from beamcam.commands.common import PICTURES, Console, write
-from beamcam.commands.outputs import KINDS, expected, picture
-from beamcam.commands.value_types import Number
-from beamcam.errors import BeamcamError
+from beamcam.commands.value_types import KINDS, Number, expected
 from beamcam.files import FilesRead
 
 if TYPE_CHECKING:
     from beamcam.motion.velocity_profile import VelocityProfile
-    from beamcam.reports.velocity_profile import VelocityUnit
 
 MOST_ROWS = 1_000_000
 NUMBER = Number()
@@ -31,7 +28,10 @@ def points_of(
     for pair in text.split(","):
         time, colon, velocity = pair.partition(":")
         try:
-            points.append((_finite(time), _finite(velocity)))
+            point = float(time), float(velocity)
+            if not all(map(isfinite, point)):
+                raise ValueError(pair)
+            points.append(point)
         except ValueError:
             raise click.BadParameter(
                 f"found {pair!r}; expected TIME:VELOCITY,TIME:VELOCITY,..."
@@ -41,44 +41,7 @@ def points_of(
     return tuple(points)
 
 
-def _finite(text: str) -> float:
-    """Raises ValueError for infinity and nan too."""
-    number = float(text)
-    if not isfinite(number):
-        raise ValueError(text)
-    return number
-
-
-def row_step(duration_s: float, step_s: float | None) -> float:
-    """Seconds between the rows of a table. Raises ValueError for more rows than memory holds."""
-    step_s = step_s or duration_s / 200
-    if duration_s > MOST_ROWS * step_s:
-        raise ValueError(
-            f"found a step of {step_s:g} s; expected {duration_s / MOST_ROWS:g} s or more, "
-            f"for at most {MOST_ROWS:,} rows"
-        )
-    return step_s
-
-
-def unit_of(name: str | None, pulses: int | None, travel: float | None) -> "VelocityUnit":
-    """The unit that the options speak of. Raises ValueError where they contradict each other."""
-    from beamcam.reports.velocity_profile import MM_S, RPM, UNITS
-
-    if travel is not None and pulses is None:
-        raise ValueError("--travel goes with --pulses, the encoder's pulses a revolution")
-    if name is None:
-        return RPM if pulses is not None and travel is None else MM_S
-    unit = UNITS[name]
-    if pulses is not None and (travel is None) is (unit is MM_S):
-        raise ValueError(
-            "with --unit mm/s the encoder needs --travel, its way of a revolution"
-            if unit is MM_S
-            else "--travel goes with --unit mm/s; rpm are revolutions already"
-        )
-    return unit
-
-
-def wanted_profile(
+def profile_of(
     velocity: float | None, acceleration: float | None, distance: float | None, time: float | None,
     jerk: float, cruise: float, points: tuple[tuple[float, float], ...], max_jerk: float | None,
 ) -> "VelocityProfile":  # fmt: skip
@@ -151,18 +114,28 @@ def command(
     beamcam profile --points 0:0,2:300,5:300,6:0 -o job.html
     beamcam profile --distance 500 --velocity 200 --acceleration 800 --max-jerk 9000 -o -
     """
-    from beamcam.reports.velocity_profile import Encoder, profile_table
+    from beamcam.reports.velocity_profile import MM_S, RPM, Encoder, profile_table
 
     suffix = os.path.splitext(output)[1].lower()
     try:
-        shown = unit_of(unit, pulses, travel)
+        if travel is not None and pulses is None:
+            raise ValueError("--travel goes with --pulses, the encoder's pulses a revolution")
+        in_turns = unit == "rpm" or (unit is None and pulses is not None and travel is None)
+        if unit is not None and pulses is not None and (travel is None) is not in_turns:
+            raise ValueError(
+                "--travel goes with --unit mm/s; rpm are revolutions already"
+                if in_turns
+                else "with --unit mm/s the encoder needs --travel, its way of a revolution"
+            )
+        shown = RPM if in_turns else MM_S
         way = None if distance is None else distance * shown.seconds
-        profile = wanted_profile(velocity, acceleration, way, time, jerk, cruise, points, max_jerk)
+        profile = profile_of(velocity, acceleration, way, time, jerk, cruise, points, max_jerk)
         encoder = None if pulses is None else Encoder(pulses, travel)
         data: str | bytes
         if suffix not in ("", *KINDS["profile"]):
             raise ValueError(expected(output, "profile"))
         if suffix in PICTURES:
+            from beamcam.pictures.formats import picture
             from beamcam.pictures.graphs import profile_scene
 
             data = picture([profile_scene(profile, shown)], suffix)
@@ -171,11 +144,15 @@ def command(
 
             data = guide_page(profile, shown)
         else:
-            rows = profile_table(profile, row_step(profile.duration_s, step), encoder, shown)
+            step = step or profile.duration_s / 200
+            if profile.duration_s > MOST_ROWS * step:  # than memory holds
+                raise ValueError(
+                    f"found a step of {step:g} s; expected {profile.duration_s / MOST_ROWS:g} s or "
+                    f"more, for at most {MOST_ROWS:,} rows"
+                )
+            rows = profile_table(profile, step, encoder, shown)
             lines = [",".join(f"{value:.9g}" for value in row) for row in rows.rows.tolist()]
             data = "\n".join([",".join(rows.columns), *lines]) + "\n"
-    except BeamcamError as error:
-        console.stop(error.diagnostics)
     except ValueError as error:
         raise click.UsageError(str(error)) from error
     console.did(f"profile of {profile.duration_s:g} s")

@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -12,15 +13,24 @@ from beamcam.batch import LINK
 from beamcam.batch.find import Input, read_input
 from beamcam.batch.over_stock import StockRun
 from beamcam.batch.pool import Here
-from beamcam.batch.recipe import asked_again, path_below
-from beamcam.batch.record import RECORD_NAME, Noted, Record, is_within, noted_in, partly, rests_of
+from beamcam.batch.record import (
+    RECORD_NAME,
+    Noted,
+    Record,
+    asked_again,
+    is_within,
+    noted_in,
+    partly,
+    path_below,
+    rests_of,
+)
+from beamcam.batch.run import RunSetup
 from beamcam.batch.work import BatchSettings, Task, make_all
 from beamcam.commands import GONE, NEW
 from beamcam.commands.golden import Checked, compared, named, sample_of
 from beamcam.commands.running import batch_settings
 from beamcam.commands.settings import settled_again
 from beamcam.comparison.pairing import Difference
-from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Diagnostic, ReadError, Source
 from beamcam.files import remove_made, write_whole
 from beamcam.machine import Machine
@@ -49,7 +59,7 @@ class Recorded:
     ) -> None:
         """`options` holds what the command line asks for, over what the record says."""
         self._folder, self._samples, self._asked, self._update = folder, samples, options, update
-        self._shops: dict[str, tuple[Config, BatchSettings] | BeamcamError] = {}
+        self._shops: dict[str, tuple[bool, BatchSettings] | BeamcamError] = {}
         self._noted = noted_in(str(folder))
         self._known = {part["output"] for noted in self._noted for part in noted.row["parts"]}
 
@@ -64,50 +74,49 @@ class Recorded:
         """The machine of each program that the record knows, as far as it can be had."""
         machines: dict[str, Machine] = {}
         for noted in self._noted:
-            made = self._settings(noted)
-            if not isinstance(made, BeamcamError):
+            with suppress(BeamcamError):
                 outputs = (part["output"] for part in noted.row["parts"])
-                machines |= dict(zip(outputs, machines_of(noted.row, made[1]), strict=True))
+                made_on = machines_of(noted.row, self._settings(noted)[1])
+                machines |= dict(zip(outputs, made_on, strict=True))
         return machines
 
     def check(self, below: Path) -> Iterator[Checked]:
         """The outcome of each program below a folder. Raises OSError."""
-        codes: set[str] = set()
+        refused: set[str] = set()  #: recipes
         over_stock: dict[str, list[Noted]] = {}
         for noted in self._noted:
             if not any(self._path(n).resolve().is_relative_to(below.resolve())
                        for n in noted.outputs):  # fmt: skip
                 continue
-            made = self._settings(noted)
-            if noted.recipe.asked.get("nest") and not isinstance(made, BeamcamError):
-                over_stock.setdefault(noted.recipe.name, []).append(noted)
-            elif not isinstance(made, BeamcamError):
-                yield from self._input(noted, *made)
-            elif noted.recipe.name not in codes:  # once for all that were made so
-                codes.add(noted.recipe.name)
-                yield _refused(str(self._folder), made.diagnostics)
+            name = noted.recipe.name
+            try:
+                flat, settings = self._settings(noted)
+            except BeamcamError as error:
+                if name not in refused:  # once for all that were made so
+                    yield _refused(str(self._folder), error.diagnostics)
+                refused.add(name)
+                continue
+            if noted.recipe.asked.get("nest"):
+                over_stock.setdefault(name, []).append(noted)
+            else:
+                yield from self._input(noted, flat, settings)
         for of_run in over_stock.values():
-            yield from self._over_stock(of_run)
+            yield from self._over_stock(of_run, self._settings(of_run[0])[1])
 
-    def _over_stock(self, of_run: Sequence[Noted]) -> Iterator[Checked]:
+    def _over_stock(self, of_run: Sequence[Noted], settings: BatchSettings) -> Iterator[Checked]:
         """The outcome of the programs of a run over stock, all of whose files are read again."""
-        settings = self._settings(of_run[0])
-        if isinstance(settings, BeamcamError):
-            raise AssertionError("a run without a shop is refused before")
         inputs = [
             Input(path_below(str(self._folder), path), os.path.basename(path))
             for path in of_run[0].recipe.asked.get("inputs", ())
         ]
-        run = StockRun(inputs, str(self._folder), settings[1], Here(settings[1]), dry=True)
+        run = StockRun(inputs, RunSetup(str(self._folder), settings, Here(settings), dry=True))
         try:
             messages = [one for row in run.planned() for one in row["messages"]]
         except BeamcamError as error:
             yield _refused(str(self._folder), error.diagnostics)
             return
-        made = {
-            task.name: one
-            for task, one in zip(run.tasks, make_all(run.tasks, settings[1]), strict=True)
-        }
+        results = make_all(run.tasks, settings)
+        made = {task.name: one for task, one in zip(run.tasks, results, strict=True)}
         for noted in of_run:
             (name,) = noted.outputs
             one = made.get(name)
@@ -115,7 +124,7 @@ class Recorded:
                 {**noted.row, "parts": [], "messages": messages} if one is None else one.row
             )
             new = {} if one is None else dict(one.outputs)
-            yield from self._outputs(noted, row, new, machines_of(row, settings[1]))
+            yield from self._outputs(noted, row, new, machines_of(row, settings))
             before, now = ({part["sha256"] for part in r["parts"]} for r in (noted.row, row))
             if self._update and new and now != before:
                 self._note(noted, row, tuple(new), path_below(str(self._folder), noted.input))
@@ -127,24 +136,31 @@ class Recorded:
     def _path(self, output: str) -> Path:
         return self._folder / output
 
-    def _settings(self, noted: Noted) -> tuple[Config, BatchSettings] | BeamcamError:
+    def _settings(self, noted: Noted) -> tuple[bool, BatchSettings]:
+        """Whether all outputs lie in one folder, and how they were made. Raises BeamcamError."""
         name = noted.recipe.name
         if name not in self._shops:
             files, again = asked_again(noted.recipe, str(self._folder))
             given = {n: value for n, value in self._asked.items() if value is not None}
-            options = {**_unasked(), **again, **given}
+            from beamcam.commands.batch import command
+
+            unasked: click.Context = command.make_context("batch", ["in", "-o", "out"])
+            options = {**unasked.params, **again, **given}
             try:
                 if "machine" in given:  # in place of all that the record names
                     options["machines"] = None
                 named = (options.get("machine"), *(options.get("machines") or ()))
                 strange = (name for name in named if name and name not in given.values())
                 config = settled_again(options, files, strange)
-                self._shops[name] = config, batch_settings(config, options)
+                self._shops[name] = bool(config.flat), batch_settings(config, options)
             except BeamcamError as error:
                 self._shops[name] = error
-        return self._shops[name]
+        shop = self._shops[name]
+        if isinstance(shop, BeamcamError):
+            raise shop
+        return shop
 
-    def _input(self, noted: Noted, config: Config, settings: BatchSettings) -> Iterator[Checked]:
+    def _input(self, noted: Noted, flat: bool, settings: BatchSettings) -> Iterator[Checked]:
         """The outcome of the programs of one input."""
         for name in noted.outputs:
             if not is_within(str(self._folder), name):
@@ -163,7 +179,7 @@ class Recorded:
             yield _refused(str(self._path(noted.outputs[0])), (data,))
             return
         (made,) = make_all((Task(0, sample, data),), settings)
-        below = "" if config.flat else noted.tree.rpartition("/")[0]
+        below = "" if flat else noted.tree.rpartition("/")[0]
         new, rests = (
             {f"{below}/{name}" if below else name: content for name, content in of}
             for of in (made.outputs, made.rests)
@@ -198,8 +214,7 @@ class Recorded:
             elif stands and self._update and len(new) == len(known):
                 path.unlink()  # the program has another name now, which is written
             elif stands:
-                message = as_message(GONE.at(Source(str(path)), found=name))
-                yield Checked(str(path), "refused", (), (message,))
+                yield _refused(str(path), [GONE.at(Source(str(path)), found=name)])
         more = (name for name in new if name not in self._known)
         yield from (self._is_new(name, new[name], manual_work[name]) for name in more)
 
@@ -211,8 +226,7 @@ class Recorded:
                 if path.is_file() and self._update:
                     path.unlink()  # no machine is the next one now
                 elif path.is_file():
-                    message = as_message(GONE.at(Source(str(path)), found=name))
-                    yield Checked(str(path), "refused", (), (message,))
+                    yield _refused(str(path), [GONE.at(Source(str(path)), found=name)])
             elif not path.is_file():
                 yield self._is_new(name, new[name], ())
             elif path.read_bytes() != new[name]:
@@ -269,11 +283,3 @@ def machines_of(row: FileRow, settings: BatchSettings) -> list[Machine]:
 
 def _refused(path: str, diagnostics: Sequence[Diagnostic]) -> Checked:
     return Checked(path, "refused", (), tuple(map(as_message, diagnostics)))
-
-
-def _unasked() -> dict[str, Any]:
-    """The values of a batch's options where none of them is given."""
-    from beamcam.commands.batch import command
-
-    context: click.Context = command.make_context("batch", ["in", "-o", "out"])
-    return dict(context.params)

@@ -7,14 +7,13 @@ from typing import Any
 import click
 
 from beamcam.commands import SECTION, options
-from beamcam.commands.common import STANDARD, Console, read_all, write
-from beamcam.commands.convert import is_folder, only_text, target_of, write_folder
+from beamcam.commands.common import STANDARD, Console, read_all
+from beamcam.commands.convert import is_folder, target_of, write_parts
 from beamcam.commands.diff import refuse_part
-from beamcam.commands.options import Grouped
 from beamcam.commands.parts import input_bytes, torch_options
 from beamcam.commands.settings import files_read, machine_for_program, settled
 from beamcam.config.values import Config
-from beamcam.errors import BeamcamError, Diagnostic, ReadError, Source, errors_in
+from beamcam.errors import ReadError, Source, errors_in
 from beamcam.model.part import Profile
 from beamcam.model.section import measures_of
 from beamcam.pipeline import as_error
@@ -26,7 +25,7 @@ from beamcam.writers import TARGETS
 READ_BY = ("codesys", "linuxcnc", "grbl", "mach3")
 
 
-@click.command("recover", cls=Grouped)
+@click.command("recover", cls=options.Grouped)
 @click.argument("program", type=options.FILE)
 @options.output("File, folder/ for a file a part, or -.")
 @options.machine
@@ -57,54 +56,46 @@ def command(
     beamcam recover job.gcode --machine beamline-pusher --profile M58.nc1 -o parts/
     beamcam recover gasket.ngc --machine plate-linuxcnc --thickness 3 -o gasket.json
     """
-    diagnostics: tuple[Diagnostic, ...] = ()
-    try:
-        config = settled(values, (program,))
-        target = target_of(output, to)
-        data = input_bytes(program)
-        refuse_part(program, data)
-        text = data.decode("utf-8", "replace")
-        machine = machine_for_program(config, program, text)
-        if machine.controller not in READ_BY:
-            raise click.UsageError(
-                f"found the machine {machine.name}; expected one for bars, or a table that runs "
-                "G-code: recover reads no triggers and no step tables."
-            )
-        stock, diagnostics = _stock(profile, config, console)
-        name = shown_name(program)
-        result = recover(text, machine, name, stock)
-        diagnostics = (*diagnostics, *result.diagnostics)
-        if config.strict:
-            diagnostics = tuple(map(as_error, diagnostics))
-        if errors_in(diagnostics):
-            console.stop(diagnostics)
-        console.did(f"read {name} on {machine.name}: {len(result.parts)} part(s)")
-        named = name if output == STANDARD or is_folder(output) else output
-        parts = result.parts if result.marked else with_marks(result.parts, PurePath(named).stem)
-        read = files_read(config, (program, *((profile,) if profile else ())))
-        if is_folder(output):
-            diagnostics = (*diagnostics, *write_folder(read, parts, target, output, console))
-        else:
-            write(output, only_text(name, parts, target, output), console, read)
-    except BeamcamError as error:
-        console.stop((*diagnostics, *error.diagnostics))
-    console.finish(diagnostics)
+    config = settled(values, (program,))
+    target = target_of(output, to)
+    data = input_bytes(program)
+    refuse_part(program, data)
+    text = data.decode("utf-8", "replace")
+    machine = machine_for_program(config, program, text)
+    if machine.controller not in READ_BY:
+        raise click.UsageError(
+            f"found the machine {machine.name}; expected one for bars, or a table that runs "
+            "G-code: recover reads no triggers and no step tables."
+        )
+    stock = _stock(profile, config, console)
+    name = shown_name(program)
+    result = recover(text, machine, name, stock)
+    console.messages += result.diagnostics
+    if config.strict:
+        console.messages[:] = map(as_error, console.messages)
+    if errors_in(console.messages):
+        console.finish()
+    console.did(f"read {name} on {machine.name}: {len(result.parts)} part(s)")
+    named = name if output == STANDARD or is_folder(output) else output
+    parts = result.parts if result.marked else with_marks(result.parts, PurePath(named).stem)
+    read = files_read(config, (program, *((profile,) if profile else ())))
+    write_parts(name, parts, target, output, console, read)
+    console.finish()
 
 
-def _stock(
-    profile: str | None, config: Config, console: Console
-) -> tuple[KnownStock, tuple[Diagnostic, ...]]:
+def _stock(profile: str | None, config: Config, console: Console) -> KnownStock:
     """The bar's section and steel, of a part's file or by the section's name. Raises ReadError."""
     if profile is None:
-        return KnownStock(has_thickness=config.sheet.thickness is not None), ()
+        return KnownStock(has_thickness=config.sheet.thickness is not None)
     by_name = measures_of(profile)
     if by_name is not None and not os.path.exists(profile):
         code, sizes = by_name
-        return KnownStock(Profile(code, profile.upper(), *sizes)), ()
+        return KnownStock(Profile(code, profile.upper(), *sizes))
     if not os.path.exists(profile):
         raise ReadError(SECTION.at(Source(profile), found=profile))
     (reading,) = read_all((profile,), bool(config.strict), {}, console)
     if errors_in(reading.diagnostics) or not reading.parts:
         raise ReadError(reading.diagnostics or (SECTION.at(Source(profile), found=profile),))
+    console.messages += reading.diagnostics
     part = reading.parts[0]
-    return KnownStock(part.profile, part.grade), reading.diagnostics
+    return KnownStock(part.profile, part.grade)

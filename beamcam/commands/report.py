@@ -7,18 +7,15 @@ import click
 from msgspec.structs import replace
 
 from beamcam.commands import options
-from beamcam.commands.common import REFUSED, Console, write
+from beamcam.commands.common import Console, write
 from beamcam.commands.configuration import configuration_line, machine_line, reference
 from beamcam.commands.jobs import against, asked_program
-from beamcam.commands.options import Grouped, quantity
-from beamcam.commands.outputs import KINDS, check_paper, expected, paper, unit
 from beamcam.commands.parts import job_options
 from beamcam.commands.settings import files_read, settled
-from beamcam.errors import BeamcamError, Diagnostic, errors_in
-from beamcam.model.plan import Order
+from beamcam.commands.value_types import KINDS, check_paper, expected, paper, unit
 
 
-@click.command("report", cls=Grouped)
+@click.command("report", cls=options.Grouped)
 @options.inputs
 @options.output(".html or .pdf; - is HTML on standard output.")
 @against
@@ -27,13 +24,13 @@ from beamcam.model.plan import Order
 @options.machine
 @options.config
 @options.bar
-@quantity
+@options.quantity
 @options.job_name
 @job_options
 @options.verbosity
 def command(
-    inputs: tuple[str, ...], output: str, against: bool, unit: Any, paper: Any, order: Order,
-    turn: bool, as_json: bool, console: Console, **values: Any,
+    inputs: tuple[str, ...], output: str, against: bool, unit: Any, paper: Any, as_json: bool,
+    console: Console, **values: Any,
 ) -> None:  # fmt: skip
     """Write the setup sheet of a program: one file for the operator.
 
@@ -54,29 +51,22 @@ def command(
     if suffix not in KINDS["report"]:
         raise click.UsageError(expected(output, "report"))
     check_paper(paper, suffix)
-    diagnostics: list[Diagnostic] = []
-    try:
-        config = settled(values, inputs)
-        job = asked_program(
-            inputs, against, config, values, output, order, turn, console, diagnostics
-        )
-        source = SheetSources(job.program, job.plan, tuple(diagnostics), job.found)
-        used_file = machine_line(reference(source.program.machine, config))
-        settings = (("Machine file", used_file), ("Configuration", configuration_line(config)))
-        content = content_of(replace(source, settings=settings), unit)
-        sheet: str | bytes
-        if suffix == ".pdf":
-            from beamcam.setup_sheet.paper import setup_pdf
+    config = settled(values, inputs)
+    job = asked_program(inputs, against, config, values, output, console)
+    used_file = machine_line(reference(job.program.machine, config))
+    settings = (("Machine file", used_file), ("Configuration", configuration_line(config)))
+    source = SheetSources(job.program, job.plan, tuple(console.messages), job.faults)
+    content = content_of(replace(source, settings=settings), unit)
+    sheet: str | bytes
+    if suffix == ".pdf":
+        from beamcam.setup_sheet.paper import setup_pdf
 
-            sheet = setup_pdf(content, paper)
-        else:
-            from beamcam.setup_sheet.page import setup_page
+        sheet = setup_pdf(content, paper)
+    else:
+        from beamcam.setup_sheet.page import setup_page
 
-            sheet = setup_page(content)
-    except BeamcamError as error:
-        console.stop((*diagnostics, *error.diagnostics))
-    console.did(f"made the sheet of {source.program.name}")
+        sheet = setup_page(content)
+    console.did(f"made the sheet of {job.program.name}")
     write(output, sheet, console, files_read(config, inputs))
-    console.say((*source.diagnostics, *source.found))
-    if errors_in(source.found):
-        raise SystemExit(REFUSED)
+    console.messages += job.faults
+    console.finish()

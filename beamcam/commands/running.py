@@ -11,26 +11,27 @@ from time import monotonic, perf_counter
 from typing import IO, Any, Self
 
 import click
+from msgspec.structs import replace
 
 from beamcam.arguments import check_arguments
 from beamcam.batch.find import FoundInputs, Input
-from beamcam.batch.names import check_template
+from beamcam.batch.names import template_fault
 from beamcam.batch.pool import Here, Workers
 from beamcam.batch.shares import ShareTask
 from beamcam.batch.work import BatchSettings
 from beamcam.commands import SETTINGS, options
 from beamcam.commands.common import REFUSED, Console, say_lines
-from beamcam.commands.options import quantity
-from beamcam.commands.outputs import KINDS, expected
+from beamcam.commands.options import refuse_usage
 from beamcam.commands.parts import (
     drawing_choice,
     drawing_options,
     letter,
     member_choice,
+    request_of,
     selection_options,
     torch_options,
 )
-from beamcam.commands.settings import check_split, machines_of_split, machines_of_stock
+from beamcam.commands.settings import machines_of_split, machines_of_stock
 from beamcam.config import UNUSED
 from beamcam.config.values import Config, Dask
 from beamcam.errors import Diagnostic, Severity, Source
@@ -39,22 +40,22 @@ from beamcam.machine.tables import DIALECTS
 from beamcam.model.request import remnant_of
 from beamcam.plain_text import json_text
 from beamcam.readers import is_interruptible
-from beamcam.reports.run import Counts, FileRow, Message, dumped, ledger_line, loaded, message_line
+from beamcam.reports.run import (
+    Counts,
+    FileRow,
+    Message,
+    as_message,
+    dumped,
+    ledger_line,
+    loaded,
+    message_line,
+)
 from beamcam.system import INTERRUPTED, cores
 
 
 def _template(ctx: click.Context, param: click.Parameter, value: str | None) -> str | None:
-    if value is not None:
-        try:
-            check_template(value)
-        except ValueError as error:
-            raise click.BadParameter(str(error)) from error
-    return value
-
-
-def checked_report(ctx: click.Context, param: click.Parameter, value: str | None) -> str | None:
-    if value not in (None, "-") and not value.lower().endswith(KINDS["batch"]):
-        raise click.BadParameter(expected(value, "batch"))
+    if value is not None and (fault := template_fault(value)) is not None:
+        raise click.BadParameter("found {}; expected {}".format(*fault))
     return value
 
 
@@ -67,7 +68,7 @@ run_options = options.group(
     options.rest_as,
     options.config,
     options.bar,
-    quantity,
+    options.quantity,
     options.job_name,
     options.job_date,
     click.option(
@@ -109,7 +110,14 @@ def batch_settings(
     name = config.name or ""
     check_arguments(config.job, None, config.allow_skips)
     if config.split:
-        check_split(config, options)
+        excluded = "found {} with --machines; expected {}.".format
+        refuse_usage(
+            (options.get("machine"), excluded("--machine", "one of the two")),
+            (config.quantity,
+             excluded("a quantity", "programs of one piece, each run as often as needed")),
+            (options.get("turn"), excluded("--turn", "parts as they were read")),
+            (options.get("no_verify"), excluded("--no-verify", "programs that are read back")),
+        )  # fmt: skip
         bars, *more_bars = machines_of_split(config)
         sheets, more_sheets = bars, []
     else:
@@ -128,24 +136,25 @@ def batch_settings(
     of_sheets = [m for m in (sheets, *more_sheets, *more_bars) if m.torch is not None]
     if style is not None and {one.controller for one in of_sheets} - {*DIALECTS}:
         raise click.UsageError(f"--style is not for {sheets.name}.")
+    request = replace(
+        request_of((), config, bars, config.quantity, options),
+        verified=not options["no_verify"], date=options.get("date") or "", style=style,
+    )  # fmt: skip
     return BatchSettings(
-        bars, config.job, config.stock_lengths, config.quantity, config.allow_skips, config.strict,
-        not options["no_verify"], config.name, None if sheets == bars else sheets,
+        request, config.name, None if sheets == bars else sheets,
         drawing_choice(options, config) | member_choice(options, kernel=True, workers=1),
         timed=timed, clock=perf_counter, more=(*more_bars, *more_sheets),
-        date=options.get("date") or "", order=options.get("order", "given"),
-        turn=options.get("turn", False), mark_from=options.get("mark_from", "mark"), style=style,
-        by=config.by, rest_suffix=f".{options.get('rest_as', 'nc1')}" if config.split else "",
+        mark_from=options.get("mark_from", "mark"),
         remnants=tuple(map(remnant_of, options.get("remnants", ()))),
+        rest_suffix=f".{options.get('rest_as', 'nc1')}" if config.split else "",
     )  # fmt: skip
 
 
-def told_of(config: Config, settings: BatchSettings) -> tuple[Diagnostic, ...]:
+def settings_note(config: Config, settings: BatchSettings) -> tuple[Diagnostic, ...]:
     """Whose configuration and machines a run has, for its report."""
     from beamcam.commands.configuration import reference, settings_line
 
-    machines = (settings.machine, *([settings.sheets] if settings.sheets else ()), *settings.more)
-    names = [reference(machine, config) for machine in machines]
+    names = [reference(machine, config) for machine in settings.machines]
     return (SETTINGS.at(Source("beamcam"), found=settings_line(config, names)),)
 
 
@@ -223,9 +232,7 @@ class Progress:
             for severity in Severity
             if console.wants(severity) and (console.verbose or severity is not Severity.NOTE)
         }
-        self._bar = (
-            total is not None and not (console.quiet or console.as_json) and sys.stderr.isatty()
-        )
+        self._bar = total is not None and console.for_people and sys.stderr.isatty()
         self._drawn = -1.0
         self._said: Counter[tuple[str, str]] = Counter()  #: messages by severity and code
 
@@ -275,19 +282,18 @@ class Progress:
             if more > 0:
                 yield f"{severity} {code}: {more} more; --verbose or the report shows them"
 
-    def say(self, messages: Iterable[Message]) -> None:
+    def say(self, diagnostics: Iterable[Diagnostic]) -> None:
         """Print what is said about the run as a whole; it is little, so that notes count too."""
-        for message in () if self._console.as_json else messages:
-            if self._console.wants(Severity(message["severity"])):
+        for one in () if self._console.as_json else diagnostics:
+            if self._console.wants(one.severity):
                 self._clear()
-                say_lines([message_line(message)], err=True)
+                say_lines([message_line(as_message(one))], err=True)
 
     def end(self, note: str = "") -> None:
         """Print the line of counts, and what else is to be known of the run."""
         self._clear()
         say_lines(self._more(), err=True)
-        if not (self._console.quiet or self._console.as_json):
-            say_lines([f"{self.counts}{note}"], err=True)
+        self._console.tell(f"{self.counts}{note}")
 
     def _clear(self) -> None:
         if self._bar and self._drawn >= 0:
@@ -355,7 +361,15 @@ class Report:
             rows = [one for one in messages if one["code"] != SETTINGS.code]
             pieces = as_csv(self._read(), counts, rows)
         elif suffix == ".html":
-            pieces = self._page(counts, messages, settings, jobs, shares)
+            from beamcam.reports.run_page import as_html
+
+            beside: tuple[Any, ...] = ()
+            if settings is not None:
+                from beamcam.batch.sheets import picture_style, sheets_beside
+
+                sheets = sheets_beside(self.path, self._read(), settings, jobs, shares)
+                beside = sheets, picture_style()
+            pieces = as_html(self._read, counts, messages, *beside)
         else:
             pieces = as_json(self._read(), counts, messages)
         if self.path == "-":
@@ -365,19 +379,6 @@ class Report:
             write_whole(self.path, pieces)
         if self._rows is not None:
             self._rows.close()
-
-    def _page(
-        self, counts: Counts, messages: Iterable[Message], settings: BatchSettings | None,
-        jobs: int, shares: Sequence[ShareTask],
-    ) -> Iterable[bytes]:  # fmt: skip
-        from beamcam.reports.run_page import as_html
-
-        if settings is None or self.path is None:
-            return as_html(self._read, counts, messages)
-        from beamcam.batch.sheets import picture_style, sheets_beside
-
-        extras = sheets_beside(self.path, self._read(), settings, jobs, shares)
-        return as_html(self._read, counts, messages, extras, picture_style())
 
     def _read(self) -> Iterator[FileRow]:
         if self._rows is not None:

@@ -7,22 +7,22 @@ above and of the user, the nearest first   over   the defaults; the same for eve
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, Literal
 
-import click
 from msgspec.structs import replace
 
-from beamcam.arguments import InTurn, load_tested
+from beamcam.arguments import InTurn, for_job, load_tested
 from beamcam.budget import InForce
 from beamcam.commands.common import remark, running_console
 from beamcam.config.values import (
     COMMAND_LINE,
     Config,
     ConfigFiles,
+    Sheet,
     Stock,
     config_files,
     over,
     own_files,
 )
-from beamcam.errors import BeamcamError, Diagnostic, MachineError, PlanError, Source
+from beamcam.errors import BeamcamError, Diagnostic, MachineError, PlanError
 from beamcam.files import FilesRead
 from beamcam.machine import Machine
 from beamcam.machine.machine import default_machines, is_of_sheets
@@ -37,15 +37,7 @@ _OPTIONS = {
     "strict": "strict", "job": "job", "jobs": "jobs", "name": "name", "quantity": "quantity",
     "flat": "flat", "colours": "map", "corner": "corner", "lip": "lip", "ends": "ends",
 }  # fmt: skip
-#: Options that are rows of the table `[sheet]`.
 SAME_THICKNESS = 0.01  #: mm that two statements may differ by
-SHEET_OPTIONS = (
-    "thickness", "material", "amps", "nozzle", "kerf", "kerf_by", "lead", "lead_in",
-    "lead_out", "tabs", "tab_width", "inner_tabs", "overcut", "gap", "allow_open", "place",
-    "origin", "mirror",
-    "rotate", "copies", "spacing", "common_cuts", "chain_cuts", "skeleton_cuts", "sheet_size",
-    "unrolled",
-)  # fmt: skip
 
 
 def settled(options: Mapping[str, Any], inputs: Iterable[str]) -> Config:
@@ -83,19 +75,11 @@ def settled_again(
 
 
 def _in_force(config: Config) -> Config:
-    """The configuration as it holds: its limits for all that follows, its machines by their paths.
+    """The configuration as it holds: its limits for all that follows, one's own machines by paths.
 
-    Raises MachineError as `_with_own_machines`.
+    Raises MachineError where the name of one is that of a shipped machine too.
     """
     InForce.limits = config.limits
-    return _with_own_machines(config)
-
-
-def _with_own_machines(config: Config) -> Config:
-    """The configuration with the paths of one's own machines in place of their names.
-
-    Raises MachineError where a name is that of a shipped machine too.
-    """
     if config.machine is None and not config.machines and not config.split:
         return config
     from beamcam.machine.load import resolved
@@ -113,16 +97,16 @@ def _with_own_machines(config: Config) -> Config:
 
 def files_read(config: Config, inputs: Iterable[str]) -> FilesRead:
     """Every file that a job reads: its inputs, its configuration, the files of its machines."""
-    return FilesRead(_files_read(config, inputs))
 
+    def paths() -> Iterator[str]:
+        from beamcam.machine.load import files_of
 
-def _files_read(config: Config, inputs: Iterable[str]) -> Iterator[str]:
-    from beamcam.machine.load import files_of
+        yield from inputs
+        yield from config.files
+        for name in config.all_machines:
+            yield from files_of(name)
 
-    yield from inputs
-    yield from config.files
-    for name in config.all_machines:
-        yield from files_of(name)
+    return FilesRead(paths())
 
 
 def _wanted(options: Mapping[str, Any]) -> dict[str, Any]:
@@ -130,7 +114,9 @@ def _wanted(options: Mapping[str, Any]) -> dict[str, Any]:
     given = {key: options[name] for name, key in _OPTIONS.items() if options.get(name) is not None}
     if options.get("bar") is not None:
         given["stock_lengths"] = (options["bar"],)
-    sheet = {name: options[name] for name in SHEET_OPTIONS if options.get(name) is not None}
+    sheet = {
+        name: options[name] for name in Sheet.__struct_fields__ if options.get(name) is not None
+    }
     if sheet:
         given["sheet"] = sheet
     if options.get("scheduler") is not None:
@@ -144,21 +130,22 @@ def machines_for(config: Config, parts: Sequence[Part], output: str) -> Sequence
     `output` is the program's name. Where none is asked for they are those for the kind of stock,
     and of sheets by the suffix of `output`. Raises MachineError, ConfigError and PlanError.
     """
-    _agree_on_sheet(config, parts)
+    # The command line may not say another thickness or material than a part.
+    diagnostics = list(_other_thicknesses(config, parts))
+    material = config.sheet.material
+    if material is not None and config.sources.get("sheet.material") == COMMAND_LINE:
+        from beamcam.planning.contours.plate import is_same
+        from beamcam.planning.contours.rules import OTHER_MATERIAL
+
+        diagnostics += (
+            OTHER_MATERIAL.at(part.source, found=material, expected=part.grade)
+            for part in parts
+            if part.grade and not is_same(material, part.grade)
+        )
+    if diagnostics:
+        raise PlanError(diagnostics)
     stock = stock_of(parts, bool(config.sheet.unrolled))
     return machines_of_stock(config, stock, output, flats=stock == "sheet" and are_flats(parts))
-
-
-def _agree_on_sheet(config: Config, parts: Sequence[Part]) -> None:
-    """Raises PlanError where the command line says another thickness or material than a part."""
-    diagnostics: list[Diagnostic] = []
-    thickness, material = config.sheet.thickness, config.sheet.material
-    if thickness is not None and config.sources.get("sheet.thickness") == COMMAND_LINE:
-        diagnostics += _other_thicknesses(thickness, parts)
-    if material is not None and config.sources.get("sheet.material") == COMMAND_LINE:
-        diagnostics += _other_materials(material, parts)
-    if diagnostics:
-        raise PlanError(tuple(diagnostics))
 
 
 def with_thickness(reading: Reading, config: Config) -> Reading:
@@ -170,9 +157,7 @@ def with_thickness(reading: Reading, config: Config) -> Reading:
     if thickness is None:
         return reading
     sheets = [part for part in reading.parts if part.profile.code == "B"]
-    diagnostics: tuple[Diagnostic, ...] = ()
-    if config.sources.get("sheet.thickness") == COMMAND_LINE:
-        diagnostics = tuple(_other_thicknesses(thickness, sheets))
+    diagnostics = _other_thicknesses(config, sheets)
     parts = tuple(
         replace(part, profile=replace(part.profile, web_thickness=thickness))
         if part in sheets and part.profile.web_thickness is None
@@ -182,22 +167,17 @@ def with_thickness(reading: Reading, config: Config) -> Reading:
     return replace(reading, parts=parts, diagnostics=(*reading.diagnostics, *diagnostics))
 
 
-def _other_thicknesses(thickness: float, parts: Sequence[Part]) -> Iterator[Diagnostic]:
+def _other_thicknesses(config: Config, parts: Sequence[Part]) -> Iterator[Diagnostic]:
+    """An error for each part that has another thickness than the command line says, if it does."""
+    thickness = config.sheet.thickness
+    if thickness is None or config.sources.get("sheet.thickness") != COMMAND_LINE:
+        return
     from beamcam.planning.contours.rules import OTHER_THICKNESS
 
     for part in parts:
         own = part.profile.web_thickness
         if own is not None and abs(own - thickness) > SAME_THICKNESS:
             yield OTHER_THICKNESS.at(part.source, found=f"{thickness:g}", expected=f"{own:g}")
-
-
-def _other_materials(material: str, parts: Sequence[Part]) -> Iterator[Diagnostic]:
-    from beamcam.planning.contours.plate import is_same
-    from beamcam.planning.contours.rules import OTHER_MATERIAL
-
-    for part in parts:
-        if part.grade and not is_same(material, part.grade):
-            yield OTHER_MATERIAL.at(part.source, found=material, expected=part.grade)
 
 
 def map_remarks(config: Config, parts: Sequence[Part], machine: Machine) -> tuple[Diagnostic, ...]:
@@ -210,8 +190,8 @@ def map_remarks(config: Config, parts: Sequence[Part], machine: Machine) -> tupl
         return ()
     from beamcam.planning.left_out import curves_by_key, idle, unmatched
 
-    asked = {key for key, source in config.sources.items() if source == COMMAND_LINE}
-    here = {k: v for k, v in config.meanings.items() if f"map.{k}" in asked}
+    sources = config.sources
+    here = {k: v for k, v in config.meanings.items() if sources.get(f"map.{k}") == COMMAND_LINE}
     table = machine.torch.colours
     if refused := tuple(unmatched(here, parts, table)):
         raise PlanError(refused)
@@ -233,29 +213,20 @@ def machine_for_program(
         allowed = machines_for(config, parts, program)
     else:
         allowed = machines_of_stock(config, "sheet" if is_of_sheets(program) else "beam", program)
+    from beamcam.checks.job import head_of
     from beamcam.machine.load import is_file_name
 
-    named = _machine_in_head(data)
-    if named is None:
-        return allowed[0]
-    chosen = config.all_machines
-    # A head names machines that are known here, never a file.
-    more = chosen or ([] if is_file_name(named) else [named])
-    if (known := next((one for one in allowed if one.name == named), None)) is not None:
-        return known
-    for name in more:
-        other = machine_asked(name, config)
-        if other is not None and other.name == named:
-            return _told(name, other, config)
-    return allowed[0]
-
-
-def _machine_in_head(data: bytes | str) -> str | None:
-    """The machine that the head of a program names."""
-    from beamcam.checks.job import head_of
-
     head = head_of(data.decode("utf-8", "replace") if isinstance(data, bytes) else data)
-    return None if head is None else head.machine
+    if head is None:
+        return allowed[0]
+    if (known := next((one for one in allowed if one.name == head.machine), None)) is not None:
+        return known
+    # A head names machines that are known here, never a file.
+    for name in config.all_machines or ([] if is_file_name(head.machine) else [head.machine]):
+        other = machine_asked(name, config)
+        if other is not None and other.name == head.machine:
+            return _reported(name, other, config)
+    return allowed[0]
 
 
 def machines_of_stock(
@@ -266,17 +237,16 @@ def machines_of_stock(
     `is_one_of_two` says that there are some for the other kind, which may be who can do what the
     command line asks for, and `flats` that the sheets are flats.
     """
-    names = config.machine_names(stock)
-    if not names:
-        is_one_of_two = is_one_of_two or flats
-        return InTurn(
-            default_machines(stock, output, flats),
-            lambda name: _told(name, _as_asked(load_tested(name), config, is_one_of_two), config),
+    if names := config.machine_names(stock):
+        machines = {name: _named_machine(config, stock, name) for name in names}
+        return tuple(
+            _reported(name, _as_asked(machines[name], config, is_one_of_two), config)
+            for name in names
         )
-    machines = [_named_machine(config, stock, name) for name in names]
-    return tuple(
-        _told(name, _as_asked(machine, config, is_one_of_two), config)
-        for name, machine in zip(names, machines, strict=True)
+    is_one_of_two = is_one_of_two or flats
+    return InTurn(
+        default_machines(stock, output, flats),
+        lambda name: _reported(name, _as_asked(load_tested(name), config, is_one_of_two), config),
     )
 
 
@@ -286,28 +256,15 @@ def machines_of_split(config: Config) -> tuple[Machine, ...]:
     What the command line asks of sheets is asked of those that cut sheets, if there is one. Raises
     MachineError, ConfigError and PlanError.
     """
-    machines = [_named_machine(config, "split", name) for name in config.split]
-    cuts_sheets = any(machine.torch is not None for machine in machines)
+    machines = {name: _named_machine(config, "split", name) for name in config.split}
+    cuts_sheets = any(machine.torch is not None for machine in machines.values())
     return tuple(
-        _told(name, _as_asked(machine, config, cuts_sheets), config)
-        for name, machine in zip(config.split, machines, strict=True)
+        _reported(name, _as_asked(machines[name], config, cuts_sheets), config)
+        for name in config.split
     )
 
 
-def check_split(config: Config, options: Mapping[str, Any]) -> None:
-    """Raises UsageError for what excludes that several machines make a part."""
-    excluded = (
-        ("--machine", options.get("machine"), "one of the two"),
-        ("a quantity", config.quantity, "programs of one piece, each run as often as needed"),
-        ("--turn", options.get("turn"), "parts as they were read"),
-        ("--no-verify", options.get("no_verify"), "programs that are read back"),
-    )
-    for option, value, expected in excluded:
-        if value:
-            raise click.UsageError(f"found {option} with --machines; expected {expected}.")
-
-
-def _told(name: str, machine: Machine, config: Config) -> Machine:
+def _reported(name: str, machine: Machine, config: Config) -> Machine:
     """The machine; --verbose says whose file it is, and an untrusted one is always reported."""
     console = running_console()
     if console is not None and (console.verbose or name.endswith(".toml")):
@@ -321,7 +278,6 @@ def _told(name: str, machine: Machine, config: Config) -> Machine:
 
 def machine_asked(name: str, config: Config) -> Machine | None:
     """A machine as the job wants it; None where there is none, or it cannot do what is asked."""
-
     try:
         return _as_asked(load_tested(name), config, is_one_of_two=False)
     except BeamcamError:
@@ -331,17 +287,15 @@ def machine_asked(name: str, config: Config) -> Machine | None:
 def _as_asked(machine: Machine, config: Config, is_one_of_two: bool) -> Machine:
     """A machine with the tolerances, the map and the sheet of the job."""
     remark(machine.remarks)
-    if config.tolerances:
-        from beamcam.config.load import with_tolerances
-
-        machine = with_tolerances(machine, config)
-    if config.corner or config.lip:
-        from beamcam.machine.overlay import with_section
-
-        machine = with_section(machine, config.corner, config.lip)
-    if not (config.sheet.given() or config.map) or (machine.torch is None and is_one_of_two):
-        return machine
-    return _with_sheet(machine, config)
+    # One configuration serves all kinds of machines, so that only what the command line asks for is
+    # asked of one without a torch.
+    if machine.torch is None and (is_one_of_two or COMMAND_LINE not in (
+        config.sources.get(f"{table}.{name}")
+        for table in ("sheet", "map")
+        for name in config.rows(table)
+    )):  # fmt: skip
+        config = replace(config, sheet=Sheet(), map={})
+    return for_job(machine, config)
 
 
 def _named_machine(config: Config, of: Stock | Literal["split"], named: str) -> Machine:
@@ -364,30 +318,3 @@ def _named_machine(config: Config, of: Stock | Literal["split"], named: str) -> 
         raise ConfigError(
             WRONG_VALUE.at(source, key=key, found=repr(named), expected=expected)
         ) from error
-
-
-def _with_sheet(machine: Machine, config: Config) -> Machine:
-    """The machine as the map and the table `[sheet]` want it.
-
-    One configuration serves all kinds of machines, so that only what the command line asks for is
-    asked of one without a torch.
-    """
-    is_given = COMMAND_LINE in (
-        config.sources.get(f"{table}.{name}")
-        for table in ("sheet", "map")
-        for name in config.rows(table)
-    )
-    if machine.torch is None and not is_given:
-        return machine
-    from beamcam.machine.overlay import with_torch
-    from beamcam.planning.contours import rules
-
-    try:
-        return with_torch(
-            machine, config.meanings, settings=config.layer_settings, **config.sheet.given()
-        )
-    except ValueError as error:
-        sources = (config.sources.get(f"sheet.{name}") for name in config.sheet.given())
-        lines = (source for source in sources if source not in (None, COMMAND_LINE))
-        place = next(lines, None) or Source(machine.name)
-        raise PlanError(rules.OPTION.at(place, found=error)) from error

@@ -9,15 +9,12 @@ from typing import TYPE_CHECKING, Any, Literal
 import click
 
 from beamcam.commands import options
-from beamcam.commands.common import PICTURES, STANDARD, Console, say_lines, write
+from beamcam.commands.common import PICTURES, STANDARD, Console, suffix_of, write
 from beamcam.commands.jobs import against, asked_program
-from beamcam.commands.options import Grouped, quantity
-from beamcam.commands.outputs import of_kind, picture
 from beamcam.commands.parts import job_options
 from beamcam.commands.settings import files_read, settled
-from beamcam.commands.value_types import Address, Number
-from beamcam.errors import BeamcamError, Diagnostic, Source, VerifyError, errors_in
-from beamcam.model.plan import Order
+from beamcam.commands.value_types import Number, address, of_kind, parsed
+from beamcam.errors import Diagnostic, Source, VerifyError, errors_in
 from beamcam.system import INTERRUPTED, asked_to_end
 
 if TYPE_CHECKING:
@@ -26,72 +23,66 @@ if TYPE_CHECKING:
     from beamcam.simulation.encoder import Encoder
     from beamcam.simulation.trace import Trace, TraceRow
 
-_UNITS_S = {"ms": 0.001, "s": 1.0}
-
-
-class Duration(click.ParamType):  # type: ignore[type-arg]  # older versions take none
-    """A time such as 10ms or 0.5s, in seconds."""
-
-    name = "time"
-
-    def convert(
-        self, value: object, param: click.Parameter | None, ctx: click.Context | None
-    ) -> float:
-        match = re.fullmatch(r"(\d+(?:\.\d+)?)(ms|s)", str(value))
-        if match is None or float(match[1]) <= 0:
-            self.fail(f"found {value!r}; expected a time above 0 such as 10ms or 0.5s", param, ctx)
-        return float(match[1]) * _UNITS_S[match[2]]
-
-
 _ENCODER = re.compile(r"(\d{1,9})(x4)?/(\d{1,6}(?:\.\d{1,6})?)(?:/(floor|centre))?")
 
 
-class EncoderKind(click.ParamType):  # type: ignore[type-arg]
+def _seconds(text: str) -> float:
+    """A time such as 10ms or 0.5s."""
+    match = re.fullmatch(r"(\d+(?:\.\d+)?)(ms|s)", text)
+    if match is None or float(match[1]) <= 0:
+        raise ValueError(text)
+    return float(match[1]) * {"ms": 0.001, "s": 1.0}[match[2]]
+
+
+def _encoder(text: str) -> "Encoder | Literal['machine']":
     """COUNTS/TRAVEL: counts of a turn, and the mm that an axis travels in it.
 
     `x4` behind the counts is quadrature, `/centre` the count that is nearest; `machine` stands for
     the encoder of the machine's file.
     """
+    from beamcam.simulation.encoder import Encoder
 
-    name = "counts/mm"
-
-    def convert(
-        self, value: object, param: click.Parameter | None, ctx: click.Context | None
-    ) -> "Encoder | Literal['machine']":
-        from beamcam.simulation.encoder import Encoder
-
-        if value == "machine":
-            return "machine"
-        match = _ENCODER.fullmatch(str(value))
-        if match is None or int(match[1]) == 0 or float(match[3]) == 0.0:
-            expected = "COUNTS/TRAVEL of a turn such as 512/65, 512x4/65/centre, or machine"
-            self.fail(f"found {value!r}; expected {expected}", param, ctx)
-        return Encoder(int(match[1]), float(match[3]), bool(match[2]), match[4] == "centre")
+    if text == "machine":
+        return "machine"
+    match = _ENCODER.fullmatch(text)
+    if match is None or int(match[1]) == 0 or float(match[3]) == 0.0:
+        raise ValueError(text)
+    return Encoder(int(match[1]), float(match[3]), bool(match[2]), match[4] == "centre")
 
 
-@click.command("simulate", cls=Grouped)
+@click.command("simulate", cls=options.Grouped)
 @options.inputs
 @against
 @options.machine
 @options.config
 @options.bar
-@quantity
+@options.quantity
 @click.option(
     "-o", "--output", type=options.FILE, callback=of_kind("simulate"),
     help="The trace as .csv or .json; with --encoder its staircase as .svg, .png, .pdf or .html; "
     "- is CSV on standard output.",
 )  # fmt: skip
-@click.option("--every", type=Duration(), help="Sample at this step, such as 10ms; else by event.")
+@click.option(
+    "--every", metavar="TIME", callback=parsed(_seconds, "a time above 0 such as 10ms or 0.5s"),
+    help="Sample at this step, such as 10ms; else by event.",
+)  # fmt: skip
 @click.option(
     "--encoder",
-    type=EncoderKind(),
+    metavar="COUNTS/MM",
+    callback=parsed(
+        _encoder, "COUNTS/TRAVEL of a turn such as 512/65, 512x4/65/centre, or machine"
+    ),
     help="Add encoder readings: counts and travel per turn, such as 512/65 or 512x4/65/centre, or "
     "`machine`: those of the machine's file.",
 )
-@click.option("--modbus", type=Address(), help="Send the trace to this Modbus TCP server.")
 @click.option(
-    "--serve", type=Address(), help="Act as the controller: a Modbus TCP server, until Ctrl-C."
-)
+    "--modbus", callback=address(), metavar="HOST:PORT",
+    help="Send the trace to this Modbus TCP server.",
+)  # fmt: skip
+@click.option(
+    "--serve", callback=address(), metavar="HOST:PORT",
+    help="Act as the controller: a Modbus TCP server, until Ctrl-C.",
+)  # fmt: skip
 @click.option(
     "--pace",
     type=Number(least=0),
@@ -103,8 +94,8 @@ class EncoderKind(click.ParamType):  # type: ignore[type-arg]
 def command(
     inputs: tuple[str, ...], against: bool, output: str | None, every: float | None,
     encoder: "Encoder | Literal['machine'] | None", modbus: tuple[str, int] | None,
-    serve: tuple[str, int] | None, pace: float | None, order: Order, turn: bool, as_json: bool,
-    console: Console, **values: Any,
+    serve: tuple[str, int] | None, pace: float | None, as_json: bool, console: Console,
+    **values: Any,
 ) -> None:  # fmt: skip
     """Run a program on a model of its machine and write its axes over time.
 
@@ -130,90 +121,71 @@ def command(
         raise click.UsageError(
             "Say where the trace goes: -o FILE, --modbus HOST:PORT or --serve HOST:PORT."
         )
-    drawn = output is not None and _suffix(output) in (*PICTURES, ".html")
+    drawn = output is not None and suffix_of(output) in (*PICTURES, ".html")
     if drawn and encoder is None:
         raise click.UsageError(f"Found {output!r}; expected --encoder, whose staircase it draws.")
-    remarks: list[Diagnostic] = []
-    try:
-        config = settled(values, inputs)
-        job = asked_program(
-            inputs, against, config, values, STANDARD, order, turn, console, remarks
-        )
-        if len(inputs) > 1 and errors_in(job.found):
-            raise VerifyError(job.found)
-        data, machine, name = job.program.data, job.program.machine, job.program.name
-        from beamcam.simulation.limits import run_warnings
-        from beamcam.simulation.modbus import check_range
-        from beamcam.simulation.program import simulate_program
-        from beamcam.simulation.trace import trace_rows
+    config = settled(values, inputs)
+    job = asked_program(inputs, against, config, values, STANDARD, console)
+    if len(inputs) > 1 and errors_in(job.faults):
+        raise VerifyError(job.faults)
+    data, machine, name = job.program.data, job.program.machine, job.program.name
+    from beamcam.simulation.encoder import Encoder
+    from beamcam.simulation.limits import run_warnings
+    from beamcam.simulation.modbus import check_range, send
+    from beamcam.simulation.program import simulate_program
+    from beamcam.simulation.trace import trace_rows
 
-        done = simulate_program(data, machine, name, job.program.style)
-        if errors_in(done.diagnostics):
-            raise VerifyError(done.diagnostics)
-        trace = done.trace
-        diagnostics = (
-            *remarks,
-            *done.diagnostics,
-            *run_warnings(trace, machine, done.section, name),
-        )
-        reader = _own_encoder(machine) if encoder == "machine" else encoder
-        if reader is not None:
-            diagnostics += (_precision(trace, reader, name),)
-        console.did(f"ran {name} on {machine.name}")
-        if modbus is not None or serve is not None:
-            check_range(trace, machine.modbus, Source(machine.name))
-        if modbus is not None:
-            from beamcam.simulation.modbus import send
+    done = simulate_program(data, machine, name, job.program.style)
+    if errors_in(done.diagnostics):
+        raise VerifyError(done.diagnostics)
+    trace = done.trace
+    console.messages += (*done.diagnostics, *run_warnings(trace, machine, done.section, name))
+    if encoder == "machine":
+        if (own := machine.triggers) is None:
+            fault = f"the file of {machine.name} says nothing of encoders"
+            raise click.UsageError(f"Found --encoder machine, but {fault}; expected COUNTS/TRAVEL.")
+        centred = own.counted == "centre"
+        encoder = Encoder(own.counts_per_turn, own.travel_per_turn, own.quadrature, centred)
+    if encoder is not None:
+        console.messages.append(_precision(trace, encoder, name))
+    console.did(f"ran {name} on {machine.name}")
+    if modbus is not None or serve is not None:
+        check_range(trace, machine.modbus, Source(machine.name))
+    if modbus is not None:
+        sent = send(trace_rows(trace, every), machine.modbus, *modbus, pace or 0.0)
+        console.tell(f"{sent} rows sent to {modbus[0]}:{modbus[1]}")
+    if output is not None:
+        content: str | bytes
+        if drawn and encoder is not None:
+            from beamcam.pictures.graphs import Study
 
-            sent = send(trace_rows(trace, every), machine.modbus, *modbus, pace or 0.0)
-            if not (console.quiet or as_json):
-                say_lines([f"{sent} rows sent to {modbus[0]}:{modbus[1]}"], err=True)
-        if output is not None:
-            content: str | bytes
-            if drawn and reader is not None:
-                from beamcam.pictures.graphs import Study
-
-                study = Study(
-                    PurePath(name).name, sha256(data).hexdigest(), machine.name, trace, reader
-                )
-                content = _drawn(output, study)
-            else:
-                content = _text(output, trace, machine, every, reader, diagnostics)
-            write(output, content, console, files_read(config, inputs))
-        console.say(diagnostics)
-        if serve is not None:
-            rows = trace_rows(trace, every)
-            _serve(rows, machine, serve, 1.0 if pace is None else pace, console.quiet or as_json)
-    except BeamcamError as error:
-        console.stop((*remarks, *error.diagnostics))
+            study = Study(
+                PurePath(name).name, sha256(data).hexdigest(), machine.name, trace, encoder
+            )
+            content = _drawn(output, study)
+        else:
+            content = _text(output, trace, machine, every, encoder, tuple(console.messages))
+        write(output, content, console, files_read(config, inputs))
+    console.say()
+    if serve is not None:
+        pace = 1.0 if pace is None else pace
+        _serve(trace_rows(trace, every), machine, serve, pace, console)
 
 
 def _serve(
-    rows: "Iterable[TraceRow]", machine: "Machine", place: tuple[str, int], pace: float, quiet: bool
-) -> None:
+    rows: "Iterable[TraceRow]", machine: "Machine", place: tuple[str, int], pace: float,
+    console: Console,
+) -> None:  # fmt: skip
     """Serve the rows of a trace as registers until they end, or with the exit status of Ctrl-C."""
     from beamcam.simulation.modbus import serve
 
     def tell(host: str, port: int) -> None:
-        if not quiet:
-            say_lines([f"{machine.name} at {host}:{port}; Ctrl-C ends it"], err=True)
+        console.tell(f"{machine.name} at {host}:{port}; Ctrl-C ends it")
 
-    with asked_to_end() as asked_so:
-        serve(rows, machine.modbus, *place, pace, tell, interrupt=asked_so)
-    if asked_so:
+    with asked_to_end() as interrupted:
+        serve(rows, machine.modbus, *place, pace, tell, interrupt=interrupted)
+    if interrupted:
         raise SystemExit(INTERRUPTED)
-
-
-def _own_encoder(machine: "Machine") -> "Encoder":
-    """The encoder of a machine's file. Raises UsageError where it has none."""
-    from beamcam.simulation.encoder import Encoder
-
-    own = machine.triggers
-    if own is None:
-        found = f"the file of {machine.name} says nothing of encoders"
-        raise click.UsageError(f"Found --encoder machine, but {found}; expected COUNTS/TRAVEL.")
-    centred = own.counted == "centre"
-    return Encoder(own.counts_per_turn, own.travel_per_turn, own.quadrature, centred)
 
 
 def _precision(trace: "Trace", encoder: "Encoder", name: str) -> Diagnostic:
@@ -229,19 +201,16 @@ def _precision(trace: "Trace", encoder: "Encoder", name: str) -> Diagnostic:
     )  # fmt: skip
 
 
-def _suffix(output: str) -> str:
-    return PurePath(output).suffix.lower()
-
-
 def _drawn(output: str, study: "Study") -> str | bytes:
     """The staircase of an encoder as a picture, or as a page. Raises PictureError."""
+    from beamcam.pictures.formats import picture
     from beamcam.pictures.graphs import encoder_scene
 
-    if _suffix(output) == ".html":
+    if suffix_of(output) == ".html":
         from beamcam.setup_sheet.study_page import study_page
 
         return study_page(study)
-    return picture([encoder_scene(study)], _suffix(output))
+    return picture([encoder_scene(study)], suffix_of(output))
 
 
 def _text(
@@ -251,7 +220,7 @@ def _text(
     from beamcam.plain_text import json_text
     from beamcam.simulation.text import csv_text, json_data
 
-    if _suffix(output) != ".json":
+    if suffix_of(output) != ".json":
         return csv_text(trace, machine, every, encoder)
     import msgspec
 

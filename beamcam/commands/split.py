@@ -2,26 +2,21 @@
 
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
 from beamcam.batch.names import FileNames, cleaned
 from beamcam.commands import options
 from beamcam.commands.common import Console, cannot_write, keep_apart, write
-from beamcam.commands.options import Grouped
 from beamcam.commands.parts import part_options, read_parts, request_of
 from beamcam.commands.post import success
 from beamcam.commands.settings import files_read, machines_of_split, settled
-from beamcam.errors import BeamcamError, Diagnostic
 from beamcam.planning.manual_list import LIST_SUFFIX, as_csv, manual_rows
 from beamcam.writers import target_of_suffix
 
-if TYPE_CHECKING:
-    from beamcam.rest_part import Stage
 
-
-@click.command("split", cls=Grouped)
+@click.command("split", cls=options.Grouped)
 @options.inputs
 @click.option(
     "-o", "--output", "folder", default=".", show_default=True, type=options.FILE,
@@ -55,51 +50,38 @@ def command(
     """
     from beamcam.rest_part import chain_for, stages_of
 
-    diagnostics: tuple[Diagnostic, ...] = ()
     files: list[tuple[str, str]] = []
     lines: list[str] = []
     names = FileNames()
     target = target_of_suffix(f".{rest_as}")
-    try:
-        config = settled(values, inputs)
-        machines = machines_of_split(config)
-        if not machines:
-            raise click.UsageError("found no machines; expected --machines, or `split` in a file.")
-        parts, diagnostics = read_parts(inputs, config, values, console)
-        for part in parts:
-            request = request_of((part,), config, machines[0], None)
-            chain, more = chain_for(request, machines)
-            diagnostics += more
-            mark = names.take(f"{cleaned(part.mark) or 'part'}.nc1", part.mark)[: -len(".nc1")]
-            for k, stage in enumerate(stages_of(request, chain, target), 1):
-                name = os.path.join(folder, f"{mark}-{k}")
-                program, of_stage = _files(stage, name, rest_as)
-                files += of_stage
-                diagnostics += stage.remarks
-                lines.append(success(program, stage.posted))
-    except BeamcamError as error:
-        console.stop((*diagnostics, *error.diagnostics))
+    config = settled(values, inputs)
+    machines = machines_of_split(config)
+    if not machines:
+        raise click.UsageError("found no machines; expected --machines, or `split` in a file.")
+    for part in read_parts(inputs, config, values, console):
+        request = request_of((part,), config, machines[0], None, {})
+        chain, choice = chain_for(request, machines)
+        console.messages += choice
+        mark = names.take(f"{cleaned(part.mark) or 'part'}.nc1", part.mark)[: -len(".nc1")]
+        for k, stage in enumerate(stages_of(request, chain, target), 1):
+            name, machine = os.path.join(folder, f"{mark}-{k}"), stage.posted.job.machine
+            program = f"{name}-{machine.name}{machine.suffix}"
+            files.append((program, stage.posted.text))
+            if stage.rest:
+                files.append((f"{name}-rest.{rest_as}", stage.rest))
+            if rows := manual_rows(stage.plan):
+                files.append((program + LIST_SUFFIX, as_csv(rows)))
+            console.messages += stage.remarks
+            lines.append(success(program, stage.posted))
     read = files_read(config, inputs)
     keep_apart([path for path, _ in files], read, console)
     try:
         Path(folder).mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        console.stop((*diagnostics, cannot_write(folder, error)))
+        console.stop([cannot_write(folder, error)])
     for path, text in files:
         write(path, text.encode(), console, read)
-    console.say((*dict.fromkeys(diagnostics),))
-    if not (console.quiet or console.as_json):
-        for line in lines:
-            console.tell(line)
-
-
-def _files(stage: "Stage", name: str, rest_as: str) -> tuple[str, list[tuple[str, str]]]:
-    """The name of a program, and all files of its stage: it, the rest, the list of manual work."""
-    machine = stage.posted.job.machine
-    program = f"{name}-{machine.name}{machine.suffix}"
-    files = [(program, stage.posted.text)]
-    if stage.rest:
-        files.append((f"{name}-rest.{rest_as}", stage.rest))
-    if rows := manual_rows(stage.plan):
-        files.append((program + LIST_SUFFIX, as_csv(rows)))
-    return program, files
+    console.messages[:] = dict.fromkeys(console.messages)
+    console.say()
+    for line in lines:
+        console.tell(line)

@@ -1,11 +1,35 @@
-"""What an option takes: numbers within limits, names, addresses, quantities."""
+"""What an option takes: numbers within limits, names, addresses, quantities, names of outputs."""
 
 import re
+from collections.abc import Callable, Mapping
 from contextlib import suppress
+from functools import partial
 from math import inf, isfinite, nan
 from typing import Any
 
 import click
+
+from beamcam.commands.common import PICTURES, STANDARD, suffix_of
+
+
+def parsed(parse: Callable[[str], Any], expected: str) -> Callable[..., Any]:
+    """A callback that gives what `parse` makes of a text, or of each of several.
+
+    One of which it raises ValueError or LookupError is refused.
+    """
+
+    def one(text: str) -> Any:
+        try:
+            return parse(text)
+        except (LookupError, ValueError) as error:
+            raise click.BadParameter(f"found {text!r}; expected {expected}") from error
+
+    def callback(ctx: click.Context, param: click.Parameter, value: Any) -> Any:
+        if value is None:
+            return None
+        return tuple(map(one, value)) if isinstance(value, tuple) else one(value)
+
+    return callback
 
 
 class Number(click.ParamType):  # type: ignore[type-arg]  # older versions take none
@@ -73,42 +97,82 @@ class SkipNames(click.Choice):  # type: ignore[type-arg]  # older versions take 
 MODBUS_PORT = 502  #: of Modbus TCP, by the standard
 
 
-class Address(click.ParamType):  # type: ignore[type-arg]  # older versions take none
-    """HOST:PORT; the port may be left out where there is one by default."""
-
-    name = "host:port"
-
-    def __init__(self, port: int | None = None) -> None:
-        self._port = port
-
-    def convert(
-        self, value: object, param: click.Parameter | None, ctx: click.Context | None
-    ) -> tuple[str, int]:
-        text = str(value)
-        if self._port is not None and ":" not in text.rpartition("]")[2]:
-            text = f"{text}:{self._port}"
-        host, colon, port = text.rpartition(":")
-        if not (colon and host and port.isdigit() and 0 < int(port) < 65536):
-            self.fail(f"found {value!r}; expected HOST:PORT such as localhost:502", param, ctx)
-        return host.strip("[]"), int(port)
+def _address(default_port: int | None, text: str) -> tuple[str, int]:
+    if default_port is not None and ":" not in text.rpartition("]")[2]:
+        text = f"{text}:{default_port}"
+    host, colon, port = text.rpartition(":")
+    if not (colon and host and port.isdigit() and 0 < int(port) < 65536):
+        raise ValueError(text)
+    return host.strip("[]"), int(port)
 
 
-FROM_FILE = "file"
-
-
-class QuantityType(click.ParamType):  # type: ignore[type-arg]
-    """`file`, or a number of pieces."""
-
-    name = "quantity"
-
-    def convert(
-        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
-    ) -> str | int:
-        if value == FROM_FILE or isinstance(value, int):
-            return value  # type: ignore[no-any-return]
-        if value.isascii() and value.isdigit() and 0 < int(value[:9]) <= MAX_QUANTITY:
-            return int(value)
-        self.fail(f"found {value!r}; expected file, or 1 to {MAX_QUANTITY}", param, ctx)
+def address(default_port: int | None = None) -> Callable[..., Any]:
+    """The callback of a HOST:PORT; the port may be left out where there is one by default."""
+    return parsed(partial(_address, default_port), "HOST:PORT such as localhost:502")
 
 
 MAX_QUANTITY = 100_000
+
+
+def quantity(text: str) -> str | int:
+    """`file`, or a number of pieces. Raises ValueError."""
+    if text != "file" and not (text.isdecimal() and 0 < int(text[:9]) <= MAX_QUANTITY):
+        raise ValueError(text)
+    return text if text == "file" else int(text)
+
+
+# --- outputs besides programs ---------------------------------------------------------------------
+
+#: What a command writes besides programs and parts; a name without a suffix is taken too.
+KINDS: Mapping[str, tuple[str, ...]] = {
+    "batch": (".json", ".csv", ".html"),  # its report
+    "diff": (".html", *PICTURES),
+    "plan": (".txt", ".json"),
+    "plot": PICTURES,
+    "profile": (".csv", *PICTURES, ".html"),
+    "report": (".html", ".pdf"),
+    "simulate": (".csv", ".json", *PICTURES, ".html"),
+}
+
+Callback = Callable[[click.Context, click.Parameter, str | None], str | None]
+
+
+def expected(found: str, kind: str) -> str:
+    """The message for an output of another kind."""
+    return f"found {found!r}; expected a name in {', '.join(KINDS[kind])}, or -"
+
+
+def of_kind(kind: str, without: tuple[str, ...] = ("",)) -> Callback:
+    """Refuses an output whose suffix says what the command cannot write, or that has none."""
+
+    def check(ctx: click.Context, param: click.Parameter, value: str | None) -> str | None:
+        if value not in (None, STANDARD) and suffix_of(value) not in (*without, *KINDS[kind]):
+            raise click.BadParameter(expected(value, kind))
+        return value
+
+    return check
+
+
+unit = click.option(
+    "--unit", type=click.Choice(["mm", "inch"]), default="mm", show_default=True,
+    help="Of the lengths that are shown.",
+)  # fmt: skip
+
+paper = click.option(
+    "--paper", type=click.Choice(["a4", "a3"]), default="a4", show_default=True,
+    help="Of a PDF; what is wide lies on its side.",
+)  # fmt: skip
+
+
+def check_paper(paper: str, suffix: str) -> None:
+    """Raises UsageError for a paper where no PDF is written."""
+    if paper != "a4" and suffix != ".pdf":
+        raise click.UsageError(f"found --paper {paper} with {suffix}; expected it with a .pdf.")
+
+
+def picture_suffix(output: str) -> str:
+    """The format of a picture by its name; standard output is an SVG."""
+    suffix = ".svg" if output == STANDARD else suffix_of(output)
+    if suffix not in PICTURES:
+        raise click.UsageError(expected(output, "plot"))
+    return suffix

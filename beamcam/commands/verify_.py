@@ -6,17 +6,28 @@ from typing import Any
 import click
 from msgspec.structs import replace
 
-from beamcam.checks.job import Head, head_of, head_remarks
+from beamcam.checks.job import head_of, head_remarks
 from beamcam.checks.rules import LEFT_OUT, MANUAL_WORK
 from beamcam.commands import options
-from beamcam.commands.common import REFUSED, STANDARD, Console, is_coded_sheet, say_json
+from beamcam.commands.common import (
+    REFUSED,
+    STANDARD,
+    Console,
+    is_coded_sheet,
+    say_json,
+    suffix_of,
+)
 from beamcam.commands.diff import refuse_part
-from beamcam.commands.options import ONE_BAR, ONE_SHEET, Grouped, from_contour, from_operation
-from beamcam.commands.parts import input_bytes, looking_options, read_parts, request_of
+from beamcam.commands.parts import (
+    input_bytes,
+    looking_options,
+    program_text,
+    read_parts,
+    request_of,
+)
 from beamcam.commands.settings import machine_for_program, settled
-from beamcam.config.values import Config
-from beamcam.errors import BeamcamError, Diagnostic, errors_in
-from beamcam.model.plan import Order, named_skips
+from beamcam.errors import Diagnostic, errors_in
+from beamcam.model.plan import named_skips
 from beamcam.model.request import Request
 from beamcam.pipeline import begin, finished, read_back, whole_job
 from beamcam.readers import shown_name
@@ -24,7 +35,6 @@ from beamcam.reports.run import as_message
 
 #: Rules for features that a program may be without.
 NOT_MADE = (LEFT_OUT.code, MANUAL_WORK.code)
-
 
 after = click.option(
     "--after",
@@ -34,7 +44,7 @@ after = click.option(
 )
 
 
-@click.command("verify", cls=Grouped)
+@click.command("verify", cls=options.Grouped)
 @click.argument("program", type=options.FILE)
 @click.option("--against", is_flag=True, help="Compare with the PARTs that follow.")
 @click.argument("parts", nargs=-1, metavar="[PART]...", type=options.FILE)
@@ -43,16 +53,16 @@ after = click.option(
 @options.bar_of_program
 @options.order
 @options.turn
-@from_operation("PROGRAM is the remainder of one, from operation N of `plan`.")
-@from_contour("PROGRAM is the rest of one of a sheet, from contour N of `plan`.")
+@options.from_operation("PROGRAM is the remainder of one, from operation N of `plan`.")
+@options.from_contour("PROGRAM is the rest of one of a sheet, from contour N of `plan`.")
 @after
 @click.option("--solid", is_flag=True, help="Machine PROGRAM as a solid as well, and compare.")
 @looking_options
 @options.exit_left_out
 def command(
-    program: str, against: bool, parts: tuple[str, ...], order: Order, turn: bool,
-    first: int | None, contour: int | None, after: str | None, solid: bool,
-    exit_left_out: int | None, as_json: bool, console: Console, **values: Any,
+    program: str, against: bool, parts: tuple[str, ...], first: int | None, contour: int | None,
+    after: str | None, solid: bool, exit_left_out: int | None, as_json: bool, console: Console,
+    **values: Any,
 ) -> None:  # fmt: skip
     """Read PROGRAM back and say where it differs from its parts.
 
@@ -79,78 +89,61 @@ def command(
     beamcam post M58.nc1 -o - | beamcam verify - --against M58.nc1
     beamcam verify rest.gcode --from-operation 7 --after job.gcode --against M58.nc1
     """
-    if against and not parts:
-        raise click.UsageError("--against needs at least one PART.")
-    if parts and not against:
-        raise click.UsageError("PARTs come after --against.")
-    if first is not None and contour is not None:
-        raise click.UsageError("--from-operation and --from-contour exclude each other.")
     where = "--from-contour" if first is None else "--from-operation"
     start = contour if first is None else first
-    if start is not None and not parts:
-        raise click.UsageError(f"{where} needs the PARTs, behind --against.")
-    if after is not None and start is None:
-        raise click.UsageError("--after needs --from-operation, where PROGRAM goes on.")
-    if solid and (not parts or start is not None):
-        raise click.UsageError("--solid needs the PARTs of a whole program, behind --against.")
-    if (program, after, *parts).count(STANDARD) > 1:
-        raise click.UsageError("found - twice; expected it once, standard input is read once.")
-    remarks: tuple[Diagnostic, ...] = ()  #: on the parts
-    try:
-        config = settled(values, parts or (program,))
-        expected_parts, remarks = read_parts(parts, config, values, console)
-        data = input_bytes(program)
-        refuse_part(program, data)
-        machine = machine_for_program(config, program, data, expected_parts)
-        name, style = shown_name(program), PurePath(program).suffix.lower()
-        head = head_of(data.decode("utf-8", "replace") if isinstance(data, bytes) else data)
-        bar = values["bar"]
-        if first is not None and machine.stock != "beam":
-            raise click.UsageError(ONE_BAR)
-        if contour is not None and not is_coded_sheet(machine):
-            raise click.UsageError(ONE_SHEET)
-        request = replace(
-            request_of(expected_parts, config, machine, values["quantity"], order, turn),
-            name=name, style=style, skips=named_skips(_allowed(config, head)),
-        )  # fmt: skip
-        diagnostics = (
-            *head_remarks(head, machine, name),
-            *(
-                read_back(data, request, bar)
-                if start is None
-                else faults_of_rest(data, request, start, bar, after)
-            ),
-            *(_solid_faults(data, request, bar) if solid else ()),
-        )
-    except BeamcamError as error:
-        console.stop((*remarks, *error.diagnostics))
+    options.refuse_usage(
+        (against and not parts, "--against needs at least one PART."),
+        (parts and not against, "PARTs come after --against."),
+        (None not in (first, contour), "--from-operation and --from-contour exclude each other."),
+        (start is not None and not parts, f"{where} needs the PARTs, behind --against."),
+        (after and start is None, "--after needs --from-operation, where PROGRAM goes on."),
+        (solid and (not parts or start is not None),
+         "--solid needs the PARTs of a whole program, behind --against."),
+        ((program, after, *parts).count(STANDARD) > 1,
+         "found - twice; expected it once, standard input is read once."),
+    )  # fmt: skip
+    config = settled(values, parts or (program,))
+    expected_parts = read_parts(parts, config, values, console)
+    data = input_bytes(program)
+    refuse_part(program, data)
+    machine = machine_for_program(config, program, data, expected_parts)
+    name, bar = shown_name(program), values["bar"]
+    head = head_of(data.decode("utf-8", "replace"))
+    options.refuse_usage(
+        (first is not None and machine.stock != "beam", options.ONE_BAR),
+        (contour is not None and not is_coded_sheet(machine), options.ONE_SHEET),
+    )
+    allowed = config.allow_skips
+    if head is not None and not config.strict and "allow_skips" not in config.sources:
+        allowed = head.allowed
+    request = replace(
+        request_of(expected_parts, config, machine, values["quantity"], values),
+        name=name, style=suffix_of(program), skips=named_skips(allowed),
+    )  # fmt: skip
+    diagnostics = list(head_remarks(head, machine, name))
+    if start is None:
+        diagnostics += read_back(data, request, bar)
+    else:
+        diagnostics += faults_of_rest(data, request, start, bar, after)
+    if solid:
+        from beamcam.solid.opinion import solid_faults
+
+        diagnostics += solid_faults(data, request, bar)
     console.did(f"read {name} back on {machine.name}: {len(diagnostics)} message(s)")
     if as_json:
-        say_json([as_message(d) for d in (*remarks, *diagnostics) if console.wants(d.severity)])
+        messages = (*console.messages, *diagnostics)
+        say_json([as_message(one) for one in messages if console.wants(one.severity)])
+        console.messages.clear()
     else:
-        console.say((*remarks, *diagnostics))
+        console.say(diagnostics)
     if errors_in(diagnostics):
         raise SystemExit(REFUSED)
     if exit_left_out is not None and any(d.code in NOT_MADE for d in diagnostics):
         raise SystemExit(exit_left_out)
 
 
-def _solid_faults(data: str | bytes, request: Request, bar: float | None) -> tuple[Diagnostic, ...]:
-    """The third opinion; its libraries are loaded only here."""
-    from beamcam.solid.opinion import solid_faults
-
-    return solid_faults(data, request, bar)
-
-
-def _allowed(config: Config, head: Head | None) -> tuple[str, ...]:
-    """The kinds of features that may be missing; those of the head where nobody says otherwise."""
-    if head is None or config.strict or "allow_skips" in config.sources:
-        return config.allow_skips
-    return head.allowed
-
-
 def faults_of_rest(
-    rest: bytes | str, request: Request, first: int, bar: float | None, whole: str | None
+    rest: bytes, request: Request, first: int, bar: float | None, whole: str | None
 ) -> tuple[Diagnostic, ...]:
     """Everything that is wrong with the remainder from operation `first` on of a program.
 
@@ -160,7 +153,7 @@ def faults_of_rest(
     from beamcam.remainder import faults_of, faults_of_sheet_rest
 
     of_sheet = is_coded_sheet(request.machine)
-    rule = ONE_SHEET if of_sheet else ONE_BAR
+    rule = options.ONE_SHEET if of_sheet else options.ONE_BAR
     job = whole_job(request, bar)
     if whole is None:
         name = f"program posted of {PurePath(shown_name(request.parts[0].source.file)).name}"
@@ -169,9 +162,6 @@ def faults_of_rest(
             raise click.UsageError(rule)
         text = finished(begun[0]).text
     else:
-        name, text = shown_name(whole), _text(input_bytes(whole))
-    return (faults_of_sheet_rest if of_sheet else faults_of)(_text(rest), text, first, job, name)
-
-
-def _text(program: bytes | str) -> str:
-    return program if isinstance(program, str) else program.decode("utf-8", "replace")
+        name, text = shown_name(whole), program_text(whole)
+    faults = faults_of_sheet_rest if of_sheet else faults_of
+    return faults(rest.decode("utf-8", "replace"), text, first, job, name)

@@ -9,8 +9,9 @@ A file that changes after it was handed over is complete again some time later.
 import os
 import shutil
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
+from itertools import chain, count
 from typing import Any
 
 import click
@@ -20,11 +21,10 @@ from msgspec.structs import replace
 from beamcam.batch import NO_END, NOTHING, WRITE
 from beamcam.batch.find import Input, find_inputs
 from beamcam.batch.names import MarkKey
-from beamcam.batch.recipe import recipe_of
-from beamcam.batch.record import claims_of
-from beamcam.batch.run import BatchError, run
-from beamcam.commands.common import Console, say_lines
-from beamcam.commands.options import Grouped
+from beamcam.batch.record import claims_of, recipe_of
+from beamcam.batch.run import RunSetup, run
+from beamcam.commands import options
+from beamcam.commands.common import Console
 from beamcam.commands.running import (
     Progress,
     batch_settings,
@@ -35,22 +35,16 @@ from beamcam.commands.running import (
 )
 from beamcam.commands.settings import files_read, settled
 from beamcam.commands.value_types import Number
-from beamcam.errors import BeamcamError, Diagnostic, Source
+from beamcam.errors import Diagnostic, Source
 from beamcam.files import write_whole
 from beamcam.readers import has_end
-from beamcam.reports.run import FileRow, as_message, encoded, message_line
+from beamcam.reports.run import FileRow, encoded, message_line
 from beamcam.system import asked_to_end
 
 AGAIN_S = 30.0  #: after which what failed for the disk or a process is tried again
 END_S = 60.0  #: after which a file without its end is handed over all the same
 
-
-class Stamp(Struct, frozen=True):
-    """File data that reveal a change."""
-
-    size: int
-    changed_ns: int
-    inode: int
+Stamp = tuple[int, int, int]  #: size, time of change in ns and inode of a file: they tell a change
 
 
 class Sight(Struct, frozen=True):
@@ -65,10 +59,10 @@ class Sight(Struct, frozen=True):
 def look(inputs: Iterable[Input]) -> dict[Input, Stamp]:
     """The stamp of each input that is there."""
     stamps = {}
-    for found in inputs:
+    for item in inputs:
         with suppress(OSError):  # it was taken away since the folder was listed
-            at = os.stat(found.path)
-            stamps[found] = Stamp(at.st_size, at.st_mtime_ns, at.st_ino)
+            at = os.stat(item.path)
+            stamps[item] = at.st_size, at.st_mtime_ns, at.st_ino
     return stamps
 
 
@@ -89,24 +83,23 @@ class HotFolder:
         Those among them whose end was waited for in vain are then `endless`.
         """
         fresh = {}
-        for found, stamp in stamps.items():
-            sight = self._seen.get(found)
-            if sight is None or sight.stamp != stamp:
-                sight = Sight(stamp, now_s)
-            fresh[found] = sight
         ready = []
         self.endless = ()
-        for found, sight in fresh.items():
+        for item, stamp in stamps.items():
+            sight = self._seen.get(item)
+            if sight is None or sight.stamp != stamp:
+                sight = Sight(stamp, now_s)
+            fresh[item] = sight
             stood_s = now_s - sight.since_s
             if sight.handed or stood_s < self._settle_s:
                 continue
-            endless = not (sight.endless or self._ends(found.path))
+            endless = not (sight.endless or self._ends(item.path))
             if endless and stood_s < self._end_s:
                 continue
             if endless:
-                self.endless = (*self.endless, found)
-            fresh[found] = replace(sight, handed=True, endless=endless or sight.endless)
-            ready.append(found)
+                self.endless = (*self.endless, item)
+            fresh[item] = replace(sight, handed=True, endless=endless or sight.endless)
+            ready.append(item)
         self._seen = fresh
         return tuple(ready)
 
@@ -115,42 +108,34 @@ class HotFolder:
         """Whether there is a file that has not been handed over."""
         return not all(sight.handed for sight in self._seen.values())
 
-    def again(self, found: Input, now_s: float) -> None:
+    def again(self, item: Input, now_s: float) -> None:
         """Hand an input over again after a while, even if it has not changed."""
-        self._seen[found] = replace(self._seen[found], handed=False, since_s=now_s + AGAIN_S)
+        self._seen[item] = replace(self._seen[item], handed=False, since_s=now_s + AGAIN_S)
 
-    def is_as_seen(self, found: Input) -> bool:
+    def is_as_seen(self, item: Input) -> bool:
         """Whether an input is still what was handed over."""
-        return look([found]).get(found) == self._seen[found].stamp
+        return look([item]).get(item) == self._seen[item].stamp
 
 
-def file_away(found: Input, folder: str, row: FileRow | None = None) -> str:
+def file_away(item: Input, folder: str, row: FileRow | None = None) -> str:
     """Move an input into `folder`, below it as below the hot folder, and give its path there.
 
     An older one of the name is kept and the new one numbered. With `row` its messages are written
     beside it. Raises OSError.
     """
-    place = os.path.join(folder, *found.tree.split("/"))
+    place = os.path.join(folder, *item.tree.split("/"))
     os.makedirs(os.path.dirname(place), exist_ok=True)
-    target = next(path for path in _numbered(place) if not os.path.lexists(path))
+    stem, suffix = os.path.splitext(place)
+    numbered = chain([place], (f"{stem}-{number}{suffix}" for number in count(2)))
+    target = next(path for path in numbered if not os.path.lexists(path))
     if row is not None:
         text = "".join(message_line(message) + "\n" for message in row["messages"])
         write_whole(f"{target}.txt", encoded(text))
-    shutil.move(found.path, target)
+    shutil.move(item.path, target)
     return target
 
 
-def _numbered(path: str) -> Iterator[str]:
-    """`path`, then with -2, -3, ... before its suffix."""
-    stem, suffix = os.path.splitext(path)
-    yield path
-    number = 2
-    while True:
-        yield f"{stem}-{number}{suffix}"
-        number += 1
-
-
-@click.command("watch", cls=Grouped)
+@click.command("watch", cls=options.Grouped)
 @click.argument("folder", metavar="IN_FOLDER", type=click.Path(exists=True, file_okay=False))
 @run_options
 @click.option("--done", metavar="FOLDER", help="Move posted inputs to this folder.")
@@ -188,89 +173,65 @@ def command(
     beamcam watch hot -o programs --done hot/done --refused hot/refused
     beamcam watch hot -o programs --once --settle 0
     """
-    try:
-        config = settled(values, (folder,))
-        settings = batch_settings(config, values)
-        console.say_remarks()
-        for place in (output, done, refused):
-            if place is not None:
-                _make(place)
-    except BeamcamError as error:
-        console.stop(error.diagnostics)
+    config = settled(values, (folder,))
+    settings = batch_settings(config, values)
+    console.say_remarks()
+    leave_out = tuple(place for place in (output, done, refused) if place is not None)
+    for place in leave_out:
+        try:
+            os.makedirs(place, exist_ok=True)
+        except OSError as error:
+            reason = error.strerror or str(error)
+            console.stop([WRITE.at(Source(place), found=place, reason=reason)])
     hot = HotFolder(settle, end_wait)
     recipe = recipe_of(config, values, output)
-    leave_out = tuple(place for place in (output, done, refused) if place is not None)
     claims = claims_of(output, folder)
     marks: dict[MarkKey, str] = {}
     last: tuple[Diagnostic, ...] = ()
-    if not (console.quiet or console.as_json):
-        ending = "" if once else "; Ctrl-C ends it"
-        say_lines(
-            [f"watching {folder} every {every:g} s, programs go to {output}{ending}"], err=True
-        )
+    ending = "" if once else "; Ctrl-C ends it"
+    console.tell(f"watching {folder} every {every:g} s, programs go to {output}{ending}")
     with Progress(None, console) as progress, asked_to_end() as interrupted:
-        try:
-            while not interrupted:
-                inputs = find_inputs((folder,), leave_out)
-                # An empty folder is nothing wrong; what else there is to say is said once.
-                diagnostics = tuple(d for d in inputs.diagnostics if d.code != NOTHING.code)
-                diagnostics += unused(inputs, config)
-                if diagnostics != last:
-                    progress.say(map(as_message, diagnostics))
-                    last = diagnostics
-                ready = hot.take(look(inputs.inputs), time.monotonic())
-                progress.say(
-                    as_message(NO_END.at(Source(one.path), found=f"{end_wait:g}"))
-                    for one in hot.endless
-                )
-                if ready:
-                    workers = workers_of(settings, config.jobs, config.dask, ready)
-                    read = files_read(config, (one.path for one in ready))
-                    rows = run(
-                        ready, output, settings, workers, config.flat, claims=claims, read=read,
-                        recipe=recipe, interrupt=interrupted, marks=marks,
-                    )  # fmt: skip
-                    try:
-                        for one, row in zip(ready, rows, strict=False):
-                            progress.show(row)
-                            _file_away(one, row, hot, done, refused, progress)
-                    finally:
-                        rows.close()
-                elif once and not hot.is_waiting:
-                    break
-                else:
-                    interrupted.wait(every)
-        except BeamcamError as error:
-            console.stop(error.diagnostics)
+        while not interrupted:
+            inputs = find_inputs((folder,), leave_out)
+            # An empty folder is nothing wrong; what else there is to say is said once.
+            diagnostics = tuple(d for d in inputs.diagnostics if d.code != NOTHING.code)
+            diagnostics += unused(inputs, config)
+            if diagnostics != last:
+                progress.say(diagnostics)
+                last = diagnostics
+            ready = hot.take(look(inputs.inputs), time.monotonic())
+            progress.say(NO_END.at(Source(one.path), found=f"{end_wait:g}") for one in hot.endless)
+            if ready:
+                workers = workers_of(settings, config.jobs, config.dask, ready)
+                read = files_read(config, (one.path for one in ready))
+                setup = RunSetup(output, settings, workers, read, recipe, interrupt=interrupted)
+                rows = run(ready, setup, config.flat, claims, marks)
+                try:
+                    for one, row in zip(ready, rows, strict=False):
+                        progress.show(row)
+                        _file_away(one, row, hot, done, refused, progress)
+                finally:
+                    rows.close()
+            elif once and not hot.is_waiting:
+                break
+            else:
+                interrupted.wait(every)
         progress.end()
     end_run(progress.counts, bool(interrupted), exit_left_out)
 
 
-def _make(folder: str) -> None:
-    try:
-        os.makedirs(folder, exist_ok=True)
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise BatchError(WRITE.at(Source(folder), found=folder, reason=reason)) from error
-
-
 def _file_away(
-    found: Input,
-    row: FileRow,
-    hot: HotFolder,
-    done: str | None,
-    refused: str | None,
+    item: Input, row: FileRow, hot: HotFolder, done: str | None, refused: str | None,
     progress: Progress,
-) -> None:
+) -> None:  # fmt: skip
     """Move an input to where it belongs now; one that failed is tried again later."""
+    is_refused = row["status"] == "refused"
+    folder = refused if is_refused else done
     if row["status"] == "failed":
-        hot.again(found, time.monotonic())
-        return
-    place = refused if row["status"] == "refused" else done
-    if place is None or not hot.is_as_seen(found):
-        return
-    try:
-        file_away(found, place, row if row["status"] == "refused" else None)
-    except OSError as error:
-        diagnostic = WRITE.at(Source(found.path), found=place, reason=error.strerror or str(error))
-        progress.say([as_message(diagnostic)])
+        hot.again(item, time.monotonic())
+    elif folder is not None and hot.is_as_seen(item):
+        try:
+            file_away(item, folder, row if is_refused else None)
+        except OSError as error:
+            reason = error.strerror or str(error)
+            progress.say([WRITE.at(Source(item.path), found=folder, reason=reason)])

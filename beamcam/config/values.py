@@ -85,10 +85,6 @@ class Dask(Keys, frozen=True):
     answer_s: Annotated[float, Meta(gt=0, le=600)] | None = None  #: for it and its workers
     chunks: PositiveCount | None = None  #: of files that each thread has at a time, one in work
 
-    def given(self) -> dict[str, Any]:
-        """The values that are set, by their names."""
-        return {name: value for name, value in asdict(self).items() if value is not None}
-
 
 class MapRow(LayerSettings, frozen=True, kw_only=True):
     """Process and settings of a layer or a colour."""
@@ -173,7 +169,9 @@ class Config(ConfigFile, frozen=True):
     def rows(self, table: str) -> Mapping[str, Any]:
         """The rows of a key that is a table, by their names."""
         value: Mapping[str, Any] | Sheet | Dask | Limits = getattr(self, table)
-        return value.given() if isinstance(value, Sheet | Dask | Limits) else value
+        if not isinstance(value, Sheet | Dask | Limits):
+            return value
+        return {name: row for name, row in asdict(value).items() if row is not None}
 
     def settings(self) -> tuple[Setting, ...]:
         """Every value, the defaults included, each with where it was set."""

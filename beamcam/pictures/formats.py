@@ -345,3 +345,13 @@ def _colour(code: str) -> Any:
     from reportlab.lib.colors import HexColor
 
     return HexColor(code)
+
+
+def picture(scenes: Sequence[Scene], suffix: str, paper: Paper = "a4") -> str | bytes:
+    """Pictures in the format of a suffix; only a PDF has room for more than the first.
+
+    Raises PictureError where the library for the format is not installed.
+    """
+    if suffix == ".pdf":
+        return to_pdf(scenes, paper)
+    return to_png(scenes[0]) if suffix == ".png" else to_svg(scenes[0])

@@ -11,6 +11,7 @@ from msgspec.structs import astuple, replace
 from beamcam.errors import BeamcamError, Diagnostic, errors_in
 from beamcam.geometry.plane import Box
 from beamcam.model.part import PLATE_FACES, Contour, EndPlane, Hole, Part, Slot
+from beamcam.model.plan import AnyPlan
 from beamcam.model.section import (
     STEEL_KG_MM3,
     measures_of,
@@ -19,6 +20,7 @@ from beamcam.model.section import (
     single_contours,
     weight_of,
 )
+from beamcam.planning.manual_list import MARK_ROWS, manual_rows
 from beamcam.reports.tables import Cell, Table
 
 # --- weights --------------------------------------------------------------------------------------
@@ -183,6 +185,12 @@ class ManualWork(Struct, frozen=True):
 
     marks: int
     bevels: int
+
+
+def manual_work_of(plan: AnyPlan) -> ManualWork:
+    """What the program of a plan leaves."""
+    kinds = [row["kind"] for row in manual_rows(plan)]
+    return ManualWork(sum(kind in MARK_ROWS for kind in kinds), kinds.count("bevel"))
 
 
 class CutPiece(Struct, frozen=True):

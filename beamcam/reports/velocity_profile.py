@@ -23,7 +23,6 @@ class VelocityUnit(Struct, frozen=True):
 
 RPM = VelocityUnit("rpm", 60.0, "revolutions")
 MM_S = VelocityUnit("mm/s", 1.0, "mm")
-UNITS = {unit.name: unit for unit in (RPM, MM_S)}
 
 
 class Encoder(Struct, frozen=True):

@@ -13,8 +13,9 @@ from beamcam.machine import load
 from beamcam.machine.machine import saw_of
 from beamcam.model.part import Bevel, Contour, EndCuts, Part, Profile
 from beamcam.model.plan import Plan, SawOp
+from beamcam.model.request import Request
 from beamcam.model.section import corners
-from beamcam.pipeline import from_store
+from beamcam.pipeline import plans_of
 from beamcam.planning.beam import plan_bar
 from beamcam.planning.operations.finished_part import SawnEnd, ends_of, web_borders
 from beamcam.planning.operations.outlines import leaves_stock
@@ -191,10 +192,10 @@ def test_what_is_left_of_the_bar_holds_its_last_part() -> None:
         plan(long, short, machine="beamline", bar=3900.0)
     assert [said.code for said in caught.value.diagnostics] == ["plan-bar-left"]
 
-    def made(length: float | None) -> float:
-        return plan(long, short, machine="beamline", bar=length).bar.length
-
-    assert from_store(made, (3900.0, 4500.0, 12000.0), 3000.0) == 4500.0
+    request = Request((long, short), load("beamline"), stock=(3900.0, 4500.0, 12000.0))
+    (planned,) = plans_of(request)
+    assert isinstance(planned.plan, Plan)
+    assert planned.plan.bar.length == 4500.0
 
 
 @pytest.mark.parametrize("web_end", [30.0, -30.0])
