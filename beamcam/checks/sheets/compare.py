@@ -141,16 +141,16 @@ def switching_faults(
         done, line = 0, 1
         for place, (before, event) in enumerate(run.others):
             if before > done:
-                watch.diagnostics += watch.moves(done, before)
+                watch.moves(done, before)
             done, line = before, event.line
             if place in starts:
-                watch.diagnostics += watch.starts(line, starts[place].row, starts[place].tool)
+                watch.starts(line, starts[place].row, starts[place].tool)
             elif place in stops:
-                watch.diagnostics += watch.stops(line)
-            watch.diagnostics += watch.take(event)
+                watch.stops(line)
+            watch.take(event)
         if len(run.moves) > done:
-            watch.diagnostics += watch.moves(done, len(run.moves))
-        watch.diagnostics += watch.ends(line)
+            watch.moves(done, len(run.moves))
+        watch.ends(line)
     return [one for watch in watches for one in watch.diagnostics]
 
 

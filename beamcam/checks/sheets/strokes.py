@@ -12,7 +12,7 @@ from msgspec.structs import replace
 
 from beamcam.checks.sheets import rules
 from beamcam.checks.sheets.asked_sheet import RowWords, words_of
-from beamcam.checks.sheets.controller_state import ControllerState, Setting
+from beamcam.checks.sheets.controller_state import ControllerState, Setting, Watch
 from beamcam.checks.sheets.feeds import NearCorners, expected_feeds, near_corners
 from beamcam.controllers.dialect import IDLE_SWITCHES, SHEET_END, STOPS
 from beamcam.controllers.events import (
@@ -25,7 +25,7 @@ from beamcam.controllers.events import (
     TableEvent,
 )
 from beamcam.controllers.moves import Moves, TableRun
-from beamcam.errors import Diagnostic, Rule, Source
+from beamcam.errors import Diagnostic
 from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.geometry.curves import Arc
 from beamcam.geometry.plane import Point
@@ -127,18 +127,17 @@ def _beyond(arc: Sequence[float], low: Sequence[float], high: Sequence[float]) -
     return place if most > 0.0 else None
 
 
-class _Head:
+class _Head(Watch):
     """The state of the head while a program runs; strokes count all moves of the program."""
 
     def __init__(self, known: list[RowWords], machine: Machine, torch: Torch, name: str) -> None:
-        self.diagnostics: list[Diagnostic] = []
-        self._state = ControllerState(machine, torch, name)
+        super().__init__(name)
+        self._state = ControllerState(machine, torch, name, self.diagnostics)
         self._known = known
         self._starting: dict[Said, list[RowWords]] = {}
         for words in known:
             for said in words.on:
                 self._starting.setdefault(said, []).append(words)
-        self._name = name
         self._torch = torch
         self._step = machine.format.resolution
         per_minute = 60.0 if machine.format.feed_unit == "mm/s" else 1.0
@@ -146,9 +145,6 @@ class _Head:
         self._started: list[_Started] = []
         self._place = -1
         self._on = False
-
-    def _wrong(self, rule: Rule, line: int, **values: str) -> None:
-        self.diagnostics.append(rule.at(Source(self._name, line), **values))
 
     def take(self, place: int, before: int, event: Other) -> None:
         """Anything but a move, with its place among such and the number of moves before it."""
@@ -162,14 +158,14 @@ class _Head:
             self._started[-1].dark_from = None if event.on else before
         elif isinstance(event, Setting):
             ended = self._started[-1].stroke.last if self._started else 0
-            self.diagnostics += self._state.take(event, before, self._on, ended)
+            self._state.take(event, before, self._on, ended)
 
     def _switch(self, before: int, event: Switch) -> None:
         if event.number in ENDS:
             if self._on:
                 self._wrong(SHEET_END, event.line, found="the end with the tool on")
                 self._stop(before)
-            self.diagnostics += self._state.ends(event.line)
+            self._state.ends(event.line)
             return
         said = event.said
         starts = self._starting.get(said)
@@ -182,7 +178,7 @@ class _Head:
         elif starts is not None and not self._on:
             self._on = True
             state = self._state
-            self.diagnostics += state.starts(event.line, before)
+            state.starts(event.line, before)
             row = starts[0].row
             stroke = HeadStroke(
                 event.line, row, state.side, state.radius, before, before, self._place
@@ -267,7 +263,7 @@ class _Head:
                     stroke.dark = int((rows[first:last] >= one.dark_from).sum())
                 each.append(stroke)
         if len(rows):
-            self.diagnostics += self._state.unsaid(int(moves.line[rows[0]]), int(rows[0]))
+            self._state.unsaid(int(moves.line[rows[0]]), int(rows[0]))
         kept = moves if len(rows) == len(moves) else moves.take(rows)
         self._check_feeds(kept, owner[rows])
         return Strokes(each, kept)
