@@ -94,7 +94,7 @@ def _distances(contours: shapely.STRtree, points: Floats) -> tuple[Floats, Float
 def _whole_lead(work: Work, t: Traced, contours: shapely.STRtree) -> Floats:
     """Places of the machine's lead from where a stroke joins its contour to its far end, (n, 2)."""
     at = work.path.starts[t.first]
-    ((tx, ty),) = work.path.elements.directions(work.path.first(np.array([t.first])), np.zeros(1))
+    ((tx, ty),) = work.path.elements.directions(work.path.first[[t.first]], np.zeros(1))
     place = shapely.Point(at)
     own = contours.geometries[contours.nearest(place)]
     if t.contour >= 0:  # that of another part may lie nearer

@@ -343,34 +343,13 @@ def _ring(feature: Hole | Slot) -> list[Curve]:
 
 def shift_of(need: Need, torch: Torch) -> tuple[float, float]:
     """Machine coordinates of the part's x 0, y 0, as the machine places a sheet."""
-    if torch.place == "drawn" and torch.origin == "table":
+    if (torch.place == "drawn" and torch.origin == "table") or not need.curves:
         return 0.0, 0.0
-    fine = torch.tolerance / 8
-    if not need.curves:
-        return 0.0, 0.0
-    if torch.origin != "table":
-        box = extent(curve for curves in need.curves.values() for curve in curves)
-        x0, y0, x1, y1 = box or (0.0, 0.0, 0.0, 0.0)
-        xs = {"left": x0, "right": x1, "centre": (x0 + x1) / 2}
-        ys = {"lower": y0, "upper": y1, "centre": (y0 + y1) / 2}
-        across, _, along = torch.origin.partition("-")
-        return -xs[along or across], -ys[across]
-    corners = [_min_corner(need, process, fine) for process in need.curves]
-    return torch.margin - min(x for x, _ in corners), torch.margin - min(y for _, y in corners)
-
-
-def _min_corner(need: Need, process: TorchProcess, tolerance: float) -> Point:
-    """The minimum x and y of the curves of a process.
-
-    Lines and arcs say it themselves. Of the others the chords are known, and those that come
-    within a chord's tolerance of the least are asked.
-    """
-    toolpaths = need.toolpaths(process, tolerance)
-    low, _ = toolpaths.boxes
-    exact = np.ones(len(low), dtype=bool)
-    exact[toolpaths.rest] = False
-    near = toolpaths.rest[np.any(low[toolpaths.rest] <= low.min(axis=0) + 2 * tolerance, axis=1)]
-    box = extent(need.curves[process][k] for k in near.tolist())
-    corners = np.concatenate((low[exact], np.array([box[:2]] if box else []).reshape(-1, 2)))
-    x, y = corners.min(axis=0).tolist()
-    return x, y
+    box = extent(curve for curves in need.curves.values() for curve in curves)
+    x0, y0, x1, y1 = box or (0.0, 0.0, 0.0, 0.0)
+    if torch.origin == "table":
+        return torch.margin - x0, torch.margin - y0
+    xs = {"left": x0, "right": x1, "centre": (x0 + x1) / 2}
+    ys = {"lower": y0, "upper": y1, "centre": (y0 + y1) / 2}
+    across, _, along = torch.origin.partition("-")
+    return -xs[along or across], -ys[across]

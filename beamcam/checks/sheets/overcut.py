@@ -154,7 +154,7 @@ def _pass_their_start(work: Work, traced: Sequence[Traced]) -> set[int]:
 def _retraced(work: Work, t: Traced) -> float:
     """How far a stroke that does not end where it began has gone on along its own first curves."""
     path = work.path
-    if path.first(np.array(t.first)) == path.last(np.array(t.last - 1)):
+    if path.first[t.first] == path.last[t.last - 1]:
         return 0.0  # one line or arc
     begin = path.begins[t.first]
     length = float(path.begins[t.last - 1] + path.lengths[t.last - 1] - begin)
@@ -225,7 +225,7 @@ def _beside(work: Work, t: Traced) -> Limits:
     room = STAYS * float(path.lengths[start]) - 3 * t.half_kerf
     asked = required_overcut(work, t, found)
     least = min(asked, max(0.0, room))
-    radius = float(path.elements.arcs[path.first(np.array([start]))[0], 2])
+    radius = float(path.elements.arcs[path.first[[start]][0], 2])
     share = min(0.5, t.half_kerf / radius) if radius else 0.0
     return found, least * (1 - share), asked * (1 + 2 * share) + 2 * t.half_kerf
 

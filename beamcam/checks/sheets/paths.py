@@ -97,7 +97,7 @@ def _samples(work: Work) -> Samples:
     samples = [path.samples(SPACING), beside_bends(path, work.need, _most(work))]
     if work.half_kerf:  # nothing else would see an end that runs on into the waste
         every = np.arange(path.count)
-        samples.append((path.last(every), np.ones(path.count), every))
+        samples.append((path.last, np.ones(path.count), every))
     return joined_samples(*samples)
 
 
@@ -352,9 +352,7 @@ def aligned(
     """The pairs of a sample of `own` and an element of `other` in whose direction that runs."""
     element, share, _ = samples
     ahead = own.elements.directions(element[pairs.point], share[pairs.point])
-    length = other.elements.length[pairs.element]
-    at = np.divide(pairs.along, length, out=np.zeros(len(length)), where=length > 0.0)
-    there = other.elements.directions(pairs.element, at)
+    there = other.elements.directions(pairs.element, other.shares(pairs))
     across = np.abs(ahead[:, 0] * there[:, 1] - ahead[:, 1] * there[:, 0])
     is_aligned: Flags = across <= np.sin(MAX_TURN_RAD)
     which = np.flatnonzero(~is_aligned)
@@ -393,6 +391,6 @@ def _near_bend(toolpaths: Toolpaths, pairs: Pairs, slack: float) -> Flags:
 
 def _bends(toolpaths: Toolpaths, slack: float) -> tuple[Flags, Flags, Flags]:
     """The ways that begin at a bend, those that end at one, and those that end at the next one."""
-    turns, every = toolpaths.turns(slack), np.arange(toolpaths.count)
-    before, behind = turns[toolpaths.first(every)], turns[toolpaths.last(every) + 1]
+    turns = toolpaths.turns(slack)
+    before, behind = turns[toolpaths.first], turns[toolpaths.last + 1]
     return before > SMOOTH_RAD, behind > SMOOTH_RAD, np.isfinite(behind)

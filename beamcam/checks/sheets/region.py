@@ -20,7 +20,7 @@ from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from beamcam.checks.sheets.joining import SLACK, WRITTEN_SAME, rings_of, trim
-from beamcam.checks.sheets.toolpaths import Chain, Stretches, Toolpaths
+from beamcam.checks.sheets.toolpaths import Chain, DrawnWays, Toolpaths
 from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.geometry.arrays import first_equal
 from beamcam.geometry.curves import Curve
@@ -131,7 +131,7 @@ def closed_features(toolpaths: Toolpaths, features: Counts, real: Counts) -> Fla
     return found
 
 
-def closed_rings(toolpaths: Stretches, which: Sequence[int], features: Counts) -> list[Chain]:
+def closed_rings(toolpaths: DrawnWays, which: Sequence[int], features: Counts) -> list[Chain]:
     """The contours of closed features, taken apart where one passes a place again."""
     if not which:
         return []
@@ -309,7 +309,7 @@ class Rings(Struct, frozen=True):
         found: Counts = self.ways[np.isin(self.ring, list(rings))]
         return found
 
-    def polygons(self, drawn: Stretches) -> NDArray[np.object_]:
+    def polygons(self, drawn: DrawnWays) -> NDArray[np.object_]:
         """The inside of each ring."""
         begins, sizes = drawn.begins[self.ways], np.diff(drawn.begins)[self.ways]
         step = np.where(self.turned, -1, 1)
@@ -320,7 +320,7 @@ class Rings(Struct, frozen=True):
         polygons: NDArray[np.object_] = shapely.polygons(outlines)
         return polygons
 
-    def gaps(self, drawn: Stretches) -> Floats:
+    def gaps(self, drawn: DrawnWays) -> Floats:
         """The greater of the gaps at both ends of each way, to its neighbours in the ring."""
         after = np.arange(1, len(self.ways) + 1)
         after[self.begins[1:] - 1] = self.begins[:-1]

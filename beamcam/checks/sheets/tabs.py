@@ -142,7 +142,7 @@ def _corners(work: Work, contour: int, least_deg: float) -> Floats:
     """Places where two curves of a contour meet and turn by more than so much, (n, 2)."""
     need = work.need
     ways, turned = np.array(work.region.rings[contour], dtype=np.int64).T
-    first, last, zero = need.first(ways), need.last(ways), np.zeros(len(ways))
+    first, last, zero = need.first[ways], need.last[ways], np.zeros(len(ways))
     ahead = need.elements.directions(first, zero)
     back = need.elements.directions(last, zero + 1.0)
     is_turned = turned[:, None] == 1

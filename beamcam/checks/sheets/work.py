@@ -11,7 +11,6 @@ from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from beamcam.checks.sheets import rules
-from beamcam.checks.sheets.grid import widest_gap
 from beamcam.checks.sheets.need import Need
 from beamcam.checks.sheets.region import Region, Rings, small_ways
 from beamcam.checks.sheets.strokes import HeadStroke, Strokes
@@ -198,6 +197,17 @@ def widest_joint(need: Toolpaths, gap: float) -> float:
     return widest_gap(np.concatenate((starts, ends[apart])), gap)
 
 
+def widest_gap(points: Floats, reach: float) -> float:
+    """The greatest distance of two points (n, 2) that are no farther than `reach` from each other.
+
+    0 if there are none.
+    """
+    once = np.unique(np.ascontiguousarray(points).view(np.complex128))
+    places = shapely.points(once.real, once.imag)
+    a, b = shapely.STRtree(places).query(places, "dwithin", distance=reach)
+    return float(np.abs(once[a] - once[b]).max(initial=0.0))
+
+
 # --- alike ----------------------------------------------------------------------------------------
 
 # Strokes that two processes make by the same words, distinguished by the curves they follow.
@@ -301,7 +311,7 @@ def waste_sides(region: Region, toolpaths: Toolpaths, fine: float) -> Floats:
     longest = np.lexsort((toolpaths.lengths[rings.ways], rings.ring))[rings.begins[1:] - 1]
     middle = np.full(len(longest), 0.5)
     on_left, on_right = _part_beside(
-        region, toolpaths, toolpaths.first(rings.ways[longest]), middle, fine
+        region, toolpaths, toolpaths.first[rings.ways[longest]], middle, fine
     )
     along = np.where(on_left != rings.turned[longest], -1.0, 1.0)
     if len(shared := np.flatnonzero(on_left == on_right)):
