@@ -64,7 +64,7 @@ from beamcam.checks.sheets.overcut import dark_faults, overcut_faults
 from beamcam.checks.sheets.paths import cover, follow
 from beamcam.checks.sheets.region import Region
 from beamcam.checks.sheets.remainder import link_faults, passes_folded, unchained
-from beamcam.checks.sheets.settings import look_faults
+from beamcam.checks.sheets.settings import setting_faults
 from beamcam.checks.sheets.shared_sheet import SKELETON, as_one
 from beamcam.checks.sheets.strokes import Strokes, is_far, strokes_of
 from beamcam.checks.sheets.tabs import tab_faults
@@ -190,7 +190,7 @@ def compare_part(
         if torch.overscan and not stepped:
             diagnostics += overscan_faults(work)
     if torch.settings or any(row.passes > 1 for row in need.rows.values()):
-        diagnostics += look_faults(works, traced, name)
+        diagnostics += setting_faults(works, traced, name)
     if any(own.hatch for own in torch.settings.values()):
         diagnostics += hatch_faults(need, torch, name)
     diagnostics += order_faults(sorted(traced, key=lambda t: t.stroke.line), works, name)
@@ -201,8 +201,8 @@ def _compared(work: Work) -> tuple[Sequence[Traced], list[Diagnostic]]:
     """Missing, extra, repeated, open and wrong-side paths of one process."""
     if not work.need.count:
         line, place = work.strokes[0].line, work.moves.start[0]
-        away, expected = "on no contour", f"nothing to {work.process}"
-        return [], [work.extra(line, place, away, expected)]
+        values = {"away": "on no contour", "expected": f"nothing to {work.process}"}
+        return [], [work.fault(rules.EXTRA, line, place, **values)]
     if not work.strokes:
         which = np.flatnonzero(~work.small)
         return [], [work.missing(k, work.need.starts[k]) for k in which[:1].tolist()]

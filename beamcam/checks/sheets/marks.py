@@ -57,21 +57,27 @@ def add_texts(need: Need, part: Part, machine: Machine, torch: Torch, strokes: S
         return
     chords = [pair for curve in _once(need) for pair in pairwise(_points(curve, CHORD))]
     steel = steel_within(chords)
-    pieces = _pieces(strokes, process, shift_of(need, torch))
+    moves, shift = strokes.moves, shift_of(need, torch)
+    pieces: list[tuple[Point, Point]] = []  # in the numbers of the part
+    for stroke in strokes.each:
+        if stroke.process == process:
+            rows = slice(stroke.first, stroke.last)
+            ends = np.hstack((moves.start[rows] - shift, moves.end[rows] - shift)).tolist()
+            pieces += [((a, b), (c, d)) for a, b, c, d in ends]
     if machine.stepper is not None:
         _where_they_are(need, required, part, machine, steel, pieces)
         return
     drawn = DrawnPieces(pieces, max(NEAR, torch.tolerance))
     ours = {index: text for index, text in required if text.feature.face in FACES}
-    standing = text_positions([*ours.values()], drawn, steel, steel, machine.marks)
-    stands = dict(zip(ours, standing, strict=True))
+    positions = text_positions([*ours.values()], drawn, steel, steel, machine.marks)
+    position_of = dict(zip(ours, positions, strict=True))
     for index, text in required:
-        one = stands.get(index)
-        if one is None:
+        at = position_of.get(index)
+        if at is None:
             need.diagnostics.append(manual_work(text.feature, part, machine))
         else:
-            need.diagnostics += one.diagnostics
-            _need(need, process, index, text, (one.x, one.y, one.height))
+            need.diagnostics += at.diagnostics
+            _need(need, process, index, text, (at.x, at.y, at.height))
 
 
 def _where_they_are(
@@ -109,18 +115,6 @@ def _need(
     need: Need, process: TorchProcess, index: int, text: RequiredText, place: tuple[float, ...]
 ) -> None:
     need.add(process, [Line(a, b) for a, b in text.at(*place)], index, text.feature.source)
-
-
-def _pieces(strokes: Strokes, process: TorchProcess, shift: Point) -> Sequence[tuple[Point, Point]]:
-    """The straight moves of a process, in the numbers of the part."""
-    moves = strokes.moves
-    pieces: list[tuple[Point, Point]] = []
-    for stroke in strokes.each:
-        if stroke.process == process:
-            rows = slice(stroke.first, stroke.last)
-            ends = np.hstack((moves.start[rows] - shift, moves.end[rows] - shift)).tolist()
-            pieces += [((a, b), (c, d)) for a, b, c, d in ends]
-    return pieces
 
 
 def _once(need: Need) -> Iterator[Curve]:
@@ -261,18 +255,15 @@ def overscan_faults(work: Work) -> list[Diagnostic]:
     middles = (work.path.starts[firsts] + work.path.ends[firsts]) / 2
     _, nearest = work.need.nearest(middles, work.tolerance)
     diagnostics: list[Diagnostic] = []
-    for stroke, way, (x, y) in zip(work.strokes, nearest.tolist(), middles.tolist(), strict=True):
+    for stroke, way, middle in zip(work.strokes, nearest.tolist(), middles, strict=True):
         is_line = work.asked.source(work.process, way).where == HATCH
         expected = over if is_line else 0.0
-        if max(abs(found - expected) for found in stroke.overscan) <= 2 * work.tolerance:
+        if max(abs(length - expected) for length in stroke.overscan) <= 2 * work.tolerance:
             continue
-        before, behind = stroke.overscan
+        found, line = "{:.3f} and {:.3f}".format(*stroke.overscan), stroke.line
         diagnostics.append(
-            rules.OVERSCAN.at(
-                Source(work.name, stroke.line), x=f"{x:.3f}", y=f"{y:.3f}",
-                found=f"{before:.3f} and {behind:.3f}", expected=f"{expected:g}",
-            )
-        )  # fmt: skip
+            work.fault(rules.OVERSCAN, line, middle, found=found, expected=f"{expected:g}")
+        )
     return diagnostics[:SHOWN]
 
 
@@ -351,8 +342,7 @@ def _filled(need: Need, process: TorchProcess | None, key: str, own: LayerSettin
 
     def turned(curves: Iterable[Curve]) -> Floats:
         points = [p for curve in curves for p in _points(curve, HATCH_CHORD)]
-        found: Floats = np.array(points) @ np.array([[c, -s], [s, c]])
-        return found
+        return np.asarray(np.array(points) @ np.array([[c, -s], [s, c]]))
 
     rings = [turned(contour.curves) for contour in need.filled.get(key, [])]
     lines: list[Floats] = []
@@ -370,29 +360,25 @@ def _filled(need: Need, process: TorchProcess | None, key: str, own: LayerSettin
 
 def one_way_faults(work: Work) -> list[Diagnostic]:
     """The first line of a hatch that is followed backwards where all are to run one way."""
-    torch, need = work.torch, work.need
-    every = [
-        k for k, (look, feature) in enumerate(
-            zip(work.asked.looks[work.process], work.asked.features[work.process], strict=True)
-        )
+    torch, need, asked = work.torch, work.need, work.asked
+    looks = asked.looks[work.process]
+    lines = [
+        k for k, look in enumerate(looks)
         if look in torch.settings and torch.settings[look].hatch_one_way
-        and work.asked.sources[feature].where == HATCH
+        and asked.source(work.process, k).where == HATCH
     ]  # fmt: skip
-    if not every or not work.strokes:
+    if not lines or not work.strokes:
         return []
-    ways = np.array(every)
+    ways = np.array(lines)
     points = need.point(ways, need.lengths[ways] / 2)
-    pairs = work.path.near(points, float(work.slack.max(initial=0.0)))
+    pairs = work.path.near(points, work.most_slack)
     legs = work.path.elements.directions(pairs.element, np.zeros(len(pairs.element)))
-    angles = [torch.settings[work.asked.looks[work.process][k]].hatch_angle for k in every]
-    turns = np.radians(angles)[pairs.point]
-    along = legs[:, 0] * np.cos(turns) + legs[:, 1] * np.sin(turns)
+    angles = np.radians([torch.settings[looks[k]].hatch_angle for k in lines])[pairs.point]
+    along = legs[:, 0] * np.cos(angles) + legs[:, 1] * np.sin(angles)
     # What crosses a line is not part of it.
-    back = np.flatnonzero(along < -0.99)
-    if not len(back):
-        return []
-    k = int(back[0])
-    line = int(work.moves.line[work.path.owner[pairs.element[k]]])
-    x, y = points[pairs.point[k]].tolist()
-    key = work.asked.looks[work.process][every[int(pairs.point[k])]]
-    return [rules.HATCH_WAY.at(Source(work.name, line), key=key, x=f"{x:.3f}", y=f"{y:.3f}")]
+    back = np.flatnonzero(along < -0.99)[:1]
+    way, at = work.path.owner[pairs.element[back]], pairs.point[back]
+    return [
+        work.fault(rules.HATCH_WAY, line, points[k], key=looks[lines[k]])
+        for line, k in zip(work.moves.line[way].tolist(), at.tolist(), strict=True)
+    ]

@@ -150,15 +150,14 @@ class Toolpaths:
     def nearest_within(
         self, points: Floats, reaches: Sequence[float], which: Flags | None = None,
         fits: Callable[[Pairs], Flags] | None = None,
-    ) -> tuple[Floats, Counts, Floats]:  # fmt: skip
-        """Of each point the nearest way, of some of them: how far it is, which, how far along it.
+    ) -> tuple[Floats, Counts]:  # fmt: skip
+        """Of each point the nearest way, of some of them: how far it is, and which one.
 
         Of the ways `which`, and the pairs that `fits`. Infinitely far where there is none within
         the greatest of the `reaches`, which ascend: what is nearer is not looked for farther out,
         where curves may lie close together.
         """
         away, who = np.full(len(points), np.inf), np.zeros(len(points), dtype=np.int64)
-        along = np.zeros(len(points))
         left = np.arange(len(points) if which is None or which.any() else 0)
         for reach in reaches:
             if not len(left):
@@ -169,27 +168,23 @@ class Toolpaths:
                 if fits is not None:
                     best = best.kept(fits(best))
                 best = nearest_pairs(best)
-                at, owner = best.point, self.owner[best.element]
-                away[at], who[at] = best.away, owner
-                along[at] = self.at(best.element, best.along) - self.begins[owner]
+                away[best.point], who[best.point] = best.away, self.owner[best.element]
             left = left[np.isinf(away[left])]
-        return away, who, along
+        return away, who
 
     def by_way(self, pairs: Pairs) -> Pairs:
         """Of the elements of one way near one point, the nearest; the first of several."""
         return _nearest(pairs, pairs.point * self.count + self.owner[pairs.element])
 
-    def nearest_of(self, pairs: Pairs, count: int) -> tuple[Floats, Counts, Floats]:
-        """Of each of `count` points the nearest way: how far it is, which, how far along it.
+    def nearest_of(self, pairs: Pairs, count: int) -> tuple[Floats, Counts]:
+        """Of each of `count` points the nearest way: how far it is, and which one.
 
         Infinitely far where there is no pair; the first of several that are as near.
         """
-        away, who, along = np.full(count, np.inf), np.zeros(count, dtype=np.int64), np.zeros(count)
+        away, who = np.full(count, np.inf), np.zeros(count, dtype=np.int64)
         best = nearest_pairs(pairs)
-        owner = self.owner[best.element]
-        away[best.point], who[best.point] = best.away, owner
-        along[best.point] = self.at(best.element, best.along) - self.begins[owner]
-        return away, who, along
+        away[best.point], who[best.point] = best.away, self.owner[best.element]
+        return away, who
 
     def places_of(self, pairs: Pairs) -> Floats:
         """The place of each pair on its element, (n, 2)."""
@@ -198,7 +193,8 @@ class Toolpaths:
     def shares(self, pairs: Pairs) -> Floats:
         """The share of its element at which the place of each pair lies."""
         length = self.elements.length[pairs.element]
-        return np.divide(pairs.along, length, out=np.zeros(len(length)), where=length > 0.0)
+        shares = np.divide(pairs.along, length, out=np.zeros(len(length)), where=length > 0.0)
+        return np.asarray(shares)
 
     def at(self, element: Counts, along: Floats) -> Floats:
         """How far along all ways, one after the other, places on elements lie."""
@@ -213,7 +209,7 @@ class Toolpaths:
         away, who = np.full(len(points), np.inf), np.zeros(len(points), dtype=np.int64)
         left = np.arange(len(points))
         while len(left) and self.count:
-            away[left], who[left], _ = self.nearest_of(self.near(points[left], reach), len(left))
+            away[left], who[left] = self.nearest_of(self.near(points[left], reach), len(left))
             left = left[np.isinf(away[left])]
             reach *= WIDER
         return away, who
