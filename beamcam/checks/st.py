@@ -356,13 +356,13 @@ def verify_triggers(
     if errors_in(diagnostics):
         return tuple(with_contours(diagnostics, job.operations, parts[0], machine, skips))
     from beamcam.checks.polylines import compare_polylines
-    from beamcam.checks.sheets.compare import with_told
+    from beamcam.checks.sheets.compare import with_head_faults
     from beamcam.checks.sheets.shared_sheet import as_one
 
     sheet = as_one(parts, machine, skips)
     ways = _ways(execution.strokes, any(row.passes > 1 for row in rows_of(sheet.part, torch)))
     more = compare_polylines(ways, sheet.part, sheet.machine, skips, triggers.in_position, name)
-    return with_told(
+    return with_head_faults(
         (*diagnostics, *sheet.diagnostics, *more), head, parts, sheet.places, machine, skips, name
     )
 

@@ -30,7 +30,7 @@ order      no contour is cut after one around it, none marked after a cut
 A controller that keeps off the contour by itself changes nothing but the path (`compensation`).
 """
 
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 import shapely
@@ -70,7 +70,7 @@ from beamcam.checks.sheets.strokes import Strokes, is_far, strokes_of
 from beamcam.checks.sheets.tabs import tab_faults
 from beamcam.checks.sheets.tracing import Traced
 from beamcam.checks.sheets.work import SHOWN, Work, told_apart, work_of
-from beamcam.controllers import table_events, table_run
+from beamcam.controllers import table_run
 from beamcam.controllers.events import Lift, Touch, Zero
 from beamcam.controllers.moves import Moves, TableRun
 from beamcam.errors import Diagnostic, Source, errors_in
@@ -95,17 +95,13 @@ def verify_sheet(
     diagnostics = [*diagnostics, *radius_faults(done.moves, machine, torch, name)]
     if errors_in(diagnostics) or not parts:
         return tuple(diagnostics)
-    asked, sheet = machine, as_one(parts, machine, skips)
+    given, sheet = machine, as_one(parts, machine, skips)
     part, machine = sheet.part, sheet.machine
     torch, diagnostics = machine.torch or torch, [*diagnostics, *sheet.diagnostics]
     rows = rows_of(part, torch)
     torch = torch.by(next((row for row in rows if row.process == "cut"), None))
     machine = machine if torch is machine.torch else replace(machine, torch=torch)
-    # In laser mode a word by itself switches nothing; here it is looked at what it says.
-    telling = replace(machine, torch=replace(torch, laser_mode=False))
-    strokes, more = strokes_of(
-        done, machine, torch, rows, lambda blocks: table_events(blocks, telling)[0], name
-    )
+    strokes, more = strokes_of(done, machine, torch, rows, name)
     diagnostics += more
     diagnostics += switching_faults(done, strokes, machine, torch, name)
     if is_far(strokes.moves, torch):
@@ -120,8 +116,8 @@ def verify_sheet(
         diagnostics += link_faults(links, strokes, need, torch, shift, name)
     places = sheet.places or ([shift] if need.curves else [])
     diagnostics += compare_part(strokes, need, part, machine, torch, name)
-    diagnostics = with_contours(diagnostics, done.moves, need, shift, torch.tolerance / 8)
-    return with_told(diagnostics, head, parts, places, asked, skips, name)
+    add_contours(diagnostics, done.moves, need, shift, torch.tolerance / 8)
+    return with_head_faults(diagnostics, head, parts, places, given, skips, name)
 
 
 def switching_faults(
@@ -216,8 +212,8 @@ def _compared(work: Work) -> tuple[Sequence[Traced], list[Diagnostic]]:
         diagnostics += tab_faults(work, traced)
     if work.half_kerf:
         diagnostics += band_faults(work, traced)
-    led = work.torch.lead != "none" and work.torch.kerf_by == "offset"
-    if work.half_kerf and led and not work.stepped:
+    with_leads = work.torch.lead != "none" and work.torch.kerf_by == "offset"
+    if work.half_kerf and with_leads and not work.stepped:
         diagnostics += pierce_faults(work, traced)
         diagnostics += middle_faults(work, traced)
         diagnostics += edge_faults(work, traced)
@@ -237,19 +233,21 @@ def order_faults(
     traced: Sequence[Traced], works: Mapping[TorchProcess, Work], name: str
 ) -> list[Diagnostic]:
     """Marks behind cuts, and what lies in a contour that was cut before, in the program's order."""
+
+    def fault(t: Traced, found: str, before: str) -> Diagnostic:
+        return rules.ORDER.at(Source(name, t.stroke.line), found=found, before=before)
+
     diagnostics: list[Diagnostic] = []
     first_cut = next((t for t in traced if t.stroke.process == "cut"), None)
     for t in traced:
         if first_cut and t.stroke.process != "cut" and t.stroke.line > first_cut.stroke.line:
-            diagnostics.append(
-                rules.ORDER.at(
-                    Source(name, t.stroke.line),
-                    found=f"work to {t.stroke.process} {_contour(works, t)}",
-                    before=f"the cut on line {first_cut.stroke.line}",
-                )
-            )
+            found = f"work to {t.stroke.process} {_contour(works, t)}"
+            diagnostics.append(fault(t, found, f"the cut on line {first_cut.stroke.line}"))
             break
-    diagnostics += _before_skeleton(traced, works, name)
+    if (behind := _behind_skeleton(traced, works)) is not None:
+        cut, part = behind
+        before = f"the cut through the skeleton on line {cut.stroke.line}"
+        diagnostics.append(fault(part, _contour(works, part), before))
     # An open cut has no inside, and lies in none.
     cuts = [t for t in traced if t.stroke.process == "cut" and t.contour >= 0]
     # What is left of a contour may be cut piece by piece: it holds what lies in it until the last.
@@ -257,35 +255,28 @@ def order_faults(
     cuts = [t for t in cuts if t.closed or t.joined or t is last[t.contour]]
     pairs = inside_of_earlier([t.contour for t in cuts], works["cut"].region) if cuts else []
     for a, b in pairs:
-        diagnostics.append(
-            rules.ORDER.at(
-                Source(name, cuts[a].stroke.line), found=_contour(works, cuts[a]),
-                before=f"{_contour(works, cuts[b])} around it, cut on line {cuts[b].stroke.line}",
-            )
-        )  # fmt: skip
+        before = f"{_contour(works, cuts[b])} around it, cut on line {cuts[b].stroke.line}"
+        diagnostics.append(fault(cuts[a], _contour(works, cuts[a]), before))
     return diagnostics[:SHOWN]
 
 
-def _before_skeleton(
-    traced: Sequence[Traced], works: Mapping[TorchProcess, Work], name: str
-) -> list[Diagnostic]:
-    """Parts that are cut behind a cut through the skeleton, which they hang in."""
+def _behind_skeleton(
+    traced: Sequence[Traced], works: Mapping[TorchProcess, Work]
+) -> tuple[Traced, Traced] | None:
+    """A cut through the skeleton, and a part behind it, which hangs in that; None without any."""
     work = works.get("cut")
     if work is None or not work.torch.skeleton_cuts or not work.need.count:
-        return []
-    skeleton = [t for t in traced if t.stroke.process == "cut" and not t.half_kerf and not t.closed]
-    for t in skeleton:
-        path = (work.path.starts[t.first] + work.path.ends[t.last - 1]) / 2
-        _, way = work.need.nearest_to(path)
-        behind = [o for o in traced if o.stroke.line > t.stroke.line and (o.half_kerf or o.closed)]
-        if work.asked.source("cut", way).where == SKELETON and behind:
-            return [
-                rules.ORDER.at(
-                    Source(name, behind[0].stroke.line), found=_contour(works, behind[0]),
-                    before=f"the cut through the skeleton on line {t.stroke.line}",
-                )
-            ]  # fmt: skip
-    return []
+        return None
+    for t in traced:
+        if t.stroke.process == "cut" and not t.half_kerf and not t.closed:
+            path = (work.path.starts[t.first] + work.path.ends[t.last - 1]) / 2
+            _, way = work.need.nearest_to(path)
+            later = [
+                o for o in traced if o.stroke.line > t.stroke.line and (o.half_kerf or o.closed)
+            ]
+            if later and work.asked.source("cut", way).where == SKELETON:
+                return t, later[0]
+    return None
 
 
 def _contour(works: Mapping[TorchProcess, Work], t: Traced) -> str:
@@ -319,76 +310,57 @@ def inside_of_earlier(contours: Sequence[int], region: Region) -> list[tuple[int
     return sorted(pairs)
 
 
-# --- what is said ---------------------------------------------------------------------------------
-
-# Messages about a block of a program, with the contour of the input that the block is beside.
+# --- messages -------------------------------------------------------------------------------------
 
 
 #: Rules that know a line of the program only.
 NAMELESS = {
-    rule.code
-    for rule in (
-        rules.FEED, rules.RAMP, rules.TOOL, rules.RAPID, rules.IDLE, rules.AREA,
-        rules.COMPENSATION,
-    )
+    rule.code for rule in (rules.FEED, rules.RAMP, rules.TOOL, rules.RAPID, rules.IDLE, rules.AREA,
+                           rules.COMPENSATION)
 }  # fmt: skip
 
 
-def with_contours(
-    said: Iterable[Diagnostic], moves: Moves, need: Need, shift: tuple[float, float], fine: float
-) -> list[Diagnostic]:
-    """The messages; to those of `NAMELESS` the nearest contour is added.
+def add_contours(
+    diagnostics: list[Diagnostic], moves: Moves, need: Need, shift: Point, fine: float
+) -> None:
+    """Add the nearest contour to the messages of `NAMELESS`.
 
     The place of a block that does not move is the end of the next move.
     """
-    diagnostics = list(said)
-    which = [
-        (k, one.source.line)
-        for k, one in enumerate(diagnostics)
-        if one.code in NAMELESS and one.source.line is not None
-    ]
-    if not which or not need.curves or not len(moves):
-        return diagnostics
+    if not need.curves or not len(moves):
+        return
     toolpaths = {process: need.toolpaths(process, fine) for process in need.curves}
     lines = np.maximum.accumulate(moves.line)
-    for k, line in which:
-        row = min(int(np.searchsorted(lines, line)), len(lines) - 1)
-        place = moves.end[row] - np.array(shift)
-        _, way, process = min((*toolpaths[p].nearest_to(place), p) for p in toolpaths)
-        contour = f", beside the contour of {need.source(process, way)}"
-        diagnostics[k] = replace(diagnostics[k], message=diagnostics[k].message + contour)
-    return diagnostics
+    for k, one in enumerate(diagnostics):
+        if one.code in NAMELESS and one.source.line is not None:
+            row = min(int(np.searchsorted(lines, one.source.line)), len(lines) - 1)
+            place = moves.end[row] - np.array(shift)
+            _, way, process = min((*toolpaths[p].nearest_to(place), p) for p in toolpaths)
+            contour = f", beside the contour of {need.source(process, way)}"
+            diagnostics[k] = replace(one, message=one.message + contour)
 
 
-def with_told(
+def with_head_faults(
     diagnostics: Sequence[Diagnostic], head: str, parts: Sequence[Part], places: Sequence[Point],
     machine: Machine, skips: Collection[str], name: str,
 ) -> tuple[Diagnostic, ...]:  # fmt: skip
-    """What was said of a program; of a sound one also what its head says otherwise."""
-    if not head or errors_in(diagnostics):
-        return tuple(diagnostics)
-    return (*diagnostics, *told_faults(head, parts, places, machine, skips, name))
-
-
-def told_faults(
-    text: str, parts: Sequence[Part], places: Sequence[Point], machine: Machine,
-    skips: Collection[str], name: str,
-) -> Iterator[Diagnostic]:  # fmt: skip
-    """All differences of the head that `text` begins with from the parts as they have to lie.
+    """The faults of a program; of a sound one all differences of its head from the parts as they
+    have to lie.
 
     `places` are those of their x 0, y 0; without them that of a part that is alone is worked out.
     """
-    head = head_of(text)
-    if head is None or machine.torch is None:
-        return
-    yield from stock_faults(
-        head, parts, float(thickness_of(parts[0], machine.torch)), machine, name
-    )
+    told = head_of(head) if head and not errors_in(diagnostics) else None
+    if told is None or machine.torch is None:
+        return tuple(diagnostics)
+    thickness = float(thickness_of(parts[0], machine.torch))
     at: Sequence[tuple[float, ...]] = places
     if not places:
         need = need_of(parts[0], machine, machine.torch, skips)
         at = [shift_of(need, machine.torch)]
-        if not need.curves and head.parts:  # texts alone are found wherever the program has them
-            at = [head.parts[0].at]
+        if not need.curves and told.parts:  # texts alone are found wherever the program has them
+            at = [told.parts[0].at]
     lie = [*zip(parts, at, strict=True)]
-    yield from part_faults(head, lie, machine.torch.tolerance, False, name)
+    return (
+        *diagnostics, *stock_faults(told, parts, thickness, machine, name),
+        *part_faults(told, lie, machine.torch.tolerance, False, name),
+    )  # fmt: skip

@@ -69,12 +69,12 @@ def trim(
                 spans.setdefault(w, whole)[0 if at_start else 1] = at
     for w, (low, high) in spans.items():
         if low < high:
-            points, at = np.array(substring(drawn.line(w), low, high).coords), drawn.begins
+            points, begins = np.array(substring(drawn.line(w), low, high).coords), drawn.begins
             drawn.points = np.concatenate(
-                (drawn.points[: at[w]], points, drawn.points[at[w + 1] :])
+                (drawn.points[: begins[w]], points, drawn.points[begins[w + 1] :])
             )
-            drawn.begins = at.copy()
-            drawn.begins[w + 1 :] += len(points) - (at[w + 1] - at[w])
+            drawn.begins = begins.copy()
+            drawn.begins[w + 1 :] += len(points) - (begins[w + 1] - begins[w])
             drawn.starts[w], drawn.ends[w] = points[0], points[-1]
 
 

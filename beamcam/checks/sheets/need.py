@@ -10,8 +10,8 @@ from msgspec import Struct, field
 
 from beamcam.checks.job import is_manual_work, left_out, manual_work
 from beamcam.checks.sheets import rules
-from beamcam.checks.sheets.asked_sheet import header_outline, rows_on, small_openings, thickness_of
-from beamcam.checks.sheets.notches import open_edges
+from beamcam.checks.sheets.asked_sheet import rows_on, small_openings, thickness_of
+from beamcam.checks.sheets.plates import header_outline, open_edges, outlines_of
 from beamcam.checks.sheets.region import Region, region_of
 from beamcam.checks.sheets.toolpaths import Toolpaths
 from beamcam.checks.within import needless
@@ -35,7 +35,6 @@ from beamcam.model.part import (
 )
 from beamcam.model.request import policy_on
 
-Needs = dict[TorchProcess, list[Curve]]
 SAME_PLACE = 1e-5  #: mm between the centres of two features that are spotted once
 PLANE_OFF = 0.1  #: mm that an end plane may lie inside of a plate and take nothing
 OUTLINE = -1  #: in place of a feature, for the rectangle of a plate without a contour of its own
@@ -44,7 +43,7 @@ OUTLINE = -1  #: in place of a feature, for the rectangle of a plate without a c
 class Need(Struct):
     """Curves by process, as the part has them."""
 
-    curves: Needs = field(default_factory=dict)
+    curves: dict[TorchProcess, list[Curve]] = field(default_factory=dict)
     features: dict[TorchProcess, list[int]] = field(default_factory=dict)  #: of each curve
     looks: dict[TorchProcess, list[str]] = field(default_factory=dict)  #: keys of their settings
     rows: dict[TorchProcess, TorchRow] = field(default_factory=dict)  #: of processes on the sheet
@@ -135,36 +134,32 @@ def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) 
     table = cast("dict[str, Process]", torch.colours)
     processes: dict[tuple[str | None, str | None], str | None] = {}
     thickness = thickness_of(part, torch)
-    outlined = False
     for index, feature in enumerate(part.features):
-        if isinstance(feature, Contour):
-            outlined = outlined or (
-                feature.kind == "outer" and feature.process == "cut" and feature.face in PLATE_FACES
-            )
-        if (
-            index in gone
-            or hand[index]
-            or (isinstance(feature, EndPlane) and not _cuts(feature, part, thickness))
-        ):
+        needless_end = isinstance(feature, EndPlane) and not _cuts(feature, part, thickness)
+        if index in gone or hand[index] or needless_end:
             continue
         policy = policies[index]
         if policy == "make" and isinstance(feature, TextMark):
-            continue  # its position is taken from the program: see texts.py
-        refused = policy == "refuse"
-        lack = "mark" if refused else lack_of(feature, torch, thickness)
-        if lack is not None and _is_begun(feature, lack, torch):
-            # A hole is marked for the drill; a contour is cut as it stands, square.
+            continue  # its position is taken from the program: see `marks.add_texts`
+        kind = "mark" if policy == "refuse" else kind_not_made(feature, torch, thickness)
+        if kind == "bevel" and torch.bevel == "square":
+            # It is cut as it stands, square, and the rest is manual work.
             need.diagnostics.append(manual_work(feature, part, machine))
-            if isinstance(feature, Hole | Slot):
-                for place in _drill_places(feature):
-                    need.add_centre(place, torch, index, feature.source)
-                continue
-            lack = None
-        if lack is not None and lack not in skips:
-            _not_made(need, part, feature, lack)
+            kind = None
+        elif (
+            kind in ("tool", "slot")
+            and torch.drilled != "refuse"
+            and (isinstance(feature, Hole | Slot) and feature.kind != "mark")
+        ):
+            need.diagnostics.append(manual_work(feature, part, machine))
+            for place in _drill_places(feature):
+                need.add_centre(place, torch, index, feature.source)
+            continue
+        if kind is not None and kind not in skips:
+            _not_made(need, part, feature, kind)
             continue
         # A bevel that may be missing leaves a contour that is cut square.
-        if lack is not None and lack != "bevel":
+        if kind is not None and kind != "bevel":
             need.diagnostics += left_out(part, (index,))
             continue
         if isinstance(feature, Contour):
@@ -180,7 +175,7 @@ def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) 
         else:
             hole = cast("Hole | Slot", feature)
             need.add("cut", _ring(hole), index, hole.source)
-    if part.measures is None and not outlined:
+    if part.measures is None and not outlines_of(part):
         sides = edges.get(OUTLINE) or header_outline(part)
         need.add("cut", sides, OUTLINE, part.source)
     _leave_small_openings(need, part, machine, torch, skips)
@@ -205,10 +200,10 @@ def _leave_small_openings(
                 need.diagnostics.append(manual_work(feature, part, machine))
                 for place in opening.centres:
                     need.add_centre(place, torch, index, feature.source)
-            elif (lack := "slot" if len(opening.centres) > 1 else "tool") in skips:
+            elif (kind := "slot" if len(opening.centres) > 1 else "tool") in skips:
                 need.diagnostics += left_out(part, (index,))
             else:
-                _not_made(need, part, feature, lack)
+                _not_made(need, part, feature, kind)
     if left:
         need.without_cuts(left)
 
@@ -238,15 +233,6 @@ def _follow(
     need.add(cast("TorchProcess", process), contour.curves, index, contour.source, key)
 
 
-def _is_begun(feature: Feature, lack: str, torch: Torch) -> bool:
-    """Whether the machine only begins a feature, and the rest is manual work."""
-    if isinstance(feature, Contour):
-        return lack == "bevel" and torch.bevel == "square"
-    if isinstance(feature, Hole | Slot) and feature.kind != "mark":
-        return lack in ("tool", "slot") and torch.drilled != "refuse"
-    return False
-
-
 def _drill_places(feature: Hole | Slot) -> set[Point]:
     """Drill start points of a hole, or of the rounded corners of a slot."""
     if isinstance(feature, Hole):
@@ -259,8 +245,8 @@ def _drill_places(feature: Hole | Slot) -> set[Point]:
     }  # fmt: skip
 
 
-def lack_of(feature: Feature, torch: Torch, thickness: float) -> str | None:
-    """Why a table cannot make a feature, by the name of `--allow-skips`; None if it can.
+def kind_not_made(feature: Feature, torch: Torch, thickness: float) -> str | None:
+    """What a table cannot make of a feature, by the name of `--allow-skips`; None if it can.
 
     A contour with a bevel loses no steel by a square cut: a bevel only takes away from what the
     contour holds, on the face that is looked at or on the far one.
@@ -275,13 +261,12 @@ def lack_of(feature: Feature, torch: Torch, thickness: float) -> str | None:
         case Hole() if feature.kind == "mark":
             marked = torch.cross or torch.drilled == "spot"
             return None if marked and feature.depth is None else "tool"
-        case Hole():
+        case Hole() | Slot():
+            across = min(feature.length, feature.height) if isinstance(feature, Slot) else 0.0
+            is_wide = across + feature.diameter >= least
             through = feature.kind == "through" and feature.depth is None
-            return None if through and feature.diameter >= least else "tool"
-        case Slot():
-            through = feature.kind == "through" and feature.depth is None
-            width = min(feature.length, feature.height) + feature.diameter
-            return None if through and width >= least else "slot"
+            what = "slot" if isinstance(feature, Slot) else "tool"
+            return None if through and is_wide else what
         case TextMark():
             return "mark"
         case _:
@@ -298,10 +283,9 @@ def _cuts(plane: EndPlane, part: Part, thickness: float) -> bool:
     return bool(ways @ (farthest - plane.point) > PLANE_OFF)
 
 
-def _not_made(need: Need, part: Part, feature: Feature, lack: str) -> None:
-    source = getattr(feature, "source", part.source)
-    found = type(feature).__name__.lower()
-    need.diagnostics.append(rules.NOT_MADE.at(source, found=found, kind=lack))
+def _not_made(need: Need, part: Part, feature: Feature, kind: str) -> None:
+    source, found = getattr(feature, "source", part.source), type(feature).__name__.lower()
+    need.diagnostics.append(rules.NOT_MADE.at(source, found=found, kind=kind))
 
 
 def _cross(x: float, y: float, size: float) -> list[Curve]:

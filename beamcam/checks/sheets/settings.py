@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from beamcam.checks.sheets import rules
+from beamcam.checks.sheets.asked_sheet import with_settings
 from beamcam.checks.sheets.paths import aligned
 from beamcam.checks.sheets.toolpaths import kept_samples
 from beamcam.checks.sheets.tracing import Traced, on_contour
@@ -39,14 +40,11 @@ def _setting_faults(work: Work, traced: Sequence[Traced], orders: list[Order]) -
     row = work.asked.rows.get(work.process)
     if not work.need.count or not traced or row is None:
         return []
-    owns = [work.torch.settings.get(k, PLAIN) for k in work.asked.looks[work.process]]
+    looks = work.asked.looks[work.process]
+    owns = {k: work.torch.settings.get(k, PLAIN) for k in set(looks)}
+    row_of = {k: with_settings(row, owns[k]) for k in owns}
     settings: list[Settings] = [
-        (
-            row.feed_mm_min if own.speed is None else own.speed,
-            row.power if own.power is None else own.power,
-            row.passes if own.passes is None else own.passes,
-        )
-        for own in owns
+        (one.feed_mm_min, one.power, one.passes) for one in map(row_of.__getitem__, looks)
     ]
     samples = work.path.samples(SPACING)
     samples = kept_samples(samples, on_contour(work, traced)[samples[2]])
@@ -77,7 +75,7 @@ def _setting_faults(work: Work, traced: Sequence[Traced], orders: list[Order]) -
                     process=work.process, found=_shown(own), expected=_shown(settings[near[k]]),
                 )
             )  # fmt: skip
-        places = [owns[w].order for w in ways]
+        places = [owns[looks[w]].order for w in ways]
         orders.append((one.line, min(places), max(places)))
     return diagnostics[:SHOWN]
 

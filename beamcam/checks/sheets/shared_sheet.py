@@ -10,13 +10,12 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.checks.sheets import rules
-from beamcam.checks.sheets.asked_sheet import between, header_outline, kerf_on, thickness_of
-from beamcam.checks.sheets.beside import beside_faults
+from beamcam.checks.sheets.asked_sheet import between, kerf_on, thickness_of
 from beamcam.checks.sheets.need import OUTLINE, Need, need_of
-from beamcam.checks.sheets.skew_edges import skew_ends
+from beamcam.checks.sheets.plates import beside_faults, header_outline, skew_ends
 from beamcam.errors import Diagnostic
 from beamcam.geometry.curves import Line
-from beamcam.geometry.plane import Point
+from beamcam.geometry.plane import Box, Point
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch, material_said
 from beamcam.model.part import Contour, Feature, Measures, Part, extent, moved_feature
@@ -43,12 +42,12 @@ def as_one(parts: Sequence[Part], machine: Machine, skips: Collection[str]) -> S
     if torch is None or len(parts) == 1:
         return SharedSheet(parts[0], machine, [], off)
     features: list[Feature] = []
+    sheet = _sheet_shown(parts[0], torch)
     diagnostics = off + [
-        rules.OTHER_SHEET.at(
-            part.source, found=_shown(part, torch), expected=_shown(parts[0], torch)
-        )
-        for part in parts[1:] if _shown(part, torch) != _shown(parts[0], torch)
-    ]  # fmt: skip
+        rules.OTHER_SHEET.at(part.source, found=own, expected=sheet)
+        for part in parts[1:]
+        if (own := _sheet_shown(part, torch)) != sheet
+    ]
     tops: dict[float, float] = {}  #: upper edge of each row of parts, by its lower one
     lie = list(_places(parts, machine, torch, skips))
     for part, (here, need) in zip(parts, lie, strict=True):
@@ -90,11 +89,10 @@ def _places(
         left, top = left + (x1 - x0) + spacing, max(top, bottom + (y1 - y0))
 
 
-def _box(need: Need) -> tuple[float, float, float, float]:
+def _box(need: Need) -> Box:
     return extent(c for some in need.curves.values() for c in some) or (0.0, 0.0, 0.0, 0.0)
 
 
-def _shown(part: Part, torch: Torch) -> str:
-    return (
-        f"{thickness_of(part, torch):.2f} mm {material_said(part.grade, torch.material)}".rstrip()
-    )
+def _sheet_shown(part: Part, torch: Torch) -> str:
+    material = material_said(part.grade, torch.material)
+    return f"{thickness_of(part, torch):.2f} mm {material}".rstrip()

@@ -4,7 +4,7 @@ The words that start and stop a tool are the machine's own, filled with the figu
 program that says anything else, or moves as it should not, is reported.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from msgspec import Struct
@@ -22,7 +22,6 @@ from beamcam.controllers.events import (
     Said,
     Side,
     Switch,
-    TableEvent,
 )
 from beamcam.controllers.moves import Moves, TableRun
 from beamcam.errors import Diagnostic
@@ -91,19 +90,15 @@ class _Started(Struct):
 
 
 def strokes_of(
-    run: TableRun, machine: Machine, torch: Torch, rows: Iterable[TorchRow],
-    parse: Callable[[str], list[TableEvent]], name: str,
-) -> tuple[Strokes, list[Diagnostic]]:  # fmt: skip
-    """The strokes of a program whose sheet is worked with `rows`, and what is wrong between them.
-
-    `parse` gives the events of a few blocks.
-    """
-    head = _Head([words_of(row, machine, parse) for row in rows], machine, torch, name)
+    run: TableRun, machine: Machine, torch: Torch, rows: Iterable[TorchRow], name: str
+) -> tuple[Strokes, list[Diagnostic]]:
+    """The strokes of a program, of a sheet worked with `rows`, and what is wrong between them."""
+    head = _Head([words_of(row, machine, torch) for row in rows], machine, torch, name)
     for place, (before, event) in enumerate(run.others):
         head.take(place, before, event)
     head.finish(run)
     head.check_places(run.moves, torch, torch.tolerance + machine.format.resolution / 2)
-    return head.strokes(run.moves), sorted(head.diagnostics, key=lambda said: said.source.line or 0)
+    return head.strokes(run.moves), sorted(head.diagnostics, key=lambda one: one.source.line or 0)
 
 
 def is_far(moves: Moves, torch: Torch) -> bool:
@@ -300,7 +295,14 @@ class _Head(Watch):
         """
         if len(one.rows) > 1:
             fed = float(moves.feed_mm_min[own].max())
-            one.rows = sorted(one.rows, key=lambda words: _off_feed(words.row, fed))
+
+            def off_feed(words: RowWords) -> float:
+                """How far the feed is from that of a row, in a small hole or elsewhere."""
+                row = words.row
+                shares = (1.0, row.hole_feed_share) if row.slows_holes else (1.0,)
+                return min(abs(row.feed_mm_min * share - fed) for share in shares)
+
+            one.rows = sorted(one.rows, key=off_feed)
         words, *others = one.rows
         one.stroke.waits_s = 0.0 if words.pierce_s else words.row.pierce_s
         feed, row = words.row.feed_mm_min, int(own[0])
@@ -365,9 +367,3 @@ class _Head(Watch):
         if len(found) > 1 and counts[0] != counts[1]:
             stroke.in_hole = counts[1] < counts[0]
         return found[int(bool(stroke.in_hole))]
-
-
-def _off_feed(row: TorchRow, feed_mm_min: float) -> float:
-    """How far a feed is from that of a row, in a small hole or elsewhere."""
-    slow = row.hole_feed_share if row.slows_holes else 1.0
-    return min(abs(row.feed_mm_min - feed_mm_min), abs(row.feed_mm_min * slow - feed_mm_min))

@@ -10,9 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from beamcam.checks.sheets.asked_sheet import header_outline
 from beamcam.checks.sheets.compare import verify_sheet
-from beamcam.checks.sheets.skew_edges import with_skew_edges
+from beamcam.checks.sheets.plates import header_outline, with_skew_edges
 from beamcam.errors import PlanError, Severity, Source
 from beamcam.geometry.curves import Line, signed_area
 from beamcam.machine import load
