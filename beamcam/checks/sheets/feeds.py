@@ -36,23 +36,14 @@ def expected_feeds(moves: Moves, asked_mm_min: Floats, limits: PathLimits) -> Fl
     )
     straight = ~moves.is_arc
     straight[list(moves.curves)] = False
-    greatest = np.where(
-        straight, _straight_mm_s(moves, limits), np.minimum(limits.speed_mm_s, turning)
-    )
+    # The maximum speed of both axes along each chord; inf where it has no length.
+    ways = np.abs(moves.end - moves.start)
+    speeds = np.hypot(*ways.T)[:, None] * np.array([limits.speed_x_mm_s, limits.speed_y_mm_s])
+    along = np.divide(speeds, ways, out=np.full(ways.shape, inf), where=ways > 0.0)
+    straight_mm_s = along.min(axis=1, initial=inf)
+    greatest = np.where(straight, straight_mm_s, np.minimum(limits.speed_mm_s, turning))
     greatest[straight & (feeds <= limits.speed_mm_s)] = inf
     return np.where(greatest < feeds, greatest * SECONDS_PER_MINUTE, asked_mm_min)
-
-
-def _straight_mm_s(moves: Moves, limits: PathLimits) -> Floats:
-    """The maximum speed of both axes along each chord; inf where it has no length."""
-    ways = np.abs(moves.end - moves.start)
-    length = np.hypot(ways[:, 0], ways[:, 1])
-    speeds = np.array([limits.speed_x_mm_s, limits.speed_y_mm_s])
-    reached = np.divide(
-        length[:, None] * speeds, ways, out=np.full(ways.shape, inf), where=ways > 0.0
-    )
-    straight_mm_s: Floats = reached.min(axis=1, initial=inf)
-    return straight_mm_s
 
 
 def _min_radius(curve: Bezier | EllipseArc) -> float:

@@ -69,7 +69,9 @@ class Need(Struct):
     def add_centre(self, place: Point, torch: Torch, feature: int, source: Source) -> None:
         """A centre to mark: by a spot, once for all features there, or by a cross."""
         if torch.drilled != "spot":
-            self.add("mark", _cross(*place, torch.cross), feature, source)
+            (x, y), half = place, torch.cross / 2
+            cross = [Line((x - half, y), (x + half, y)), Line((x, y - half), (x, y + half))]
+            self.add("mark", cross, feature, source)
             return
         self.sources[feature] = source
         if all(dist(place, other) > SAME_PLACE for other in self.spots):
@@ -123,20 +125,18 @@ def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) 
     header = () if part.measures is not None else header_outline(part)
     edges = open_edges(part, header, OUTLINE, gone)
     policies = [policy_on(feature, machine.marks) for feature in part.features]
-    hand = [
-        policy is not None and is_manual_work(feature, machine)
-        for policy, feature in zip(policies, part.features, strict=True)
-    ]
-    need = Need(
-        diagnostics=[manual_work(f, part, machine) for f in compress(part.features, hand)],
-        rows=rows,
-    )
+    by_hand = [
+        k for k, feature in enumerate(part.features)
+        if policies[k] is not None and is_manual_work(feature, machine)
+    ]  # fmt: skip
+    listed = [manual_work(part.features[k], part, machine) for k in by_hand]
+    need, gone = Need(diagnostics=listed, rows=rows), gone.union(by_hand)
     table = cast("dict[str, Process]", torch.colours)
     processes: dict[tuple[str | None, str | None], str | None] = {}
     thickness = thickness_of(part, torch)
     for index, feature in enumerate(part.features):
         needless_end = isinstance(feature, EndPlane) and not _cuts(feature, part, thickness)
-        if index in gone or hand[index] or needless_end:
+        if index in gone or needless_end:
             continue
         policy = policies[index]
         if policy == "make" and isinstance(feature, TextMark):
@@ -288,41 +288,27 @@ def _not_made(need: Need, part: Part, feature: Feature, kind: str) -> None:
     need.diagnostics.append(rules.NOT_MADE.at(source, found=found, kind=kind))
 
 
-def _cross(x: float, y: float, size: float) -> list[Curve]:
-    """The two strokes that mark a centre, each as long as the cross is to be."""
-    return [
-        Line((x - ux * size / 2, y - uy * size / 2), (x + ux * size / 2, y + uy * size / 2))
-        for ux, uy in ((1.0, 0.0), (0.0, 1.0))
-    ]
-
-
 def _ring(feature: Hole | Slot) -> list[Curve]:
     """The outline of a hole; that of a slot as its four sides and four corners."""
     radius = feature.diameter / 2
     if isinstance(feature, Hole):
         return [Arc((feature.x, feature.y), radius, 0.0, 360.0)]
-    (c, s) = unit_vector(feature.angle)
-    along, across = feature.length / 2, feature.height / 2
-    sides: list[Curve] = []
-    for sign in (1.0, -1.0):
-        for u0, v0, u1, v1 in (
-            (-along, across + radius, along, across + radius),
-            (along + radius, -across, along + radius, across),
-        ):
-            a, b = (
-                (feature.x + sign * (c * u - s * v), feature.y + sign * (s * u + c * v))
-                for u, v in ((u0, v0), (u1, v1))
-            )
-            if a != b:
-                sides.append(Line(a, b))
-    if radius > 0.0:
-        for u, v, begin in (
-            (along, across, 0.0), (-along, across, 90.0),
-            (-along, -across, 180.0), (along, -across, 270.0),
-        ):  # fmt: skip
-            centre = (feature.x + c * u - s * v, feature.y + s * u + c * v)
-            sides.append(Arc(centre, radius, feature.angle + begin, 90.0))
-    return sides
+    c, s = unit_vector(feature.angle)
+    u, v = feature.length / 2, feature.height / 2
+    far_u, far_v = u + radius, v + radius
+
+    def at(x: float, y: float) -> Point:
+        return feature.x + c * x - s * y, feature.y + s * x + c * y
+
+    sides: list[Curve] = [
+        Line(at(*a), at(*b))
+        for a, b in (((-u, far_v), (u, far_v)), ((far_u, -v), (far_u, v)),
+                     ((u, -far_v), (-u, -far_v)), ((-far_u, v), (-far_u, -v)))
+        if a != b
+    ]  # fmt: skip
+    corners = ((u, v), (-u, v), (-u, -v), (u, -v)) if radius > 0.0 else ()
+    arcs = (Arc(at(*p), radius, feature.angle + 90.0 * k, 90.0) for k, p in enumerate(corners))
+    return [*sides, *arcs]
 
 
 def shift_of(need: Need, torch: Torch) -> tuple[float, float]:

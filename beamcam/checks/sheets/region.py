@@ -103,10 +103,21 @@ def region_of(toolpaths: Toolpaths, features: Counts, gap: float, fine: float) -
         closed |= twins & _lie_on(toolpaths, np.where(closed, 0, 1), SAME_PLACE)
     twins[rings.ways_of(again)] = True
     if len(opened := np.flatnonzero(~closed)):
-        apart[opened] = np.maximum(apart[opened], _loose_ends(toolpaths, opened, gap))
+        # Their ends may be joined to others.
+        ends = np.concatenate((toolpaths.starts, toolpaths.ends)) + 0.0
+        own = np.concatenate((opened, opened + toolpaths.count))
+        tree, points = shapely.STRtree(shapely.points(ends)), shapely.points(ends[own])
+        a, b = tree.query(points, "dwithin", distance=gap + SAME_POINT)
+        np.maximum.at(apart, own[a] % toolpaths.count, np.hypot(*(ends[own[a]] - ends[b]).T))
     apart[rings.ways_of(again | under)] += gap
     wide[list(again)] = False
-    apart[rings.ways_of(_looped(polygons, gap))] += gap
+    # Nothing can follow the loop of a ring that crosses itself by a hair.
+    alike = shapely.set_precision(polygons, SAME_POINT, mode="pointwise")
+    for k in np.flatnonzero(~shapely.is_valid(alike)).tolist():
+        boxes = shapely.bounds(shapely.get_parts(shapely.make_valid(polygons[k])))
+        sizes = np.hypot(*(boxes[:, 2:] - boxes[:, :2]).T)
+        if np.any((sizes > SAME_POINT) & (sizes <= WIDEST_LOOP * gap)):
+            apart[rings.ways_of([k])] += gap
     once = [ring for ring, is_kept in zip(once, wide.tolist(), strict=True) if is_kept]
     polygons = polygons[wide]
     points, ring = shapely.get_coordinates(polygons, return_index=True)
@@ -204,30 +215,6 @@ def small_ways(toolpaths: Toolpaths, gap: float) -> Flags:
     np.maximum.at(wide_high, group, high)
     small: Flags = np.hypot(*(wide_high - wide_low)[group].T) <= most
     return small
-
-
-def _looped(polygons: NDArray[np.object_], gap: float) -> list[int]:
-    """Rings that cross themselves by a hair and so have a loop there, which nothing can follow."""
-    alike = shapely.set_precision(polygons, SAME_POINT, mode="pointwise")
-    looped = []
-    for k in np.flatnonzero(~shapely.is_valid(alike)).tolist():
-        boxes = shapely.bounds(shapely.get_parts(shapely.make_valid(polygons[k])))
-        sizes = np.hypot(*(boxes[:, 2:] - boxes[:, :2]).T)
-        if np.any((sizes > SAME_POINT) & (sizes <= WIDEST_LOOP * gap)):
-            looped.append(k)
-    return looped
-
-
-def _loose_ends(toolpaths: Toolpaths, which: Counts, gap: float) -> Floats:
-    """How far the ends of some ways are from other ends that they may be joined to, at most."""
-    ends = np.concatenate((toolpaths.starts, toolpaths.ends)) + 0.0
-    own = np.concatenate((which, which + toolpaths.count))
-    tree, points = shapely.STRtree(shapely.points(ends)), shapely.points(ends[own])
-    a, b = tree.query(points, "dwithin", distance=gap + SAME_POINT)
-    apart = np.zeros(len(own))
-    np.maximum.at(apart, a, np.hypot(*(ends[own[a]] - ends[b]).T))
-    widest: Floats = apart.reshape(2, -1).max(axis=0)
-    return widest
 
 
 def _same_rings(polygons: NDArray[np.object_], gap: float) -> tuple[set[int], set[int]]:
@@ -341,19 +328,14 @@ def box_of(features: Sequence[Feature]) -> Box | None:
         if isinstance(feature, Contour):
             curves += feature.curves
         elif isinstance(feature, Hole | Slot):
-            boxes.append(_hole_box(feature))
+            # A slot reaches as far as the diagonals between the centres of its corners, and the
+            # radius.
+            r, x, y, dx, dy = feature.diameter / 2, feature.x, feature.y, 0.0, 0.0
+            if isinstance(feature, Slot):
+                half = hypot(feature.length, feature.height) / 2
+                own = degrees(atan2(feature.height, feature.length))
+                turns = [radians(feature.angle + by) for by in (own, -own)]
+                dx, dy = (half * max(abs(f(turn)) for turn in turns) for f in (cos, sin))
+            boxes.append((x - dx - r, y - dy - r, x + dx + r, y + dy + r))
     drawn = extent(curves)
     return join_boxes(boxes if drawn is None else [drawn, *boxes])
-
-
-def _hole_box(hole: Hole | Slot) -> Box:
-    # A slot reaches as far as the diagonals between the centres of its corners, and the radius.
-    r, x, y = hole.diameter / 2, hole.x, hole.y
-    dx = dy = 0.0
-    if isinstance(hole, Slot):
-        half = hypot(hole.length, hole.height) / 2
-        own = degrees(atan2(hole.height, hole.length))
-        for angle in (hole.angle + own, hole.angle - own):
-            dx = max(dx, abs(half * cos(radians(angle))))
-            dy = max(dy, abs(half * sin(radians(angle))))
-    return x - dx - r, y - dy - r, x + dx + r, y + dy + r

@@ -10,7 +10,6 @@ lies so: M is a quarter turn, unless it was asked to lie in some way.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from itertools import pairwise
 from math import atan2, cos, degrees, radians, sin
 from typing import TYPE_CHECKING
 
@@ -19,6 +18,7 @@ from msgspec.structs import replace
 
 from beamcam.checks.sheets.region import box_of
 from beamcam.geometry.curves import Curve
+from beamcam.geometry.plane import groups_of
 from beamcam.machine.torch import Torch
 from beamcam.model.colour import key_of
 from beamcam.model.part import Contour, Feature, Hole, Part, Slot, TextMark
@@ -52,16 +52,22 @@ def pulled_apart(part: Part, torch: Torch, width: float) -> Part:
         if not any(o.contains(ring.representative_point()) and o.area > ring.area
                    for o in rings.values())
     }  # fmt: skip
-    moves: dict[int, list[float]] = {}
-    for some, slants in touching(outer):
-        mine = {k: outer[k] for k in some}
-        places = by_slants(mine, width) if slants else _by_axes(mine, width)
+    edges = [*_edges(outer)]
+    moves = dict.fromkeys(outer, (0.0, 0.0))
+    for group in groups_of((a, b) for a, b, _ in edges):
+        own = [edge for edge in edges if edge[0] in group]
+        is_slant = any(min(abs(x), abs(y)) > STRAIGHT for *_, (x, y) in own)
+        places = _by_slants(sorted(group), own, width) if is_slant else _by_axes(own, width)
         if places is None:
             return part
         moves |= places
     features = list(part.features)
     for k, feature in enumerate(features):
-        middle = _somewhere(feature)
+        middle = None
+        if isinstance(feature, Contour):
+            middle = feature.curves[0].point(0.5)
+        elif isinstance(feature, Hole | Slot):
+            middle = feature.x, feature.y
         around = [k] if k in outer else [
             o for o, ring in outer.items()
             if middle is not None and ring.covers(shapely.Point(middle))
@@ -70,45 +76,6 @@ def pulled_apart(part: Part, torch: Torch, width: float) -> Part:
             dx, dy = moves[o]
             features[k] = _moved(feature, ((1.0, 0.0, dx), (0.0, 1.0, dy)))
     return replace(part, features=tuple(features))
-
-
-def _by_axes(outer: "dict[int, Polygon]", width: float) -> dict[int, list[float]] | None:
-    """The moves of parts that touch along upright and level edges; None if these contradict."""
-    import shapely
-    from shapely.affinity import translate
-
-    moves = {k: [0.0, 0.0] for k in outer}
-    for axis, hair in enumerate(((HAIR, 0.0), (0.0, HAIR))):
-        behind = [
-            (a, b) for a, one in outer.items() for b, other in outer.items()
-            if a != b and one.distance(other) <= HAIR / 10
-            and shapely.intersection(one, translate(other, -hair[0], -hair[1])).area > HAIR * HAIR
-        ]  # fmt: skip
-        beside: dict[int, list[tuple[int, float]]] = {k: [] for k in outer}
-        for a, b in behind:
-            beside[a].append((b, width))
-            beside[b].append((a, -width))
-        left = list(outer)
-        while left:
-            # What touches by way of others moves together; none of it to the left, or down.
-            places, waiting = {left[0]: 0.0}, [left[0]]
-            for k in waiting:
-                more = {other: places[k] + by for other, by in beside[k] if other not in places}
-                places |= more
-                waiting += more
-            least = min(places.values())
-            for k, at in places.items():
-                moves[k][axis] = at - least
-            left = [k for k in left if k not in places]
-        if any(abs(moves[b][axis] - moves[a][axis] - width) > 1e-9 for a, b in behind):
-            return None
-    return moves
-
-
-def _somewhere(feature: Feature) -> tuple[float, float] | None:
-    if isinstance(feature, Contour):
-        return feature.curves[0].point(0.5)
-    return (feature.x, feature.y) if isinstance(feature, Hole | Slot) else None
 
 
 def copied(part: Part, torch: Torch) -> Part:
@@ -152,65 +119,78 @@ def _moved(feature: Feature, by: Affine) -> Feature:
     return feature
 
 
-# --- touching -------------------------------------------------------------------------------------
+# --- edges ----------------------------------------------------------------------------------------
 
-# Parts of a drawing that touch: which of them do, and how far they go apart along slants.
+# Edges that parts of a drawing share, and how far the parts go apart across them.
 #
-# The edge of two parts is what of the one's outline lies on the other's. Each straight stretch of
-# it has a normal; the part that the other one enters if that is moved along it by a hair lies
-# behind.
+# The edge of two parts is what of the one's outline lies on the other's. Each straight piece of it
+# has a normal; the part that the other one enters if that is moved along it by a hair lies behind.
 
 
 HAIR = 1e-3  #: mm
-STRAIGHT = 1e-6  #: of a direction, by which two stretches are one
+STRAIGHT = 1e-6  #: of a direction, by which two pieces are one
 
 Normal = tuple[float, float]
+Edge = tuple[int, int, Normal]  #: the part before it, the one behind it, and the way between
 
 
-def touching(rings: "Mapping[int, Polygon]") -> Iterator[tuple[list[int], bool]]:
-    """The parts that touch, directly or by others, and whether some do so along a slant."""
-    group = {k: {k} for k in rings}
-    slanting: set[int] = set()
-    for a, one in rings.items():
-        for b, other in rings.items():
-            if a >= b or not (normals := list(_normals(one, other))):
-                continue
-            if any(min(abs(x), abs(y)) > STRAIGHT for x, y in normals):
-                slanting.add(a)
-            whole = group[a] | group[b]
-            group |= dict.fromkeys(whole, whole)
-    for k, some in group.items():
-        if k == min(some):
-            yield sorted(some), not slanting.isdisjoint(some)
-
-
-def by_slants(rings: "Mapping[int, Polygon]", width: float) -> dict[int, list[float]] | None:
-    """The moves that part all edges by `width`; None if there are none."""
+def _edges(rings: "Mapping[int, Polygon]") -> Iterator[Edge]:
     import shapely
     from shapely.affinity import translate
 
-    at = {k: n for n, k in enumerate(rings)}
-    asked: list[tuple[int, int, Normal]] = []
     for a, one in rings.items():
         for b, other in rings.items():
             for x, y in _normals(one, other) if a < b else ():
-                nearer = translate(other, -HAIR * x, -HAIR * y)
-                enters = shapely.intersection(one, nearer).area > HAIR * HAIR
-                asked.append((a, b, (x, y)) if enters else (b, a, (x, y)))
-    rows = np.zeros((len(asked), 2 * len(rings)))
-    for row, (before, behind, normal) in zip(rows, asked, strict=True):
-        row[2 * at[before] : 2 * at[before] + 2] -= normal
-        row[2 * at[behind] : 2 * at[behind] + 2] += normal
-    free = rows[:, 2:]  # the first part rests
-    found = np.linalg.pinv(free) @ np.full(len(asked), width)
-    if np.abs(free @ found - width).max() > STRAIGHT * width:
+                for sign, before, behind in ((-HAIR, a, b), (HAIR, b, a)):
+                    nearer = translate(other, sign * x, sign * y)
+                    if shapely.intersection(one, nearer).area > HAIR * HAIR:
+                        yield before, behind, (x, y)
+
+
+def _by_axes(edges: Sequence[Edge], width: float) -> Mapping[int, Normal] | None:
+    """The moves across upright and level edges; None if these contradict."""
+    moves: dict[int, list[float]] = {k: [0.0, 0.0] for edge in edges for k in edge[:2]}
+    for axis in (0, 1):
+        pairs = [(a, b) for a, b, normal in edges if abs(normal[axis]) > 0.5]
+        beside: dict[int, list[tuple[int, float]]] = {k: [] for pair in pairs for k in pair}
+        for a, b in pairs:
+            beside[a].append((b, width))
+            beside[b].append((a, -width))
+        left = list(beside)
+        while left:
+            # What touches by way of others moves together; none of it to the left, or down.
+            places, waiting = {left[0]: 0.0}, [left[0]]
+            for k in waiting:
+                more = {other: places[k] + by for other, by in beside[k] if other not in places}
+                places |= more
+                waiting += more
+            least = min(places.values())
+            for k, at in places.items():
+                moves[k][axis] = at - least
+            left = [k for k in left if k not in places]
+        if any(abs(moves[b][axis] - moves[a][axis] - width) > 1e-9 for a, b in pairs):
+            return None
+    return {k: (x, y) for k, (x, y) in moves.items()}
+
+
+def _by_slants(
+    parts: Sequence[int], edges: Sequence[Edge], width: float
+) -> Mapping[int, Normal] | None:
+    """The moves that part all edges by `width`, the first part resting; None if there are none."""
+    rows = np.zeros((len(edges), 2 * len(parts)))
+    for row, (before, behind, normal) in zip(rows, edges, strict=True):
+        for k, sign in ((parts.index(before), -1.0), (parts.index(behind), 1.0)):
+            row[2 * k : 2 * k + 2] += sign * np.array(normal)
+    free = rows[:, 2:]
+    moves = np.linalg.pinv(free) @ np.full(len(edges), width)
+    if np.abs(free @ moves - width).max() > STRAIGHT * width:
         return None
-    places = np.concatenate((np.zeros(2), found)).reshape(-1, 2)
-    return {k: places[n].tolist() for k, n in at.items()}
+    places = np.concatenate((np.zeros(2), moves)).reshape(-1, 2).tolist()
+    return {k: (x, y) for k, (x, y) in zip(parts, places, strict=True)}
 
 
 def _normals(one: "Polygon", other: "Polygon") -> Iterator[Normal]:
-    """The normals of the straight stretches that two outlines share, each once.
+    """The normals of the straight pieces that two outlines share, each once.
 
     A curve that they share is many of them, which no moves can satisfy.
     """
@@ -221,7 +201,7 @@ def _normals(one: "Polygon", other: "Polygon") -> Iterator[Normal]:
     edge = shapely.intersection(one.boundary.buffer(HAIR / 10), other.boundary)
     lengths: dict[Normal, float] = {}
     for line in shapely.get_parts(edge):
-        for x, y in _steps(shapely.get_coordinates(line).tolist()):
+        for x, y in np.diff(shapely.get_coordinates(line), axis=0).tolist():
             size = float(np.hypot(x, y))
             if size < HAIR / 100:
                 continue
@@ -232,8 +212,3 @@ def _normals(one: "Polygon", other: "Polygon") -> Iterator[Normal]:
                          < 100 * STRAIGHT), normal)  # fmt: skip
             lengths[same] = lengths.get(same, 0.0) + size
     yield from (normal for normal, length in lengths.items() if length > 4 * HAIR)
-
-
-def _steps(points: Sequence[Sequence[float]]) -> Iterator[Normal]:
-    for (x0, y0), (x1, y1) in pairwise(points):
-        yield x1 - x0, y1 - y0
