@@ -7,7 +7,7 @@ from msgspec.structs import replace
 from beamcam.errors import Source
 from beamcam.geometry.conics import direction_deg
 from beamcam.geometry.curves import Arc, Curve
-from beamcam.geometry.plane import IDENTITY, Matrix, determinant, mapped, mapped_vector, unit_vector
+from beamcam.geometry.plane import Matrix, determinant, mapped, mapped_vector, unit_vector
 from beamcam.machine.torch import Torch
 from beamcam.model.part import Contour, Feature, Hole, Part, Slot, TextMark
 from beamcam.planning.contours.outline import reach_of, with_outline
@@ -55,49 +55,36 @@ def laid_out(part: Part, torch: Torch) -> Part:
 
 def _as_turned(part: Part, torch: Torch) -> Part:
     whole = with_outline(part)
-    x0, y0, x1, y1 = reach_of(whole)
-    matrix = _about(((x0 + x1) / 2, (y0 + y1) / 2), torch)
-    if matrix == IDENTITY:
-        return whole
-    return replace(whole, features=tuple([_placed(f, matrix) for f in whole.features]))
-
-
-def _about(middle: tuple[float, float], torch: Torch) -> Matrix:
-    """The matrix that mirrors and then turns about a point."""
     if torch.mirror == "none" and not torch.rotate:
-        return IDENTITY
-    (c, s), (mx, my) = unit_vector(torch.rotate), middle
+        return whole
+    x0, y0, x1, y1 = reach_of(whole)
+    (c, s), (mx, my) = unit_vector(torch.rotate), ((x0 + x1) / 2, (y0 + y1) / 2)
     fx, fy = (-1.0 if torch.mirror == axis else 1.0 for axis in ("x", "y"))
     a, b, d, e = c * fx, -s * fy, s * fx, c * fy
-    return (a, b, mx - a * mx - b * my), (d, e, my - d * mx - e * my)
+    matrix = (a, b, mx - a * mx - b * my), (d, e, my - d * mx - e * my)
+    return replace(whole, features=tuple([_placed(f, matrix) for f in whole.features]))
 
 
 def _placed(feature: Feature, matrix: Matrix) -> Feature:
     """A feature moved by a matrix that keeps lengths; a contour goes round as it did."""
     if isinstance(feature, Contour):
-        return _placed_contour(feature, matrix)
-    if isinstance(feature, Hole):
+        is_moved = matrix[0][:2] == (1.0, 0.0) and matrix[1][:2] == (0.0, 1.0)
+        curves: list[Curve] = [
+            # An arc that is only moved keeps its angles as they are.
+            replace(curve, centre=mapped(matrix, curve.centre))
+            if is_moved and isinstance(curve, Arc) else curve.transformed(matrix)
+            for curve in feature.curves
+        ]  # fmt: skip
+        notches = [replace(n, corner=mapped(matrix, n.corner)) for n in feature.notches]
+        if determinant(matrix) < 0.0:
+            last = len(curves) - 1
+            curves = [curve.reversed() for curve in reversed(curves)]
+            notches = [replace(notch, curve=last - notch.curve) for notch in notches]
+        return replace(feature, curves=tuple(curves), notches=tuple(notches))
+    if isinstance(feature, Hole | Slot | TextMark):
         x, y = mapped(matrix, (feature.x, feature.y))
-        return replace(feature, x=x, y=y)
-    if isinstance(feature, Slot | TextMark):
-        x, y = mapped(matrix, (feature.x, feature.y))
+        if isinstance(feature, Hole):
+            return replace(feature, x=x, y=y)
         angle = direction_deg(mapped_vector(matrix, unit_vector(feature.angle)))
         return replace(feature, x=x, y=y, angle=angle)
     return feature
-
-
-def _placed_contour(contour: Contour, matrix: Matrix) -> Contour:
-    curves = tuple([_moved(curve, matrix) for curve in contour.curves])
-    notches = tuple([replace(n, corner=mapped(matrix, n.corner)) for n in contour.notches])
-    if determinant(matrix) < 0.0:
-        last = len(curves) - 1
-        curves = tuple([curve.reversed() for curve in reversed(curves)])
-        notches = tuple([replace(notch, curve=last - notch.curve) for notch in notches])
-    return replace(contour, curves=curves, notches=notches)
-
-
-def _moved(curve: Curve, matrix: Matrix) -> Curve:
-    """As `transformed`; an arc that is only moved keeps its angles as they are."""
-    if isinstance(curve, Arc) and matrix[0][:2] == (1.0, 0.0) and matrix[1][:2] == (0.0, 1.0):
-        return replace(curve, centre=mapped(matrix, curve.centre))
-    return curve.transformed(matrix)

@@ -37,41 +37,37 @@ SHOWN = 20  #: crossings are named one by one up to so many
 
 
 def crossings(
-    closed: Sequence[Shape],
-    rings: "NDArray[Any]",
-    bad: Sequence[int],
-    pairs: Sequence[tuple[int, int]],
-    curves: Sequence[AssignedCurve],
-    tolerance: float,
-    gap: float,
-    kerf: float,
-) -> list[Diagnostic]:
+    closed: Sequence[Shape], rings: "NDArray[Any]", bad: Sequence[int],
+    pairs: Sequence[tuple[int, int]], curves: Sequence[AssignedCurve], tolerance: float,
+    gap: float, kerf: float,
+) -> list[Diagnostic]:  # fmt: skip
     """Closed cuts that cross themselves or one another, with a place and both entities.
 
     Those that are `bad` meet themselves, `pairs` of them one another. Errors where a kerf is to be
     kept off, as nothing says on which side; else warnings.
     """
+    rule, more = rules.CROSSED, rules.MORE_CROSSED
+    if kerf:
+        rule, more = rules.CROSSING, rules.MORE_CROSSINGS
     entities = _Entities(curves)
-    rule = rules.CROSSING if kerf else rules.CROSSED
     diagnostics: list[Diagnostic] = []
-    for k, crossed in _loops(closed, rings, bad, tolerance, gap):
-        diagnostics.append(_told(rule, *entities.at(crossed, closed[k], closed[k]), crossed))
-    for i, k in pairs:
-        place = _crossing(closed[i], closed[k], tolerance)
+    for i, k in (*((k, k) for k in bad), *pairs):
+        if i == k:
+            own_gap = gap if len(closed[k].features) > 1 else 0.0
+            place = _crosses_itself(rings[k], tolerance, own_gap)
+        else:
+            place = _crossing(closed[i], closed[k], tolerance)
         if place is not None:
-            diagnostics.append(_told(rule, *entities.at(place, closed[i], closed[k]), place))
+            diagnostics.append(entities.crossing(rule, place, closed[i], closed[k]))
     if len(diagnostics) > SHOWN:
-        more = rules.MORE_CROSSINGS if kerf else rules.MORE_CROSSED
         diagnostics[SHOWN:] = [more.at(diagnostics[SHOWN].source, found=len(diagnostics) - SHOWN)]
     return diagnostics
 
 
 def refuse_tangles(
-    closed: Sequence[Shape],
-    rings: "NDArray[Any]",
-    bad: Sequence[int],
+    closed: Sequence[Shape], rings: "NDArray[Any]", bad: Sequence[int],
     curves: Sequence[AssignedCurve],
-) -> None:
+) -> None:  # fmt: skip
     """Raise PlanError for a contour that meets itself all along, as one of many turns does.
 
     To take it apart would take minutes; where it crosses itself is known at once.
@@ -85,37 +81,11 @@ def refuse_tangles(
         some = segments[:: max(len(segments) // MAX_ASKED, 1)]
         meetings = shapely.STRtree(segments).query(some, predicate="intersects").shape[1]
         if meetings > MAX_MEETINGS * len(some):
-            place = _reason_place(rings[k])
-            entities = _Entities(curves).at(place, closed[k], closed[k])
-            raise PlanError(_told(rules.CROSSING, *entities, place))
-
-
-def _reason_place(ring: Any) -> Point:
-    """The place that shapely names: "Self-intersection[12.5 40]"."""
-    import shapely
-
-    x, _, y = shapely.is_valid_reason(ring).partition("[")[2].rstrip("]").partition(" ")
-    return float(x), float(y)
-
-
-def _told(rule: Rule, source: Source, other: str, place: Point) -> Diagnostic:
-    return rule.at(source, other=other, x=f"{place[0]:.3f}", y=f"{place[1]:.3f}")
-
-
-def _loops(
-    closed: Sequence[Shape],
-    rings: "NDArray[Any]",
-    bad: Sequence[int],
-    tolerance: float,
-    gap: float,
-) -> list[tuple[int, Point]]:
-    """Which of the rings that are `bad` cross themselves, and where."""
-    loops = []
-    for k in bad:
-        place = _crosses_itself(rings[k], tolerance, gap if len(closed[k].features) > 1 else 0.0)
-        if place is not None:
-            loops.append((k, place))
-    return loops
+            # "Self-intersection[12.5 40]"
+            reason = shapely.is_valid_reason(rings[k])
+            x, _, y = reason.partition("[")[2].rstrip("]").partition(" ")
+            crossing = _Entities(curves).crossing
+            raise PlanError(crossing(rules.CROSSING, (float(x), float(y)), closed[k], closed[k]))
 
 
 def _crosses_itself(ring: Any, tolerance: float, gap: float) -> Point | None:
@@ -196,19 +166,21 @@ class _Entities:
     """The curves of features, looked at where contours cross."""
 
     def __init__(self, curves: Sequence[AssignedCurve]) -> None:
-        self._wanted = curves
+        self._curves = curves
         self._of: dict[int, list[AssignedCurve]] = {}
 
-    def at(self, place: Point, a: Shape, b: Shape) -> tuple[Source, str]:
-        """The source of the curve of `a` at a place, and how the curve of `b` there is called.
+    def crossing(self, rule: Rule, place: Point, a: Shape, b: Shape) -> Diagnostic:
+        """That the curve of `a` at a place crosses that of `b`.
 
         If both are one, its two curves that are nearest.
         """
-        first = self._nearest(place, a)
+        source, *others = self._nearest(place, a)
         if a is not b:
-            return first[0], entity(self._nearest(place, b)[0])
-        others = [source for source in first if source != first[0]]
-        return first[0], entity(others[0]) if others else "itself"
+            other = entity(self._nearest(place, b)[0])
+        else:
+            others = [one for one in others if one != source]
+            other = entity(others[0]) if others else "itself"
+        return rule.at(source, other=other, x=f"{place[0]:.3f}", y=f"{place[1]:.3f}")
 
     def _nearest(self, place: Point, shape: Shape) -> list[Source]:
         """The sources of the two curves of a shape nearest to a place, one if there is but one."""
@@ -216,7 +188,7 @@ class _Entities:
         import shapely
 
         if not self._of:
-            for w in self._wanted:
+            for w in self._curves:
                 self._of.setdefault(w.feature, []).append(w)
         curves = [w for feature in shape.features for w in self._of.get(feature, [])]
         if len(shape.features) < 2 or len(curves) < 2:

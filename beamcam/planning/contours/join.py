@@ -20,16 +20,7 @@ from beamcam.machine.torch import Torch, TorchProcess
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.assign_process import AssignedCurve
 from beamcam.planning.contours.crossing import crossings, refuse_tangles
-from beamcam.planning.contours.doubling import (
-    SAME_POINT,
-    free_repeats,
-    is_straight,
-    is_there_and_back,
-    told,
-    told_beside,
-    turns,
-    without_steps_back,
-)
+from beamcam.planning.contours.loops import taken_apart
 from beamcam.planning.contours.outline import (
     Drawn,
     Shape,
@@ -40,8 +31,17 @@ from beamcam.planning.contours.outline import (
     signed_areas,
     valid,
 )
-from beamcam.planning.contours.pinch import taken_apart, told_flat
 from beamcam.planning.contours.repeats import Repeats, contours_once, loose_once
+from beamcam.planning.contours.running_back import (
+    SAME_POINT,
+    curves_running_back,
+    free_repeats,
+    is_straight,
+    is_there_and_back,
+    needles_beside,
+    turns,
+    without_steps_back,
+)
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -79,10 +79,9 @@ def join(
     that they are closed (`rings`) have to be.
     """
     joined = Joined()
-    for diagnostic in (*told(wanted, curves.free(), kerf), *free_repeats(wanted, curves.free())):
-        (joined.refusals if diagnostic.severity is Severity.ERROR else joined.remarks).append(
-            diagnostic
-        )
+    free = curves.free()
+    for one in (*curves_running_back(wanted, free, kerf), *free_repeats(wanted, free)):
+        (joined.refusals if one.severity is Severity.ERROR else joined.remarks).append(one)
     may_repeat = bool(overlapping(curves, [w.process for w in wanted]))
     loose, gaping = _closed_features(wanted, curves, torch.gap, rings, joined)
     straight = {k for k in curves.free() if is_straight(wanted[k].curve)}
@@ -315,7 +314,9 @@ def nest(
     if not kerf or errors_in(diagnostics):
         return nested, diagnostics
     turning = turns((points[mine], number[owner[mine]]))
-    needles = list(told_beside(cuts, turning, tolerance))
+    needles = [
+        one for k, at in turning.items() for one in needles_beside(cuts[k].source, *at, tolerance)
+    ]
     if needles:
         return nested, [*diagnostics, *needles]
     # A needle whose mouth is written a hair wide does not meet itself.
@@ -324,7 +325,7 @@ def nest(
         return nested, diagnostics
     more, flat = taken_apart(nested, which, tolerance)
     if flat:
-        return nested, [*diagnostics, *told_flat(flat)]
+        return nested, [*diagnostics, *flat]
     if len(more) > len(nested):
         drawn = points_of([s.curves for s in more], tolerance / 4)
         return nest(more, drawn, curves, tolerance, gap, kerf)

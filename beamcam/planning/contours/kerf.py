@@ -15,7 +15,7 @@ from beamcam.geometry.curves import Arc, Curve, Line, join_boxes
 from beamcam.geometry.plane import Point
 from beamcam.machine.torch import Torch
 from beamcam.planning.contours import rules
-from beamcam.planning.contours.narrow import (
+from beamcam.planning.contours.left_waste import (
     TOLD,
     Left,
     Near,

@@ -1,19 +1,18 @@
 """Curves and contours that pass a place again: back along themselves, too often, or at a point."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from itertools import pairwise
-from math import hypot, pi, tau
+from math import pi, tau
 
 import numpy as np
 import shapely
-from msgspec import Struct
 from shapely.ops import substring
 
-from beamcam.errors import Diagnostic, PlanError
+from beamcam.errors import Diagnostic, PlanError, Rule, Source
 from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.geometry.arrays import CurveTable, cubics_of, first_equal
 from beamcam.geometry.curves import Arc, Bezier, BSpline, Curve, Line
-from beamcam.geometry.plane import Point, dot
+from beamcam.geometry.plane import distance, dot
 from beamcam.geometry.polylines import polylines
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.assign_process import AssignedCurve
@@ -30,14 +29,6 @@ STEP = 0.25  #: mm between places of a needle
 NO_STEP = 1e-6  #: mm
 MOST_LENGTH = 100.0  #: of a needle, in mm, that is looked at
 SHORT = 1e-3  #: mm that a contour may run back along itself; what writes drawings rounds so
-
-
-class Doubling(Struct, frozen=True):
-    """A stretch that a curve follows there and back."""
-
-    curve: int
-    place: Point  #: where it turns round
-    length: float
 
 
 def without_steps_back(curves: tuple[Curve, ...]) -> tuple[Curve, ...]:
@@ -75,12 +66,23 @@ def _turns_back(one: Curve, other: Curve) -> bool:
     return dot(one.tangent(1.0), other.tangent(0.0)) < BACK
 
 
-def doublings(curves: Sequence[Curve], which: Sequence[int]) -> Iterator[Doubling]:
-    """Places where curves turn round and run back along themselves."""
-    which = [k for k in which if _may_turn_round(curves[k])]
+def runs_back(rule: Rule, source: Source, length: float, place: Sequence[float]) -> Diagnostic:
+    """That a curve runs back along itself so far from where it turns round."""
+    x, y = (f"{at:.3f}" for at in place)
+    return rule.at(source, found=f"{length:.3f}", x=x, y=y)
+
+
+def curves_running_back(
+    curves: Sequence[AssignedCurve], which: Sequence[int], kerf: float
+) -> Iterator[Diagnostic]:
+    """Remarks on the curves that turn round and run back along themselves.
+
+    An error with kerf compensation, as the side of such a stretch is undefined.
+    """
+    which = [k for k in which if _may_turn_round(curves[k].curve)]
     if not which:
         return
-    drawn = polylines([curves[k] for k in which], FINE)
+    drawn = polylines([curves[k].curve for k in which], FINE)
     steps = np.diff(drawn.points, axis=0)
     sizes = np.hypot(*steps.T)
     back = np.sum(steps[1:] * steps[:-1], axis=1) < BACK * sizes[1:] * sizes[:-1]
@@ -89,10 +91,10 @@ def doublings(curves: Sequence[Curve], which: Sequence[int]) -> Iterator[Doublin
         begin, end = int(drawn.begins[own]), int(drawn.begins[own + 1])
         if begin < at < end - 1:
             arms = drawn.points[begin : at + 1][::-1], drawn.points[at:end]
-            length = _together(*arms, 2 * FINE)
+            length, w = _together(*arms, 2 * FINE), curves[which[own]]
             if length > MIN_LENGTH:
-                x, y = drawn.points[at].tolist()
-                yield Doubling(which[own], (x, y), length)
+                rule = rules.RUNS_BACK_KERF if kerf and w.process == "cut" else rules.RUNS_BACK
+                yield runs_back(rule, w.source, length, drawn.points[at])
 
 
 def _may_turn_round(curve: Curve) -> bool:
@@ -108,10 +110,9 @@ def _may_turn_round(curve: Curve) -> bool:
     else:
         return True
     sides = []
-    for (x0, y0), (x1, y1) in pairwise(points):
-        length = hypot(x1 - x0, y1 - y0)
-        if length > 0.0:
-            sides.append(((x1 - x0) / length, (y1 - y0) / length))
+    for a, b in pairwise(points):
+        if (length := distance(a, b)) > 0.0:
+            sides.append(((b[0] - a[0]) / length, (b[1] - a[1]) / length))
     for k in range(max(len(sides) - degree, 0) + 1):
         some = sides[k : k + degree]
         x, y = sum(u for u, _ in some), sum(v for _, v in some)
@@ -128,22 +129,6 @@ def _together(one: Floats, other: Floats, near: float) -> float:
     apart = np.flatnonzero(away > near)
     last = int(apart[0]) if len(apart) else len(one)
     return float(np.hypot(*np.diff(one[:last], axis=0).T).sum()) if last > 1 else 0.0
-
-
-def told(
-    curves: Sequence[AssignedCurve], which: Sequence[int], kerf: float
-) -> Iterator[Diagnostic]:
-    """Remarks on the curves that run back along themselves.
-
-    An error with kerf compensation, as the side of such a stretch is undefined.
-    """
-    for doubling in doublings([w.curve for w in curves], which):
-        w = curves[doubling.curve]
-        rule = rules.RUNS_BACK_KERF if kerf and w.process == "cut" else rules.RUNS_BACK
-        yield rule.at(
-            w.source, found=f"{doubling.length:.3f}",
-            x=f"{doubling.place[0]:.3f}", y=f"{doubling.place[1]:.3f}",
-        )  # fmt: skip
 
 
 def turns(drawn: Drawn) -> dict[int, tuple[Floats, Counts]]:
@@ -169,20 +154,11 @@ def turns(drawn: Drawn) -> dict[int, tuple[Floats, Counts]]:
     return by_curve
 
 
-def told_beside(
-    shapes: Sequence[Shape], turning: Mapping[int, tuple[Floats, Counts]], tolerance: float
+def needles_beside(
+    source: Source, ring: Floats, turns: Counts, tolerance: float
 ) -> Iterator[Diagnostic]:
-    """An error for each needle of a closed contour that lies beside another stretch of it."""
-    for k, (ring, at) in turning.items():
-        for doubling in _needles(ring, at, NEEDLE * tolerance):
-            yield rules.RUNS_BACK_KERF.at(
-                shapes[k].source, found=f"{doubling.length:.3f}",
-                x=f"{doubling.place[0]:.3f}", y=f"{doubling.place[1]:.3f}",
-            )  # fmt: skip
-
-
-def _needles(ring: Floats, turns: Counts, near: float) -> Iterator[Doubling]:
-    """The needles of a ring (n, 2) that lie beside another stretch of it, by where it turns."""
+    """An error for each needle of a ring (n, 2) that lies beside another stretch of it."""
+    near = NEEDLE * tolerance
     for at in turns.tolist():
         places = np.append(np.roll(ring, -at, axis=0), ring[at : at + 1], axis=0)
         around = shapely.linestrings(places)
@@ -197,8 +173,7 @@ def _needles(ring: Floats, turns: Counts, near: float) -> Iterator[Doubling]:
             continue
         rest = substring(around, length + near, reached[-1] - length - near)
         if rest.distance(around.interpolate(length / 2)) <= BESIDE * length / 2:
-            x, y = ring[at].tolist()
-            yield Doubling(0, (x, y), length)
+            yield runs_back(rules.RUNS_BACK_KERF, source, length, ring[at])
 
 
 # --- copies ---------------------------------------------------------------------------------------
@@ -255,12 +230,10 @@ def refuse_many_passes(shapes: Sequence[Shape], drawn: Drawn, tolerance: float) 
     passes = np.bincount(place, lengths[near], len(which)) / (2 * tolerance)
     if passes.mean() > MAX_PASSES:
         worst = int(np.argmax(passes))
-        x, y = shapely.get_coordinates(middles[worst])[0].tolist()
+        x, y = (f"{at:.3f}" for at in places[worst])
         source = shapes[int(owner[which[worst]])].source
         values = {"found": f"{passes[worst]:.0f}", "reach": f"{tolerance:g}"}
-        raise PlanError(
-            rules.CROWDED.at(source, **values, x=f"{x:.3f}", y=f"{y:.3f}", expected=MAX_PASSES)
-        )
+        raise PlanError(rules.CROWDED.at(source, **values, x=x, y=y, expected=MAX_PASSES))
 
 
 def _may_pass(starts: Floats, ends: Floats, places: Floats, tolerance: float) -> Counts:
@@ -275,8 +248,7 @@ def _may_pass(starts: Floats, ends: Floats, places: Floats, tolerance: float) ->
     cell = max(float((high.max(axis=1, keepdims=True) - origin).max()) / CELLS, tolerance)
 
     def cells(points: Floats) -> Counts:
-        found: Counts = ((points - origin) / cell).astype(np.int64)
-        return found
+        return np.asarray(((points - origin) / cell).astype(np.int64))
 
     side = CELLS + 2
     x, y = cells(places.T)
@@ -312,11 +284,9 @@ def free_repeats(curves: Sequence[AssignedCurve], which: Sequence[int]) -> Itera
         if high > low and np.ptp(ahead[low:high]) > TURNED_RAD:
             own = steps[low:high]
             again = _again(starts[low:high], own)
-            if (found := float(np.hypot(*own[again].T).sum())) > MIN_LENGTH:
-                x, y = starts[low:high][int(np.argmax(again))].tolist()
-                yield rules.RUNS_OVER.at(
-                    curves[some[0]].source, found=f"{found:.3f}", x=f"{x:.3f}", y=f"{y:.3f}"
-                )
+            if (length := float(np.hypot(*own[again].T).sum())) > MIN_LENGTH:
+                first = starts[low:high][int(np.argmax(again))]
+                yield runs_back(rules.RUNS_OVER, curves[some[0]].source, length, first)
 
 
 def may_go_round(chains: Sequence[Sequence[Curve]]) -> set[int]:
@@ -385,7 +355,7 @@ def is_straight(curve: Curve) -> bool:
     if not isinstance(curve, Bezier) or curve.weights is not None:
         return False
     (x0, y0), (x1, y1) = curve.start, curve.end
-    length = hypot(x1 - x0, y1 - y0)
+    length = distance(curve.start, curve.end)
     if length <= SAME_POINT:
         return False
     u, v = (x1 - x0) / length, (y1 - y0) / length

@@ -9,9 +9,9 @@
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from math import hypot
 
 import numpy as np
+import shapely
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic
@@ -20,19 +20,8 @@ from beamcam.geometry.curves import Curve, Line, signed_area
 from beamcam.geometry.plane import distance
 from beamcam.model.lengths import total_length
 from beamcam.planning.contours import rules
-from beamcam.planning.contours.doubling import FINE
 from beamcam.planning.contours.outline import Shape, outlines
-
-
-def told_flat(shapes: Sequence[Shape]) -> Iterator[Diagnostic]:
-    """An error for each closed chain that runs back along itself all the way."""
-    for shape in shapes:
-        x0, y0 = shape.curves[0].start
-        x, y = max((c.end for c in shape.curves), key=lambda p: hypot(p[0] - x0, p[1] - y0))
-        yield rules.RUNS_BACK_KERF.at(
-            shape.source, found=f"{total_length(shape.curves) / 2:.3f}", x=f"{x:.3f}", y=f"{y:.3f}"
-        )
-
+from beamcam.planning.contours.running_back import FINE, runs_back
 
 SAME_PLACE = 1e-4  #: mm, of a place that is passed again: what is nearer is written alike
 SAME_POINT = 1e-9  #: of ends that need no joining
@@ -40,26 +29,34 @@ SAME_POINT = 1e-9  #: of ends that need no joining
 
 def taken_apart(
     shapes: Sequence[Shape], which: Sequence[int], tolerance: float
-) -> tuple[list[Shape], list[Shape]]:
+) -> tuple[list[Shape], list[Diagnostic]]:
     """The shapes, some of them as the contours of the waste that hangs together there by points.
 
-    And those among these that are followed there and back: they go round nothing that is wider
-    than half the machine's tolerance.
+    And an error for each of these that is followed there and back: it goes round nothing that is
+    wider than half the machine's tolerance.
     """
-    found: list[Shape] = []
-    flat: list[Shape] = []
+    apart: list[Shape] = []
+    flat: list[Diagnostic] = []
     numbers = set(which)
     for k, shape in enumerate(shapes):
         rings = list(_rings(shape, tolerance)) if k in numbers else [shape.curves]
-        pieces = [replace(shape, curves=ring) for ring in rings] if len(rings) > 1 else [shape]
-        flat += (one for one in pieces if len(rings) > 1 and _is_flat(one.curves, tolerance))
-        found += pieces
-    return found, flat
+        apart += [replace(shape, curves=ring) for ring in rings] if len(rings) > 1 else [shape]
+        for ring in rings if len(rings) > 1 else ():
+            if _is_flat(ring, tolerance):
+                start = ring[0].start
+                end = max((curve.end for curve in ring), key=lambda at: distance(at, start))
+                length = total_length(ring) / 2
+                flat.append(runs_back(rules.RUNS_BACK_KERF, shape.source, length, end))
+    return apart, flat
 
 
 def _rings(shape: Shape, tolerance: float) -> Iterator[tuple[Curve, ...]]:
     """The contours that one falls into."""
-    places = _places(shape.curves)
+    # For each curve the first one that begins where it does.
+    places = list(range(len(shape.curves)))
+    pairs = near_pairs(np.array([curve.start for curve in shape.curves]), SAME_PLACE)
+    for a, b in sorted(zip(*(some.tolist() for some in pairs), strict=True)):
+        places[max(a, b)] = places[min(a, b)]
     again = {place for place, count in Counter(places).items() if count > 1}
     if not again:
         yield shape.curves
@@ -77,9 +74,12 @@ def _rings(shape: Shape, tolerance: float) -> Iterator[tuple[Curve, ...]]:
             if at is None:
                 break
             loop = _closed([around[n] for n in kept[at:]])
-            rest = [around[n] for n in (*kept[:at], *range(k, len(around)))]
-            if not _is_waste(loop, rest, shape.is_hole, tolerance):
-                break
+            if not _is_flat(loop, tolerance):
+                # It stays where it goes round no waste by itself.
+                rest = [around[n] for n in (*kept[:at], *range(k, len(around)))]
+                inner, outer = shapely.make_valid(outlines([loop, rest], FINE))
+                if bool(shapely.point_on_surface(inner).within(outer)) == shape.is_hole:
+                    break
             yield loop
             del kept[at:]
         if k < len(around):
@@ -87,31 +87,10 @@ def _rings(shape: Shape, tolerance: float) -> Iterator[tuple[Curve, ...]]:
     yield _closed([around[n] for n in kept])
 
 
-def _places(curves: Sequence[Curve]) -> list[int]:
-    """For each curve the first one that begins where it does."""
-    places = list(range(len(curves)))
-    pairs = near_pairs(np.array([curve.start for curve in curves]), SAME_PLACE)
-    for a, b in sorted(zip(*(some.tolist() for some in pairs), strict=True)):
-        places[max(a, b)] = places[min(a, b)]
-    return places
-
-
 def _closed(ring: Sequence[Curve]) -> tuple[Curve, ...]:
     """A chain whose ends are written alike, closed."""
     a, b = ring[-1].end, ring[0].start
     return tuple(ring) if distance(a, b) <= SAME_POINT else (*ring, Line(a, b))
-
-
-def _is_waste(
-    loop: tuple[Curve, ...], rest: Sequence[Curve], is_hole: bool, tolerance: float
-) -> bool:
-    """Whether part of a contour goes round waste by itself, or round nothing."""
-    import shapely
-
-    if _is_flat(loop, tolerance):
-        return True
-    inner, around = shapely.make_valid(outlines([loop, rest], FINE))
-    return bool(shapely.point_on_surface(inner).within(around)) != is_hole
 
 
 def _is_flat(loop: tuple[Curve, ...], tolerance: float) -> bool:
