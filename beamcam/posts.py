@@ -239,7 +239,7 @@ def _refuse_begun(job: Job) -> None:
 
 def _plan_sheet(job: Job) -> SheetPlan:
     from beamcam.planning.contours.plate import laid
-    from beamcam.planning.contours.skew_ends import with_bevels
+    from beamcam.planning.contours.plate_edges import with_bevels
     from beamcam.planning.sheet import plan_sheet
 
     machine = job.machine

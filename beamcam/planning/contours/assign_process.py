@@ -31,7 +31,6 @@ from beamcam.model.part import (
 from beamcam.model.request import policy_on
 from beamcam.planning import rules as bar_rules
 from beamcam.planning.contours import rules
-from beamcam.planning.contours.notches import notches_in
 from beamcam.planning.contours.outline import (
     centres_of,
     cross_at,
@@ -39,6 +38,7 @@ from beamcam.planning.contours.outline import (
     outline_of,
 )
 from beamcam.planning.contours.plate import outermost
+from beamcam.planning.contours.plate_edges import notches_in
 from beamcam.planning.end_planes import idle_planes
 from beamcam.planning.left_out import BEVEL, DRILL, FACE, NO_ROOM, NOT_MOVED, listed_by, refuse_mark
 from beamcam.planning.lettering import place_text, remarks

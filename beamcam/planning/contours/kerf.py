@@ -5,27 +5,26 @@ from math import cos, dist, pi
 
 import numpy as np
 import shapely
+from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic
 from beamcam.geometry.array_types import Floats
 from beamcam.geometry.arrays import CurveTable, unit_vectors
 from beamcam.geometry.conics import direction_deg
-from beamcam.geometry.curves import Arc, Curve, Line, join_boxes
+from beamcam.geometry.curves import Arc, Line, join_boxes
 from beamcam.geometry.plane import Point
 from beamcam.machine.torch import Torch
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.left_waste import (
-    TOLD,
+    REPORTED,
     Left,
-    Near,
+    left_diagnostics,
     left_in,
-    told_near,
-    told_of,
     uncompensated,
 )
 from beamcam.planning.contours.order import PLAIN
-from beamcam.planning.contours.outline import Curves, Shape, waste_side
+from beamcam.planning.contours.outline import Curves, Shape, entity, waste_side
 from beamcam.planning.contours.outline import ways as polylines_of
 
 #: Mitre limit of corners, in half kerfs.
@@ -49,10 +48,9 @@ def compensated(
     offset_shapes = list(shapes)
     by_machine = torch.kerf_by == "machine"
     which = [
-        k
-        for k, (shape, kerf) in enumerate(zip(shapes, kerfs, strict=True))
-        if kerf or (by_machine and shape.process == "cut" and shape.closed)
-    ]
+        k for k, shape in enumerate(shapes)
+        if kerfs[k] or (by_machine and shape.process == "cut" and shape.closed)
+    ]  # fmt: skip
     if not which:
         return offset_shapes, []
     free = [k for k in which if not all(isinstance(c, Line | Arc) for c in shapes[k].curves)]
@@ -69,18 +67,20 @@ def compensated(
         paths[k] = path
     near = too_near(shapes, paths, kerfs, torch)
     # There may be room for the kerf, but not for a mitre that stands out from it.
-    rounded = {
-        k
-        for n in near
-        if n.width >= kerfs[n.shape] - torch.tolerance
-        for k in (n.shape, n.other)
-        if kerfs[k]
-    }
+    wide = [n for n in near if n.width >= kerfs[n.shape] - torch.tolerance]
+    rounded = {k for n in wide for k in (n.shape, n.other) if kerfs[k]}
     if rounded and not by_machine:
         for k, path in _moved(offset_shapes, sorted(rounded), kerfs, torch, [], mitre_limit=0.0):
             paths[k] = path
         near = too_near(shapes, paths, kerfs, torch)
-    diagnostics += [told_near(shapes, n, kerfs[n.shape]) for n in near]
+    for n in near:
+        x, y = (f"{at:.3f}" for at in n.place)
+        diagnostics.append(
+            rules.NEAR.at(
+                shapes[n.shape].source, found=f"{n.width:.3f}",
+                other=entity(shapes[n.other].source), x=x, y=y, kerf=f"{kerfs[n.shape]:g}",
+            )
+        )  # fmt: skip
     if not by_machine:
         for k in kept_off:
             offset_shapes[k] = paths[k] or offset_shapes[k]
@@ -110,7 +110,9 @@ def _moved(
     for k, offset, sharp in zip(which, moved, sharp_corners(some, widths), strict=True):
         shape, kerf = shapes[k], kerfs[k]
         if isinstance(offset, Vanished):
-            diagnostics.append(_no_room(shape, kerf))
+            x0, y0, x1, y1 = join_boxes([c.bbox for c in shape.curves]) or (0.0, 0.0, 0.0, 0.0)
+            size = f"{x1 - x0:.3g} x {y1 - y0:.3g}"
+            diagnostics.append(rules.VANISHED.at(shape.source, found=size, kerf=f"{kerf:g}"))
             yield k, None
             continue
         area, ring = max(zip(offset.areas, offset.chains, strict=True), key=lambda one: abs(one[0]))
@@ -120,14 +122,17 @@ def _moved(
         others = [chain for chain in offset.chains if chain is not ring]
         left = sharp if offset.exact else left_in(shape, path, kerf, torch.tolerance, others)
         if left:
-            diagnostics += told_of(shape, left, kerf)
+            diagnostics += left_diagnostics(shape, left, kerf)
         yield k, path
 
 
-def _no_room(shape: Shape, kerf: float) -> Diagnostic:
-    box = join_boxes([c.bbox for c in shape.curves]) or (0.0, 0.0, 0.0, 0.0)
-    size = f"{box[2] - box[0]:.3g} x {box[3] - box[1]:.3g}"
-    return rules.VANISHED.at(shape.source, found=size, kerf=f"{kerf:g}")
+class Near(Struct, frozen=True):
+    """A contour that the cut along another one enters."""
+
+    shape: int  #: that is cut
+    other: int
+    width: float  #: of the waste between both, where it is least
+    place: Point
 
 
 def too_near(
@@ -178,7 +183,7 @@ def sharp_corners(shapes: Sequence[Shape], kerfs: Sequence[float]) -> list[list[
     inward = np.clip(turn * left[owner], 0.0, pi - 1e-6)
     depth = np.array(kerfs)[owner] / 2 * (1 / np.cos(inward / 2) - 1)
     corners: list[list[Left]] = [[] for _ in shapes]
-    for k in np.flatnonzero(depth > TOLD * np.array(kerfs)[owner]).tolist():
+    for k in np.flatnonzero(depth > REPORTED * np.array(kerfs)[owner]).tolist():
         x, y = table.ends[k, 2:].tolist()
         width = kerfs[owner[k]] * cos((pi - float(inward[k])) / 2)
         corners[owner[k]].append(Left((x, y), width, float(depth[k]), True))
@@ -239,33 +244,33 @@ def leads_of(
     tree = shapely.STRtree(polylines_of(fence, torch.tolerance / 4))
     off_path = half_kerf + OFF_PATH * torch.tolerance if half_kerf else 0.0
     ways_in: dict[int, Curves] = {}
-    suggestions: dict[int, Curves] = {}
+    ways_out: dict[int, Curves] = {}
     short: set[int] = set()
     if torch.hole_lead == "middle":
-        small = {k: from_middle(ways[k].curves) for k in which if ways[k].is_small}
-        round_ones = {k: curves for k, curves in small.items() if curves}
+        small = (k for k in which if ways[k].is_small)
+        round_ones = {k: curves for k in small if (curves := from_middle(ways[k].curves))}
         kept = _clear_of(tree, round_ones, False, torch.tolerance, clearance, 0.0)
         ways_in |= {k: round_ones[k] for k in kept}
     # Each for itself, so that a way out without room does not shorten the way in.
-    for found, is_out, far in (
+    for those, is_out, far in (
         (ways_in, False, max(pierce_radius, off_path)), (ways_in, False, off_path),
-        (suggestions, True, off_path),
+        (ways_out, True, off_path),
     ):  # fmt: skip
         for share in SHARES:
             tried = {
                 k: leads(ways[k].curves, sides[k], torch, share, overs[k])[is_out]
                 for k in which
-                if k not in found
+                if k not in those
             }
             kept = _clear_of(tree, tried, is_out, torch.tolerance, clearance, far)
             if share == SHARES[0]:
                 short |= tried.keys() - kept
-            found |= {k: tried[k] for k in kept}
-    led = {k: (ways_in.get(k, ()), suggestions.get(k, ())) for k in which}
+            those |= {k: tried[k] for k in kept}
+    both = {k: (ways_in.get(k, ()), ways_out.get(k, ())) for k in which}
     if not short:
-        return led, []
+        return both, []
     first = ways[min(short)].source
-    return led, [rules.NO_LEAD.at(first, count=len(short), found=f"{torch.lead_in:g}")]
+    return both, [rules.NO_LEAD.at(first, count=len(short), found=f"{torch.lead_in:g}")]
 
 
 def _clear_of(
@@ -338,7 +343,11 @@ def leads(
 def from_middle(curves: Curves) -> Curves:
     """Lead-in of a round hole: half a circle from its middle, tangent to it; none of another."""
     first, *others = curves
-    if not isinstance(first, Arc) or not all(_is_of(first, other) for other in others):
+    if not isinstance(first, Arc) or not all(
+        isinstance(other, Arc) and dist(first.centre, other.centre) <= SAME_CIRCLE
+        and abs(first.radius - other.radius) <= SAME_CIRCLE
+        for other in others
+    ):  # fmt: skip
         return ()
     (x, y), (mx, my) = first.start, first.centre
     half = Arc(
@@ -346,15 +355,6 @@ def from_middle(curves: Curves) -> Curves:
         180.0 if first.sweep_deg > 0.0 else -180.0,
     )  # fmt: skip
     return (half,)
-
-
-def _is_of(arc: Arc, other: Curve) -> bool:
-    """Whether another curve lies on the circle of an arc."""
-    return (
-        isinstance(other, Arc)
-        and dist(arc.centre, other.centre) <= SAME_CIRCLE
-        and abs(arc.radius - other.radius) <= SAME_CIRCLE
-    )
 
 
 def _lead(

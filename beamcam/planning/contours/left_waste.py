@@ -7,7 +7,7 @@ ____          ____      The beam is a disc of the kerf's width. Where it does no
 """
 
 from collections.abc import Iterator, Sequence
-from math import dist, hypot, sqrt
+from math import dist, sqrt
 from typing import TYPE_CHECKING, Any
 
 from msgspec import Struct
@@ -17,7 +17,7 @@ from beamcam.errors import Diagnostic
 from beamcam.geometry.curves import Arc, Curve
 from beamcam.geometry.plane import Point
 from beamcam.planning.contours import rules
-from beamcam.planning.contours.outline import Shape, entity, outlines, waste_side, ways
+from beamcam.planning.contours.outline import Shape, outlines, waste_side, ways
 
 if TYPE_CHECKING:
     from beamcam.geometry.array_types import Floats
@@ -29,7 +29,7 @@ DEEPEST_CORNER = 4.0
 
 #: What is left is reported where it is deeper than so many kerfs: half of one in a corner of 60
 #: degrees.
-TOLD = 0.55
+REPORTED = 0.55
 
 #: A slot may be so much deeper than the corner between its walls where they meet the beam: what
 #: curves are flattened by, and a share.
@@ -51,24 +51,6 @@ class Left(Struct, frozen=True):
     depth: float  #: the farthest of it from where the beam comes
     is_corner: bool  #: no more than any corner of that angle leaves
     is_cut_off: bool = False  #: the beam would have room, but does not get there
-
-
-class Near(Struct, frozen=True):
-    """A contour that the cut along another one enters."""
-
-    shape: int  #: that is cut
-    other: int
-    width: float  #: of the waste between both, where it is least
-    place: Point
-
-
-def told_near(shapes: Sequence[Shape], near: Near, kerf: float) -> Diagnostic:
-    """The error for a contour that the cut along another one enters."""
-    return rules.NEAR.at(
-        shapes[near.shape].source, found=f"{near.width:.3f}",
-        other=entity(shapes[near.other].source), x=f"{near.place[0]:.3f}",
-        y=f"{near.place[1]:.3f}", kerf=f"{kerf:g}",
-    )  # fmt: skip
 
 
 def left_in(
@@ -100,14 +82,13 @@ def left_in(
     swept = _swept(shape, contour, ring, reached)
     taken, middle, edge = (shapely.boundary(one) for one in (swept, ring, contour))
     beyond = shapely.buffer(shapely.multilinestrings(ways(others, tolerance)), kerf / 2)
-    found = []
-    for piece, is_cut_off in zip(
-        pieces.tolist(), shapely.intersects(pieces, beyond).tolist(), strict=True
-    ):
-        left = _left(piece, taken, middle, edge, kerf / 2, tolerance)
-        if left is not None:
-            found.append(replace(left, is_cut_off=is_cut_off))
-    return sorted(found, key=lambda left: -left.depth)
+    cut_off = shapely.intersects(pieces, beyond).tolist()
+    places = [
+        replace(left, is_cut_off=is_cut_off)
+        for piece, is_cut_off in zip(pieces.tolist(), cut_off, strict=True)
+        if (left := _left(piece, taken, middle, edge, kerf / 2, tolerance)) is not None
+    ]
+    return sorted(places, key=lambda left: -left.depth)
 
 
 def _swept(shape: Shape, contour: Any, ring: Any, reached: Any) -> Any:
@@ -141,7 +122,9 @@ def _left(
 
     # The rings by themselves: of a polygon that is not quite valid nothing would be left.
     outline = shapely.segmentize(shapely.get_rings(piece), radius / 4)
-    mouth = _along(outline, swept)
+    sides = _segments(outline)
+    middles = shapely.points(shapely.get_coordinates(sides).reshape(-1, 2, 2).mean(axis=1))
+    mouth = shapely.multilinestrings(sides[shapely.dwithin(middles, swept, SAME_PLACE)])
     corners = shapely.get_coordinates(outline)
     if mouth.is_empty:  # a neck that has no width
         entry = corners[int(np.argmin(shapely.distance(shapely.points(corners), swept)))]
@@ -152,28 +135,23 @@ def _left(
     if depth <= tolerance:
         return None
     x, y = corners[int(np.argmax(away))].tolist()
-    walls = _segments(outline)
-    walls = walls[~shapely.dwithin(_middles(walls), mouth, tolerance)]
-    merged = shapely.get_parts(shapely.line_merge(shapely.multilinestrings(walls))).tolist()
-    sides = [wall for wall in merged if wall.length > radius / 4]
-    if len(sides) > 1:  # a neck: the beam comes from both ends
-        (a, b), (c, d) = shapely.get_coordinates(shapely.shortest_line(*sides[:2])).tolist()
-        return Left(((a + c) / 2, (b + d) / 2), sides[0].distance(sides[1]), depth, False)
-    (x0, y0), (x1, y1) = _longest_chord(_open_part(mouth, ring, contour, radius, tolerance))
+    rest = shapely.multilinestrings(sides[~shapely.dwithin(middles, mouth, tolerance)])
+    merged = shapely.get_parts(shapely.line_merge(rest)).tolist()
+    walls = [wall for wall in merged if wall.length > radius / 4]
+    if len(walls) > 1:  # a neck: the beam comes from both ends
+        (a, b), (c, d) = shapely.get_coordinates(shapely.shortest_line(*walls[:2])).tolist()
+        return Left(((a + c) / 2, (b + d) / 2), walls[0].distance(walls[1]), depth, False)
+    # Its two places that are farthest apart.
+    open_part = shapely.multipoints(_open_part(mouth, ring, contour, radius, tolerance))
+    hull = shapely.get_coordinates(shapely.convex_hull(open_part))
+    chords = np.hypot(*(hull[:, None] - hull[None]).transpose(2, 0, 1))
+    (x0, y0), (x1, y1) = hull[[*np.unravel_index(int(np.argmax(chords)), chords.shape)]].tolist()
     width = dist((x0, y0), (x1, y1))
     from_middle = sqrt(max(radius * radius - width * width / 4, 0.0))
     in_corner = radius * radius / from_middle - radius if from_middle > 0.0 else depth
     if depth <= in_corner * CORNER_SHARE + CORNER_SLACK:
         return Left((x, y), width, depth, True)
     return Left(((x0 + x1) / 2, (y0 + y1) / 2), width, depth, False)
-
-
-def _along(rings: Any, edge: Any) -> Any:
-    """The stretches of some rings that lie on an edge, as lines."""
-    import shapely
-
-    every = _segments(rings)
-    return shapely.multilinestrings(every[shapely.dwithin(_middles(every), edge, SAME_PLACE)])
 
 
 def _segments(rings: Any) -> Any:
@@ -184,12 +162,6 @@ def _segments(rings: Any) -> Any:
     ends, number = shapely.get_coordinates(rings, return_index=True)
     follows = number[1:] == number[:-1]
     return shapely.linestrings(np.stack((ends[:-1][follows], ends[1:][follows]), axis=1))
-
-
-def _middles(segments: Any) -> Any:
-    import shapely
-
-    return shapely.points(shapely.get_coordinates(segments).reshape(-1, 2, 2).mean(axis=1))
 
 
 def _open_part(mouth: Any, ring: Any, contour: Any, radius: float, tolerance: float) -> "Floats":
@@ -212,35 +184,17 @@ def _open_part(mouth: Any, ring: Any, contour: Any, radius: float, tolerance: fl
     return touched
 
 
-def _longest_chord(points: "Floats") -> tuple[Point, Point]:
-    """The two points that are farthest apart."""
-    import numpy as np
-    import shapely
-
-    hull = shapely.get_coordinates(shapely.convex_hull(shapely.multipoints(points)))
-    away = np.hypot(*(hull[:, None] - hull[None]).transpose(2, 0, 1))
-    a, b = np.unravel_index(int(np.argmax(away)), away.shape)
-    return tuple(hull[a].tolist()), tuple(hull[b].tolist())
-
-
-def told_of(shape: Shape, left: Sequence[Left], kerf: float) -> Iterator[Diagnostic]:
+def left_diagnostics(shape: Shape, left: Sequence[Left], kerf: float) -> Iterator[Diagnostic]:
     """An error for the deepest place that is refused, else a warning if there is one to give."""
-    for rule, which in (
-        (rules.NARROW, [one for one in left if one.is_cut_off or one.depth > _deepest(one) * kerf]),
-        (rules.LEFT, [one for one in left if one.depth > TOLD * kerf]),
-    ):
-        if which:
-            deepest = which[0]
-            yield rule.at(
-                shape.source, found=f"{deepest.width:.3f}", depth=f"{deepest.depth:.3f}",
-                x=f"{deepest.place[0]:.3f}", y=f"{deepest.place[1]:.3f}", kerf=f"{kerf:g}",
-                more="" if len(which) == 1 else f" and {len(which) - 1} more",
-            )  # fmt: skip
-            return
-
-
-def _deepest(left: Left) -> float:
-    return DEEPEST_CORNER if left.is_corner else DEEPEST_SLOT
+    deepest = {True: DEEPEST_CORNER * kerf, False: DEEPEST_SLOT * kerf}
+    refused = [one for one in left if one.is_cut_off or one.depth > deepest[one.is_corner]]
+    reported = [one for one in left if one.depth > REPORTED * kerf]
+    for first, *others in (which for which in (refused or reported,) if which):
+        yield (rules.NARROW if refused else rules.LEFT).at(
+            shape.source, found=f"{first.width:.3f}", depth=f"{first.depth:.3f}",
+            x=f"{first.place[0]:.3f}", y=f"{first.place[1]:.3f}", kerf=f"{kerf:g}",
+            more=f" and {len(others)} more" if others else "",
+        )  # fmt: skip
 
 
 def uncompensated(shape: Shape, kerf: float) -> Diagnostic:
@@ -260,15 +214,9 @@ def uncompensated(shape: Shape, kerf: float) -> Diagnostic:
         (x, y), (tx, ty) = curve.point(0.5), curve.tangent(0.5)
         points.append((x - side * ty * kerf / 2, y + side * tx * kerf / 2))
     k = int(np.argmin(shapely.distance(shapely.points(points), contour)))
-    x, y = curves[k].point(0.5)
-    size = _size(curves[k])
-    return rules.UNCOMPENSATED.at(
-        shape.source, found=size, kerf=f"{kerf:g}", x=f"{x:.3f}", y=f"{y:.3f}"
-    )
-
-
-def _size(curve: Curve) -> str:
+    curve = curves[k]
+    size = f"a side of {dist(curve.start, curve.end):.3f} mm"
     if isinstance(curve, Arc):
-        return f"an arc of radius {curve.radius:.3f} mm"
-    (x0, y0), (x1, y1) = curve.start, curve.end
-    return f"a side of {hypot(x1 - x0, y1 - y0):.3f} mm"
+        size = f"an arc of radius {curve.radius:.3f} mm"
+    place = dict(zip("xy", (f"{at:.3f}" for at in curve.point(0.5)), strict=True))
+    return rules.UNCOMPENSATED.at(shape.source, found=size, kerf=f"{kerf:g}", **place)

@@ -4,7 +4,7 @@ shapes -> half a kerf off the part -> in order -> turned and begun -> led into -
 """
 
 from collections.abc import Iterator, Sequence
-from math import ceil, hypot, pi
+from math import ceil, dist, inf, pi
 from typing import Literal
 
 from msgspec.structs import replace
@@ -48,8 +48,7 @@ def operations_of(
     `share` says that contours share edges, which are cut once.
     """
     kerfs = [material.kerf(s.process) if s.is_ring else 0.0 for s in shapes]
-    shapes = [replace(s, level=LAST) if s.source.where == SKELETON else s for s in shapes]
-    shapes = [replace(s, is_small=True) if _is_small(s, material) else s for s in shapes]
+    shapes = [_as_drawn(shape, material) for shape in shapes]
     ready, diagnostics = compensated(shapes, kerfs, torch)
     diagnostics += _open_cuts(shapes, 0.0 if torch.allow_open else material.kerf("cut"))
     if errors_in(diagnostics):
@@ -57,22 +56,21 @@ def operations_of(
     fence = moved(shapes, shift) if any(kerfs) else None
     ready = moved(ready, shift)
     # Without a kerf nothing is looked for unless contours share edges.
-    if torch.kerf_by != "machine" and (share or any(kerfs)) and _may_overlap(ready):
-        ready, kerfs, common = common_cuts(ready, kerfs, torch)
-        diagnostics += common
+    if torch.kerf_by != "machine" and (share or any(kerfs)):
+        table = CurveTable([curve for shape in ready for curve in shape.curves])
+        if overlapping(table, [shape.process for shape in ready for _ in shape.curves]):
+            ready, kerfs, common = common_cuts(ready, kerfs, torch)
+            diagnostics += common
     ways = [(shape, kerfs[k]) for k, shape in _in_order(ready, kerfs, torch)]
     links: dict[int, Line] = {}
     if torch.chain_cuts and torch.kerf_by == "offset":
         rows = [material.row_for(shape.process, shape.look) for shape, _ in ways]
         ways, links = chained(ways, rows, torch, fence or ready)
-    if torch.kerf_by == "machine":
-        led, more = _by_machine(ways, torch, fence or ready)
-    else:
-        led, more = _by_offset(ways, material, torch, fence or ready)
+    leads, more = _with_leads(ways, material, torch, fence or ready)
     diagnostics += more
     contour_ops = [
         _operation(shape, kerf, material, torch, lead, links.get(k), k + 1 in links)
-        for k, (shape, kerf, lead) in enumerate(led)
+        for k, (shape, kerf, lead) in enumerate(leads)
     ]
     if torch.tabs:
         short = sum(
@@ -82,56 +80,59 @@ def operations_of(
         )
         if short:
             diagnostics.append(rules.NO_TABS.at(ways[0][0].source, count=short, found=torch.tabs))
-        for shape, kerf, _ in led:
+        for shape, kerf, _ in leads:
             if (joint := joint_in_bridge(shape, kerf, torch)) is not None:
                 x, y = (f"{at - off:.3f}" for at, off in zip(joint, shift, strict=True))
-                diagnostics.append(
-                    rules.TAB_JOINT.at(shape.source, x=x, y=y, found=f"{torch.tab_width:g}")
-                )
-    ends = [way for k, way in enumerate(led) if k + 1 not in links]
-    if short_over := [shape for shape, kerf, _ in ends if is_shortened(shape, kerf, torch)]:
-        length = overcut_length(short_over[0], torch)
+                width = f"{torch.tab_width:g}"
+                diagnostics.append(rules.TAB_JOINT.at(shape.source, x=x, y=y, found=width))
+    short_over = [
+        shape for k, (shape, kerf, _) in enumerate(leads)
+        if k + 1 not in links
+        and _room_for_overcut(shape, kerf, torch) < overcut_length(shape, torch) - ROUNDING
+    ]  # fmt: skip
+    if short_over:
+        first, length = short_over[0], overcut_length(short_over[0], torch)
         diagnostics.append(
-            rules.OVERCUT.at(short_over[0].source, count=len(short_over), found=f"{length:g}")
+            rules.OVERCUT.at(first.source, count=len(short_over), found=f"{length:g}")
         )
     return tuple(contour_ops), diagnostics
 
 
-def _may_overlap(shapes: Sequence[Shape]) -> bool:
-    """Whether curves of one process may lie on one another."""
-    curves = [curve for shape in shapes for curve in shape.curves]
-    return bool(overlapping(CurveTable(curves), [s.process for s in shapes for _ in s.curves]))
+def _as_drawn(shape: Shape, material: SheetMaterial) -> Shape:
+    """A contour with what has to be known of it as it is drawn: its level, and small holes."""
+    if shape.source.where == SKELETON:
+        shape = replace(shape, level=LAST)
+    if shape.process == "cut" and shape.is_ring and shape.is_hole:
+        row = material.row_for("cut", shape.look)
+        if row is not None and row.hole_diameter:
+            is_small = total_length(shape.curves) < pi * row.hole_diameter
+            return replace(shape, is_small=True) if is_small else shape
+    return shape
 
 
-def _by_offset(
+def _with_leads(
     ways: Sequence[Way], material: SheetMaterial, torch: Torch, fence: Sequence[Shape]
 ) -> tuple[list[tuple[Shape, float, Lead]], list[Diagnostic]]:
-    """The toolpaths with their leads, and a remark on shortened ones."""
-    kerf = max((kerf for _, kerf in ways), default=0.0) if torch.kerf_by == "offset" else 0.0
-    overs = [overcut(shape, own, torch) for shape, own in ways]
-    row = material.row("cut")
-    far = row.pierce_radius if row else 0.0
-    led, diagnostics = leads_of([shape for shape, _ in ways], overs, torch, kerf / 2, far, fence)
-    return [(*way, led.get(k, NO_LEADS)) for k, way in enumerate(ways)], diagnostics
+    """The toolpaths with their leads, and a remark on shortened ones.
 
-
-def _by_machine(
-    ways: Sequence[Way], torch: Torch, fence: Sequence[Shape]
-) -> tuple[list[tuple[Shape, float, Lead]], list[Diagnostic]]:
-    """The toolpaths from their entries, and errors where the controller has none."""
+    By offset; where the controller keeps off, from their entries, with errors for those without.
+    """
     shapes, kerfs = [shape for shape, _ in ways], [kerf for _, kerf in ways]
+    if torch.kerf_by != "machine":
+        half = max(kerfs, default=0.0) / 2 if torch.kerf_by == "offset" else 0.0
+        overs = [overcut(shape, own, torch) for shape, own in ways]
+        row = material.row("cut")
+        far = row.pierce_radius if row else 0.0
+        leads, diagnostics = leads_of(shapes, overs, torch, half, far, fence)
+        return [(*way, leads.get(k, NO_LEADS)) for k, way in enumerate(ways)], diagnostics
     begun_at, diagnostics = entries(shapes, kerfs, torch, fence)
-    operations: list[tuple[Shape, float, Lead]] = []
-    for k, (shape, kerf) in enumerate(ways):
-        entry = begun_at.get(k)
-        if entry is None:
-            operations.append((shape, kerf, NO_LEADS))
-        else:
-            lead = entry.lead_in, entry.lead_out
-            operations.append((replace(shape, curves=entry.curves), kerf, lead))
+    entered: list[tuple[Shape, float, Lead]] = [(*way, NO_LEADS) for way in ways]
+    for k, entry in begun_at.items():
+        lead = entry.lead_in, entry.lead_out
+        entered[k] = replace(shapes[k], curves=entry.curves), kerfs[k], lead
     if torch.tabs and begun_at:
         diagnostics.append(rules.MACHINE_TABS.at(ways[0][0].source, found=torch.tabs))
-    return operations, diagnostics
+    return entered, diagnostics
 
 
 def _in_order(
@@ -176,40 +177,23 @@ def _operation(
     if row is None:
         raise AssertionError("a process without a row was let through")
     side: Literal["on", "left", "right"] = "on"
-    stretches = stretches_of(shape, kerf, torch) if torch.tabs else (shape.curves,)
+    pieces = stretches_of(shape, kerf, torch) if torch.tabs else (shape.curves,)
     if torch.kerf_by == "machine" and kerf:
         side = "left" if waste_side(shape.area, shape.is_hole) > 0 else "right"
-    last = len(stretches) - 1
-    over = () if goes_on else overcut(shape, kerf, torch)
-    beyond = (*over, *lead[1]) if side == "on" else lead[1]
-    again = len(beyond) - len(lead[1]) if side == "on" else len(beyond)
-    passes = tuple(
-        [
-            Pass(
-                lead[0] if k == 0 else (),
-                curves,
-                beyond if k == last else (),
-                again if k == last else 0,
-            )
-            for k, curves in enumerate(stretches)
-            for _ in range(row.passes)
-        ]
-    )
+    over = () if goes_on or side != "on" else overcut(shape, kerf, torch)
+    again = len(over) if side == "on" else len(lead[1])
+    ways_in: list[Curves] = [lead[0], *[()] * (len(pieces) - 1)]
+    ends: list[tuple[Curves, int]] = [*[((), 0)] * (len(pieces) - 1), ((*over, *lead[1]), again)]
+    passes = tuple([
+        Pass(way_in, curves, *end)
+        for way_in, curves, end in zip(ways_in, pieces, ends, strict=True)
+        for _ in range(row.passes)
+    ])  # fmt: skip
     features = tuple([(0, f) for f in shape.features if f != OUTLINE])
     return ContourOp(
         row, passes, shape.closed, shape.depth, side, kerf, features, shape.source,
         row.hole_feed_share if shape.is_small else 1.0, link is not None,
     )  # fmt: skip
-
-
-def _is_small(shape: Shape, material: SheetMaterial) -> bool:
-    """Whether a contour as it is drawn is a small hole of its row."""
-    if shape.process != "cut" or not (shape.is_ring and shape.is_hole):
-        return False
-    row = material.row_for("cut", shape.look)
-    if row is None or not row.hole_diameter:
-        return False
-    return total_length(shape.curves) < pi * row.hole_diameter
 
 
 def _open_cuts(shapes: Sequence[Shape], kerf: float) -> Iterator[Diagnostic]:
@@ -218,9 +202,10 @@ def _open_cuts(shapes: Sequence[Shape], kerf: float) -> Iterator[Diagnostic]:
         s for s in shapes if s.process == "cut" and not s.closed and s.source.where != SKELETON
     ]
     for shape in opened[:SHOWN_OPEN]:
-        (x0, y0), (x1, y1) = shape.curves[0].start, shape.curves[-1].end
-        apart = hypot(x1 - x0, y1 - y0)
-        places = {"x0": f"{x0:.3f}", "y0": f"{y0:.3f}", "x1": f"{x1:.3f}", "y1": f"{y1:.3f}"}
+        ends = shape.curves[0].start, shape.curves[-1].end
+        apart = dist(*ends)
+        (x0, y0), (x1, y1) = ((f"{x:.3f}", f"{y:.3f}") for x, y in ends)
+        places = {"x0": x0, "y0": y0, "x1": x1, "y1": y1}
         if kerf:
             how = "--allow-open cuts it on its line"
             if apart <= MOST_GAP:
@@ -238,7 +223,7 @@ ROUNDING = 1e-6  #: mm by which an overcut may be shorter
 
 
 def overcut(shape: Shape, kerf: float, torch: Torch) -> Curves:
-    """The stretch of a closed contour that is cut again at its end, none without an overcut.
+    """What of a closed contour is cut again at its end, none without an overcut.
 
     It is at most half of the way to the first bridge, or of the
     contour where there is none.
@@ -251,10 +236,7 @@ def overcut(shape: Shape, kerf: float, torch: Torch) -> Curves:
     return stretch(first, lengths, 0.0, min(length, sum(lengths) / 2))
 
 
-def is_shortened(shape: Shape, kerf: float, torch: Torch) -> bool:
-    """Whether a contour has too little room for its overcut."""
-    length = overcut_length(shape, torch)
-    if not length:
-        return False
-    first = stretches_of(shape, kerf, torch)[0]
-    return sum(curve.length for curve in first) / 2 < length - ROUNDING
+def _room_for_overcut(shape: Shape, kerf: float, torch: Torch) -> float:
+    if not overcut_length(shape, torch):
+        return inf
+    return sum(curve.length for curve in stretches_of(shape, kerf, torch)[0]) / 2

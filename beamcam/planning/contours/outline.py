@@ -73,34 +73,26 @@ def from_longest(curves: Curves, which: Sequence[int]) -> Curves:
     Of the longest curve where none of them is a line.
     """
     lines = [k for k in which if isinstance(curves[k], Line)]
-    longest = max(lines or which, key=lambda k: _size(curves[k]))
+    # To a millionth: of equal ones the first, whatever the last digits of their ends are.
+    longest = max(lines or which, key=lambda k: round(dist(curves[k].start, curves[k].end), 6))
     first, last = curves[longest].split(0.5)
     return (last, *curves[longest + 1 :], *curves[:longest], first)
 
 
-def _size(curve: Curve) -> float:
-    """Length of a line, distance of its ends of any other curve, to a millionth.
-
-    So the first of equal ones is taken, whatever the last digits of their ends are.
-    """
-    return round(dist(curve.start, curve.end), 6)
-
-
 def stretch(curves: Curves, lengths: Sequence[float], low: float, high: float) -> Curves:
     """The part of a chain between two lengths along it."""
-    found: list[Curve] = []
+    pieces: list[Curve] = []
     done = 0.0
-    for curve, length in zip(curves, lengths, strict=True):
+    for piece, length in zip(curves, lengths, strict=True):
         a, b = max(low - done, 0.0), min(high - done, length)
         if b - a > 1e-9:
-            piece = curve
             if b < length:
                 piece = piece.split(parameter_at(piece, b))[0]
             if a > 0.0:
                 piece = piece.split(parameter_at(piece, a))[1]
-            found.append(piece)
+            pieces.append(piece)
         done += length
-    return tuple(found)
+    return tuple(pieces)
 
 
 #: Points of chains, and the chain of each.
@@ -136,8 +128,8 @@ def ways(chains: Sequence[Sequence[Curve]], tolerance: float) -> "NDArray[Any]":
     import shapely
 
     points, owner = points_of(chains, tolerance)
-    found: NDArray[Any] = shapely.linestrings(points, indices=owner)
-    return found
+    lines: NDArray[Any] = shapely.linestrings(points, indices=owner)
+    return lines
 
 
 def signed_areas(rings: "NDArray[Any]") -> "Floats":
@@ -326,12 +318,26 @@ def with_outline(part: Part) -> Part:
     return replace(part, features=(*part.features, Contour("v", "outer", lines, part.source)))
 
 
+def outer_contours(part: Part) -> dict[int, Contour]:
+    """The outer contours that are cut, by their indices."""
+    return {
+        k: one for k, one in enumerate(part.features)
+        if isinstance(one, Contour) and one.kind == "outer" and one.process == "cut"
+        and one.face in PLATE_FACES
+    }  # fmt: skip
+
+
+def is_plate_contour(one: Contour) -> bool:
+    """Whether it is a closed cut of a plate, and not one of a drawing."""
+    plain = one.process == "cut" and one.closed and one.face in PLATE_FACES
+    return plain and one.layer is None and one.colour is None
+
+
 def outline_of(part: Part) -> tuple[Line, ...]:
     """The outline of a plate that has no contour of its own: its length and width, and its ends as
     the header has them; nothing for others and drawings.
     """
-    cut = [c for c in part.contours if c.kind == "outer" and c.process == "cut"]
-    if part.measures is not None or any(contour.face in PLATE_FACES for contour in cut):
+    if part.measures is not None or outer_contours(part):
         return ()
     (a, d), (b, c) = end_lines(part, "v")
     return Line(a, b), Line(b, c), Line(c, d), Line(d, a)
@@ -373,13 +379,14 @@ def off_plate(part: Part, tolerance: float) -> Iterator[Diagnostic]:
     """
     import shapely
 
-    openings = [f for f in part.features if isinstance(f, Hole | Slot | Contour) and _is_opening(f)]
+    openings = [
+        f for f in part.features
+        if (isinstance(f, Contour) and f.kind == "inner" and is_plate_contour(f))
+        or (isinstance(f, Hole | Slot) and f.kind != "mark" and f.face in PLATE_FACES)
+    ]  # fmt: skip
     if not openings:
         return
-    around = [
-        c.curves for c in part.contours
-        if c.process == "cut" and c.face in PLATE_FACES and c.kind == "outer"
-    ]  # fmt: skip
+    around: list[Curves] = [one.curves for one in outer_contours(part).values()]
     around += [own] if (own := outline_of(part)) else []
     chains = [*around, *(f.curves if isinstance(f, Contour) else curves_of(f, 0.0)
                          for f in openings)]  # fmt: skip
@@ -390,10 +397,3 @@ def off_plate(part: Part, tolerance: float) -> Iterator[Diagnostic]:
     for k, opening in enumerate(openings):
         if k not in on_plate:
             yield rules.OFF.at(opening.source, what=description(opening))
-
-
-def _is_opening(one: Hole | Slot | Contour) -> bool:
-    if isinstance(one, Contour):
-        of_plate = one.kind == "inner" and one.process == "cut" and one.closed
-        return of_plate and one.layer is None and one.colour is None and one.face in PLATE_FACES
-    return one.kind != "mark" and one.face in PLATE_FACES

@@ -18,7 +18,7 @@ from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic
 from beamcam.geometry.curves import Line, signed_area
-from beamcam.geometry.plane import Point
+from beamcam.geometry.plane import Point, groups_of
 from beamcam.machine.torch import Torch
 from beamcam.model.colour import key_of
 from beamcam.model.part import Contour, Hole, Part, Slot, moved_feature
@@ -26,8 +26,9 @@ from beamcam.planning.contours import rules
 from beamcam.planning.contours.outline import outlines
 
 if TYPE_CHECKING:
-    from shapely import Polygon
+    pass
 
+NO_MOVE: Point = (0.0, 0.0)
 AGREES = 1e-6  #: of a kerf, by which the moves of parts may differ
 SAME = 1e-4  #: mm that edges of two parts may be apart to be one
 UPRIGHT = 1e-6  #: of a direction, by which an edge is upright or level
@@ -41,31 +42,43 @@ def spread(part: Part, torch: Torch, kerf: float) -> tuple[Part, list[Diagnostic
     """
     if not torch.common_cuts or not kerf or part.measures is None:
         return part, []
-    rings = [k for k, f in enumerate(part.features) if _is_ring(f, torch)]
-    whole = [_contour(part, k).curves for k in rings]
-    polygons = list(outlines(whole, FINE)) if whole else []
-    outer = [
-        n for n, ring in enumerate(polygons)
-        if not any(_lies_in(ring, other) for m, other in enumerate(polygons) if m != n)
-    ]  # fmt: skip
-    shared = list(_shared([_contour(part, rings[n]) for n in outer]))
+    import shapely
+
+    rings = {
+        k: f for k, f in enumerate(part.features)
+        if isinstance(f, Contour) and f.curves[0].start == f.curves[-1].end
+        and (key := key_of(f, torch.colours)) is not None and torch.colours[key] == "cut"
+    }  # fmt: skip
+    polygons = list(outlines([ring.curves for ring in rings.values()], FINE)) if rings else []
+    outer = {
+        k: ring for k, ring in zip(rings, polygons, strict=True)
+        if not any(ring.area < other.area and other.covers(ring.representative_point())
+                   for other in polygons)
+    }  # fmt: skip
+    numbers = list(outer)
+    shared = list(_shared([rings[k] for k in numbers]))
     if not shared:
         return part, []
-    places = [(0.0, 0.0)] * len(outer)
-    for group in _groups(len(outer), shared):
-        moves = _moves(group, [one for one in shared if one.before in group])
+    places: dict[int, Point] = {}
+    for group in groups_of((one.before, one.behind) for one in shared):
+        moves = _moves(sorted(group), [one for one in shared if one.before in group])
         if moves is None:
             return part, []
-        for number, (x, y) in moves.items():
-            places[number] = kerf * x, kerf * y
+        places |= {numbers[n]: (kerf * x, kerf * y) for n, (x, y) in moves.items()}
+
+    def around(at: Point) -> list[int]:
+        return [k for k, ring in outer.items() if shapely.covers(ring, shapely.Point(at))]
+
     features = list(part.features)
     for k, feature in enumerate(features):
-        own = [n for n, o in enumerate(outer) if k == rings[o]]
-        at = _place_of(feature)
-        home = own or [n for n, o in enumerate(outer) if _holds(polygons[o], at)]
-        if home and places[home[0]] != (0.0, 0.0):
+        home = [k] if k in outer else []
+        if not home and isinstance(feature, Contour):
+            home = around(feature.curves[0].point(0.5))
+        elif isinstance(feature, Hole | Slot):
+            home = around((feature.x, feature.y))
+        if home and places.get(home[0], NO_MOVE) != NO_MOVE:
             features[k] = moved_feature(feature, places[home[0]])
-    count = sum(place != (0.0, 0.0) for place in places)
+    count = sum(place != NO_MOVE for place in places.values())
     note = rules.APART.at(part.source, count=count, kerf=f"{kerf:g}")
     return replace(part, features=tuple(features)), [note]
 
@@ -83,30 +96,14 @@ class _Shared(NamedTuple):
         return {(1.0, 0.0): 0, (0.0, 1.0): 1}.get(self.across or (0.0, 0.0), -1)
 
 
-def _groups(count: int, shared: Sequence[_Shared]) -> list[list[int]]:
-    """The contours that touch one another, directly or by others."""
-    of = list(range(count))
-    for one in shared:
-        a, b = of[one.before], of[one.behind]
-        of = [min(a, b) if k in (a, b) else k for k in of]
-    return [[n for n in range(count) if of[n] == k] for k in sorted(set(of))]
-
-
 def _moves(group: Sequence[int], shared: Sequence[_Shared]) -> dict[int, Point] | None:
     """How many kerfs each part of a group is moved; None where edges contradict one another."""
     if any(one.axis < 0 for one in shared):
         return _least_moves(group, shared)
-    number = {n: k for k, n in enumerate(group)}
     x, y = (
-        _steps(
-            len(group),
-            [(number[e.before], number[e.behind]) for e in shared if e.axis == axis],
-        )
-        for axis in (0, 1)
+        _steps(group, [(e.before, e.behind) for e in shared if e.axis == axis]) for axis in (0, 1)
     )
-    if x is None or y is None:
-        return None
-    return {n: (float(x[k]), float(y[k])) for n, k in number.items()}
+    return None if x is None or y is None else {n: (float(x[n]), float(y[n])) for n in group}
 
 
 def _least_moves(group: Sequence[int], shared: Sequence[_Shared]) -> dict[int, Point] | None:
@@ -121,43 +118,11 @@ def _least_moves(group: Sequence[int], shared: Sequence[_Shared]) -> dict[int, P
         for number, sign in ((one.before, -1.0), (one.behind, 1.0)):
             if number in columns:
                 row[columns[number] : columns[number] + 2] += sign * np.array(one.across)
-    found = np.linalg.lstsq(rows, np.ones(len(shared)), rcond=None)[0]
-    if np.abs(rows @ found - 1.0).max() > AGREES:
+    solved = np.linalg.lstsq(rows, np.ones(len(shared)), rcond=None)[0]
+    if np.abs(rows @ solved - 1.0).max() > AGREES:
         return None
-    moves = {n: (float(found[k]), float(found[k + 1])) for n, k in columns.items()}
-    return {group[0]: (0.0, 0.0), **moves}
-
-
-def _contour(part: Part, number: int) -> Contour:
-    contour = part.features[number]
-    assert isinstance(contour, Contour)
-    return contour
-
-
-def _is_ring(feature: object, torch: Torch) -> bool:
-    """Whether a feature is a closed contour to cut."""
-    if not isinstance(feature, Contour) or feature.curves[0].start != feature.curves[-1].end:
-        return False
-    key = key_of(feature, torch.colours)
-    return key is not None and torch.colours[key] == "cut"
-
-
-def _lies_in(ring: "Polygon", other: "Polygon") -> bool:
-    return ring.area < other.area and bool(other.covers(ring.representative_point()))
-
-
-def _place_of(feature: object) -> Point | None:
-    if isinstance(feature, Contour):
-        return feature.curves[0].point(0.5)
-    if isinstance(feature, Hole | Slot):
-        return feature.x, feature.y
-    return None
-
-
-def _holds(polygon: "Polygon", place: Point | None) -> bool:
-    import shapely
-
-    return place is not None and bool(shapely.covers(polygon, shapely.Point(place)))
+    moves = {n: (float(solved[k]), float(solved[k + 1])) for n, k in columns.items()}
+    return {group[0]: NO_MOVE, **moves}
 
 
 def _shared(contours: Sequence[Contour]) -> Iterator[_Shared]:
@@ -194,7 +159,7 @@ def _out(line: Line, side: float) -> Point:
     return side * (y1 - y0) / size, side * (x0 - x1) / size
 
 
-def _steps(count: int, edges: Sequence[tuple[int, int]]) -> list[int] | None:
+def _steps(group: Sequence[int], edges: Sequence[tuple[int, int]]) -> dict[int, int] | None:
     """How many kerfs each part is moved along an axis; None where edges contradict one another.
 
     Of parts that touch, directly or by others, the first is not moved back: the least of them is 0.
@@ -203,19 +168,18 @@ def _steps(count: int, edges: Sequence[tuple[int, int]]) -> list[int] | None:
     for before, behind in edges:
         beside[before].append((behind, 1))
         beside[behind].append((before, -1))
-    found: dict[int, int] = {}
-    for first in range(count):
-        if first in found:
+    steps: dict[int, int] = {}
+    for first in group:
+        if first in steps:
             continue
-        group, waiting = {first: 0}, [first]
-        while waiting:
-            here = waiting.pop()
+        moved, waiting = {first: 0}, [first]
+        for here in waiting:
             for there, step in beside[here]:
-                if there not in group:
-                    group[there] = group[here] + step
+                if there not in moved:
+                    moved[there] = moved[here] + step
                     waiting.append(there)
-                elif group[there] != group[here] + step:
+                elif moved[there] != moved[here] + step:
                     return None
-        least = min(group.values())
-        found |= {k: step - least for k, step in group.items()}
-    return [found[k] for k in range(count)]
+        least = min(moved.values())
+        steps |= {k: step - least for k, step in moved.items()}
+    return steps

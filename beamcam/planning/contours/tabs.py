@@ -62,7 +62,13 @@ def bridged(
     if not tabs:
         return (curves,)
     corners = [(place, width / 2 + clear) for place in _corners(curves, lengths, kerf) if clear]
-    along = _along(curves, joints)
+    along: list[float] = []
+    if joints:
+        import shapely
+
+        (line,) = ways([curves], JOINT)
+        at_line = shapely.line_locate_point(line, shapely.points(joints))
+        along = (total / line.length * at_line).tolist()
     # Round a bend a bridge takes more of the contour than on a straight side.
     near, far = (
         [(at, off) for at in along] for off in (width / 2, MOST_ALONG * width / 2 + kerf / 2)
@@ -116,22 +122,14 @@ def _bridge(
     for k in range(1, int((most - least) / step) + 1):
         places += [p for p in (middle - k * step, middle + k * step) if least <= p <= most]
     for place in places:
-        half = _half(curves, lengths, place, width)
-        if half is not None:
-            return place - half, place + half
+        half = width / 2
+        while 2 * half <= MOST_ALONG * width:
+            low, high = place - half, place + half
+            missing = width - dist(place_at(curves, lengths, low), place_at(curves, lengths, high))
+            if missing <= NEARLY:
+                return low, high
+            half += missing / 2  # both ends move apart by that at most
     return middle - width / 2, middle + width / 2
-
-
-def _half(curves: Curves, lengths: Sequence[float], middle: float, width: float) -> float | None:
-    """How far along a contour the ends of a bridge lie from its middle; None if too far."""
-    half = width / 2
-    while 2 * half <= MOST_ALONG * width:
-        a, b = (place_at(curves, lengths, middle + side * half) for side in (-1.0, 1.0))
-        missing = width - dist(a, b)
-        if missing <= NEARLY:
-            return half
-        half += missing / 2  # both ends move apart by that at most
-    return None
 
 
 def _corners(curves: Curves, lengths: Sequence[float], kerf: float) -> list[float]:
@@ -149,17 +147,6 @@ def _corners(curves: Curves, lengths: Sequence[float], kerf: float) -> list[floa
             corners += [place, place + lengths[k]]
         place += lengths[k]
     return sorted(corners)
-
-
-def _along(curves: Curves, joints: Sequence[Point]) -> list[float]:
-    """How far along a closed contour some places on it lie."""
-    if not joints:
-        return []
-    import shapely
-
-    (line,) = ways([curves], JOINT)
-    share = sum(curve.length for curve in curves) / line.length
-    return [share * at for at in shapely.line_locate_point(line, shapely.points(joints)).tolist()]
 
 
 def _clear_place(even: float, taken: Sequence[tuple[float, float]], most: float) -> float | None:

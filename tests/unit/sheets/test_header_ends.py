@@ -19,7 +19,7 @@ from beamcam.machine.overlay import with_torch
 from beamcam.model.part import Bevel, EndCuts, Hole, Part, Profile
 from beamcam.pipeline import post
 from beamcam.planning.contours.outline import outline_of
-from beamcam.planning.contours.skew_ends import with_bevels
+from beamcam.planning.contours.plate_edges import with_bevels
 from beamcam.planning.manual_list import manual_rows
 from beamcam.solid.part_solid import part_solid
 from tests.unit.sheets.parts import contour
