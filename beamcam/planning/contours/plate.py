@@ -295,27 +295,23 @@ class SheetMaterial:
         if not self.is_known:
             return [rules.NO_THICKNESS.at(self._source)]
         known = {row.process for row in self._torch.rows}
+        material = self.material or "of no known material"
         return [
             rules.THICKNESS.at(
-                self._source,
-                found=f"{self.thickness:g}",
-                material=self.material or "of no known material",
-                process=process,
-                expected=self._limits(process),
-                others=self._others(process),
+                self._source, found=f"{self.thickness:g}", material=material, process=process,
+                expected=self._limits(process), others=self._others(process),
             )
-            for process in sorted(processes & known)
-            if self.row(process) is None
-        ]
+            for process in sorted(processes & known) if self.row(process) is None
+        ]  # fmt: skip
 
     def unlifted(self, processes: set[TorchProcess], z: HeightAxis) -> list[Diagnostic]:
         """Why the torch cannot be lifted over the sheet; nothing if it can."""
+        rows = [(process, row) for process in sorted(processes) if (row := self.row(process))]
         diagnostics = [
             rules.TORCH_HEIGHT.at(
                 self._source, key=key, process=process, up_to=f"{row.up_to:g}", axis=z.axis
             )
-            for process in sorted(processes)
-            if (row := self.row(process)) is not None
+            for process, row in rows
             for key in ("pierce_height", "cut_height")
             if not getattr(row, key)
         ]
