@@ -11,10 +11,12 @@ lies so: M is a quarter turn, unless it was asked to lie in some way.
 
 from collections.abc import Iterator, Mapping, Sequence
 from math import atan2, cos, degrees, radians, sin
-from typing import TYPE_CHECKING
 
 import numpy as np
+import shapely
 from msgspec.structs import replace
+from shapely import Polygon
+from shapely.affinity import translate
 
 from beamcam.checks.sheets.region import box_of
 from beamcam.geometry.curves import Curve
@@ -22,9 +24,6 @@ from beamcam.geometry.plane import groups_of
 from beamcam.machine.torch import Torch
 from beamcam.model.colour import key_of
 from beamcam.model.part import Contour, Feature, Hole, Part, Slot, TextMark
-
-if TYPE_CHECKING:
-    from shapely import Polygon
 
 Affine = tuple[tuple[float, float, float], tuple[float, float, float]]
 
@@ -36,8 +35,6 @@ def pulled_apart(part: Part, torch: Torch, width: float) -> Part:
     above, if it were moved down. The moves are those of least sum that keep all these distances;
     of parts that touch along a slant, those of least squares with the first part where it is.
     """
-    import shapely
-
     if not width or part.measures is None:
         return part
     rings: dict[int, shapely.Polygon] = {}
@@ -134,10 +131,7 @@ Normal = tuple[float, float]
 Edge = tuple[int, int, Normal]  #: the part before it, the one behind it, and the way between
 
 
-def _edges(rings: "Mapping[int, Polygon]") -> Iterator[Edge]:
-    import shapely
-    from shapely.affinity import translate
-
+def _edges(rings: Mapping[int, Polygon]) -> Iterator[Edge]:
     for a, one in rings.items():
         for b, other in rings.items():
             for x, y in _normals(one, other) if a < b else ():
@@ -189,13 +183,11 @@ def _by_slants(
     return {k: (x, y) for k, (x, y) in zip(parts, places, strict=True)}
 
 
-def _normals(one: "Polygon", other: "Polygon") -> Iterator[Normal]:
+def _normals(one: Polygon, other: Polygon) -> Iterator[Normal]:
     """The normals of the straight pieces that two outlines share, each once.
 
     A curve that they share is many of them, which no moves can satisfy.
     """
-    import shapely
-
     if one.distance(other) > HAIR / 10:
         return
     edge = shapely.intersection(one.boundary.buffer(HAIR / 10), other.boundary)

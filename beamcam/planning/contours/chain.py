@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from itertools import accumulate
 from typing import Any
 
+import shapely
 from msgspec.structs import replace
 
 from beamcam.geometry.curves import Line
@@ -64,8 +65,6 @@ class _Field:
     """What links have to keep clear of."""
 
     def __init__(self, way: list[Way], torch: Torch, fence: Sequence[Shape]) -> None:
-        import shapely
-
         self._way = way
         self._most = torch.chain_cuts
         self._kerf = max((kerf for _, kerf in way), default=0.0)
@@ -80,8 +79,6 @@ class _Field:
 
         The path before begins where it does already if that `is_fixed`.
         """
-        import shapely
-
         target = self._paths[k]
         shape = self._way[k - 1][0]
         starts: list[Any] = [shapely.Point(shape.curves[0].start)]
@@ -104,8 +101,6 @@ class _Field:
         return None
 
     def _is_clear(self, link: Line, k: int) -> bool:
-        import shapely
-
         if not 4 * NEAR < link.length <= self._most:
             return False
         line = shapely.LineString([link.start, link.end])
@@ -125,8 +120,6 @@ class _Field:
 
 def _begun_at(way: Way, place: Point) -> Way:
     """A closed path from the place on it that is nearest to another one."""
-    import shapely
-
     (shape, kerf), whole = way, way[0].curves
     first, last = whole[0], whole[-1]
     if len(whole) > 2 and isinstance(last, Line) and isinstance(first, Line):

@@ -1,9 +1,14 @@
 """Closed cuts that cross themselves or one another, and where."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
 
 from beamcam.errors import Diagnostic, PlanError, Rule, Source
+from beamcam.geometry.array_types import Counts, Floats
 from beamcam.geometry.plane import Point
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.assign_process import AssignedCurve
@@ -16,11 +21,6 @@ from beamcam.planning.contours.outline import (
     valid,
     ways,
 )
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from beamcam.geometry.array_types import Counts, Floats
 
 #: Two contours that lie over one another by less than this share of the machine's tolerance
 #: touch: so near are the chords that stand for their curves, and what programs round.
@@ -37,7 +37,7 @@ SHOWN = 20  #: crossings are named one by one up to so many
 
 
 def crossings(
-    closed: Sequence[Shape], rings: "NDArray[Any]", bad: Sequence[int],
+    closed: Sequence[Shape], rings: NDArray[Any], bad: Sequence[int],
     pairs: Sequence[tuple[int, int]], curves: Sequence[AssignedCurve], tolerance: float,
     gap: float, kerf: float,
 ) -> list[Diagnostic]:  # fmt: skip
@@ -65,16 +65,13 @@ def crossings(
 
 
 def refuse_tangles(
-    closed: Sequence[Shape], rings: "NDArray[Any]", bad: Sequence[int],
+    closed: Sequence[Shape], rings: NDArray[Any], bad: Sequence[int],
     curves: Sequence[AssignedCurve],
 ) -> None:  # fmt: skip
     """Raise PlanError for a contour that meets itself all along, as one of many turns does.
 
     To take it apart would take minutes; where it crosses itself is known at once.
     """
-    import numpy as np
-    import shapely
-
     for k in bad:
         points = shapely.get_coordinates(rings[k])
         segments = shapely.linestrings(np.stack((points[:-1], points[1:]), axis=1))
@@ -96,9 +93,6 @@ def _crosses_itself(ring: Any, tolerance: float, gap: float) -> Point | None:
     was closed between two ends. The ring is taken apart on a fine grid, on which a stretch that is
     followed many times over comes out once; exactly that takes minutes, or fails.
     """
-    import numpy as np
-    import shapely
-
     edge = shapely.get_exterior_ring(ring)
     corners = shapely.get_coordinates(edge)
     with np.errstate(all="ignore"):  # numbers of 1e-200 are next to nothing, and no fault
@@ -122,10 +116,8 @@ def _crosses_itself(ring: Any, tolerance: float, gap: float) -> Point | None:
     return x, y
 
 
-def _turns(ring: "Floats", points: "Floats") -> "Counts":
+def _turns(ring: Floats, points: Floats) -> Counts:
     """How often a ring (n, 2) goes counter-clockwise round each of some points."""
-    import numpy as np
-
     (x0, y0), (x1, y1) = ring[:-1].T, ring[1:].T
     turns = np.empty(len(points), dtype=np.int64)
     for k, (x, y) in enumerate(points.tolist()):
@@ -142,8 +134,6 @@ def _crossing(a: Shape, b: Shape, tolerance: float) -> Point | None:
     each thicker than what counts as touching. Of two that lie on one another all round nothing
     but hairs is left outside of both.
     """
-    import shapely
-
     pair = outlines([a.curves, b.curves], tolerance * FINE_SHARE)
     pair = valid(pair, invalid(pair))
     touch = tolerance * TOUCH_SHARE
@@ -184,9 +174,6 @@ class _Entities:
 
     def _nearest(self, place: Point, shape: Shape) -> list[Source]:
         """The sources of the two curves of a shape nearest to a place, one if there is but one."""
-        import numpy as np
-        import shapely
-
         if not self._of:
             for w in self._curves:
                 self._of.setdefault(w.feature, []).append(w)

@@ -13,6 +13,7 @@ that corner the controller can only stop where it touches both the lead and the 
 from collections.abc import Sequence
 from math import asin, sqrt
 
+import shapely
 from msgspec import Struct
 
 from beamcam.errors import Diagnostic
@@ -49,8 +50,6 @@ def entries(
 
     No lead comes nearer than half a kerf to a contour of the `fence`.
     """
-    import shapely
-
     which = [k for k, s in enumerate(shapes) if kerfs[k] and s.is_ring]
     if not which:
         return {}, []

@@ -8,19 +8,19 @@ ____          ____      The beam is a disc of the kerf's width. Where it does no
 
 from collections.abc import Iterator, Sequence
 from math import dist, sqrt
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import numpy as np
+import shapely
 from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic
+from beamcam.geometry.array_types import Floats
 from beamcam.geometry.curves import Arc, Curve
 from beamcam.geometry.plane import Point
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.outline import Shape, outlines, waste_side, ways
-
-if TYPE_CHECKING:
-    from beamcam.geometry.array_types import Floats
 
 #: What is left in a slot is no deeper than so many kerfs, or the slot is refused; and in a corner
 #: that is sharp, where everybody knows that a round beam leaves something.
@@ -67,8 +67,6 @@ def left_in(
     nearer to the contour than half of that: the inside of the path grown by half a kerf for a
     hole, shrunk for an outline.
     """
-    import shapely
-
     drawn = outlines([shape.curves, path.curves], tolerance * FINE_SHARE)
     # A ring that touches itself has lines beside its areas when it is made valid.
     contour, ring = (shapely.buffer(one, 0.0) for one in shapely.make_valid(drawn))
@@ -97,8 +95,6 @@ def _swept(shape: Shape, contour: Any, ring: Any, reached: Any) -> Any:
       | ||\\    The beam at o takes the tip of a thin wall's other side, too, by no more than
     o | || \\   the tolerance. What is left behind the wall is not near the beam by that.
     """
-    import shapely
-
     if shape.is_hole:
         taken = shapely.intersection(contour, reached)
     else:
@@ -117,9 +113,6 @@ def _left(
     `swept` is the edge of what the beam takes away, `ring` its path. The mouth of a piece is where
     it lies at what is taken away: what is behind it is as deep as it is far from there.
     """
-    import numpy as np
-    import shapely
-
     # The rings by themselves: of a polygon that is not quite valid nothing would be left.
     outline = shapely.segmentize(shapely.get_rings(piece), radius / 4)
     sides = _segments(outline)
@@ -156,23 +149,18 @@ def _left(
 
 def _segments(rings: Any) -> Any:
     """The lines of some rings, from corner to corner."""
-    import numpy as np
-    import shapely
-
     ends, number = shapely.get_coordinates(rings, return_index=True)
     follows = number[1:] == number[:-1]
     return shapely.linestrings(np.stack((ends[:-1][follows], ends[1:][follows]), axis=1))
 
 
-def _open_part(mouth: Any, ring: Any, contour: Any, radius: float, tolerance: float) -> "Floats":
+def _open_part(mouth: Any, ring: Any, contour: Any, radius: float, tolerance: float) -> Floats:
     """Points of a mouth without the slivers beside the contour that lead to it.
 
     Between a contour and the edge of what the beam takes away may be up to the tolerance, and so
     a piece has slivers that are longer than itself. They are not part of what the beam touches
     from the places where it stands before the mouth.
     """
-    import shapely
-
     corners: Floats = shapely.get_coordinates(mouth)
     points = shapely.points(corners)
     clear = points[~shapely.dwithin(points, contour, tolerance)]
@@ -203,9 +191,6 @@ def uncompensated(shape: Shape, kerf: float) -> Diagnostic:
     That is one whose middle, moved so far into the waste, comes nearest to another place of the
     contour: an arc that is smaller than the tool, or a side between two corners.
     """
-    import numpy as np
-    import shapely
-
     side = waste_side(shape.area, shape.is_hole)
     contour = ways([shape.curves], kerf / 1000)[0]
     curves = [curve for curve in shape.curves if curve.length > 0.0]

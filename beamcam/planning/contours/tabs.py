@@ -13,6 +13,8 @@ Nor is one where the cut along what is left of another contour begins or ends: i
 from collections.abc import Sequence
 from math import acos, degrees, dist
 
+import shapely
+
 from beamcam.geometry.curves import Arc, parameter_at
 from beamcam.geometry.plane import Point, dot
 from beamcam.machine.torch import CORNER_DEG, Torch
@@ -64,8 +66,6 @@ def bridged(
     corners = [(place, width / 2 + clear) for place in _corners(curves, lengths, kerf) if clear]
     along: list[float] = []
     if joints:
-        import shapely
-
         (line,) = ways([curves], JOINT)
         at_line = shapely.line_locate_point(line, shapely.points(joints))
         along = (total / line.length * at_line).tolist()
@@ -92,8 +92,6 @@ def joint_in_bridge(shape: Shape, kerf: float, torch: Torch) -> Point | None:
     """A place in a bridge of a contour where what is left of another begins or ends."""
     if not (shape.joints and needs_tabs(shape, torch)):
         return None
-    import shapely
-
     whole, *cut = ways([shape.curves, *stretches_of(shape, kerf, torch)], JOINT)
     places = shapely.points(shape.joints)
     off = shapely.distance(shapely.union_all(cut), places) - shapely.distance(whole, places)
