@@ -19,8 +19,7 @@ from beamcam.geometry.plane import distance
 from beamcam.machine.torch import Torch, TorchProcess
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.assign_process import AssignedCurve
-from beamcam.planning.contours.crossing import crossings, refuse_tangles
-from beamcam.planning.contours.loops import taken_apart
+from beamcam.planning.contours.crossing import crossings, refuse_tangles, taken_apart
 from beamcam.planning.contours.outline import (
     Drawn,
     Shape,

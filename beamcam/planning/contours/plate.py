@@ -26,9 +26,8 @@ from beamcam.model.hatch import hatched, not_filled
 from beamcam.model.part import Contour, Part, extent, moved_curve
 from beamcam.model.plan import ContourOp
 from beamcam.planning.contours import rules
-from beamcam.planning.contours.copies import cannot_lie, laid_out, size_of
+from beamcam.planning.contours.layout import cannot_lie, laid_out, size_of, spread
 from beamcam.planning.contours.outline import Shape, reach_of, reached_curves, with_outline
-from beamcam.planning.contours.spread import spread
 
 
 def shift_of(box: Box, torch: Torch) -> Point:

@@ -154,7 +154,7 @@ def test_the_read_back_refuses_what_is_left_untold(notch: Notch) -> None:
     """The planner keeps silent about all that it leaves."""
     left = left_at_best(notch.steel(), KERF)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(kerfs, "told_of", silent)
+        patch.setattr(kerfs, "left_diagnostics", silent)
         try:
             post((notch.part(),), MACHINE)
         except RefusedProgram as refused:

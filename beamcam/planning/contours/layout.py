@@ -1,32 +1,120 @@
-"""Parts of a drawing that touch, moved apart by the kerf so that one cut goes between them.
-
- _______ _______          _______   _______      Across each upright edge that two parts share
-|       |       |        |       | |       |     the one at its right lies a kerf farther to
-|   1   |   2   |   ->   |   1   | |   2   |     the right of the other than it was drawn, across
-|_______|_______|        |_______| |_______|     each level edge the upper one a kerf higher.
-
-Where parts share a slanting edge too, all of those that touch are moved square to their edges: the
-first stays, the others go as little as that takes, by the sum of squares.
-"""
+"""How a part is laid for the machine: mirrored, turned, in copies; its parts moved apart."""
 
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from math import hypot
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from msgspec.structs import replace
 
-from beamcam.errors import Diagnostic
-from beamcam.geometry.curves import Line, signed_area
-from beamcam.geometry.plane import Point, groups_of
+from beamcam.errors import Diagnostic, Source
+from beamcam.geometry.conics import direction_deg
+from beamcam.geometry.curves import Arc, Curve, Line, signed_area
+from beamcam.geometry.plane import (
+    Matrix,
+    Point,
+    determinant,
+    groups_of,
+    mapped,
+    mapped_vector,
+    unit_vector,
+)
 from beamcam.machine.torch import Torch
 from beamcam.model.colour import key_of
-from beamcam.model.part import Contour, Hole, Part, Slot, moved_feature
+from beamcam.model.part import Contour, Feature, Hole, Part, Slot, TextMark, moved_feature
 from beamcam.planning.contours import rules
-from beamcam.planning.contours.outline import outlines
+from beamcam.planning.contours.outline import outlines, reach_of, with_outline
 
-if TYPE_CHECKING:
-    pass
+
+def cannot_lie(part: Part, torch: Torch) -> Iterator[tuple[Source, str]]:
+    """Features that cannot be mirrored, turned or copied: where they are, and what they are."""
+    for feature in part.features:
+        if isinstance(feature, Contour):
+            if feature.bevels:
+                yield feature.source, "a bevelled contour"
+        elif isinstance(feature, TextMark):
+            if torch.mirror != "none":
+                yield feature.source, "a text, which would be read from behind"
+        elif not isinstance(feature, Hole | Slot):
+            yield getattr(feature, "source", part.source), type(feature).__name__.lower()
+
+
+def size_of(part: Part, torch: Torch) -> tuple[float, float]:
+    """Length and width of all copies together, with the spacing between them."""
+    x0, y0, x1, y1 = reach_of(_as_turned(part, torch))
+    (columns, rows), gap = torch.copies, torch.spacing
+    return columns * (x1 - x0 + gap) - gap, rows * (y1 - y0 + gap) - gap
+
+
+def laid_out(part: Part, torch: Torch) -> Part:
+    """The part with all its copies: mirrored and turned about its middle, then repeated.
+
+    Copies stand side by side in X and above each other in Y, their boxes `spacing` apart.
+    """
+    turned = _as_turned(part, torch)
+    x0, y0, x1, y1 = reach_of(turned)
+    columns, rows = torch.copies
+    features = [
+        _placed(feature, ((1.0, 0.0, k * (x1 - x0 + torch.spacing)),
+                          (0.0, 1.0, n * (y1 - y0 + torch.spacing))))
+        for n in range(rows) for k in range(columns) for feature in turned.features
+    ]  # fmt: skip
+    length, width = size_of(part, torch)
+    return replace(
+        turned, features=tuple(features), length=length,
+        profile=replace(part.profile, height=width),
+    )  # fmt: skip
+
+
+def _as_turned(part: Part, torch: Torch) -> Part:
+    whole = with_outline(part)
+    if torch.mirror == "none" and not torch.rotate:
+        return whole
+    x0, y0, x1, y1 = reach_of(whole)
+    (c, s), (mx, my) = unit_vector(torch.rotate), ((x0 + x1) / 2, (y0 + y1) / 2)
+    fx, fy = (-1.0 if torch.mirror == axis else 1.0 for axis in ("x", "y"))
+    a, b, d, e = c * fx, -s * fy, s * fx, c * fy
+    matrix = (a, b, mx - a * mx - b * my), (d, e, my - d * mx - e * my)
+    return replace(whole, features=tuple([_placed(f, matrix) for f in whole.features]))
+
+
+def _placed(feature: Feature, matrix: Matrix) -> Feature:
+    """A feature moved by a matrix that keeps lengths; a contour goes round as it did."""
+    if isinstance(feature, Contour):
+        is_moved = matrix[0][:2] == (1.0, 0.0) and matrix[1][:2] == (0.0, 1.0)
+        curves: list[Curve] = [
+            # An arc that is only moved keeps its angles as they are.
+            replace(curve, centre=mapped(matrix, curve.centre))
+            if is_moved and isinstance(curve, Arc) else curve.transformed(matrix)
+            for curve in feature.curves
+        ]  # fmt: skip
+        notches = [replace(n, corner=mapped(matrix, n.corner)) for n in feature.notches]
+        if determinant(matrix) < 0.0:
+            last = len(curves) - 1
+            curves = [curve.reversed() for curve in reversed(curves)]
+            notches = [replace(notch, curve=last - notch.curve) for notch in notches]
+        return replace(feature, curves=tuple(curves), notches=tuple(notches))
+    if isinstance(feature, Hole | Slot | TextMark):
+        x, y = mapped(matrix, (feature.x, feature.y))
+        if isinstance(feature, Hole):
+            return replace(feature, x=x, y=y)
+        angle = direction_deg(mapped_vector(matrix, unit_vector(feature.angle)))
+        return replace(feature, x=x, y=y, angle=angle)
+    return feature
+
+
+# --- common cuts ----------------------------------------------------------------------------------
+
+# Parts of a drawing that touch, moved apart by the kerf so that one cut goes between them.
+#
+#  _______ _______          _______   _______      Across each upright edge that two parts share
+# |       |       |        |       | |       |     the one at its right lies a kerf farther to
+# |   1   |   2   |   ->   |   1   | |   2   |     the right of the other than it was drawn, across
+# |_______|_______|        |_______| |_______|     each level edge the upper one a kerf higher.
+#
+# Where parts share a slanting edge too, all of those that touch are moved square to their edges:
+# the first stays, the others go as little as that takes, by the sum of squares.
+
 
 NO_MOVE: Point = (0.0, 0.0)
 AGREES = 1e-6  #: of a kerf, by which the moves of parts may differ
