@@ -256,7 +256,7 @@ def _of_asked(
 
     `begin` is the text that the program begins with.
     """
-    from beamcam.checks.sheets.asked_sheet import laid_out
+    from beamcam.checks.sheets.required_layout import laid_out
 
     parts, diagnostics = laid_out(job.parts, job.machine.torch)
     if diagnostics:

@@ -357,7 +357,7 @@ def verify_triggers(
         return tuple(with_contours(diagnostics, job.operations, parts[0], machine, skips))
     from beamcam.checks.polylines import compare_polylines
     from beamcam.checks.sheets.compare import with_head_faults
-    from beamcam.checks.sheets.shared_sheet import as_one
+    from beamcam.checks.sheets.required_layout import as_one
 
     sheet = as_one(parts, machine, skips)
     ways = _ways(execution.strokes, any(row.passes > 1 for row in rows_of(sheet.part, torch)))

@@ -3,7 +3,7 @@
 Of words those count that start and stop a tool, M words, as the machine's templates have them.
 """
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from itertools import dropwhile, takewhile
 from math import pi
 
@@ -12,14 +12,10 @@ import shapely
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.checks.sheets import rules
-from beamcam.checks.sheets.plates import header_outline, outlines_of, with_skew_edges
-from beamcam.checks.sheets.region import Region, box_of
-from beamcam.checks.sheets.required_layout import copied, pulled_apart
+from beamcam.checks.sheets.region import Region
 from beamcam.controllers import table_events
 from beamcam.controllers.dialect import tool_words
 from beamcam.controllers.events import Pause, Said, Switch, TableEvent, ToolOffset
-from beamcam.errors import Diagnostic
 from beamcam.geometry.array_types import Floats
 from beamcam.geometry.curves import Arc, Curve, Line
 from beamcam.geometry.plane import Point
@@ -32,10 +28,8 @@ from beamcam.machine.torch import (
     is_row_for,
     material_said,
 )
-from beamcam.model.colour import key_of
 from beamcam.model.description import PART_DATA
-from beamcam.model.hatch import hatched
-from beamcam.model.part import Contour, Hole, Part, Slot, TextMark, extent
+from beamcam.model.part import Part, extent
 
 
 def thickness_of(part: Part, torch: Torch) -> float:
@@ -246,88 +240,3 @@ def _centres(
         return ()
     ends: list[list[float]] = np.unique(far @ axes, axis=0).tolist()
     return tuple((x, y) for x, y in ends)
-
-
-# --- layout ---------------------------------------------------------------------------------------
-
-# How the parts have to lie.
-
-
-def laid_out(
-    parts: Sequence[Part], torch: Torch | None
-) -> tuple[tuple[Part, ...], list[Diagnostic]]:
-    """The parts as they have to lie, hatched; and errors for features that cannot.
-
-    The lines of a hatch are what a program may follow; whether they fill their contours is looked
-    at in `hatch`.
-    """
-    if torch is None:
-        return tuple(parts), []
-    diagnostics: list[Diagnostic] = []
-    laid: list[Part] = []
-    parts = [with_skew_edges(part, torch) for part in parts]
-    if len(parts) == 1 and torch.common_cuts:
-        parts = (pulled_apart(parts[0], torch, kerf_on(parts[0], torch)),)
-    torch = replace(torch, spacing=between(parts[0], torch)) if parts else torch
-    if len(parts) == 1 and _lies_turned(parts[0], torch):
-        torch = replace(torch, rotate=90.0)
-    for part in parts:
-        if torch.mirror != "none" or torch.rotate or torch.copies != (1, 1):
-            whole = _outlined(part)
-            diagnostics += _faults(whole, torch)
-            part = whole if diagnostics else copied(whole, torch)
-        laid.append(hatched(part, torch) if torch.settings else part)
-    return tuple(laid), diagnostics
-
-
-def between(part: Part, torch: Torch) -> float:
-    """The distance between two parts or copies: with common cuts what one cut takes."""
-    return kerf_on(part, torch) if torch.common_cuts else torch.spacing
-
-
-def kerf_on(part: Part, torch: Torch) -> float:
-    """The width of a cut on the part's sheet, where it is kept off."""
-    taken = [row.kerf for row in rows_on(part, torch) if row.process == "cut"]
-    return taken[0] if taken and torch.kerf_by != "none" else 0.0
-
-
-def _lies_turned(part: Part, torch: Torch) -> bool:
-    changed = torch.rotate or torch.mirror != "none" or torch.copies != (1, 1)
-    if changed or (torch.origin == "table" and torch.place != "corner"):
-        return False
-    whole = _outlined(part)
-    any_ignored = "ignore" in torch.colours.values()
-    worked = [
-        feature for feature in whole.features
-        if not any_ignored or not isinstance(feature, Contour)
-        or (key := key_of(feature, torch.colours)) is None or torch.colours[key] != "ignore"
-    ]  # fmt: skip
-    box = box_of(worked)
-    if box is None:
-        return False
-    size, sheet = (box[2] - box[0], box[3] - box[1]), (torch.length, torch.width)
-    lies, lies_across = (
-        all(own <= most + torch.gap for own, most in zip(sides, sheet, strict=True))
-        for sides in (size, size[::-1])
-    )
-    return lies_across and not lies and next(_faults(whole, torch), None) is None
-
-
-def _faults(part: Part, torch: Torch) -> Iterator[Diagnostic]:
-    for feature in part.features:
-        if isinstance(feature, Contour):
-            what = "bevelled contour" if feature.bevels else ""
-        elif isinstance(feature, TextMark) and torch.mirror == "none":
-            continue
-        else:
-            what = "" if isinstance(feature, Hole | Slot) else type(feature).__name__.lower()
-        if what:
-            yield rules.LAID.at(getattr(feature, "source", part.source), found=what)
-
-
-def _outlined(part: Part) -> Part:
-    """The part with the rectangle of a plate that has no outer contour of its own."""
-    if part.measures is not None or outlines_of(part):
-        return part
-    sides = tuple(header_outline(part))
-    return replace(part, features=(*part.features, Contour("v", "outer", sides, part.source)))

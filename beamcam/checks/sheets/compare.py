@@ -37,35 +37,18 @@ import shapely
 from msgspec.structs import replace
 
 from beamcam.checks.job import head_of, part_faults, stock_faults
-from beamcam.checks.sheets import rules
+from beamcam.checks.sheets import leads, marks, rules
 from beamcam.checks.sheets.asked_sheet import rows_of, thickness_of
 from beamcam.checks.sheets.compensation import beam_of
 from beamcam.checks.sheets.controller_state import Outputs, radius_faults
 from beamcam.checks.sheets.heights import HeightWatch
-from beamcam.checks.sheets.leads import (
-    band_faults,
-    direction_faults,
-    edge_faults,
-    find_small,
-    hole_faults,
-    middle_faults,
-    pierce_faults,
-)
-from beamcam.checks.sheets.marks import (
-    add_texts,
-    hatch_faults,
-    one_way_faults,
-    overscan_faults,
-    spot_faults,
-    without_spots,
-)
 from beamcam.checks.sheets.need import Need, need_of, shift_of
 from beamcam.checks.sheets.overcut import dark_faults, overcut_faults
 from beamcam.checks.sheets.paths import cover, follow
 from beamcam.checks.sheets.region import Region
 from beamcam.checks.sheets.remainder import link_faults, passes_folded, unchained
+from beamcam.checks.sheets.required_layout import SKELETON, as_one
 from beamcam.checks.sheets.settings import setting_faults
-from beamcam.checks.sheets.shared_sheet import SKELETON, as_one
 from beamcam.checks.sheets.strokes import Strokes, is_far, strokes_of
 from beamcam.checks.sheets.tabs import tab_faults
 from beamcam.checks.sheets.tracing import Traced
@@ -158,10 +141,10 @@ def compare_part(
     if need.spots or any(stroke.process == "spot" for stroke in strokes.each):
         step = machine.format.resolution
         near = torch.tolerance + 2 * step
-        need.diagnostics += spot_faults(strokes, need, shift_of(need, torch), near, name)
-        strokes = without_spots(strokes)
+        need.diagnostics += marks.spot_faults(strokes, need, shift_of(need, torch), near, name)
+        strokes = marks.without_spots(strokes)
     if any(isinstance(feature, TextMark) for feature in part.features):
-        add_texts(need, part, machine, torch, strokes)
+        marks.add_texts(need, part, machine, torch, strokes)
     if not need.curves and not strokes.each:
         return need.diagnostics
     shift = shift_of(need, torch)
@@ -182,13 +165,13 @@ def compare_part(
         diagnostics += [*more, *dark_faults(work, mine, bool(machine.words.close))]
         traced += mine
         if any(own.hatch_one_way for own in torch.settings.values()) and process in need.curves:
-            diagnostics += one_way_faults(work)
+            diagnostics += marks.one_way_faults(work)
         if torch.overscan and not stepped:
-            diagnostics += overscan_faults(work)
+            diagnostics += marks.overscan_faults(work)
     if torch.settings or any(row.passes > 1 for row in need.rows.values()):
         diagnostics += setting_faults(works, traced, name)
     if any(own.hatch for own in torch.settings.values()):
-        diagnostics += hatch_faults(need, torch, name)
+        diagnostics += marks.hatch_faults(need, torch, name)
     diagnostics += order_faults(sorted(traced, key=lambda t: t.stroke.line), works, name)
     return need.diagnostics + diagnostics
 
@@ -203,20 +186,20 @@ def _compared(work: Work) -> tuple[Sequence[Traced], list[Diagnostic]]:
         which = np.flatnonzero(~work.small)
         return [], [work.missing(k, work.need.starts[k]) for k in which[:1].tolist()]
     traced, diagnostics = follow(work)
-    find_small(work, traced)
+    leads.find_small(work, traced)
     diagnostics += cover(work, traced)
     diagnostics += overcut_faults(work, traced)
-    diagnostics += direction_faults(work, traced)
-    diagnostics += hole_faults(work, traced)
+    diagnostics += leads.direction_faults(work, traced)
+    diagnostics += leads.hole_faults(work, traced)
     if work.bridged:
         diagnostics += tab_faults(work, traced)
     if work.half_kerf:
-        diagnostics += band_faults(work, traced)
+        diagnostics += leads.band_faults(work, traced)
     with_leads = work.torch.lead != "none" and work.torch.kerf_by == "offset"
     if work.half_kerf and with_leads and not work.stepped:
-        diagnostics += pierce_faults(work, traced)
-        diagnostics += middle_faults(work, traced)
-        diagnostics += edge_faults(work, traced)
+        diagnostics += leads.pierce_faults(work, traced)
+        diagnostics += leads.middle_faults(work, traced)
+        diagnostics += leads.edge_faults(work, traced)
     return traced, diagnostics
 
 

@@ -10,20 +10,13 @@ from math import ceil, cos, radians, sin
 import numpy as np
 import shapely
 
+from beamcam.checks import text_assignment
 from beamcam.checks.drawn_texts import EXACT, NEAR, DrawnPieces, RequiredText, wanted
 from beamcam.checks.job import is_manual_work, manual_work
 from beamcam.checks.sheets import rules
 from beamcam.checks.sheets.need import Need, shift_of
 from beamcam.checks.sheets.strokes import Strokes
 from beamcam.checks.sheets.work import SHOWN, Work
-from beamcam.checks.text_assignment import (
-    Steel,
-    box_of,
-    is_clear,
-    is_surely_clear,
-    steel_within,
-    text_positions,
-)
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.array_types import Floats
 from beamcam.geometry.curves import Curve, Line
@@ -56,7 +49,7 @@ def add_texts(need: Need, part: Part, machine: Machine, torch: Torch, strokes: S
             _need(need, process, index, text, (text.feature.x, text.feature.y, text.height))
         return
     chords = [pair for curve in _once(need) for pair in pairwise(_points(curve, CHORD))]
-    steel = steel_within(chords)
+    steel = text_assignment.steel_within(chords)
     moves, shift = strokes.moves, shift_of(need, torch)
     pieces: list[tuple[Point, Point]] = []  # in the numbers of the part
     for stroke in strokes.each:
@@ -69,7 +62,7 @@ def add_texts(need: Need, part: Part, machine: Machine, torch: Torch, strokes: S
         return
     drawn = DrawnPieces(pieces, max(NEAR, torch.tolerance))
     ours = {index: text for index, text in required if text.feature.face in FACES}
-    positions = text_positions([*ours.values()], drawn, steel, steel, machine.marks)
+    positions = text_assignment.text_positions([*ours.values()], drawn, steel, steel, machine.marks)
     position_of = dict(zip(ours, positions, strict=True))
     for index, text in required:
         at = position_of.get(index)
@@ -82,7 +75,7 @@ def add_texts(need: Need, part: Part, machine: Machine, torch: Torch, strokes: S
 
 def _where_they_are(
     need: Need, required: Sequence[tuple[int, RequiredText]], part: Part, machine: Machine,
-    steel: Steel, pieces: Sequence[tuple[Point, Point]],
+    steel: text_assignment.Steel, pieces: Sequence[tuple[Point, Point]],
 ) -> None:  # fmt: skip
     """Add the texts that a table letters where the part has them; it moves none.
 
@@ -94,11 +87,14 @@ def _where_they_are(
         feature = text.feature
         place = feature.x, feature.y, text.height
         is_drawn = feature.face in FACES and text.pieces and text.height >= machine.marks.min_height
-        box = box_of(text, *place) if is_drawn else None
+        box = text_assignment.box_of(text, *place) if is_drawn else None
         if (
             box is not None
-            and is_clear(box, steel, boxes, machine.marks.min_distance - EXACT)
-            and (is_surely_clear(text, steel, boxes, machine.marks) or box.intersects(middles))
+            and text_assignment.is_clear(box, steel, boxes, machine.marks.min_distance - EXACT)
+            and (
+                text_assignment.is_surely_clear(text, steel, boxes, machine.marks)
+                or box.intersects(middles)
+            )
         ):
             _need(need, text_process(machine), index, text, place)
             boxes.append(box)

@@ -15,10 +15,10 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.checks.sheets import rules
-from beamcam.checks.sheets.asked_sheet import laid_out, rows_of
+from beamcam.checks.sheets.asked_sheet import rows_of
 from beamcam.checks.sheets.need import Need, need_of, shift_of
 from beamcam.checks.sheets.paths import follow
-from beamcam.checks.sheets.shared_sheet import as_one
+from beamcam.checks.sheets.required_layout import as_one, laid_out
 from beamcam.checks.sheets.strokes import HeadStroke, Strokes, strokes_of
 from beamcam.checks.sheets.toolpaths import Toolpaths
 from beamcam.checks.sheets.work import work_of

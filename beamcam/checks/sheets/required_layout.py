@@ -1,4 +1,4 @@
-"""Parts as they have to lie on a sheet: mirrored, turned and copied as it was asked for.
+"""Parts as they have to lie on a sheet: mirrored, turned and copied as it was asked for; in rows.
 
     copy (k, n) of a point p of the part     M (p - m) + m + (k (w + s), n (h + s))
 
@@ -7,25 +7,132 @@ around what comes out, s the spacing. Nothing is taken from the planner's layout
 
 A part by itself that is longer or wider than the sheet, and would not be if its length lay across,
 lies so: M is a quarter turn, unless it was asked to lie in some way.
+
+Where each of several lies follows from the parts in the order given and the machine's table alone:
+in rows from the lower left corner, `margin` to the edges and `spacing` from box to box.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from math import atan2, cos, degrees, radians, sin
 
 import numpy as np
 import shapely
+from msgspec import Struct
 from msgspec.structs import replace
 from shapely import Polygon
 from shapely.affinity import translate
 
+from beamcam.checks.sheets import rules
+from beamcam.checks.sheets.asked_sheet import rows_on, thickness_of
+from beamcam.checks.sheets.need import OUTLINE, Need, need_of
+from beamcam.checks.sheets.plates import (
+    beside_faults,
+    header_outline,
+    outlines_of,
+    skew_ends,
+    with_skew_edges,
+)
 from beamcam.checks.sheets.region import box_of
-from beamcam.geometry.curves import Curve
-from beamcam.geometry.plane import groups_of
-from beamcam.machine.torch import Torch
+from beamcam.errors import Diagnostic
+from beamcam.geometry.curves import Curve, Line
+from beamcam.geometry.plane import Box, Point, groups_of
+from beamcam.machine.machine import Machine
+from beamcam.machine.torch import Torch, material_said
 from beamcam.model.colour import key_of
-from beamcam.model.part import Contour, Feature, Hole, Part, Slot, TextMark
+from beamcam.model.hatch import hatched
+from beamcam.model.part import (
+    Contour,
+    Feature,
+    Hole,
+    Measures,
+    Part,
+    Slot,
+    TextMark,
+    extent,
+    moved_feature,
+)
 
 Affine = tuple[tuple[float, float, float], tuple[float, float, float]]
+
+
+def laid_out(
+    parts: Sequence[Part], torch: Torch | None
+) -> tuple[tuple[Part, ...], list[Diagnostic]]:
+    """The parts as they have to lie, hatched; and errors for features that cannot.
+
+    The lines of a hatch are what a program may follow; whether they fill their contours is looked
+    at in `hatch`.
+    """
+    if torch is None:
+        return tuple(parts), []
+    diagnostics: list[Diagnostic] = []
+    laid: list[Part] = []
+    parts = [with_skew_edges(part, torch) for part in parts]
+    if len(parts) == 1 and torch.common_cuts:
+        parts = (pulled_apart(parts[0], torch, kerf_on(parts[0], torch)),)
+    torch = replace(torch, spacing=between(parts[0], torch)) if parts else torch
+    if len(parts) == 1 and _lies_turned(parts[0], torch):
+        torch = replace(torch, rotate=90.0)
+    for part in parts:
+        if torch.mirror != "none" or torch.rotate or torch.copies != (1, 1):
+            whole = _outlined(part)
+            diagnostics += _faults(whole, torch)
+            part = whole if diagnostics else copied(whole, torch)
+        laid.append(hatched(part, torch) if torch.settings else part)
+    return tuple(laid), diagnostics
+
+
+def between(part: Part, torch: Torch) -> float:
+    """The distance between two parts or copies: with common cuts what one cut takes."""
+    return kerf_on(part, torch) if torch.common_cuts else torch.spacing
+
+
+def kerf_on(part: Part, torch: Torch) -> float:
+    """The width of a cut on the part's sheet, where it is kept off."""
+    taken = [row.kerf for row in rows_on(part, torch) if row.process == "cut"]
+    return taken[0] if taken and torch.kerf_by != "none" else 0.0
+
+
+def _lies_turned(part: Part, torch: Torch) -> bool:
+    changed = torch.rotate or torch.mirror != "none" or torch.copies != (1, 1)
+    if changed or (torch.origin == "table" and torch.place != "corner"):
+        return False
+    whole = _outlined(part)
+    any_ignored = "ignore" in torch.colours.values()
+    worked = [
+        feature for feature in whole.features
+        if not any_ignored or not isinstance(feature, Contour)
+        or (key := key_of(feature, torch.colours)) is None or torch.colours[key] != "ignore"
+    ]  # fmt: skip
+    box = box_of(worked)
+    if box is None:
+        return False
+    size, sheet = (box[2] - box[0], box[3] - box[1]), (torch.length, torch.width)
+    lies, lies_across = (
+        all(own <= most + torch.gap for own, most in zip(sides, sheet, strict=True))
+        for sides in (size, size[::-1])
+    )
+    return lies_across and not lies and next(_faults(whole, torch), None) is None
+
+
+def _faults(part: Part, torch: Torch) -> Iterator[Diagnostic]:
+    for feature in part.features:
+        if isinstance(feature, Contour):
+            what = "bevelled contour" if feature.bevels else ""
+        elif isinstance(feature, TextMark) and torch.mirror == "none":
+            continue
+        else:
+            what = "" if isinstance(feature, Hole | Slot) else type(feature).__name__.lower()
+        if what:
+            yield rules.LAID.at(getattr(feature, "source", part.source), found=what)
+
+
+def _outlined(part: Part) -> Part:
+    """The part with the rectangle of a plate that has no outer contour of its own."""
+    if part.measures is not None or outlines_of(part):
+        return part
+    sides = tuple(header_outline(part))
+    return replace(part, features=(*part.features, Contour("v", "outer", sides, part.source)))
 
 
 def pulled_apart(part: Part, torch: Torch, width: float) -> Part:
@@ -204,3 +311,86 @@ def _normals(one: Polygon, other: Polygon) -> Iterator[Normal]:
                          < 100 * STRAIGHT), normal)  # fmt: skip
             lengths[same] = lengths.get(same, 0.0) + size
     yield from (normal for normal, length in lengths.items() if length > 4 * HAIR)
+
+
+# --- several parts --------------------------------------------------------------------------------
+
+# Parts that share a sheet, each at the place where the machine lays it, as one part to compare.
+
+
+SKELETON = "skeleton"  #: where the cuts through what is left of a sheet are said to be
+
+
+class SharedSheet(Struct, frozen=True):
+    """One part with all that has to be on a sheet, and the machine that leaves it there."""
+
+    part: Part
+    machine: Machine
+    places: list[Point]  #: of the x 0, y 0 of each of several parts
+    diagnostics: list[Diagnostic]
+
+
+def as_one(parts: Sequence[Part], machine: Machine, skips: Collection[str]) -> SharedSheet:
+    """The parts of a sheet as one, and what is wrong with their sharing it.
+
+    A part that is alone stays as it is.
+    """
+    torch = machine.torch
+    off = [*skew_ends(parts, machine), *beside_faults(parts)]
+    if torch is None or len(parts) == 1:
+        return SharedSheet(parts[0], machine, [], off)
+    features: list[Feature] = []
+    sheet = _sheet_shown(parts[0], torch)
+    diagnostics = off + [
+        rules.OTHER_SHEET.at(part.source, found=own, expected=sheet)
+        for part in parts[1:]
+        if (own := _sheet_shown(part, torch)) != sheet
+    ]
+    tops: dict[float, float] = {}  #: upper edge of each row of parts, by its lower one
+    lie = list(_places(parts, machine, torch, skips))
+    for part, (here, need) in zip(parts, lie, strict=True):
+        _, low, _, high = _box(need)
+        row = round(here[1] + low, 6)
+        tops[row] = max(tops.get(row, row), here[1] + high)
+        features += [moved_feature(feature, here) for feature in part.features]
+        if any(OUTLINE in some for some in need.features.values()):
+            outline = Contour("v", "outer", tuple(header_outline(part)), part.source)
+            features.append(moved_feature(outline, here))
+    half = between(parts[0], torch) / 2
+    if torch.skeleton_cuts and half > kerf_on(parts[0], torch):
+        for y in (t + half for t in tops.values() if t + half < torch.width - torch.margin / 2):
+            line = Line((torch.length, y), (0.0, y))
+            source = replace(parts[0].source, where=SKELETON, line=None)
+            features.append(Contour("v", "open", (line,), source, closed=False))
+    whole = replace(parts[0], features=tuple(features), measures=Measures(), length=torch.length)
+    machine = replace(machine, torch=replace(torch, place="drawn"))
+    return SharedSheet(whole, machine, [place for place, _ in lie], diagnostics)
+
+
+def _places(
+    parts: Sequence[Part], machine: Machine, torch: Torch, skips: Collection[str]
+) -> Iterator[tuple[Point, Need]]:
+    """Where each of several parts lies on the table, its x 0, y 0; and what of it has to be cut."""
+    left = bottom = torch.margin
+    spacing = between(parts[0], torch)
+    top = bottom
+    needs: dict[int, Need] = {}  #: many are the same part
+    for part in parts:
+        if id(part) not in needs:
+            needs[id(part)] = need_of(part, machine, torch, skips)
+        need = needs[id(part)]
+        x0, y0, x1, y1 = _box(need)
+        if left + (x1 - x0) > torch.length - torch.margin and top > bottom:
+            left, bottom = torch.margin, top + spacing
+            top = bottom
+        yield (left - x0, bottom - y0), need
+        left, top = left + (x1 - x0) + spacing, max(top, bottom + (y1 - y0))
+
+
+def _box(need: Need) -> Box:
+    return extent(c for some in need.curves.values() for c in some) or (0.0, 0.0, 0.0, 0.0)
+
+
+def _sheet_shown(part: Part, torch: Torch) -> str:
+    material = material_said(part.grade, torch.material)
+    return f"{thickness_of(part, torch):.2f} mm {material}".rstrip()

@@ -57,7 +57,7 @@ def verify_table(
     part, sheet, asked = None, None, machine
     if parts:
         from beamcam.checks.sheets.compare import with_head_faults
-        from beamcam.checks.sheets.shared_sheet import as_one
+        from beamcam.checks.sheets.required_layout import as_one
 
         sheet = as_one(parts, machine, skips)
         part, machine = sheet.part, sheet.machine

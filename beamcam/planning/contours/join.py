@@ -17,7 +17,7 @@ from beamcam.geometry.chains import Chains, join_curves
 from beamcam.geometry.curves import Line
 from beamcam.geometry.plane import distance
 from beamcam.machine.torch import Torch, TorchProcess
-from beamcam.planning.contours import rules
+from beamcam.planning.contours import rules, running_back
 from beamcam.planning.contours.assign_process import AssignedCurve
 from beamcam.planning.contours.crossing import crossings, refuse_tangles, taken_apart
 from beamcam.planning.contours.outline import (
@@ -31,16 +31,6 @@ from beamcam.planning.contours.outline import (
     valid,
 )
 from beamcam.planning.contours.repeats import Repeats, contours_once, loose_once
-from beamcam.planning.contours.running_back import (
-    SAME_POINT,
-    curves_running_back,
-    free_repeats,
-    is_straight,
-    is_there_and_back,
-    needles_beside,
-    turns,
-    without_steps_back,
-)
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -76,10 +66,13 @@ def join(
     """
     joined = Joined()
     free = curves.free()
-    for one in (*curves_running_back(wanted, free, kerf), *free_repeats(wanted, free)):
+    for one in (
+        *running_back.remarks(wanted, free, kerf),
+        *running_back.free_repeats(wanted, free),
+    ):
         (joined.refusals if one.severity is Severity.ERROR else joined.remarks).append(one)
     loose, gaping = _closed_features(wanted, curves, torch.gap, rings, joined)
-    straight = {k for k in free if is_straight(wanted[k].curve)}
+    straight = {k for k in free if running_back.is_straight(wanted[k].curve)}
     may_repeat = bool(straight or overlapping(curves, [w.process for w in wanted]))
     for (process, _), numbers in loose.items():
         once, ends = [wanted[k] for k in numbers], curves.ends[numbers]
@@ -112,7 +105,7 @@ def join(
         joined.shapes = list(chained.from_iterable(kept))
     if kerf:
         joined.shapes = [
-            replace(s, curves=without_steps_back(s.curves))
+            replace(s, curves=running_back.without_steps_back(s.curves))
             if s.closed and s.process == "cut"
             else s
             for s in joined.shapes
@@ -148,20 +141,24 @@ def _closed_features(
     loose: dict[tuple[TorchProcess, str], list[int]] = defaultdict(list)
     gaping: set[int] = set()
     hulls, places = curves.hulls, curves.ends
-    points = set(np.flatnonzero(np.ptp(hulls.reshape(-1, 2, 2), axis=1).max(axis=1) <= SAME_POINT))
+    points = set(
+        np.flatnonzero(
+            np.ptp(hulls.reshape(-1, 2, 2), axis=1).max(axis=1) <= running_back.SAME_POINT
+        )
+    )
     features = np.array([w.feature for w in wanted])
     begins = np.flatnonzero(np.concatenate(([True], features[1:] != features[:-1])))
     ends = np.append(begins[1:], len(wanted))
     before = np.arange(len(wanted)) - 1
     before[begins] = ends - 1
-    gaps = np.abs(places[:, :2] - places[before, 2:]).max(axis=1) > SAME_POINT
+    gaps = np.abs(places[:, :2] - places[before, 2:]).max(axis=1) > running_back.SAME_POINT
     closed = ~np.logical_or.reduceat(gaps, begins)
     low, high = np.minimum.reduceat(hulls, begins)[:, :2], np.maximum.reduceat(hulls, begins)[:, 2:]
     small = np.hypot(*(high - low).T) <= gap
     columns = (column.tolist() for column in (begins, ends, closed, small))
     for begin, end, is_closed, is_small in zip(*columns, strict=True):
         first = wanted[begin]
-        lines = is_closed and is_there_and_back(wanted[begin:end])
+        lines = is_closed and running_back.is_there_and_back(wanted[begin:end])
         if lines or not is_closed:
             loose[first.process, first.look] += range(begin, end)
             if not lines and first.feature in rings:
@@ -271,9 +268,11 @@ def nest(
     nested = _nested(shapes, closed, rings, bad)
     if not kerf or errors_in(diagnostics):
         return nested, diagnostics
-    turning = turns((points[mine], number[owner[mine]]))
+    turning = running_back.turns((points[mine], number[owner[mine]]))
     needles = [
-        one for k, at in turning.items() for one in needles_beside(cuts[k].source, *at, tolerance)
+        one
+        for k, at in turning.items()
+        for one in running_back.needles_beside(cuts[k].source, *at, tolerance)
     ]
     if needles:
         return nested, [*diagnostics, *needles]

@@ -72,7 +72,7 @@ def runs_back(rule: Rule, source: Source, length: float, place: Sequence[float])
     return rule.at(source, found=f"{length:.3f}", x=x, y=y)
 
 
-def curves_running_back(
+def remarks(
     curves: Sequence[AssignedCurve], which: Sequence[int], kerf: float
 ) -> Iterator[Diagnostic]:
     """Remarks on the curves that turn round and run back along themselves.
