@@ -50,7 +50,6 @@ def with_contours(
 ) -> list[Diagnostic]:  # fmt: skip
     """The messages; to those about an operation the contour nearest to its end is added."""
     from beamcam.checks.sheets.need import need_of, shift_of
-    from beamcam.checks.sheets.toolpaths import Toolpaths
 
     torch = machine.torch
     ends = {operation.line: (operation.x, operation.y) for operation in operations}
@@ -60,7 +59,7 @@ def with_contours(
         return diagnostics
     need = need_of(part, machine, torch, skips)
     shift, fine = shift_of(need, torch), torch.tolerance / 8
-    toolpaths = {process: Toolpaths(curves, fine, shift) for process, curves in need.curves.items()}
+    toolpaths = {process: need.toolpaths(process, fine).moved(shift) for process in need.curves}
     for k in which if toolpaths else ():
         place = np.array(ends[diagnostics[k].source.line or 0])
         _, way, process = min((*toolpaths[p].nearest_to(place), p) for p in toolpaths)

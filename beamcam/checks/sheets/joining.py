@@ -123,13 +123,8 @@ def rings_of(toolpaths: DrawnWays, which: Sequence[int], gap: float) -> list[Cha
         numbers = numbers[np.hypot(*(high - low)[numbers].T) > min(gap, WRITTEN_SAME)]
     if not len(numbers):
         return []
-    places = _places(np.concatenate((toolpaths.starts[numbers], toolpaths.ends[numbers])), gap)
-    net = _Net(places.reshape(2, -1).T.tolist())
-    return [[(int(numbers[k]), turned) for k, turned in ring] for ring in net.rings()]
-
-
-def _places(ends: Floats, gap: float) -> Counts:
-    """A number for the place of each end (n, 2)."""
+    # A number for the place of each end.
+    ends = np.concatenate((toolpaths.starts[numbers], toolpaths.ends[numbers]))
     written = _hanging(ends, min(gap, WRITTEN_SAME))
     left = np.flatnonzero(np.bincount(written)[written] != 2)
     places = written + len(ends)
@@ -139,7 +134,8 @@ def _places(ends: Floats, gap: float) -> Counts:
     np.maximum.at(high, near, ends[left])
     is_place = np.hypot(*(high - low)[near].T) <= WIDEST_PLACE * gap * SLACK
     places[left[is_place]] = near[is_place]
-    return places
+    net = _Net(places.reshape(2, -1).T.tolist())
+    return [[(int(numbers[k]), turned) for k, turned in ring] for ring in net.rings()]
 
 
 def _hanging(points: Floats, reach: float) -> Counts:

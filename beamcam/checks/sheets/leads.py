@@ -8,11 +8,10 @@ import shapely
 
 from beamcam.checks.sheets import rules
 from beamcam.checks.sheets.region import signed_areas
-from beamcam.checks.sheets.toolpaths import Chain
 from beamcam.checks.sheets.tracing import Traced, is_in_kerf, on_contour
 from beamcam.checks.sheets.work import SHOWN, Work
 from beamcam.errors import Diagnostic
-from beamcam.geometry.array_types import Counts, Flags, Floats
+from beamcam.geometry.array_types import Flags, Floats
 from beamcam.geometry.curves import Arc
 
 # --- pierces --------------------------------------------------------------------------------------
@@ -285,17 +284,20 @@ def direction_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
     climbs = work.torch.direction == "climb"
     turned = [None if is_hole is None else is_hole == climbs for is_hole in work.holes]
     if work.torch.direction == "drawn":
-        twins = np.flatnonzero(work.region.twins)
-        turned = [
-            is_turned if _is_one_feature(work, ring, twins) else None
-            for ring, is_turned in zip(
-                work.region.rings, work.region.anticlockwise.tolist(), strict=True
-            )
-        ]
+        turned = _drawn_directions(work)
+    # In which direction strokes go round a contour together; none of what has no inside.
+    points, begins = work.path.outlines(work.fine)
+    strokes = [head.members or [head] for head in heads]
+    low, high = begins[np.array([(m.first, m.last) for some in strokes for m in some]).T]
+    behind = np.cumsum(high - low)
+    rows = np.arange(behind[-1]) + np.repeat(high - behind, high - low)
+    first = np.cumsum([0, *map(len, strokes)])
+    areas, lengths = signed_areas(points[rows], np.append(0, behind)[first])
     diagnostics = []
-    for t, found in zip(heads, _turns(work, heads), strict=True):
+    for k in np.flatnonzero(np.abs(areas) > MIN_WIDTH * lengths).tolist():
+        t, found = heads[k], bool(areas[k] > 0.0)
         expected = turned[t.contour]
-        if expected is None or found is None or found == expected:
+        if expected is None or found == expected:
             continue
         diagnostics.append(
             work.fault(
@@ -306,39 +308,23 @@ def direction_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
     return diagnostics[:SHOWN]
 
 
-def _shown(is_anticlockwise: bool) -> str:
-    return "counter-clockwise" if is_anticlockwise else "clockwise"
-
-
-def _is_one_feature(work: Work, ring: Chain, twins: Counts) -> bool:
-    """Whether a ring is one feature as it is drawn, and no other curve lies on it.
+def _drawn_directions(work: Work) -> list[bool | None]:
+    """Of each ring whether it is drawn counter-clockwise, if it is one feature with no other on it.
 
     Of curves that are joined, and of what is drawn twice, any direction is one that is drawn.
     """
-    features, ways = work.asked.features[work.process], [way for way, _ in ring]
-    own = features[ways[0]]
-    if any(back or features[way] != own for way, back in ring):
-        return False
-    if not len(twins):
-        return True
+    features, twins = work.asked.features[work.process], np.flatnonzero(work.region.twins)
     low, high = work.need.boxes
-    least, most = low[ways].min(axis=0), high[ways].max(axis=0)
-    beside = np.all((high[twins] >= least) & (low[twins] <= most), axis=1)
-    return not beside.any()
+    turned: list[bool | None] = []
+    for ring, is_turned in zip(work.region.rings, work.region.anticlockwise.tolist(), strict=True):
+        ways = [way for way, _ in ring]
+        is_one = len({features[way] for way in ways}) == 1 and not any(back for _, back in ring)
+        if is_one and len(twins):
+            least, most = low[ways].min(axis=0), high[ways].max(axis=0)
+            is_one = not np.all((high[twins] >= least) & (low[twins] <= most), axis=1).any()
+        turned.append(is_turned if is_one else None)
+    return turned
 
 
-def _turns(work: Work, heads: Sequence[Traced]) -> list[bool | None]:
-    """Which strokes that go round a contour together do so counter-clockwise.
-
-    None of what has no inside.
-    """
-    points, begins = work.path.outlines(work.fine)
-    strokes = [head.members or [head] for head in heads]
-    low, high = begins[np.array([(m.first, m.last) for some in strokes for m in some]).T]
-    behind = np.cumsum(high - low)
-    rows = np.arange(behind[-1]) + np.repeat(high - behind, high - low)
-    first = np.cumsum([0, *map(len, strokes)])
-    areas, lengths = signed_areas(points[rows], np.append(0, behind)[first])
-    wide = np.abs(areas) > MIN_WIDTH * lengths
-    turns = zip((areas > 0.0).tolist(), wide.tolist(), strict=True)
-    return [turned if is_wide else None for turned, is_wide in turns]
+def _shown(is_anticlockwise: bool) -> str:
+    return "counter-clockwise" if is_anticlockwise else "clockwise"

@@ -152,7 +152,12 @@ def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) 
             and (isinstance(feature, Hole | Slot) and feature.kind != "mark")
         ):
             need.diagnostics.append(manual_work(feature, part, machine))
-            for place in _drill_places(feature):
+            # Where the drill begins: the middle of a hole, those of the corners of a slot.
+            (c, s), u, v = (1.0, 0.0), 0.0, 0.0
+            if isinstance(feature, Slot):
+                (c, s), u, v = unit_vector(feature.angle), feature.length / 2, feature.height / 2
+            for x, y in {(c * x - s * y, s * x + c * y) for x in (-u, u) for y in (-v, v)}:
+                place = feature.x + x, feature.y + y
                 need.add_centre(place, torch, index, feature.source)
             continue
         if kind is not None and kind not in skips:
@@ -231,18 +236,6 @@ def _follow(
         need.filled.setdefault(key, []).append(contour)
         return
     need.add(cast("TorchProcess", process), contour.curves, index, contour.source, key)
-
-
-def _drill_places(feature: Hole | Slot) -> set[Point]:
-    """Drill start points of a hole, or of the rounded corners of a slot."""
-    if isinstance(feature, Hole):
-        return {(feature.x, feature.y)}
-    c, s = unit_vector(feature.angle)
-    half_x, half_y = feature.length / 2, feature.height / 2
-    return {
-        (feature.x + c * u - s * v, feature.y + s * u + c * v)
-        for u in (-half_x, half_x) for v in (-half_y, half_y)
-    }  # fmt: skip
 
 
 def kind_not_made(feature: Feature, torch: Torch, thickness: float) -> str | None:

@@ -243,28 +243,15 @@ def _path_passes(
     kept &= np.bincount(near.point[kept], minlength=len(which))[near.point] > 1
     if not kept.any():
         return np.zeros(len(which), dtype=np.int64)
-    kept &= ~_overlap(work, traced, near)
-    at = work.path.at(near.element[kept], near.along[kept])
     firsts, lasts = np.array([(t.first, t.last - 1) for t in traced]).T
     ends = work.path.begins[lasts] + work.path.lengths[lasts]
+    if work.torch.kerf_by == "machine" and work.half_kerf:
+        # Such a stroke has to run over its start: half a kerf along the contour at both ends of it.
+        over = OVER * work.half_kerf + work.torch.lead_out + work.most_over
+        kept &= work.path.at(near.element, near.along) <= (ends - over)[work.of_way[way]]
+    at = work.path.at(near.element[kept], near.along[kept])
     loops = work.path.begins[firsts], ends, np.array([t.closed for t in traced])
     return _passes(near.point[kept], at, work.of_way[way[kept]], loops, 6 * reach, len(which))
-
-
-def _overlap(work: Work, traced: Sequence[Traced], near: Pairs) -> Flags:
-    """Which pairs are of the end of a stroke that has to run over its start.
-
-    A controller that keeps off takes up half a kerf along the contour at both ends of it.
-    """
-    if work.torch.kerf_by != "machine" or not work.half_kerf:
-        return np.zeros(len(near.point), dtype=bool)
-    path = work.path
-    lasts = np.array([t.last for t in traced]) - 1
-    ends = path.begins[lasts] + path.lengths[lasts]
-    stroke = work.of_way[path.owner[near.element]]
-    over = OVER * work.half_kerf + work.torch.lead_out + work.most_over
-    overlap: Flags = path.at(near.element, near.along) > ends[stroke] - over
-    return overlap
 
 
 def _passes(

@@ -126,7 +126,11 @@ def open_edges(
         sides = cut_out.curves if cut_out.kind == "inner" and k not in gone else ()
         for o, whole in around.items():
             edge = kept.get(o, [*whole])
-            shared = {c: n for c, side in enumerate(sides) if (n := _line_under(side, edge)) >= 0}
+            lines = [(n, line) for n, line in enumerate(edge)
+                     if isinstance(line, Line) and line.length > NEAR]  # fmt: skip
+            under = ((c, n) for c, side in enumerate(sides) for n, line in reversed(lines)
+                     if _lies_on_line(side, line))  # fmt: skip
+            shared = dict(under)  # of several the first
             begins = [c for c in shared if (c - 1) % len(sides) not in shared]
             if len(begins) != 1:
                 continue
@@ -148,15 +152,11 @@ def open_edges(
     return kept
 
 
-def _line_under(side: Curve, edge: Sequence[Curve]) -> int:
-    """Which line of an outline a straight side lies on; -1 for none."""
-    for n, line in enumerate(edge if isinstance(side, Line) else ()):
-        if isinstance(line, Line) and line.length > NEAR:
-            slack = NEAR / line.length
-            on = [_on(line, at) for at in (side.start, side.end)]
-            if all(abs(z.imag) <= slack and -slack <= z.real <= 1.0 + slack for z in on):
-                return n
-    return -1
+def _lies_on_line(side: Curve, line: Line) -> bool:
+    slack, ends = NEAR / line.length, [_on(line, at) for at in (side.start, side.end)]
+    return isinstance(side, Line) and all(
+        abs(z.imag) <= slack and -slack <= z.real <= 1.0 + slack for z in ends
+    )
 
 
 def _on(line: Line, at: Point) -> complex:

@@ -59,15 +59,10 @@ class Region(Struct, frozen=True):
         """The same elsewhere."""
         return replace(self, polygons=shapely.transform(self.polygons, lambda at: at + shift))
 
-    def depth(self, points: Floats) -> Counts:
-        """Number of contours that enclose each point (n, 2)."""
-        which, _ = shapely.STRtree(self.polygons).query(shapely.points(points), "within")
-        return np.bincount(which, minlength=len(points))
-
     def in_part(self, points: Floats) -> Flags:
         """Which points (n, 2) lie in the part."""
-        inside: Flags = self.depth(points) % 2 == 1
-        return inside
+        which, _ = shapely.STRtree(self.polygons).query(shapely.points(points), "within")
+        return np.asarray(np.bincount(which, minlength=len(points)) % 2 == 1)
 
 
 def region_of(toolpaths: Toolpaths, features: Counts, gap: float, fine: float) -> Region:

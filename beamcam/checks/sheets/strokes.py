@@ -27,7 +27,6 @@ from beamcam.controllers.moves import Moves, TableRun
 from beamcam.errors import Diagnostic
 from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.geometry.curves import Arc
-from beamcam.geometry.plane import Point
 from beamcam.machine.machine import Machine, key_for
 from beamcam.machine.torch import Torch, TorchProcess, TorchRow
 
@@ -107,19 +106,6 @@ def is_far(moves: Moves, torch: Torch) -> bool:
     places = np.concatenate((moves.start, moves.end, moves.arcs[:, :2]))
     reach = np.abs(places - middle).max(initial=0.0)
     return bool(reach > FAR * (torch.length + torch.width))
-
-
-def _beyond(arc: Sequence[float], low: Sequence[float], high: Sequence[float]) -> Point | None:
-    """Where an arc is farthest from what lies between two corners; None if it is in there."""
-    x, y, radius, first, sweep = arc
-    whole = Arc((x, y), radius, first, sweep)
-    left, bottom, right, top = whole.bbox
-    off = (
-        (low[0] - left, (left, y)), (low[1] - bottom, (x, bottom)),
-        (right - high[0], (right, y)), (top - high[1], (x, top)),
-    )  # fmt: skip
-    most, place = max(off)
-    return place if most > 0.0 else None
 
 
 class _Head(Watch):
@@ -217,10 +203,15 @@ class _Head(Watch):
         for k in np.flatnonzero(outside | far).tolist():
             x, y = moves.end[k].tolist()
             if not outside[k]:
-                beyond = _beyond(moves.arcs[k].tolist(), low.tolist(), high.tolist())
-                if beyond is None:
+                # Where the arc is farthest from what lies between both corners.
+                cx, cy, *shape = moves.arcs[k].tolist()
+                left, bottom, right, top = Arc((cx, cy), *shape).bbox
+                most, (x, y) = max(
+                    (low[0] - left, (left, cy)), (low[1] - bottom, (cx, bottom)),
+                    (right - high[0], (right, cy)), (top - high[1], (cx, top)),
+                )  # fmt: skip
+                if most <= 0.0:
                     continue
-                x, y = beyond
             self._wrong(
                 rules.AREA, int(moves.line[k]), x=f"{x:g}", y=f"{y:g}",
                 length=f"{torch.length:g}", width=f"{torch.width:g}",

@@ -45,20 +45,13 @@ class DrawnWays(Struct):
 
 
 class Toolpaths:
-    """Curves one after the other; lines and arcs are exact, chords of others off by `tolerance`.
+    """Curves one after the other; lines and arcs are exact, chords of others off by `tolerance`."""
 
-    `shift` moves all of them.
-    """
-
-    def __init__(
-        self, curves: Sequence[Curve], tolerance: float, shift: tuple[float, float] = (0.0, 0.0)
-    ) -> None:
+    def __init__(self, curves: Sequence[Curve], tolerance: float) -> None:
         table = table_of(tuple(curves))
         rest = {k: curves[k] for k in table.free()}
         lines, arcs = table.where(Line), table.where(Arc)
         self._build(len(curves), lines, table.lines, arcs, table.arcs, rest, tolerance)
-        if shift != (0.0, 0.0):
-            self._put(self.elements.moved(shift))
 
     @classmethod
     def of_moves(cls, moves: Moves, tolerance: float) -> "Toolpaths":

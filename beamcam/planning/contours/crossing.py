@@ -10,7 +10,6 @@ from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from beamcam.errors import Diagnostic, PlanError, Rule, Source
-from beamcam.geometry.array_types import Counts, Floats
 from beamcam.geometry.arrays import near_pairs
 from beamcam.geometry.curves import Curve, Line, signed_area
 from beamcam.geometry.plane import Point, distance
@@ -107,7 +106,13 @@ def _crosses_itself(ring: Any, tolerance: float, gap: float) -> Point | None:
         inside = shapely.get_coordinates(shapely.point_on_surface(faces))
     if not len(faces):
         return None
-    turns = _turns(corners, inside)
+    # How often it goes counter-clockwise round each of them.
+    (x0, y0), (x1, y1) = corners[:-1].T, corners[1:].T
+    turns = np.empty(len(inside), dtype=np.int64)
+    for k, (x, y) in enumerate(inside.tolist()):
+        left = (x1 - x0) * (y - y0) - (x - x0) * (y1 - y0) > 0.0
+        up, down = (y0 <= y) & (y1 > y), (y0 > y) & (y1 <= y)
+        turns[k] = np.count_nonzero(up & left) - np.count_nonzero(down & ~left)
     right = int(np.sign(signed_areas(np.array([ring]))[0]))
     low, high = shapely.bounds(faces)[:, :2], shapely.bounds(faces)[:, 2:]
     is_hair = shapely.area(faces) <= tolerance * TOUCH_SHARE * shapely.length(faces)
@@ -120,17 +125,6 @@ def _crosses_itself(ring: Any, tolerance: float, gap: float) -> Point | None:
     own = np.isin(*cells).ravel()
     x, y = points[int(np.argmin(own))].tolist()
     return x, y
-
-
-def _turns(ring: Floats, points: Floats) -> Counts:
-    """How often a ring (n, 2) goes counter-clockwise round each of some points."""
-    (x0, y0), (x1, y1) = ring[:-1].T, ring[1:].T
-    turns = np.empty(len(points), dtype=np.int64)
-    for k, (x, y) in enumerate(points.tolist()):
-        left = (x1 - x0) * (y - y0) - (x - x0) * (y1 - y0) > 0.0
-        up, down = (y0 <= y) & (y1 > y), (y0 > y) & (y1 <= y)
-        turns[k] = np.count_nonzero(up & left) - np.count_nonzero(down & ~left)
-    return turns
 
 
 def _crossing(a: Shape, b: Shape, tolerance: float) -> Point | None:

@@ -211,20 +211,6 @@ def _add_stops(
         joined.remarks.append(rules.GAP.at(source, x=x, y=y, **widths))
 
 
-def _meeting(boundaries: "NDArray[Any]") -> list[tuple[int, int]]:
-    """Pairs of rings that cross or touch, ascending."""
-    first, second = shapely.STRtree(boundaries).query(boundaries)
-    pair = first < second
-    first, second = first[pair], second[pair]
-    # The one with more points is prepared: it has its neighbours in a tree.
-    sizes = shapely.get_num_coordinates(boundaries)
-    swap = sizes[second] > sizes[first]
-    large, small = np.where(swap, second, first), np.where(swap, first, second)
-    shapely.prepare(boundaries[large])
-    meet = shapely.intersects(boundaries[large], boundaries[small])
-    return sorted(zip(first[meet].tolist(), second[meet].tolist(), strict=True))
-
-
 # --- nests ----------------------------------------------------------------------------------------
 
 # Which contour lies inside which.
@@ -235,13 +221,9 @@ MIN_WIDTH = 1e-3
 
 
 def nest(
-    shapes: Sequence[Shape],
-    drawn: Drawn,
-    curves: Sequence[AssignedCurve],
-    tolerance: float,
-    gap: float,
-    kerf: float,
-) -> tuple[list[Shape], list[Diagnostic]]:
+    shapes: Sequence[Shape], drawn: Drawn, curves: Sequence[AssignedCurve], tolerance: float,
+    gap: float, kerf: float,
+) -> tuple[list[Shape], list[Diagnostic]]:  # fmt: skip
     """The shapes with their area, depth and parent, and remarks on those that cross.
 
     A contour lies in another of greater area that a point inside it lies in. Contours that touch
@@ -263,7 +245,18 @@ def nest(
     if bad:
         refuse_tangles(cuts, rings, bad, curves)
     diagnostics: list[Diagnostic] = []
-    if (pairs := _meeting(shapely.get_exterior_ring(rings))) or bad:
+    # Pairs of rings that cross or touch. The one with more points is prepared: it has its
+    # neighbours in a tree.
+    edges = shapely.get_exterior_ring(rings)
+    first, second = shapely.STRtree(edges).query(edges)
+    first, second = first[first < second], second[first < second]
+    sizes = shapely.get_num_coordinates(edges)
+    swap = sizes[second] > sizes[first]
+    large, small = np.where(swap, second, first), np.where(swap, first, second)
+    shapely.prepare(edges[large])
+    meet = shapely.intersects(edges[large], edges[small])
+    pairs = sorted(zip(first[meet].tolist(), second[meet].tolist(), strict=True))
+    if pairs or bad:
         diagnostics = crossings(cuts, rings, bad, pairs, curves, tolerance, gap, kerf)
     nested = _nested(shapes, closed, rings, bad)
     if not kerf or errors_in(diagnostics):

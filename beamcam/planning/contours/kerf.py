@@ -9,7 +9,6 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic
-from beamcam.geometry.array_types import Floats
 from beamcam.geometry.arrays import CurveTable, unit_vectors
 from beamcam.geometry.conics import direction_deg
 from beamcam.geometry.curves import Arc, Line, join_boxes
@@ -175,8 +174,15 @@ def sharp_corners(shapes: Sequence[Shape], kerfs: Sequence[float]) -> list[list[
     owner = np.repeat(np.arange(len(shapes)), sizes)
     following = np.arange(len(table.curves)) + 1
     following[begins + sizes - 1] = begins
-    ends, starts = _tangents(table)
-    a, b = ends, starts[following]
+    # Directions of lines and arcs at their ends and at their starts.
+    a, starts = np.zeros((len(table.curves), 2)), np.zeros((len(table.curves), 2))
+    step, arcs = table.lines[:, 2:] - table.lines[:, :2], table.arcs
+    unit = step / np.maximum(np.hypot(step[:, 0], step[:, 1]), 1e-300)[:, None]
+    a[table.where(Line)] = starts[table.where(Line)] = unit
+    quarter = np.where(arcs[:, 4] > 0.0, 90.0, -90.0)
+    starts[table.where(Arc)] = unit_vectors(arcs[:, 3] + quarter)
+    a[table.where(Arc)] = unit_vectors(arcs[:, 3] + arcs[:, 4] + quarter)
+    b = starts[following]
     turn = np.arctan2(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0], np.sum(a * b, axis=1))
     # On a ring that runs counter-clockwise the waste of a hole lies left, that of an outline right.
     left = np.array([1.0 if (s.area > 0.0) == s.is_hole else -1.0 for s in shapes])
@@ -188,19 +194,6 @@ def sharp_corners(shapes: Sequence[Shape], kerfs: Sequence[float]) -> list[list[
         width = kerfs[owner[k]] * cos((pi - float(inward[k])) / 2)
         corners[owner[k]].append(Left((x, y), width, float(depth[k]), True))
     return [sorted(one, key=lambda left: -left.depth) for one in corners]
-
-
-def _tangents(table: CurveTable) -> tuple[Floats, Floats]:
-    """Directions of lines and arcs at their ends and at their starts, (n, 2) each."""
-    ends, starts = np.zeros((len(table.curves), 2)), np.zeros((len(table.curves), 2))
-    step = table.lines[:, 2:] - table.lines[:, :2]
-    unit = step / np.maximum(np.hypot(step[:, 0], step[:, 1]), 1e-300)[:, None]
-    ends[table.where(Line)] = starts[table.where(Line)] = unit
-    arcs = table.arcs
-    turn = np.where(arcs[:, 4] > 0.0, 90.0, -90.0)
-    starts[table.where(Arc)] = unit_vectors(arcs[:, 3] + turn)
-    ends[table.where(Arc)] = unit_vectors(arcs[:, 3] + arcs[:, 4] + turn)
-    return ends, starts
 
 
 # --- leads ----------------------------------------------------------------------------------------

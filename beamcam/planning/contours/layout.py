@@ -149,7 +149,10 @@ def spread(part: Part, torch: Torch, kerf: float) -> tuple[Part, list[Diagnostic
         return part, []
     places: dict[int, Point] = {}
     for group in groups_of((one.before, one.behind) for one in shared):
-        moves = _moves(sorted(group), [one for one in shared if one.before in group])
+        own = [one for one in shared if one.before in group]
+        moves = (_level_moves if all(one.axis >= 0 for one in own) else _least_moves)(
+            sorted(group), own
+        )
         if moves is None:
             return part, []
         places |= {numbers[n]: (kerf * x, kerf * y) for n, (x, y) in moves.items()}
@@ -182,16 +185,6 @@ class _Shared(NamedTuple):
     def axis(self) -> int:
         """0 of an upright edge, 1 of a level one, -1 of any other."""
         return {(1.0, 0.0): 0, (0.0, 1.0): 1}.get(self.across or (0.0, 0.0), -1)
-
-
-def _moves(group: Sequence[int], shared: Sequence[_Shared]) -> dict[int, Point] | None:
-    """How many kerfs each part of a group is moved; None where edges contradict one another."""
-    if any(one.axis < 0 for one in shared):
-        return _least_moves(group, shared)
-    x, y = (
-        _steps(group, [(e.before, e.behind) for e in shared if e.axis == axis]) for axis in (0, 1)
-    )
-    return None if x is None or y is None else {n: (float(x[n]), float(y[n])) for n in group}
 
 
 def _least_moves(group: Sequence[int], shared: Sequence[_Shared]) -> dict[int, Point] | None:
@@ -247,27 +240,27 @@ def _out(line: Line, side: float) -> Point:
     return side * (y1 - y0) / size, side * (x0 - x1) / size
 
 
-def _steps(group: Sequence[int], edges: Sequence[tuple[int, int]]) -> dict[int, int] | None:
-    """How many kerfs each part is moved along an axis; None where edges contradict one another.
+def _level_moves(group: Sequence[int], shared: Sequence[_Shared]) -> dict[int, Point] | None:
+    """How many kerfs each part is moved along both axes; None where edges contradict one another.
 
     Of parts that touch, directly or by others, the first is not moved back: the least of them is 0.
     """
-    beside: dict[int, list[tuple[int, int]]] = defaultdict(list)
-    for before, behind in edges:
-        beside[before].append((behind, 1))
-        beside[behind].append((before, -1))
-    steps: dict[int, int] = {}
-    for first in group:
-        if first in steps:
-            continue
-        moved, waiting = {first: 0}, [first]
-        for here in waiting:
-            for there, step in beside[here]:
-                if there not in moved:
-                    moved[there] = moved[here] + step
-                    waiting.append(there)
-                elif moved[there] != moved[here] + step:
-                    return None
-        least = min(moved.values())
-        steps |= {k: step - least for k, step in moved.items()}
-    return steps
+    moves = {k: [0.0, 0.0] for k in group}
+    for axis in (0, 1):
+        beside: dict[int, list[tuple[int, int]]] = defaultdict(list)
+        for one in (one for one in shared if one.axis == axis):
+            beside[one.before].append((one.behind, 1))
+            beside[one.behind].append((one.before, -1))
+        left = list(group)
+        while left:
+            moved, waiting = {left[0]: 0}, [left[0]]
+            for here in waiting:
+                for there, step in beside[here]:
+                    if moved.setdefault(there, moved[here] + step) != moved[here] + step:
+                        return None
+                    waiting += [there] if there not in waiting else []
+            least = min(moved.values())
+            for k, step in moved.items():
+                moves[k][axis] = float(step - least)
+            left = [k for k in left if k not in moved]
+    return {k: (x, y) for k, (x, y) in moves.items()}

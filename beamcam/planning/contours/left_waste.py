@@ -115,10 +115,10 @@ def _left(
     """
     # The rings by themselves: of a polygon that is not quite valid nothing would be left.
     outline = shapely.segmentize(shapely.get_rings(piece), radius / 4)
-    sides = _segments(outline)
-    middles = shapely.points(shapely.get_coordinates(sides).reshape(-1, 2, 2).mean(axis=1))
+    corners, number = shapely.get_coordinates(outline, return_index=True)
+    ends = np.stack((corners[:-1], corners[1:]), axis=1)[number[1:] == number[:-1]]
+    sides, middles = shapely.linestrings(ends), shapely.points(ends.mean(axis=1))
     mouth = shapely.multilinestrings(sides[shapely.dwithin(middles, swept, SAME_PLACE)])
-    corners = shapely.get_coordinates(outline)
     if mouth.is_empty:  # a neck that has no width
         entry = corners[int(np.argmin(shapely.distance(shapely.points(corners), swept)))]
         depth = float(np.hypot(*(corners - entry).T).max())
@@ -145,13 +145,6 @@ def _left(
     if depth <= in_corner * CORNER_SHARE + CORNER_SLACK:
         return Left((x, y), width, depth, True)
     return Left(((x0 + x1) / 2, (y0 + y1) / 2), width, depth, False)
-
-
-def _segments(rings: Any) -> Any:
-    """The lines of some rings, from corner to corner."""
-    ends, number = shapely.get_coordinates(rings, return_index=True)
-    follows = number[1:] == number[:-1]
-    return shapely.linestrings(np.stack((ends[:-1][follows], ends[1:][follows]), axis=1))
 
 
 def _open_part(mouth: Any, ring: Any, contour: Any, radius: float, tolerance: float) -> Floats:

@@ -4,7 +4,7 @@ shapes -> half a kerf off the part -> in order -> turned and begun -> led into -
 """
 
 from collections.abc import Iterator, Sequence
-from math import ceil, dist, inf, pi
+from math import ceil, dist, pi
 from typing import Literal
 
 from msgspec.structs import replace
@@ -87,8 +87,8 @@ def operations_of(
                 diagnostics.append(rules.TAB_JOINT.at(shape.source, x=x, y=y, found=width))
     short_over = [
         shape for k, (shape, kerf, _) in enumerate(leads)
-        if k + 1 not in links
-        and _room_for_overcut(shape, kerf, torch) < overcut_length(shape, torch) - ROUNDING
+        if k + 1 not in links and (length := overcut_length(shape, torch))
+        and total_length(stretches_of(shape, kerf, torch)[0]) / 2 < length - ROUNDING
     ]  # fmt: skip
     if short_over:
         first, length = short_over[0], overcut_length(short_over[0], torch)
@@ -234,9 +234,3 @@ def overcut(shape: Shape, kerf: float, torch: Torch) -> Curves:
     first = stretches_of(shape, kerf, torch)[0]
     lengths = [curve.length for curve in first]
     return stretch(first, lengths, 0.0, min(length, sum(lengths) / 2))
-
-
-def _room_for_overcut(shape: Shape, kerf: float, torch: Torch) -> float:
-    if not overcut_length(shape, torch):
-        return inf
-    return sum(curve.length for curve in stretches_of(shape, kerf, torch)[0]) / 2

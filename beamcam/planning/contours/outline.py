@@ -295,19 +295,14 @@ def round_ended(shape: Shape, least: float, tolerance: float) -> Opening | None:
         (c * u - s * middle, s * u + c * middle)
         for u in dict.fromkeys((centre - reach, centre + reach))
     ]
-    places = [*corners, *(between(a, b, 0.5) for a, b in pairwise(corners))]
-    if max(abs(_from_line(place, ends) - width / 2) for place in places) > tolerance:
-        return None
-    return Opening(tuple(ends), width, length)
-
-
-def _from_line(place: Point, ends: Sequence[Point]) -> float:
-    """How far a place is from a line between two ends, or from a point."""
-    (x0, y0), (x1, y1) = ends[0], ends[-1]
-    way = x1 - x0, y1 - y0
+    (ex, ey), way = ends[0], (ends[-1][0] - ends[0][0], ends[-1][1] - ends[0][1])
     size = dot(way, way)
-    share = dot(way, (place[0] - x0, place[1] - y0)) / size if size else 0.0
-    return distance(place, between(ends[0], ends[-1], min(max(share, 0.0), 1.0)))
+    for x, y in (*corners, *(between(a, b, 0.5) for a, b in pairwise(corners))):
+        share = dot(way, (x - ex, y - ey)) / size if size else 0.0
+        nearest = between(ends[0], ends[-1], min(max(share, 0.0), 1.0))
+        if abs(distance((x, y), nearest) - width / 2) > tolerance:
+            return None
+    return Opening(tuple(ends), width, length)
 
 
 def with_outline(part: Part) -> Part:
