@@ -142,30 +142,7 @@ def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) 
         if policy == "make" and isinstance(feature, TextMark):
             continue  # its position is taken from the program: see `marks.add_texts`
         kind = "mark" if policy == "refuse" else kind_not_made(feature, torch, thickness)
-        if kind == "bevel" and torch.bevel == "square":
-            # It is cut as it stands, square, and the rest is manual work.
-            need.diagnostics.append(manual_work(feature, part, machine))
-            kind = None
-        elif (
-            kind in ("tool", "slot")
-            and torch.drilled != "refuse"
-            and (isinstance(feature, Hole | Slot) and feature.kind != "mark")
-        ):
-            need.diagnostics.append(manual_work(feature, part, machine))
-            # Where the drill begins: the middle of a hole, those of the corners of a slot.
-            (c, s), u, v = (1.0, 0.0), 0.0, 0.0
-            if isinstance(feature, Slot):
-                (c, s), u, v = unit_vector(feature.angle), feature.length / 2, feature.height / 2
-            for x, y in {(c * x - s * y, s * x + c * y) for x in (-u, u) for y in (-v, v)}:
-                place = feature.x + x, feature.y + y
-                need.add_centre(place, torch, index, feature.source)
-            continue
-        if kind is not None and kind not in skips:
-            _not_made(need, part, feature, kind)
-            continue
-        # A bevel that may be missing leaves a contour that is cut square.
-        if kind is not None and kind != "bevel":
-            need.diagnostics += left_out(part, (index,))
+        if kind is not None and _is_left(need, part, index, kind, machine, torch, skips):
             continue
         if isinstance(feature, Contour):
             look = feature.layer, feature.colour
@@ -185,6 +162,34 @@ def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) 
         need.add("cut", sides, OUTLINE, part.source)
     _leave_small_openings(need, part, machine, torch, skips)
     return need
+
+
+def _is_left(
+    need: Need, part: Part, index: int, kind: str, machine: Machine, torch: Torch,
+    skips: Collection[str],
+) -> bool:  # fmt: skip
+    """Whether a feature is not cut, of a `kind` that the machine does not make; says why."""
+    feature = part.features[index]
+    if kind == "bevel" and torch.bevel == "square":
+        # It is cut as it stands, square, and the rest is manual work.
+        need.diagnostics.append(manual_work(feature, part, machine))
+        return False
+    is_drilled = kind in ("tool", "slot") and torch.drilled != "refuse"
+    if is_drilled and isinstance(feature, Hole | Slot) and feature.kind != "mark":
+        need.diagnostics.append(manual_work(feature, part, machine))
+        # Where the drill begins: the middle of a hole, those of the corners of a slot.
+        (c, s), u, v = (1.0, 0.0), 0.0, 0.0
+        if isinstance(feature, Slot):
+            (c, s), u, v = unit_vector(feature.angle), feature.length / 2, feature.height / 2
+        for x, y in {(c * x - s * y, s * x + c * y) for x in (-u, u) for y in (-v, v)}:
+            need.add_centre((feature.x + x, feature.y + y), torch, index, feature.source)
+    elif kind not in skips:
+        _not_made(need, part, feature, kind)
+    elif kind == "bevel":
+        return False  # a bevel that may be missing leaves a contour that is cut square
+    else:
+        need.diagnostics += left_out(part, (index,))
+    return True
 
 
 def _leave_small_openings(

@@ -66,10 +66,8 @@ def join(
     """
     joined = Joined()
     free = curves.free()
-    for one in (
-        *running_back.remarks(wanted, free, kerf),
-        *running_back.free_repeats(wanted, free),
-    ):
+    notes = [*running_back.remarks(wanted, free, kerf), *running_back.free_repeats(wanted, free)]
+    for one in notes:
         (joined.refusals if one.severity is Severity.ERROR else joined.remarks).append(one)
     loose, gaping = _closed_features(wanted, curves, torch.gap, rings, joined)
     straight = {k for k in free if running_back.is_straight(wanted[k].curve)}
@@ -104,12 +102,7 @@ def join(
         kept = contours_once(joined.shapes, torch.gap, joined.repeats, kerf)
         joined.shapes = list(chained.from_iterable(kept))
     if kerf:
-        joined.shapes = [
-            replace(s, curves=running_back.without_steps_back(s.curves))
-            if s.closed and s.process == "cut"
-            else s
-            for s in joined.shapes
-        ]
+        joined.shapes = [running_back.without_steps_back(shape) for shape in joined.shapes]
     made = {feature for shape in joined.shapes for feature in shape.features}
     joined.small = {f: source for f, source in joined.small.items() if f not in made}
     for source in [*joined.small.values()][:1]:

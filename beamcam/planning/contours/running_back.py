@@ -6,6 +6,7 @@ from math import pi, tau
 
 import numpy as np
 import shapely
+from msgspec.structs import replace
 from shapely.ops import substring
 
 from beamcam.errors import Diagnostic, PlanError, Rule, Source
@@ -31,13 +32,13 @@ MOST_LENGTH = 100.0  #: of a needle, in mm, that is looked at
 SHORT = 1e-3  #: mm that a contour may run back along itself; what writes drawings rounds so
 
 
-def without_steps_back(curves: tuple[Curve, ...]) -> tuple[Curve, ...]:
-    """A closed contour without lines shorter than `SHORT` that run back along their neighbour.
+def without_steps_back(shape: Shape) -> Shape:
+    """A closed cut without lines shorter than `SHORT` that run back along their neighbour.
 
     The line behind one begins where it began, or the line before it ends where it ended; between
     two curves that are no lines it stays.
     """
-    ring = list(curves)
+    ring = list(shape.curves) if shape.closed and shape.process == "cut" else []
     k = 0
     while k < len(ring) > 2:
         one, before, behind = ring[k], ring[k - 1], ring[(k + 1) % len(ring)]
@@ -57,7 +58,8 @@ def without_steps_back(curves: tuple[Curve, ...]) -> tuple[Curve, ...]:
             k = max(k - 2, 0)  # what is before it may run back now
         else:
             k += 1
-    return curves if len(ring) == len(curves) else tuple(ring)
+    is_same = not ring or len(ring) == len(shape.curves)
+    return shape if is_same else replace(shape, curves=tuple(ring))
 
 
 def _turns_back(one: Curve, other: Curve) -> bool:
