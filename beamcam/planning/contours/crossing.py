@@ -25,7 +25,7 @@ from beamcam.planning.contours.outline import (
     valid,
     ways,
 )
-from beamcam.planning.contours.running_back import FINE, runs_back
+from beamcam.planning.contours.running_back import FINE
 
 #: Two contours that lie over one another by less than this share of the machine's tolerance
 #: touch: so near are the chords that stand for their curves, and what programs round.
@@ -170,7 +170,7 @@ class _Entities:
         else:
             others = [one for one in others if one != source]
             other = entity(others[0]) if others else "itself"
-        return rule.at(source, other=other, x=f"{place[0]:.3f}", y=f"{place[1]:.3f}")
+        return rule.at(source, other=other, **rules.at_place(place))
 
     def _nearest(self, place: Point, shape: Shape) -> list[Source]:
         """The sources of the two curves of a shape nearest to a place, one if there is but one."""
@@ -218,7 +218,8 @@ def taken_apart(
                 start = ring[0].start
                 end = max((curve.end for curve in ring), key=lambda at: distance(at, start))
                 length = total_length(ring) / 2
-                flat.append(runs_back(rules.RUNS_BACK_KERF, shape.source, length, end))
+                place = rules.at_place(end)
+                flat.append(rules.RUNS_BACK_KERF.at(shape.source, found=f"{length:.3f}", **place))
     return apart, flat
 
 

@@ -14,14 +14,13 @@ from collections.abc import Sequence
 from math import asin, sqrt
 
 import shapely
-from msgspec import Struct
 
 from beamcam.errors import Diagnostic
 from beamcam.geometry.curves import Arc, Line
 from beamcam.geometry.plane import Point, dot
 from beamcam.machine.torch import Torch
 from beamcam.planning.contours import rules
-from beamcam.planning.contours.kerf import overcut_length
+from beamcam.planning.contours.kerf import Lead, overcut_length
 from beamcam.planning.contours.outline import Curves, Shape, stretch, waste_side
 from beamcam.planning.contours.outline import ways as polylines_of
 
@@ -35,12 +34,8 @@ CANDIDATES = 4
 MARGIN = 0.05
 
 
-class Entry(Struct, frozen=True):
-    """A closed contour, begun where there is room for its lead."""
-
-    curves: Curves
-    lead_in: Curves
-    lead_out: Curves  #: beyond its start, on it
+#: A closed contour, begun where there is room for its lead, and that: it ends beyond the start.
+Entry = tuple[Curves, Lead]
 
 
 def entries(
@@ -69,8 +64,8 @@ def entries(
             hit = set(tree.query(lines, "dwithin", distance=apart)[0].tolist())
             # The beam stops beside the end of what is cut again.
             ends = []
-            for k, (entry, _) in tried.items():
-                (x, y), (tx, ty) = entry.lead_out[-1].end, entry.lead_out[-1].tangent(1.0)
+            for k, ((_, (_, again)), _) in tried.items():
+                (x, y), (tx, ty) = again[-1].end, again[-1].tangent(1.0)
                 off = waste_side(shapes[k].area, shapes[k].is_hole) * kerfs[k] / 2
                 ends.append((x - off * ty, y + off * tx))
             stops = shapely.points(ends)
@@ -123,7 +118,7 @@ def _entry(
     # Behind a corner the beam would end in the part.
     over = min(overcut_length(shape, torch), max(0.0, first.length / 2 - beyond - radius))
     again = stretch((first,), (first.length,), 0.0, beyond + over)
-    return Entry(curves, (Line(start, first.start),), again), (start, at)
+    return (curves, ((Line(start, first.start),), again)), (start, at)
 
 
 def _touch(first: Line | Arc, normal: Point, radius: float) -> tuple[float, float] | None:

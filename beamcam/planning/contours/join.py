@@ -179,9 +179,9 @@ def _add_closed_gaps(
     apart = wide & (first // 2 != second // 2) & ~met[first] & ~met[second]
     if apart.any():
         k = int(np.argmax(np.where(apart, width, 0.0)))
-        (x, y), source = (f"{at:.3f}" for at in points[first[k]]), once[int(first[k]) // 2].source
-        values = {"count": int(apart.sum()), "found": f"{width[k]:.3f}", "x": x, "y": y}
-        joined.remarks.append(rules.GAPS.at(source, **values))
+        source, place = once[int(first[k]) // 2].source, rules.at_place(points[first[k]])
+        widths = {"count": int(apart.sum()), "found": f"{width[k]:.3f}"}
+        joined.remarks.append(rules.GAPS.at(source, **widths, **place))
 
 
 def _add_stops(
@@ -190,18 +190,17 @@ def _add_stops(
     """Says where chains stop: where several curves meet, and at gaps."""
     for junction in chains.junctions:
         names = dict.fromkeys(entity(once[m].source) for m in junction.members)
-        x, y = (f"{at:.3f}" for at in junction.point)
-        others = ", ".join(list(names)[1:SHOWN_CURVES])
-        values = {"found": len(junction.members), "other": others, "x": x, "y": y}
+        values = {"found": len(junction.members), "other": ", ".join(list(names)[1:SHOWN_CURVES])}
+        values |= rules.at_place(junction.point)
         source = once[junction.members[0]].source
         if kerf and junction.in_ring:
             joined.refusals.append(rules.BRANCHED.at(source, kerf=f"{kerf:g}", **values))
         else:
             joined.remarks.append(rules.JUNCTION.at(source, **values))
     for gap in chains.gaps:
-        (x, y), source = (f"{at:.3f}" for at in gap.start), once[gap.members[0]].source
         widths = {"found": f"{gap.width:.4f}", "expected": f"{torch.gap:g}"}
-        joined.remarks.append(rules.GAP.at(source, x=x, y=y, **widths))
+        source, place = once[gap.members[0]].source, rules.at_place(gap.start)
+        joined.remarks.append(rules.GAP.at(source, **widths, **place))
 
 
 # --- nests ----------------------------------------------------------------------------------------

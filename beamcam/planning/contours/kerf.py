@@ -73,13 +73,9 @@ def compensated(
             paths[k] = path
         near = too_near(shapes, paths, kerfs, torch)
     for n in near:
-        x, y = (f"{at:.3f}" for at in n.place)
-        diagnostics.append(
-            rules.NEAR.at(
-                shapes[n.shape].source, found=f"{n.width:.3f}",
-                other=entity(shapes[n.other].source), x=x, y=y, kerf=f"{kerfs[n.shape]:g}",
-            )
-        )  # fmt: skip
+        own, other = shapes[n.shape].source, entity(shapes[n.other].source)
+        widths = {"found": f"{n.width:.3f}", "kerf": f"{kerfs[n.shape]:g}"}
+        diagnostics.append(rules.NEAR.at(own, other=other, **widths, **rules.at_place(n.place)))
     if not by_machine:
         for k in kept_off:
             offset_shapes[k] = paths[k] or offset_shapes[k]

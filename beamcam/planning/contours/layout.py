@@ -1,9 +1,8 @@
 """How a part is laid for the machine: mirrored, turned, in copies; its parts moved apart."""
 
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from math import hypot
-from typing import NamedTuple
 
 from msgspec.structs import replace
 
@@ -116,6 +115,9 @@ def _placed(feature: Feature, matrix: Matrix) -> Feature:
 # the first stays, the others go as little as that takes, by the sum of squares.
 
 
+AXES: tuple[Point, Point] = ((1.0, 0.0), (0.0, 1.0))
+#: A contour at the left of an edge or below it, the one behind that, and the direction across.
+Edge = tuple[int, int, Point]
 NO_MOVE: Point = (0.0, 0.0)
 AGREES = 1e-6  #: of a kerf, by which the moves of parts may differ
 SAME = 1e-4  #: mm that edges of two parts may be apart to be one
@@ -143,19 +145,17 @@ def spread(part: Part, torch: Torch, kerf: float) -> tuple[Part, list[Diagnostic
         if not any(ring.area < other.area and other.covers(ring.representative_point())
                    for other in polygons)
     }  # fmt: skip
-    numbers = list(outer)
-    shared = list(_shared([rings[k] for k in numbers]))
-    if not shared:
+    edges = _edges({k: rings[k] for k in outer})
+    if not edges:
         return part, []
-    places: dict[int, Point] = {}
-    for group in groups_of((one.before, one.behind) for one in shared):
-        own = [one for one in shared if one.before in group]
-        moves = (_level_moves if all(one.axis >= 0 for one in own) else _least_moves)(
-            sorted(group), own
-        )
-        if moves is None:
+    moves: dict[int, Point] = {}
+    for group in groups_of((before, behind) for before, behind, _ in edges):
+        own = [edge for edge in edges if edge[0] in group]
+        is_slant = any(across not in AXES for *_, across in own)
+        apart = (_least_moves if is_slant else _level_moves)(sorted(group), own)
+        if apart is None:
             return part, []
-        places |= {numbers[n]: (kerf * x, kerf * y) for n, (x, y) in moves.items()}
+        moves |= {k: (kerf * x, kerf * y) for k, (x, y) in apart.items()}
 
     def around(at: Point) -> list[int]:
         return [k for k, ring in outer.items() if shapely.covers(ring, shapely.Point(at))]
@@ -167,70 +167,38 @@ def spread(part: Part, torch: Torch, kerf: float) -> tuple[Part, list[Diagnostic
             home = around(feature.curves[0].point(0.5))
         elif isinstance(feature, Hole | Slot):
             home = around((feature.x, feature.y))
-        if home and places.get(home[0], NO_MOVE) != NO_MOVE:
-            features[k] = moved_feature(feature, places[home[0]])
-    count = sum(place != NO_MOVE for place in places.values())
+        if home and moves.get(home[0], NO_MOVE) != NO_MOVE:
+            features[k] = moved_feature(feature, moves[home[0]])
+    count = sum(move != NO_MOVE for move in moves.values())
     note = rules.APART.at(part.source, count=count, kerf=f"{kerf:g}")
     return replace(part, features=tuple(features)), [note]
 
 
-class _Shared(NamedTuple):
-    """An edge that two contours share."""
-
-    before: int  #: the contour at its left, or below it
-    behind: int
-    across: Point | None  #: direction from the one to the other; None of a curve
-
-    @property
-    def axis(self) -> int:
-        """0 of an upright edge, 1 of a level one, -1 of any other."""
-        return {(1.0, 0.0): 0, (0.0, 1.0): 1}.get(self.across or (0.0, 0.0), -1)
-
-
-def _least_moves(group: Sequence[int], shared: Sequence[_Shared]) -> dict[int, Point] | None:
-    """The moves of least squares, the first part resting, that part all edges by one kerf."""
-    import numpy as np
-
-    columns = {n: 2 * k for k, n in enumerate(group[1:])}
-    rows = np.zeros((len(shared), 2 * len(columns)))
-    for row, one in zip(rows, shared, strict=True):
-        if one.across is None:
-            return None
-        for number, sign in ((one.before, -1.0), (one.behind, 1.0)):
-            if number in columns:
-                row[columns[number] : columns[number] + 2] += sign * np.array(one.across)
-    solved = np.linalg.lstsq(rows, np.ones(len(shared)), rcond=None)[0]
-    if np.abs(rows @ solved - 1.0).max() > AGREES:
-        return None
-    moves = {n: (float(solved[k]), float(solved[k + 1])) for n, k in columns.items()}
-    return {group[0]: NO_MOVE, **moves}
-
-
-def _shared(contours: Sequence[Contour]) -> Iterator[_Shared]:
-    """The edges that two contours share, one on each side of them."""
+def _edges(contours: Mapping[int, Contour]) -> list[Edge]:
+    """The edges that two contours share, one on each side of them; none if they share a curve."""
     from beamcam.geometry.arrays import CurveTable, overlapping
 
-    curves = [curve for contour in contours for curve in contour.curves]
-    owners = [k for k, contour in enumerate(contours) for _ in contour.curves]
-    outwards = [1.0 if signed_area(contour.curves) > 0.0 else -1.0 for contour in contours]
+    curves = [curve for contour in contours.values() for curve in contour.curves]
+    owners = [k for k, contour in contours.items() for _ in contour.curves]
+    turns = {k: 1.0 if signed_area(one.curves) > 0.0 else -1.0 for k, one in contours.items()}
+    edges: list[Edge] = []
     for a, b in overlapping(CurveTable(curves), ["cut"] * len(curves)):
-        one, other = curves[a], curves[b]
-        if owners[a] == owners[b]:
+        one, other, before, behind = curves[a], curves[b], owners[a], owners[b]
+        if before == behind:
             continue
         if not (isinstance(one, Line) and isinstance(other, Line)):
-            yield _Shared(owners[a], owners[b], None)
-            continue
-        x, y = _out(one, outwards[owners[a]])
-        u, v = _out(other, outwards[owners[b]])
+            return []
+        x, y = _out(one, turns[before])
+        u, v = _out(other, turns[behind])
         (px, py), (qx, qy) = one.start, other.start
         if x * u + y * v > 0.0 or abs((qx - px) * x + (qy - py) * y) > SAME:
             continue
-        before, behind = owners[a], owners[b]
         if x < -UPRIGHT or (abs(x) <= UPRIGHT and y < 0.0):
             before, behind, x, y = behind, before, -x, -y
         if min(abs(x), abs(y)) <= UPRIGHT:
-            x, y = (1.0, 0.0) if x > 0.5 else (0.0, 1.0)
-        yield _Shared(before, behind, (x, y))
+            x, y = AXES[0] if x > 0.5 else AXES[1]
+        edges.append((before, behind, (x, y)))
+    return edges
 
 
 def _out(line: Line, side: float) -> Point:
@@ -240,7 +208,24 @@ def _out(line: Line, side: float) -> Point:
     return side * (y1 - y0) / size, side * (x0 - x1) / size
 
 
-def _level_moves(group: Sequence[int], shared: Sequence[_Shared]) -> dict[int, Point] | None:
+def _least_moves(group: Sequence[int], edges: Sequence[Edge]) -> dict[int, Point] | None:
+    """The moves of least squares, the first part resting, that part all edges by one kerf."""
+    import numpy as np
+
+    columns = {n: 2 * k for k, n in enumerate(group[1:])}
+    rows = np.zeros((len(edges), 2 * len(columns)))
+    for row, (before, behind, across) in zip(rows, edges, strict=True):
+        for number, sign in ((before, -1.0), (behind, 1.0)):
+            if number in columns:
+                row[columns[number] : columns[number] + 2] += sign * np.array(across)
+    solved = np.linalg.lstsq(rows, np.ones(len(edges)), rcond=None)[0]
+    if np.abs(rows @ solved - 1.0).max() > AGREES:
+        return None
+    moves = {n: (float(solved[k]), float(solved[k + 1])) for n, k in columns.items()}
+    return {group[0]: NO_MOVE, **moves}
+
+
+def _level_moves(group: Sequence[int], edges: Sequence[Edge]) -> dict[int, Point] | None:
     """How many kerfs each part is moved along both axes; None where edges contradict one another.
 
     Of parts that touch, directly or by others, the first is not moved back: the least of them is 0.
@@ -248,9 +233,9 @@ def _level_moves(group: Sequence[int], shared: Sequence[_Shared]) -> dict[int, P
     moves = {k: [0.0, 0.0] for k in group}
     for axis in (0, 1):
         beside: dict[int, list[tuple[int, int]]] = defaultdict(list)
-        for one in (one for one in shared if one.axis == axis):
-            beside[one.before].append((one.behind, 1))
-            beside[one.behind].append((one.before, -1))
+        for before, behind, _ in (edge for edge in edges if edge[2] == AXES[axis]):
+            beside[before].append((behind, 1))
+            beside[behind].append((before, -1))
         left = list(group)
         while left:
             moved, waiting = {left[0]: 0}, [left[0]]

@@ -173,8 +173,8 @@ def left_diagnostics(shape: Shape, left: Sequence[Left], kerf: float) -> Iterato
     for first, *others in (which for which in (refused or reported,) if which):
         yield (rules.NARROW if refused else rules.LEFT).at(
             shape.source, found=f"{first.width:.3f}", depth=f"{first.depth:.3f}",
-            x=f"{first.place[0]:.3f}", y=f"{first.place[1]:.3f}", kerf=f"{kerf:g}",
-            more=f" and {len(others)} more" if others else "",
+            kerf=f"{kerf:g}", more=f" and {len(others)} more" if others else "",
+            **rules.at_place(first.place),
         )  # fmt: skip
 
 
@@ -196,5 +196,5 @@ def uncompensated(shape: Shape, kerf: float) -> Diagnostic:
     size = f"a side of {dist(curve.start, curve.end):.3f} mm"
     if isinstance(curve, Arc):
         size = f"an arc of radius {curve.radius:.3f} mm"
-    place = dict(zip("xy", (f"{at:.3f}" for at in curve.point(0.5)), strict=True))
+    place = rules.at_place(curve.point(0.5))
     return rules.UNCOMPENSATED.at(shape.source, found=size, kerf=f"{kerf:g}", **place)

@@ -82,9 +82,9 @@ def operations_of(
             diagnostics.append(rules.NO_TABS.at(ways[0][0].source, count=short, found=torch.tabs))
         for shape, kerf, _ in leads:
             if (joint := joint_in_bridge(shape, kerf, torch)) is not None:
-                x, y = (f"{at - off:.3f}" for at, off in zip(joint, shift, strict=True))
+                place = rules.at_place((joint[0] - shift[0], joint[1] - shift[1]))
                 width = f"{torch.tab_width:g}"
-                diagnostics.append(rules.TAB_JOINT.at(shape.source, x=x, y=y, found=width))
+                diagnostics.append(rules.TAB_JOINT.at(shape.source, found=width, **place))
     short_over = [
         shape for k, (shape, kerf, _) in enumerate(leads)
         if k + 1 not in links and (length := overcut_length(shape, torch))
@@ -127,9 +127,8 @@ def _with_leads(
         return [(*way, leads.get(k, NO_LEADS)) for k, way in enumerate(ways)], diagnostics
     begun_at, diagnostics = entries(shapes, kerfs, torch, fence)
     entered: list[tuple[Shape, float, Lead]] = [(*way, NO_LEADS) for way in ways]
-    for k, entry in begun_at.items():
-        lead = entry.lead_in, entry.lead_out
-        entered[k] = replace(shapes[k], curves=entry.curves), kerfs[k], lead
+    for k, (curves, lead) in begun_at.items():
+        entered[k] = replace(shapes[k], curves=curves), kerfs[k], lead
     if torch.tabs and begun_at:
         diagnostics.append(rules.MACHINE_TABS.at(ways[0][0].source, found=torch.tabs))
     return entered, diagnostics

@@ -155,10 +155,10 @@ def _rest(
     is_common = shape.closed and (bool(runs) or stands_for is shape or not is_same)
     if is_common and kerf is not None:
         if kerf and shape.process == "cut":
-            x, y = (f"{at:.3f}" for at in shape.curves[at].point(0.5))
             name = "itself" if shape is stands_for else entity(stands_for.source)
-            values = {"found": f"{lost:.3f}", "other": name, "kerf": f"{kerf:g}", "x": x, "y": y}
-            repeats.refusals.append(rules.SHARED.at(shape.source, **values))
+            values = {"found": f"{lost:.3f}", "other": name, "kerf": f"{kerf:g}"}
+            place = rules.at_place(shape.curves[at].point(0.5))
+            repeats.refusals.append(rules.SHARED.at(shape.source, **values, **place))
         repeats.share = True
         return [shape]
     if is_common:

@@ -1,5 +1,7 @@
 """Rules for sheets on a cutting table."""
 
+from collections.abc import Iterable
+
 from beamcam.errors import error, note, warning
 
 # fmt: off
@@ -248,3 +250,9 @@ NOTCH = note("plan-sheet-notch",
     "found {what}, which lies on the outline of {first} along {found} mm; it is cut with it, as a "
     "notch",
     "A cut-out that is open to the edge takes that edge away, and leaves one contour.")
+
+
+def at_place(place: Iterable[float]) -> dict[str, str]:
+    """A place as messages have it, by `x` and `y`."""
+    x, y = (f"{value:.3f}" for value in place)
+    return {"x": x, "y": y}

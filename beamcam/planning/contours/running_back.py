@@ -9,7 +9,7 @@ import shapely
 from msgspec.structs import replace
 from shapely.ops import substring
 
-from beamcam.errors import Diagnostic, PlanError, Rule, Source
+from beamcam.errors import Diagnostic, PlanError, Source
 from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.geometry.arrays import CurveTable, cubics_of, first_equal
 from beamcam.geometry.curves import Arc, Bezier, BSpline, Curve, Line
@@ -68,12 +68,6 @@ def _turns_back(one: Curve, other: Curve) -> bool:
     return dot(one.tangent(1.0), other.tangent(0.0)) < BACK
 
 
-def runs_back(rule: Rule, source: Source, length: float, place: Sequence[float]) -> Diagnostic:
-    """That a curve runs back along itself so far from where it turns round."""
-    x, y = (f"{at:.3f}" for at in place)
-    return rule.at(source, found=f"{length:.3f}", x=x, y=y)
-
-
 def remarks(
     curves: Sequence[AssignedCurve], which: Sequence[int], kerf: float
 ) -> Iterator[Diagnostic]:
@@ -96,7 +90,7 @@ def remarks(
             length, w = _together(*arms, 2 * FINE), curves[which[own]]
             if length > MIN_LENGTH:
                 rule = rules.RUNS_BACK_KERF if kerf and w.process == "cut" else rules.RUNS_BACK
-                yield runs_back(rule, w.source, length, drawn.points[at])
+                yield rule.at(w.source, found=f"{length:.3f}", **rules.at_place(drawn.points[at]))
 
 
 def _may_turn_round(curve: Curve) -> bool:
@@ -175,7 +169,7 @@ def needles_beside(
             continue
         rest = substring(around, length + near, reached[-1] - length - near)
         if rest.distance(around.interpolate(length / 2)) <= BESIDE * length / 2:
-            yield runs_back(rules.RUNS_BACK_KERF, source, length, ring[at])
+            yield rules.RUNS_BACK_KERF.at(source, found=f"{length:.3f}", **rules.at_place(ring[at]))
 
 
 # --- copies ---------------------------------------------------------------------------------------
@@ -232,10 +226,10 @@ def refuse_many_passes(shapes: Sequence[Shape], drawn: Drawn, tolerance: float) 
     passes = np.bincount(place, lengths[near], len(which)) / (2 * tolerance)
     if passes.mean() > MAX_PASSES:
         worst = int(np.argmax(passes))
-        x, y = (f"{at:.3f}" for at in places[worst])
         source = shapes[int(owner[which[worst]])].source
         values = {"found": f"{passes[worst]:.0f}", "reach": f"{tolerance:g}"}
-        raise PlanError(rules.CROWDED.at(source, **values, x=x, y=y, expected=MAX_PASSES))
+        place = rules.at_place(places[worst])
+        raise PlanError(rules.CROWDED.at(source, **values, **place, expected=MAX_PASSES))
 
 
 def _may_pass(starts: Floats, ends: Floats, places: Floats, tolerance: float) -> Counts:
@@ -288,7 +282,9 @@ def free_repeats(curves: Sequence[AssignedCurve], which: Sequence[int]) -> Itera
             again = _again(starts[low:high], own)
             if (length := float(np.hypot(*own[again].T).sum())) > MIN_LENGTH:
                 first = starts[low:high][int(np.argmax(again))]
-                yield runs_back(rules.RUNS_OVER, curves[some[0]].source, length, first)
+                yield rules.RUNS_OVER.at(
+                    curves[some[0]].source, found=f"{length:.3f}", **rules.at_place(first)
+                )
 
 
 def may_go_round(chains: Sequence[Sequence[Curve]]) -> set[int]:
