@@ -208,6 +208,6 @@ def left_faults(work: Work, corners: UncutCorners) -> list[Diagnostic]:
     for number, (k, way) in sorted(deepest.items()):
         first = min(k for k, _ in work.region.rings[number]) if number >= 0 else way
         x, y = (f"{at:.3f}" for at in corners.places[k] - np.array(work.shift))
-        source = work.asked.source(work.process, first)
+        source = work.required.source(work.process, first)
         diagnostics.append(UNCUT.at(source, found=f"{corners.depths[k]:.3f}", x=x, y=y))
     return diagnostics

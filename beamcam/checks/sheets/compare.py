@@ -52,7 +52,7 @@ from beamcam.checks.sheets.settings import setting_faults
 from beamcam.checks.sheets.strokes import Strokes, is_far, strokes_of
 from beamcam.checks.sheets.tabs import tab_faults
 from beamcam.checks.sheets.tracing import Traced
-from beamcam.checks.sheets.work import SHOWN, Work, told_apart, work_of
+from beamcam.checks.sheets.work import SHOWN, Work, with_own_rows, work_of
 from beamcam.controllers import table_run
 from beamcam.controllers.events import Lift, Touch, Zero
 from beamcam.controllers.moves import Moves, TableRun
@@ -93,7 +93,7 @@ def verify_sheet(
         strokes = passes_folded(strokes, rows)
     need = need_of(part, machine, torch, skips)
     shift = shift_of(need, torch)
-    strokes = told_apart(strokes, need, torch, shift)
+    strokes = with_own_rows(strokes, need, torch, shift)
     if torch.chain_cuts:
         strokes, links = unchained(strokes, torch, machine.format.resolution)
         diagnostics += link_faults(links, strokes, need, torch, shift, name)
@@ -257,7 +257,7 @@ def _behind_skeleton(
             later = [
                 o for o in traced if o.stroke.line > t.stroke.line and (o.half_kerf or o.closed)
             ]
-            if later and work.asked.source("cut", way).where == SKELETON:
+            if later and work.required.source("cut", way).where == SKELETON:
                 return t, later[0]
     return None
 
@@ -332,18 +332,20 @@ def with_head_faults(
 
     `places` are those of their x 0, y 0; without them that of a part that is alone is worked out.
     """
-    told = head_of(head) if head and not errors_in(diagnostics) else None
-    if told is None or machine.torch is None:
+    job_head = head_of(head) if head and not errors_in(diagnostics) else None
+    if job_head is None or machine.torch is None:
         return tuple(diagnostics)
     thickness = float(thickness_of(parts[0], machine.torch))
     at: Sequence[tuple[float, ...]] = places
     if not places:
         need = need_of(parts[0], machine, machine.torch, skips)
         at = [shift_of(need, machine.torch)]
-        if not need.curves and told.parts:  # texts alone are found wherever the program has them
-            at = [told.parts[0].at]
+        if (
+            not need.curves and job_head.parts
+        ):  # texts alone are found wherever the program has them
+            at = [job_head.parts[0].at]
     lie = [*zip(parts, at, strict=True)]
     return (
-        *diagnostics, *stock_faults(told, parts, thickness, machine, name),
-        *part_faults(told, lie, machine.torch.tolerance, False, name),
+        *diagnostics, *stock_faults(job_head, parts, thickness, machine, name),
+        *part_faults(job_head, lie, machine.torch.tolerance, False, name),
     )  # fmt: skip

@@ -25,9 +25,9 @@ SECONDS_PER_MINUTE = 60.0
 FLAT = 1e-12
 
 
-def expected_feeds(moves: Moves, asked_mm_min: Floats, limits: PathLimits) -> Floats:
+def expected_feeds(moves: Moves, row_mm_min: Floats, limits: PathLimits) -> Floats:
     """The feed in mm/min that each move should have, at most what is asked for it, (n,)."""
-    feeds = asked_mm_min / SECONDS_PER_MINUTE
+    feeds = row_mm_min / SECONDS_PER_MINUTE
     radius = np.where(moves.is_arc, moves.arcs[:, 2], inf)
     for k, curve in moves.curves.items():
         radius[k] = _min_radius(curve)
@@ -43,7 +43,7 @@ def expected_feeds(moves: Moves, asked_mm_min: Floats, limits: PathLimits) -> Fl
     straight_mm_s = along.min(axis=1, initial=inf)
     greatest = np.where(straight, straight_mm_s, np.minimum(limits.speed_mm_s, turning))
     greatest[straight & (feeds <= limits.speed_mm_s)] = inf
-    return np.where(greatest < feeds, greatest * SECONDS_PER_MINUTE, asked_mm_min)
+    return np.where(greatest < feeds, greatest * SECONDS_PER_MINUTE, row_mm_min)
 
 
 def _min_radius(curve: Bezier | EllipseArc) -> float:

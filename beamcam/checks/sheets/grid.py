@@ -126,8 +126,8 @@ class Elements:
 
 
 MAX_TURN_RAD = 0.5  #: of a piece of an arc whose cells are looked for
-SPARE = 1.001  #: of a reach, for the last digits of elements that were moved
-NARROW = 0.1  #: reach by the size of cells, below which a narrower one is no quicker
+LARGER = 1.001  #: of a reach, for the last digits of elements that were moved
+LEAST_REACH = 0.1  #: reach by the size of cells, below which a narrower one is no quicker
 WIDE = 2.0  #: cells by the mean length of elements, unless they have many
 MOST_IN_A_CELL = 8  #: else cells are made smaller once
 MOST_CELLS = 1 << 20  #: along one side, so that the number of a cell and an element fits
@@ -165,7 +165,7 @@ class Grid:
         sides = (*elements.start.T, *elements.end.T) if len(elements) else ()
         wide = 2 * max((float(np.ptp(side)) for side in sides), default=0.0)
         mean = float(elements.length.sum()) / max(len(elements), 1)
-        least = max(2.0 * SPARE * reach, wide / MOST_CELLS, 1e-6)
+        least = max(2.0 * LARGER * reach, wide / MOST_CELLS, 1e-6)
         self._fill(max(WIDE * mean, least), reach)
         # Long elements beside one another: a cell that one is in has many others.
         if np.square(self._sizes).sum() > MOST_IN_A_CELL * len(self._members):
@@ -173,7 +173,7 @@ class Grid:
 
     def _fill(self, size: float, reach: float) -> None:
         """Put the elements into the cells that they come near."""
-        self.size, self.reach = size, max(SPARE * reach, NARROW * size)
+        self.size, self.reach = size, max(LARGER * reach, LEAST_REACH * size)
         count = max(len(self._elements), 1)
         low, high, owner = _boxes(self._elements, self.size)
         x0, y0 = (np.floor((c - self.reach) / self.size).astype(np.int64) for c in low.T)

@@ -33,7 +33,7 @@ ALONG = 33  #: corners of the line that stands for a lead
 
 def pierce_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
     """Strokes round a contour that pierce too near to one although there is room for a lead."""
-    row = work.asked.rows.get(work.process)
+    row = work.required.rows.get(work.process)
     rings = [
         t for t in traced if t.half_kerf and t.closed and not t.joined and not t.stroke.is_linked
     ]
@@ -106,7 +106,7 @@ def _whole_lead(work: Work, t: Traced, contours: shapely.STRtree) -> Floats:
 
 # --- small holes ----------------------------------------------------------------------------------
 
-# Small holes: which strokes go round one, their feed, and how they are led into.
+# Small holes: which strokes go round one, their feed, and how their leads begin.
 #
 # A round one is entered from its middle where the machine says so:
 #
@@ -196,7 +196,7 @@ def middle_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
 
 def _circle(work: Work, way: int) -> Arc | None:
     """The first arc of a needed contour that is round all about; None of another."""
-    need, process = work.asked, work.process
+    need, process = work.required, work.process
     feature = need.features[process][way]
     own = [
         curve for curve, other in zip(need.curves[process], need.features[process], strict=True)
@@ -313,7 +313,7 @@ def _drawn_directions(work: Work) -> list[bool | None]:
 
     Of curves that are joined, and of what is drawn twice, any direction is one that is drawn.
     """
-    features, twins = work.asked.features[work.process], np.flatnonzero(work.region.twins)
+    features, twins = work.required.features[work.process], np.flatnonzero(work.region.twins)
     low, high = work.need.boxes
     turned: list[bool | None] = []
     for ring, is_turned in zip(work.region.rings, work.region.anticlockwise.tolist(), strict=True):

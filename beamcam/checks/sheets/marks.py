@@ -252,7 +252,7 @@ def overscan_faults(work: Work) -> list[Diagnostic]:
     _, nearest = work.need.nearest(middles, work.tolerance)
     diagnostics: list[Diagnostic] = []
     for stroke, way, middle in zip(work.strokes, nearest.tolist(), middles, strict=True):
-        is_line = work.asked.source(work.process, way).where == HATCH
+        is_line = work.required.source(work.process, way).where == HATCH
         expected = over if is_line else 0.0
         if max(abs(length - expected) for length in stroke.overscan) <= 2 * work.tolerance:
             continue
@@ -356,12 +356,12 @@ def _filled(need: Need, process: TorchProcess | None, key: str, own: LayerSettin
 
 def one_way_faults(work: Work) -> list[Diagnostic]:
     """The first line of a hatch that is followed backwards where all are to run one way."""
-    torch, need, asked = work.torch, work.need, work.asked
-    looks = asked.looks[work.process]
+    torch, need, required = work.torch, work.need, work.required
+    looks = required.looks[work.process]
     lines = [
         k for k, look in enumerate(looks)
         if look in torch.settings and torch.settings[look].hatch_one_way
-        and asked.source(work.process, k).where == HATCH
+        and required.source(work.process, k).where == HATCH
     ]  # fmt: skip
     if not lines or not work.strokes:
         return []

@@ -169,13 +169,13 @@ def required_overcut(work: Work, t: Traced, found: float, most: float = inf) -> 
         return 0.0  # the torch goes on to the next part where the contour closes
     if any(own.overcut is not None for own in torch.settings.values()):
         _, way = work.need.nearest_to(work.path.starts[t.first])
-        own = torch.settings.get(work.asked.looks[work.process][way], PLAIN).overcut
+        own = torch.settings.get(work.required.looks[work.process][way], PLAIN).overcut
         if own is not None:
             return min(own, most)
     usual = min(torch.overcut, most)
     small = usual if torch.hole_overcut is None else min(torch.hole_overcut, most)
     if t.small is None:
-        return min((small, usual), key=lambda asked: abs(asked - found))
+        return min((small, usual), key=lambda over: abs(over - found))
     return small if t.small else usual
 
 
@@ -196,11 +196,11 @@ def _beside(work: Work, t: Traced) -> Limits:
     length = float(path.lengths[start : t.last].sum())
     found = 0.0 if found > length - 2 * work.tolerance else found
     room = STAYS * float(path.lengths[start]) - 3 * t.half_kerf
-    asked = required_overcut(work, t, found)
-    least = min(asked, max(0.0, room))
+    required = required_overcut(work, t, found)
+    least = min(required, max(0.0, room))
     radius = float(path.elements.arcs[path.first[[start]][0], 2])
     share = min(0.5, t.half_kerf / radius) if radius else 0.0
-    return found, least * (1 - share), asked * (1 + 2 * share) + 2 * t.half_kerf
+    return found, least * (1 - share), required * (1 + 2 * share) + 2 * t.half_kerf
 
 
 # --- ends -----------------------------------------------------------------------------------------
@@ -232,7 +232,7 @@ def end_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
     stops = np.tile([False, True], len(opened))
     places = np.where(stops[:, None], path.ends[ways], path.starts[ways])
     touching = _touching(work, ways, places)
-    once, looks = work.process == "cut" and not work.bridged, work.asked.looks[work.process]
+    once, looks = work.process == "cut" and not work.bridged, work.required.looks[work.process]
     on_line = np.array([not t.half_kerf for t in opened for _ in range(2)])
     counts = np.full(len(ways), 2)
     counts[on_line] = _directions(work.need, places[on_line], work.tolerance, work.torch.gap)
@@ -312,17 +312,17 @@ def _directions(need: Toolpaths, places: Floats, reach: float, gap: float) -> li
 # What of a cut is run with the arc out: what follows where its contour is closed, and no more.
 
 
-def dark_faults(work: Work, traced: Sequence[Traced], asked: bool) -> list[Diagnostic]:
+def dark_faults(work: Work, traced: Sequence[Traced], goes_out: bool) -> list[Diagnostic]:
     """Cuts that are left dark before they are closed, or burn on behind that where they must not.
 
-    `asked` says that the arc goes out where a cut with an overcut is closed.
+    `goes_out` says that the arc does so where a cut with an overcut is closed.
     """
     by_machine = work.torch.kerf_by == "machine"
     diagnostics: list[Diagnostic] = []
     for t in traced:
         closed = t.closed and len(t.members) == 1
         closed = closed and bool((by_machine and t.half_kerf) or required_overcut(work, t, t.over))
-        due = closed and asked and work.process == "cut"
+        due = closed and goes_out and work.process == "cut"
         dark, beyond = t.stroke.dark, t.end - t.last if due else 0
         if dark == beyond and bool(dark) == due:
             continue

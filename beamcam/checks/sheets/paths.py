@@ -138,7 +138,7 @@ Loops = tuple[Floats, Floats, Flags]
 
 
 def cover(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
-    """Stretches of contours that are missing, and those followed more than once."""
+    """Pieces of contours that are missing, and those followed more than once."""
     dense = min(SPACING, max(work.half_kerf / 2, MIN_SPACING))
     samples = work.need.samples(np.where(work.beside, dense, SPACING))
     count = len(samples[2])
@@ -200,7 +200,7 @@ def _twice(
     work: Work, traced: Sequence[Traced], points: Floats, pairs: Pairs, owner: Counts,
     covered: Counts,
 ) -> list[Diagnostic]:  # fmt: skip
-    """Stretches of a contour that have more than one path.
+    """Pieces of a contour that have more than one path.
 
     `points` are where it passes, `pairs` these and what of the path is near them.
     """

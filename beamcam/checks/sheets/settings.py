@@ -37,10 +37,10 @@ def setting_faults(
 
 def _setting_faults(work: Work, traced: Sequence[Traced], orders: list[Order]) -> list[Diagnostic]:
     """Strokes with other settings than their contours have; adds the order of each stroke."""
-    row = work.asked.rows.get(work.process)
+    row = work.required.rows.get(work.process)
     if not work.need.count or not traced or row is None:
         return []
-    looks = work.asked.looks[work.process]
+    looks = work.required.looks[work.process]
     owns = {k: work.torch.settings.get(k, PLAIN) for k in set(looks)}
     row_of = {k: with_settings(row, owns[k]) for k in owns}
     settings: list[Settings] = [

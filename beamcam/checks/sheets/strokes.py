@@ -303,14 +303,14 @@ class _Head(Watch):
         before = sum(seconds for moved, seconds in one.pauses if moved <= row)
         behind = sum(seconds for moved, seconds in one.pauses if moved > last)
         on_the_way = sum(seconds for moved, seconds in one.pauses if row < moved <= last)
-        for k, pause, asked, what in (
+        for k, pause, due, what in (
             (row, before, words.pierce_s, " to pierce"), (last, on_the_way, 0.0, " in mid contour"),
             (last, behind, words.stop_s, " before the tool is off"),
         ):  # fmt: skip
-            if abs(pause - asked) > PAUSE_SLACK_S:
+            if abs(pause - due) > PAUSE_SLACK_S:
                 self._wrong(
                     rules.TOOL, int(moves.line[k]), found=f"a pause of {pause:g} s",
-                    expected=f"{asked:g} s{what}",
+                    expected=f"{due:g} s{what}",
                 )  # fmt: skip
 
     def _check_feeds(self, moves: Moves, owner: Counts) -> None:
@@ -320,8 +320,8 @@ class _Head(Watch):
         looked at when these are known.
         """
         rows = [one.stroke.row for one in self._started]
-        asked = np.array([row.feed_mm_min for row in rows])[owner] if rows else np.zeros(0)
-        feeds, fits = self._fit(moves, asked)
+        full = np.array([row.feed_mm_min for row in rows])[owner] if rows else np.zeros(0)
+        feeds, fits = self._fit(moves, full)
         wrong = ~fits
         for number, row in enumerate(rows):
             if row.slows_holes or row.slows_corners:
@@ -333,28 +333,28 @@ class _Head(Watch):
                 process=rows[owner[k]].process, expected=f"{feeds[k]:g}",
             )  # fmt: skip
 
-    def _fit(self, moves: Moves, asked: Floats) -> tuple[Floats, Flags]:
-        """The feed of each move of which so much is asked, and whether it has that."""
-        feeds = asked.copy()
+    def _fit(self, moves: Moves, full: Floats) -> tuple[Floats, Flags]:
+        """The feed of each move of which so much is full, and whether it has that."""
+        feeds = full.copy()
         if self._state.limits is not None:
-            feeds = expected_feeds(moves, asked, self._state.limits)
-        slack = np.where(feeds < asked, LOWERED_SLACK, FEED_SLACK) * feeds + self._feed_step
+            feeds = expected_feeds(moves, full, self._state.limits)
+        slack = np.where(feeds < full, LOWERED_SLACK, FEED_SLACK) * feeds + self._feed_step
         return feeds, np.abs(moves.feed_mm_min - feeds) <= slack
 
     def _slowed(self, moves: Moves, row: TorchRow, number: int) -> tuple[Floats, Flags]:
         """The feeds of the moves of a stroke, and which are wrong: by the likelier of its feeds."""
-        full = np.full(len(moves), row.feed_mm_min)
+        row_feed = np.full(len(moves), row.feed_mm_min)
         near = NearCorners(np.zeros(len(moves), dtype=bool), np.ones(len(moves), dtype=bool))
         if row.slows_corners:
             near = near_corners(moves, row, self._step)
-        found = []
+        options = []
         for share in (1.0, row.hole_feed_share) if row.slows_holes else (1.0,):
-            fast, is_fast = self._fit(moves, full * share)
-            slow, is_slow = self._fit(moves, full * min(share, row.corner_share))
+            fast, is_fast = self._fit(moves, row_feed * share)
+            slow, is_slow = self._fit(moves, row_feed * min(share, row.corner_share))
             wrong = (near.slow & ~is_slow) | (near.fast & ~is_fast) | ~(is_slow | is_fast)
-            found.append((np.where(near.slow, slow, fast), wrong))
+            options.append((np.where(near.slow, slow, fast), wrong))
         stroke = self._started[number].stroke
-        counts = [int(wrong.sum()) for _, wrong in found]
-        if len(found) > 1 and counts[0] != counts[1]:
+        counts = [int(wrong.sum()) for _, wrong in options]
+        if len(options) > 1 and counts[0] != counts[1]:
             stroke.in_hole = counts[1] < counts[0]
-        return found[int(bool(stroke.in_hole))]
+        return options[int(bool(stroke.in_hole))]

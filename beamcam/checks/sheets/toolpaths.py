@@ -12,7 +12,7 @@ from msgspec import Struct
 from msgspec.structs import replace
 from numpy.typing import NDArray
 
-from beamcam.checks.sheets.grid import NARROW, SPARE, Elements, Grid, Pairs
+from beamcam.checks.sheets.grid import LARGER, LEAST_REACH, Elements, Grid, Pairs
 from beamcam.controllers.moves import Moves
 from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.geometry.arrays import arc_ends, table_of
@@ -135,7 +135,7 @@ class Toolpaths:
 
     def _grid(self, reach: float) -> Grid:
         for grid in self._grids:
-            if reach * SPARE <= grid.reach <= max(WIDER * reach, NARROW * grid.size):
+            if reach * LARGER <= grid.reach <= max(WIDER * reach, LEAST_REACH * grid.size):
                 return grid
         self._grids.append(Grid(self.elements, reach))
         return self._grids[-1]

@@ -35,7 +35,7 @@ class Work(Struct, dict=True):
     strokes: Sequence[HeadStroke]
     moves: Moves  #: those of the strokes, one after the other
     need: Toolpaths
-    asked: Need  #: the curves that `need` is made of, and where the input has them
+    required: Need  #: the curves that `need` is made of, and where the input has them
     path: Toolpaths
     of_way: Counts  #: the stroke of each way of the path
     torch: Torch
@@ -193,7 +193,7 @@ class Work(Struct, dict=True):
 
     def contour(self, way: int) -> str:
         """Source of a required curve."""
-        return str(self.asked.source(self.process, way))
+        return str(self.required.source(self.process, way))
 
     def contour_at(self, place: Floats) -> str:
         """Source of the required curve nearest to a place."""
@@ -270,13 +270,15 @@ def widest_gap(points: Floats, reach: float) -> float:
 
 # --- alike ----------------------------------------------------------------------------------------
 
-# Strokes that two processes make by the same words, distinguished by the curves they follow.
+# Strokes that two processes make by the same words: the row of each by the curves that it follows.
 
 
 PLACES = 9  #: of a stroke that are looked at
 
 
-def told_apart(strokes: Strokes, need: Need, torch: Torch, shift: tuple[float, float]) -> Strokes:
+def with_own_rows(
+    strokes: Strokes, need: Need, torch: Torch, shift: tuple[float, float]
+) -> Strokes:
     """The strokes with the rows of what they follow, where word and feed leave several.
 
     What follows no contour, as a text does, is taken for a mark: its place is not known yet.

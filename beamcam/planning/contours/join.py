@@ -54,10 +54,10 @@ class Joined(Struct):
 
 
 def join(
-    wanted: Sequence[AssignedCurve], curves: CurveTable, torch: Torch, kerf: float,
+    assigned: Sequence[AssignedCurve], curves: CurveTable, torch: Torch, kerf: float,
     rings: Collection[int] = (),
 ) -> Joined:  # fmt: skip
-    """The contours that `wanted` makes, each process for itself; `curves` are its curves.
+    """The contours that `assigned` makes, each process for itself; `curves` are its curves.
 
     A feature whose curves close stays as it is drawn; all others are joined end to end. What lies
     on others is taken away, and so are contours no larger than the gap that is closed between two
@@ -66,14 +66,17 @@ def join(
     """
     joined = Joined()
     free = curves.free()
-    notes = [*running_back.remarks(wanted, free, kerf), *running_back.free_repeats(wanted, free)]
+    notes = [
+        *running_back.remarks(assigned, free, kerf),
+        *running_back.free_repeats(assigned, free),
+    ]
     for one in notes:
         (joined.refusals if one.severity is Severity.ERROR else joined.remarks).append(one)
-    loose, gaping = _closed_features(wanted, curves, torch.gap, rings, joined)
-    straight = {k for k in free if running_back.is_straight(wanted[k].curve)}
-    may_repeat = bool(straight or overlapping(curves, [w.process for w in wanted]))
+    loose, gaping = _closed_features(assigned, curves, torch.gap, rings, joined)
+    straight = {k for k in free if running_back.is_straight(assigned[k].curve)}
+    may_repeat = bool(straight or overlapping(curves, [w.process for w in assigned]))
     for (process, _), numbers in loose.items():
-        once, ends = [wanted[k] for k in numbers], curves.ends[numbers]
+        once, ends = [assigned[k] for k in numbers], curves.ends[numbers]
         if straight:
             once = [
                 replace(w, curve=Line(w.curve.start, w.curve.end)) if k in straight else w
@@ -122,7 +125,7 @@ def _not_closed(shape: Shape) -> Diagnostic:
 
 
 def _closed_features(
-    wanted: Sequence[AssignedCurve], curves: CurveTable, gap: float, rings: Collection[int],
+    assigned: Sequence[AssignedCurve], curves: CurveTable, gap: float, rings: Collection[int],
     joined: Joined,
 ) -> tuple[dict[tuple[TorchProcess, str], list[int]], set[int]]:  # fmt: skip
     """Keep the features that close by themselves; the numbers of other curves, by process and
@@ -139,10 +142,10 @@ def _closed_features(
             np.ptp(hulls.reshape(-1, 2, 2), axis=1).max(axis=1) <= running_back.SAME_POINT
         )
     )
-    features = np.array([w.feature for w in wanted])
+    features = np.array([w.feature for w in assigned])
     begins = np.flatnonzero(np.concatenate(([True], features[1:] != features[:-1])))
-    ends = np.append(begins[1:], len(wanted))
-    before = np.arange(len(wanted)) - 1
+    ends = np.append(begins[1:], len(assigned))
+    before = np.arange(len(assigned)) - 1
     before[begins] = ends - 1
     gaps = np.abs(places[:, :2] - places[before, 2:]).max(axis=1) > running_back.SAME_POINT
     closed = ~np.logical_or.reduceat(gaps, begins)
@@ -150,8 +153,8 @@ def _closed_features(
     small = np.hypot(*(high - low).T) <= gap
     columns = (column.tolist() for column in (begins, ends, closed, small))
     for begin, end, is_closed, is_small in zip(*columns, strict=True):
-        first = wanted[begin]
-        lines = is_closed and running_back.is_there_and_back(wanted[begin:end])
+        first = assigned[begin]
+        lines = is_closed and running_back.is_there_and_back(assigned[begin:end])
         if lines or not is_closed:
             loose[first.process, first.look] += range(begin, end)
             if not lines and first.feature in rings:
@@ -159,7 +162,7 @@ def _closed_features(
         elif is_small:
             joined.small[first.feature] = first.source
         else:
-            ring = tuple([wanted[k].curve for k in range(begin, end) if k not in points])
+            ring = tuple([assigned[k].curve for k in range(begin, end) if k not in points])
             one = first.feature
             shape = Shape(first.process, ring, True, (one,), first.source, look=first.look)
             joined.shapes.append(shape)

@@ -1,6 +1,6 @@
 """Contours in order of work, each with its kerf side, its leads and its bridges.
 
-shapes -> half a kerf off the part -> in order -> turned and begun -> led into -> bridged
+shapes -> half a kerf off the part -> in order -> turned and begun -> with leads -> bridged
 """
 
 from collections.abc import Iterator, Sequence
@@ -33,7 +33,7 @@ from beamcam.planning.contours.outline import (
 )
 from beamcam.planning.contours.plate import SheetMaterial, moved
 from beamcam.planning.contours.repeats import common_cuts
-from beamcam.planning.contours.tabs import joint_in_bridge, needs_tabs, stretches_of
+from beamcam.planning.contours.tabs import joint_in_bridge, needs_tabs, pieces_of
 
 LAST = 1 << 20  #: level of what is cut when all parts are
 SHOWN_OPEN = 10  #: open contours are named one by one up to so many
@@ -88,7 +88,7 @@ def operations_of(
     short_over = [
         shape for k, (shape, kerf, _) in enumerate(leads)
         if k + 1 not in links and (length := overcut_length(shape, torch))
-        and total_length(stretches_of(shape, kerf, torch)[0]) / 2 < length - ROUNDING
+        and total_length(pieces_of(shape, kerf, torch)[0]) / 2 < length - ROUNDING
     ]  # fmt: skip
     if short_over:
         first, length = short_over[0], overcut_length(short_over[0], torch)
@@ -176,7 +176,7 @@ def _operation(
     if row is None:
         raise AssertionError("a process without a row was let through")
     side: Literal["on", "left", "right"] = "on"
-    pieces = stretches_of(shape, kerf, torch) if torch.tabs else (shape.curves,)
+    pieces = pieces_of(shape, kerf, torch) if torch.tabs else (shape.curves,)
     if torch.kerf_by == "machine" and kerf:
         side = "left" if waste_side(shape.area, shape.is_hole) > 0 else "right"
     over = () if goes_on or side != "on" else overcut(shape, kerf, torch)
@@ -230,6 +230,6 @@ def overcut(shape: Shape, kerf: float, torch: Torch) -> Curves:
     length = overcut_length(shape, torch)
     if not length:
         return ()
-    first = stretches_of(shape, kerf, torch)[0]
+    first = pieces_of(shape, kerf, torch)[0]
     lengths = [curve.length for curve in first]
     return stretch(first, lengths, 0.0, min(length, sum(lengths) / 2))

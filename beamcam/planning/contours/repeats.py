@@ -81,7 +81,7 @@ def loose_once(curves: Sequence[AssignedCurve], repeats: Repeats) -> list[Assign
 def contours_once(
     shapes: Sequence[Shape], gap: float, repeats: Repeats, kerf: float | None = None
 ) -> list[list[Shape]]:
-    """What is left of each contour without stretches that lie on others of the same process.
+    """What is left of each contour without pieces that lie on others of the same process.
 
     Of two that lie on one another the closed one stays, or else the first. Remainders up to
     `gap` are dropped. Two closed ones that share an edge and are not the same, and one that lies

@@ -180,7 +180,7 @@ def needles_beside(
 #: Times that a contour may be passed on an average. Hatching of 0.02 mm passes a place of 0.1 mm
 #: five times; work that takes every pair of curves on one place grows with the square of it.
 MAX_PASSES = 64
-MAX_ASKED = 1000  #: stretches of which the neighbours are counted
+MAX_ASKED = 1000  #: segments of which the neighbours are counted
 MAX_EQUAL = 300_000  #: pairs of curves with the same numbers: 775 copies of one, 245 of ten
 CELLS = 512  #: along the longer side of the grid in which neighbours are looked for
 
@@ -207,7 +207,7 @@ def refuse_many_passes(shapes: Sequence[Shape], drawn: Drawn, tolerance: float) 
     """Raise PlanError for shapes that pass most of their places more than `MAX_PASSES` times.
 
     `drawn` are points of the shapes, and the shape of each. The passes of a place are the lengths
-    of all stretches no farther than `tolerance` from it, each no longer than that place, by its
+    of all segments no farther than `tolerance` from it, each no longer than that place, by its
     length.
     """
     points, owner = drawn
@@ -219,9 +219,9 @@ def refuse_many_passes(shapes: Sequence[Shape], drawn: Drawn, tolerance: float) 
     places = (starts[which] + ends[which]) / 2
     kept = _may_pass(starts, ends, places, tolerance)
     starts, ends = starts[kept], ends[kept]
-    stretches = shapely.linestrings(np.stack((starts, ends), axis=1))
+    segments = shapely.linestrings(np.stack((starts, ends), axis=1))
     middles = shapely.points(places)
-    near, place = shapely.STRtree(middles).query(stretches, "dwithin", distance=tolerance)
+    near, place = shapely.STRtree(middles).query(segments, "dwithin", distance=tolerance)
     lengths = np.minimum(np.hypot(*(ends - starts).T), 2 * tolerance)
     passes = np.bincount(place, lengths[near], len(which)) / (2 * tolerance)
     if passes.mean() > MAX_PASSES:
@@ -233,7 +233,7 @@ def refuse_many_passes(shapes: Sequence[Shape], drawn: Drawn, tolerance: float) 
 
 
 def _may_pass(starts: Floats, ends: Floats, places: Floats, tolerance: float) -> Counts:
-    """The stretches that may pass a place within the tolerance.
+    """The segments that may pass a place within the tolerance.
 
     Those have a place in a cell of a grid that the box around them comes into. How many places lie
     in the cells of a box follows from the sums of all cells below and to the left of its corners.

@@ -1,4 +1,4 @@
-"""Bridges that hold a part in its sheet: stretches of a closed contour that are not cut.
+"""Bridges that hold a part in its sheet: pieces of a closed contour that are not cut.
 
 What holds is the steel between both ends of the cut, so their distance counts: over a corner, and
 round a bend, more of the contour is left than the bridge is wide.
@@ -36,8 +36,8 @@ def needs_tabs(shape: Shape, torch: Torch) -> bool:
     return bool(torch.tabs) and shape.process == "cut" and shape.is_ring and is_meant
 
 
-def stretches_of(shape: Shape, kerf: float, torch: Torch) -> tuple[Curves, ...]:
-    """The stretches of a contour between its bridges, one if it has none."""
+def pieces_of(shape: Shape, kerf: float, torch: Torch) -> tuple[Curves, ...]:
+    """The pieces of a contour between its bridges, one if it has none."""
     if not needs_tabs(shape, torch):
         return (shape.curves,)
     clear = torch.min_tab_to_corner and torch.min_tab_to_corner + MITRE * kerf
@@ -48,7 +48,7 @@ def bridged(
     curves: Curves, tabs: int, width: float, clear: float = 0.0, kerf: float = 0.0,
     joints: Sequence[Point] = (),
 ) -> tuple[Curves, ...]:  # fmt: skip
-    """The stretches of a closed contour between `tabs` bridges, whose ends are `width` mm apart.
+    """The pieces of a closed contour between `tabs` bridges, whose ends are `width` mm apart.
 
     The bridges lie at equal distances, the first half of that from the start; one that is nearer
     to a corner than `clear`, would take more of the contour than `MOST_ALONG` allows, or may take
@@ -92,7 +92,7 @@ def joint_in_bridge(shape: Shape, kerf: float, torch: Torch) -> Point | None:
     """A place in a bridge of a contour where what is left of another begins or ends."""
     if not (shape.joints and needs_tabs(shape, torch)):
         return None
-    whole, *cut = ways([shape.curves, *stretches_of(shape, kerf, torch)], JOINT)
+    whole, *cut = ways([shape.curves, *pieces_of(shape, kerf, torch)], JOINT)
     places = shapely.points(shape.joints)
     off = shapely.distance(shapely.union_all(cut), places) - shapely.distance(whole, places)
     worst = int(off.argmax())
