@@ -192,11 +192,11 @@ def _other_thicknesses(thickness: float, parts: Sequence[Part]) -> Iterator[Diag
 
 
 def _other_materials(material: str, parts: Sequence[Part]) -> Iterator[Diagnostic]:
-    from beamcam.planning.contours.plate import is_same
+    from beamcam.machine.torch import material_of
     from beamcam.planning.contours.rules import OTHER_MATERIAL
 
     for part in parts:
-        if part.grade and not is_same(material, part.grade):
+        if part.grade and material_of(material) != material_of(part.grade):
             yield OTHER_MATERIAL.at(part.source, found=material, expected=part.grade)
 
 

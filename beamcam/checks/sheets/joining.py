@@ -63,10 +63,15 @@ def trim(
         w, v, place = int(own[k]), int(other[k]), places[pairs.point[k]]
         at_start = bool(pairs.point[k] < len(numbers))
         for end in (toolpaths.starts[v], toolpaths.ends[v]):
-            at = _beginning_of_overlap(drawn, w, v, end, at_start, same)
-            if at is not None and not is_lost(end, w, v) and not is_lost(place, w, v):
-                whole = [0.0, drawn.line(w).length]
-                spans.setdefault(w, whole)[0 if at_start else 1] = at
+            # How far along w an end of v lies, if w lies on v from its own end up to there.
+            line, point = drawn.line(w), shapely.Point(end)
+            at = line.project(point)
+            if line.distance(point) > same or not same < at < line.length - same:
+                continue
+            middle = line.interpolate(at / 2 if at_start else (at + line.length) / 2)
+            lies_on = drawn.line(v).distance(middle) <= same
+            if lies_on and not is_lost(end, w, v) and not is_lost(place, w, v):
+                spans.setdefault(w, [0.0, line.length])[0 if at_start else 1] = at
     for w, (low, high) in spans.items():
         if low < high:
             points, begins = np.array(substring(drawn.line(w), low, high).coords), drawn.begins
@@ -76,18 +81,6 @@ def trim(
             drawn.begins = begins.copy()
             drawn.begins[w + 1 :] += len(points) - (begins[w + 1] - begins[w])
             drawn.starts[w], drawn.ends[w] = points[0], points[-1]
-
-
-def _beginning_of_overlap(
-    drawn: DrawnWays, w: int, v: int, end: Floats, at_start: bool, same: float
-) -> float | None:
-    """How far along way `w` an end of `v` lies, if `w` lies on `v` from its own end up to there."""
-    line, point = drawn.line(w), shapely.Point(end)
-    at: float = line.project(point)
-    if line.distance(point) > same or not same < at < line.length - same:
-        return None
-    middle = line.interpolate(at / 2 if at_start else (at + line.length) / 2)
-    return None if drawn.line(v).distance(middle) > same else at
 
 
 def _collinear(toolpaths: Toolpaths, some: Counts, others: Counts, same: float) -> Flags:

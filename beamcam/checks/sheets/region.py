@@ -24,7 +24,7 @@ from beamcam.checks.sheets.toolpaths import Chain, DrawnWays, Toolpaths
 from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.geometry.arrays import first_equal
 from beamcam.geometry.curves import Curve
-from beamcam.geometry.plane import Box, Point, join_boxes
+from beamcam.geometry.plane import Box, Point, groups_of, join_boxes
 from beamcam.model.part import Contour, Feature, Hole, Slot, extent
 
 SAME_PLACE = 5e-3  #: curves as near as this are drawn twice
@@ -190,26 +190,17 @@ def small_ways(toolpaths: Toolpaths, gap: float) -> Flags:
 
     Between two ends as near as that the tool does not move, so nothing cuts them.
     """
-    low, high = toolpaths.boxes
-    sizes: Floats = np.hypot(*(high - low).T)
-    most = gap + SAME_POINT
-    if not (sizes <= most).any():
-        return np.zeros(toolpaths.count, dtype=bool)
-    every = np.arange(toolpaths.count)
-    places = shapely.points(np.concatenate((toolpaths.starts, toolpaths.ends)))
-    a, b = shapely.STRtree(places).query(places, "dwithin", distance=gap + SAME_POINT)
-    group = every.copy()
-    while True:
-        least = group.copy()
-        np.minimum.at(least, a % toolpaths.count, group[b % toolpaths.count])
-        if np.array_equal(least, group):
-            break
-        group = least[least]  # a name of the group may have a lesser one by now
-    wide_low, wide_high = low.copy(), high.copy()
-    np.minimum.at(wide_low, group, low)
-    np.maximum.at(wide_high, group, high)
-    small: Flags = np.hypot(*(wide_high - wide_low)[group].T) <= most
-    return small
+    (low, high), most, count = toolpaths.boxes, gap + SAME_POINT, toolpaths.count
+    is_small = np.zeros(count, dtype=bool)
+    small = np.flatnonzero(np.hypot(*(high - low).T) <= most)
+    if len(small):
+        places = shapely.points(np.concatenate((toolpaths.starts, toolpaths.ends)))
+        own = np.concatenate((small, small + count))
+        a, b = shapely.STRtree(places).query(places[own], "dwithin", distance=most)
+        for group in groups_of((np.column_stack((own[a], b)) % count).tolist()):
+            size = np.hypot(*(high[group].max(axis=0) - low[group].min(axis=0)))
+            is_small[group] = size <= most
+    return is_small
 
 
 def _same_rings(polygons: NDArray[np.object_], gap: float) -> tuple[set[int], set[int]]:

@@ -13,7 +13,7 @@ from msgspec.structs import replace
 from beamcam.checks.sheets import rules
 from beamcam.checks.sheets.asked_sheet import RowWords, words_of
 from beamcam.checks.sheets.controller_state import ControllerState, Setting, Watch
-from beamcam.checks.sheets.feeds import NearCorners, expected_feeds, near_corners
+from beamcam.checks.sheets.feeds import expected_feeds, near_corners
 from beamcam.controllers.dialect import IDLE_SWITCHES, SHEET_END, STOPS
 from beamcam.controllers.events import (
     Other,
@@ -334,7 +334,7 @@ class _Head(Watch):
             )  # fmt: skip
 
     def _fit(self, moves: Moves, full: Floats) -> tuple[Floats, Flags]:
-        """The feed of each move of which so much is full, and whether it has that."""
+        """The feed of each move, `full` where the axes can follow it, and whether it has that."""
         feeds = full.copy()
         if self._state.limits is not None:
             feeds = expected_feeds(moves, full, self._state.limits)
@@ -344,15 +344,15 @@ class _Head(Watch):
     def _slowed(self, moves: Moves, row: TorchRow, number: int) -> tuple[Floats, Flags]:
         """The feeds of the moves of a stroke, and which are wrong: by the likelier of its feeds."""
         row_feed = np.full(len(moves), row.feed_mm_min)
-        near = NearCorners(np.zeros(len(moves), dtype=bool), np.ones(len(moves), dtype=bool))
+        is_near, is_far = np.zeros(len(moves), dtype=bool), np.ones(len(moves), dtype=bool)
         if row.slows_corners:
-            near = near_corners(moves, row, self._step)
+            is_near, is_far = near_corners(moves, row, self._step)
         options = []
         for share in (1.0, row.hole_feed_share) if row.slows_holes else (1.0,):
             fast, is_fast = self._fit(moves, row_feed * share)
             slow, is_slow = self._fit(moves, row_feed * min(share, row.corner_share))
-            wrong = (near.slow & ~is_slow) | (near.fast & ~is_fast) | ~(is_slow | is_fast)
-            options.append((np.where(near.slow, slow, fast), wrong))
+            wrong = (is_near & ~is_slow) | (is_far & ~is_fast) | ~(is_slow | is_fast)
+            options.append((np.where(is_near, slow, fast), wrong))
         stroke = self._started[number].stroke
         counts = [int(wrong.sum()) for _, wrong in options]
         if len(options) > 1 and counts[0] != counts[1]:

@@ -267,8 +267,20 @@ def _join_bridged(work: Work, traced: Sequence[Traced]) -> None:
             last += 1
         else:
             last = -1
-        if last >= first:
-            _join(work, traced[first : last + 1])
+        mine = traced[first : last + 1]  # that go round one contour together
+        starts = work.path.starts[[t.first for t in mine]].tolist()
+        along: dict[int, float] = {}
+        for t in mine:
+            length = float(work.path.lengths[t.first : t.last].sum())
+            along[t.contour] = along.get(t.contour, 0.0) + length
+        contour = max(along, key=lambda one: along[one], default=-1)
+        for t, (x, y) in zip(mine, [*starts[1:], *starts[:1]], strict=True):
+            t.bridge_to, t.joined, t.contour = (x, y), True, contour
+        if mine:
+            end = work.path.ends[mine[-1].last - 1]
+            if np.hypot(*(np.array(starts[0]) - end)) <= 2 * work.tolerance:
+                mine[-1].bridge_to = None
+            mine[0].members = list(mine)
         first = max(first, last) + 1
 
 
@@ -281,7 +293,7 @@ def _is_bridge(work: Work, t: Traced, following: Traced) -> bool:
     """
     end, start = work.path.ends[t.last - 1], work.path.starts[following.first]
     width = float(np.hypot(*(start - end)))
-    if width > WIDEST * work.tab_width(t.half_kerf):
+    if width > WIDEST * (work.torch.tab_width + 2 * t.half_kerf + 2 * work.tolerance):
         return False
     reach = MITRE * t.half_kerf + 2 * work.tolerance
     ends = shapely.points([end, start])
@@ -304,22 +316,6 @@ def is_in_kerf(work: Work, place: Floats, number: int) -> bool:
     """Whether a place lies on what was cut before a stroke, by its number."""
     near = work.path.near(place.reshape(1, 2), 2 * work.tolerance)
     return bool((work.of_way[work.path.owner[near.element]] < number).any())
-
-
-def _join(work: Work, mine: Sequence[Traced]) -> None:
-    """Tells strokes that they go round a contour together."""
-    starts = work.path.starts[[t.first for t in mine]].tolist()
-    along: dict[int, float] = {}
-    for t in mine:
-        length = float(work.path.lengths[t.first : t.last].sum())
-        along[t.contour] = along.get(t.contour, 0.0) + length
-    contour = max(along, key=lambda one: along[one])
-    for t, (x, y) in zip(mine, [*starts[1:], starts[0]], strict=True):
-        t.bridge_to, t.joined, t.contour = (x, y), True, contour
-    end = work.path.ends[mine[-1].last - 1]
-    if np.hypot(*(np.array(starts[0]) - end)) <= 2 * work.tolerance:
-        mine[-1].bridge_to = None
-    mine[0].members = list(mine)
 
 
 def _close(work: Work, one: Traced, last: Traced) -> bool:

@@ -187,10 +187,6 @@ class Work(Struct, dict=True):
             return length * (1.0 + WINDING) + 4 * self.tolerance
         return length * 1.001 + 8 * self.step + taken_up
 
-    def tab_width(self, half_kerf: float) -> float:
-        """How far apart the strokes on both sides of a bridge may be."""
-        return self.torch.tab_width + 2 * half_kerf + 2 * self.tolerance
-
     def contour(self, way: int) -> str:
         """Source of a required curve."""
         return str(self.required.source(self.process, way))

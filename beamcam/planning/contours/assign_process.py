@@ -90,6 +90,7 @@ def assign_processes(
     """The curves of a part by process; what the machine cannot make is refused or skipped."""
     assigned = Assigned(within=within_larger(part))
     thickness = part.profile.web_thickness or torch.thickness or 0.0
+    table = cast("Mapping[str, Process]", torch.colours)
     looks: dict[Look, tuple[Meaning | None, str]] = {}
     unmapped: dict[Look, list[Contour]] = defaultdict(list)
     idle = dict(idle_planes(part, outermost(part, thickness)))
@@ -103,8 +104,10 @@ def assign_processes(
             continue
         if isinstance(feature, Contour):
             look = feature.layer, feature.colour
-            if look not in looks:
-                looks[look] = _meaning(feature, torch)
+            if look not in looks:  # what both stand for, and the key of their settings
+                key = key_of(feature, table) or ""
+                meant = cast("Meaning | None", process_of(feature, table))
+                looks[look] = meant, key if key in torch.settings else ""
             meaning, key = looks[look] if look != NO_LOOK else (_MEANINGS[feature.process], "")
             if meaning is None:
                 unmapped[look].append(feature)
@@ -195,14 +198,6 @@ def _noise(part: Part, torch: Torch) -> Iterator[Diagnostic]:
 
 
 IGNORED = "map-ignore"  #: how the ledger calls what the table of colours ignores
-
-
-def _meaning(contour: Contour, torch: Torch) -> tuple[Meaning | None, str]:
-    """What the layer and the colour of a contour stand for, and the key of their settings."""
-    table = cast("Mapping[str, Process]", torch.colours)
-    key = key_of(contour, table)
-    own = key if key is not None and key in torch.settings else ""
-    return cast("Meaning | None", process_of(contour, table)), own
 
 
 def letter(part: Part, machine: Machine, assigned: Assigned) -> None:

@@ -1,7 +1,7 @@
 """Curves to contours: duplicates removed, ends joined, tiny ones left out, nested."""
 
 from collections import defaultdict
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from itertools import chain as chained
 from typing import TYPE_CHECKING, Any
 
@@ -96,10 +96,7 @@ def join(
         if process == "cut":
             _add_stops(joined, chains, once, torch, kerf)
             _add_closed_gaps(joined, once, ends, torch)
-    joined.refusals += (
-        _not_closed(s) for s in joined.shapes
-        if s.process == "cut" and not s.closed and not gaping.isdisjoint(s.features)
-    )  # fmt: skip
+    joined.refusals += _not_closed(joined.shapes, gaping)
     joined.shapes.sort(key=lambda shape: shape.features[0])
     if may_repeat:
         kept = contours_once(joined.shapes, torch.gap, joined.repeats, kerf)
@@ -116,12 +113,14 @@ def join(
     return joined
 
 
-def _not_closed(shape: Shape) -> Diagnostic:
-    """The error for a contour declared closed that is open."""
-    a, b = shape.curves[0].start, shape.curves[-1].end
-    (x0, y0), (x1, y1) = ((f"{x:.3f}", f"{y:.3f}") for x, y in (a, b))
-    found = f"{distance(a, b):.3f}"
-    return rules.NOT_CLOSED.at(shape.source, x0=x0, y0=y0, x1=x1, y1=y1, found=found)
+def _not_closed(shapes: Sequence[Shape], gaping: set[int]) -> Iterator[Diagnostic]:
+    """An error for each cut of a feature that is declared closed and has gaps."""
+    for s in shapes:
+        if s.process == "cut" and not s.closed and not gaping.isdisjoint(s.features):
+            a, b = s.curves[0].start, s.curves[-1].end
+            (x0, y0), (x1, y1) = ((f"{x:.3f}", f"{y:.3f}") for x, y in (a, b))
+            found = f"{distance(a, b):.3f}"
+            yield rules.NOT_CLOSED.at(s.source, x0=x0, y0=y0, x1=x1, y1=y1, found=found)
 
 
 def _closed_features(

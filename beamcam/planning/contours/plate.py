@@ -18,7 +18,6 @@ from beamcam.machine.torch import (
     TorchProcess,
     TorchRow,
     is_row_for,
-    material_of,
     material_said,
 )
 from beamcam.model.colour import key_of
@@ -211,11 +210,6 @@ def skew_ends(part: Part, torch: Torch) -> Iterator[Diagnostic]:
     for end, angle in ends:
         if abs(angle) >= least:
             yield rules.SKEW_END.at(part.cut_source("flange", end), end=end, found=f"{angle:g}")
-
-
-def is_same(material: str, grade: str) -> bool:
-    """Whether a requested material may be the one that a part's grade names."""
-    return material_of(material) == material_of(grade)
 
 
 def between_rows(torch: Torch | Coper, row: TorchRow, thickness: float) -> TorchRow:
