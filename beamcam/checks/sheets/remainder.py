@@ -102,22 +102,21 @@ def _contour_lines(
 
 
 def _difference(one: HeadStroke, other: HeadStroke, left: Strokes, begun: Strokes) -> str:
-    """What is not the same in two strokes; empty if they are."""
+    """What is not the same in two strokes, of some each; empty if they are."""
     if one.row != other.row:
         return "a stroke by another row of the cut chart"
     if (one.side, one.radius) != (other.side, other.radius):
         return "a stroke with another compensation"
-    a, b = (
-        part.moves.take(np.arange(stroke.first, stroke.last))
-        for stroke, part in ((one, left), (other, begun))
-    )
-    if len(a) != len(b):
-        return f"a stroke of {len(a)} moves"
+    own, others = range(one.first, one.last), range(other.first, other.last)
+    if len(own) != len(others):
+        return f"a stroke of {len(own)} moves"
     for column in ("start", "end", "is_arc", "arcs", "feed_mm_min"):
-        same = np.isclose(getattr(a, column), getattr(b, column), rtol=0.0, atol=1e-9)
-        if not same.all():
+        a, b = getattr(left.moves, column), getattr(begun.moves, column)
+        if not np.array_equal(a[one.first : one.last], b[other.first : other.last]):
             return "a stroke that runs elsewhere, or with another feed"
-    return "" if a.curves == b.curves else "a stroke along another curve"
+    a, b = left.moves.curves, begun.moves.curves
+    same = all(a.get(i) == b.get(k) for i, k in zip(own, others, strict=True))
+    return "" if same else "a stroke along another curve"
 
 
 # --- frame ----------------------------------------------------------------------------------------
@@ -315,22 +314,9 @@ def passes_folded(strokes: Strokes, rows: Iterable[TorchRow]) -> Strokes:
     each: list[HeadStroke] = []
     kept = np.ones(len(strokes.moves), dtype=bool)
     for stroke in strokes.each:
-        if each and _is_repeat(each[-1], stroke, strokes.moves):
+        if each and not _difference(each[-1], stroke, strokes, strokes):
             each[-1] = replace(each[-1], passes=each[-1].passes + 1)
             kept[stroke.first : stroke.last] = False
         else:
             each.append(stroke)
     return strokes.kept(each, kept)
-
-
-def _is_repeat(one: HeadStroke, other: HeadStroke, moves: Moves) -> bool:
-    """Whether a stroke repeats the path of one before it, with the same words."""
-    words = (one.row, one.side, one.radius, one.last - one.first)
-    if words != (other.row, other.side, other.radius, other.last - other.first):
-        return False
-    a, b = slice(one.first, one.last), slice(other.first, other.last)
-    columns = (moves.start, moves.end, moves.is_arc, moves.arcs, moves.feed_mm_min)
-    if not all(np.array_equal(column[a], column[b]) for column in columns):
-        return False
-    pairs = zip(range(one.first, one.last), range(other.first, other.last), strict=True)
-    return all(moves.curves.get(i) == moves.curves.get(k) for i, k in pairs)
