@@ -118,7 +118,7 @@ class Work(Struct, dict=True):
             for (way, back), turned, is_clear in rows
         ]
 
-    @property
+    @cached_property
     def most_slack(self) -> float:
         """The greatest slack of a required curve."""
         return float(self.slack.max(initial=0.0))

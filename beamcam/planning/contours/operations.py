@@ -181,12 +181,10 @@ def _operation(
         side = "left" if waste_side(shape.area, shape.is_hole) > 0 else "right"
     over = () if goes_on or side != "on" else overcut(shape, kerf, torch)
     again = len(over) if side == "on" else len(lead[1])
-    ways_in: list[Curves] = [lead[0], *[()] * (len(pieces) - 1)]
-    ends: list[tuple[Curves, int]] = [*[((), 0)] * (len(pieces) - 1), ((*over, *lead[1]), again)]
+    beyond, last = (*over, *lead[1]), len(pieces) - 1
     passes = tuple([
-        Pass(way_in, curves, *end)
-        for way_in, curves, end in zip(ways_in, pieces, ends, strict=True)
-        for _ in range(row.passes)
+        Pass(() if k else lead[0], curves, *((beyond, again) if k == last else ((), 0)))
+        for k, curves in enumerate(pieces) for _ in range(row.passes)
     ])  # fmt: skip
     features = tuple([(0, f) for f in shape.features if f != OUTLINE])
     return ContourOp(
