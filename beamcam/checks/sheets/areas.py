@@ -75,7 +75,17 @@ def in_corners(
     element, share, owner = kept_samples(samples, missing)
     found = np.zeros(len(missing), dtype=bool)
     which = np.flatnonzero(work.beside[owner])
-    which = which[~_has_room(work, element[which], share[which])]
+    # Those beside which a beam has no room in the waste.
+    need, half = work.need, work.half_kerf
+    elements, shares, sides = element[which], share[which], work.sides[owner[which]]
+    twins = np.flatnonzero(sides == 0.0)
+    left, _ = work.part_beside(elements[twins], shares[twins])
+    sides[twins] = np.where(left, -1.0, 1.0)
+    middles = need.elements.places(elements, shares)
+    middles += half * sides[:, None] * work.left_of(elements, shares)
+    near = need.near(middles, half)
+    near = near.kept(work.beside[need.owner[near.element]])
+    which = which[need.nearest_of(near, len(middles))[0] < half - 2 * work.fine]
     if not len(which):
         return found, None
     corners = _corners(work, owner[which])
@@ -94,20 +104,6 @@ def in_corners(
     found[which] = work.region.twins[owner[which]]
     found[which[inside[touched[rest]]]] = True
     return found, corners.kept(np.unique(rest[touched[rest]]))
-
-
-def _has_room(work: Work, element: Counts, share: Floats) -> Flags:
-    """Places of contours beside which a beam has room in the waste."""
-    need, half = work.need, work.half_kerf
-    sides = work.sides[need.owner[element]]
-    twins = np.flatnonzero(sides == 0.0)
-    sides[twins] = np.where(work.part_beside(element[twins], share[twins])[0], -1.0, 1.0)
-    middles = need.elements.places(element, share)
-    middles += half * sides[:, None] * work.left_of(element, share)
-    pairs = need.near(middles, half)
-    pairs = pairs.kept(work.beside[need.owner[pairs.element]])
-    is_free: Flags = need.nearest_of(pairs, len(middles))[0] >= half - 2 * work.fine
-    return is_free
 
 
 def _corners(work: Work, ways: Counts) -> UncutCorners:

@@ -247,7 +247,7 @@ def leads_of(
     ):  # fmt: skip
         for share in SHARES:
             tried = {
-                k: leads(ways[k].curves, sides[k], torch, share, overs[k])[is_out]
+                k: _lead(ways[k].curves, overs[k], sides[k], torch, share, is_out)
                 for k in which
                 if k not in those
             }
@@ -310,25 +310,6 @@ def overcut_length(shape: Shape, torch: Torch) -> float:
 SAME_CIRCLE = 1e-4  #: mm that arcs of a round hole may be apart
 
 
-def leads(
-    curves: Curves, side: int, torch: Torch, share: float, over: Curves = ()
-) -> tuple[Curves, Curves]:
-    """Lead-in and lead-out of a closed contour on its waste side, `share` of the machine's length.
-
-    The lead-out begins at the end of the overcut, `over`. A line comes square to the contour; an
-    arc is a quarter circle that is tangent to it.
-
-          |  line            .-  arc
-          v                 (
-        --o--->           --o--->
-    """
-    start, last = curves[0].start, (over or curves)[-1]
-    return (
-        _lead(start, curves[0].tangent(0.0), side, torch, torch.lead_in * share, False),
-        _lead(last.end, last.tangent(1.0), side, torch, torch.lead_out * share, True),
-    )
-
-
 def from_middle(curves: Curves) -> Curves:
     """Lead-in of a round hole: half a circle from its middle, tangent to it; none of another."""
     first, *others = curves
@@ -347,8 +328,20 @@ def from_middle(curves: Curves) -> Curves:
 
 
 def _lead(
-    at: Point, tangent: Point, side: int, torch: Torch, length: float, is_out: bool
+    curves: Curves, over: Curves, side: int, torch: Torch, share: float, is_out: bool
 ) -> Curves:
+    """Lead-in or lead-out of a closed contour on its waste side, `share` of the machine's length.
+
+    The lead-out begins at the end of the overcut, `over`. A line comes square to the contour; an
+    arc is a quarter circle that is tangent to it.
+
+          |  line            .-  arc
+          v                 (
+        --o--->           --o--->
+    """
+    curve, t = ((over or curves)[-1], 1.0) if is_out else (curves[0], 0.0)
+    at, tangent = (curve.end if is_out else curve.start), curve.tangent(t)
+    length = share * (torch.lead_out if is_out else torch.lead_in)
     if torch.lead == "none" or length <= 0.0:
         return ()
     normal = (-side * tangent[1], side * tangent[0])

@@ -176,7 +176,7 @@ def _operation(
     if row is None:
         raise AssertionError("a process without a row was let through")
     side: Literal["on", "left", "right"] = "on"
-    pieces = pieces_of(shape, kerf, torch) if torch.tabs else (shape.curves,)
+    pieces = pieces_of(shape, kerf, torch)
     if torch.kerf_by == "machine" and kerf:
         side = "left" if waste_side(shape.area, shape.is_hole) > 0 else "right"
     over = () if goes_on or side != "on" else overcut(shape, kerf, torch)

@@ -37,26 +37,20 @@ def needs_tabs(shape: Shape, torch: Torch) -> bool:
 
 
 def pieces_of(shape: Shape, kerf: float, torch: Torch) -> tuple[Curves, ...]:
-    """The pieces of a contour between its bridges, one if it has none."""
-    if not needs_tabs(shape, torch):
-        return (shape.curves,)
-    clear = torch.min_tab_to_corner and torch.min_tab_to_corner + MITRE * kerf
-    return bridged(shape.curves, torch.tabs, torch.tab_width + kerf, clear, kerf, shape.joints)
+    """The pieces of a contour between its bridges, one if it has none.
 
-
-def bridged(
-    curves: Curves, tabs: int, width: float, clear: float = 0.0, kerf: float = 0.0,
-    joints: Sequence[Point] = (),
-) -> tuple[Curves, ...]:  # fmt: skip
-    """The pieces of a closed contour between `tabs` bridges, whose ends are `width` mm apart.
-
-    The bridges lie at equal distances, the first half of that from the start; one that is nearer
-    to a corner than `clear`, would take more of the contour than `MOST_ALONG` allows, or may take
-    one of the `joints`, is moved to the nearest place that does not, if there is one within a
-    quarter of these distances. It takes a joint where all places that are clear of corners do, or
-    where none is and the even one does.
+    The bridges lie at equal distances, the first half of that from the start; one that is too near
+    to a corner, would take more of the contour than `MOST_ALONG` allows, or may take one of its
+    joints, is moved to the nearest place that does not, if there is one within a quarter of these
+    distances. It takes a joint where all places that are clear of corners do, or where none is and
+    the even one does.
     A contour that has not four times as much length as its bridges gets fewer of them, or none.
     """
+    curves, joints, width = shape.curves, shape.joints, torch.tab_width + kerf
+    tabs = torch.tabs if needs_tabs(shape, torch) else 0
+    if not tabs:
+        return (curves,)
+    clear = torch.min_tab_to_corner and torch.min_tab_to_corner + MITRE * kerf
     lengths = [c.length for c in curves]
     total = sum(lengths)
     while tabs and total < 4 * tabs * width:
