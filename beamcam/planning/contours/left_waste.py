@@ -77,7 +77,18 @@ def left_in(
     pieces = pieces[shapely.area(pieces) > 0.0]  # points and lines in which both touch
     if not len(pieces):
         return []
-    swept = _swept(shape, contour, ring, reached)
+    # The waste that the beam takes away, on the path's own side of the contour.
+    #
+    #   | ||\    The beam at o takes the tip of a thin wall's other side, too, by no more than the
+    # o | || \   tolerance. What is left behind the wall is not near the beam by that.
+    if shape.is_hole:
+        taken = shapely.intersection(contour, reached)
+    else:
+        sheet = shapely.box(*shapely.bounds(ring)).buffer(1.0)
+        taken = shapely.difference(sheet, shapely.union(contour, reached))
+    parts = shapely.get_parts(taken)
+    own = shapely.length(shapely.intersection(parts, shapely.boundary(ring))) > 0.0
+    swept = shapely.multipolygons(parts[own])
     taken, middle, edge = (shapely.boundary(one) for one in (swept, ring, contour))
     beyond = shapely.buffer(shapely.multilinestrings(ways(others, tolerance)), kerf / 2)
     cut_off = shapely.intersects(pieces, beyond).tolist()
@@ -87,22 +98,6 @@ def left_in(
         if (left := _left(piece, taken, middle, edge, kerf / 2, tolerance)) is not None
     ]
     return sorted(places, key=lambda left: -left.depth)
-
-
-def _swept(shape: Shape, contour: Any, ring: Any, reached: Any) -> Any:
-    """The waste that the beam takes away, on the path's own side of the contour.
-
-      | ||\\    The beam at o takes the tip of a thin wall's other side, too, by no more than
-    o | || \\   the tolerance. What is left behind the wall is not near the beam by that.
-    """
-    if shape.is_hole:
-        taken = shapely.intersection(contour, reached)
-    else:
-        sheet = shapely.box(*shapely.bounds(ring)).buffer(1.0)
-        taken = shapely.difference(sheet, shapely.union(contour, reached))
-    parts = shapely.get_parts(taken)
-    own = shapely.length(shapely.intersection(parts, shapely.boundary(ring))) > 0.0
-    return shapely.multipolygons(parts[own])
 
 
 def _left(

@@ -15,13 +15,13 @@ from beamcam.geometry.curves import Line
 from beamcam.geometry.plane import Point
 from beamcam.machine.torch import Torch
 from beamcam.model.lengths import total_length
-from beamcam.model.plan import SKELETON, ContourOp, Pass
+from beamcam.model.plan import HATCH, SKELETON, ContourOp, Pass
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.assign_process import OUTLINE
 from beamcam.planning.contours.chain import Way, chained
 from beamcam.planning.contours.entry import entries
 from beamcam.planning.contours.kerf import NO_LEADS, Lead, compensated, leads_of, overcut_length
-from beamcam.planning.contours.order import is_one_way, order, rank
+from beamcam.planning.contours.order import order, rank
 from beamcam.planning.contours.outline import (
     Curves,
     Shape,
@@ -142,7 +142,9 @@ def _in_order(
     Those that the controller compensates get their start with their entry.
     """
     here: Point = (0.0, 0.0)
-    fixed = [is_one_way(s, torch) or s.process == "spot" for s in shapes]
+    # Lines of a hatch may be followed as they are drawn alone.
+    one_way = {key for key, own in torch.settings.items() if own.hatch_one_way}
+    fixed = [s.process == "spot" or (s.look in one_way and s.source.where == HATCH) for s in shapes]
     # The outlines of a chain follow one another when all that lies in them is cut.
     last = [bool(torch.chain_cuts) and s.process == "cut" and s.depth == 0 for s in shapes]
     ranks = [2 * rank(s, torch) + is_last for s, is_last in zip(shapes, last, strict=True)]

@@ -15,7 +15,6 @@ from beamcam.errors import Diagnostic
 from beamcam.geometry.array_types import Counts, Floats
 from beamcam.geometry.plane import Point
 from beamcam.machine.torch import LayerSettings, Torch
-from beamcam.model.plan import HATCH
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.outline import Shape
 
@@ -337,12 +336,6 @@ PLAIN = LayerSettings()
 def rank(shape: Shape, torch: Torch) -> int:
     """The place in the order of work that the settings of a contour give it; 0 without any."""
     return torch.settings.get(shape.look, PLAIN).order
-
-
-def is_one_way(shape: Shape, torch: Torch) -> bool:
-    """Whether a shape is a line of a hatch that is followed as it is drawn."""
-    own = torch.settings.get(shape.look, PLAIN)
-    return own.hatch_one_way and shape.source.where == HATCH
 
 
 def refuse_order(shapes: Sequence[Shape], torch: Torch) -> Iterator[Diagnostic]:

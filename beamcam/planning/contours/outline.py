@@ -229,7 +229,19 @@ def curves_of(feature: Hole | Slot, cross: float) -> tuple[Curve, ...]:
         return cross_at((feature.x, feature.y), cross)
     if isinstance(feature, Hole):
         return (Arc((feature.x, feature.y), feature.diameter / 2, 0.0, 360.0),)
-    return tuple(_slot_curves(feature))
+    # Lines joined by corner arcs of the slot's diameter: half circles where it has no height.
+    (c, s), u, v = unit_vector(feature.angle), feature.length / 2, feature.height / 2
+    arcs = [
+        Arc((feature.x + c * x - s * y, feature.y + s * x + c * y), feature.diameter / 2,
+            feature.angle + 90.0 * k, 90.0)
+        for k, (x, y) in enumerate(((u, v), (-u, v), (-u, -v), (u, -v)))
+    ]  # fmt: skip
+    curves: list[Curve] = []
+    for k, arc in enumerate(arcs):
+        curves += [arc] if arc.radius > 0.0 else []
+        if (u, v)[k % 2] > 0.0:
+            curves.append(Line(arc.end, arcs[(k + 1) % 4].start))
+    return tuple(curves)
 
 
 def cross_at(at: Point, size: float) -> tuple[Line, Line]:
@@ -247,24 +259,6 @@ def centres_of(feature: Hole | Slot) -> list[Point]:
                         {feature.height / 2, -feature.height / 2}):  # fmt: skip
         points.append((feature.x + c * u - s * v, feature.y + s * u + c * v))
     return sorted(points)
-
-
-def _slot_curves(slot: Slot) -> Iterator[Curve]:
-    """Lines joined by corner arcs of the slot's diameter: half circles where it has no height."""
-    radius, (c, s) = slot.diameter / 2, unit_vector(slot.angle)
-    half_x, half_y = slot.length / 2, slot.height / 2
-
-    def at(x: float, y: float) -> Point:
-        return slot.x + c * x - s * y, slot.y + s * x + c * y
-
-    corners = ((half_x, half_y), (-half_x, half_y), (-half_x, -half_y), (half_x, -half_y))
-    arcs = [Arc(at(x, y), radius, slot.angle + 90.0 * k, 90.0) for k, (x, y) in enumerate(corners)]
-    for k, arc in enumerate(arcs):
-        if radius > 0.0:
-            yield arc
-        start, end = arc.end, arcs[(k + 1) % 4].start
-        if (slot.length, slot.height)[k % 2] > 0.0:
-            yield Line(start, end)
 
 
 SAME_SIZE = 1e-6  #: mm, that an opening may be below the least by its last digits
