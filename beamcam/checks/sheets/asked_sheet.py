@@ -1,4 +1,4 @@
-"""What is asked of a sheet: rows of the cut chart, what none of them cuts, how its parts lie.
+"""What is asked of a sheet: rows of the cut chart, their words, openings that no torch cuts.
 
 Of words those count that start and stop a tool, M words, as the machine's templates have them.
 """
