@@ -228,7 +228,7 @@ def _refuse_begun(job: Job) -> None:
 
 def _plan_sheet(job: Job) -> SheetPlan:
     from beamcam.planning.contours.plate import laid
-    from beamcam.planning.contours.skew_ends import with_bevels
+    from beamcam.planning.contours.plate_edges import with_bevels
     from beamcam.planning.sheet import plan_sheet
 
     machine = job.machine
@@ -245,7 +245,7 @@ def _of_asked(
 
     `begin` is the text that the program begins with.
     """
-    from beamcam.checks.sheets.asked_sheet import laid_out
+    from beamcam.checks.sheets.required_layout import laid_out
 
     parts, diagnostics = laid_out(job.parts, job.machine.torch)
     if diagnostics:

@@ -21,7 +21,7 @@ from collections.abc import Iterator
 from msgspec.structs import replace
 
 from beamcam.checks.bars.remainder import verify_remainder
-from beamcam.checks.sheets.remainder import SAID, frame_faults, rest_faults, said_of
+from beamcam.checks.sheets.remainder import COMMENT, frame_comment, frame_faults, rest_faults
 from beamcam.emitters import cutting, gcode
 from beamcam.errors import Diagnostic, PlanError, error, errors_in
 from beamcam.machine.machine import Machine
@@ -141,7 +141,7 @@ def frame_of(posted: Posted) -> Posted:
     program = replace(
         whole,
         commands=(
-            StartSheet(plan.thickness), *head, Comment(said_of(torch)), Traverse(x0, y0),
+            StartSheet(plan.thickness), *head, Comment(frame_comment(torch)), Traverse(x0, y0),
             shown if power else SetFeed(feed), *(Feed(x, y) for x, y in corners),
             *([ToolOff("cut")] if power else []),
         ),
@@ -213,7 +213,8 @@ def sheet_conditions(plan: SheetPlan, first: int) -> Iterator[str]:
     """Conditions for the operator to check before starting the rest, line by line."""
     done, left = plan.operations[: first - 1], plan.operations[first - 1 :]
     (x, y), (x0, y0) = left[0].start, done[-1].end
-    yield SAID.format(first=first, count=len(plan.operations)) + " START ONLY IF ALL THIS IS TRUE:"
+    comment = COMMENT.format(first=first, count=len(plan.operations))
+    yield f"{comment} START ONLY IF ALL THIS IS TRUE:"
     yield f"- CONTOURS 1 TO {first - 1} ARE DONE, THE LAST ONE UP TO X {x0:.3f} Y {y0:.3f}"
     marks = sum(op.row.process != "cut" for op in done)
     if marks:

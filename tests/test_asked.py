@@ -11,7 +11,7 @@ from msgspec.structs import replace
 
 from beamcam import pipeline
 from beamcam.checks.job import job_faults, pieces_asked
-from beamcam.checks.sheets.asked_sheet import laid_out
+from beamcam.checks.sheets.required_layout import laid_out
 from beamcam.errors import Source, VerifyError
 from beamcam.geometry.curves import Arc, Line
 from beamcam.machine import load

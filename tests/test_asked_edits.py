@@ -15,7 +15,7 @@ import pytest
 
 from tests.conftest import ROOT, SAMPLES, sampled
 
-LAYOUT, REQUEST = "planning/contours/copies.py", "model/request.py"
+LAYOUT, REQUEST = "planning/contours/layout.py", "model/request.py"
 STOCK = "planning/stock.py"
 ROWS, HATCH = "planning/sheet_rows.py", "model/hatch.py"
 ANGLE = """0

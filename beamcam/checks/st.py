@@ -50,7 +50,6 @@ def with_contours(
 ) -> list[Diagnostic]:  # fmt: skip
     """The messages; to those about an operation the contour nearest to its end is added."""
     from beamcam.checks.sheets.need import need_of, shift_of
-    from beamcam.checks.sheets.toolpaths import Toolpaths
 
     torch = machine.torch
     ends = {operation.line: (operation.x, operation.y) for operation in operations}
@@ -60,7 +59,7 @@ def with_contours(
         return diagnostics
     need = need_of(part, machine, torch, skips)
     shift, fine = shift_of(need, torch), torch.tolerance / 8
-    toolpaths = {process: Toolpaths(curves, fine, shift) for process, curves in need.curves.items()}
+    toolpaths = {process: need.toolpaths(process, fine).moved(shift) for process in need.curves}
     for k in which if toolpaths else ():
         place = np.array(ends[diagnostics[k].source.line or 0])
         _, way, process = min((*toolpaths[p].nearest_to(place), p) for p in toolpaths)
@@ -356,13 +355,13 @@ def verify_triggers(
     if errors_in(diagnostics):
         return tuple(with_contours(diagnostics, job.operations, parts[0], machine, skips))
     from beamcam.checks.polylines import compare_polylines
-    from beamcam.checks.sheets.compare import with_told
-    from beamcam.checks.sheets.shared_sheet import as_one
+    from beamcam.checks.sheets.compare import with_head_faults
+    from beamcam.checks.sheets.required_layout import as_one
 
     sheet = as_one(parts, machine, skips)
     ways = _ways(execution.strokes, any(row.passes > 1 for row in rows_of(sheet.part, torch)))
     more = compare_polylines(ways, sheet.part, sheet.machine, skips, triggers.in_position, name)
-    return with_told(
+    return with_head_faults(
         (*diagnostics, *sheet.diagnostics, *more), head, parts, sheet.places, machine, skips, name
     )
 

@@ -134,13 +134,13 @@ def machines_for(config: Config, parts: Sequence[Part], output: str) -> Sequence
     diagnostics = list(_other_thicknesses(config, parts))
     material = config.sheet.material
     if material is not None and config.sources.get("sheet.material") == COMMAND_LINE:
-        from beamcam.planning.contours.plate import is_same
+        from beamcam.machine.torch import material_of
         from beamcam.planning.contours.rules import OTHER_MATERIAL
 
         diagnostics += (
             OTHER_MATERIAL.at(part.source, found=material, expected=part.grade)
             for part in parts
-            if part.grade and not is_same(material, part.grade)
+            if part.grade and material_of(material) != material_of(part.grade)
         )
     if diagnostics:
         raise PlanError(diagnostics)

@@ -34,7 +34,6 @@ from beamcam.planning.contours.assign_process import (
     min_hole,
     spot,
 )
-from beamcam.planning.contours.doubling import refuse_copies, refuse_many_passes
 from beamcam.planning.contours.join import Joined, join, nest
 from beamcam.planning.contours.operations import operations_of
 from beamcam.planning.contours.order import PLAIN, refuse_order
@@ -48,12 +47,12 @@ from beamcam.planning.contours.outline import (
 )
 from beamcam.planning.contours.plate import (
     SheetMaterial,
-    box_of,
     refuse_large,
     refuse_size,
     shift_of,
     skew_ends,
 )
+from beamcam.planning.contours.running_back import refuse_copies, refuse_many_passes
 from beamcam.planning.left_out import BEVEL, DRILL
 
 #: What arcs for short chords may take of the machine's tolerance; rounding has the rest.
@@ -81,14 +80,15 @@ def plan_sheet(parts: Sequence[Part], machine: Machine, skips: Collection[str] =
     machine = machine if torch is machine.torch else replace(machine, torch=torch)
     assigned = assign_processes(part, torch, machine, skips)
     material = SheetMaterial(part, torch)
-    _refuse_work(part, assigned, {w.process for w in assigned.wanted}, material, machine, torch)
+    _refuse_work(part, assigned, {w.process for w in assigned.curves}, material, machine, torch)
     remarks = [*material.remarks, *assigned.remarks]
-    curves = table_of(tuple([w.curve for w in assigned.wanted]))
-    refuse_copies(assigned.wanted, curves)
-    box = box_of(curves)
-    refuse_large(box, part, torch)
+    curves = table_of(tuple([w.curve for w in assigned.curves]))
+    refuse_copies(assigned.curves, curves)
+    box = curves.box
+    assert box is not None
+    refuse_large(box, part, torch, torch.gap + torch.tolerance)
     kerf = material.kerf("cut")
-    joined = join(assigned.wanted, curves, torch, kerf, assigned.rings)
+    joined = join(assigned.curves, curves, torch, kerf, assigned.rings)
     if machine.words.arc_cw:
         joined.shapes = _with_arcs(joined.shapes, torch)
     shapes, diagnostics = _nested(joined, assigned, torch, kerf)
@@ -123,15 +123,15 @@ def _refuse_work(
     machine: Machine, torch: Torch,
 ) -> None:  # fmt: skip
     """Raises PlanError for what the machine cannot make of the curves, and where there are none."""
-    refusals = [*assigned.refusals, *_refuse_settings(assigned.wanted, torch, machine)]
-    refusals += _refuse_overcuts(assigned.wanted, torch) if torch.settings else ()
+    refusals = [*assigned.refusals, *_refuse_settings(assigned.curves, torch, machine)]
+    refusals += _refuse_overcuts(assigned.curves, torch) if torch.settings else ()
     spots: set[TorchProcess] = {"spot"} if assigned.spots else set()
     refusals += material.refusals(processes | spots)
     if machine.triggers is not None and machine.triggers.z is not None:
         refusals += material.unlifted(processes, machine.triggers.z)
     if refusals:
         raise PlanError(refusals)
-    if not assigned.wanted:
+    if not assigned.curves:
         raise PlanError(_nothing(part, assigned, 0, torch.gap))
 
 
@@ -197,7 +197,7 @@ def _nested(
     drawn = points_of([shape.curves for shape in joined.shapes], torch.tolerance / 4)
     refuse_many_passes(joined.shapes, drawn, torch.tolerance)
     shapes, diagnostics = nest(
-        joined.shapes, drawn, assigned.wanted, torch.tolerance, torch.gap, kerf
+        joined.shapes, drawn, assigned.curves, torch.tolerance, torch.gap, kerf
     )
     diagnostics = [*diagnostics, *refuse_order(shapes, torch)]
     if errors := errors_in([*joined.refusals, *diagnostics]):

@@ -20,7 +20,7 @@ from beamcam.model.request import Request
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.assign_process import OUTLINE, assign_processes
 from beamcam.planning.contours.outline import outline_of
-from beamcam.planning.contours.plate import SheetMaterial, box_of, spaced
+from beamcam.planning.contours.plate import SheetMaterial, spaced
 
 THICKNESS_SLACK = 0.01  #: mm that parts of one sheet may differ by
 
@@ -59,8 +59,8 @@ def places_of(parts: Sequence[Part], machine: Machine, skips: Collection[str]) -
 
 def _box(part: Part, machine: Machine, skips: Collection[str]) -> Box:
     """The box around what is cut and marked of a part."""
-    curves = [one.curve for one in assign_processes(part, _torch(machine), machine, skips).wanted]
-    return box_of(CurveTable(curves)) if curves else (0.0, 0.0, 0.0, 0.0)
+    curves = [one.curve for one in assign_processes(part, _torch(machine), machine, skips).curves]
+    return CurveTable(curves).box or (0.0, 0.0, 0.0, 0.0)
 
 
 def laid_out(parts: Sequence[Part], machine: Machine, skips: Collection[str]) -> LaidSheet:

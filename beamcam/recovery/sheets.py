@@ -17,7 +17,7 @@ from beamcam.checks.sheets.asked_sheet import rows_of
 from beamcam.checks.sheets.compare import verify_sheet
 from beamcam.checks.sheets.remainder import unchained
 from beamcam.checks.sheets.strokes import HeadStroke, Strokes, strokes_of
-from beamcam.controllers import table_events, table_run
+from beamcam.controllers import table_run
 from beamcam.errors import Diagnostic, Source, errors_in
 from beamcam.geometry.curves import Line, join_boxes, signed_area
 from beamcam.machine.machine import Machine
@@ -78,9 +78,7 @@ def _recovered(text: str, machine: Machine, torch: Torch, name: str) -> Recovere
         diagnostics.append(SHEET.at(Source(name), found=shown, material=material))
     if errors_in(diagnostics):
         return Recovered((), tuple(diagnostics))
-    strokes, more = strokes_of(
-        done, machine, torch, rows, lambda blocks: table_events(blocks, machine)[0], name
-    )
+    strokes, more = strokes_of(done, machine, torch, rows, name)
     diagnostics += more
     if errors_in(diagnostics):
         return Recovered((), tuple(diagnostics))

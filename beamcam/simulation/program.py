@@ -95,7 +95,7 @@ def _coper(text: str, machine: Machine, name: str) -> Simulated:
 def _sheet(text: str, machine: Machine, name: str, parts: Sequence[Part]) -> Simulated:
     from beamcam.checks.sheets.asked_sheet import rows_of
     from beamcam.checks.sheets.strokes import strokes_of
-    from beamcam.controllers import table_events, table_run
+    from beamcam.controllers import table_run
     from beamcam.simulation.sheets import sheet_trace
 
     torch = machine.needed(machine.torch, "torch")
@@ -103,9 +103,7 @@ def _sheet(text: str, machine: Machine, name: str, parts: Sequence[Part]) -> Sim
     if errors_in(diagnostics):
         raise VerifyError(diagnostics)
     rows = rows_of(parts[0], torch) if parts else torch.rows
-    strokes, _ = strokes_of(
-        done, machine, torch, rows, lambda blocks: table_events(blocks, machine)[0], name
-    )
+    strokes, _ = strokes_of(done, machine, torch, rows, name)
     starts = {stroke.line: (stroke.process, stroke.waits_s) for stroke in strokes.each}
     stops = {done.others[stroke.off][1].line for stroke in strokes.each if stroke.off >= 0}
     offset = max((stroke.radius for stroke in strokes.each if stroke.side), default=0.0)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from beamcam.geometry.arrays import CurveTable, cubics_of, first_equal, near_pairs
 from beamcam.geometry.curves import Arc, Bezier, BSpline, NewtonCurve, bezier_pieces, join_boxes
 from beamcam.model.part import extent
-from beamcam.planning.contours.doubling import TURNED_RAD, chords_of, may_go_round
+from beamcam.planning.contours.running_back import TURNED_RAD, chords_of, may_go_round
 from tests.conftest import examples
 from tests.property.curve_strategies import arcs, beziers, ellipses, lines, newton_curves, splines
 

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from msgspec.structs import astuple
 from numpy.typing import NDArray
 
-from beamcam.checks.sheets.grid import widest_gap
 from beamcam.checks.sheets.toolpaths import Toolpaths
+from beamcam.checks.sheets.work import widest_gap
 from beamcam.controllers import table_events
 from beamcam.controllers.codesys import arc_fault as codesys_fault
 from beamcam.controllers.events import TableEvent

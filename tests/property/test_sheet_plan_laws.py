@@ -16,7 +16,7 @@ from beamcam.geometry.conics import arc_through
 from beamcam.geometry.curves import BSpline, Curve
 from beamcam.model.part import Part
 from beamcam.motion.sheet import sheet_program
-from beamcam.planning.contours import doubling
+from beamcam.planning.contours import running_back
 from beamcam.planning.sheet import plan_sheet
 from tests.conftest import examples
 from tests.rings import polygon_of
@@ -147,7 +147,7 @@ def test_what_is_cut_is_right_and_what_is_refused_is_wrong(
             assert crosses(rings)
         if codes & DOUBLED:
             assert machine.torch is not None
-            half = doubling.NEEDLE * machine.torch.tolerance / 2
+            half = running_back.NEEDLE * machine.torch.tolerance / 2
             assert any(lies_on_itself(ring, half + 0.001) for ring in rings)
         if codes & NARROW:
             assert crosses(rings) or has_narrow_places(rings, KERF)

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from beamcam.checks.rules import UNCUT
 from beamcam.checks.sheets.toolpaths import Samples, kept_samples
 from beamcam.checks.sheets.tracing import Traced
-from beamcam.checks.sheets.work import Work, left_of, sides_at
+from beamcam.checks.sheets.work import Work
 from beamcam.errors import Diagnostic
 from beamcam.geometry.array_types import Counts, Flags, Floats
 
@@ -33,7 +33,7 @@ from beamcam.geometry.array_types import Counts, Flags, Floats
 # With P the part and B a disc of the beam's radius r, its middle has room outside of P + B. What it
 # sweeps from there is the waste but for
 #
-#     (P + B) - B' - P        the rests, B' a disc that is larger by `SPARE` of the chords' error
+#     (P + B) - B' - P        the rests, B' a disc that is larger by `MARGIN` of the chords' error
 #
 # of which each is bounded by contours and by arcs, where the beam touches the contours at both
 # ends: its mouths. Each end is a corner of the rest that is one neither of P nor of (P + B) - B'.
@@ -41,13 +41,15 @@ from beamcam.geometry.array_types import Counts, Flags, Floats
 # about no sample: each that is left out has no room beside it, measured from the contours.
 
 
-SPARE = 0.5  #: of `fine`, by which a rest is farther from the beam than the contour that it touches
+MARGIN = (
+    0.5  #: of `fine`, by which a rest is farther from the beam than the contour that it touches
+)
 POLYGON = 3  #: of shapely's types
 QUADRANT = 16  #: chords of a quarter of a beam
 TOUCHING = 1e-3  #: mm between contours that bound one waste
 SHALLOW = 2.0  #: by half the kerf; what is less deep need not grow narrow
 NARROWS = 0.75  #: area of what grows narrow, at most, by that of its mouth and its depth
-TOLD = 1.0  #: by the kerf, deeper than which it is told what stays, as in a corner of 39 degrees
+REPORTED = 1.0  #: by the kerf, deeper than which it is reported, as in a corner of 39 degrees
 
 
 class UncutCorners(Struct, frozen=True):
@@ -60,8 +62,7 @@ class UncutCorners(Struct, frozen=True):
 
     def kept(self, which: Counts | Flags) -> "UncutCorners":
         """Some of them."""
-        rests, depths = self.rests[which], self.depths[which]
-        return UncutCorners(rests, depths, self.places[which], self.middles[which])
+        return UncutCorners(*(getattr(self, name)[which] for name in self.__struct_fields__))
 
 
 def in_corners(
@@ -74,13 +75,23 @@ def in_corners(
     element, share, owner = kept_samples(samples, missing)
     found = np.zeros(len(missing), dtype=bool)
     which = np.flatnonzero(work.beside[owner])
-    which = which[~_has_room(work, element[which], share[which])]
+    # Those beside which a beam has no room in the waste.
+    need, half = work.need, work.half_kerf
+    elements, shares, sides = element[which], share[which], work.sides[owner[which]]
+    twins = np.flatnonzero(sides == 0.0)
+    left, _ = work.part_beside(elements[twins], shares[twins])
+    sides[twins] = np.where(left, -1.0, 1.0)
+    middles = need.elements.places(elements, shares)
+    middles += half * sides[:, None] * work.left_of(elements, shares)
+    near = need.near(middles, half)
+    near = near.kept(work.beside[need.owner[near.element]])
+    which = which[need.nearest_of(near, len(middles))[0] < half - 2 * work.fine]
     if not len(which):
         return found, None
     corners = _corners(work, owner[which])
     # Along a contour it is as far from where the beam touches to the end of the rest's mouth.
-    spare = SPARE * work.fine
-    reach = np.sqrt(2 * work.half_kerf * spare + spare * spare) + 2 * work.fine
+    margin = MARGIN * work.fine
+    reach = np.sqrt(2 * work.half_kerf * margin + margin * margin) + 2 * work.fine
     places = shapely.points(work.need.elements.places(element[which], share[which]))
     inside, rest = shapely.STRtree(corners.rests).query(places, "dwithin", distance=reach)
     slack = np.zeros(len(corners.rests))
@@ -95,24 +106,10 @@ def in_corners(
     return found, corners.kept(np.unique(rest[touched[rest]]))
 
 
-def _has_room(work: Work, element: Counts, share: Floats) -> Flags:
-    """Places of contours beside which a beam has room in the waste."""
-    need, half = work.need, work.half_kerf
-    sides = work.sides[need.owner[element]]
-    twins = np.flatnonzero(sides == 0.0)
-    sides[twins] = sides_at(work.region, need, element[twins], share[twins], work.fine)
-    aside = sides[:, None] * left_of(need, element, share)
-    middles = need.elements.places(element, share) + half * aside
-    pairs = need.near(middles, half)
-    pairs = pairs.kept(work.beside[need.owner[pairs.element]])
-    is_free: Flags = need.nearest_of(pairs, len(middles))[0] >= half - 2 * work.fine
-    return is_free
-
-
 def _corners(work: Work, ways: Counts) -> UncutCorners:
     """The corners of the waste beside the contours that some ways are of."""
     areas, signs = _areas(work, ways)
-    half, wider = work.half_kerf, work.half_kerf + SPARE * work.fine
+    half, wider = work.half_kerf, work.half_kerf + MARGIN * work.fine
     kept_off = shapely.buffer(areas, signs * half, quad_segs=QUADRANT)
     swept = shapely.buffer(kept_off, -signs * wider, quad_segs=QUADRANT)
     is_part = signs > 0.0
@@ -150,8 +147,8 @@ def _corners(work: Work, ways: Counts) -> UncutCorners:
     deepest = np.lexsort((away, group))[np.cumsum(sizes) - 1]
     depths = away[deepest]
     narrows = shapely.area(rests[two]) <= NARROWS * mouths * depths
-    found = UncutCorners(rests[two], depths, points[inner[deepest]], middles)
-    return found.kept((depths <= SHALLOW * half) | narrows)
+    uncut = UncutCorners(rests[two], depths, points[inner[deepest]], middles)
+    return uncut.kept((depths <= SHALLOW * half) | narrows)
 
 
 def _touching(ends: tuple[Floats, Floats], mouths: Floats, radius: float, inner: Floats) -> Floats:
@@ -197,18 +194,16 @@ def _areas(work: Work, ways: Counts) -> tuple[NDArray[np.object_], Floats]:
 
 
 def left_faults(work: Work, corners: UncutCorners) -> list[Diagnostic]:
-    """Of each contour the deepest of its corners, if it is deep enough to be told."""
-    told = corners.kept(corners.depths > TOLD * 2 * work.half_kerf)
+    """Of each contour the deepest of its corners, if it is deep enough to be reported."""
+    corners = corners.kept(corners.depths > REPORTED * 2 * work.half_kerf)
     deepest: dict[int, tuple[int, int]] = {}
-    for k in np.argsort(told.depths, kind="stable").tolist():
-        way = work.need.nearest_to(told.places[k])[1]
+    for k in np.argsort(corners.depths, kind="stable").tolist():
+        way = work.need.nearest_to(corners.places[k])[1]
         deepest[int(work.region.ring_of[way])] = k, way
     diagnostics = []
     for number, (k, way) in sorted(deepest.items()):
         first = min(k for k, _ in work.region.rings[number]) if number >= 0 else way
-        x, y = (told.places[k] - np.array(work.shift)).tolist()
-        source = work.asked.source(work.process, first)
-        diagnostics.append(
-            UNCUT.at(source, found=f"{told.depths[k]:.3f}", x=f"{x:.3f}", y=f"{y:.3f}")
-        )
+        x, y = (f"{at:.3f}" for at in corners.places[k] - np.array(work.shift))
+        source = work.required.source(work.process, first)
+        diagnostics.append(UNCUT.at(source, found=f"{corners.depths[k]:.3f}", x=x, y=y))
     return diagnostics

@@ -1,33 +1,35 @@
-"""What is asked of a sheet: rows of the cut chart, what none of them cuts, how its parts lie.
+"""What is asked of a sheet: rows of the cut chart, their words, openings that no torch cuts.
 
 Of words those count that start and stop a tool, M words, as the machine's templates have them.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from itertools import dropwhile, takewhile
-from math import pi, radians, tan
+from math import pi
 
 import numpy as np
 import shapely
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.checks.sheets import rules
-from beamcam.checks.sheets.region import Region, box_of
-from beamcam.checks.sheets.required_layout import copied, pulled_apart
-from beamcam.checks.sheets.skew_edges import with_skew_edges
+from beamcam.checks.sheets.region import Region
+from beamcam.controllers import table_events
 from beamcam.controllers.dialect import tool_words
 from beamcam.controllers.events import Pause, Said, Switch, TableEvent, ToolOffset
-from beamcam.errors import Diagnostic
 from beamcam.geometry.array_types import Floats
 from beamcam.geometry.curves import Arc, Curve, Line
 from beamcam.geometry.plane import Point
 from beamcam.machine.machine import Machine
-from beamcam.machine.torch import Torch, TorchProcess, TorchRow, is_row_for, material_said
-from beamcam.model.colour import key_of
+from beamcam.machine.torch import (
+    LayerSettings,
+    Torch,
+    TorchProcess,
+    TorchRow,
+    is_row_for,
+    material_said,
+)
 from beamcam.model.description import PART_DATA
-from beamcam.model.hatch import hatched
-from beamcam.model.part import PLATE_FACES, Contour, Hole, Part, Slot, TextMark, extent
+from beamcam.model.part import Part, extent
 
 
 def thickness_of(part: Part, torch: Torch) -> float:
@@ -39,18 +41,22 @@ def thickness_of(part: Part, torch: Torch) -> float:
 def rows_of(part: Part, torch: Torch) -> list[TorchRow]:
     """The rows that may run on the part's sheet: of each process, then of colours and layers."""
     rows = rows_on(part, torch)
-    looked = [
-        replace(
-            row,
-            feed_mm_min=row.feed_mm_min if own.speed is None else own.speed,
-            power=row.power if own.power is None else own.power,
-            passes=row.passes if own.passes is None else own.passes,
-        )
+    return rows + [
+        with_settings(row, own)
         for key, own in torch.settings.items()
         for row in rows
         if torch.colours.get(key) == row.process
     ]
-    return [*rows, *looked]
+
+
+def with_settings(row: TorchRow, own: LayerSettings) -> TorchRow:
+    """A row as the settings of a colour or a layer have it."""
+    return replace(
+        row,
+        feed_mm_min=row.feed_mm_min if own.speed is None else own.speed,
+        power=row.power if own.power is None else own.power,
+        passes=row.passes if own.passes is None else own.passes,
+    )
 
 
 def _at_feed(row: TorchRow, torch: Torch, thickness: float) -> TorchRow:
@@ -98,36 +104,29 @@ class RowWords(Struct, frozen=True):
     stop_s: float  #: that it stays on for, the head at rest, before it is stopped
 
 
-def words_of(row: TorchRow, machine: Machine, parse: Callable[[str], list[TableEvent]]) -> RowWords:
+def words_of(row: TorchRow, machine: Machine, torch: Torch) -> RowWords:
     """The words of a row, read from the machine's templates by the controller's own rules.
 
-    Programs write powers, seconds and feeds to three decimals.
+    Programs write powers, seconds and feeds to three decimals. In laser mode a word by itself
+    switches nothing; here it is looked at what it says.
     """
     second = 0.001 if machine.format.dwell_unit == "ms" else 1.0
+    reader = replace(machine, torch=replace(torch, laser_mode=False))
+    figures = {
+        "power": row.power, "pierce": row.pierce_s / second, "preheat": row.preheat_s / second,
+        "pierce_height": row.pierce_height, "cut_height": row.cut_height, "amps": row.amps,
+        "volts": row.volts,
+    }  # fmt: skip
+    values = {name: f"{figure:.3f}" for name, figure in figures.items()}
+    values |= {"feed": "1", "number": str(row.number), "clearance": "0", "touch_height": "0"}
+    values |= PART_DATA  # in comments only, as the machine's file is checked
 
-    def events(template: tuple[str, ...]) -> list[TableEvent]:
-        lines = [
-            line.format(
-                power=f"{row.power:.3f}",
-                pierce=f"{row.pierce_s / second:.3f}",
-                preheat=f"{row.preheat_s / second:.3f}",
-                feed="1",
-                pierce_height=f"{row.pierce_height:.3f}",
-                cut_height=f"{row.cut_height:.3f}",
-                amps=f"{row.amps:.3f}",
-                volts=f"{row.volts:.3f}",
-                number=str(row.number),
-                clearance="0",
-                touch_height="0",
-                **PART_DATA,  # in comments only, as the machine's file is checked
-            )
-            for line in template
-        ]
-        return parse("\n".join(lines))
+    def events(key: str) -> list[TableEvent]:
+        template: tuple[str, ...] = getattr(machine.words, key)
+        return table_events("\n".join(line.format(**values) for line in template), reader)[0]
 
-    on = events(getattr(machine.words, f"{row.process}_on"))
-    off = events(getattr(machine.words, f"{row.process}_off"))
-    chosen = events(getattr(machine.words, f"choose_{row.process}"))
+    on, off = events(f"{row.process}_on"), events(f"{row.process}_off")
+    chosen = events(f"choose_{row.process}")
     starts = tool_words((e for e in on if isinstance(e, Switch)), True)
     stops = tool_words((e for e in off if isinstance(e, Switch)), False)
     return RowWords(
@@ -188,14 +187,14 @@ def _openings(
     around = shapely.length(region.polygons)
     # A slot that has this area and this length all round is as wide as this; chords make it less.
     widths = (around - np.sqrt(np.maximum(around**2 - 4 * pi * areas, 0.0))) / pi
-    narrow = np.flatnonzero(widths < least + tolerance)
-    x0, y0, x1, y1 = shapely.bounds(region.polygons[narrow]).reshape(-1, 4).T
+    small = np.flatnonzero(widths < least + tolerance)
+    x0, y0, x1, y1 = shapely.bounds(region.polygons[small]).reshape(-1, 4).T
     # The middle of a circle or a slot lies in it, and in what is around it.
     middles = shapely.points((x0 + x1) / 2, (y0 + y1) / 2)
     own, around_it = shapely.STRtree(region.polygons).query(middles, "within")
-    own = own[areas[around_it] > areas[narrow[own]]]
+    own = own[areas[around_it] > areas[small[own]]]
     for k in sorted(set(own.tolist())):
-        number = int(narrow[k])
+        number = int(small[k])
         curves = [ways[way] for way, _ in region.rings[number]]
         corners = np.asarray(region.polygons[number].exterior.coords)
         if centres := _centres(corners, curves, tolerance, least):
@@ -203,7 +202,7 @@ def _openings(
     if not round_ended:
         return {}
     rings = np.array(list(round_ended), dtype=np.int64)
-    larger = np.bincount(own, minlength=len(narrow))[np.searchsorted(narrow, rings)]
+    larger = np.bincount(own, minlength=len(small))[np.searchsorted(small, rings)]
     openings = rings[larger % 2 == 1]
     wider = shapely.STRtree(shapely.buffer(region.polygons[openings], tolerance))
     inside, _ = wider.query(region.polygons[rings], "covered_by")
@@ -241,109 +240,3 @@ def _centres(
         return ()
     ends: list[list[float]] = np.unique(far @ axes, axis=0).tolist()
     return tuple((x, y) for x, y in ends)
-
-
-# --- layout ---------------------------------------------------------------------------------------
-
-# How the parts have to lie.
-
-
-def laid_out(
-    parts: Sequence[Part], torch: Torch | None
-) -> tuple[tuple[Part, ...], list[Diagnostic]]:
-    """The parts as they have to lie, hatched; and errors for features that cannot.
-
-    The lines of a hatch are what a program may follow; whether they fill their contours is looked
-    at in `hatch`.
-    """
-    if torch is None:
-        return tuple(parts), []
-    diagnostics: list[Diagnostic] = []
-    laid: list[Part] = []
-    parts = [with_skew_edges(part, torch) for part in parts]
-    if len(parts) == 1 and torch.common_cuts:
-        parts = (pulled_apart(parts[0], torch, kerf_on(parts[0], torch)),)
-    torch = replace(torch, spacing=between(parts[0], torch)) if parts else torch
-    if len(parts) == 1 and _lies_turned(parts[0], torch):
-        torch = replace(torch, rotate=90.0)
-    for part in parts:
-        if torch.mirror != "none" or torch.rotate or torch.copies != (1, 1):
-            whole = _outlined(part)
-            diagnostics += _faults(whole, torch)
-            part = whole if diagnostics else copied(whole, torch)
-        laid.append(hatched(part, torch) if torch.settings else part)
-    return tuple(laid), diagnostics
-
-
-def between(part: Part, torch: Torch) -> float:
-    """The distance between two parts or copies: with common cuts what one cut takes."""
-    return kerf_on(part, torch) if torch.common_cuts else torch.spacing
-
-
-def kerf_on(part: Part, torch: Torch) -> float:
-    """The width of a cut on the part's sheet, where it is kept off."""
-    taken = [row.kerf for row in rows_on(part, torch) if row.process == "cut"]
-    return taken[0] if taken and torch.kerf_by != "none" else 0.0
-
-
-def _lies_turned(part: Part, torch: Torch) -> bool:
-    changed = torch.rotate or torch.mirror != "none" or torch.copies != (1, 1)
-    where_drawn = torch.origin == "table" and torch.place != "corner"
-    if changed or where_drawn:
-        return False
-    whole = _outlined(part)
-    any_ignored = "ignore" in torch.colours.values()
-    worked = [
-        feature for feature in whole.features
-        if not any_ignored or not isinstance(feature, Contour)
-        or (key := key_of(feature, torch.colours)) is None or torch.colours[key] != "ignore"
-    ]  # fmt: skip
-    box = box_of(worked)
-    if box is None:
-        return False
-    long, high = box[2] - box[0], box[3] - box[1]
-
-    def lies(along: float, across: float) -> bool:
-        return along <= torch.length + torch.gap and across <= torch.width + torch.gap
-
-    across = lies(high, long) and not lies(long, high)
-    return across and next(_faults(whole, torch), None) is None
-
-
-def _faults(part: Part, torch: Torch) -> Iterator[Diagnostic]:
-    for feature in part.features:
-        if isinstance(feature, Contour):
-            what = "bevelled contour" if feature.bevels else ""
-        elif isinstance(feature, TextMark) and torch.mirror == "none":
-            continue
-        else:
-            what = "" if isinstance(feature, Hole | Slot) else type(feature).__name__.lower()
-        if what:
-            yield rules.LAID.at(getattr(feature, "source", part.source), found=what)
-
-
-def _outlined(part: Part) -> Part:
-    """The part with the rectangle of a plate that has no outer contour of its own."""
-    for feature in part.features:
-        if (
-            isinstance(feature, Contour) and feature.kind == "outer"
-            and feature.process == "cut" and feature.face in PLATE_FACES
-        ):  # fmt: skip
-            return part
-    if part.measures is not None:
-        return part
-    sides = tuple(header_outline(part))
-    return replace(part, features=(*part.features, Contour("v", "outer", sides, part.source)))
-
-
-def header_outline(part: Part) -> list[Line]:
-    """The outline of a plate by the header alone: at each end the angle between its edges in v."""
-    low, high = [0.0, part.length], [0.0, part.length]  # x of both ends at y 0 and at the width
-    for k, angle in enumerate((part.cuts.web_start, part.cuts.web_end)):
-        shorter = part.profile.height * tan(radians(abs(angle)))
-        shorter = -shorter if k else shorter
-        side = low if (angle > 0.0) != bool(k) else high  # the other edge is the longest
-        side[k] += shorter
-    wide = part.profile.height
-    corners = [(low[0], 0.0), (low[1], 0.0), (high[1], wide), (high[0], wide)]
-    return [Line(a, b) for a, b in zip(corners, [*corners[1:], corners[0]], strict=True)]

@@ -30,47 +30,30 @@ order      no contour is cut after one around it, none marked after a cut
 A controller that keeps off the contour by itself changes nothing but the path (`compensation`).
 """
 
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 import shapely
 from msgspec.structs import replace
 
 from beamcam.checks.job import head_of, part_faults, stock_faults
-from beamcam.checks.sheets import rules
+from beamcam.checks.sheets import leads, marks, rules
 from beamcam.checks.sheets.asked_sheet import rows_of, thickness_of
 from beamcam.checks.sheets.compensation import beam_of
 from beamcam.checks.sheets.controller_state import Outputs, radius_faults
 from beamcam.checks.sheets.heights import HeightWatch
-from beamcam.checks.sheets.leads import (
-    band_faults,
-    direction_faults,
-    edge_faults,
-    find_small,
-    hole_faults,
-    middle_faults,
-    pierce_faults,
-)
-from beamcam.checks.sheets.marks import (
-    add_texts,
-    hatch_faults,
-    one_way_faults,
-    overscan_faults,
-    spot_faults,
-    without_spots,
-)
 from beamcam.checks.sheets.need import Need, need_of, shift_of
 from beamcam.checks.sheets.overcut import dark_faults, overcut_faults
 from beamcam.checks.sheets.paths import cover, follow
 from beamcam.checks.sheets.region import Region
 from beamcam.checks.sheets.remainder import link_faults, passes_folded, unchained
-from beamcam.checks.sheets.settings import look_faults
-from beamcam.checks.sheets.shared_sheet import SKELETON, as_one
+from beamcam.checks.sheets.required_layout import SKELETON, as_one
+from beamcam.checks.sheets.settings import setting_faults
 from beamcam.checks.sheets.strokes import Strokes, is_far, strokes_of
 from beamcam.checks.sheets.tabs import tab_faults
 from beamcam.checks.sheets.tracing import Traced
-from beamcam.checks.sheets.work import SHOWN, Work, told_apart, work_of
-from beamcam.controllers import table_events, table_run
+from beamcam.checks.sheets.work import SHOWN, Work, with_own_rows, work_of
+from beamcam.controllers import table_run
 from beamcam.controllers.events import Lift, Touch, Zero
 from beamcam.controllers.moves import Moves, TableRun
 from beamcam.errors import Diagnostic, Source, errors_in
@@ -95,17 +78,13 @@ def verify_sheet(
     diagnostics = [*diagnostics, *radius_faults(done.moves, machine, torch, name)]
     if errors_in(diagnostics) or not parts:
         return tuple(diagnostics)
-    asked, sheet = machine, as_one(parts, machine, skips)
+    given, sheet = machine, as_one(parts, machine, skips)
     part, machine = sheet.part, sheet.machine
     torch, diagnostics = machine.torch or torch, [*diagnostics, *sheet.diagnostics]
     rows = rows_of(part, torch)
     torch = torch.by(next((row for row in rows if row.process == "cut"), None))
     machine = machine if torch is machine.torch else replace(machine, torch=torch)
-    # In laser mode a word by itself switches nothing; here it is looked at what it says.
-    telling = replace(machine, torch=replace(torch, laser_mode=False))
-    strokes, more = strokes_of(
-        done, machine, torch, rows, lambda blocks: table_events(blocks, telling)[0], name
-    )
+    strokes, more = strokes_of(done, machine, torch, rows, name)
     diagnostics += more
     diagnostics += switching_faults(done, strokes, machine, torch, name)
     if is_far(strokes.moves, torch):
@@ -114,14 +93,14 @@ def verify_sheet(
         strokes = passes_folded(strokes, rows)
     need = need_of(part, machine, torch, skips)
     shift = shift_of(need, torch)
-    strokes = told_apart(strokes, need, torch, shift)
+    strokes = with_own_rows(strokes, need, torch, shift)
     if torch.chain_cuts:
         strokes, links = unchained(strokes, torch, machine.format.resolution)
         diagnostics += link_faults(links, strokes, need, torch, shift, name)
     places = sheet.places or ([shift] if need.curves else [])
     diagnostics += compare_part(strokes, need, part, machine, torch, name)
-    diagnostics = with_contours(diagnostics, done.moves, need, shift, torch.tolerance / 8)
-    return with_told(diagnostics, head, parts, places, asked, skips, name)
+    add_contours(diagnostics, done.moves, need, shift, torch.tolerance / 8)
+    return with_head_faults(diagnostics, head, parts, places, given, skips, name)
 
 
 def switching_faults(
@@ -141,16 +120,16 @@ def switching_faults(
         done, line = 0, 1
         for place, (before, event) in enumerate(run.others):
             if before > done:
-                watch.diagnostics += watch.moves(done, before)
+                watch.moves(done, before)
             done, line = before, event.line
             if place in starts:
-                watch.diagnostics += watch.starts(line, starts[place].row, starts[place].tool)
+                watch.starts(line, starts[place].row, starts[place].tool)
             elif place in stops:
-                watch.diagnostics += watch.stops(line)
-            watch.diagnostics += watch.take(event)
+                watch.stops(line)
+            watch.take(event)
         if len(run.moves) > done:
-            watch.diagnostics += watch.moves(done, len(run.moves))
-        watch.diagnostics += watch.ends(line)
+            watch.moves(done, len(run.moves))
+        watch.ends(line)
     return [one for watch in watches for one in watch.diagnostics]
 
 
@@ -162,10 +141,10 @@ def compare_part(
     if need.spots or any(stroke.process == "spot" for stroke in strokes.each):
         step = machine.format.resolution
         near = torch.tolerance + 2 * step
-        need.diagnostics += spot_faults(strokes, need, shift_of(need, torch), near, name)
-        strokes = without_spots(strokes)
+        need.diagnostics += marks.spot_faults(strokes, need, shift_of(need, torch), near, name)
+        strokes = marks.without_spots(strokes)
     if any(isinstance(feature, TextMark) for feature in part.features):
-        add_texts(need, part, machine, torch, strokes)
+        marks.add_texts(need, part, machine, torch, strokes)
     if not need.curves and not strokes.each:
         return need.diagnostics
     shift = shift_of(need, torch)
@@ -186,13 +165,13 @@ def compare_part(
         diagnostics += [*more, *dark_faults(work, mine, bool(machine.words.close))]
         traced += mine
         if any(own.hatch_one_way for own in torch.settings.values()) and process in need.curves:
-            diagnostics += one_way_faults(work)
+            diagnostics += marks.one_way_faults(work)
         if torch.overscan and not stepped:
-            diagnostics += overscan_faults(work)
+            diagnostics += marks.overscan_faults(work)
     if torch.settings or any(row.passes > 1 for row in need.rows.values()):
-        diagnostics += look_faults(works, traced, name)
+        diagnostics += setting_faults(works, traced, name)
     if any(own.hatch for own in torch.settings.values()):
-        diagnostics += hatch_faults(need, torch, name)
+        diagnostics += marks.hatch_faults(need, torch, name)
     diagnostics += order_faults(sorted(traced, key=lambda t: t.stroke.line), works, name)
     return need.diagnostics + diagnostics
 
@@ -201,26 +180,26 @@ def _compared(work: Work) -> tuple[Sequence[Traced], list[Diagnostic]]:
     """Missing, extra, repeated, open and wrong-side paths of one process."""
     if not work.need.count:
         line, place = work.strokes[0].line, work.moves.start[0]
-        away, expected = "on no contour", f"nothing to {work.process}"
-        return [], [work.extra(line, place, away, expected)]
+        values = {"away": "on no contour", "expected": f"nothing to {work.process}"}
+        return [], [work.fault(rules.EXTRA, line, place, **values)]
     if not work.strokes:
         which = np.flatnonzero(~work.small)
         return [], [work.missing(k, work.need.starts[k]) for k in which[:1].tolist()]
     traced, diagnostics = follow(work)
-    find_small(work, traced)
+    leads.find_small(work, traced)
     diagnostics += cover(work, traced)
     diagnostics += overcut_faults(work, traced)
-    diagnostics += direction_faults(work, traced)
-    diagnostics += hole_faults(work, traced)
+    diagnostics += leads.direction_faults(work, traced)
+    diagnostics += leads.hole_faults(work, traced)
     if work.bridged:
         diagnostics += tab_faults(work, traced)
     if work.half_kerf:
-        diagnostics += band_faults(work, traced)
-    led = work.torch.lead != "none" and work.torch.kerf_by == "offset"
-    if work.half_kerf and led and not work.stepped:
-        diagnostics += pierce_faults(work, traced)
-        diagnostics += middle_faults(work, traced)
-        diagnostics += edge_faults(work, traced)
+        diagnostics += leads.band_faults(work, traced)
+    with_leads = work.torch.lead != "none" and work.torch.kerf_by == "offset"
+    if work.half_kerf and with_leads and not work.stepped:
+        diagnostics += leads.pierce_faults(work, traced)
+        diagnostics += leads.middle_faults(work, traced)
+        diagnostics += leads.edge_faults(work, traced)
     return traced, diagnostics
 
 
@@ -237,19 +216,21 @@ def order_faults(
     traced: Sequence[Traced], works: Mapping[TorchProcess, Work], name: str
 ) -> list[Diagnostic]:
     """Marks behind cuts, and what lies in a contour that was cut before, in the program's order."""
+
+    def fault(t: Traced, found: str, before: str) -> Diagnostic:
+        return rules.ORDER.at(Source(name, t.stroke.line), found=found, before=before)
+
     diagnostics: list[Diagnostic] = []
     first_cut = next((t for t in traced if t.stroke.process == "cut"), None)
     for t in traced:
         if first_cut and t.stroke.process != "cut" and t.stroke.line > first_cut.stroke.line:
-            diagnostics.append(
-                rules.ORDER.at(
-                    Source(name, t.stroke.line),
-                    found=f"work to {t.stroke.process} {_contour(works, t)}",
-                    before=f"the cut on line {first_cut.stroke.line}",
-                )
-            )
+            found = f"work to {t.stroke.process} {_contour(works, t)}"
+            diagnostics.append(fault(t, found, f"the cut on line {first_cut.stroke.line}"))
             break
-    diagnostics += _before_skeleton(traced, works, name)
+    if (behind := _behind_skeleton(traced, works)) is not None:
+        cut, part = behind
+        before = f"the cut through the skeleton on line {cut.stroke.line}"
+        diagnostics.append(fault(part, _contour(works, part), before))
     # An open cut has no inside, and lies in none.
     cuts = [t for t in traced if t.stroke.process == "cut" and t.contour >= 0]
     # What is left of a contour may be cut piece by piece: it holds what lies in it until the last.
@@ -257,35 +238,28 @@ def order_faults(
     cuts = [t for t in cuts if t.closed or t.joined or t is last[t.contour]]
     pairs = inside_of_earlier([t.contour for t in cuts], works["cut"].region) if cuts else []
     for a, b in pairs:
-        diagnostics.append(
-            rules.ORDER.at(
-                Source(name, cuts[a].stroke.line), found=_contour(works, cuts[a]),
-                before=f"{_contour(works, cuts[b])} around it, cut on line {cuts[b].stroke.line}",
-            )
-        )  # fmt: skip
+        before = f"{_contour(works, cuts[b])} around it, cut on line {cuts[b].stroke.line}"
+        diagnostics.append(fault(cuts[a], _contour(works, cuts[a]), before))
     return diagnostics[:SHOWN]
 
 
-def _before_skeleton(
-    traced: Sequence[Traced], works: Mapping[TorchProcess, Work], name: str
-) -> list[Diagnostic]:
-    """Parts that are cut behind a cut through the skeleton, which they hang in."""
+def _behind_skeleton(
+    traced: Sequence[Traced], works: Mapping[TorchProcess, Work]
+) -> tuple[Traced, Traced] | None:
+    """A cut through the skeleton, and a part behind it, which hangs in that; None without any."""
     work = works.get("cut")
     if work is None or not work.torch.skeleton_cuts or not work.need.count:
-        return []
-    skeleton = [t for t in traced if t.stroke.process == "cut" and not t.half_kerf and not t.closed]
-    for t in skeleton:
-        path = (work.path.starts[t.first] + work.path.ends[t.last - 1]) / 2
-        _, way = work.need.nearest_to(path)
-        behind = [o for o in traced if o.stroke.line > t.stroke.line and (o.half_kerf or o.closed)]
-        if work.asked.source("cut", way).where == SKELETON and behind:
-            return [
-                rules.ORDER.at(
-                    Source(name, behind[0].stroke.line), found=_contour(works, behind[0]),
-                    before=f"the cut through the skeleton on line {t.stroke.line}",
-                )
-            ]  # fmt: skip
-    return []
+        return None
+    for t in traced:
+        if t.stroke.process == "cut" and not t.half_kerf and not t.closed:
+            path = (work.path.starts[t.first] + work.path.ends[t.last - 1]) / 2
+            _, way = work.need.nearest_to(path)
+            later = [
+                o for o in traced if o.stroke.line > t.stroke.line and (o.half_kerf or o.closed)
+            ]
+            if later and work.required.source("cut", way).where == SKELETON:
+                return t, later[0]
+    return None
 
 
 def _contour(works: Mapping[TorchProcess, Work], t: Traced) -> str:
@@ -319,76 +293,59 @@ def inside_of_earlier(contours: Sequence[int], region: Region) -> list[tuple[int
     return sorted(pairs)
 
 
-# --- what is said ---------------------------------------------------------------------------------
-
-# Messages about a block of a program, with the contour of the input that the block is beside.
+# --- messages -------------------------------------------------------------------------------------
 
 
 #: Rules that know a line of the program only.
 NAMELESS = {
-    rule.code
-    for rule in (
-        rules.FEED, rules.RAMP, rules.TOOL, rules.RAPID, rules.IDLE, rules.AREA,
-        rules.COMPENSATION,
-    )
+    rule.code for rule in (rules.FEED, rules.RAMP, rules.TOOL, rules.RAPID, rules.IDLE, rules.AREA,
+                           rules.COMPENSATION)
 }  # fmt: skip
 
 
-def with_contours(
-    said: Iterable[Diagnostic], moves: Moves, need: Need, shift: tuple[float, float], fine: float
-) -> list[Diagnostic]:
-    """The messages; to those of `NAMELESS` the nearest contour is added.
+def add_contours(
+    diagnostics: list[Diagnostic], moves: Moves, need: Need, shift: Point, fine: float
+) -> None:
+    """Add the nearest contour to the messages of `NAMELESS`.
 
     The place of a block that does not move is the end of the next move.
     """
-    diagnostics = list(said)
-    which = [
-        (k, one.source.line)
-        for k, one in enumerate(diagnostics)
-        if one.code in NAMELESS and one.source.line is not None
-    ]
-    if not which or not need.curves or not len(moves):
-        return diagnostics
+    if not need.curves or not len(moves):
+        return
     toolpaths = {process: need.toolpaths(process, fine) for process in need.curves}
     lines = np.maximum.accumulate(moves.line)
-    for k, line in which:
-        row = min(int(np.searchsorted(lines, line)), len(lines) - 1)
-        place = moves.end[row] - np.array(shift)
-        _, way, process = min((*toolpaths[p].nearest_to(place), p) for p in toolpaths)
-        contour = f", beside the contour of {need.source(process, way)}"
-        diagnostics[k] = replace(diagnostics[k], message=diagnostics[k].message + contour)
-    return diagnostics
+    for k, one in enumerate(diagnostics):
+        if one.code in NAMELESS and one.source.line is not None:
+            row = min(int(np.searchsorted(lines, one.source.line)), len(lines) - 1)
+            place = moves.end[row] - np.array(shift)
+            _, way, process = min((*toolpaths[p].nearest_to(place), p) for p in toolpaths)
+            contour = f", beside the contour of {need.source(process, way)}"
+            diagnostics[k] = replace(one, message=one.message + contour)
 
 
-def with_told(
+def with_head_faults(
     diagnostics: Sequence[Diagnostic], head: str, parts: Sequence[Part], places: Sequence[Point],
     machine: Machine, skips: Collection[str], name: str,
 ) -> tuple[Diagnostic, ...]:  # fmt: skip
-    """What was said of a program; of a sound one also what its head says otherwise."""
-    if not head or errors_in(diagnostics):
-        return tuple(diagnostics)
-    return (*diagnostics, *told_faults(head, parts, places, machine, skips, name))
-
-
-def told_faults(
-    text: str, parts: Sequence[Part], places: Sequence[Point], machine: Machine,
-    skips: Collection[str], name: str,
-) -> Iterator[Diagnostic]:  # fmt: skip
-    """All differences of the head that `text` begins with from the parts as they have to lie.
+    """The faults of a program; of a sound one all differences of its head from the parts as they
+    have to lie.
 
     `places` are those of their x 0, y 0; without them that of a part that is alone is worked out.
     """
-    head = head_of(text)
-    if head is None or machine.torch is None:
-        return
-    yield from stock_faults(
-        head, parts, float(thickness_of(parts[0], machine.torch)), machine, name
-    )
+    job_head = head_of(head) if head and not errors_in(diagnostics) else None
+    if job_head is None or machine.torch is None:
+        return tuple(diagnostics)
+    thickness = float(thickness_of(parts[0], machine.torch))
     at: Sequence[tuple[float, ...]] = places
     if not places:
         need = need_of(parts[0], machine, machine.torch, skips)
         at = [shift_of(need, machine.torch)]
-        if not need.curves and head.parts:  # texts alone are found wherever the program has them
-            at = [head.parts[0].at]
+        if (
+            not need.curves and job_head.parts
+        ):  # texts alone are found wherever the program has them
+            at = [job_head.parts[0].at]
     lie = [*zip(parts, at, strict=True)]
-    yield from part_faults(head, lie, machine.torch.tolerance, False, name)
+    return (
+        *diagnostics, *stock_faults(job_head, parts, thickness, machine, name),
+        *part_faults(job_head, lie, machine.torch.tolerance, False, name),
+    )  # fmt: skip

@@ -95,35 +95,26 @@ class _OffsetPath:
             return
         if leg.curve is not None and not isinstance(leg.curve, Arc):
             raise CompensationError(leg.line, "compensation along a curve that is no arc")
-        centre = leg.curve.centre if leg.curve is not None else None
-        turn = 0 if not isinstance(leg.curve, Arc) else 1 if leg.curve.sweep_deg > 0.0 else -1
-        if self._waiting is None:
-            self._enter(leg)
-            return
-        x0, y0 = self._programmed
-        if centre is None:
-            ahead = atan2(leg.end[1] - y0, leg.end[0] - x0)
-            normal = ahead + self._left * pi / 2
-            end = _polar(leg.end, self._radius, normal)
-            move = _Move(leg.line, end, along=(leg.end[0] - x0, leg.end[1] - y0))
+        (x0, y0), entry = self._programmed, self._waiting is None
+        if leg.curve is None:
+            along = (leg.end[0] - x0, leg.end[1] - y0)
+            normal = atan2(along[1], along[0]) + self._left * pi / 2
+            move = _Move(leg.line, _polar(leg.end, self._radius, normal), along=along)
+            if entry and (length := dist(leg.start, leg.end)) <= self._radius:
+                found = f"an entry of {length:.4f} mm, the radius or less"
+                raise CompensationError(leg.line, found)
+        elif entry:
+            raise CompensationError(leg.line, "compensation that begins along a curve")
         else:
+            centre, turn = leg.curve.centre, 1 if leg.curve.sweep_deg > 0.0 else -1
             move = self._arc(leg, centre, turn)
             ahead = atan2(y0 - centre[1], x0 - centre[0]) + turn * pi / 2
             normal = ahead + self._left * pi / 2
-        self._corner(leg, move, normal)
+        if entry:
+            self._waiting = move
+        else:
+            self._corner(leg, move, normal)
         self._here, self._programmed = move.end, leg.end
-
-    def _enter(self, leg: HeadMove) -> None:
-        length = dist(leg.start, leg.end)
-        if leg.curve is not None:
-            raise CompensationError(leg.line, "compensation that begins along a curve")
-        if length <= self._radius:
-            raise CompensationError(leg.line, f"an entry of {length:.4f} mm, the radius or less")
-        along = (leg.end[0] - leg.start[0], leg.end[1] - leg.start[1])
-        normal = atan2(along[1], along[0]) + self._left * pi / 2
-        end = _polar(leg.end, self._radius, normal)
-        self._waiting = _Move(leg.line, end, along=along)
-        self._here, self._programmed = end, leg.end
 
     def _inside(self, turn: int) -> bool:
         return self._left * turn > 0
@@ -147,29 +138,23 @@ class _OffsetPath:
         to_here = atan2(self._here[1] - y0, self._here[0] - x0)
         # Above 0 where the next move turns away from the tool: -90 to 270 degrees.
         beta = (self._left * (to_here - normal) + pi / 2) % (2 * pi) - pi / 2
-        back = abs(beta - pi) < STRAIGHT_RAD
-        concave = beta < -STRAIGHT_RAD or beta > pi + STRAIGHT_RAD
-        concave = concave or (back and move.centre is not None and not self._inside(move.turn))
-        concave = concave or (
-            beta > pi - STRAIGHT_RAD
-            and move.centre is None
-            and before.centre is not None
-            and not self._inside(before.turn)
+
+        # It may run back on an arc with the tool outside, or from one on a line.
+        outside, was_outside = (
+            one.centre is not None and not self._inside(one.turn) for one in (move, before)
         )
+        concave = beta < -STRAIGHT_RAD or beta > pi + STRAIGHT_RAD
+        concave = concave or (abs(beta - pi) < STRAIGHT_RAD and outside)
+        concave = concave or (beta > pi - STRAIGHT_RAD and move.centre is None and was_outside)
         if concave:
-            meeting = self._meeting(leg, before, move)
-            self._shorten(before, meeting)
-            self._flush(meeting)
-        elif beta > STRAIGHT_RAD:
-            if move.centre is None:
-                self._shorten(before, before.end)
-            self._flush(before.end)
+            self._shorten(before, self._meeting(leg, before, move))
+        elif beta > STRAIGHT_RAD and move.centre is None:
+            self._shorten(before, before.end)
+        self._done.append(before)
+        if not concave and beta > STRAIGHT_RAD:
             middle = _polar(self._programmed, self._radius, normal)
             self._done.append(_Move(leg.line, middle, self._programmed, -self._left))
-            self._from = middle
-        else:
-            self._flush(before.end)
-        self._waiting = move
+        self._from, self._waiting = self._done[-1].end, move
 
     def _meeting(self, leg: HeadMove, before: _Move, move: _Move) -> Point:
         """Where two moves beside a concave corner cross, nearest to that."""
@@ -183,31 +168,25 @@ class _OffsetPath:
 
     def _shorten(self, before: _Move, end: Point) -> None:
         """Lets the waiting move end elsewhere; one that cannot is refused."""
-        if self._from is not None:
-            if before.centre is None:
-                x, y = end[0] - self._from[0], end[1] - self._from[1]
-                if before.along[0] * x + before.along[1] * y < 0.0:
-                    raise CompensationError(before.line, GOUGES)
-            elif before.sweep:
-                sweep = _sweep(self._from, end, before.centre, before.turn)
-                if abs(sweep) > abs(before.sweep) + LONGER_RAD:
-                    raise CompensationError(before.line, GOUGES)
+        gouges = False
+        if self._from is not None and before.centre is None:
+            x, y = end[0] - self._from[0], end[1] - self._from[1]
+            gouges = before.along[0] * x + before.along[1] * y < 0.0
+        elif self._from is not None and before.centre is not None and before.sweep:
+            sweep = _sweep(self._from, end, before.centre, before.turn)
+            gouges = abs(sweep) > abs(before.sweep) + LONGER_RAD
+        if gouges:
+            raise CompensationError(before.line, GOUGES)
         before.end = end
-
-    def _flush(self, end: Point) -> None:
-        if self._waiting is not None:
-            self._done.append(self._waiting)
-        self._from = end
 
     def legs(self, feed: float) -> list[HeadMove]:
         """All moves of the beam."""
-        moves = self._done
         if self._waiting is not None:
             self._shorten(self._waiting, self._waiting.end)
-            moves = [*self._done, self._waiting]
+            self._done.append(self._waiting)
         here = self._first
         legs = []
-        for move in moves:
+        for move in self._done:
             curve = None
             if move.centre is not None:
                 sweep = _sweep(here, move.end, move.centre, move.turn)
@@ -249,9 +228,8 @@ def beam_of(strokes: Strokes, name: str) -> tuple[Strokes, list[Diagnostic]]:
             try:
                 own = compensated(own, stroke.side, stroke.radius)
             except CompensationError as error:
-                diagnostics.append(
-                    rules.COMPENSATION.at(Source(name, error.line), found=error.found)
-                )
+                source = Source(name, error.line)
+                diagnostics.append(rules.COMPENSATION.at(source, found=error.found))
         each.append(replace(stroke, first=len(moved), last=len(moved) + len(own)))
         moved += own
     return Strokes(each, moves_of(moved)), diagnostics

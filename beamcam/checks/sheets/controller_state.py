@@ -28,103 +28,99 @@ from beamcam.errors import Diagnostic, Rule, Source
 from beamcam.machine.machine import Machine, PathLimits, path_limits
 from beamcam.machine.torch import Torch, TorchRow
 
-
-def told_limits(machine: Machine) -> PathLimits | None:
-    """The limits of a machine whose programs have to give accelerations; None of others."""
-    told = any("{acceleration}" in word for word in machine.words.modal)
-    return path_limits(machine) if told else None
-
-
 SLACK = 1e-3  #: share of an acceleration
 BLENDED_SLACK = 1e-6  #: mm
 
 Setting = Compensation | Blending | Acceleration
 
 
-class ControllerState:
-    """The settings of a controller while its program runs; moves are counted from the first."""
+class Watch:
+    """Finds what is wrong with a program as it runs; moves are counted from the first."""
 
-    def __init__(self, machine: Machine, torch: Torch, name: str) -> None:
+    def __init__(self, name: str, diagnostics: list[Diagnostic] | None = None) -> None:
+        self.diagnostics = [] if diagnostics is None else diagnostics
+        self._name = name
+
+    def _wrong(self, rule: Rule, line: int, **values: object) -> None:
+        self.diagnostics.append(rule.at(Source(self._name, line), **values))
+
+
+class ControllerState(Watch):
+    """The settings of a controller while its program runs."""
+
+    def __init__(
+        self, machine: Machine, torch: Torch, name: str, diagnostics: list[Diagnostic]
+    ) -> None:
+        super().__init__(name, diagnostics)
         self.side: Side = "on"
         self.radius = 0.0
-        self.limits = told_limits(machine)
-        self._name = name
+        self.limits: PathLimits | None = None  #: where programs have to give accelerations
+        if any("{acceleration}" in word for word in machine.words.modal):
+            self.limits = path_limits(machine)
         self._kerf_by, self._corner = torch.kerf_by, torch.corner
         self._blends = machine.controller == "linuxcnc"
-        self._blended: int | None = None  #: moves before it was first said
-        self._ramps: set[bool] = set()
-        self._ramped: int | None = None  #: moves before both ramps were given
+        #: Moves before it was first said how corners are passed, how the head brakes and runs up.
+        self._blended: float = inf
+        self._ramped: dict[bool, float] = {True: inf, False: inf}
         self._beside_since = -1  #: moves before compensation was switched on
 
-    def _fault(self, rule: Rule, line: int, found: str, expected: str) -> Diagnostic:
-        return rule.at(Source(self._name, line), found=found, expected=expected)
-
-    def take(self, event: Setting, before: int, is_on: bool, ended: int) -> Iterator[Diagnostic]:
-        """What is wrong with a setting; `before` moves of it, the last stroke ended at `ended`."""
+    def take(self, event: Setting, before: int, is_on: bool, ended: int) -> None:
+        """Looks at a setting with `before` moves before it; the last stroke ended at `ended`."""
         if isinstance(event, Blending):
-            self._blended = before if self._blended is None else self._blended
-            yield from self._blending(event.line, event.distance)
+            self._blended = min(self._blended, before)
+            self._blend(event.line, event.distance)
         elif isinstance(event, Acceleration):
-            yield from self._ramp(event, before)
+            self._ramped[event.braking] = min(self._ramped[event.braking], before)
+            allowed = self.limits.along_mm_s2 if self.limits is not None else 0.0
+            if abs(event.mm_s2 - allowed) > SLACK * allowed:
+                expected = f"{allowed:g} mm/s2" if allowed else "none, the machine has no limit"
+                found = f"{event.mm_s2:g} mm/s2 {'to brake' if event.braking else 'to run up'}"
+                self._wrong(rules.RAMP, event.line, found=found, expected=expected)
         else:
-            yield from self._compensation(event, before, is_on, ended)
+            found = ""
+            if is_on:
+                found, expected = "compensation with the tool on", "it before"
+            elif event.side != "on" and self._kerf_by != "machine":
+                # The path keeps half a kerf off already, or none is asked for.
+                found = f"compensation by {event.radius:g} mm to the {event.side}"
+                expected = f"none, as torch.kerf_by is {self._kerf_by!r}"
+            elif event.side != "on" and self.side != "on":
+                found, expected = "compensation that is on already", "it off behind each stroke"
+            elif event.side == "on" and self.side != "on" and before != ended:
+                found, expected = "a traverse with compensation", "it off behind the stroke"
+            self.side, self.radius, self._beside_since = event.side, event.radius, before
+            if found:
+                self._wrong(rules.TOOL, event.line, found=found, expected=expected)
 
-    def _compensation(
-        self, event: Compensation, before: int, is_on: bool, ended: int
-    ) -> Iterator[Diagnostic]:
-        found = ""
-        if is_on:
-            found, expected = "compensation with the tool on", "it before"
-        elif event.side != "on" and self._kerf_by != "machine":
-            # The path keeps half a kerf off already, or none is asked for.
-            found = f"compensation by {event.radius:g} mm to the {event.side}"
-            expected = f"none, as torch.kerf_by is {self._kerf_by!r}"
-        elif event.side != "on" and self.side != "on":
-            found, expected = "compensation that is on already", "it off behind each stroke"
-        elif event.side == "on" and self.side != "on" and before != ended:
-            found, expected = "a traverse with compensation", "it off behind the stroke"
-        self.side, self.radius, self._beside_since = event.side, event.radius, before
-        if found:
-            yield self._fault(rules.TOOL, event.line, found, expected)
-
-    def starts(self, line: int, before: int) -> Iterator[Diagnostic]:
-        """What is wrong when a tool starts behind so many moves."""
+    def starts(self, line: int, before: int) -> None:
+        """A tool is started behind so many moves."""
         if self.side != "on" and before != self._beside_since:
-            expected = "it on where the stroke begins"
-            yield self._fault(rules.TOOL, line, "a traverse with compensation", expected)
+            found, expected = "a traverse with compensation", "it on where the stroke begins"
+            self._wrong(rules.TOOL, line, found=found, expected=expected)
 
-    def ends(self, line: int) -> Iterator[Diagnostic]:
-        """What is wrong when the program ends."""
+    def ends(self, line: int) -> None:
+        """The program ends."""
         if self.side != "on":
-            expected = "it off behind the last stroke"
-            yield self._fault(rules.TOOL, line, "the end with compensation", expected)
+            found, expected = "the end with compensation", "it off behind the last stroke"
+            self._wrong(rules.TOOL, line, found=found, expected=expected)
 
-    def _blending(self, line: int, distance: float) -> Iterator[Diagnostic]:
+    def _blend(self, line: int, distance: float) -> None:
         """Whether the controller passes corners as the machine's file says."""
         if abs(distance - self._corner) > BLENDED_SLACK:
             on, off = ("G64 P", "G61") if self._blends else ("G52 D", "G50")
-            asked = f"{on}{self._corner:g}" if self._corner else off
+            word = f"{on}{self._corner:g}" if self._corner else off
             found = f"{distance:g} mm" if distance < inf else "any distance"
-            expected = f"{asked}, as torch.corner is {self._corner:g}"
-            yield self._fault(rules.CORNER, line, found, expected)
+            expected = f"{word}, as torch.corner is {self._corner:g}"
+            self._wrong(rules.CORNER, line, found=found, expected=expected)
 
-    def _ramp(self, event: Acceleration, before: int) -> Iterator[Diagnostic]:
-        self._ramps.add(event.braking)
-        if self._ramped is None and len(self._ramps) == 2:
-            self._ramped = before
-        allowed = self.limits.along_mm_s2 if self.limits is not None else 0.0
-        if abs(event.mm_s2 - allowed) > SLACK * allowed:
-            expected = f"{allowed:g} mm/s2" if allowed else "none, the machine has no limit"
-            what = "to brake" if event.braking else "to run up"
-            yield self._fault(rules.RAMP, event.line, f"{event.mm_s2:g} mm/s2 {what}", expected)
-
-    def unsaid(self, line: int, before: int) -> Iterator[Diagnostic]:
+    def unsaid(self, line: int, before: int) -> None:
         """What was not said before the first move with a tool on, which stands on a line."""
-        if self._blends and (self._blended is None or self._blended > before):
-            yield from self._blending(line, inf)
-        if self.limits is not None and (self._ramped is None or self._ramped > before):
+        if self._blends and self._blended > before:
+            self._blend(line, inf)
+        if self.limits is not None and max(self._ramped.values()) > before:
             expected = f"{self.limits.along_mm_s2:g} mm/s2 to run up and to brake"
-            yield self._fault(rules.RAMP, line, "no E word before the first move", expected)
+            found = "no E word before the first move"
+            self._wrong(rules.RAMP, line, found=found, expected=expected)
 
 
 # --- outputs --------------------------------------------------------------------------------------
@@ -144,13 +140,12 @@ SECONDS_SLACK = 1e-6
 FIGURE_SLACK = 0.00051  #: of a figure of a row, which programs write to three decimals
 
 
-class Outputs:
+class Outputs(Watch):
     """The outputs while a program runs."""
 
     def __init__(self, machine: Machine, name: str) -> None:
-        self.diagnostics: list[Diagnostic] = []
-        self.row: TorchRow | None = None  #: of the stroke that is made
-        self._name = name
+        super().__init__(name)
+        self._row: TorchRow | None = None  #: of the stroke that is made
         self._needs_material = bool(machine.words.material)
         self._state: dict[str, bool] = {}  #: of what was switched
         self._pending: str = ""  #: what the next move switches
@@ -160,60 +155,53 @@ class Outputs:
         self._material: dict[str, float] | None = None
         self._beside = False  #: compensation is on
 
-    def _fault(self, rule: Rule, line: int, found: str, expected: str) -> Diagnostic:
-        return rule.at(Source(self._name, line), found=found, expected=expected)
+    def _output(self, line: int, found: str, expected: str) -> None:
+        self._wrong(rules.OUTPUT, line, found=found, expected=expected)
 
-    def moves(self, *_: int) -> Iterator[Diagnostic]:
+    def moves(self, *_: int) -> None:
         """The head was moved in X or Y."""
         self._pending = ""
         if self._flame_s is not None:
             self._flame_s = 0.0
-        yield from ()
 
-    def stops(self, _: int) -> Iterator[Diagnostic]:
+    def stops(self, _: int) -> None:
         """A tool is stopped."""
-        self.row = None
-        yield from ()
+        self._row = None
 
-    def starts(self, line: int, row: TorchRow, tool: int) -> Iterator[Diagnostic]:
-        """What is wrong as a tool is started, whose places the row's words choose."""
-        self.row = row
+    def starts(self, line: int, row: TorchRow, tool: int) -> None:
+        """A tool is started, whose places the row's words choose."""
+        self._row = row
         if self._tool != tool:
-            found = f"a start with places of {_tool(self._tool)}"
-            yield self._fault(rules.OUTPUT, line, found, f"those of {_tool(tool)}")
+            self._output(
+                line, f"a start with places of {_tool(self._tool)}", f"those of {_tool(tool)}"
+            )
         if not self._state.get("arc", True):
-            yield self._fault(rules.OUTPUT, line, "a start with the arc held out", "it on before")
+            self._output(line, "a start with the arc held out", "it on before")
+        flame_s = self._flame_s
         if row.preheat_s:
-            flame_s = self._flame_s
             if flame_s is None or abs(flame_s - row.preheat_s) > SECONDS_SLACK:
-                found = "cutting oxygen " + (
-                    "without the preheat"
-                    if flame_s is None
-                    else (f"after {flame_s:g} s of preheat")
+                lit = (
+                    "without the preheat" if flame_s is None else f"after {flame_s:g} s of preheat"
                 )
-                yield self._fault(rules.OUTPUT, line, found, f"{row.preheat_s:g} s of it here")
-        elif self._flame_s is not None:
-            found = f"the preheat on to {row.process}"
-            yield self._fault(rules.OUTPUT, line, found, "it off, as the row has none")
-        if self._needs_material and row.process == "cut":
-            yield from self._material_faults(line, row)
-
-    def _material_faults(self, line: int, row: TorchRow) -> Iterator[Diagnostic]:
-        """Whether the controller has the data of the row."""
+                self._output(line, f"cutting oxygen {lit}", f"{row.preheat_s:g} s of it here")
+        elif flame_s is not None:
+            self._output(line, f"the preheat on to {row.process}", "it off, as the row has none")
+        if not self._needs_material or row.process != "cut":
+            return
         if self._material is None:
             found, expected = "a cut before a material is chosen", "the words of `material` before"
-            yield self._fault(rules.MATERIAL, line, found, expected)
-            return
-        for figure, value in self._material.items():
-            asked = float(getattr(row, figure, value))
-            if abs(value - asked) > FIGURE_SLACK:
+            self._wrong(rules.MATERIAL, line, found=found, expected=expected)
+        for figure, value in (self._material or {}).items():
+            own = float(getattr(row, figure, value))
+            if abs(value - own) > FIGURE_SLACK:
                 found = f"a cut with the material's {figure} {value:g}"
-                yield self._fault(rules.MATERIAL, line, found, f"{asked:g}, as the row says")
+                expected = f"{own:g}, as the row says"
+                self._wrong(rules.MATERIAL, line, found=found, expected=expected)
 
-    def take(self, event: Other) -> Iterator[Diagnostic]:
+    def take(self, event: Other) -> None:
         """Anything but a move in X and Y."""
         if isinstance(event, Output):
-            yield from self._switch(event)
+            self._switch(event)
         elif isinstance(event, Pause):
             if self._flame_s is not None:
                 self._flame_s += event.seconds
@@ -221,18 +209,18 @@ class Outputs:
             self._share = event.share
             if self._beside:
                 found = "a share of the feed with compensation on"
-                yield self._fault(rules.OUTPUT, event.line, found, "compensation off")
+                self._output(event.line, found, "compensation off")
         elif isinstance(event, Compensation):
             self._beside = event.side != "on"
         elif isinstance(event, ToolOffset):
             changed, self._tool = event.number != self._tool, event.number
-            if changed and self.row is not None:
+            if changed and self._row is not None:
                 found = f"places of {_tool(event.number)} with a tool on"
-                yield self._fault(rules.OUTPUT, event.line, found, "it off before")
+                self._output(event.line, found, "it off before")
         elif isinstance(event, Material):
             self._material = event.values
 
-    def _switch(self, event: Output) -> Iterator[Diagnostic]:
+    def _switch(self, event: Output) -> None:
         name = event.name
         self._state[name] = event.on
         if event.with_move:
@@ -242,30 +230,29 @@ class Outputs:
         if name in ("thc", "arc") and self._beside:
             what = "height control" if name == "thc" else "arc"
             found = f"the {what} switched with compensation on"
-            yield self._fault(rules.OUTPUT, event.line, found, "compensation off")
+            self._output(event.line, found, "compensation off")
         if name == "preheat":
-            lit = 0.0 if self._flame_s is None else self._flame_s
-            self._flame_s = lit if event.on else None
-            if not event.on and self.row is not None and self.row.preheat_s:
+            self._flame_s = (self._flame_s or 0.0) if event.on else None
+            if not event.on and self._row is not None and self._row.preheat_s:
                 found = "the preheat off with the cutting oxygen on"
-                yield self._fault(rules.OUTPUT, event.line, found, "the cutting oxygen off before")
+                self._output(event.line, found, "the cutting oxygen off before")
 
-    def ends(self, line: int) -> Iterator[Diagnostic]:
-        """What is wrong when the program ends."""
+    def ends(self, line: int) -> None:
+        """The program ends."""
         for name, state in self._state.items():
             if name == "arc" and not state:
-                yield self._fault(rules.OUTPUT, line, "the end with the arc held out", "it on")
+                self._output(line, "the end with the arc held out", "it on")
             elif state and name not in ("thc", "arc"):
-                yield self._fault(rules.OUTPUT, line, f"the end with {name} on", "it off")
+                self._output(line, f"the end with {name} on", "it off")
         if self._pending:
             found = f"{self._pending} switched with a move that does not come"
-            yield self._fault(rules.OUTPUT, line, found, "it switched at once")
+            self._output(line, found, "it switched at once")
         if self._share != 1.0:
-            found = f"the end with {100.0 * self._share:g} % of the feed"
-            yield self._fault(rules.OUTPUT, line, found, "all of it")
+            self._output(line, f"the end with {100.0 * self._share:g} % of the feed", "all of it")
         if self._tool:
-            found = f"the end with places of {_tool(self._tool)}"
-            yield self._fault(rules.OUTPUT, line, found, f"those of {_tool(0)}")
+            self._output(
+                line, f"the end with places of {_tool(self._tool)}", f"those of {_tool(0)}"
+            )
 
 
 def _tool(number: int) -> str:

@@ -13,11 +13,10 @@ from collections.abc import Sequence
 from math import degrees, inf
 
 import numpy as np
-from msgspec import Struct
 
 from beamcam.controllers.moves import Moves
 from beamcam.geometry.array_types import Flags, Floats
-from beamcam.geometry.curves import Bezier, EllipseArc
+from beamcam.geometry.curves import EllipseArc
 from beamcam.machine.machine import PathLimits
 from beamcam.machine.torch import TorchRow
 
@@ -25,49 +24,35 @@ SECONDS_PER_MINUTE = 60.0
 FLAT = 1e-12
 
 
-def expected_feeds(moves: Moves, asked_mm_min: Floats, limits: PathLimits) -> Floats:
+def expected_feeds(moves: Moves, row_mm_min: Floats, limits: PathLimits) -> Floats:
     """The feed in mm/min that each move should have, at most what is asked for it, (n,)."""
-    feeds = asked_mm_min / SECONDS_PER_MINUTE
+    feeds = row_mm_min / SECONDS_PER_MINUTE
     radius = np.where(moves.is_arc, moves.arcs[:, 2], inf)
     for k, curve in moves.curves.items():
-        radius[k] = _min_radius(curve)
+        if isinstance(curve, EllipseArc):
+            radius[k] = curve.major * curve.ratio**2  # at the ends of its main axis
+            continue
+        # The curvature |f' x f''| / |f'|^3 of a parabola is greatest where f' = 2 (a + t b) is
+        # shortest: at the vertex, or at the end that is nearer to it.
+        (x0, y0), (x1, y1), (x2, y2) = curve.points
+        ax, ay, bx, by = x1 - x0, y1 - y0, x2 - 2 * x1 + x0, y2 - 2 * y1 + y0
+        if ax * by != ay * bx:
+            vertex = -(ax * bx + ay * by) / (bx * bx + by * by)
+            bend = abs(curve.curvature(min(max(vertex, 0.0), 1.0)))
+            radius[k] = 1.0 / bend if bend > FLAT else inf
     turning = np.minimum(
         np.sqrt(limits.across_mm_s2 * radius), np.cbrt(limits.jerk_mm_s3 * radius**2)
     )
     straight = ~moves.is_arc
     straight[list(moves.curves)] = False
-    greatest = np.where(
-        straight, _straight_mm_s(moves, limits), np.minimum(limits.speed_mm_s, turning)
-    )
-    greatest[straight & (feeds <= limits.speed_mm_s)] = inf
-    return np.where(greatest < feeds, greatest * SECONDS_PER_MINUTE, asked_mm_min)
-
-
-def _straight_mm_s(moves: Moves, limits: PathLimits) -> Floats:
-    """The maximum speed of both axes along each chord; inf where it has no length."""
+    # The maximum speed of both axes along each chord; inf where it has no length.
     ways = np.abs(moves.end - moves.start)
-    length = np.hypot(ways[:, 0], ways[:, 1])
-    speeds = np.array([limits.speed_x_mm_s, limits.speed_y_mm_s])
-    reached = np.divide(
-        length[:, None] * speeds, ways, out=np.full(ways.shape, inf), where=ways > 0.0
-    )
-    straight_mm_s: Floats = reached.min(axis=1, initial=inf)
-    return straight_mm_s
-
-
-def _min_radius(curve: Bezier | EllipseArc) -> float:
-    """The minimum radius of a parabola; of an ellipse that at the ends of its main axis."""
-    if isinstance(curve, EllipseArc):
-        return curve.major * curve.ratio**2
-    # The curvature |f' x f''| / |f'|^3 is greatest where f' = 2 (a + t b) is shortest: at the
-    # vertex, or at the end that is nearer to it.
-    (x0, y0), (x1, y1), (x2, y2) = curve.points
-    ax, ay, bx, by = x1 - x0, y1 - y0, x2 - 2 * x1 + x0, y2 - 2 * y1 + y0
-    if ax * by == ay * bx:
-        return inf
-    vertex = -(ax * bx + ay * by) / (bx * bx + by * by)
-    bend = abs(curve.curvature(min(max(vertex, 0.0), 1.0)))
-    return 1.0 / bend if bend > FLAT else inf
+    speeds = np.hypot(*ways.T)[:, None] * np.array([limits.speed_x_mm_s, limits.speed_y_mm_s])
+    along = np.divide(speeds, ways, out=np.full(ways.shape, inf), where=ways > 0.0)
+    straight_mm_s = along.min(axis=1, initial=inf)
+    greatest = np.where(straight, straight_mm_s, np.minimum(limits.speed_mm_s, turning))
+    greatest[straight & (feeds <= limits.speed_mm_s)] = inf
+    return np.where(greatest < feeds, greatest * SECONDS_PER_MINUTE, row_mm_min)
 
 
 DOUBT_DEG = 1.0
@@ -75,15 +60,11 @@ LONG_MOVE = 0.1  #: mm: the direction of a shorter move is in doubt
 EDGE_MM = 0.05  #: mm by which the stretch that is near a corner may be longer or shorter
 
 
-class NearCorners(Struct, frozen=True):
-    """Of each move, whether it has to be slow, and whether it must not be; neither: either way."""
+def near_corners(moves: Moves, row: TorchRow, step: float) -> tuple[Flags, Flags]:
+    """Whether each move of one stroke has to be slow, by a corner, and whether it must not be.
 
-    slow: Flags
-    fast: Flags
-
-
-def near_corners(moves: Moves, row: TorchRow, step: float) -> NearCorners:
-    """What of the moves of one stroke is near a corner; `step` is that of its numbers, in mm."""
+    With neither it may be both; `step` is that of the program's numbers, in mm.
+    """
     lengths, enters, leaves = _measures(moves)
     real = np.flatnonzero(lengths > 0.0)
     behind = np.cumsum(lengths)
@@ -105,7 +86,7 @@ def near_corners(moves: Moves, row: TorchRow, step: float) -> NearCorners:
     begins = behind - lengths
     inside = _covered(begins, behind, sure, reach - EDGE_MM)
     outside = lengths - _covered(begins, behind, maybe, reach + EDGE_MM)
-    return NearCorners(inside > EDGE_MM / 100, outside > EDGE_MM / 100)
+    return inside > EDGE_MM / 100, outside > EDGE_MM / 100
 
 
 def _measures(moves: Moves) -> tuple[Floats, Floats, Floats]:

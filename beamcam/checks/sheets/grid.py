@@ -92,14 +92,6 @@ class Elements:
             x[bent], y[bent] = -np.sin(turn) * sign, np.cos(turn) * sign
         return np.stack((x, y)).T
 
-    def distances(self, x: Floats, y: Floats, which: Counts) -> tuple[Floats, Floats]:
-        """How far places are from an element each, and how far along it the nearest place lies."""
-        away, along = self.from_chords(x, y, which)
-        bent = np.flatnonzero(self.is_arc.take(which))
-        if len(bent):
-            away[bent], along[bent] = self.from_arcs(x[bent], y[bent], which[bent])
-        return away, along
-
     def from_chords(self, x: Floats, y: Floats, which: Counts) -> tuple[Floats, Floats]:
         """The same as if all elements were straight; `chord` is the length of each then."""
         start_x, start_y, way_x, way_y = (column.take(which) for column in self.columns)
@@ -134,8 +126,8 @@ class Elements:
 
 
 MAX_TURN_RAD = 0.5  #: of a piece of an arc whose cells are looked for
-SPARE = 1.001  #: of a reach, for the last digits of elements that were moved
-NARROW = 0.1  #: reach by the size of cells, below which a narrower one is no quicker
+LARGER = 1.001  #: of a reach, for the last digits of elements that were moved
+LEAST_REACH = 0.1  #: reach by the size of cells, below which a narrower one is no quicker
 WIDE = 2.0  #: cells by the mean length of elements, unless they have many
 MOST_IN_A_CELL = 8  #: else cells are made smaller once
 MOST_CELLS = 1 << 20  #: along one side, so that the number of a cell and an element fits
@@ -173,7 +165,7 @@ class Grid:
         sides = (*elements.start.T, *elements.end.T) if len(elements) else ()
         wide = 2 * max((float(np.ptp(side)) for side in sides), default=0.0)
         mean = float(elements.length.sum()) / max(len(elements), 1)
-        least = max(2.0 * SPARE * reach, wide / MOST_CELLS, 1e-6)
+        least = max(2.0 * LARGER * reach, wide / MOST_CELLS, 1e-6)
         self._fill(max(WIDE * mean, least), reach)
         # Long elements beside one another: a cell that one is in has many others.
         if np.square(self._sizes).sum() > MOST_IN_A_CELL * len(self._members):
@@ -181,7 +173,7 @@ class Grid:
 
     def _fill(self, size: float, reach: float) -> None:
         """Put the elements into the cells that they come near."""
-        self.size, self.reach = size, max(SPARE * reach, NARROW * size)
+        self.size, self.reach = size, max(LARGER * reach, LEAST_REACH * size)
         count = max(len(self._elements), 1)
         low, high, owner = _boxes(self._elements, self.size)
         x0, y0 = (np.floor((c - self.reach) / self.size).astype(np.int64) for c in low.T)
@@ -233,9 +225,9 @@ class Grid:
         for part in self.batches(points, reach):
             parts.append(part)
             count += len(part.point)
-            if count > MOST_NEAR:
-                raise _crowded(count, points)
-        return parts[0] if len(parts) == 1 else _joined(parts)
+            _refuse_more(MOST_NEAR, count, points)
+        columns = [[getattr(part, name) for part in parts] for name in Pairs.__struct_fields__]
+        return parts[0] if len(parts) == 1 else Pairs(*map(np.concatenate, columns))
 
     def batches(self, points: Floats, reach: float) -> Iterator[Pairs]:
         """The same pairs, point by point in batches of about `MOST_PAIRS` that were measured.
@@ -259,8 +251,8 @@ class Grid:
         total = np.cumsum(self._sizes[at])
         if not len(which):
             yield Pairs(which, which, x[:0], x[:0])
-        elif total[-1] > max(MOST_MEASURED, MOST_AT_A_POINT * len(points)):
-            raise _crowded(int(total[-1]), points)
+            return
+        _refuse_more(max(MOST_MEASURED, MOST_AT_A_POINT * len(points)), int(total[-1]), points)
         begin = 0
         while begin < len(which):
             done = int(total[begin - 1]) if begin else 0
@@ -289,16 +281,10 @@ class Grid:
         return pairs.kept(np.flatnonzero(pairs.away <= reach))
 
 
-def _crowded(count: int, points: Floats) -> VerifyError:
-    x, y = np.median(points, axis=0).tolist()
-    return VerifyError(
-        [rules.CROWDED.at(Source("program"), found=count, x=f"{x:.0f}", y=f"{y:.0f}")]
-    )
-
-
-def _joined(parts: list[Pairs]) -> Pairs:
-    names = Pairs.__struct_fields__
-    return Pairs(*(np.concatenate([getattr(part, name) for part in parts]) for name in names))
+def _refuse_more(most: int, count: int, points: Floats) -> None:
+    if count > most:
+        x, y = (f"{at:.0f}" for at in np.median(points, axis=0).tolist())
+        raise VerifyError([rules.CROWDED.at(Source("program"), found=count, x=x, y=y)])
 
 
 def _boxes(elements: Elements, size: float) -> tuple[Floats, Floats, Counts]:
@@ -323,41 +309,3 @@ def _boxes(elements: Elements, size: float) -> tuple[Floats, Floats, Counts]:
     low[bent] -= rise
     high[bent] += rise
     return low, high, owner
-
-
-# --- gaps -----------------------------------------------------------------------------------------
-
-# Gap between ends that should meet.
-
-
-def widest_gap(points: Floats, reach: float) -> float:
-    """The greatest distance of two points (n, 2) that are no farther than `reach` from each other.
-
-    0 if there are none. Points are sorted into square cells as wide as the reach, column by column,
-    so that those which may be near one stand together:
-
-        . n n      a point looks at those behind it in its own cell and in the one above,
-        . a n      and at three cells of the next column
-        . . n
-    """
-    if reach <= 0.0:
-        return 0.0
-    places = np.sort(np.ascontiguousarray(points).view(np.complex128).ravel())
-    places = places[np.diff(places, prepend=np.nan) != 0.0]
-    # No finer than the last digits of the places, which a tiny reach would be divided by.
-    width = max(reach, float(np.abs(points).max(initial=0.0)) * 1e-12)
-    cells = np.floor(places.real / width) + 1j * np.floor(places.imag / width)
-    order = np.argsort(cells, kind="stable")
-    places, cells = places[order], cells[order]
-    behind = np.arange(1, len(places) + 1)
-    above = np.searchsorted(cells, cells + 1j, "right")
-    next_low = np.searchsorted(cells, cells + (1 - 1j))
-    next_high = np.searchsorted(cells, cells + (1 + 1j), "right")
-    widest = 0.0
-    for first, last in ((behind, above), (next_low, next_high)):
-        # The first neighbour of every point, then the second, until none has any left.
-        while len(left := np.flatnonzero(first < last)):
-            apart = np.abs(places[first[left]] - places[left])
-            widest = max(widest, float(apart[apart <= reach].max(initial=0.0)))
-            first[left] += 1
-    return widest

@@ -10,21 +10,14 @@ stop           the height control off first, then the tool, then up
 end            clear, and Z counts as it did before
 """
 
-from collections.abc import Iterator
 from math import inf, isnan, nan
 
 import numpy as np
 
 from beamcam.checks.sheets import rules
-from beamcam.controllers.events import (
-    Lift,
-    Other,
-    Output,
-    Touch,
-    Zero,
-)
+from beamcam.checks.sheets.controller_state import Watch
+from beamcam.controllers.events import Lift, Other, Output, Touch, Zero
 from beamcam.controllers.moves import Moves
-from beamcam.errors import Diagnostic, Rule, Source
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch, TorchRow
 
@@ -33,14 +26,14 @@ SECONDS_PER_MINUTE = 60.0
 SLOWER = 0.99  #: share of the row's feed below which a move is one in a small hole or at a corner
 
 
-class HeightWatch:
+class HeightWatch(Watch):
     """The torch over the sheet while its program runs."""
 
     def __init__(self, moves: Moves, machine: Machine, torch: Torch, name: str) -> None:
-        self.diagnostics: list[Diagnostic] = []
+        super().__init__(name)
         self._rapid, self._lines = moves.rapid.tolist(), moves.line
         self._feeds = np.where(moves.rapid, inf, moves.feed_mm_min)
-        self._torch, self._name = torch, name
+        self._torch = torch
         self._follows = torch.z == "program"
         speeds = [axis.speed for axis in machine.axes if axis.moves == "Z"]
         self._fastest = min(speeds, default=inf) * SECONDS_PER_MINUTE
@@ -54,32 +47,34 @@ class HeightWatch:
         self._by_program = torch.thc == "program"
         self._thc = not self._by_program
 
-    def _fault(self, rule: Rule, line: int, found: str, expected: str) -> Diagnostic:
-        return rule.at(Source(self._name, line), found=found, expected=expected)
+    def _wrong_height(self, line: int, found: str, expected: str) -> None:
+        self._wrong(rules.HEIGHT, line, found=found, expected=expected)
+
+    def _wrong_thc(self, line: int, found: str, expected: str) -> None:
+        self._wrong(rules.THC, line, found=found, expected=expected)
 
     def _off(self, height: float) -> bool:
         """Whether the torch stands elsewhere, or where nothing says."""
         return not abs(self._height - height) <= self._slack
 
-    def moves(self, first: int, last: int) -> Iterator[Diagnostic]:
-        """What is wrong with the moves in X and Y of one height."""
+    def moves(self, first: int, last: int) -> None:
+        """The head is moved in X and Y at one height."""
         rapids = self._rapid[first:last]
         if True in rapids:
             self._touched = self._touched and self._torch.touch != "each"
-            clear = self._height >= self._torch.clearance - self._slack
-            if self._follows and not clear:
+            if self._follows and not self._height >= self._torch.clearance - self._slack:
+                expected = f"{self._torch.clearance:g} mm or more (torch.clearance)"
                 line = int(self._lines[first + rapids.index(True)])
-                expected = f"{self._torch.clearance:g} mm or more"
-                found = f"a traverse {_shown(self._height)}"
-                yield self._fault(rules.HEIGHT, line, found, f"{expected} (torch.clearance)")
+                self._wrong_height(line, f"a traverse {_shown(self._height)}", expected)
         if self._row is None or False not in rapids:
             return
         line = int(self._lines[first + rapids.index(False)])
-        height = self._row.cut_height
+        height, process = self._row.cut_height, self._row.process
         if self._follows and height and self._off(height):
-            found, process = f"a feed {_shown(self._height)}", self._row.process
-            yield self._fault(rules.HEIGHT, line, found, f"{height:g} mm to {process}")
-        if self._row.process == "cut":
+            self._wrong_height(
+                line, f"a feed {_shown(self._height)}", f"{height:g} mm to {process}"
+            )
+        if process == "cut":
             is_wrong = not self._thc
             if not self._torch.thc_slow:
                 feeds = self._feeds[first:last]
@@ -88,62 +83,60 @@ class HeightWatch:
             if is_wrong:
                 found = f"a cut with the height control {'on' if self._thc else 'off'}"
                 expected = "it off in small holes and near corners" if self._thc else "it on"
-                yield self._fault(rules.THC, line, found, expected)
+                self._wrong_thc(line, found, expected)
         self._moved = True
 
-    def starts(self, line: int, row: TorchRow, _: int) -> Iterator[Diagnostic]:
-        """What is wrong as a tool is started."""
+    def starts(self, line: int, row: TorchRow, _: int) -> None:
+        """A tool is started."""
         self._row, self._moved = row, False
         height = row.pierce_height or row.cut_height
         if self._follows and height and not self._touched:
             when = "since it was traversed" if self._torch.touch == "each" else "before"
             expected = f"the sheet touched {when} (torch.touch)"
-            yield self._fault(rules.HEIGHT, line, "a start without a touch", expected)
+            self._wrong_height(line, "a start without a touch", expected)
         elif self._follows and height and self._off(height):
-            found, process = f"the tool started {_shown(self._height)}", row.process
-            yield self._fault(rules.HEIGHT, line, found, f"{height:g} mm to {process}")
+            found = f"the tool started {_shown(self._height)}"
+            self._wrong_height(line, found, f"{height:g} mm to {row.process}")
         if self._by_program and self._thc:
             found = "a start with the height control on"
-            yield self._fault(rules.THC, line, found, "it off until the torch is at its height")
+            self._wrong_thc(line, found, "it off until the torch is at its height")
 
-    def stops(self, line: int) -> Iterator[Diagnostic]:
-        """What is wrong as a tool is stopped."""
+    def stops(self, line: int) -> None:
+        """A tool is stopped."""
         self._row = None
         if self._by_program and self._thc:
             found = "the tool stopped with the height control on"
-            yield self._fault(rules.THC, line, found, "that off before")
+            self._wrong_thc(line, found, "that off before")
 
-    def take(self, event: Other) -> Iterator[Diagnostic]:
+    def take(self, event: Other) -> None:
         """Anything but a move in X and Y."""
         if isinstance(event, Output) and event.name == "thc":
-            yield from self._switch(event)
+            row = self._row
+            high = self._follows and row is not None and bool(row.cut_height)
+            if (
+                event.on
+                and self._by_program
+                and (row is None or (high and self._off(row.cut_height)))
+            ):
+                where = _shown(self._height) if row else "with the tool off"
+                found = f"the height control on {where}"
+                self._wrong_thc(event.line, found, "it on in a cut, at its height")
+            self._thc = event.on
         elif isinstance(event, Zero):
             self._shifted, self._zeroed = event.shifted, True
         elif isinstance(event, Touch):
             self._height, self._touched, self._zeroed = event.height, True, False
             if self._row is not None:
-                yield self._fault(rules.HEIGHT, event.line, "a touch with the tool on", "it off")
-            yield from self._feed(event, "a touch")
+                self._wrong_height(event.line, "a touch with the tool on", "it off")
+            self._feed(event, "a touch")
         elif isinstance(event, Lift):
-            yield from self._lift(event)
+            self._lift(event)
 
-    def _switch(self, event: Output) -> Iterator[Diagnostic]:
-        row = self._row
-        high = self._follows and row is not None and bool(row.cut_height)
-        if event.on and self._by_program and (row is None or (high and self._off(row.cut_height))):
-            found = (
-                f"the height control on {_shown(self._height)}"
-                if row
-                else ("the height control on with the tool off")
-            )
-            yield self._fault(rules.THC, event.line, found, "it on in a cut, at its height")
-        self._thc = event.on
-
-    def _lift(self, event: Lift) -> Iterator[Diagnostic]:
-        """What is wrong with a move up or down."""
+    def _lift(self, event: Lift) -> None:
+        """A move up or down."""
         self._height = event.end
         if not event.rapid:
-            yield from self._feed(event, "a move in Z")
+            self._feed(event, "a move in Z")
         found = f"a move in Z to where the torch is {_shown(event.end)}"
         expected = ""
         if not self._zeroed:
@@ -162,27 +155,26 @@ class HeightWatch:
             elif not least - self._slack <= event.end <= most + self._slack:
                 expected = f"{least:g} to {most:g} mm with the tool on"
         if expected:
-            yield self._fault(rules.HEIGHT, event.line, found, expected)
+            self._wrong_height(event.line, found, expected)
 
-    def _feed(self, event: Lift | Touch, what: str) -> Iterator[Diagnostic]:
+    def _feed(self, event: Lift | Touch, what: str) -> None:
         """Whether Z is fed, and no faster than its axis goes; a macro's feed is its own."""
         feed = event.feed_mm_min
         if feed <= 0.0 or feed > self._fastest:
             expected = f"up to {self._fastest:g} mm/min" if self._fastest < inf else "F before"
-            yield self._fault(rules.HEIGHT, event.line, f"{what} at a feed of {feed:g}", expected)
+            self._wrong_height(event.line, f"{what} at a feed of {feed:g}", expected)
 
-    def ends(self, line: int) -> Iterator[Diagnostic]:
-        """What is wrong when the program ends."""
+    def ends(self, line: int) -> None:
+        """The program ends."""
         if self._follows and not self._height >= self._torch.clearance - self._slack:
             found = f"the end with the torch {_shown(self._height)}"
-            yield self._fault(rules.HEIGHT, line, found, f"{self._torch.clearance:g} mm or more")
+            self._wrong_height(line, found, f"{self._torch.clearance:g} mm or more")
         if self._shifted:
             expected = "G92.1 before, or every next program counts Z from there"
-            yield self._fault(rules.HEIGHT, line, "the end while G92 holds", expected)
+            self._wrong_height(line, "the end while G92 holds", expected)
         if self._thc == self._by_program:
-            state = "on" if self._thc else "off"
-            found, expected = f"the end with the height control {state}", "it as it was before"
-            yield self._fault(rules.THC, line, found, expected)
+            found = f"the end with the height control {'on' if self._thc else 'off'}"
+            self._wrong_thc(line, found, "it as it was before")
 
 
 def _shown(height: float) -> str:

@@ -19,8 +19,10 @@ import shapely
 from shapely import STRtree
 from shapely.ops import substring
 
-from beamcam.checks.sheets.toolpaths import Chain, Stretches, Toolpaths
+from beamcam.checks.sheets.toolpaths import Chain, DrawnWays, Toolpaths
 from beamcam.geometry.array_types import Counts, Flags, Floats
+from beamcam.geometry.arrays import first_equal
+from beamcam.geometry.plane import groups_of
 
 # --- overlaps -------------------------------------------------------------------------------------
 
@@ -28,7 +30,7 @@ from beamcam.geometry.array_types import Counts, Flags, Floats
 
 
 def trim(
-    stretches: Stretches, toolpaths: Toolpaths, loose: Sequence[int], rank: Counts, same: float
+    drawn: DrawnWays, toolpaths: Toolpaths, loose: Sequence[int], rank: Counts, same: float
 ) -> None:
     """Trim the ends of loose lines and arcs where they lie on a way of lower rank.
 
@@ -47,46 +49,45 @@ def trim(
     which = np.flatnonzero((rank[other] < rank[own]) & (at_end > same))
     if not len(which):
         return
-    which = which[_of_one_course(toolpaths, own[which], other[which], same)]
+    which = which[_collinear(toolpaths, own[which], other[which], same)]
     ends = STRtree(shapely.points(places))
 
     def is_lost(place: Floats, w: int, v: int) -> bool:
         """Whether a third way, of another line or circle, ends at a place."""
         near = numbers[ends.query(shapely.Point(place), "dwithin", distance=same) % len(numbers)]
         third = near[(near != w) & (near != v)]
-        return not _of_one_course(toolpaths, third, np.full(len(third), w), same).all()
+        return not _collinear(toolpaths, third, np.full(len(third), w), same).all()
 
     spans: dict[int, list[float]] = {}
     for k in which.tolist():
         w, v, place = int(own[k]), int(other[k]), places[pairs.point[k]]
         at_start = bool(pairs.point[k] < len(numbers))
         for end in (toolpaths.starts[v], toolpaths.ends[v]):
-            at = _beginning_of_overlap(stretches, w, v, end, at_start, same)
-            if at is not None and not is_lost(end, w, v) and not is_lost(place, w, v):
-                whole = [0.0, _line(stretches, w).length]
-                spans.setdefault(w, whole)[0 if at_start else 1] = at
+            # How far along w an end of v lies, if w lies on v from its own end up to there.
+            line, point = drawn.line(w), shapely.Point(end)
+            at = line.project(point)
+            if line.distance(point) > same or not same < at < line.length - same:
+                continue
+            middle = line.interpolate(at / 2 if at_start else (at + line.length) / 2)
+            lies_on = drawn.line(v).distance(middle) <= same
+            if lies_on and not is_lost(end, w, v) and not is_lost(place, w, v):
+                spans.setdefault(w, [0.0, line.length])[0 if at_start else 1] = at
     for w, (low, high) in spans.items():
         if low < high:
-            _replace(stretches, w, np.array(substring(_line(stretches, w), low, high).coords))
+            points, begins = np.array(substring(drawn.line(w), low, high).coords), drawn.begins
+            drawn.points = np.concatenate(
+                (drawn.points[: begins[w]], points, drawn.points[begins[w + 1] :])
+            )
+            drawn.begins = begins.copy()
+            drawn.begins[w + 1 :] += len(points) - (begins[w + 1] - begins[w])
+            drawn.starts[w], drawn.ends[w] = points[0], points[-1]
 
 
-def _beginning_of_overlap(
-    stretches: Stretches, w: int, v: int, end: Floats, at_start: bool, same: float
-) -> float | None:
-    """How far along way `w` an end of `v` lies, if `w` lies on `v` from its own end up to there."""
-    line, point = _line(stretches, w), shapely.Point(end)
-    at: float = line.project(point)
-    if line.distance(point) > same or not same < at < line.length - same:
-        return None
-    middle = line.interpolate(at / 2 if at_start else (at + line.length) / 2)
-    return None if _line(stretches, v).distance(middle) > same else at
-
-
-def _of_one_course(toolpaths: Toolpaths, some: Counts, others: Counts, same: float) -> Flags:
+def _collinear(toolpaths: Toolpaths, some: Counts, others: Counts, same: float) -> Flags:
     """Which of some ways lie on the line or the circle of another one each, but for `same`."""
     kinds, elements = toolpaths.kinds, toolpaths.elements
     alike = (kinds[some] == kinds[others]) & (kinds[some] < 2)
-    first, second = toolpaths.first(some), toolpaths.first(others)
+    first, second = toolpaths.first[some], toolpaths.first[others]
     arcs, on = elements.arcs[first], elements.arcs[second]
     off = np.hypot(*(arcs[:, :2] - on[:, :2]).T) + np.abs(arcs[:, 2] - on[:, 2])
     along = np.column_stack([column[second] for column in elements.along])
@@ -98,19 +99,6 @@ def _of_one_course(toolpaths: Toolpaths, some: Counts, others: Counts, same: flo
     return is_same
 
 
-def _line(stretches: Stretches, way: int) -> shapely.LineString:
-    return shapely.LineString(stretches.points[stretches.rows(way)])
-
-
-def _replace(stretches: Stretches, way: int, points: Floats) -> None:
-    """Puts other points in the place of a way's."""
-    low, high = stretches.begins[way], stretches.begins[way + 1]
-    stretches.points = np.concatenate((stretches.points[:low], points, stretches.points[high:]))
-    stretches.begins = stretches.begins.copy()
-    stretches.begins[way + 1 :] += len(points) - (high - low)
-    stretches.starts[way], stretches.ends[way] = points[0], points[-1]
-
-
 # --- rings ----------------------------------------------------------------------------------------
 
 WRITTEN_SAME = 1e-3  #: ends that are written as one point: coordinates of three decimals
@@ -118,7 +106,7 @@ WIDEST_PLACE = 2.0  #: gaps that ends which meet may meet one another over
 SLACK = 1 + 1e-6  #: of the gap, for the last digits of ends that are as far apart
 
 
-def rings_of(toolpaths: Stretches, which: Sequence[int], gap: float) -> list[Chain]:
+def rings_of(toolpaths: DrawnWays, which: Sequence[int], gap: float) -> list[Chain]:
     """The closed contours that some loose ways make together."""
     numbers = np.array(which, dtype=np.int64)
     if len(numbers):
@@ -128,13 +116,8 @@ def rings_of(toolpaths: Stretches, which: Sequence[int], gap: float) -> list[Cha
         numbers = numbers[np.hypot(*(high - low)[numbers].T) > min(gap, WRITTEN_SAME)]
     if not len(numbers):
         return []
-    places = _places(np.concatenate((toolpaths.starts[numbers], toolpaths.ends[numbers])), gap)
-    net = _Net(places.reshape(2, -1).T.tolist())
-    return [[(int(numbers[k]), turned) for k, turned in ring] for ring in net.rings()]
-
-
-def _places(ends: Floats, gap: float) -> Counts:
-    """A number for the place of each end (n, 2)."""
+    # A number for the place of each end.
+    ends = np.concatenate((toolpaths.starts[numbers], toolpaths.ends[numbers]))
     written = _hanging(ends, min(gap, WRITTEN_SAME))
     left = np.flatnonzero(np.bincount(written)[written] != 2)
     places = written + len(ends)
@@ -144,7 +127,8 @@ def _places(ends: Floats, gap: float) -> Counts:
     np.maximum.at(high, near, ends[left])
     is_place = np.hypot(*(high - low)[near].T) <= WIDEST_PLACE * gap * SLACK
     places[left[is_place]] = near[is_place]
-    return places
+    net = _Net(places.reshape(2, -1).T.tolist())
+    return [[(int(numbers[k]), turned) for k, turned in ring] for ring in net.rings()]
 
 
 def _hanging(points: Floats, reach: float) -> Counts:
@@ -152,25 +136,14 @@ def _hanging(points: Floats, reach: float) -> Counts:
 
     Those are no farther apart than `reach`, or have others between them that are not.
     """
-    same = np.ascontiguousarray(points + 0.0).view(np.complex128).ravel()
-    _, first, which = np.unique(same, return_index=True, return_inverse=True)
-    places = shapely.points(points[first])
-    a, b = shapely.STRtree(places).query(places, "dwithin", distance=reach)
-    near = a < b
-    root = list(range(len(first)))
-
-    def find(k: int) -> int:
-        while root[k] != k:
-            root[k] = root[root[k]]
-            k = root[k]
-        return k
-
-    for x, y in zip(a[near].tolist(), b[near].tolist(), strict=True):
-        root[find(x)] = find(y)
-    whole = np.array([find(k) for k in range(len(root))], dtype=np.int64)
-    lowest = np.full(len(root), len(points), dtype=np.int64)
-    np.minimum.at(lowest, whole, first)
-    return lowest[whole][which.ravel()]
+    first = first_equal(points)
+    once = np.unique(first)
+    places = shapely.points(points[once])
+    pairs = shapely.STRtree(places).query(places, "dwithin", distance=reach)
+    lowest = np.arange(len(points))
+    for group in groups_of(once[pairs[:, pairs[0] < pairs[1]]].T.tolist()):
+        lowest[group] = min(group)
+    return lowest[first]
 
 
 #: A run of ways: one of them, or two runs and whether each is turned round.
@@ -199,8 +172,10 @@ class _Net:
                 if self._ends[k] == (place, place):
                     own.discard(k)
                     rings.append(_ways_of(self._runs[k]))
-            if len(own) == 1:
-                nodes.append(self._take(own.pop(), place))
+            if len(own) == 1:  # a run with a free end is taken away
+                k = own.pop()
+                nodes.append(self._other(k, place))
+                self._at[nodes[-1]].discard(k)
             elif len(own) == 2:
                 nodes += self._draw_together(place, *sorted(own))
         return rings
@@ -208,12 +183,6 @@ class _Net:
     def _other(self, k: int, place: int) -> int:
         a, b = self._ends[k]
         return b if a == place else a
-
-    def _take(self, k: int, place: int) -> int:
-        """Takes away a run with a free end; the place of its other end."""
-        other = self._other(k, place)
-        self._at[other].discard(k)
-        return other
 
     def _draw_together(self, place: int, a: int, b: int) -> tuple[int, ...]:
         """One run for the two that meet at a place; the places of its ends."""

@@ -8,11 +8,10 @@ import shapely
 
 from beamcam.checks.sheets import rules
 from beamcam.checks.sheets.region import signed_areas
-from beamcam.checks.sheets.toolpaths import Chain
 from beamcam.checks.sheets.tracing import Traced, is_in_kerf, on_contour
 from beamcam.checks.sheets.work import SHOWN, Work
-from beamcam.errors import Diagnostic, Source
-from beamcam.geometry.array_types import Counts, Flags, Floats
+from beamcam.errors import Diagnostic
+from beamcam.geometry.array_types import Flags, Floats
 from beamcam.geometry.curves import Arc
 
 # --- pierces --------------------------------------------------------------------------------------
@@ -34,7 +33,7 @@ ALONG = 33  #: corners of the line that stands for a lead
 
 def pierce_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
     """Strokes round a contour that pierce too near to one although there is room for a lead."""
-    row = work.asked.rows.get(work.process)
+    row = work.required.rows.get(work.process)
     rings = [
         t for t in traced if t.half_kerf and t.closed and not t.joined and not t.stroke.is_linked
     ]
@@ -53,12 +52,11 @@ def pierce_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
         far = row.pierce_radius + work.tolerance
         if len(blocked) or _distances(contours, lead[-1:])[0][0] < far:
             continue
-        x, y = pierced[k].tolist()
         diagnostics.append(
-            rules.PIERCE.at(
-                Source(work.name, rings[k].stroke.line), x=f"{x:.3f}", y=f"{y:.3f}",
-                found=f"{away[k]:.3f}", contour=work.contour(int(nearest[k])),
-                expected=f"{row.pierce_radius:g}", lead=f"{work.torch.lead_in:g}",
+            work.fault(
+                rules.PIERCE, rings[k].stroke.line, pierced[k], found=f"{away[k]:.3f}",
+                contour=work.contour(int(nearest[k])), expected=f"{row.pierce_radius:g}",
+                lead=f"{work.torch.lead_in:g}",
             )
         )  # fmt: skip
     return diagnostics[:SHOWN]
@@ -71,16 +69,11 @@ def edge_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
     """
     diagnostics: list[Diagnostic] = []
     for t in traced:
-        if not t.half_kerf or t.members or t.joined or t.closed:
-            continue
-        number = int(work.of_way[t.first])
         begin = work.path.starts[t.begin]
-        if is_in_kerf(work, begin, number):
-            continue
-        x, y = begin.tolist()
-        contour = work.contour_at(begin)
-        source = Source(work.name, t.stroke.line)
-        diagnostics.append(rules.EDGE.at(source, contour=contour, x=f"{x:.3f}", y=f"{y:.3f}"))
+        is_rest = t.half_kerf and not (t.members or t.joined or t.closed)
+        if is_rest and not is_in_kerf(work, begin, int(work.of_way[t.first])):
+            contour = work.contour_at(begin)
+            diagnostics.append(work.fault(rules.EDGE, t.stroke.line, begin, contour=contour))
     return diagnostics[:SHOWN]
 
 
@@ -94,7 +87,7 @@ def _distances(contours: shapely.STRtree, points: Floats) -> tuple[Floats, Float
 def _whole_lead(work: Work, t: Traced, contours: shapely.STRtree) -> Floats:
     """Places of the machine's lead from where a stroke joins its contour to its far end, (n, 2)."""
     at = work.path.starts[t.first]
-    ((tx, ty),) = work.path.elements.directions(work.path.first(np.array([t.first])), np.zeros(1))
+    ((tx, ty),) = work.path.elements.directions(work.path.first[[t.first]], np.zeros(1))
     place = shapely.Point(at)
     own = contours.geometries[contours.nearest(place)]
     if t.contour >= 0:  # that of another part may lie nearer
@@ -103,20 +96,17 @@ def _whole_lead(work: Work, t: Traced, contours: shapely.STRtree) -> Floats:
     normal = np.array((-ty, tx))
     if np.dot(normal, at - foot) < 0.0:  # the waste is where the path keeps off to
         normal = -normal
-    share = np.linspace(0.0, 1.0, ALONG)[:, None]
-    length = work.torch.lead_in
-    if work.torch.lead == "line":
-        whole_lead: Floats = at + share * length * normal
-        return whole_lead
-    radius, turn = length / (pi / 2), share * pi / 2
-    back = np.array((-tx, -ty))
-    whole_lead = at + radius * ((1.0 - np.cos(turn)) * normal + np.sin(turn) * back)
-    return whole_lead
+    share, length = np.linspace(0.0, 1.0, ALONG)[:, None], work.torch.lead_in
+    away: Floats = share * length * normal
+    if work.torch.lead != "line":
+        turn, back = share * pi / 2, np.array((-tx, -ty))
+        away = length / (pi / 2) * ((1.0 - np.cos(turn)) * normal + np.sin(turn) * back)
+    return np.asarray(at + away)
 
 
 # --- small holes ----------------------------------------------------------------------------------
 
-# Small holes: which strokes go round one, their feed, and how they are led into.
+# Small holes: which strokes go round one, their feed, and how their leads begin.
 #
 # A round one is entered from its middle where the machine says so:
 #
@@ -139,13 +129,9 @@ def hole_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
         if expected is None or found is None or expected == found or not t.stroke.row.slows_holes:
             continue
         share = f"{t.stroke.row.hole_feed_share * 100:g} %"
-        diagnostics.append(
-            rules.HOLE_FEED.at(
-                Source(work.name, t.stroke.line), found=share if found else "all",
-                expected=share if expected else "all",
-                contour=work.contour_at(work.path.starts[t.first]),
-            )
-        )  # fmt: skip
+        feeds = {"found": share if found else "all", "expected": share if expected else "all"}
+        contour = work.contour_at(work.path.starts[t.first])
+        diagnostics.append(work.fault(rules.HOLE_FEED, t.stroke.line, contour=contour, **feeds))
     return diagnostics[:SHOWN]
 
 
@@ -182,9 +168,14 @@ def middle_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
         middle = np.array(circle.centre) + np.array(work.shift)
         away = float(np.hypot(*(work.path.starts[t.begin] - middle)))
         # What of a short ring comes before its end again may have been traced as a lead.
-        joins = work.path.ends[t.begin]
-        on_ring = abs(float(np.hypot(*(joins - middle)) - np.hypot(*(at - middle))))
-        smooth = on_ring <= 2 * work.tolerance and _is_half_circle(work, t.begin, middle, joins)
+        joins, length = work.path.ends[t.begin], float(work.path.lengths[t.begin])
+        radius = float(np.hypot(*(joins - middle))) / 2
+        (half_way,) = work.path.point(np.array([t.begin]), np.array([length / 2]))
+        off = (
+            2 * radius - np.hypot(*(at - middle)), (length - pi * radius) / 2,
+            np.hypot(*(half_way - (joins + middle) / 2)) - radius,
+        )  # fmt: skip
+        smooth = all(abs(float(by)) <= 2 * work.tolerance for by in off)
         if away <= 2 * work.tolerance and smooth:
             continue
         half = np.linspace(0.0, np.pi, 65)[:, None]
@@ -196,19 +187,16 @@ def middle_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
         kept = work.half_kerf - work.fine
         if all(len(contours.query(shapely.LineString(w), "dwithin", distance=kept)) for w in ways):
             continue
-        found = f"{away:.3f} mm off its middle"
-        if away <= 2 * work.tolerance:
-            found = "another way from its middle"
-        contour = work.contour_at(at)
-        diagnostics.append(
-            rules.HOLE_LEAD.at(Source(work.name, t.stroke.line), contour=contour, found=found)
-        )
+        is_off = away > 2 * work.tolerance
+        found = f"{away:.3f} mm off its middle" if is_off else "another way from its middle"
+        values = {"contour": work.contour_at(at), "found": found}
+        diagnostics.append(work.fault(rules.HOLE_LEAD, t.stroke.line, **values))
     return diagnostics[:SHOWN]
 
 
 def _circle(work: Work, way: int) -> Arc | None:
     """The first arc of a needed contour that is round all about; None of another."""
-    need, process = work.asked, work.process
+    need, process = work.required, work.process
     feature = need.features[process][way]
     own = [
         curve for curve, other in zip(need.curves[process], need.features[process], strict=True)
@@ -219,16 +207,6 @@ def _circle(work: Work, way: int) -> Arc | None:
         return None
     apart = max(dist(arc.centre, arcs[0].centre) + abs(arc.radius - arcs[0].radius) for arc in arcs)
     return arcs[0] if apart <= ROUND else None
-
-
-def _is_half_circle(work: Work, way: int, middle: Floats, at: Floats) -> bool:
-    """Whether a way goes by half a circle from the middle of a hole to a place of its path."""
-    half = work.path.point(np.array([way]), np.array([work.path.lengths[way] / 2]))[0]
-    radius = float(np.hypot(*(at - middle))) / 2
-    return bool(
-        abs(float(np.hypot(*(half - (at + middle) / 2))) - radius) <= 2 * work.tolerance
-        and abs(float(work.path.lengths[way]) - pi * radius) <= 4 * work.tolerance
-    )
 
 
 # --- taken ----------------------------------------------------------------------------------------
@@ -250,11 +228,8 @@ def band_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
         away, way = work.need.nearest_to(places[k])
         if away <= work.slack[way]:
             continue
-        x, y = places[k].tolist()
-        source = Source(work.name, traced[k].stroke.line)
-        diagnostics.append(
-            rules.SIDE.at(source, x=f"{x:.3f}", y=f"{y:.3f}", contour=work.contour(way))
-        )
+        line, contour = traced[k].stroke.line, work.contour(way)
+        diagnostics.append(work.fault(rules.SIDE, line, places[k], contour=contour))
     return diagnostics
 
 
@@ -276,13 +251,11 @@ def _bites(work: Work, traced: Sequence[Traced], keeps_off: Flags) -> list[Diagn
     for k in hit[firsts][:SHOWN].tolist():
         # The place on the path, and the line that leads there.
         near, _ = shapely.get_coordinates(shapely.shortest_line(ways[a[k]], contours[b[k]]))
-        x, y = near.tolist()
         way = work.path.nearest_to(near)[1]
-        rule = rules.BAND if is_ring[way] else rules.LEAD
         diagnostics.append(
-            rule.at(
-                Source(work.name, int(work.moves.line[way])), found=f"{away[k]:.3f}",
-                contour=work.contour(int(closed[b[k]])), x=f"{x:.3f}", y=f"{y:.3f}",
+            work.fault(
+                rules.BAND if is_ring[way] else rules.LEAD, int(work.moves.line[way]), near,
+                found=f"{away[k]:.3f}", contour=work.contour(int(closed[b[k]])),
                 expected=f"{work.half_kerf:g}",
             )
         )  # fmt: skip
@@ -303,74 +276,55 @@ MIN_WIDTH = 1e-3  #: mm, half of it on an average, of what a ring goes round
 def direction_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
     """Closed cuts that go round their contour the wrong way."""
     # A beam that the controller leads comes to its contour half a kerf behind the start.
-    led = work.torch.kerf_by == "machine"
-    heads = [t for t in traced if t.contour >= 0 and (t.members or led)]
+    by_machine = work.torch.kerf_by == "machine"
+    heads = [t for t in traced if t.contour >= 0 and (t.members or by_machine)]
     if work.process != "cut" or not heads:
         return []
-    asked = _asked(work)
+    # With climb the waste is on the left: counter-clockwise where it lies inside.
+    climbs = work.torch.direction == "climb"
+    turned = [None if is_hole is None else is_hole == climbs for is_hole in work.holes]
+    if work.torch.direction == "drawn":
+        turned = _drawn_directions(work)
+    # In which direction strokes go round a contour together; none of what has no inside.
+    points, begins = work.path.outlines(work.fine)
+    strokes = [head.members or [head] for head in heads]
+    low, high = begins[np.array([(m.first, m.last) for some in strokes for m in some]).T]
+    behind = np.cumsum(high - low)
+    rows = np.arange(behind[-1]) + np.repeat(high - behind, high - low)
+    first = np.cumsum([0, *map(len, strokes)])
+    areas, lengths = signed_areas(points[rows], np.append(0, behind)[first])
     diagnostics = []
-    for t, found in zip(heads, _turns(work, heads), strict=True):
-        wanted = asked[t.contour]
-        if wanted is None or found is None or found == wanted:
+    for k in np.flatnonzero(np.abs(areas) > MIN_WIDTH * lengths).tolist():
+        t, found = heads[k], bool(areas[k] > 0.0)
+        expected = turned[t.contour]
+        if expected is None or found == expected:
             continue
         diagnostics.append(
-            rules.DIRECTION.at(
-                Source(work.name, t.stroke.line), found=_shown(found), expected=_shown(wanted),
+            work.fault(
+                rules.DIRECTION, t.stroke.line, found=_shown(found), expected=_shown(expected),
                 contour=work.contour(work.region.rings[t.contour][0][0]), how=work.torch.direction,
             )
         )  # fmt: skip
     return diagnostics[:SHOWN]
 
 
-def _shown(is_anticlockwise: bool) -> str:
-    return "counter-clockwise" if is_anticlockwise else "clockwise"
-
-
-def _asked(work: Work) -> list[bool | None]:
-    """Of each ring whether it is to be followed counter-clockwise; None if that is left open."""
-    if work.torch.direction == "drawn":
-        turned = work.region.anticlockwise.tolist()
-        twins = np.flatnonzero(work.region.twins)
-        return [
-            is_turned if _is_one_feature(work, ring, twins) else None
-            for ring, is_turned in zip(work.region.rings, turned, strict=True)
-        ]
-    # With climb the waste is on the left: counter-clockwise where it lies inside.
-    climbs = work.torch.direction == "climb"
-    return [None if is_hole is None else is_hole == climbs for is_hole in work.holes]
-
-
-def _is_one_feature(work: Work, ring: Chain, twins: Counts) -> bool:
-    """Whether a ring is one feature as it is drawn, and no other curve lies on it.
+def _drawn_directions(work: Work) -> list[bool | None]:
+    """Of each ring whether it is drawn counter-clockwise, if it is one feature with no other on it.
 
     Of curves that are joined, and of what is drawn twice, any direction is one that is drawn.
     """
-    features, ways = work.asked.features[work.process], [way for way, _ in ring]
-    own = features[ways[0]]
-    if any(back or features[way] != own for way, back in ring):
-        return False
-    if not len(twins):
-        return True
+    features, twins = work.required.features[work.process], np.flatnonzero(work.region.twins)
     low, high = work.need.boxes
-    least, most = low[ways].min(axis=0), high[ways].max(axis=0)
-    beside = np.all((high[twins] >= least) & (low[twins] <= most), axis=1)
-    return not beside.any()
+    turned: list[bool | None] = []
+    for ring, is_turned in zip(work.region.rings, work.region.anticlockwise.tolist(), strict=True):
+        ways = [way for way, _ in ring]
+        is_one = len({features[way] for way in ways}) == 1 and not any(back for _, back in ring)
+        if is_one and len(twins):
+            least, most = low[ways].min(axis=0), high[ways].max(axis=0)
+            is_one = not np.all((high[twins] >= least) & (low[twins] <= most), axis=1).any()
+        turned.append(is_turned if is_one else None)
+    return turned
 
 
-def _turns(work: Work, heads: Sequence[Traced]) -> list[bool | None]:
-    """Which strokes that go round a contour together do so counter-clockwise.
-
-    None of what has no inside.
-    """
-    points, begins = work.path.outlines(work.fine)
-    members = [(m.first, m.last) for head in heads for m in head.members or [head]]
-    low, high = begins[np.array(members).T]
-    behind = np.cumsum(high - low)
-    rows = np.arange(behind[-1]) + np.repeat(high - behind, high - low)
-    first = np.cumsum([0, *(len(head.members or [head]) for head in heads)])
-    areas, lengths = signed_areas(points[rows], np.append(0, behind)[first])
-    wide = np.abs(areas) > MIN_WIDTH * lengths
-    return [
-        turned if is_wide else None
-        for turned, is_wide in zip((areas > 0.0).tolist(), wide.tolist(), strict=True)
-    ]
+def _shown(is_anticlockwise: bool) -> str:
+    return "counter-clockwise" if is_anticlockwise else "clockwise"

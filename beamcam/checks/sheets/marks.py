@@ -10,20 +10,13 @@ from math import ceil, cos, radians, sin
 import numpy as np
 import shapely
 
+from beamcam.checks import text_assignment
 from beamcam.checks.drawn_texts import EXACT, NEAR, DrawnPieces, RequiredText, wanted
 from beamcam.checks.job import is_manual_work, manual_work
 from beamcam.checks.sheets import rules
 from beamcam.checks.sheets.need import Need, shift_of
 from beamcam.checks.sheets.strokes import Strokes
 from beamcam.checks.sheets.work import SHOWN, Work
-from beamcam.checks.text_assignment import (
-    Steel,
-    box_of,
-    is_clear,
-    is_surely_clear,
-    steel_within,
-    text_positions,
-)
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.array_types import Floats
 from beamcam.geometry.curves import Curve, Line
@@ -56,27 +49,33 @@ def add_texts(need: Need, part: Part, machine: Machine, torch: Torch, strokes: S
             _need(need, process, index, text, (text.feature.x, text.feature.y, text.height))
         return
     chords = [pair for curve in _once(need) for pair in pairwise(_points(curve, CHORD))]
-    steel = steel_within(chords)
-    pieces = _pieces(strokes, process, shift_of(need, torch))
+    steel = text_assignment.steel_within(chords)
+    moves, shift = strokes.moves, shift_of(need, torch)
+    pieces: list[tuple[Point, Point]] = []  # in the numbers of the part
+    for stroke in strokes.each:
+        if stroke.process == process:
+            rows = slice(stroke.first, stroke.last)
+            ends = np.hstack((moves.start[rows] - shift, moves.end[rows] - shift)).tolist()
+            pieces += [((a, b), (c, d)) for a, b, c, d in ends]
     if machine.stepper is not None:
         _where_they_are(need, required, part, machine, steel, pieces)
         return
     drawn = DrawnPieces(pieces, max(NEAR, torch.tolerance))
     ours = {index: text for index, text in required if text.feature.face in FACES}
-    standing = text_positions([*ours.values()], drawn, steel, steel, machine.marks)
-    stands = dict(zip(ours, standing, strict=True))
+    positions = text_assignment.text_positions([*ours.values()], drawn, steel, steel, machine.marks)
+    position_of = dict(zip(ours, positions, strict=True))
     for index, text in required:
-        one = stands.get(index)
-        if one is None:
+        at = position_of.get(index)
+        if at is None:
             need.diagnostics.append(manual_work(text.feature, part, machine))
         else:
-            need.diagnostics += one.diagnostics
-            _need(need, process, index, text, (one.x, one.y, one.height))
+            need.diagnostics += at.diagnostics
+            _need(need, process, index, text, (at.x, at.y, at.height))
 
 
 def _where_they_are(
     need: Need, required: Sequence[tuple[int, RequiredText]], part: Part, machine: Machine,
-    steel: Steel, pieces: Sequence[tuple[Point, Point]],
+    steel: text_assignment.Steel, pieces: Sequence[tuple[Point, Point]],
 ) -> None:  # fmt: skip
     """Add the texts that a table letters where the part has them; it moves none.
 
@@ -88,11 +87,14 @@ def _where_they_are(
         feature = text.feature
         place = feature.x, feature.y, text.height
         is_drawn = feature.face in FACES and text.pieces and text.height >= machine.marks.min_height
-        box = box_of(text, *place) if is_drawn else None
+        box = text_assignment.box_of(text, *place) if is_drawn else None
         if (
             box is not None
-            and is_clear(box, steel, boxes, machine.marks.min_distance - EXACT)
-            and (is_surely_clear(text, steel, boxes, machine.marks) or box.intersects(middles))
+            and text_assignment.is_clear(box, steel, boxes, machine.marks.min_distance - EXACT)
+            and (
+                text_assignment.is_surely_clear(text, steel, boxes, machine.marks)
+                or box.intersects(middles)
+            )
         ):
             _need(need, text_process(machine), index, text, place)
             boxes.append(box)
@@ -109,18 +111,6 @@ def _need(
     need: Need, process: TorchProcess, index: int, text: RequiredText, place: tuple[float, ...]
 ) -> None:
     need.add(process, [Line(a, b) for a, b in text.at(*place)], index, text.feature.source)
-
-
-def _pieces(strokes: Strokes, process: TorchProcess, shift: Point) -> Sequence[tuple[Point, Point]]:
-    """The straight moves of a process, in the numbers of the part."""
-    moves = strokes.moves
-    pieces: list[tuple[Point, Point]] = []
-    for stroke in strokes.each:
-        if stroke.process == process:
-            rows = slice(stroke.first, stroke.last)
-            ends = np.hstack((moves.start[rows] - shift, moves.end[rows] - shift)).tolist()
-            pieces += [((a, b), (c, d)) for a, b, c, d in ends]
-    return pieces
 
 
 def _once(need: Need) -> Iterator[Curve]:
@@ -261,18 +251,15 @@ def overscan_faults(work: Work) -> list[Diagnostic]:
     middles = (work.path.starts[firsts] + work.path.ends[firsts]) / 2
     _, nearest = work.need.nearest(middles, work.tolerance)
     diagnostics: list[Diagnostic] = []
-    for stroke, way, (x, y) in zip(work.strokes, nearest.tolist(), middles.tolist(), strict=True):
-        is_line = work.asked.source(work.process, way).where == HATCH
+    for stroke, way, middle in zip(work.strokes, nearest.tolist(), middles, strict=True):
+        is_line = work.required.source(work.process, way).where == HATCH
         expected = over if is_line else 0.0
-        if max(abs(found - expected) for found in stroke.overscan) <= 2 * work.tolerance:
+        if max(abs(length - expected) for length in stroke.overscan) <= 2 * work.tolerance:
             continue
-        before, behind = stroke.overscan
+        found, line = "{:.3f} and {:.3f}".format(*stroke.overscan), stroke.line
         diagnostics.append(
-            rules.OVERSCAN.at(
-                Source(work.name, stroke.line), x=f"{x:.3f}", y=f"{y:.3f}",
-                found=f"{before:.3f} and {behind:.3f}", expected=f"{expected:g}",
-            )
-        )  # fmt: skip
+            work.fault(rules.OVERSCAN, line, middle, found=found, expected=f"{expected:g}")
+        )
     return diagnostics[:SHOWN]
 
 
@@ -351,8 +338,7 @@ def _filled(need: Need, process: TorchProcess | None, key: str, own: LayerSettin
 
     def turned(curves: Iterable[Curve]) -> Floats:
         points = [p for curve in curves for p in _points(curve, HATCH_CHORD)]
-        found: Floats = np.array(points) @ np.array([[c, -s], [s, c]])
-        return found
+        return np.asarray(np.array(points) @ np.array([[c, -s], [s, c]]))
 
     rings = [turned(contour.curves) for contour in need.filled.get(key, [])]
     lines: list[Floats] = []
@@ -370,29 +356,25 @@ def _filled(need: Need, process: TorchProcess | None, key: str, own: LayerSettin
 
 def one_way_faults(work: Work) -> list[Diagnostic]:
     """The first line of a hatch that is followed backwards where all are to run one way."""
-    torch, need = work.torch, work.need
-    every = [
-        k for k, (look, feature) in enumerate(
-            zip(work.asked.looks[work.process], work.asked.features[work.process], strict=True)
-        )
+    torch, need, required = work.torch, work.need, work.required
+    looks = required.looks[work.process]
+    lines = [
+        k for k, look in enumerate(looks)
         if look in torch.settings and torch.settings[look].hatch_one_way
-        and work.asked.sources[feature].where == HATCH
+        and required.source(work.process, k).where == HATCH
     ]  # fmt: skip
-    if not every or not work.strokes:
+    if not lines or not work.strokes:
         return []
-    ways = np.array(every)
+    ways = np.array(lines)
     points = need.point(ways, need.lengths[ways] / 2)
-    pairs = work.path.near(points, float(work.slack.max(initial=0.0)))
+    pairs = work.path.near(points, work.most_slack)
     legs = work.path.elements.directions(pairs.element, np.zeros(len(pairs.element)))
-    angles = [torch.settings[work.asked.looks[work.process][k]].hatch_angle for k in every]
-    turns = np.radians(angles)[pairs.point]
-    along = legs[:, 0] * np.cos(turns) + legs[:, 1] * np.sin(turns)
+    angles = np.radians([torch.settings[looks[k]].hatch_angle for k in lines])[pairs.point]
+    along = legs[:, 0] * np.cos(angles) + legs[:, 1] * np.sin(angles)
     # What crosses a line is not part of it.
-    back = np.flatnonzero(along < -0.99)
-    if not len(back):
-        return []
-    k = int(back[0])
-    line = int(work.moves.line[work.path.owner[pairs.element[k]]])
-    x, y = points[pairs.point[k]].tolist()
-    key = work.asked.looks[work.process][every[int(pairs.point[k])]]
-    return [rules.HATCH_WAY.at(Source(work.name, line), key=key, x=f"{x:.3f}", y=f"{y:.3f}")]
+    back = np.flatnonzero(along < -0.99)[:1]
+    way, at = work.path.owner[pairs.element[back]], pairs.point[back]
+    return [
+        work.fault(rules.HATCH_WAY, line, points[k], key=looks[lines[k]])
+        for line, k in zip(work.moves.line[way].tolist(), at.tolist(), strict=True)
+    ]

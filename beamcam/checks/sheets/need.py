@@ -10,8 +10,8 @@ from msgspec import Struct, field
 
 from beamcam.checks.job import is_manual_work, left_out, manual_work
 from beamcam.checks.sheets import rules
-from beamcam.checks.sheets.asked_sheet import header_outline, rows_on, small_openings, thickness_of
-from beamcam.checks.sheets.notches import open_edges
+from beamcam.checks.sheets.asked_sheet import rows_on, small_openings, thickness_of
+from beamcam.checks.sheets.plates import header_outline, open_edges, outlines_of
 from beamcam.checks.sheets.region import Region, region_of
 from beamcam.checks.sheets.toolpaths import Toolpaths
 from beamcam.checks.within import needless
@@ -35,7 +35,6 @@ from beamcam.model.part import (
 )
 from beamcam.model.request import policy_on
 
-Needs = dict[TorchProcess, list[Curve]]
 SAME_PLACE = 1e-5  #: mm between the centres of two features that are spotted once
 PLANE_OFF = 0.1  #: mm that an end plane may lie inside of a plate and take nothing
 OUTLINE = -1  #: in place of a feature, for the rectangle of a plate without a contour of its own
@@ -44,7 +43,7 @@ OUTLINE = -1  #: in place of a feature, for the rectangle of a plate without a c
 class Need(Struct):
     """Curves by process, as the part has them."""
 
-    curves: Needs = field(default_factory=dict)
+    curves: dict[TorchProcess, list[Curve]] = field(default_factory=dict)
     features: dict[TorchProcess, list[int]] = field(default_factory=dict)  #: of each curve
     looks: dict[TorchProcess, list[str]] = field(default_factory=dict)  #: keys of their settings
     rows: dict[TorchProcess, TorchRow] = field(default_factory=dict)  #: of processes on the sheet
@@ -70,7 +69,9 @@ class Need(Struct):
     def add_centre(self, place: Point, torch: Torch, feature: int, source: Source) -> None:
         """A centre to mark: by a spot, once for all features there, or by a cross."""
         if torch.drilled != "spot":
-            self.add("mark", _cross(*place, torch.cross), feature, source)
+            (x, y), half = place, torch.cross / 2
+            cross = [Line((x - half, y), (x + half, y)), Line((x, y - half), (x, y + half))]
+            self.add("mark", cross, feature, source)
             return
         self.sources[feature] = source
         if all(dist(place, other) > SAME_PLACE for other in self.spots):
@@ -124,48 +125,24 @@ def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) 
     header = () if part.measures is not None else header_outline(part)
     edges = open_edges(part, header, OUTLINE, gone)
     policies = [policy_on(feature, machine.marks) for feature in part.features]
-    hand = [
-        policy is not None and is_manual_work(feature, machine)
-        for policy, feature in zip(policies, part.features, strict=True)
-    ]
-    need = Need(
-        diagnostics=[manual_work(f, part, machine) for f in compress(part.features, hand)],
-        rows=rows,
-    )
+    by_hand = [
+        k for k, feature in enumerate(part.features)
+        if policies[k] is not None and is_manual_work(feature, machine)
+    ]  # fmt: skip
+    listed = [manual_work(part.features[k], part, machine) for k in by_hand]
+    need, gone = Need(diagnostics=listed, rows=rows), gone.union(by_hand)
     table = cast("dict[str, Process]", torch.colours)
     processes: dict[tuple[str | None, str | None], str | None] = {}
     thickness = thickness_of(part, torch)
-    outlined = False
     for index, feature in enumerate(part.features):
-        if isinstance(feature, Contour):
-            outlined = outlined or (
-                feature.kind == "outer" and feature.process == "cut" and feature.face in PLATE_FACES
-            )
-        if (
-            index in gone
-            or hand[index]
-            or (isinstance(feature, EndPlane) and not _cuts(feature, part, thickness))
-        ):
+        needless_end = isinstance(feature, EndPlane) and not _cuts(feature, part, thickness)
+        if index in gone or needless_end:
             continue
         policy = policies[index]
         if policy == "make" and isinstance(feature, TextMark):
-            continue  # its position is taken from the program: see texts.py
-        refused = policy == "refuse"
-        lack = "mark" if refused else lack_of(feature, torch, thickness)
-        if lack is not None and _is_begun(feature, lack, torch):
-            # A hole is marked for the drill; a contour is cut as it stands, square.
-            need.diagnostics.append(manual_work(feature, part, machine))
-            if isinstance(feature, Hole | Slot):
-                for place in _drill_places(feature):
-                    need.add_centre(place, torch, index, feature.source)
-                continue
-            lack = None
-        if lack is not None and lack not in skips:
-            _not_made(need, part, feature, lack)
-            continue
-        # A bevel that may be missing leaves a contour that is cut square.
-        if lack is not None and lack != "bevel":
-            need.diagnostics += left_out(part, (index,))
+            continue  # its position is taken from the program: see `marks.add_texts`
+        kind = "mark" if policy == "refuse" else kind_not_made(feature, torch, thickness)
+        if kind is not None and _is_left(need, part, index, kind, machine, torch, skips):
             continue
         if isinstance(feature, Contour):
             look = feature.layer, feature.colour
@@ -180,11 +157,39 @@ def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) 
         else:
             hole = cast("Hole | Slot", feature)
             need.add("cut", _ring(hole), index, hole.source)
-    if part.measures is None and not outlined:
+    if part.measures is None and not outlines_of(part):
         sides = edges.get(OUTLINE) or header_outline(part)
         need.add("cut", sides, OUTLINE, part.source)
     _leave_small_openings(need, part, machine, torch, skips)
     return need
+
+
+def _is_left(
+    need: Need, part: Part, index: int, kind: str, machine: Machine, torch: Torch,
+    skips: Collection[str],
+) -> bool:  # fmt: skip
+    """Whether a feature is not cut, of a `kind` that the machine does not make; says why."""
+    feature = part.features[index]
+    if kind == "bevel" and torch.bevel == "square":
+        # It is cut as it stands, square, and the rest is manual work.
+        need.diagnostics.append(manual_work(feature, part, machine))
+        return False
+    is_drilled = kind in ("tool", "slot") and torch.drilled != "refuse"
+    if is_drilled and isinstance(feature, Hole | Slot) and feature.kind != "mark":
+        need.diagnostics.append(manual_work(feature, part, machine))
+        # Where the drill begins: the middle of a hole, those of the corners of a slot.
+        (c, s), u, v = (1.0, 0.0), 0.0, 0.0
+        if isinstance(feature, Slot):
+            (c, s), u, v = unit_vector(feature.angle), feature.length / 2, feature.height / 2
+        for x, y in {(c * x - s * y, s * x + c * y) for x in (-u, u) for y in (-v, v)}:
+            need.add_centre((feature.x + x, feature.y + y), torch, index, feature.source)
+    elif kind not in skips:
+        _not_made(need, part, feature, kind)
+    elif kind == "bevel":
+        return False  # a bevel that may be missing leaves a contour that is cut square
+    else:
+        need.diagnostics += left_out(part, (index,))
+    return True
 
 
 def _leave_small_openings(
@@ -205,10 +210,10 @@ def _leave_small_openings(
                 need.diagnostics.append(manual_work(feature, part, machine))
                 for place in opening.centres:
                     need.add_centre(place, torch, index, feature.source)
-            elif (lack := "slot" if len(opening.centres) > 1 else "tool") in skips:
+            elif (kind := "slot" if len(opening.centres) > 1 else "tool") in skips:
                 need.diagnostics += left_out(part, (index,))
             else:
-                _not_made(need, part, feature, lack)
+                _not_made(need, part, feature, kind)
     if left:
         need.without_cuts(left)
 
@@ -238,29 +243,8 @@ def _follow(
     need.add(cast("TorchProcess", process), contour.curves, index, contour.source, key)
 
 
-def _is_begun(feature: Feature, lack: str, torch: Torch) -> bool:
-    """Whether the machine only begins a feature, and the rest is manual work."""
-    if isinstance(feature, Contour):
-        return lack == "bevel" and torch.bevel == "square"
-    if isinstance(feature, Hole | Slot) and feature.kind != "mark":
-        return lack in ("tool", "slot") and torch.drilled != "refuse"
-    return False
-
-
-def _drill_places(feature: Hole | Slot) -> set[Point]:
-    """Drill start points of a hole, or of the rounded corners of a slot."""
-    if isinstance(feature, Hole):
-        return {(feature.x, feature.y)}
-    c, s = unit_vector(feature.angle)
-    half_x, half_y = feature.length / 2, feature.height / 2
-    return {
-        (feature.x + c * u - s * v, feature.y + s * u + c * v)
-        for u in (-half_x, half_x) for v in (-half_y, half_y)
-    }  # fmt: skip
-
-
-def lack_of(feature: Feature, torch: Torch, thickness: float) -> str | None:
-    """Why a table cannot make a feature, by the name of `--allow-skips`; None if it can.
+def kind_not_made(feature: Feature, torch: Torch, thickness: float) -> str | None:
+    """What a table cannot make of a feature, by the name of `--allow-skips`; None if it can.
 
     A contour with a bevel loses no steel by a square cut: a bevel only takes away from what the
     contour holds, on the face that is looked at or on the far one.
@@ -275,13 +259,12 @@ def lack_of(feature: Feature, torch: Torch, thickness: float) -> str | None:
         case Hole() if feature.kind == "mark":
             marked = torch.cross or torch.drilled == "spot"
             return None if marked and feature.depth is None else "tool"
-        case Hole():
+        case Hole() | Slot():
+            across = min(feature.length, feature.height) if isinstance(feature, Slot) else 0.0
+            is_wide = across + feature.diameter >= least
             through = feature.kind == "through" and feature.depth is None
-            return None if through and feature.diameter >= least else "tool"
-        case Slot():
-            through = feature.kind == "through" and feature.depth is None
-            width = min(feature.length, feature.height) + feature.diameter
-            return None if through and width >= least else "slot"
+            what = "slot" if isinstance(feature, Slot) else "tool"
+            return None if through and is_wide else what
         case TextMark():
             return "mark"
         case _:
@@ -298,18 +281,9 @@ def _cuts(plane: EndPlane, part: Part, thickness: float) -> bool:
     return bool(ways @ (farthest - plane.point) > PLANE_OFF)
 
 
-def _not_made(need: Need, part: Part, feature: Feature, lack: str) -> None:
-    source = getattr(feature, "source", part.source)
-    found = type(feature).__name__.lower()
-    need.diagnostics.append(rules.NOT_MADE.at(source, found=found, kind=lack))
-
-
-def _cross(x: float, y: float, size: float) -> list[Curve]:
-    """The two strokes that mark a centre, each as long as the cross is to be."""
-    return [
-        Line((x - ux * size / 2, y - uy * size / 2), (x + ux * size / 2, y + uy * size / 2))
-        for ux, uy in ((1.0, 0.0), (0.0, 1.0))
-    ]
+def _not_made(need: Need, part: Part, feature: Feature, kind: str) -> None:
+    source, found = getattr(feature, "source", part.source), type(feature).__name__.lower()
+    need.diagnostics.append(rules.NOT_MADE.at(source, found=found, kind=kind))
 
 
 def _ring(feature: Hole | Slot) -> list[Curve]:
@@ -317,60 +291,33 @@ def _ring(feature: Hole | Slot) -> list[Curve]:
     radius = feature.diameter / 2
     if isinstance(feature, Hole):
         return [Arc((feature.x, feature.y), radius, 0.0, 360.0)]
-    (c, s) = unit_vector(feature.angle)
-    along, across = feature.length / 2, feature.height / 2
-    sides: list[Curve] = []
-    for sign in (1.0, -1.0):
-        for u0, v0, u1, v1 in (
-            (-along, across + radius, along, across + radius),
-            (along + radius, -across, along + radius, across),
-        ):
-            a, b = (
-                (feature.x + sign * (c * u - s * v), feature.y + sign * (s * u + c * v))
-                for u, v in ((u0, v0), (u1, v1))
-            )
-            if a != b:
-                sides.append(Line(a, b))
-    if radius > 0.0:
-        for u, v, begin in (
-            (along, across, 0.0), (-along, across, 90.0),
-            (-along, -across, 180.0), (along, -across, 270.0),
-        ):  # fmt: skip
-            centre = (feature.x + c * u - s * v, feature.y + s * u + c * v)
-            sides.append(Arc(centre, radius, feature.angle + begin, 90.0))
-    return sides
+    c, s = unit_vector(feature.angle)
+    u, v = feature.length / 2, feature.height / 2
+    far_u, far_v = u + radius, v + radius
+
+    def at(x: float, y: float) -> Point:
+        return feature.x + c * x - s * y, feature.y + s * x + c * y
+
+    sides: list[Curve] = [
+        Line(at(*a), at(*b))
+        for a, b in (((-u, far_v), (u, far_v)), ((far_u, -v), (far_u, v)),
+                     ((u, -far_v), (-u, -far_v)), ((-far_u, v), (-far_u, -v)))
+        if a != b
+    ]  # fmt: skip
+    corners = ((u, v), (-u, v), (-u, -v), (u, -v)) if radius > 0.0 else ()
+    arcs = (Arc(at(*p), radius, feature.angle + 90.0 * k, 90.0) for k, p in enumerate(corners))
+    return [*sides, *arcs]
 
 
 def shift_of(need: Need, torch: Torch) -> tuple[float, float]:
     """Machine coordinates of the part's x 0, y 0, as the machine places a sheet."""
-    if torch.place == "drawn" and torch.origin == "table":
+    if (torch.place == "drawn" and torch.origin == "table") or not need.curves:
         return 0.0, 0.0
-    fine = torch.tolerance / 8
-    if not need.curves:
-        return 0.0, 0.0
-    if torch.origin != "table":
-        box = extent(curve for curves in need.curves.values() for curve in curves)
-        x0, y0, x1, y1 = box or (0.0, 0.0, 0.0, 0.0)
-        xs = {"left": x0, "right": x1, "centre": (x0 + x1) / 2}
-        ys = {"lower": y0, "upper": y1, "centre": (y0 + y1) / 2}
-        across, _, along = torch.origin.partition("-")
-        return -xs[along or across], -ys[across]
-    corners = [_min_corner(need, process, fine) for process in need.curves]
-    return torch.margin - min(x for x, _ in corners), torch.margin - min(y for _, y in corners)
-
-
-def _min_corner(need: Need, process: TorchProcess, tolerance: float) -> Point:
-    """The minimum x and y of the curves of a process.
-
-    Lines and arcs say it themselves. Of the others the chords are known, and those that come
-    within a chord's tolerance of the least are asked.
-    """
-    toolpaths = need.toolpaths(process, tolerance)
-    low, _ = toolpaths.boxes
-    exact = np.ones(len(low), dtype=bool)
-    exact[toolpaths.rest] = False
-    near = toolpaths.rest[np.any(low[toolpaths.rest] <= low.min(axis=0) + 2 * tolerance, axis=1)]
-    box = extent(need.curves[process][k] for k in near.tolist())
-    corners = np.concatenate((low[exact], np.array([box[:2]] if box else []).reshape(-1, 2)))
-    x, y = corners.min(axis=0).tolist()
-    return x, y
+    box = extent(curve for curves in need.curves.values() for curve in curves)
+    x0, y0, x1, y1 = box or (0.0, 0.0, 0.0, 0.0)
+    if torch.origin == "table":
+        return torch.margin - x0, torch.margin - y0
+    xs = {"left": x0, "right": x1, "centre": (x0 + x1) / 2}
+    ys = {"lower": y0, "upper": y1, "centre": (y0 + y1) / 2}
+    across, _, along = torch.origin.partition("-")
+    return -xs[along or across], -ys[across]

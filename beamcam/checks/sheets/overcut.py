@@ -10,7 +10,7 @@ from beamcam.checks.sheets import rules
 from beamcam.checks.sheets.toolpaths import Toolpaths
 from beamcam.checks.sheets.tracing import Traced
 from beamcam.checks.sheets.work import SHOWN, Work
-from beamcam.errors import Diagnostic, Source
+from beamcam.errors import Diagnostic
 from beamcam.geometry.array_types import Counts, Floats
 from beamcam.machine.torch import LayerSettings
 
@@ -18,7 +18,7 @@ PLAIN = LayerSettings()
 #: An overcut that the controller leads stays on the first curve, by this share of it at least.
 STAYS = 0.4
 SHORTEST = 0.2  #: share of a line that leads out, by which it leaves its contour if not along it
-LED = 0.4  #: share of a lead that lies along the contour, if it is not only tangent to it
+LEAD_SHARE = 0.4  #: share of a lead that lies along the contour, if it is not only tangent to it
 CORNER_SPAN, CORNER_RAD = 0.2, 0.35  #: mm on both sides of a corner, and what it turns at least
 Limits = tuple[float, float, float]  #: mm beyond the start: found, least, most
 
@@ -31,84 +31,88 @@ def overcut_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
     slack = (4 if work.stepped else 2) * work.tolerance
     by_machine = work.torch.kerf_by == "machine"
     diagnostics = []
-    again = _pass_their_start(work, [t for t in traced if not (t.members or t.joined or t.closed)])
+    path, opened = work.path, [t for t in traced if not (t.members or t.joined or t.closed)]
+    # Those that come by the place where they began once more.
+    first = np.array([t.first for t in opened], dtype=np.int64)
+    pairs = path.near(path.starts[first], work.tolerance)
+    first = first[pairs.point]
+    again = path.at(pairs.element, pairs.along) - path.begins[first] > 4 * work.tolerance
+    again &= work.of_way[path.owner[pairs.element]] == work.of_way[first]
+    passing = set(first[again].tolist())
     for t in traced:
         if by_machine and t.half_kerf:
             limits = _beside(work, t)
         elif t.members:
-            limits = _along(work, t)
-            diagnostics += _beyond(work, t.members[-1], slack)
-        elif t.first not in again or not (over := _retraced(work, t)):
-            continue
+            limits, last = _along(work, t), t.members[-1]
+            if last.beyond > work.most_lead + slack:
+                away = f"{last.beyond:.3f} mm beyond its contour"
+                expected = f"at most {work.most_lead:.3f} mm to lead out"
+                line, place = int(work.moves.line[last.end - 1]), path.ends[last.end - 1]
+                diagnostics.append(
+                    work.fault(rules.EXTRA, line, place, away=away, expected=expected)
+                )
+        elif t.first in passing and (over := _retraced(work, t)):
+            required = required_overcut(work, t, over)
+            limits = over, required, required
         else:
-            limits = over, required_overcut(work, t, over), required_overcut(work, t, over)
-        found, least, most = limits
-        if least - slack <= found <= most + slack:
             continue
-        diagnostics.append(
-            rules.OVERCUT.at(
-                Source(work.name, t.stroke.line), found=f"{found:.3f}", expected=f"{least:.3f}",
-                contour=work.contour_at(work.path.starts[t.first]),
-            )
-        )  # fmt: skip
+        found, least, most = limits
+        if not least - slack <= found <= most + slack:
+            shown = {"found": f"{found:.3f}", "expected": f"{least:.3f}"}
+            contour = work.contour_at(path.starts[t.first])
+            diagnostics.append(work.fault(rules.OVERCUT, t.stroke.line, contour=contour, **shown))
     return diagnostics[:SHOWN]
 
 
-def _beyond(work: Work, t: Traced, slack: float) -> list[Diagnostic]:
-    """That a stroke runs on from its contour for longer than a lead-out."""
-    if t.beyond <= work.most_lead + slack:
-        return []
-    place, line = work.path.ends[t.end - 1], int(work.moves.line[t.end - 1])
-    away = f"{t.beyond:.3f} mm beyond its contour"
-    return [work.extra(line, place, away, f"at most {work.most_lead:.3f} mm to lead out")]
-
-
 def _along(work: Work, t: Traced) -> Limits:
-    """How far a ring runs over its start, and what is asked: at most half of the way to a bridge.
+    """How far a ring runs over its start, and its overcut: at most half of the way to a bridge.
 
     A line there and back again is not a ring.
     """
-    led = _led_along(work, t)
-    over = sum(other.over for other in t.members) - led
+    lead = _lead_along(work, t)
+    over = sum(other.over for other in t.members) - lead
     first = float(work.path.lengths[t.first : t.last].sum())
     if len(t.members) > 1:
-        first += t.over - led
-    asked = required_overcut(work, t, over, first / 2)
-    if not over and not asked:
-        return 0.0, 0.0, 0.0
-    if t.contour < 0:
+        first += t.over - lead
+    required = required_overcut(work, t, over, first / 2)
+    if t.contour < 0 or not (over or required):
         return over, 0.0, 0.0
-    return over, asked, asked + _along_leads(work, t.members[-1])
+    return over, required, required + _along_leads(work, t.members[-1])
 
 
 def _along_leads(work: Work, t: Traced) -> float:
     """How far the leads of a stroke that ends a ring may lie along its contour."""
-    torch = work.torch
+    torch, path = work.torch, work.path
     if torch.lead == "none":
         return 0.0
     if torch.lead == "line":
         # From an inner corner a line leads out along the contour.
         beside = 2 * work.tolerance if work.stepped else 0.0
         return beside if t.beyond > SHORTEST * torch.lead_out else torch.lead_out
-    if not work.stepped:
-        return _tangent(work, t)
     # A quarter of a circle is off its tangent by the tolerance after sqrt(2 radius tolerance).
-    radii = torch.lead_in / (pi / 2), torch.lead_out / (pi / 2)
-    return sum(sqrt(2 * radius * work.tolerance) + 3 * work.tolerance for radius in radii)
+    if work.stepped:
+        radii = torch.lead_in / (pi / 2), torch.lead_out / (pi / 2)
+        return sum(sqrt(2 * radius * work.tolerance) + 3 * work.tolerance for radius in radii)
+    if t.last >= t.end:
+        return 0.0
+    chord = hypot(*(path.ends[t.last] - path.starts[t.last]))
+    if chord < (1.0 - 1e-9) * float(path.lengths[t.last]):
+        return 0.0  # an arc, of which no place is on the contour
+    return 2 * sqrt(2 * torch.lead_out * work.tolerance)  # the chord there may go on as far
 
 
-def _led_along(work: Work, t: Traced) -> float:
+def _lead_along(work: Work, t: Traced) -> float:
     """How far a stroke of steps comes along its contour: not an overcut, up to its first corner.
 
     From an inner corner a line leads in along the contour. Of paths with known corners that is no
     part of what runs along the ring; see `tracing._overs`.
     """
-    if not work.stepped or t.before <= LED * work.most_in:
+    if not work.stepped or t.before <= LEAD_SHARE * work.most_in:
         return 0.0
     path = work.path
     begin = float(path.begins[t.begin])
-    led = float(path.begins[t.first]) - begin
-    along = np.arange(CORNER_SPAN, led + CORNER_SPAN, CORNER_SPAN / 8)
+    lead = float(path.begins[t.first]) - begin
+    along = np.arange(CORNER_SPAN, lead + CORNER_SPAN, CORNER_SPAN / 8)
     places = _places(work, begin + along)
     back = places - _places(work, begin + along - CORNER_SPAN)
     forth = _places(work, begin + along + CORNER_SPAN) - places
@@ -117,7 +121,7 @@ def _led_along(work: Work, t: Traced) -> float:
     )
     if not len(turn) or turn.max() < CORNER_RAD:
         return 0.0
-    return t.before - max(0.0, led - float(along[int(np.argmax(turn))]))
+    return t.before - max(0.0, lead - float(along[int(np.argmax(turn))]))
 
 
 def _places(work: Work, at: Floats) -> Floats:
@@ -126,35 +130,10 @@ def _places(work: Work, at: Floats) -> Floats:
     return work.path.point(way, at - work.path.begins[way])
 
 
-def _tangent(work: Work, t: Traced) -> float:
-    """How far an arc that leads out in chords stays on the contour that it leaves by its tangent.
-
-    It is off by the tolerance after sqrt(2 radius tolerance); the chord there may go on as far.
-    """
-    path = work.path
-    if t.last >= t.end:
-        return 0.0
-    chord = hypot(*(path.ends[t.last] - path.starts[t.last]))
-    if chord < (1.0 - 1e-9) * float(path.lengths[t.last]):
-        return 0.0  # an arc, of which no place is on the contour
-    return 2 * sqrt(2 * work.torch.lead_out * work.tolerance)
-
-
-def _pass_their_start(work: Work, traced: Sequence[Traced]) -> set[int]:
-    """The first ways of those strokes that come by the place where they began once more."""
-    path = work.path
-    first = np.array([t.first for t in traced], dtype=np.int64)
-    pairs = path.near(path.starts[first], work.tolerance)
-    first = first[pairs.point]
-    further = path.at(pairs.element, pairs.along) - path.begins[first] > 4 * work.tolerance
-    own = work.of_way[path.owner[pairs.element]] == work.of_way[first]
-    return set(first[own & further].tolist())
-
-
 def _retraced(work: Work, t: Traced) -> float:
     """How far a stroke that does not end where it began has gone on along its own first curves."""
     path = work.path
-    if path.first(np.array(t.first)) == path.last(np.array(t.last - 1)):
+    if path.first[t.first] == path.last[t.last - 1]:
         return 0.0  # one line or arc
     begin = path.begins[t.first]
     length = float(path.begins[t.last - 1] + path.lengths[t.last - 1] - begin)
@@ -163,26 +142,20 @@ def _retraced(work: Work, t: Traced) -> float:
     at = path.at(pairs.element, pairs.along) - begin
     mine = (work.of_way[path.owner[pairs.element]] == work.of_way[t.first]) & (at >= 0.0)
     again, ends = at[mine & (pairs.point == 0)], at[mine & (pairs.point == 1)]
-    lengths = [
-        float(ends[k])
-        for place in again
-        for k in np.flatnonzero(np.abs(length - place - ends) <= 2 * work.tolerance)
-        if place > 4 * work.tolerance and ends[k] > 2 * work.tolerance
-        and _runs_again(work, t, float(place), float(ends[k]))
-    ]  # fmt: skip
+    lengths = []
+    for place in again[again > 4 * work.tolerance]:
+        fits = np.abs(length - place - ends) <= 2 * work.tolerance
+        for over in ends[fits & (ends > 2 * work.tolerance)].tolist():
+            # Not their ends alone: it follows its first curves again from that place on.
+            steps, way = over * np.linspace(0.125, 0.875, 7), np.full(7, t.first)
+            off = path.point(way, steps) - path.point(way, place + steps)
+            if (np.hypot(*off.T) <= 2 * work.tolerance).all():
+                lengths.append(over)
     over = min(lengths, default=0.0)
     # The part itself may have more than one curve a little behind the start.
     beside = work.need.near(_places(work, np.array([begin + over / 2])), work.tolerance)
     drawn = np.sort(work.need.at(beside.element, beside.along))
     return 0.0 if (np.diff(drawn) > 8 * work.tolerance).any() else over
-
-
-def _runs_again(work: Work, t: Traced, place: float, over: float) -> bool:
-    """Whether a stroke follows its first curves again from a place on, not only their ends."""
-    steps = over * np.linspace(0.125, 0.875, 7)
-    way = np.full(len(steps), t.first)
-    first, again = work.path.point(way, steps), work.path.point(way, place + steps)
-    return bool((np.hypot(*(first - again).T) <= 2 * work.tolerance).all())
 
 
 def required_overcut(work: Work, t: Traced, found: float, most: float = inf) -> float:
@@ -196,13 +169,13 @@ def required_overcut(work: Work, t: Traced, found: float, most: float = inf) -> 
         return 0.0  # the torch goes on to the next part where the contour closes
     if any(own.overcut is not None for own in torch.settings.values()):
         _, way = work.need.nearest_to(work.path.starts[t.first])
-        own = torch.settings.get(work.asked.looks[work.process][way], PLAIN).overcut
+        own = torch.settings.get(work.required.looks[work.process][way], PLAIN).overcut
         if own is not None:
             return min(own, most)
     usual = min(torch.overcut, most)
     small = usual if torch.hole_overcut is None else min(torch.hole_overcut, most)
     if t.small is None:
-        return min((small, usual), key=lambda asked: abs(asked - found))
+        return min((small, usual), key=lambda over: abs(over - found))
     return small if t.small else usual
 
 
@@ -223,11 +196,11 @@ def _beside(work: Work, t: Traced) -> Limits:
     length = float(path.lengths[start : t.last].sum())
     found = 0.0 if found > length - 2 * work.tolerance else found
     room = STAYS * float(path.lengths[start]) - 3 * t.half_kerf
-    asked = required_overcut(work, t, found)
-    least = min(asked, max(0.0, room))
-    radius = float(path.elements.arcs[path.first(np.array([start]))[0], 2])
+    required = required_overcut(work, t, found)
+    least = min(required, max(0.0, room))
+    radius = float(path.elements.arcs[path.first[[start]][0], 2])
     share = min(0.5, t.half_kerf / radius) if radius else 0.0
-    return found, least * (1 - share), asked * (1 + 2 * share) + 2 * t.half_kerf
+    return found, least * (1 - share), required * (1 + 2 * share) + 2 * t.half_kerf
 
 
 # --- ends -----------------------------------------------------------------------------------------
@@ -259,26 +232,26 @@ def end_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
     stops = np.tile([False, True], len(opened))
     places = np.where(stops[:, None], path.ends[ways], path.starts[ways])
     touching = _touching(work, ways, places)
-    once = work.process == "cut" and not work.bridged
-    asked = np.array([not t.half_kerf for t in opened for _ in range(2)])
+    once, looks = work.process == "cut" and not work.bridged, work.required.looks[work.process]
+    on_line = np.array([not t.half_kerf for t in opened for _ in range(2)])
     counts = np.full(len(ways), 2)
-    counts[asked] = _directions(work.need, places[asked], work.tolerance, work.torch.gap)
+    counts[on_line] = _directions(work.need, places[on_line], work.tolerance, work.torch.gap)
     diagnostics: list[Diagnostic] = []
     for k in np.flatnonzero(counts == 2).tolist():
         t, place = opened[k // 2], places[k]
-        x, y = (f"{value:.3f}" for value in place.tolist())
+
         others = touching[k]
-        if not others and asked[k] and not work.on_kept_off(place.reshape(1, 2))[0]:
+        if not others and on_line[k] and not work.on_kept_off(place.reshape(1, 2))[0]:
             what, line = "ends" if stops[k] else "begins", int(work.moves.line[ways[k]])
             contour = work.contour_at(place)
-            diagnostics.append(
-                rules.OPEN.at(Source(work.name, line), what=what, contour=contour, x=x, y=y)
-            )
-        elif once and len(others) == 1 and _goes_on(work, place, t.half_kerf):
+            diagnostics.append(work.fault(rules.OPEN, line, place, what=what, contour=contour))
+        elif once and len(others) == 1:
             (other, is_end), *_ = others
-            if is_end and other < work.of_way[t.first]:
-                source, contour = Source(work.name, t.stroke.line), work.contour_at(place)
-                diagnostics.append(rules.RESTART.at(source, contour=contour, x=x, y=y))
+            pairs = work.need.near(place.reshape(1, 2), t.half_kerf + work.tolerance)
+            settings = {looks[way] for way in work.need.owner[pairs.element].tolist()}
+            if is_end and other < work.of_way[t.first] and len(settings) <= 1:
+                contour = work.contour_at(place)
+                diagnostics.append(work.fault(rules.RESTART, t.stroke.line, place, contour=contour))
     return diagnostics[:SHOWN]
 
 
@@ -303,45 +276,35 @@ def _touching(work: Work, ways: Counts, places: Floats) -> list[set[tuple[int, b
     return found
 
 
-def _goes_on(work: Work, place: Floats, half_kerf: float) -> bool:
-    """Whether the contours at a place of the path have the same settings."""
-    pairs = work.need.near(place.reshape(1, 2), half_kerf + work.tolerance)
-    looks = work.asked.looks[work.process]
-    return len({looks[way] for way in work.need.owner[pairs.element].tolist()}) <= 1
-
-
 def _directions(need: Toolpaths, places: Floats, reach: float, gap: float) -> list[int]:
     """In how many directions contours go on from where they end at each place; 2 within one.
 
     A path may miss its end by `reach`. Ends farther apart than `gap` do not belong together,
     though both are within reach of the path's.
     """
-    apart = np.flatnonzero(np.hypot(*(need.ends - need.starts).T) > 1e-9)
-    corners = np.concatenate((need.starts[apart], need.ends[apart]))
+    opened = np.flatnonzero(np.hypot(*(need.ends - need.starts).T) > 1e-9)
+    corners = np.concatenate((need.starts[opened], need.ends[opened]))
     tree = shapely.STRtree(shapely.points(corners))
     place, which = tree.query(shapely.points(places), "dwithin", distance=reach)
-    way, lengths = np.tile(apart, 2)[which], np.tile(need.lengths[apart], 2)[which]
+    way, lengths = np.tile(opened, 2)[which], np.tile(need.lengths[opened], 2)[which]
     near = np.minimum(lengths / 2, 20 * reach)
-    inner = need.point(way, np.where(which < len(apart), near, lengths - near))
+    inner = need.point(way, np.where(which < len(opened), near, lengths - near))
     x, y = (inner - corners[which]).T
     beside: list[list[End]] = [[] for _ in places]
     columns = (place.tolist(), corners[which].tolist(), np.degrees(np.arctan2(y, x)).tolist())
     for k, corner, angle in zip(*columns, strict=True):
         beside[k].append((corner, angle))
-    own = zip(places.tolist(), beside, strict=True)
-    return [_branches(place, some, gap) if some else 2 for place, some in own]
-
-
-def _branches(place: Sequence[float], ends: Sequence[End], gap: float) -> int:
-    """How many directions there are of the nearest end and those that belong to it."""
-    nearest = min((end for end, _ in ends), key=lambda end: dist(end, place))
-    apart: list[float] = []
-    for end, angle in ends:
-        if dist(end, nearest) <= gap + ROUNDING and all(
-            abs((angle - a + 180.0) % 360.0 - 180.0) > SAME_DIRECTION_DEG for a in apart
-        ):
-            apart.append(angle)
-    return len(apart)
+    counts = []
+    for at, ends in zip(places.tolist(), beside, strict=True):
+        nearest = min((end for end, _ in ends), key=lambda end: dist(end, at), default=at)
+        apart: list[float] = []
+        for end, angle in ends:
+            if dist(end, nearest) <= gap + ROUNDING and all(
+                abs((angle - a + 180.0) % 360.0 - 180.0) > SAME_DIRECTION_DEG for a in apart
+            ):
+                apart.append(angle)
+        counts.append(len(apart) if ends else 2)
+    return counts
 
 
 # --- dark -----------------------------------------------------------------------------------------
@@ -349,17 +312,17 @@ def _branches(place: Sequence[float], ends: Sequence[End], gap: float) -> int:
 # What of a cut is run with the arc out: what follows where its contour is closed, and no more.
 
 
-def dark_faults(work: Work, traced: Sequence[Traced], asked: bool) -> list[Diagnostic]:
+def dark_faults(work: Work, traced: Sequence[Traced], goes_out: bool) -> list[Diagnostic]:
     """Cuts that are left dark before they are closed, or burn on behind that where they must not.
 
-    `asked` says that the arc goes out where a cut with an overcut is closed.
+    `goes_out` says that the arc does so where a cut with an overcut is closed.
     """
     by_machine = work.torch.kerf_by == "machine"
     diagnostics: list[Diagnostic] = []
     for t in traced:
         closed = t.closed and len(t.members) == 1
         closed = closed and bool((by_machine and t.half_kerf) or required_overcut(work, t, t.over))
-        due = closed and asked and work.process == "cut"
+        due = closed and goes_out and work.process == "cut"
         dark, beyond = t.stroke.dark, t.end - t.last if due else 0
         if dark == beyond and bool(dark) == due:
             continue
@@ -371,12 +334,9 @@ def dark_faults(work: Work, traced: Sequence[Traced], asked: bool) -> list[Diagn
             if (np.hypot(*away.T) <= work.meeting).any():
                 continue
         expected = _shown(beyond) if beyond or not due else "the arc out where it is closed"
-        diagnostics.append(
-            rules.DARK.at(
-                Source(work.name, t.stroke.line), found=_shown(dark), expected=expected,
-                contour=work.contour_at(work.path.starts[t.first]),
-            )
-        )  # fmt: skip
+        values = {"found": _shown(dark), "expected": expected}
+        contour = work.contour_at(work.path.starts[t.first])
+        diagnostics.append(work.fault(rules.DARK, t.stroke.line, contour=contour, **values))
     return diagnostics[:SHOWN]
 
 

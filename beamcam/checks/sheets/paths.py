@@ -30,25 +30,29 @@ from beamcam.checks.sheets.toolpaths import (
     nearest_pairs,
 )
 from beamcam.checks.sheets.tracing import Near, Traced, close, in_bridges, on_contour, trace
-from beamcam.checks.sheets.work import MITRE, SHOWN, SPACING, Work, left_of, off_surely
-from beamcam.errors import Diagnostic, Source
+from beamcam.checks.sheets.work import MITRE, SHOWN, SPACING, Work
+from beamcam.errors import Diagnostic
 from beamcam.geometry.array_types import Counts, Flags, Floats
 
 
 def follow(work: Work) -> tuple[list[Traced], list[Diagnostic]]:
     """The strokes without their leads, and what follows no contour."""
-    samples = _samples(work)
-    points, way = work.path.elements.places(*samples[:2]), samples[2]
+    path = work.path
+    several = [path.samples(SPACING), beside_bends(path, work.need, work.most_slack)]
+    if work.half_kerf:  # nothing else would see an end that runs on into the waste
+        several.append((path.last, np.ones(path.count), np.arange(path.count)))
+    samples = joined_samples(*several)
+    points, way = path.elements.places(*samples[:2]), samples[2]
     on, off = _nearest(work, samples, points)
     followed = on[0] <= work.slack[on[1]]
     expected = np.zeros(len(work.strokes))
     if work.half_kerf:
         followed, expected = _on_or_beside(work, points, work.of_way[way], followed, off)
-    bad = np.zeros(work.path.count, dtype=bool)
+    bad = np.zeros(path.count, dtype=bool)
     bad[way[~followed]] = True
     traced = trace(work, bad, expected, points, way, off)
     wrong = np.flatnonzero(~followed & on_contour(work, traced)[way])
-    diagnostics = _strays(work, points[wrong], way[wrong], expected)
+    diagnostics = _off_contours(work, points[wrong], way[wrong], expected)
     return traced, diagnostics + end_faults(work, traced)
 
 
@@ -64,8 +68,14 @@ def _on_or_beside(
     beside = off[0] <= work.half_kerf + work.slack[off[1]]
     total = np.bincount(stroke, minlength=len(work.strokes))
     on_middle = np.bincount(stroke[on], minlength=len(work.strokes))
-    corners = np.flatnonzero((on_middle < total)[stroke] & ~beside)
-    beside[corners] = _round_corners(work, points[corners])
+    # A path goes round a corner of a curve that it keeps off farther away.
+    need, corners = work.need, np.flatnonzero((on_middle < total)[stroke] & ~beside)
+    pairs = need.near(points[corners], _reach(work))
+    pairs = pairs.kept(work.beside[need.owner[pairs.element]])
+    curve = need.owner[pairs.element]
+    at = need.at(pairs.element, pairs.along) - need.begins[curve]
+    at_end = np.minimum(at, need.lengths[curve] - at) <= work.slack[curve]
+    beside[corners[pairs.point[at_end]]] = True
     centred = 2 * on_middle > total
     # A small ring may touch or cross so many open curves that most of its samples are on them.
     at_side = np.bincount(stroke[beside], minlength=len(work.strokes))
@@ -75,7 +85,7 @@ def _on_or_beside(
     return np.where(centred[stroke], on, beside), np.where(centred, 0.0, work.half_kerf)
 
 
-def _strays(work: Work, points: Floats, way: Counts, expected: Floats) -> list[Diagnostic]:
+def _off_contours(work: Work, points: Floats, way: Counts, expected: Floats) -> list[Diagnostic]:
     """The first place of each stroke at which it follows nothing; `way` is that of each place."""
     diagnostics: list[Diagnostic] = []
     _, firsts = np.unique(work.of_way[way], return_index=True)
@@ -87,22 +97,9 @@ def _strays(work: Work, points: Floats, way: Counts, expected: Floats) -> list[D
         off_by = f"{away:.4f} mm off the nearest contour to {work.process}, that of {contour}"
         if away <= work.slack[nearest] and not apart:
             off_by, kept_off = f"across the contour of {contour}", "it along one"
-        diagnostics.append(work.extra(int(work.moves.line[way[k]]), points[k], off_by, kept_off))
+        line = int(work.moves.line[way[k]])
+        diagnostics.append(work.fault(rules.EXTRA, line, points[k], away=off_by, expected=kept_off))
     return diagnostics
-
-
-def _samples(work: Work) -> Samples:
-    """Where the path is asked what it follows."""
-    path = work.path
-    samples = [path.samples(SPACING), beside_bends(path, work.need, _most(work))]
-    if work.half_kerf:  # nothing else would see an end that runs on into the waste
-        every = np.arange(path.count)
-        samples.append((path.last(every), np.ones(path.count), every))
-    return joined_samples(*samples)
-
-
-def _most(work: Work) -> float:
-    return float(work.slack.max(initial=0.0))
 
 
 def _nearest(work: Work, samples: Samples, points: Floats) -> tuple[Near, Near]:
@@ -110,7 +107,7 @@ def _nearest(work: Work, samples: Samples, points: Floats) -> tuple[Near, Near]:
 
     A curve that the beam stays on runs along its path.
     """
-    most = _most(work)
+    most = work.most_slack
 
     def along(pairs: Pairs) -> Flags:
         return aligned(work.path, samples, work.need, pairs, most)
@@ -125,20 +122,8 @@ def _nearest(work: Work, samples: Samples, points: Floats) -> tuple[Near, Near]:
 
 def _reach(work: Work) -> float:
     """Permitted distance of a path from a corner."""
-    most = _most(work)
+    most = work.most_slack
     return max(MITRE * work.half_kerf + most, 2 * most)
-
-
-def _round_corners(work: Work, points: Floats) -> Flags:
-    """Points where a path goes round a corner of a curve that it keeps off."""
-    need, round_corners = work.need, np.zeros(len(points), dtype=bool)
-    pairs = need.near(points, _reach(work))
-    pairs = pairs.kept(work.beside[need.owner[pairs.element]])
-    way = need.owner[pairs.element]
-    at = need.at(pairs.element, pairs.along) - need.begins[way]
-    at_end = np.minimum(at, need.lengths[way] - at) <= work.slack[way]
-    round_corners[pairs.point[at_end]] = True
-    return round_corners
 
 
 # --- coverage -------------------------------------------------------------------------------------
@@ -153,11 +138,11 @@ Loops = tuple[Floats, Floats, Flags]
 
 
 def cover(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
-    """Stretches of contours that are missing, and those followed more than once."""
+    """Pieces of contours that are missing, and those followed more than once."""
     dense = min(SPACING, max(work.half_kerf / 2, MIN_SPACING))
     samples = work.need.samples(np.where(work.beside, dense, SPACING))
     count = len(samples[2])
-    bends = beside_bends(work.need, work.path, _most(work))
+    bends = beside_bends(work.need, work.path, work.most_slack)
     bends = kept_samples(bends, ~(work.beside | work.small)[bends[2]])
     samples = joined_samples(samples, bends)
     points, owner = work.need.elements.places(*samples[:2]), samples[2]
@@ -173,12 +158,14 @@ def cover(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
         is_left, corners = in_corners(work, traced, missing, samples)
         missing = missing[~is_left]
         diagnostics = left_faults(work, corners) if corners is not None else []
-    diagnostics += _missing(work, traced, points[missing], owner[missing])
+    missing = missing[~in_bridges(work, traced, points[missing])]
+    _, firsts = np.unique(owner[missing], return_index=True)
+    diagnostics += [work.missing(int(owner[k]), points[k]) for k in missing[firsts[:SHOWN]]]
     covered = np.flatnonzero((away <= reach)[:count])
     if work.half_kerf:
         feet = best.kept((best.point < count) & (best.away <= reach[best.point]))
         points[feet.point] = work.path.places_of(feet)
-        near = work.path.near(points[:count], _most(work))
+        near = work.path.near(points[:count], work.most_slack)
     else:
         near = near.kept(near.point < count)
     return diagnostics + _twice(work, traced, points[:count], near, owner[:count], covered)
@@ -198,32 +185,22 @@ def _pairs(
         keeps_off = np.array([t.half_kerf > 0.0 for t in traced])
         stroke = work.of_way[work.path.owner[pairs.element]]
         pairs = pairs.kept(keeps_off[stroke] == beside[pairs.point])
-        to_waste = work.sides[owner][:, None] * left_of(work.need, element, share)
+        to_waste = work.sides[owner][:, None] * work.left_of(element, share)
         way = work.path.places_of(pairs) - points[pairs.point]
         below = np.sum(way * to_waste[pairs.point], axis=1) < -BELOW * pairs.away
         which = np.flatnonzero(below & beside[pairs.point] & (pairs.away > 0.0))
-        off = off_surely(work.need, owner[pairs.point[which]], work.fine) / pairs.away[which]
+        off = work.off_surely(owner[pairs.point[which]]) / pairs.away[which]
         behind = points[pairs.point[which]] + off[:, None] * way[which]
         pairs = pairs.kept(np.delete(np.arange(len(way)), which[work.region.in_part(behind)]))
-    along = aligned(work.need, samples, work.path, pairs, _most(work))
+    along = aligned(work.need, samples, work.path, pairs, work.most_slack)
     return pairs.kept(along | beside[pairs.point])
-
-
-def _missing(
-    work: Work, traced: Sequence[Traced], places: Floats, owner: Counts
-) -> list[Diagnostic]:
-    """That some curves have no path at some places, but for those in bridges."""
-    left = ~in_bridges(work, traced, places)
-    places, owner = places[left], owner[left]
-    _, firsts = np.unique(owner, return_index=True)
-    return [work.missing(int(owner[k]), places[k]) for k in firsts[:SHOWN]]
 
 
 def _twice(
     work: Work, traced: Sequence[Traced], points: Floats, pairs: Pairs, owner: Counts,
     covered: Counts,
 ) -> list[Diagnostic]:  # fmt: skip
-    """Stretches of a contour that have more than one path.
+    """Pieces of a contour that have more than one path.
 
     `points` are where it passes, `pairs` these and what of the path is near them.
     """
@@ -233,20 +210,23 @@ def _twice(
     reach = float(np.max(slack[is_long], initial=0.0))
     passes = _path_passes(work, traced, pairs, is_long, reach)
     doubtful = np.flatnonzero(passes > 1)
-    doubtful = doubtful[passes[doubtful] > _permitted(work, points[doubtful], reach)]
+    # Contours side by side have a path each; one that runs back beside itself has a path for each
+    # of its passes.
+    need, near = work.need, work.half_kerf + 2 * reach
+    beside = need.near(points[doubtful], near)
+    beside = beside.kept(~work.region.twins[need.owner[beside.element]])
+    at, curve = need.at(beside.element, beside.along), need.owner[beside.element]
+    loops = need.begins, need.begins + need.lengths, np.all(need.starts == need.ends, axis=1)
+    permitted = _passes(beside.point, at, curve, loops, 6 * near, len(doubtful))
+    doubtful = doubtful[passes[doubtful] > permitted]
     diagnostics: list[Diagnostic] = []
     for way in sorted(set(owner[doubtful].tolist()))[:SHOWN]:
         mine = doubtful[owner[doubtful] == way]
         if len(mine) < 2 or np.min(np.diff(mine)) > 1:
             continue
-        x, y = (points[mine[0]] - np.array(work.shift)).tolist()
-        worst = int(np.max(passes[mine]))
-        diagnostics.append(
-            rules.TWICE.at(
-                Source(work.name), contour=work.contour(int(way)),
-                x=f"{x:.3f}", y=f"{y:.3f}", found=worst,
-            )
-        )  # fmt: skip
+        place, times = points[mine[0]] - np.array(work.shift), int(np.max(passes[mine]))
+        contour = work.contour(int(way))
+        diagnostics.append(work.fault(rules.TWICE, None, place, contour=contour, found=times))
     return diagnostics
 
 
@@ -263,47 +243,15 @@ def _path_passes(
     kept &= np.bincount(near.point[kept], minlength=len(which))[near.point] > 1
     if not kept.any():
         return np.zeros(len(which), dtype=np.int64)
-    kept &= ~_overlap(work, traced, near)
-    at = work.path.at(near.element[kept], near.along[kept])
-    stroke = work.of_way[way[kept]]
-    loops = _loops(work.path, traced)
-    return _passes(near.point[kept], at, stroke, loops, 6 * reach, len(which))
-
-
-def _permitted(work: Work, points: Floats, reach: float) -> Counts:
-    """How many passes places may have.
-
-    Contours side by side have a path each; one that runs back beside itself has a path for each of
-    its passes.
-    """
-    need = work.need
-    beside = need.near(points, work.half_kerf + 2 * reach)
-    beside = beside.kept(~work.region.twins[need.owner[beside.element]])
-    at, way = need.at(beside.element, beside.along), need.owner[beside.element]
-    toolpaths = need.begins, need.begins + need.lengths, np.all(need.starts == need.ends, axis=1)
-    return _passes(beside.point, at, way, toolpaths, 6 * (work.half_kerf + 2 * reach), len(points))
-
-
-def _overlap(work: Work, traced: Sequence[Traced], near: Pairs) -> Flags:
-    """Which pairs are of the end of a stroke that has to run over its start.
-
-    A controller that keeps off takes up half a kerf along the contour at both ends of it.
-    """
-    if work.torch.kerf_by != "machine" or not work.half_kerf:
-        return np.zeros(len(near.point), dtype=bool)
-    path = work.path
-    lasts = np.array([t.last for t in traced]) - 1
-    ends = path.begins[lasts] + path.lengths[lasts]
-    stroke = work.of_way[path.owner[near.element]]
-    over = OVER * work.half_kerf + work.torch.lead_out + work.most_over
-    overlap: Flags = path.at(near.element, near.along) > ends[stroke] - over
-    return overlap
-
-
-def _loops(path: Toolpaths, traced: Sequence[Traced]) -> Loops:
     firsts, lasts = np.array([(t.first, t.last - 1) for t in traced]).T
-    closed = np.array([t.closed for t in traced])
-    return path.begins[firsts], path.begins[lasts] + path.lengths[lasts], closed
+    ends = work.path.begins[lasts] + work.path.lengths[lasts]
+    if work.torch.kerf_by == "machine" and work.half_kerf:
+        # Such a stroke has to run over its start: half a kerf along the contour at both ends of it.
+        over = OVER * work.half_kerf + work.torch.lead_out + work.most_over
+        kept &= work.path.at(near.element, near.along) <= (ends - over)[work.of_way[way]]
+    at = work.path.at(near.element[kept], near.along[kept])
+    loops = work.path.begins[firsts], ends, np.array([t.closed for t in traced])
+    return _passes(near.point[kept], at, work.of_way[way[kept]], loops, 6 * reach, len(which))
 
 
 def _passes(
@@ -352,9 +300,7 @@ def aligned(
     """The pairs of a sample of `own` and an element of `other` in whose direction that runs."""
     element, share, _ = samples
     ahead = own.elements.directions(element[pairs.point], share[pairs.point])
-    length = other.elements.length[pairs.element]
-    at = np.divide(pairs.along, length, out=np.zeros(len(length)), where=length > 0.0)
-    there = other.elements.directions(pairs.element, at)
+    there = other.elements.directions(pairs.element, other.shares(pairs))
     across = np.abs(ahead[:, 0] * there[:, 1] - ahead[:, 1] * there[:, 0])
     is_aligned: Flags = across <= np.sin(MAX_TURN_RAD)
     which = np.flatnonzero(~is_aligned)
@@ -362,7 +308,12 @@ def aligned(
         pairs = pairs.kept(which)
         most = own.most_turns(slack)[element[pairs.point]] + other.most_turns(slack)[pairs.element]
         is_aligned[which] = across[which] <= np.sin(np.minimum(MAX_TURN_RAD + most, np.pi / 2))
-        is_aligned[which] |= _near_bend(other, pairs, slack)
+        # Near where its way ends or bends it may run in any direction.
+        begins, ends, _ = _bends(other, slack)
+        way, reach = other.owner[pairs.element], NEAR_BEND * slack
+        at = other.at(pairs.element, pairs.along) - other.begins[way]
+        is_aligned[which] |= begins[way] & (at <= reach)
+        is_aligned[which] |= ends[way] & (at >= other.lengths[way] - reach)
     return is_aligned
 
 
@@ -382,17 +333,8 @@ def beside_bends(own: Toolpaths, other: Toolpaths, slack: float) -> Samples:
     return own.samples_at(way, np.concatenate((at - aside, at + aside)))
 
 
-def _near_bend(toolpaths: Toolpaths, pairs: Pairs, slack: float) -> Flags:
-    """Pairs whose place on the element is near where its way ends or bends."""
-    begins, ends, _ = _bends(toolpaths, slack)
-    way = toolpaths.owner[pairs.element]
-    at, reach = toolpaths.at(pairs.element, pairs.along) - toolpaths.begins[way], NEAR_BEND * slack
-    is_near: Flags = begins[way] & (at <= reach)
-    return is_near | (ends[way] & (at >= toolpaths.lengths[way] - reach))
-
-
 def _bends(toolpaths: Toolpaths, slack: float) -> tuple[Flags, Flags, Flags]:
     """The ways that begin at a bend, those that end at one, and those that end at the next one."""
-    turns, every = toolpaths.turns(slack), np.arange(toolpaths.count)
-    before, behind = turns[toolpaths.first(every)], turns[toolpaths.last(every) + 1]
+    turns = toolpaths.turns(slack)
+    before, behind = turns[toolpaths.first], turns[toolpaths.last + 1]
     return before > SMOOTH_RAD, behind > SMOOTH_RAD, np.isfinite(behind)

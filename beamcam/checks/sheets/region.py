@@ -20,11 +20,11 @@ from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from beamcam.checks.sheets.joining import SLACK, WRITTEN_SAME, rings_of, trim
-from beamcam.checks.sheets.toolpaths import Chain, Stretches, Toolpaths
+from beamcam.checks.sheets.toolpaths import Chain, DrawnWays, Toolpaths
 from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.geometry.arrays import first_equal
 from beamcam.geometry.curves import Curve
-from beamcam.geometry.plane import Box, Point, join_boxes
+from beamcam.geometry.plane import Box, Point, groups_of, join_boxes
 from beamcam.model.part import Contour, Feature, Hole, Slot, extent
 
 SAME_PLACE = 5e-3  #: curves as near as this are drawn twice
@@ -59,15 +59,10 @@ class Region(Struct, frozen=True):
         """The same elsewhere."""
         return replace(self, polygons=shapely.transform(self.polygons, lambda at: at + shift))
 
-    def depth(self, points: Floats) -> Counts:
-        """Number of contours that enclose each point (n, 2)."""
-        which, _ = shapely.STRtree(self.polygons).query(shapely.points(points), "within")
-        return np.bincount(which, minlength=len(points))
-
     def in_part(self, points: Floats) -> Flags:
         """Which points (n, 2) lie in the part."""
-        inside: Flags = self.depth(points) % 2 == 1
-        return inside
+        which, _ = shapely.STRtree(self.polygons).query(shapely.points(points), "within")
+        return np.asarray(np.bincount(which, minlength=len(points)) % 2 == 1)
 
 
 def region_of(toolpaths: Toolpaths, features: Counts, gap: float, fine: float) -> Region:
@@ -103,10 +98,21 @@ def region_of(toolpaths: Toolpaths, features: Counts, gap: float, fine: float) -
         closed |= twins & _lie_on(toolpaths, np.where(closed, 0, 1), SAME_PLACE)
     twins[rings.ways_of(again)] = True
     if len(opened := np.flatnonzero(~closed)):
-        apart[opened] = np.maximum(apart[opened], _loose_ends(toolpaths, opened, gap))
+        # Their ends may be joined to others.
+        ends = np.concatenate((toolpaths.starts, toolpaths.ends)) + 0.0
+        own = np.concatenate((opened, opened + toolpaths.count))
+        tree, points = shapely.STRtree(shapely.points(ends)), shapely.points(ends[own])
+        a, b = tree.query(points, "dwithin", distance=gap + SAME_POINT)
+        np.maximum.at(apart, own[a] % toolpaths.count, np.hypot(*(ends[own[a]] - ends[b]).T))
     apart[rings.ways_of(again | under)] += gap
     wide[list(again)] = False
-    apart[rings.ways_of(_looped(polygons, gap))] += gap
+    # Nothing can follow the loop of a ring that crosses itself by a hair.
+    alike = shapely.set_precision(polygons, SAME_POINT, mode="pointwise")
+    for k in np.flatnonzero(~shapely.is_valid(alike)).tolist():
+        boxes = shapely.bounds(shapely.get_parts(shapely.make_valid(polygons[k])))
+        sizes = np.hypot(*(boxes[:, 2:] - boxes[:, :2]).T)
+        if np.any((sizes > SAME_POINT) & (sizes <= WIDEST_LOOP * gap)):
+            apart[rings.ways_of([k])] += gap
     once = [ring for ring, is_kept in zip(once, wide.tolist(), strict=True) if is_kept]
     polygons = polygons[wide]
     points, ring = shapely.get_coordinates(polygons, return_index=True)
@@ -131,7 +137,7 @@ def closed_features(toolpaths: Toolpaths, features: Counts, real: Counts) -> Fla
     return found
 
 
-def closed_rings(toolpaths: Stretches, which: Sequence[int], features: Counts) -> list[Chain]:
+def closed_rings(toolpaths: DrawnWays, which: Sequence[int], features: Counts) -> list[Chain]:
     """The contours of closed features, taken apart where one passes a place again."""
     if not which:
         return []
@@ -184,50 +190,17 @@ def small_ways(toolpaths: Toolpaths, gap: float) -> Flags:
 
     Between two ends as near as that the tool does not move, so nothing cuts them.
     """
-    low, high = toolpaths.boxes
-    sizes: Floats = np.hypot(*(high - low).T)
-    most = gap + SAME_POINT
-    if not (sizes <= most).any():
-        return np.zeros(toolpaths.count, dtype=bool)
-    every = np.arange(toolpaths.count)
-    places = shapely.points(np.concatenate((toolpaths.starts, toolpaths.ends)))
-    a, b = shapely.STRtree(places).query(places, "dwithin", distance=gap + SAME_POINT)
-    group = every.copy()
-    while True:
-        least = group.copy()
-        np.minimum.at(least, a % toolpaths.count, group[b % toolpaths.count])
-        if np.array_equal(least, group):
-            break
-        group = least[least]  # a name of the group may have a lesser one by now
-    wide_low, wide_high = low.copy(), high.copy()
-    np.minimum.at(wide_low, group, low)
-    np.maximum.at(wide_high, group, high)
-    small: Flags = np.hypot(*(wide_high - wide_low)[group].T) <= most
-    return small
-
-
-def _looped(polygons: NDArray[np.object_], gap: float) -> list[int]:
-    """Rings that cross themselves by a hair and so have a loop there, which nothing can follow."""
-    alike = shapely.set_precision(polygons, SAME_POINT, mode="pointwise")
-    looped = []
-    for k in np.flatnonzero(~shapely.is_valid(alike)).tolist():
-        boxes = shapely.bounds(shapely.get_parts(shapely.make_valid(polygons[k])))
-        sizes = np.hypot(*(boxes[:, 2:] - boxes[:, :2]).T)
-        if np.any((sizes > SAME_POINT) & (sizes <= WIDEST_LOOP * gap)):
-            looped.append(k)
-    return looped
-
-
-def _loose_ends(toolpaths: Toolpaths, which: Counts, gap: float) -> Floats:
-    """How far the ends of some ways are from other ends that they may be joined to, at most."""
-    ends = np.concatenate((toolpaths.starts, toolpaths.ends)) + 0.0
-    own = np.concatenate((which, which + toolpaths.count))
-    tree, points = shapely.STRtree(shapely.points(ends)), shapely.points(ends[own])
-    a, b = tree.query(points, "dwithin", distance=gap + SAME_POINT)
-    apart = np.zeros(len(own))
-    np.maximum.at(apart, a, np.hypot(*(ends[own[a]] - ends[b]).T))
-    widest: Floats = apart.reshape(2, -1).max(axis=0)
-    return widest
+    (low, high), most, count = toolpaths.boxes, gap + SAME_POINT, toolpaths.count
+    is_small = np.zeros(count, dtype=bool)
+    small = np.flatnonzero(np.hypot(*(high - low).T) <= most)
+    if len(small):
+        places = shapely.points(np.concatenate((toolpaths.starts, toolpaths.ends)))
+        own = np.concatenate((small, small + count))
+        a, b = shapely.STRtree(places).query(places[own], "dwithin", distance=most)
+        for group in groups_of((np.column_stack((own[a], b)) % count).tolist()):
+            size = np.hypot(*(high[group].max(axis=0) - low[group].min(axis=0)))
+            is_small[group] = size <= most
+    return is_small
 
 
 def _same_rings(polygons: NDArray[np.object_], gap: float) -> tuple[set[int], set[int]]:
@@ -309,7 +282,7 @@ class Rings(Struct, frozen=True):
         found: Counts = self.ways[np.isin(self.ring, list(rings))]
         return found
 
-    def polygons(self, drawn: Stretches) -> NDArray[np.object_]:
+    def polygons(self, drawn: DrawnWays) -> NDArray[np.object_]:
         """The inside of each ring."""
         begins, sizes = drawn.begins[self.ways], np.diff(drawn.begins)[self.ways]
         step = np.where(self.turned, -1, 1)
@@ -320,7 +293,7 @@ class Rings(Struct, frozen=True):
         polygons: NDArray[np.object_] = shapely.polygons(outlines)
         return polygons
 
-    def gaps(self, drawn: Stretches) -> Floats:
+    def gaps(self, drawn: DrawnWays) -> Floats:
         """The greater of the gaps at both ends of each way, to its neighbours in the ring."""
         after = np.arange(1, len(self.ways) + 1)
         after[self.begins[1:] - 1] = self.begins[:-1]
@@ -341,19 +314,14 @@ def box_of(features: Sequence[Feature]) -> Box | None:
         if isinstance(feature, Contour):
             curves += feature.curves
         elif isinstance(feature, Hole | Slot):
-            boxes.append(_hole_box(feature))
+            # A slot reaches as far as the diagonals between the centres of its corners, and the
+            # radius.
+            r, x, y, dx, dy = feature.diameter / 2, feature.x, feature.y, 0.0, 0.0
+            if isinstance(feature, Slot):
+                half = hypot(feature.length, feature.height) / 2
+                own = degrees(atan2(feature.height, feature.length))
+                turns = [radians(feature.angle + by) for by in (own, -own)]
+                dx, dy = (half * max(abs(f(turn)) for turn in turns) for f in (cos, sin))
+            boxes.append((x - dx - r, y - dy - r, x + dx + r, y + dy + r))
     drawn = extent(curves)
     return join_boxes(boxes if drawn is None else [drawn, *boxes])
-
-
-def _hole_box(hole: Hole | Slot) -> Box:
-    # A slot reaches as far as the diagonals between the centres of its corners, and the radius.
-    r, x, y = hole.diameter / 2, hole.x, hole.y
-    dx = dy = 0.0
-    if isinstance(hole, Slot):
-        half = hypot(hole.length, hole.height) / 2
-        own = degrees(atan2(hole.height, hole.length))
-        for angle in (hole.angle + own, hole.angle - own):
-            dx = max(dx, abs(half * cos(radians(angle))))
-            dy = max(dy, abs(half * sin(radians(angle))))
-    return x - dx - r, y - dy - r, x + dx + r, y + dy + r

@@ -15,23 +15,24 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.checks.sheets import rules
-from beamcam.checks.sheets.asked_sheet import laid_out, rows_of
+from beamcam.checks.sheets.asked_sheet import rows_of
 from beamcam.checks.sheets.need import Need, need_of, shift_of
 from beamcam.checks.sheets.paths import follow
-from beamcam.checks.sheets.shared_sheet import as_one
+from beamcam.checks.sheets.required_layout import as_one, laid_out
 from beamcam.checks.sheets.strokes import HeadStroke, Strokes, strokes_of
 from beamcam.checks.sheets.toolpaths import Toolpaths
 from beamcam.checks.sheets.work import work_of
-from beamcam.controllers import table_events, table_run
+from beamcam.controllers import table_run
 from beamcam.controllers.events import Switch
 from beamcam.controllers.moves import Moves
 from beamcam.errors import Diagnostic, Source, errors_in
 from beamcam.geometry.array_types import Floats
+from beamcam.geometry.plane import Point
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch, TorchRow
 from beamcam.model.part import Part
 
-SAID = "REST FROM CONTOUR {first} OF {count}."  #: in a comment of the rest
+COMMENT = "REST FROM CONTOUR {first} OF {count}."  #: in a comment of the rest
 
 
 def rest_faults(
@@ -52,23 +53,20 @@ def rest_faults(
     lines = _contour_lines(begun, part, machine, skips, whole_name)
     if not 2 <= first <= len(lines):
         return (rules.NO_CONTOUR.at(Source(whole_name), found=first, expected=len(lines)),)
-    expected = [s for s in begun.each if s.line >= lines[first - 1]]
-    if len(left.each) != len(expected):
-        found, expected_text = f"{len(left.each)} strokes", f"the last {len(expected)} of the whole"
-        diagnostics.append(rules.REST.at(Source(name), found=found, expected=expected_text))
-        return tuple(diagnostics)
-    for one, other in zip(left.each, expected, strict=True):
-        what = _difference(one, left, other, begun)
-        if what:
-            expected_text = f"that of line {other.line} of the whole program"
-            diagnostics.append(
-                rules.REST.at(Source(name, one.line), found=what, expected=expected_text)
-            )
-            return tuple(diagnostics)
-    words = SAID.format(first=first, count=len(lines))
-    if words not in rest:
-        found = "no comment that says from where it goes on"
-        diagnostics.append(rules.REST.at(Source(name), found=found, expected=words))
+    required = [s for s in begun.each if s.line >= lines[first - 1]]
+    words, line = COMMENT.format(first=first, count=len(lines)), None
+    pairs = zip(left.each, required, strict=False)
+    other = next((pair for pair in pairs if _difference(*pair, left, begun)), None)
+    found = expected = ""
+    if len(left.each) != len(required):
+        found, expected = f"{len(left.each)} strokes", f"the last {len(required)} of the whole"
+    elif other is not None:
+        found, line = _difference(*other, left, begun), other[0].line
+        expected = f"that of line {other[1].line} of the whole program"
+    elif words not in rest:
+        found, expected = "no comment that says from where it goes on", words
+    if found:
+        diagnostics.append(rules.REST.at(Source(name, line), found=found, expected=expected))
     return tuple(diagnostics)
 
 
@@ -79,11 +77,7 @@ def _strokes(
     done, diagnostics = table_run(text, machine, name)
     if errors_in(diagnostics):
         return Strokes([], done.moves), list(diagnostics)
-    telling = replace(machine, torch=replace(torch, laser_mode=False))
-    strokes, more = strokes_of(
-        done, machine, torch, rows_of(part, torch),
-        lambda blocks: table_events(blocks, telling)[0], name,
-    )  # fmt: skip
+    strokes, more = strokes_of(done, machine, torch, rows_of(part, torch), name)
     return strokes, [*diagnostics, *more]
 
 
@@ -107,23 +101,22 @@ def _contour_lines(
     return sorted(lines)
 
 
-def _difference(one: HeadStroke, left: Strokes, other: HeadStroke, begun: Strokes) -> str:
-    """What is not the same in two strokes; empty if they are."""
+def _difference(one: HeadStroke, other: HeadStroke, left: Strokes, begun: Strokes) -> str:
+    """What is not the same in two strokes, of some each; empty if they are."""
     if one.row != other.row:
         return "a stroke by another row of the cut chart"
     if (one.side, one.radius) != (other.side, other.radius):
         return "a stroke with another compensation"
-    a, b = (
-        part.moves.take(np.arange(stroke.first, stroke.last))
-        for stroke, part in ((one, left), (other, begun))
-    )
-    if len(a) != len(b):
-        return f"a stroke of {len(a)} moves"
+    own, others = range(one.first, one.last), range(other.first, other.last)
+    if len(own) != len(others):
+        return f"a stroke of {len(own)} moves"
     for column in ("start", "end", "is_arc", "arcs", "feed_mm_min"):
-        same = np.isclose(getattr(a, column), getattr(b, column), rtol=0.0, atol=1e-9)
-        if not same.all():
+        a, b = getattr(left.moves, column), getattr(begun.moves, column)
+        if not np.array_equal(a[one.first : one.last], b[other.first : other.last]):
             return "a stroke that runs elsewhere, or with another feed"
-    return "" if a.curves == b.curves else "a stroke along another curve"
+    a, b = left.moves.curves, begun.moves.curves
+    same = all(a.get(i) == b.get(k) for i, k in zip(own, others, strict=True))
+    return "" if same else "a stroke along another curve"
 
 
 # --- frame ----------------------------------------------------------------------------------------
@@ -140,7 +133,7 @@ FASTEST = 1.001  #: by the feed of frames
 FINE = 1e-4  #: mm that chords of curves which are no arcs may be off
 
 
-def said_of(torch: Torch) -> str:
+def frame_comment(torch: Torch) -> str:
     """What a frame says of itself."""
     return FRAMED_LOW if torch.frame_power else FRAMED
 
@@ -150,52 +143,45 @@ def frame_faults(
 ) -> tuple[Diagnostic, ...]:
     """All faults of the frame of a whole program."""
     torch = machine.needed(machine.torch, "torch")
-    done, said = table_run(text, machine, name)
+    done, diagnostics = table_run(text, machine, name)
     job, _ = table_run(whole, machine, name)
-    diagnostics = list(said)
-    for _, event in done.others:
-        if isinstance(event, Switch) and not _is_harmless(event, torch):
+    diagnostics = list(diagnostics)
+
+    def fault(found: str, expected: str, line: int | None = None) -> None:
+        diagnostics.append(rules.FRAME.at(Source(name, line), found=found, expected=expected))
+
+    switches = [event for _, event in done.others if isinstance(event, Switch)]
+    for event in switches:
+        # Harmless is what starts no tool, or a laser at the power of frames.
+        is_on = torch.frame_power and event.number in (3, 4)
+        is_low = is_on and event.words.get("S") == torch.frame_power
+        if not (event.number in HARMLESS or event.does == "none" or is_low):
             low = f", or the tool at {torch.frame_power:g}" if torch.frame_power else ""
-            wrong, right = f"the word {event}", f"no tool switched on{low}"
-            diagnostics.append(
-                rules.FRAME.at(Source(name, event.line), found=wrong, expected=right)
-            )
-    lit = any(isinstance(e, Switch) and e.number in (3, 4) for _, e in done.others)
-    if torch.frame_power and not lit:
-        expected = f"it at a power of {torch.frame_power:g}"
-        diagnostics.append(rules.FRAME.at(Source(name), found="the laser off", expected=expected))
+            fault(f"the word {event}", f"no tool switched on{low}", event.line)
+    if torch.frame_power and not any(event.number in (3, 4) for event in switches):
+        fault("the laser off", f"it at a power of {torch.frame_power:g}")
     if errors_in(diagnostics):
         return tuple(diagnostics)
     around, frame = _box(job.moves), _box(done.moves)
     slow = done.moves.take(np.flatnonzero(~done.moves.rapid))
-    source = Source(name)
-    shown = " to ".join(f"X {x:.3f} Y {y:.3f}" for x, y in (around[:2], around[2:]))
     if not len(slow) or np.abs(frame - around).max() > torch.tolerance:
-        got = " to ".join(f"X {x:.3f} Y {y:.3f}" for x, y in (frame[:2], frame[2:]))
-        diagnostics.append(rules.FRAME.at(source, found=f"a frame from {got}", expected=shown))
+        found, expected = (
+            " to ".join(f"X {x:.3f} Y {y:.3f}" for x, y in (box[:2], box[2:]))
+            for box in (frame, around)
+        )
+        fault(f"a frame from {found}", expected)
         return tuple(diagnostics)
     x0, y0, x1, y1 = around.tolist()
     corners = np.array([(x0, y0), (x1, y0), (x1, y1), (x0, y1), (x0, y0)])
     passed = np.concatenate((slow.start[:1], slow.end))
+    feed = float(slow.feed_mm_min.max())
     if slow.is_arc.any() or len(passed) != 5 or np.abs(passed - corners).max() > torch.tolerance:
-        expected = "the four corners of the work, one after the other"
-        diagnostics.append(rules.FRAME.at(source, found="another way", expected=expected))
-    elif float(slow.feed_mm_min.max()) > FASTEST * torch.frame_mm_min:
-        fed = f"a feed of {float(slow.feed_mm_min.max()):g} mm/min"
-        diagnostics.append(rules.FRAME.at(source, found=fed, expected=f"{torch.frame_mm_min:g}"))
-    if (said_of_it := said_of(torch)) not in text:
-        diagnostics.append(
-            rules.FRAME.at(source, found="no word of what it is", expected=said_of_it)
-        )
+        fault("another way", "the four corners of the work, one after the other")
+    elif feed > FASTEST * torch.frame_mm_min:
+        fault(f"a feed of {feed:g} mm/min", f"{torch.frame_mm_min:g}")
+    if (comment := frame_comment(torch)) not in text:
+        fault("no word of what it is", comment)
     return tuple(diagnostics)
-
-
-def _is_harmless(event: Switch, torch: Torch) -> bool:
-    """Whether a word starts no tool, or a laser at the power of frames."""
-    if event.number in HARMLESS or event.does == "none":
-        return True
-    low = event.words.get("S") == torch.frame_power
-    return bool(torch.frame_power) and event.number in (3, 4) and low
 
 
 def _box(moves: Moves) -> Floats:
@@ -229,8 +215,7 @@ class Link(Struct, frozen=True):
     """The way from one part to the next, with the tool on."""
 
     line: int  #: of the program
-    start: tuple[float, float]
-    end: tuple[float, float]
+    ends: tuple[Point, Point]
     before: int  #: the stroke that it leaves; the next is the one that it leads to
 
 
@@ -254,12 +239,10 @@ def unchained(strokes: Strokes, torch: Torch, step: float) -> tuple[Strokes, lis
             )  # fmt: skip
             if number < len(ends):
                 kept[last] = False
-                start, end = (strokes.moves.start[last].tolist(), strokes.moves.end[last].tolist())
-                line = int(strokes.moves.line[last])
-                links.append(Link(line, tuple(start), tuple(end), len(each) - 1))
-    if not links:
-        return strokes, []
-    return strokes.kept(each, kept), links
+                line, own = int(strokes.moves.line[last]), (strokes.moves.start, strokes.moves.end)
+                (x0, y0), (x1, y1) = (places[last].tolist() for places in own)
+                links.append(Link(line, ((x0, y0), (x1, y1)), len(each) - 1))
+    return (strokes.kept(each, kept), links) if links else (strokes, [])
 
 
 def _links(moves: Moves, stroke: HeadStroke, step: float) -> list[int]:
@@ -295,7 +278,7 @@ def link_faults(
     tree = shapely.STRtree(paths)
     slack = torch.tolerance + 2 * fine
     for link in links:
-        line = shapely.LineString([link.start, link.end])
+        line = shapely.LineString(link.ends)
         ends = (link.before, link.before + 1)
         inner = shapely.LineString(
             [line.interpolate(at, normalized=True) for at in (CLOSED, 1 - CLOSED)]
@@ -311,11 +294,9 @@ def link_faults(
             other = strokes.each[min(others or crossed)].line
             found, expected = f"across the cut of line {other}", "metal all along it"
         if found:
-            (x0, y0), (x1, y1) = link.start, link.end
-            yield rules.LINK.at(
-                Source(name, link.line), x0=f"{x0:.3f}", y0=f"{y0:.3f}", x1=f"{x1:.3f}",
-                y1=f"{y1:.3f}", found=found, expected=expected,
-            )  # fmt: skip
+            (x0, y0), (x1, y1) = ((f"{x:.3f}", f"{y:.3f}") for x, y in link.ends)
+            places = {"x0": x0, "y0": y0, "x1": x1, "y1": y1}
+            yield rules.LINK.at(Source(name, link.line), found=found, expected=expected, **places)
 
 
 # --- passes ---------------------------------------------------------------------------------------
@@ -333,22 +314,9 @@ def passes_folded(strokes: Strokes, rows: Iterable[TorchRow]) -> Strokes:
     each: list[HeadStroke] = []
     kept = np.ones(len(strokes.moves), dtype=bool)
     for stroke in strokes.each:
-        if each and _is_repeat(each[-1], stroke, strokes.moves):
+        if each and not _difference(each[-1], stroke, strokes, strokes):
             each[-1] = replace(each[-1], passes=each[-1].passes + 1)
             kept[stroke.first : stroke.last] = False
         else:
             each.append(stroke)
     return strokes.kept(each, kept)
-
-
-def _is_repeat(one: HeadStroke, other: HeadStroke, moves: Moves) -> bool:
-    """Whether a stroke repeats the path of one before it, with the same words."""
-    said = (one.row, one.side, one.radius, one.last - one.first)
-    if said != (other.row, other.side, other.radius, other.last - other.first):
-        return False
-    a, b = slice(one.first, one.last), slice(other.first, other.last)
-    columns = (moves.start, moves.end, moves.is_arc, moves.arcs, moves.feed_mm_min)
-    if not all(np.array_equal(column[a], column[b]) for column in columns):
-        return False
-    pairs = zip(range(one.first, one.last), range(other.first, other.last), strict=True)
-    return all(moves.curves.get(i) == moves.curves.get(k) for i, k in pairs)

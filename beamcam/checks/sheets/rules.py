@@ -1,6 +1,5 @@
 """Rules for programs of a cutting table."""
 
-from beamcam.controllers.dialect import SHEET_RULES
 from beamcam.errors import error
 
 # fmt: off
@@ -177,11 +176,3 @@ SKEW_END = error("verify-sheet-end-skew",
     "found a program of a plate whose {end} is cut at {found} degrees through its thickness; "
     "expected 0",
     "A torch cuts square, so that it leaves what such an end takes off.")
-RULES = (
-    *SHEET_RULES, SKEW_END, BESIDE,
-    OTHER_SHEET, LAID, FEED, HOLE_FEED, HOLE_LEAD, SPOT, RAMP, HEIGHT, THC, OUTPUT,
-    DARK, MATERIAL, CORNER, TOOL, RAPID, IDLE, AREA, RADIUS, MISSING, EXTRA, TWICE, SIDE, BAND,
-    COMPENSATION, DIRECTION, OPEN, RESTART, NO_CONTOUR, REST, EDGE, FRAME, OVERSCAN, TABS,
-    TAB_WIDTH, TAB_PLACE, OVERCUT, LEAD, PIERCE, LINK, ORDER, SETTINGS, TURN, HATCH, HATCH_WAY,
-    NOT_MADE, CROWDED,
-)

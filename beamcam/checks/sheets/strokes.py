@@ -4,7 +4,7 @@ The words that start and stop a tool are the machine's own, filled with the figu
 program that says anything else, or moves as it should not, is reported.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from msgspec import Struct
@@ -12,8 +12,8 @@ from msgspec.structs import replace
 
 from beamcam.checks.sheets import rules
 from beamcam.checks.sheets.asked_sheet import RowWords, words_of
-from beamcam.checks.sheets.controller_state import ControllerState, Setting
-from beamcam.checks.sheets.feeds import NearCorners, expected_feeds, near_corners
+from beamcam.checks.sheets.controller_state import ControllerState, Setting, Watch
+from beamcam.checks.sheets.feeds import expected_feeds, near_corners
 from beamcam.controllers.dialect import IDLE_SWITCHES, SHEET_END, STOPS
 from beamcam.controllers.events import (
     Other,
@@ -22,13 +22,11 @@ from beamcam.controllers.events import (
     Said,
     Side,
     Switch,
-    TableEvent,
 )
 from beamcam.controllers.moves import Moves, TableRun
-from beamcam.errors import Diagnostic, Rule, Source
+from beamcam.errors import Diagnostic
 from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.geometry.curves import Arc
-from beamcam.geometry.plane import Point
 from beamcam.machine.machine import Machine, key_for
 from beamcam.machine.torch import Torch, TorchProcess, TorchRow
 
@@ -91,19 +89,15 @@ class _Started(Struct):
 
 
 def strokes_of(
-    run: TableRun, machine: Machine, torch: Torch, rows: Iterable[TorchRow],
-    parse: Callable[[str], list[TableEvent]], name: str,
-) -> tuple[Strokes, list[Diagnostic]]:  # fmt: skip
-    """The strokes of a program whose sheet is worked with `rows`, and what is wrong between them.
-
-    `parse` gives the events of a few blocks.
-    """
-    head = _Head([words_of(row, machine, parse) for row in rows], machine, torch, name)
+    run: TableRun, machine: Machine, torch: Torch, rows: Iterable[TorchRow], name: str
+) -> tuple[Strokes, list[Diagnostic]]:
+    """The strokes of a program, of a sheet worked with `rows`, and what is wrong between them."""
+    head = _Head([words_of(row, machine, torch) for row in rows], machine, torch, name)
     for place, (before, event) in enumerate(run.others):
         head.take(place, before, event)
     head.finish(run)
     head.check_places(run.moves, torch, torch.tolerance + machine.format.resolution / 2)
-    return head.strokes(run.moves), sorted(head.diagnostics, key=lambda said: said.source.line or 0)
+    return head.strokes(run.moves), sorted(head.diagnostics, key=lambda one: one.source.line or 0)
 
 
 def is_far(moves: Moves, torch: Torch) -> bool:
@@ -114,31 +108,17 @@ def is_far(moves: Moves, torch: Torch) -> bool:
     return bool(reach > FAR * (torch.length + torch.width))
 
 
-def _beyond(arc: Sequence[float], low: Sequence[float], high: Sequence[float]) -> Point | None:
-    """Where an arc is farthest from what lies between two corners; None if it is in there."""
-    x, y, radius, first, sweep = arc
-    whole = Arc((x, y), radius, first, sweep)
-    left, bottom, right, top = whole.bbox
-    off = (
-        (low[0] - left, (left, y)), (low[1] - bottom, (x, bottom)),
-        (right - high[0], (right, y)), (top - high[1], (x, top)),
-    )  # fmt: skip
-    most, place = max(off)
-    return place if most > 0.0 else None
-
-
-class _Head:
+class _Head(Watch):
     """The state of the head while a program runs; strokes count all moves of the program."""
 
     def __init__(self, known: list[RowWords], machine: Machine, torch: Torch, name: str) -> None:
-        self.diagnostics: list[Diagnostic] = []
-        self._state = ControllerState(machine, torch, name)
+        super().__init__(name)
+        self._state = ControllerState(machine, torch, name, self.diagnostics)
         self._known = known
         self._starting: dict[Said, list[RowWords]] = {}
         for words in known:
             for said in words.on:
                 self._starting.setdefault(said, []).append(words)
-        self._name = name
         self._torch = torch
         self._step = machine.format.resolution
         per_minute = 60.0 if machine.format.feed_unit == "mm/s" else 1.0
@@ -146,9 +126,6 @@ class _Head:
         self._started: list[_Started] = []
         self._place = -1
         self._on = False
-
-    def _wrong(self, rule: Rule, line: int, **values: str) -> None:
-        self.diagnostics.append(rule.at(Source(self._name, line), **values))
 
     def take(self, place: int, before: int, event: Other) -> None:
         """Anything but a move, with its place among such and the number of moves before it."""
@@ -162,14 +139,14 @@ class _Head:
             self._started[-1].dark_from = None if event.on else before
         elif isinstance(event, Setting):
             ended = self._started[-1].stroke.last if self._started else 0
-            self.diagnostics += self._state.take(event, before, self._on, ended)
+            self._state.take(event, before, self._on, ended)
 
     def _switch(self, before: int, event: Switch) -> None:
         if event.number in ENDS:
             if self._on:
                 self._wrong(SHEET_END, event.line, found="the end with the tool on")
                 self._stop(before)
-            self.diagnostics += self._state.ends(event.line)
+            self._state.ends(event.line)
             return
         said = event.said
         starts = self._starting.get(said)
@@ -182,7 +159,7 @@ class _Head:
         elif starts is not None and not self._on:
             self._on = True
             state = self._state
-            self.diagnostics += state.starts(event.line, before)
+            state.starts(event.line, before)
             row = starts[0].row
             stroke = HeadStroke(
                 event.line, row, state.side, state.radius, before, before, self._place
@@ -226,10 +203,15 @@ class _Head:
         for k in np.flatnonzero(outside | far).tolist():
             x, y = moves.end[k].tolist()
             if not outside[k]:
-                beyond = _beyond(moves.arcs[k].tolist(), low.tolist(), high.tolist())
-                if beyond is None:
+                # Where the arc is farthest from what lies between both corners.
+                cx, cy, *shape = moves.arcs[k].tolist()
+                left, bottom, right, top = Arc((cx, cy), *shape).bbox
+                most, (x, y) = max(
+                    (low[0] - left, (left, cy)), (low[1] - bottom, (cx, bottom)),
+                    (right - high[0], (right, cy)), (top - high[1], (cx, top)),
+                )  # fmt: skip
+                if most <= 0.0:
                     continue
-                x, y = beyond
             self._wrong(
                 rules.AREA, int(moves.line[k]), x=f"{x:g}", y=f"{y:g}",
                 length=f"{torch.length:g}", width=f"{torch.width:g}",
@@ -267,7 +249,7 @@ class _Head:
                     stroke.dark = int((rows[first:last] >= one.dark_from).sum())
                 each.append(stroke)
         if len(rows):
-            self.diagnostics += self._state.unsaid(int(moves.line[rows[0]]), int(rows[0]))
+            self._state.unsaid(int(moves.line[rows[0]]), int(rows[0]))
         kept = moves if len(rows) == len(moves) else moves.take(rows)
         self._check_feeds(kept, owner[rows])
         return Strokes(each, kept)
@@ -304,7 +286,14 @@ class _Head:
         """
         if len(one.rows) > 1:
             fed = float(moves.feed_mm_min[own].max())
-            one.rows = sorted(one.rows, key=lambda words: _off_feed(words.row, fed))
+
+            def off_feed(words: RowWords) -> float:
+                """How far the feed is from that of a row, in a small hole or elsewhere."""
+                row = words.row
+                shares = (1.0, row.hole_feed_share) if row.slows_holes else (1.0,)
+                return min(abs(row.feed_mm_min * share - fed) for share in shares)
+
+            one.rows = sorted(one.rows, key=off_feed)
         words, *others = one.rows
         one.stroke.waits_s = 0.0 if words.pierce_s else words.row.pierce_s
         feed, row = words.row.feed_mm_min, int(own[0])
@@ -314,14 +303,14 @@ class _Head:
         before = sum(seconds for moved, seconds in one.pauses if moved <= row)
         behind = sum(seconds for moved, seconds in one.pauses if moved > last)
         on_the_way = sum(seconds for moved, seconds in one.pauses if row < moved <= last)
-        for k, pause, asked, what in (
+        for k, pause, due, what in (
             (row, before, words.pierce_s, " to pierce"), (last, on_the_way, 0.0, " in mid contour"),
             (last, behind, words.stop_s, " before the tool is off"),
         ):  # fmt: skip
-            if abs(pause - asked) > PAUSE_SLACK_S:
+            if abs(pause - due) > PAUSE_SLACK_S:
                 self._wrong(
                     rules.TOOL, int(moves.line[k]), found=f"a pause of {pause:g} s",
-                    expected=f"{asked:g} s{what}",
+                    expected=f"{due:g} s{what}",
                 )  # fmt: skip
 
     def _check_feeds(self, moves: Moves, owner: Counts) -> None:
@@ -331,8 +320,8 @@ class _Head:
         looked at when these are known.
         """
         rows = [one.stroke.row for one in self._started]
-        asked = np.array([row.feed_mm_min for row in rows])[owner] if rows else np.zeros(0)
-        feeds, fits = self._fit(moves, asked)
+        full = np.array([row.feed_mm_min for row in rows])[owner] if rows else np.zeros(0)
+        feeds, fits = self._fit(moves, full)
         wrong = ~fits
         for number, row in enumerate(rows):
             if row.slows_holes or row.slows_corners:
@@ -344,34 +333,28 @@ class _Head:
                 process=rows[owner[k]].process, expected=f"{feeds[k]:g}",
             )  # fmt: skip
 
-    def _fit(self, moves: Moves, asked: Floats) -> tuple[Floats, Flags]:
-        """The feed of each move of which so much is asked, and whether it has that."""
-        feeds = asked.copy()
+    def _fit(self, moves: Moves, full: Floats) -> tuple[Floats, Flags]:
+        """The feed of each move, `full` where the axes can follow it, and whether it has that."""
+        feeds = full.copy()
         if self._state.limits is not None:
-            feeds = expected_feeds(moves, asked, self._state.limits)
-        slack = np.where(feeds < asked, LOWERED_SLACK, FEED_SLACK) * feeds + self._feed_step
+            feeds = expected_feeds(moves, full, self._state.limits)
+        slack = np.where(feeds < full, LOWERED_SLACK, FEED_SLACK) * feeds + self._feed_step
         return feeds, np.abs(moves.feed_mm_min - feeds) <= slack
 
     def _slowed(self, moves: Moves, row: TorchRow, number: int) -> tuple[Floats, Flags]:
         """The feeds of the moves of a stroke, and which are wrong: by the likelier of its feeds."""
-        full = np.full(len(moves), row.feed_mm_min)
-        near = NearCorners(np.zeros(len(moves), dtype=bool), np.ones(len(moves), dtype=bool))
+        row_feed = np.full(len(moves), row.feed_mm_min)
+        is_near, is_far = np.zeros(len(moves), dtype=bool), np.ones(len(moves), dtype=bool)
         if row.slows_corners:
-            near = near_corners(moves, row, self._step)
-        found = []
+            is_near, is_far = near_corners(moves, row, self._step)
+        options = []
         for share in (1.0, row.hole_feed_share) if row.slows_holes else (1.0,):
-            fast, is_fast = self._fit(moves, full * share)
-            slow, is_slow = self._fit(moves, full * min(share, row.corner_share))
-            wrong = (near.slow & ~is_slow) | (near.fast & ~is_fast) | ~(is_slow | is_fast)
-            found.append((np.where(near.slow, slow, fast), wrong))
+            fast, is_fast = self._fit(moves, row_feed * share)
+            slow, is_slow = self._fit(moves, row_feed * min(share, row.corner_share))
+            wrong = (is_near & ~is_slow) | (is_far & ~is_fast) | ~(is_slow | is_fast)
+            options.append((np.where(is_near, slow, fast), wrong))
         stroke = self._started[number].stroke
-        counts = [int(wrong.sum()) for _, wrong in found]
-        if len(found) > 1 and counts[0] != counts[1]:
+        counts = [int(wrong.sum()) for _, wrong in options]
+        if len(options) > 1 and counts[0] != counts[1]:
             stroke.in_hole = counts[1] < counts[0]
-        return found[int(bool(stroke.in_hole))]
-
-
-def _off_feed(row: TorchRow, feed_mm_min: float) -> float:
-    """How far a feed is from that of a row, in a small hole or elsewhere."""
-    slow = row.hole_feed_share if row.slows_holes else 1.0
-    return min(abs(row.feed_mm_min - feed_mm_min), abs(row.feed_mm_min * slow - feed_mm_min))
+        return options[int(bool(stroke.in_hole))]

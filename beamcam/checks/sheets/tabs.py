@@ -25,7 +25,7 @@ from shapely.ops import substring
 from beamcam.checks.sheets import rules
 from beamcam.checks.sheets.tracing import MOST_ALONG, Traced
 from beamcam.checks.sheets.work import MITRE, SHOWN, Work
-from beamcam.errors import Diagnostic, Rule, Source
+from beamcam.errors import Diagnostic, Rule
 from beamcam.geometry.array_types import Floats
 from beamcam.machine.torch import CORNER_DEG
 
@@ -48,30 +48,40 @@ def tab_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
     if not work.bridged or work.torch.kerf_by == "machine":
         return []
     heads = [t for t in traced if t.members]
-    return [said for t in heads for said in _ring_faults(work, t)][:SHOWN]
+    return [fault for t in heads for fault in _ring_faults(work, t)][:SHOWN]
 
 
 def _ring_faults(work: Work, t: Traced) -> Iterator[Diagnostic]:
     """What is wrong with the bridges of one contour."""
     closes = t.members[-1].bridge_to is not None
     after = [*t.members[1:], *t.members[:1]] if closes else t.members[1:]
-    lines = [_outline(work, m) for m in t.members]
-    gaps = [_gap(lines, k, m) for k, m in enumerate(after)]
+    lines = [work.path.outline(m.first, m.last, work.fine) for m in t.members]
+    if work.stepped:  # of stairs what they climb
+        drawn = (shapely.LineString(line).simplify(2 * work.tolerance) for line in lines)
+        lines = [shapely.get_coordinates(line) for line in drawn]
+    gaps = []
+    for k, m in enumerate(after):
+        line = np.concatenate([lines[k][-1:], *lines[k + 1 :], *lines[: k + 1]])
+        middle, width = (line[0] + line[1]) / 2, float(np.hypot(*(line[1] - line[0])))
+        gaps.append(_Gap(m, middle, width, shapely.LineString(line)))
     lengths = [float(shapely.LineString(line).length) for line in lines]
     width = work.torch.tab_width + 2 * t.half_kerf
     total = sum(lengths) + len(gaps) * width
     slack, bent = 2 * work.tolerance, (MOST_ALONG - 1) * width
     allowed = _counts(work, t.contour, (total, total + len(gaps) * bent), width)
     contour = work.contour_at(work.path.starts[t.first])
+
+    def fault(rule: Rule, gap: _Gap, found: str, expected: str) -> Diagnostic:
+        values = {"contour": contour, "found": found, "expected": expected}
+        return work.fault(rule, gap.after.stroke.line, gap.middle, **values)
+
     if len(gaps) not in allowed:
-        expected = " or ".join(map(str, sorted(allowed)))
-        yield rules.TABS.at(
-            Source(work.name, t.stroke.line), found=len(gaps), contour=contour, expected=expected
-        )
+        values = {"found": len(gaps), "expected": " or ".join(map(str, sorted(allowed)))}
+        yield work.fault(rules.TABS, t.stroke.line, contour=contour, **values)
         return
     for gap in gaps:
         if abs(gap.width - width) > slack:
-            yield _at(work, rules.TAB_WIDTH, gap, contour, f"{gap.width:.3f}", f"{width:g}")
+            yield fault(rules.TAB_WIDTH, gap, f"{gap.width:.3f}", f"{width:g}")
     even = total / max(len(gaps), 1)
     apart = [length + width for length in lengths[1:-1]]
     if len(gaps) > 1:
@@ -81,7 +91,7 @@ def _ring_faults(work: Work, t: Traced) -> Iterator[Diagnostic]:
     for gap, way in zip(gaps, apart, strict=False):
         if not even / 2 - slack - bent <= way <= 1.5 * (even + bent) + slack:
             found, expected = f"{way:.3f} mm from another", f"{even / 2:.3f} to {1.5 * even:.3f} mm"
-            yield _at(work, rules.TAB_PLACE, gap, contour, found, expected)
+            yield fault(rules.TAB_PLACE, gap, found, expected)
             return
     least = work.torch.min_tab_to_corner
     if not gaps or least <= 3 * work.tolerance:
@@ -90,31 +100,7 @@ def _ring_faults(work: Work, t: Traced) -> Iterator[Diagnostic]:
     for gap in gaps:
         is_at_corner = _is_at_corner(work, gap, t.half_kerf, sharp)
         if is_at_corner and _may_be_clear(work, gap, t.half_kerf, doubtful, even / 4):
-            expected = f"at least {least:g} mm from a corner"
-            yield _at(work, rules.TAB_PLACE, gap, contour, "at a corner", expected)
-
-
-def _outline(work: Work, t: Traced) -> Floats:
-    """Points along a stroke; of stairs what they climb."""
-    points = work.path.outline(t.first, t.last, work.fine)
-    if work.stepped:
-        points = shapely.get_coordinates(shapely.LineString(points).simplify(2 * work.tolerance))
-    return points
-
-
-def _gap(lines: Sequence[Floats], before: int, after: Traced) -> _Gap:
-    """The bridge behind one of the strokes of a contour."""
-    line = np.concatenate([lines[before][-1:], *lines[before + 1 :], *lines[: before + 1]])
-    width = float(np.hypot(*(line[1] - line[0])))
-    return _Gap(after, (line[0] + line[1]) / 2, width, shapely.LineString(line))
-
-
-def _at(work: Work, rule: Rule, gap: _Gap, contour: str, found: str, expected: str) -> Diagnostic:
-    x, y = gap.middle.tolist()
-    return rule.at(
-        Source(work.name, gap.after.stroke.line), contour=contour, x=f"{x:.3f}", y=f"{y:.3f}",
-        found=found, expected=expected,
-    )  # fmt: skip
+            yield fault(rules.TAB_PLACE, gap, "at a corner", f"at least {least:g} mm from a corner")
 
 
 def _counts(work: Work, contour: int, totals: Limits, width: float) -> set[int]:
@@ -128,11 +114,9 @@ def _counts(work: Work, contour: int, totals: Limits, width: float) -> set[int]:
     is_hole = work.holes[contour]
     counts: set[int] = set()
     if work.torch.inner_tabs or not is_hole:
-        low, high = (
-            min(work.torch.tabs, int((total + slack) / (4 * width)))
-            for total, slack in zip(totals, (-4 * work.tolerance, 4 * work.tolerance), strict=True)
-        )
-        counts.update(range(max(low, 0), high + 1))
+        slack = 4 * work.tolerance
+        low, high = (int(by / (4 * width)) for by in (totals[0] - slack, totals[1] + slack))
+        counts.update(range(max(min(work.torch.tabs, low), 0), min(work.torch.tabs, high) + 1))
     if is_hole is None or (is_hole and not work.torch.inner_tabs):
         counts.add(0)
     return counts
@@ -142,7 +126,7 @@ def _corners(work: Work, contour: int, least_deg: float) -> Floats:
     """Places where two curves of a contour meet and turn by more than so much, (n, 2)."""
     need = work.need
     ways, turned = np.array(work.region.rings[contour], dtype=np.int64).T
-    first, last, zero = need.first(ways), need.last(ways), np.zeros(len(ways))
+    first, last, zero = need.first[ways], need.last[ways], np.zeros(len(ways))
     ahead = need.elements.directions(first, zero)
     back = need.elements.directions(last, zero + 1.0)
     is_turned = turned[:, None] == 1

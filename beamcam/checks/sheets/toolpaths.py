@@ -12,7 +12,7 @@ from msgspec import Struct
 from msgspec.structs import replace
 from numpy.typing import NDArray
 
-from beamcam.checks.sheets.grid import NARROW, SPARE, Elements, Grid, Pairs
+from beamcam.checks.sheets.grid import LARGER, LEAST_REACH, Elements, Grid, Pairs
 from beamcam.controllers.moves import Moves
 from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.geometry.arrays import arc_ends, table_of
@@ -31,7 +31,7 @@ MOST_TURN_RAD = 0.8  #: between points of an outline
 Chain = list[tuple[int, bool]]
 
 
-class Stretches(Struct):
+class DrawnWays(Struct):
     """What of each way counts: its ends, and points along it."""
 
     starts: Floats  #: (n, 2)
@@ -39,26 +39,19 @@ class Stretches(Struct):
     points: Floats  #: of all ways, chords between them
     begins: Counts  #: where the points of each way begin, (n + 1,)
 
-    def rows(self, way: int) -> Counts:
-        """The numbers of a way's points."""
-        return np.arange(self.begins[way], self.begins[way + 1])
+    def line(self, way: int) -> shapely.LineString:
+        """A way as a line."""
+        return shapely.LineString(self.points[self.begins[way] : self.begins[way + 1]])
 
 
 class Toolpaths:
-    """Curves one after the other; lines and arcs are exact, chords of others off by `tolerance`.
+    """Curves one after the other; lines and arcs are exact, chords of others off by `tolerance`."""
 
-    `shift` moves all of them.
-    """
-
-    def __init__(
-        self, curves: Sequence[Curve], tolerance: float, shift: tuple[float, float] = (0.0, 0.0)
-    ) -> None:
+    def __init__(self, curves: Sequence[Curve], tolerance: float) -> None:
         table = table_of(tuple(curves))
         rest = {k: curves[k] for k in table.free()}
         lines, arcs = table.where(Line), table.where(Arc)
         self._build(len(curves), lines, table.lines, arcs, table.arcs, rest, tolerance)
-        if shift != (0.0, 0.0):
-            self._put(self.elements.moved(shift))
 
     @classmethod
     def of_moves(cls, moves: Moves, tolerance: float) -> "Toolpaths":
@@ -77,7 +70,7 @@ class Toolpaths:
     def moved(self, shift: tuple[float, float]) -> "Toolpaths":
         """The same elsewhere."""
         toolpaths = Toolpaths.__new__(Toolpaths)
-        toolpaths.count, toolpaths._first, toolpaths._behind = self.count, self._first, self._behind
+        toolpaths.count, toolpaths.first, toolpaths.last = self.count, self.first, self.last
         toolpaths.owner, toolpaths.rest = self.owner, self.rest
         toolpaths._put(self.elements.moved(shift))
         toolpaths._grids = [grid.moved(toolpaths.elements, shift) for grid in self._grids]
@@ -97,13 +90,13 @@ class Toolpaths:
         drawn = polylines(list(rest.values()), tolerance)
         counts = np.ones(count, dtype=np.int64)
         counts[self.rest] = np.diff(drawn.begins) - 1
-        self._behind = np.cumsum(counts)  #: the element behind the last of each way
-        self._first = self._behind - counts
+        self.last: Counts = np.cumsum(counts) - 1  #: the last element of each way
+        self.first: Counts = self.last + 1 - counts
         self.owner: Counts = np.repeat(np.arange(count), counts)
         ends = np.empty((len(self.owner), 4))
         is_arc, rows = np.zeros(len(ends), dtype=bool), np.zeros((len(ends), 5))
-        ends[self._first[lines]] = line_rows
-        at = self._first[arcs]
+        ends[self.first[lines]] = line_rows
+        at = self.first[arcs]
         ends[at], is_arc[at] = arc_ends(arc_rows), True
         rows[at] = np.column_stack((arc_rows[:, :3], np.radians(arc_rows[:, 3:])))
         is_rest = np.zeros(count, dtype=bool)
@@ -119,26 +112,18 @@ class Toolpaths:
         self._most_turns: dict[float, Floats] = {}
         #: How far along all ways, one after the other, each element begins.
         self._reached: Floats = np.concatenate(([0.0], np.cumsum(elements.length)))
-        self.begins: Floats = self._reached[self._first]
-        self.lengths: Floats = self._reached[self._behind] - self.begins
-        self.starts: Floats = elements.start[self._first]
-        self.ends: Floats = elements.end[self._behind - 1]
+        self.begins: Floats = self._reached[self.first]
+        self.lengths: Floats = self._reached[self.last + 1] - self.begins
+        self.starts: Floats = elements.start[self.first]
+        self.ends: Floats = elements.end[self.last]
         self._grids: list[Grid] = []
 
     @property
     def kinds(self) -> Counts:
         """0 for each way that is a line, 1 for an arc, 2 for any other."""
-        kinds: Counts = self.elements.is_arc[self._first].astype(np.int64)
+        kinds: Counts = self.elements.is_arc[self.first].astype(np.int64)
         kinds[self.rest] = 2
         return kinds
-
-    def first(self, toolpaths: Counts) -> Counts:
-        """The first element of each of some ways."""
-        return self._first[toolpaths]
-
-    def last(self, toolpaths: Counts) -> Counts:
-        """The last element of each of some ways."""
-        return self._behind[toolpaths] - 1
 
     def near(self, points: Floats, reach: float) -> Pairs:
         """All pairs of a point (n, 2) and an element no farther than `reach` from it."""
@@ -150,7 +135,7 @@ class Toolpaths:
 
     def _grid(self, reach: float) -> Grid:
         for grid in self._grids:
-            if reach * SPARE <= grid.reach <= max(WIDER * reach, NARROW * grid.size):
+            if reach * LARGER <= grid.reach <= max(WIDER * reach, LEAST_REACH * grid.size):
                 return grid
         self._grids.append(Grid(self.elements, reach))
         return self._grids[-1]
@@ -158,15 +143,14 @@ class Toolpaths:
     def nearest_within(
         self, points: Floats, reaches: Sequence[float], which: Flags | None = None,
         fits: Callable[[Pairs], Flags] | None = None,
-    ) -> tuple[Floats, Counts, Floats]:  # fmt: skip
-        """Of each point the nearest way, of some of them: how far it is, which, how far along it.
+    ) -> tuple[Floats, Counts]:  # fmt: skip
+        """Of each point the nearest way, of some of them: how far it is, and which one.
 
         Of the ways `which`, and the pairs that `fits`. Infinitely far where there is none within
         the greatest of the `reaches`, which ascend: what is nearer is not looked for farther out,
         where curves may lie close together.
         """
         away, who = np.full(len(points), np.inf), np.zeros(len(points), dtype=np.int64)
-        along = np.zeros(len(points))
         left = np.arange(len(points) if which is None or which.any() else 0)
         for reach in reaches:
             if not len(left):
@@ -177,33 +161,33 @@ class Toolpaths:
                 if fits is not None:
                     best = best.kept(fits(best))
                 best = nearest_pairs(best)
-                at, owner = best.point, self.owner[best.element]
-                away[at], who[at] = best.away, owner
-                along[at] = self.at(best.element, best.along) - self.begins[owner]
+                away[best.point], who[best.point] = best.away, self.owner[best.element]
             left = left[np.isinf(away[left])]
-        return away, who, along
+        return away, who
 
     def by_way(self, pairs: Pairs) -> Pairs:
         """Of the elements of one way near one point, the nearest; the first of several."""
         return _nearest(pairs, pairs.point * self.count + self.owner[pairs.element])
 
-    def nearest_of(self, pairs: Pairs, count: int) -> tuple[Floats, Counts, Floats]:
-        """Of each of `count` points the nearest way: how far it is, which, how far along it.
+    def nearest_of(self, pairs: Pairs, count: int) -> tuple[Floats, Counts]:
+        """Of each of `count` points the nearest way: how far it is, and which one.
 
         Infinitely far where there is no pair; the first of several that are as near.
         """
-        away, who, along = np.full(count, np.inf), np.zeros(count, dtype=np.int64), np.zeros(count)
+        away, who = np.full(count, np.inf), np.zeros(count, dtype=np.int64)
         best = nearest_pairs(pairs)
-        owner = self.owner[best.element]
-        away[best.point], who[best.point] = best.away, owner
-        along[best.point] = self.at(best.element, best.along) - self.begins[owner]
-        return away, who, along
+        away[best.point], who[best.point] = best.away, self.owner[best.element]
+        return away, who
 
     def places_of(self, pairs: Pairs) -> Floats:
         """The place of each pair on its element, (n, 2)."""
+        return self.elements.places(pairs.element, self.shares(pairs))
+
+    def shares(self, pairs: Pairs) -> Floats:
+        """The share of its element at which the place of each pair lies."""
         length = self.elements.length[pairs.element]
-        share = np.divide(pairs.along, length, out=np.zeros(len(length)), where=length > 0.0)
-        return self.elements.places(pairs.element, share)
+        shares = np.divide(pairs.along, length, out=np.zeros(len(length)), where=length > 0.0)
+        return np.asarray(shares)
 
     def at(self, element: Counts, along: Floats) -> Floats:
         """How far along all ways, one after the other, places on elements lie."""
@@ -218,7 +202,7 @@ class Toolpaths:
         away, who = np.full(len(points), np.inf), np.zeros(len(points), dtype=np.int64)
         left = np.arange(len(points))
         while len(left) and self.count:
-            away[left], who[left], _ = self.nearest_of(self.near(points[left], reach), len(left))
+            away[left], who[left] = self.nearest_of(self.near(points[left], reach), len(left))
             left = left[np.isinf(away[left])]
             reach *= WIDER
         return away, who
@@ -226,8 +210,10 @@ class Toolpaths:
     def nearest_to(self, point: Floats) -> tuple[float, int]:
         """How far one point is from the nearest way, and which one that is."""
         every = np.arange(len(self.elements))
-        x, y = np.full(len(every), point[0]), np.full(len(every), point[1])
-        away, _ = self.elements.distances(x, y, every)
+        x, y = (np.full(len(every), at) for at in point)
+        away, _ = self.elements.from_chords(x, y, every)
+        bent = np.flatnonzero(self.elements.is_arc)
+        away[bent], _ = self.elements.from_arcs(x[bent], y[bent], bent)
         best = int(np.argmin(away))
         return float(away[best]), int(self.owner[best])
 
@@ -237,7 +223,7 @@ class Toolpaths:
         low, high = self.elements.boxes()
         if not self.count:
             return low, high
-        return np.minimum.reduceat(low, self._first), np.maximum.reduceat(high, self._first)
+        return np.minimum.reduceat(low, self.first), np.maximum.reduceat(high, self.first)
 
     def turns(self, slack: float) -> Floats:
         """Angles in rad before each element and behind the last, (n + 1,).
@@ -266,7 +252,12 @@ class Toolpaths:
         """
         if slack not in self._most_turns:
             elements = self.elements
-            bend = _most_near(self.turns(slack), elements.length, NEAR_BEND * slack)
+            # The greatest turn at each element or near it.
+            reach = NEAR_BEND * slack
+            first = np.searchsorted(self._reached, self._reached[:-1] - reach)
+            behind = np.searchsorted(self._reached, self._reached[1:] + reach, "right")
+            windows = np.column_stack((first, behind)).ravel()
+            bend = np.maximum.reduceat(np.append(self.turns(slack), 0.0), windows)[::2]
             radius = elements.arcs[elements.is_arc, 2]
             # Of elements that are absurdly short or long.
             with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
@@ -281,17 +272,17 @@ class Toolpaths:
 
         No chord of an arc is farther from it than `tolerance`.
         """
-        return self._points(int(self._first[first]), int(self._behind[last - 1]), tolerance)[0]
+        return self._points(int(self.first[first]), int(self.last[last - 1]) + 1, tolerance)[0]
 
     def outlines(self, tolerance: float) -> tuple[Floats, Counts]:
         """The points of all ways as `outline` has them, and where each begins, (count + 1,)."""
         points, counts = self._points(0, len(self.elements), tolerance)
         behind = np.concatenate(([0], np.cumsum(counts)))
-        return points, behind[np.concatenate(([0], self._behind))]
+        return points, behind[np.concatenate(([0], self.last + 1))]
 
-    def whole(self, fine: float) -> Stretches:
+    def whole(self, fine: float) -> DrawnWays:
         """All ways from end to end; chords are at most `fine` off."""
-        return Stretches(self.starts.copy(), self.ends.copy(), *self.outlines(fine))
+        return DrawnWays(self.starts.copy(), self.ends.copy(), *self.outlines(fine))
 
     def lines(self, tolerance: float, owner: Counts | None = None) -> NDArray[np.object_]:
         """A line along each way, or along all ways of each owner, as `outline` has them."""
@@ -359,16 +350,6 @@ def kept_samples(samples: Samples, which: Flags | Counts) -> Samples:
 def nearest_pairs(pairs: Pairs) -> Pairs:
     """The nearest element of each point that has one; the first of several that are as near."""
     return _nearest(pairs, pairs.point)
-
-
-def _most_near(turns: Floats, lengths: Floats, reach: float) -> Floats:
-    """The greatest turn at an element or no farther from it than `reach`, for each."""
-    places = np.append(0.0, np.cumsum(lengths))
-    first = np.searchsorted(places, places[:-1] - reach)
-    behind = np.searchsorted(places, places[1:] + reach, "right")
-    windows = np.column_stack((first, behind)).ravel()
-    found: Floats = np.maximum.reduceat(np.append(turns, 0.0), windows)[::2]
-    return found
 
 
 def _nearest(pairs: Pairs, group: Counts) -> Pairs:

@@ -19,7 +19,7 @@ from beamcam.checks.sheets.work import MITRE, Work
 from beamcam.geometry.array_types import Counts, Flags, Floats
 
 Bounds = Sequence[tuple[int, int]]
-Near = tuple[Floats, Counts, Floats]  #: how far the nearest way is, which, how far along it
+Near = tuple[Floats, Counts]  #: how far the nearest way is, and which one that is
 
 SHORTEST = 4.0  #: by how near ends have to be that meet, of a ring of stairs
 LEAST = 16.0  #: squares of two steps that a ring of one curve is longer than
@@ -57,18 +57,17 @@ def trace(
     places of the path, `way` those that they lie on, `near` the contours that they follow.
     """
     bounds = _bounds(work)
-    kept = _rings(work, bounds, bad)
-    rows = np.array(kept, dtype=np.int64).reshape(-1, 2)
+    rings = _rings(work, bounds, bad)
+    rows = np.array(rings, dtype=np.int64).reshape(-1, 2)
     starts, ends = work.path.starts[rows[:, 0]], work.path.ends[rows[:, 1] - 1]
     closed = np.hypot(*(ends - starts).T) <= 2 * work.tolerance
     closed &= ~_gaping(work, starts, ends, closed & (half_kerfs == 0.0))
     contours = _contours(work, half_kerfs, points, work.of_way[way], near)
-    sizes = (half_kerfs.tolist(), closed.tolist(), contours.tolist())
-    columns = (work.strokes, bounds, kept, *sizes)
+    columns = (column.tolist() for column in (half_kerfs, closed, contours))
     traced = [
-        Traced(stroke, begin, first, last, end, half_kerf, is_closed, contour)
-        for stroke, (begin, end), (first, last), half_kerf, is_closed, contour in zip(
-            *columns, strict=True
+        Traced(stroke, begin, first, last, end, *values)
+        for stroke, (begin, end), (first, last), *values in zip(
+            work.strokes, bounds, rings, *columns, strict=True
         )
     ]
     if work.bridged:
@@ -81,11 +80,9 @@ def trace(
 
 def close(work: Work, which: Counts) -> Flags:
     """Which of some strokes close, but for their leads."""
-    every = _bounds(work)
-    bounds = [every[k] for k in which.tolist()]
-    if not bounds:
-        return np.zeros(0, dtype=bool)
-    lows, highs = np.array(_rings(work, bounds, np.zeros(work.path.count, dtype=bool))).T
+    every, follows = _bounds(work), np.zeros(work.path.count, dtype=bool)
+    rings = _rings(work, [every[k] for k in which.tolist()], follows)
+    lows, highs = np.array(rings, dtype=np.int64).reshape(-1, 2).T
     apart = np.hypot(*(work.path.ends[highs - 1] - work.path.starts[lows]).T)
     return np.asarray(apart <= work.meeting)
 
@@ -123,12 +120,11 @@ class _Shape:
         """Whether the way before `high` ends where way `low` starts, and went round something."""
         (x0, y0), (x1, y1) = self._starts[low], self._ends[high - 1]
         dx, dy = x1 - x0, y1 - y0
-        if (
-            dx * dx + dy * dy > self._near
-            or self._begins[high - 1] + self._lengths[high - 1] - self._begins[low] < self._shortest
-        ):
+        if dx * dx + dy * dy > self._near:
             return False
-        return high - low > 1 or self._lengths[low] ** 2 > LEAST * self._near
+        length = self._begins[high - 1] + self._lengths[high - 1] - self._begins[low]
+        is_long: bool = high - low > 1 or self._lengths[low] ** 2 > LEAST * self._near
+        return is_long and bool(length >= self._shortest)
 
     def _before(self, first: int, last: int, most: float) -> int:
         """The way behind which no more than `most` is left."""
@@ -143,8 +139,7 @@ class _Shape:
 
         Where nothing closes, what lies off the contours is taken for the leads.
         """
-        begin = first
-        size = self._lengths[first]
+        begin, size = first, self._lengths[first]
         while begin < last - 1 and size <= self._most_in:
             begin += 1
             size += self._lengths[begin]
@@ -170,18 +165,15 @@ def _gaping(work: Work, starts: Floats, ends: Floats, which: Flags) -> Flags:
     if not which.any():
         return gaping
     stops = shapely.points(np.concatenate((work.need.starts, work.need.ends)))
-    tree = shapely.STRtree(stops)
-    first, second = tree.query(stops, "dwithin", distance=work.torch.gap)
-    free = np.ones(len(stops), dtype=bool)
-    free[first[first != second]] = False
-    open_ends = stops[free]
-    tree = shapely.STRtree(open_ends)
+    first, second = shapely.STRtree(stops).query(stops, "dwithin", distance=work.torch.gap)
+    free = np.delete(stops, first[first != second])
+    tree, reach = shapely.STRtree(free), 2 * work.tolerance
     for k in np.flatnonzero(which).tolist():
-        near = [
-            set(tree.query(shapely.Point(place), "dwithin", distance=2 * work.tolerance).tolist())
+        begin, end = (
+            set(tree.query(shapely.Point(place), "dwithin", distance=reach).tolist())
             for place in (starts[k], ends[k])
-        ]
-        gaping[k] = len(near[0] | near[1]) > 1 and all(near)
+        )
+        gaping[k] = len(begin | end) > 1 and bool(begin and end)
     return gaping
 
 
@@ -194,13 +186,13 @@ def _contours(work: Work, half_kerfs: Floats, points: Floats, stroke: Counts, ne
     found = np.full(len(work.strokes), -1)
     if not region.rings:
         return found
-    away, nearest, _ = near
+    away, nearest = near
     known = np.isfinite(away) & ((half_kerfs > 0.0)[stroke] | (work.half_kerf == 0.0))
     ring = np.where(known, region.ring_of[nearest], -1)
     twin = np.flatnonzero(known & (ring < 0) & region.closed[nearest])
     if len(twin):
-        reach = away[twin].max() + float(work.slack.max(initial=0.0))
-        far, other, _ = work.need.nearest_within(points[twin], (reach,), region.ring_of >= 0)
+        reach = away[twin].max() + work.most_slack
+        far, other = work.need.nearest_within(points[twin], (reach,), region.ring_of >= 0)
         ring[twin] = np.where(np.isfinite(far), region.ring_of[other], -1)
     count = len(region.rings) + 1
     pairs, times = np.unique(stroke[known] * count + ring[known] + 1, return_counts=True)
@@ -275,8 +267,20 @@ def _join_bridged(work: Work, traced: Sequence[Traced]) -> None:
             last += 1
         else:
             last = -1
-        if last >= first:
-            _join(work, traced[first : last + 1])
+        mine = traced[first : last + 1]  # that go round one contour together
+        starts = work.path.starts[[t.first for t in mine]].tolist()
+        along: dict[int, float] = {}
+        for t in mine:
+            length = float(work.path.lengths[t.first : t.last].sum())
+            along[t.contour] = along.get(t.contour, 0.0) + length
+        contour = max(along, key=lambda one: along[one], default=-1)
+        for t, (x, y) in zip(mine, [*starts[1:], *starts[:1]], strict=True):
+            t.bridge_to, t.joined, t.contour = (x, y), True, contour
+        if mine:
+            end = work.path.ends[mine[-1].last - 1]
+            if np.hypot(*(np.array(starts[0]) - end)) <= 2 * work.tolerance:
+                mine[-1].bridge_to = None
+            mine[0].members = list(mine)
         first = max(first, last) + 1
 
 
@@ -289,7 +293,7 @@ def _is_bridge(work: Work, t: Traced, following: Traced) -> bool:
     """
     end, start = work.path.ends[t.last - 1], work.path.starts[following.first]
     width = float(np.hypot(*(start - end)))
-    if width > WIDEST * work.tab_width(t.half_kerf):
+    if width > WIDEST * (work.torch.tab_width + 2 * t.half_kerf + 2 * work.tolerance):
         return False
     reach = MITRE * t.half_kerf + 2 * work.tolerance
     ends = shapely.points([end, start])
@@ -312,22 +316,6 @@ def is_in_kerf(work: Work, place: Floats, number: int) -> bool:
     """Whether a place lies on what was cut before a stroke, by its number."""
     near = work.path.near(place.reshape(1, 2), 2 * work.tolerance)
     return bool((work.of_way[work.path.owner[near.element]] < number).any())
-
-
-def _join(work: Work, mine: Sequence[Traced]) -> None:
-    """Tells strokes that they go round a contour together."""
-    starts = work.path.starts[[t.first for t in mine]].tolist()
-    along: dict[int, float] = {}
-    for t in mine:
-        length = float(work.path.lengths[t.first : t.last].sum())
-        along[t.contour] = along.get(t.contour, 0.0) + length
-    contour = max(along, key=lambda one: along[one])
-    for t, (x, y) in zip(mine, [*starts[1:], starts[0]], strict=True):
-        t.bridge_to, t.joined, t.contour = (x, y), True, contour
-    end = work.path.ends[mine[-1].last - 1]
-    if np.hypot(*(np.array(starts[0]) - end)) <= 2 * work.tolerance:
-        mine[-1].bridge_to = None
-    mine[0].members = list(mine)
 
 
 def _close(work: Work, one: Traced, last: Traced) -> bool:

@@ -1,6 +1,6 @@
 """The strokes of one process and the curves that they should follow."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 from math import inf, pi
 
@@ -11,13 +11,12 @@ from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from beamcam.checks.sheets import rules
-from beamcam.checks.sheets.grid import widest_gap
 from beamcam.checks.sheets.need import Need
 from beamcam.checks.sheets.region import Region, Rings, small_ways
 from beamcam.checks.sheets.strokes import HeadStroke, Strokes
 from beamcam.checks.sheets.toolpaths import Toolpaths
 from beamcam.controllers.moves import Moves
-from beamcam.errors import Diagnostic, Source
+from beamcam.errors import Diagnostic, Rule, Source
 from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.machine.torch import Torch, TorchProcess, TorchRow
 
@@ -25,6 +24,8 @@ SPACING = 4.0  #: mm between samples
 MITRE = 2.5  #: how far from a corner a path may pass it, by half the kerf
 SHOWN = 5  #: of one kind of fault
 WINDING = 0.02  #: share by which stairs of steps are longer than their path, at most
+LINE = 0
+BESIDE_LINE = 2e-4  #: mm off a line, where it is asked on which side of it the part is
 
 
 class Work(Struct, dict=True):
@@ -34,7 +35,7 @@ class Work(Struct, dict=True):
     strokes: Sequence[HeadStroke]
     moves: Moves  #: those of the strokes, one after the other
     need: Toolpaths
-    asked: Need  #: the curves that `need` is made of, and where the input has them
+    required: Need  #: the curves that `need` is made of, and where the input has them
     path: Toolpaths
     of_way: Counts  #: the stroke of each way of the path
     torch: Torch
@@ -56,13 +57,71 @@ class Work(Struct, dict=True):
 
     @cached_property
     def sides(self) -> Floats:
-        """Of each required curve 1 if the waste lies left of it, -1 right of it, 0 of neither."""
-        return waste_sides(self.region, self.need, self.fine)
+        """Of each required curve 1 if the waste lies left of it, -1 right of it, 0 of neither.
+
+        Where the longest way of a ring has the part on both sides, it is another's too, and it is
+        counted which rings are round it.
+        """
+        region, need, sides = self.region, self.need, np.zeros(self.need.count)
+        if not region.rings:
+            return sides
+        rings = Rings.of(region.rings)
+        longest = np.lexsort((need.lengths[rings.ways], rings.ring))[rings.begins[1:] - 1]
+        middle = np.full(len(longest), 0.5)
+        on_left, on_right = self.part_beside(need.first[rings.ways[longest]], middle)
+        along = np.where(on_left != rings.turned[longest], -1.0, 1.0)
+        if len(shared := np.flatnonzero(on_left == on_right)):
+            points = shapely.point_on_surface(region.polygons[shared])
+            own, around = shapely.STRtree(region.polygons).query(points, "within")
+            areas = shapely.area(region.polygons)
+            is_round = areas[around] > areas[shared[own]]
+            is_hole = np.bincount(own[is_round], minlength=len(shared)) % 2 == 1
+            along[shared] = np.where(is_hole == region.anticlockwise[shared], 1.0, -1.0)
+        sides[rings.ways] = np.where(rings.turned, -along[rings.ring], along[rings.ring])
+        return sides
+
+    def part_beside(self, element: Counts, share: Floats) -> Flags:
+        """Of places of the required curves whether the part lies left and right of them, (2, n)."""
+        off = self.off_surely(self.need.owner[element])[:, None]
+        places, aside = self.need.elements.places(element, share), self.left_of(element, share)
+        beside = np.concatenate((places + off * aside, places - off * aside))
+        return self.region.in_part(beside).reshape(2, -1)
+
+    def off_surely(self, way: Counts) -> Floats:
+        """How far off required curves it is sure what is part, which is known by chords."""
+        return np.where(self.need.kinds[way] == LINE, BESIDE_LINE, 2 * self.fine)
+
+    def left_of(self, element: Counts, share: Floats) -> Floats:
+        """The directions square to elements of the required curves, to their left, (n, 2)."""
+        ahead = self.need.elements.directions(element, share)
+        return np.column_stack((-ahead[:, 1], ahead[:, 0]))
 
     @cached_property
     def holes(self) -> list[bool | None]:
-        """Of each closed contour whether it is one of a hole; None where that is not clear."""
-        return holes_of(self.region, self.sides)
+        """Of each closed contour whether the waste lies inside of it.
+
+        None of those that cross themselves or others.
+        """
+        region, polygons = self.region, self.region.polygons
+        clear = shapely.is_valid(polygons)
+        one, other = np.flatnonzero(clear)[shapely.STRtree(polygons[clear]).query(polygons[clear])]
+        one, other = one[one < other], other[one < other]
+        rings = (shapely.get_exterior_ring(polygons[k]) for k in (one, other))
+        crossing = shapely.intersects(*rings)
+        one, other = one[crossing], other[crossing]
+        crossing = shapely.overlaps(polygons[one], polygons[other])
+        clear[one[crossing]] = clear[other[crossing]] = False
+        firsts = [ring[0] for ring in region.rings]
+        rows = zip(firsts, region.anticlockwise.tolist(), clear.tolist(), strict=True)
+        return [
+            ((self.sides[way] > 0.0) != back) == turned if is_clear and self.sides[way] else None
+            for (way, back), turned, is_clear in rows
+        ]
+
+    @cached_property
+    def most_slack(self) -> float:
+        """The greatest slack of a required curve."""
+        return float(self.slack.max(initial=0.0))
 
     @cached_property
     def contours(self) -> NDArray[np.object_]:
@@ -128,30 +187,26 @@ class Work(Struct, dict=True):
             return length * (1.0 + WINDING) + 4 * self.tolerance
         return length * 1.001 + 8 * self.step + taken_up
 
-    def tab_width(self, half_kerf: float) -> float:
-        """How far apart the strokes on both sides of a bridge may be."""
-        return self.torch.tab_width + 2 * half_kerf + 2 * self.tolerance
-
     def contour(self, way: int) -> str:
         """Source of a required curve."""
-        return str(self.asked.source(self.process, way))
+        return str(self.required.source(self.process, way))
 
     def contour_at(self, place: Floats) -> str:
         """Source of the required curve nearest to a place."""
         return self.contour(self.need.nearest_to(place)[1])
 
-    def extra(self, line: int, place: Floats, away: str, expected: str) -> Diagnostic:
-        """That a path follows nothing."""
-        x, y = place.tolist()
-        source = Source(self.name, line)
-        return rules.EXTRA.at(source, x=f"{x:.3f}", y=f"{y:.3f}", away=away, expected=expected)
+    def fault(
+        self, rule: Rule, line: int | None, place: Iterable[float] = (), /, **values: object
+    ) -> Diagnostic:
+        """A fault at a line of the program, and at a place of the machine if one is given."""
+        at = {axis: f"{value:.3f}" for axis, value in zip("xy", place, strict=False)}
+        return rule.at(Source(self.name, line), **at, **values)
 
     def missing(self, way: int, place: Floats) -> Diagnostic:
         """That nothing follows a contour."""
-        x, y = (place - np.array(self.shift)).tolist()
-        return rules.MISSING.at(
-            Source(self.name), process=self.process, contour=self.contour(way),
-            x=f"{x:.3f}", y=f"{y:.3f}", machine_x=f"{place[0]:.3f}", machine_y=f"{place[1]:.3f}",
+        return self.fault(
+            rules.MISSING, None, place - np.array(self.shift), process=self.process,
+            contour=self.contour(way), machine_x=f"{place[0]:.3f}", machine_y=f"{place[1]:.3f}",
         )  # fmt: skip
 
 
@@ -198,136 +253,58 @@ def widest_joint(need: Toolpaths, gap: float) -> float:
     return widest_gap(np.concatenate((starts, ends[apart])), gap)
 
 
+def widest_gap(points: Floats, reach: float) -> float:
+    """The greatest distance of two points (n, 2) that are no farther than `reach` from each other.
+
+    0 if there are none.
+    """
+    once = np.unique(np.ascontiguousarray(points).view(np.complex128))
+    places = shapely.points(once.real, once.imag)
+    a, b = shapely.STRtree(places).query(places, "dwithin", distance=reach)
+    return float(np.abs(once[a] - once[b]).max(initial=0.0))
+
+
 # --- alike ----------------------------------------------------------------------------------------
 
-# Strokes that two processes make by the same words, distinguished by the curves they follow.
+# Strokes that two processes make by the same words: the row of each by the curves that it follows.
 
 
 PLACES = 9  #: of a stroke that are looked at
 
-Away = Callable[[Floats], float]
 
-
-def told_apart(strokes: Strokes, need: Need, torch: Torch, shift: tuple[float, float]) -> Strokes:
+def with_own_rows(
+    strokes: Strokes, need: Need, torch: Torch, shift: tuple[float, float]
+) -> Strokes:
     """The strokes with the rows of what they follow, where word and feed leave several.
 
     What follows no contour, as a text does, is taken for a mark: its place is not known yet.
     """
     if not any(stroke.alike for stroke in strokes.each):
         return strokes
-    fine = torch.tolerance / 8
-    known: dict[TorchProcess, Away] = {
-        process: _away(need.toolpaths(process, fine).moved(shift)) for process in need.curves
+    curves = {
+        process: need.toolpaths(process, torch.tolerance / 8).moved(shift)
+        for process in need.curves
     }
-    each = [_settled(s, strokes, known, torch) if s.alike else s for s in strokes.each]
+    each = [_settled(s, strokes, curves, torch) if s.alike else s for s in strokes.each]
     return Strokes(each, strokes.moves)
 
 
-def _away(toolpaths: Toolpaths) -> Away:
-    """Median distance of points from the nearest curve."""
-
-    def measured(places: Floats) -> float:
-        return float(np.median([toolpaths.nearest_to(place)[0] for place in places]))
-
-    return measured
-
-
 def _settled(
-    stroke: HeadStroke, strokes: Strokes, known: Mapping[TorchProcess, Away], torch: Torch
+    stroke: HeadStroke, strokes: Strokes, curves: Mapping[TorchProcess, Toolpaths], torch: Torch
 ) -> HeadStroke:
     options: dict[TorchProcess, TorchRow] = {}
     for row in (stroke.row, *stroke.alike):
         options.setdefault(row.process, row)
     if len(options) == 1:
         return stroke
-    span = slice(stroke.first, stroke.last)
-    ends = strokes.moves.end[span]
+    ends = strokes.moves.end[stroke.first : stroke.last]
     places = ends[:: max(1, len(ends) // PLACES)]
-    away = {process: known[process](places) for process in options if process in known}
+    away = {
+        process: float(np.median([curves[process].nearest_to(place)[0] for place in places]))
+        for process in options
+        if process in curves
+    }
     nearest = min(away, key=lambda process: away[process], default=stroke.process)
     if away.get(nearest, inf) > stroke.row.kerf + 8 * torch.tolerance:
         nearest = next((process for process in options if process != "cut"), stroke.process)
     return replace(stroke, row=options[nearest])
-
-
-# --- sides ----------------------------------------------------------------------------------------
-
-# The part is known by chords for all but lines, so that it is asked a little off a curve.
-
-
-LINE = 0
-BESIDE_LINE = 2e-4  #: mm off a line, where it is asked on which side of it the part is
-
-
-def off_surely(toolpaths: Toolpaths, way: Counts, fine: float) -> Floats:
-    """How far off some ways it is sure what is part; chords are at most `fine` off."""
-    return np.where(toolpaths.kinds[way] == LINE, BESIDE_LINE, 2 * fine)
-
-
-def left_of(toolpaths: Toolpaths, element: Counts, share: Floats) -> Floats:
-    """The directions square to elements, to their left, (n, 2)."""
-    ahead = toolpaths.elements.directions(element, share)
-    return np.column_stack((-ahead[:, 1], ahead[:, 0]))
-
-
-def sides_at(
-    region: Region, toolpaths: Toolpaths, element: Counts, share: Floats, fine: float
-) -> Floats:
-    """Of places of elements 1 where the waste lies left of them, -1 where the part does."""
-    return np.where(_part_beside(region, toolpaths, element, share, fine)[0], -1.0, 1.0)
-
-
-def _part_beside(
-    region: Region, toolpaths: Toolpaths, element: Counts, share: Floats, fine: float
-) -> Flags:
-    """Of places of elements whether the part lies left of them, and right of them, (2, n)."""
-    off = off_surely(toolpaths, toolpaths.owner[element], fine)[:, None]
-    places, aside = toolpaths.elements.places(element, share), left_of(toolpaths, element, share)
-    return region.in_part(np.concatenate((places + off * aside, places - off * aside))).reshape(
-        2, -1
-    )
-
-
-def waste_sides(region: Region, toolpaths: Toolpaths, fine: float) -> Floats:
-    """Of each way 1 if the waste lies left of it, -1 right of it, 0 if it bounds no part.
-
-    Where the longest way of a ring has the part on both sides, it is another's too, and it is
-    counted which rings are round it.
-    """
-    sides = np.zeros(toolpaths.count)
-    if not region.rings:
-        return sides
-    rings = Rings.of(region.rings)
-    longest = np.lexsort((toolpaths.lengths[rings.ways], rings.ring))[rings.begins[1:] - 1]
-    middle = np.full(len(longest), 0.5)
-    on_left, on_right = _part_beside(
-        region, toolpaths, toolpaths.first(rings.ways[longest]), middle, fine
-    )
-    along = np.where(on_left != rings.turned[longest], -1.0, 1.0)
-    if len(shared := np.flatnonzero(on_left == on_right)):
-        points = shapely.point_on_surface(region.polygons[shared])
-        own, around = shapely.STRtree(region.polygons).query(points, "within")
-        areas = shapely.area(region.polygons)
-        is_round = areas[around] > areas[shared[own]]
-        is_hole = np.bincount(own[is_round], minlength=len(shared)) % 2 == 1
-        along[shared] = np.where(is_hole == region.anticlockwise[shared], 1.0, -1.0)
-    sides[rings.ways] = np.where(rings.turned, -along[rings.ring], along[rings.ring])
-    return sides
-
-
-def holes_of(region: Region, sides: Floats) -> list[bool | None]:
-    """Whether the waste lies inside of each ring; None of those that cross themselves or others."""
-    polygons = region.polygons
-    clear = shapely.is_valid(polygons)
-    one, other = np.flatnonzero(clear)[shapely.STRtree(polygons[clear]).query(polygons[clear])]
-    one, other = one[one < other], other[one < other]
-    crossing = shapely.intersects(*(shapely.get_exterior_ring(polygons[k]) for k in (one, other)))
-    one, other = one[crossing], other[crossing]
-    crossing = shapely.overlaps(polygons[one], polygons[other])
-    clear[one[crossing]] = clear[other[crossing]] = False
-    firsts = [ring[0] for ring in region.rings]
-    rows = zip(firsts, region.anticlockwise.tolist(), clear.tolist(), strict=True)
-    return [
-        ((sides[way] > 0.0) != back) == turned if is_clear and sides[way] else None
-        for (way, back), turned, is_clear in rows
-    ]

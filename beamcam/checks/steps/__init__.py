@@ -56,8 +56,8 @@ def verify_table(
     stream = Stream(pieces, name)
     part, sheet, asked = None, None, machine
     if parts:
-        from beamcam.checks.sheets.compare import with_told
-        from beamcam.checks.sheets.shared_sheet import as_one
+        from beamcam.checks.sheets.compare import with_head_faults
+        from beamcam.checks.sheets.required_layout import as_one
 
         sheet = as_one(parts, machine, skips)
         part, machine = sheet.part, sheet.machine
@@ -79,7 +79,7 @@ def verify_table(
     if sheet is None:
         return (*table.diagnostics, *outline.compare())
     diagnostics = (*table.diagnostics, *sheet.diagnostics, *outline.compare())
-    return with_told(diagnostics, head, parts, sheet.places, asked, skips, name)
+    return with_head_faults(diagnostics, head, parts, sheet.places, asked, skips, name)
 
 
 def _read(follow: Callable[[Any], None], rows: Iterator[Any]) -> Diagnostic | None:

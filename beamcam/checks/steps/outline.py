@@ -148,7 +148,7 @@ class OutlineCheck:
             self.process_data = process_data(part, self.torch)
             fine = self.torch.tolerance / 8
             for process, curves in need.curves.items():
-                toolpaths = Toolpaths(list(curves), fine, shift)
+                toolpaths = Toolpaths(list(curves), fine).moved(shift)
                 most = rounding + self.torch.tolerance + beside(process, part, self.torch)
                 most += widest_joint(toolpaths, self.torch.gap)
                 self.tracks[process] = _Track(toolpaths, most, fine)

@@ -18,7 +18,6 @@ from beamcam.model.hatch import is_filled_only
 from beamcam.model.part import (
     PLATE_FACES,
     Bend,
-    Bevel,
     Camber,
     Contour,
     EndPlane,
@@ -32,7 +31,6 @@ from beamcam.model.part import (
 from beamcam.model.request import policy_on
 from beamcam.planning import rules as bar_rules
 from beamcam.planning.contours import rules
-from beamcam.planning.contours.notches import notches_in
 from beamcam.planning.contours.outline import (
     centres_of,
     cross_at,
@@ -40,6 +38,7 @@ from beamcam.planning.contours.outline import (
     outline_of,
 )
 from beamcam.planning.contours.plate import outermost
+from beamcam.planning.contours.plate_edges import notches_in
 from beamcam.planning.end_planes import idle_planes
 from beamcam.planning.left_out import BEVEL, DRILL, FACE, NO_ROOM, NOT_MOVED, listed_by, refuse_mark
 from beamcam.planning.lettering import place_text, remarks
@@ -48,6 +47,7 @@ from beamcam.planning.within import within_larger
 
 Meaning = Literal["cut", "mark", "engrave", "ignore"]
 Look = tuple[str | None, str | None]  #: layer and colour
+NO_LOOK: Look = (None, None)
 
 TOP_FACES = ("v",)  #: that a head comes to
 OUTLINE = -1  #: stands for the rectangle of a plate that has no contour of its own
@@ -71,7 +71,7 @@ class AssignedCurve(Struct, frozen=True, gc=False):
 class Assigned(Struct):
     """All work that a part requires."""
 
-    wanted: list[AssignedCurve] = field(default_factory=list)
+    curves: list[AssignedCurve] = field(default_factory=list)
     rings: set[int] = field(default_factory=set)  #: features that are closed by what they say
     skipped: dict[int, str] = field(default_factory=dict)  #: feature: the code it is left out by
     filled: dict[int, str] = field(default_factory=dict)  #: hatched, not followed: the process
@@ -90,7 +90,8 @@ def assign_processes(
     """The curves of a part by process; what the machine cannot make is refused or skipped."""
     assigned = Assigned(within=within_larger(part))
     thickness = part.profile.web_thickness or torch.thickness or 0.0
-    meanings = _Meanings(torch)
+    table = cast("Mapping[str, Process]", torch.colours)
+    looks: dict[Look, tuple[Meaning | None, str]] = {}
     unmapped: dict[Look, list[Contour]] = defaultdict(list)
     idle = dict(idle_planes(part, outermost(part, thickness)))
     outline = outline_of(part)
@@ -102,9 +103,14 @@ def assign_processes(
         if _is_out(index, feature, torch, thickness, machine, skips, assigned):
             continue
         if isinstance(feature, Contour):
-            meaning = meanings(feature)
+            look = feature.layer, feature.colour
+            if look not in looks:  # what both stand for, and the key of their settings
+                key = key_of(feature, table) or ""
+                meant = cast("Meaning | None", process_of(feature, table))
+                looks[look] = meant, key if key in torch.settings else ""
+            meaning, key = looks[look] if look != NO_LOOK else (_MEANINGS[feature.process], "")
             if meaning is None:
-                unmapped[feature.layer, feature.colour].append(feature)
+                unmapped[look].append(feature)
             elif meaning == "ignore":
                 assigned.skipped[index] = IGNORED
             elif torch.settings and is_filled_only(feature, torch):
@@ -112,8 +118,7 @@ def assign_processes(
             else:
                 if feature.closed and index not in notches.curves:
                     assigned.rings.add(index)
-                key = meanings.key(feature)
-                assigned.wanted += [
+                assigned.curves += [
                     AssignedCurve(curve, meaning, index, feature.source, key)
                     for curve in notches.curves.get(index, feature.curves)
                 ]
@@ -125,15 +130,15 @@ def assign_processes(
             hole = cast("Hole | Slot", feature)
             process: TorchProcess = "mark" if hole.kind == "mark" else "cut"  # a centre's cross
             curves = curves_of(hole, torch.cross)
-            assigned.wanted += [AssignedCurve(c, process, index, feature.source) for c in curves]
+            assigned.curves += [AssignedCurve(c, process, index, feature.source) for c in curves]
     assigned.refusals += (_unmapped(contours, torch.colours) for contours in unmapped.values())
     assigned.remarks += [*assigned.within.values(), *_noise(part, torch)]
-    assigned.wanted += (
+    assigned.curves += (
         AssignedCurve(curve, "cut", OUTLINE, part.source)
         for curve in notches.curves.get(OUTLINE, outline)
     )
     letter(part, machine, assigned)
-    assigned.refusals += _unknown_processes(assigned.wanted, torch, machine.name)
+    assigned.refusals += _unknown_processes(assigned.curves, torch, machine.name)
     return assigned
 
 
@@ -146,21 +151,23 @@ def _is_out(
     if policy is not None and (why := listed_by(feature, machine.marks)) is not None:
         assigned.listed[index] = why
         return True
-    if is_drilled(feature, torch, thickness):
-        hole = cast("Hole | Slot", feature)
-        assigned.listed[index] = DRILL
-        if torch.drilled == "spot":
-            spot(centres_of(hole), [index], assigned)
-            return True
-        assigned.wanted += [
-            AssignedCurve(curve, "mark", index, feature.source)
-            for at in centres_of(hole) for curve in cross_at(at, torch.cross)
-        ]  # fmt: skip
-        return True
     diagnostic = refuse_mark(feature, machine.marks) if policy == "refuse" else None
     diagnostic = diagnostic or refusal(feature, torch, thickness)
     if diagnostic is None:
         return False
+    if (
+        torch.drilled != "refuse" and isinstance(feature, Hole | Slot)
+        and feature.kind != "mark" and feature.face in PLATE_FACES
+    ):  # fmt: skip
+        assigned.listed[index] = DRILL
+        if torch.drilled == "spot":
+            spot(centres_of(feature), [index], assigned)
+            return True
+        assigned.curves += [
+            AssignedCurve(curve, "mark", index, feature.source)
+            for at in centres_of(feature) for curve in cross_at(at, torch.cross)
+        ]  # fmt: skip
+        return True
     if diagnostic.code == bar_rules.BEVEL.code and torch.bevel == "square":
         assigned.listed[index] = BEVEL
         return False
@@ -174,10 +181,10 @@ def _is_out(
     return True
 
 
-def spot(places: Iterable[Point], features: Iterable[int], found: Assigned) -> None:
+def spot(places: Iterable[Point], features: Iterable[int], assigned: Assigned) -> None:
     """Have places spotted for features, each place once."""
     for x, y in places:
-        found.spots.setdefault((round(x, 6), round(y, 6)), []).extend(features)
+        assigned.spots.setdefault((round(x, 6), round(y, 6)), []).extend(features)
 
 
 def _noise(part: Part, torch: Torch) -> Iterator[Diagnostic]:
@@ -193,38 +200,6 @@ def _noise(part: Part, torch: Torch) -> Iterator[Diagnostic]:
 IGNORED = "map-ignore"  #: how the ledger calls what the table of colours ignores
 
 
-class _Meanings:
-    """Process of a contour, looked up once for each layer and colour."""
-
-    def __init__(self, torch: Torch) -> None:
-        self._table = cast("Mapping[str, Process]", torch.colours)
-        self._settings = torch.settings
-        self._known: dict[Look, Meaning | None] = {}
-
-    def __call__(self, contour: Contour) -> Meaning | None:
-        look = contour.layer, contour.colour
-        if look == (None, None):
-            return cast("Meaning", _MEANINGS[contour.process])
-        if look not in self._known:
-            self._known[look] = cast("Meaning | None", process_of(contour, self._table))
-        return self._known[look]
-
-    def key(self, contour: Contour) -> str:
-        """The key of a contour that has settings of its own; empty if it has none."""
-        if not self._settings or (contour.layer, contour.colour) == (None, None):
-            return ""
-        key = key_of(contour, self._table)
-        return key if key is not None and key in self._settings else ""
-
-
-def _places(ring: Sequence[Curve]) -> frozenset[frozenset[Point]]:
-    """What a ring has in common with its copies, wherever they begin and whichever way they run."""
-    return frozenset(
-        frozenset((round(x, 6), round(y, 6)) for x, y in (c.start, c.end, c.point(0.5)))
-        for c in ring
-    )
-
-
 def letter(part: Part, machine: Machine, assigned: Assigned) -> None:
     """Add the strokes of the texts, each where it is clear of what is cut and of the others."""
     marks = machine.marks
@@ -236,12 +211,16 @@ def letter(part: Part, machine: Machine, assigned: Assigned) -> None:
     if not texts:
         return
     by_feature: dict[int, list[Curve]] = {}
-    for wanted in assigned.wanted:
-        if wanted.process == "cut":
-            by_feature.setdefault(wanted.feature, []).append(wanted.curve)
+    for one in assigned.curves:
+        if one.process == "cut":
+            by_feature.setdefault(one.feature, []).append(one.curve)
     boxes = [curve.bbox for curves in by_feature.values() for curve in curves]
     room = Room(join_boxes(boxes) or (0.0, 0.0, part.length, part.profile.height))
-    for ring in {_places(ring): ring for ring in by_feature.values()}.values():  # one of copies
+    once = {}  # of copies one, wherever they begin and whichever way they run
+    for ring in by_feature.values():
+        places = ((c.start, c.end, c.point(0.5)) for c in ring)
+        once[frozenset(frozenset((round(x, 6), round(y, 6)) for x, y in p) for p in places)] = ring
+    for ring in once.values():
         room.add(ring)
     process: TorchProcess = "engrave" if marks.unit == "laser" else "mark"
     for index, text in texts:
@@ -257,7 +236,7 @@ def letter(part: Part, machine: Machine, assigned: Assigned) -> None:
             assigned.refusals.append(lettered)
             return
         assigned.remarks += remarks(text, lettered, marks)
-        assigned.wanted += [
+        assigned.curves += [
             AssignedCurve(Line(a, b), process, index, text.source)
             for stroke in lettered.strokes
             for a, b in pairwise(stroke)
@@ -298,20 +277,6 @@ def min_hole(torch: Torch, thickness: float) -> float:
     return max(torch.min_hole, torch.min_hole_share * thickness)
 
 
-def bevels_of(contour: Contour, torch: Torch) -> list[Bevel]:
-    """The bevels of a contour, without those so small that they are rounding of an exporter."""
-    return [bevel for bevel in contour.bevels if abs(bevel.angle) >= torch.min_bevel]
-
-
-def is_drilled(feature: Feature, torch: Torch, thickness: float) -> bool:
-    """Whether a hole or slot is left to the drill, its centre marked."""
-    if torch.drilled == "refuse" or not isinstance(feature, Hole | Slot):
-        return False
-    if feature.kind == "mark" or feature.face not in PLATE_FACES:
-        return False
-    return refusal(feature, torch, thickness) is not None
-
-
 def refusal(feature: Feature, torch: Torch, thickness: float) -> Diagnostic | None:
     """Why a table cannot make a feature; None if it can."""
     match feature:
@@ -323,16 +288,14 @@ def refusal(feature: Feature, torch: Torch, thickness: float) -> Diagnostic | No
                 feature.source, kind=kind, found=feature.face, expected=expected
             )
         case Contour():
-            bevels = bevels_of(feature, torch)
-            return bar_rules.BEVEL.at(
-                feature.source, found=f"{bevels[0].angle:g}", face=feature.face
-            ) if bevels else None  # fmt: skip
+            # Angles below that are rounding of an exporter.
+            angles = (b.angle for b in feature.bevels if abs(b.angle) >= torch.min_bevel)
+            return next((bar_rules.BEVEL.at(feature.source, found=f"{angle:g}", face=feature.face)
+                         for angle in angles), None)  # fmt: skip
         case Hole() if feature.kind == "mark":
             return _refuse_centre(feature, torch)
-        case Hole():
-            return _refuse_hole(feature, torch, thickness)
-        case Slot():
-            return _refuse_slot(feature, torch, thickness)
+        case Hole() | Slot():
+            return _refuse_opening(feature, torch, thickness)
         case TextMark():
             return None
         case Bend() | EndPlane() | Camber():
@@ -353,25 +316,22 @@ def _refuse_centre(hole: Hole, torch: Torch) -> Diagnostic | None:
     )
 
 
-def _refuse_hole(hole: Hole, torch: Torch, thickness: float) -> Diagnostic | None:
-    if hole.kind != "through" or hole.depth is not None:
-        expected = "one through the sheet, a torch makes nothing else"
-    elif hole.diameter < (least := min_hole(torch, thickness)):
-        expected = f"at least {least:g} in a sheet of {thickness:g} mm"
-    else:
+def _refuse_opening(opening: Hole | Slot, torch: Torch, thickness: float) -> Diagnostic | None:
+    slot, least = isinstance(opening, Slot), min_hole(torch, thickness)
+    across = min(opening.length, opening.height) if isinstance(opening, Slot) else 0.0
+    is_through = opening.kind == "through" and opening.depth is None
+    if is_through and across + opening.diameter >= least:
         return None
-    kind = "blind" if hole.kind == "through" and hole.depth is not None else hole.kind
+    expected = "one through the sheet, a torch makes nothing else"
+    if is_through:
+        wide = f"one at least {least:g} wide" if slot else f"at least {least:g}"
+        expected = f"{wide} in a sheet of {thickness:g} mm"
+    if isinstance(opening, Slot):
+        sides = (opening.length + opening.diameter, opening.height + opening.diameter)
+        size = " x ".join(f"{side:g}" for side in sides)
+        return bar_rules.SLOT.at(opening.source, found=size, face=opening.face, expected=expected)
+    kind = "blind" if opening.kind == "through" and opening.depth is not None else opening.kind
     return bar_rules.NO_TOOL.at(
-        hole.source, kind=kind, found=f"{hole.diameter:g}", face=hole.face, expected=expected
-    )
-
-
-def _refuse_slot(slot: Slot, torch: Torch, thickness: float) -> Diagnostic | None:
-    if slot.kind != "through" or slot.depth is not None:
-        expected = "one through the sheet, a torch makes nothing else"
-    elif min(slot.length, slot.height) + slot.diameter < (least := min_hole(torch, thickness)):
-        expected = f"one at least {least:g} wide in a sheet of {thickness:g} mm"
-    else:
-        return None
-    size = f"{slot.length + slot.diameter:g} x {slot.height + slot.diameter:g}"
-    return bar_rules.SLOT.at(slot.source, found=size, face=slot.face, expected=expected)
+        opening.source, kind=kind, found=f"{opening.diameter:g}", face=opening.face,
+        expected=expected,
+    )  # fmt: skip

@@ -13,12 +13,13 @@ from collections.abc import Sequence
 from itertools import accumulate
 from typing import Any
 
+import shapely
 from msgspec.structs import replace
 
 from beamcam.geometry.curves import Line
 from beamcam.geometry.plane import Point
 from beamcam.machine.torch import Torch, TorchRow
-from beamcam.planning.contours.outline import Curves, Shape, stretch, ways
+from beamcam.planning.contours.outline import Shape, stretch, ways
 from beamcam.planning.contours.tabs import needs_tabs
 
 Way = tuple[Shape, float]  #: with the kerf that is kept off
@@ -64,8 +65,6 @@ class _Field:
     """What links have to keep clear of."""
 
     def __init__(self, way: list[Way], torch: Torch, fence: Sequence[Shape]) -> None:
-        import shapely
-
         self._way = way
         self._most = torch.chain_cuts
         self._kerf = max((kerf for _, kerf in way), default=0.0)
@@ -80,31 +79,28 @@ class _Field:
 
         The path before begins where it does already if that `is_fixed`.
         """
-        import shapely
-
         target = self._paths[k]
         shape = self._way[k - 1][0]
         starts: list[Any] = [shapely.Point(shape.curves[0].start)]
         if not is_fixed:
-            middles = [shapely.Point(curve.point(0.5)) for curve in shape.curves]
-            middles.sort(key=lambda place: round(place.distance(target), 3))
+            starts = [shapely.Point(curve.point(0.5)) for curve in shape.curves]
+            starts.sort(key=lambda place: round(place.distance(target), 3))
             line = shapely.shortest_line(self._paths[k - 1], target)
-            starts = [*middles, shapely.get_point(line, 0)]
+            starts.append(shapely.get_point(line, 0))
         for start in starts:
             if start.distance(target) > self._most:
                 continue
-            first, last = shapely.get_coordinates(shapely.shortest_line(start, target)).tolist()
-            before, after = self._way[k - 1], _begun_at(self._way[k], (last[0], last[1]))
+            ends = shapely.get_coordinates(shapely.shortest_line(start, target))
+            (x0, y0), (x1, y1) = ends.tolist()
+            before, after = self._way[k - 1], _begun_at(self._way[k], (x1, y1))
             if not is_fixed:
-                before = _begun_at(before, (first[0], first[1]))
+                before = _begun_at(before, (x0, y0))
             link = Line(before[0].curves[0].start, after[0].curves[0].start)
             if self._is_clear(link, k):
                 return link, before, after
         return None
 
     def _is_clear(self, link: Line, k: int) -> bool:
-        import shapely
-
         if not 4 * NEAR < link.length <= self._most:
             return False
         line = shapely.LineString([link.start, link.end])
@@ -124,10 +120,13 @@ class _Field:
 
 def _begun_at(way: Way, place: Point) -> Way:
     """A closed path from the place on it that is nearest to another one."""
-    import shapely
-
-    shape, kerf = way
-    whole = _undivided(shape.curves)
+    (shape, kerf), whole = way, way[0].curves
+    first, last = whole[0], whole[-1]
+    if len(whole) > 2 and isinstance(last, Line) and isinstance(first, Line):
+        # A line that was divided where the path began is one again.
+        (ax, ay), (bx, by) = last.tangent(1.0), first.tangent(0.0)
+        if ax * bx + ay * by > 0.0 and abs(ax * by - ay * bx) < STRAIGHT:
+            whole = (*whole[1:-1], Line(last.start, first.end))
     (line,) = ways([whole], NEAR / 4)
     lengths = [curve.length for curve in whole]
     total = sum(lengths)
@@ -139,13 +138,3 @@ def _begun_at(way: Way, place: Point) -> Way:
         return replace(shape, curves=(*whole[k:], *whole[:k])), kerf
     begun = (*stretch(whole, lengths, at, total), *stretch(whole, lengths, 0.0, at))
     return replace(shape, curves=begun), kerf
-
-
-def _undivided(curves: Curves) -> Curves:
-    """A closed path whose line is whole again, if it was divided where the path began."""
-    last, first = curves[-1], curves[0]
-    if len(curves) > 2 and isinstance(last, Line) and isinstance(first, Line):
-        (ax, ay), (bx, by) = last.tangent(1.0), first.tangent(0.0)
-        if ax * bx + ay * by > 0.0 and abs(ax * by - ay * bx) < STRAIGHT:
-            return (*curves[1:-1], Line(last.start, first.end))
-    return curves

@@ -13,14 +13,14 @@ that corner the controller can only stop where it touches both the lead and the 
 from collections.abc import Sequence
 from math import asin, sqrt
 
-from msgspec import Struct
+import shapely
 
 from beamcam.errors import Diagnostic
 from beamcam.geometry.curves import Arc, Line
 from beamcam.geometry.plane import Point, dot
 from beamcam.machine.torch import Torch
 from beamcam.planning.contours import rules
-from beamcam.planning.contours.kerf import overcut_length
+from beamcam.planning.contours.kerf import Lead, overcut_length
 from beamcam.planning.contours.outline import Curves, Shape, stretch, waste_side
 from beamcam.planning.contours.outline import ways as polylines_of
 
@@ -34,12 +34,8 @@ CANDIDATES = 4
 MARGIN = 0.05
 
 
-class Entry(Struct, frozen=True):
-    """A closed contour, begun where there is room for its lead."""
-
-    curves: Curves
-    lead_in: Curves
-    lead_out: Curves  #: beyond its start, on it
+#: A closed contour, begun where there is room for its lead, and that: it ends beyond the start.
+Entry = tuple[Curves, Lead]
 
 
 def entries(
@@ -49,8 +45,6 @@ def entries(
 
     No lead comes nearer than half a kerf to a contour of the `fence`.
     """
-    import shapely
-
     which = [k for k, s in enumerate(shapes) if kerfs[k] and s.is_ring]
     if not which:
         return {}, []
@@ -68,9 +62,13 @@ def entries(
             lines = shapely.linestrings([way for _, way in tried.values()])
             apart = max(kerfs) / 2 - torch.tolerance / 2
             hit = set(tree.query(lines, "dwithin", distance=apart)[0].tolist())
-            stops = shapely.points(
-                [_beam_at_end(one, shapes[k], kerfs[k]) for k, (one, _) in tried.items()]
-            )
+            # The beam stops beside the end of what is cut again.
+            ends = []
+            for k, ((_, (_, again)), _) in tried.items():
+                (x, y), (tx, ty) = again[-1].end, again[-1].tangent(1.0)
+                off = waste_side(shapes[k].area, shapes[k].is_hole) * kerfs[k] / 2
+                ends.append((x - off * ty, y + off * tx))
+            stops = shapely.points(ends)
             hit |= set(tree.query(stops, "dwithin", distance=apart)[0].tolist())
             free = (k for n, k in enumerate(tried) if n not in hit)
             entries_of |= {k: tried[k][0] for k in free}
@@ -91,9 +89,14 @@ def _entry(
 
     None where the curve or the lead is too short for that.
     """
-    if candidate >= len(shape.curves):
+    curves = shape.curves
+    if candidate >= len(curves):
         return None
-    curves = _begun(shape.curves, candidate)
+    if len(curves) > 1:  # from the middle of its longest line on, or of the next longest curve
+        sizes = [(isinstance(c, Line), round(c.length, 6), -k) for k, c in enumerate(curves)]
+        k = -sorted(sizes, reverse=True)[candidate][2]
+        before, behind = curves[k].split(0.5)
+        curves = (behind, *curves[k + 1 :], *curves[:k], before)
     first, length, radius = curves[0], torch.lead_in * SHARES[share], kerf / 2
     if not isinstance(first, Line | Arc):
         raise TypeError("a controller compensates lines and arcs only")
@@ -115,25 +118,7 @@ def _entry(
     # Behind a corner the beam would end in the part.
     over = min(overcut_length(shape, torch), max(0.0, first.length / 2 - beyond - radius))
     again = stretch((first,), (first.length,), 0.0, beyond + over)
-    return Entry(curves, (Line(start, first.start),), again), (start, at)
-
-
-def _beam_at_end(entry: Entry, shape: Shape, kerf: float) -> Point:
-    """Where the beam is when the torch stops: beside the end of what is cut again."""
-    last = entry.lead_out[-1]
-    (x, y), (tx, ty) = last.end, last.tangent(1.0)
-    off = waste_side(shape.area, shape.is_hole) * kerf / 2
-    return x - off * ty, y + off * tx
-
-
-def _begun(curves: Curves, candidate: int) -> Curves:
-    """A closed contour from the middle of its longest line on, or of the next longest curve."""
-    if len(curves) == 1:
-        return curves
-    sizes = [(isinstance(c, Line), round(c.length, 6), -k) for k, c in enumerate(curves)]
-    k = -sorted(sizes, reverse=True)[candidate][2]
-    first, last = curves[k].split(0.5)
-    return (last, *curves[k + 1 :], *curves[:k], first)
+    return (curves, ((Line(start, first.start),), again)), (start, at)
 
 
 def _touch(first: Line | Arc, normal: Point, radius: float) -> tuple[float, float] | None:

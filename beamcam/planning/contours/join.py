@@ -3,7 +3,6 @@
 from collections import defaultdict
 from collections.abc import Collection, Iterator, Sequence
 from itertools import chain as chained
-from math import hypot
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,20 +15,11 @@ from beamcam.geometry.array_types import Floats
 from beamcam.geometry.arrays import CurveTable, near_pairs, overlapping
 from beamcam.geometry.chains import Chains, join_curves
 from beamcam.geometry.curves import Line
+from beamcam.geometry.plane import distance
 from beamcam.machine.torch import Torch, TorchProcess
-from beamcam.planning.contours import rules
+from beamcam.planning.contours import rules, running_back
 from beamcam.planning.contours.assign_process import AssignedCurve
-from beamcam.planning.contours.crossing import crossings, refuse_tangles
-from beamcam.planning.contours.doubling import (
-    SAME_POINT,
-    free_repeats,
-    is_straight,
-    is_there_and_back,
-    told,
-    told_beside,
-    turns,
-    without_steps_back,
-)
+from beamcam.planning.contours.crossing import crossings, refuse_tangles, taken_apart
 from beamcam.planning.contours.outline import (
     Drawn,
     Shape,
@@ -40,7 +30,6 @@ from beamcam.planning.contours.outline import (
     signed_areas,
     valid,
 )
-from beamcam.planning.contours.pinch import taken_apart, told_flat
 from beamcam.planning.contours.repeats import Repeats, contours_once, loose_once
 
 if TYPE_CHECKING:
@@ -65,13 +54,10 @@ class Joined(Struct):
 
 
 def join(
-    wanted: Sequence[AssignedCurve],
-    curves: CurveTable,
-    torch: Torch,
-    kerf: float,
+    assigned: Sequence[AssignedCurve], curves: CurveTable, torch: Torch, kerf: float,
     rings: Collection[int] = (),
-) -> Joined:
-    """The contours that `wanted` makes, each process for itself; `curves` are its curves.
+) -> Joined:  # fmt: skip
+    """The contours that `assigned` makes, each process for itself; `curves` are its curves.
 
     A feature whose curves close stays as it is drawn; all others are joined end to end. What lies
     on others is taken away, and so are contours no larger than the gap that is closed between two
@@ -79,16 +65,18 @@ def join(
     that they are closed (`rings`) have to be.
     """
     joined = Joined()
-    for diagnostic in (*told(wanted, curves.free(), kerf), *free_repeats(wanted, curves.free())):
-        (joined.refusals if diagnostic.severity is Severity.ERROR else joined.remarks).append(
-            diagnostic
-        )
-    may_repeat = bool(overlapping(curves, [w.process for w in wanted]))
-    loose, gaping = _closed_features(wanted, curves, torch.gap, rings, joined)
-    straight = {k for k in curves.free() if is_straight(wanted[k].curve)}
-    may_repeat |= bool(straight)
+    free = curves.free()
+    notes = [
+        *running_back.remarks(assigned, free, kerf),
+        *running_back.free_repeats(assigned, free),
+    ]
+    for one in notes:
+        (joined.refusals if one.severity is Severity.ERROR else joined.remarks).append(one)
+    loose, gaping = _closed_features(assigned, curves, torch.gap, rings, joined)
+    straight = {k for k in free if running_back.is_straight(assigned[k].curve)}
+    may_repeat = bool(straight or overlapping(curves, [w.process for w in assigned]))
     for (process, _), numbers in loose.items():
-        once, ends = [wanted[k] for k in numbers], curves.ends[numbers]
+        once, ends = [assigned[k] for k in numbers], curves.ends[numbers]
         if straight:
             once = [
                 replace(w, curve=Line(w.curve.start, w.curve.end)) if k in straight else w
@@ -98,119 +86,91 @@ def join(
             once = loose_once(once, joined.repeats)
             ends = CurveTable([w.curve for w in once]).ends
         chains = join_curves([w.curve for w in once], torch.gap, ends=ends)
-        joined.shapes += _shapes(process, once, chains)
+        for chain in chains.chains:
+            members = [once[m] for m in chain.members if m >= 0]
+            features, first = tuple(sorted({m.feature for m in members})), members[0]
+            shape = (process, chain.curves, chain.closed, features, first.source)
+            joined.shapes.append(Shape(*shape, look=first.look))
         for k in chains.dropped:
             joined.small.setdefault(once[k].feature, once[k].source)
         if process == "cut":
-            _tell(joined, chains, once, torch, kerf)
-            _tell_closed(joined, once, ends, torch)
-    joined.refusals += (
-        _not_closed(shape)
-        for shape in joined.shapes
-        if shape.process == "cut" and not shape.closed and not gaping.isdisjoint(shape.features)
-    )
+            _add_stops(joined, chains, once, torch, kerf)
+            _add_closed_gaps(joined, once, ends, torch)
+    joined.refusals += _not_closed(joined.shapes, gaping)
     joined.shapes.sort(key=lambda shape: shape.features[0])
     if may_repeat:
         kept = contours_once(joined.shapes, torch.gap, joined.repeats, kerf)
         joined.shapes = list(chained.from_iterable(kept))
     if kerf:
-        joined.shapes = [
-            replace(s, curves=without_steps_back(s.curves))
-            if s.closed and s.process == "cut"
-            else s
-            for s in joined.shapes
-        ]
-    _tell_small(joined, torch.gap)
-    if joined.repeats.gone or joined.repeats.common:
-        joined.remarks += joined.repeats.remarks()
+        joined.shapes = [running_back.without_steps_back(shape) for shape in joined.shapes]
+    made = {feature for shape in joined.shapes for feature in shape.features}
+    joined.small = {f: source for f, source in joined.small.items() if f not in made}
+    for source in [*joined.small.values()][:1]:
+        count, expected = len(joined.small), f"{torch.gap:g}"
+        joined.remarks.append(rules.TINY.at(source, count=count, expected=expected))
+    joined.remarks += joined.repeats.remarks()
     joined.refusals += joined.repeats.refusals
     return joined
 
 
+def _not_closed(shapes: Sequence[Shape], gaping: set[int]) -> Iterator[Diagnostic]:
+    """An error for each cut of a feature that is declared closed and has gaps."""
+    for s in shapes:
+        if s.process == "cut" and not s.closed and not gaping.isdisjoint(s.features):
+            a, b = s.curves[0].start, s.curves[-1].end
+            (x0, y0), (x1, y1) = ((f"{x:.3f}", f"{y:.3f}") for x, y in (a, b))
+            found = f"{distance(a, b):.3f}"
+            yield rules.NOT_CLOSED.at(s.source, x0=x0, y0=y0, x1=x1, y1=y1, found=found)
+
+
 def _closed_features(
-    wanted: Sequence[AssignedCurve],
-    curves: CurveTable,
-    gap: float,
-    rings: Collection[int],
+    assigned: Sequence[AssignedCurve], curves: CurveTable, gap: float, rings: Collection[int],
     joined: Joined,
-) -> tuple[dict[tuple[TorchProcess, str], list[int]], set[int]]:
+) -> tuple[dict[tuple[TorchProcess, str], list[int]], set[int]]:  # fmt: skip
     """Keep the features that close by themselves; the numbers of other curves, by process and
     settings.
 
-    And the features that say that they are closed (`rings`), and have gaps.
+    And the features that say that they are closed (`rings`), and have gaps. The curves of a
+    feature that closes follow one another and end where they begin.
     """
     loose: dict[tuple[TorchProcess, str], list[int]] = defaultdict(list)
     gaping: set[int] = set()
-    hulls = curves.hulls
-    points = set(np.flatnonzero(np.ptp(hulls.reshape(-1, 2, 2), axis=1).max(axis=1) <= SAME_POINT))
-    for begin, end, closed in _features(wanted, curves.ends):
-        first = wanted[begin]
-        lines = closed and is_there_and_back(wanted[begin:end])
-        if lines or not closed:
+    hulls, places = curves.hulls, curves.ends
+    points = set(
+        np.flatnonzero(
+            np.ptp(hulls.reshape(-1, 2, 2), axis=1).max(axis=1) <= running_back.SAME_POINT
+        )
+    )
+    features = np.array([w.feature for w in assigned])
+    begins = np.flatnonzero(np.concatenate(([True], features[1:] != features[:-1])))
+    ends = np.append(begins[1:], len(assigned))
+    before = np.arange(len(assigned)) - 1
+    before[begins] = ends - 1
+    gaps = np.abs(places[:, :2] - places[before, 2:]).max(axis=1) > running_back.SAME_POINT
+    closed = ~np.logical_or.reduceat(gaps, begins)
+    low, high = np.minimum.reduceat(hulls, begins)[:, :2], np.maximum.reduceat(hulls, begins)[:, 2:]
+    small = np.hypot(*(high - low).T) <= gap
+    columns = (column.tolist() for column in (begins, ends, closed, small))
+    for begin, end, is_closed, is_small in zip(*columns, strict=True):
+        first = assigned[begin]
+        lines = is_closed and running_back.is_there_and_back(assigned[begin:end])
+        if lines or not is_closed:
             loose[first.process, first.look] += range(begin, end)
             if not lines and first.feature in rings:
                 gaping.add(first.feature)
-        elif _is_small(hulls[begin:end], gap):
+        elif is_small:
             joined.small[first.feature] = first.source
         else:
-            ring = tuple([wanted[k].curve for k in range(begin, end) if k not in points])
+            ring = tuple([assigned[k].curve for k in range(begin, end) if k not in points])
             one = first.feature
             shape = Shape(first.process, ring, True, (one,), first.source, look=first.look)
             joined.shapes.append(shape)
     return loose, gaping
 
 
-def _tell_small(joined: Joined, gap: float) -> None:
-    """Tell of the features that are too small to be cut, of which no contour came."""
-    made = {feature for shape in joined.shapes for feature in shape.features}
-    joined.small = {f: source for f, source in joined.small.items() if f not in made}
-    if joined.small:
-        source = next(iter(joined.small.values()))
-        joined.remarks.append(rules.TINY.at(source, count=len(joined.small), expected=f"{gap:g}"))
-
-
-def _not_closed(shape: Shape) -> Diagnostic:
-    """The error for a contour declared closed that is open."""
-    (x0, y0), (x1, y1) = shape.curves[0].start, shape.curves[-1].end
-    return rules.NOT_CLOSED.at(
-        shape.source, x0=f"{x0:.3f}", y0=f"{y0:.3f}", x1=f"{x1:.3f}", y1=f"{y1:.3f}",
-        found=f"{hypot(x1 - x0, y1 - y0):.3f}",
-    )  # fmt: skip
-
-
-def _shapes(
-    process: TorchProcess, once: Sequence[AssignedCurve], chains: Chains
-) -> Iterator[Shape]:
-    for chain in chains.chains:
-        members = [once[m] for m in chain.members if m >= 0]
-        features = tuple(sorted({member.feature for member in members}))
-        first = members[0]
-        yield Shape(process, chain.curves, chain.closed, features, first.source, look=first.look)
-
-
-def _is_small(hulls: Floats, size: float) -> bool:
-    """Whether curves in boxes (n, 4) are no larger than `size`, corner to corner."""
-    x0, y0, x1, y1 = hulls[0].tolist()
-    if hypot(x1 - x0, y1 - y0) > size:
-        return False
-    (x0, y0), (x1, y1) = hulls[:, :2].min(axis=0).tolist(), hulls[:, 2:].max(axis=0).tolist()
-    return hypot(x1 - x0, y1 - y0) <= size
-
-
-def _features(curves: Sequence[AssignedCurve], places: Floats) -> Iterator[tuple[int, int, bool]]:
-    """For each feature where its curves begin and end, and whether they are one closed chain:
-    they follow one another and end where they begin. `places` are the ends of all, (n, 4)."""
-    features = np.array([w.feature for w in curves])
-    begins = np.flatnonzero(np.concatenate(([True], features[1:] != features[:-1])))
-    ends = np.append(begins[1:], len(curves))
-    before = np.arange(len(curves)) - 1
-    before[begins] = ends - 1
-    gaps = np.abs(places[:, :2] - places[before, 2:]).max(axis=1) > SAME_POINT
-    is_open = np.logical_or.reduceat(gaps, begins)
-    yield from zip(begins.tolist(), ends.tolist(), (~is_open).tolist(), strict=True)
-
-
-def _tell_closed(joined: Joined, once: Sequence[AssignedCurve], ends: Floats, torch: Torch) -> None:
+def _add_closed_gaps(
+    joined: Joined, once: Sequence[AssignedCurve], ends: Floats, torch: Torch
+) -> None:
     """Tell of gaps that were closed, where that moves an end by more than the path may be off."""
     points = ends.reshape(-1, 2)
     first, second = near_pairs(points, torch.gap * SLACK)
@@ -221,54 +181,28 @@ def _tell_closed(joined: Joined, once: Sequence[AssignedCurve], ends: Floats, to
     apart = wide & (first // 2 != second // 2) & ~met[first] & ~met[second]
     if apart.any():
         k = int(np.argmax(np.where(apart, width, 0.0)))
-        x, y = points[first[k]].tolist()
-        joined.remarks.append(
-            rules.GAPS.at(
-                once[int(first[k]) // 2].source, count=int(apart.sum()), found=f"{width[k]:.3f}",
-                x=f"{x:.3f}", y=f"{y:.3f}",
-            )
-        )  # fmt: skip
+        source, place = once[int(first[k]) // 2].source, rules.at_place(points[first[k]])
+        widths = {"count": int(apart.sum()), "found": f"{width[k]:.3f}"}
+        joined.remarks.append(rules.GAPS.at(source, **widths, **place))
 
 
-def _tell(
+def _add_stops(
     joined: Joined, chains: Chains, once: Sequence[AssignedCurve], torch: Torch, kerf: float
 ) -> None:
     """Says where chains stop: where several curves meet, and at gaps."""
     for junction in chains.junctions:
         names = dict.fromkeys(entity(once[m].source) for m in junction.members)
-        values = {
-            "found": len(junction.members), "other": ", ".join(list(names)[1:SHOWN_CURVES]),
-            "x": f"{junction.point[0]:.3f}", "y": f"{junction.point[1]:.3f}",
-        }  # fmt: skip
+        values = {"found": len(junction.members), "other": ", ".join(list(names)[1:SHOWN_CURVES])}
+        values |= rules.at_place(junction.point)
         source = once[junction.members[0]].source
         if kerf and junction.in_ring:
             joined.refusals.append(rules.BRANCHED.at(source, kerf=f"{kerf:g}", **values))
         else:
             joined.remarks.append(rules.JUNCTION.at(source, **values))
-    joined.remarks += (
-        rules.GAP.at(
-            once[gap.members[0]].source,
-            found=f"{gap.width:.4f}",
-            x=f"{gap.start[0]:.3f}",
-            y=f"{gap.start[1]:.3f}",
-            expected=f"{torch.gap:g}",
-        )
-        for gap in chains.gaps
-    )
-
-
-def _meeting(boundaries: "NDArray[Any]") -> list[tuple[int, int]]:
-    """Pairs of rings that cross or touch, ascending."""
-    first, second = shapely.STRtree(boundaries).query(boundaries)
-    pair = first < second
-    first, second = first[pair], second[pair]
-    # The one with more points is prepared: it has its neighbours in a tree.
-    sizes = shapely.get_num_coordinates(boundaries)
-    swap = sizes[second] > sizes[first]
-    large, small = np.where(swap, second, first), np.where(swap, first, second)
-    shapely.prepare(boundaries[large])
-    meet = shapely.intersects(boundaries[large], boundaries[small])
-    return sorted(zip(first[meet].tolist(), second[meet].tolist(), strict=True))
+    for gap in chains.gaps:
+        widths = {"found": f"{gap.width:.4f}", "expected": f"{torch.gap:g}"}
+        source, place = once[gap.members[0]].source, rules.at_place(gap.start)
+        joined.remarks.append(rules.GAP.at(source, **widths, **place))
 
 
 # --- nests ----------------------------------------------------------------------------------------
@@ -281,13 +215,9 @@ MIN_WIDTH = 1e-3
 
 
 def nest(
-    shapes: Sequence[Shape],
-    drawn: Drawn,
-    curves: Sequence[AssignedCurve],
-    tolerance: float,
-    gap: float,
-    kerf: float,
-) -> tuple[list[Shape], list[Diagnostic]]:
+    shapes: Sequence[Shape], drawn: Drawn, curves: Sequence[AssignedCurve], tolerance: float,
+    gap: float, kerf: float,
+) -> tuple[list[Shape], list[Diagnostic]]:  # fmt: skip
     """The shapes with their area, depth and parent, and remarks on those that cross.
 
     A contour lies in another of greater area that a point inside it lies in. Contours that touch
@@ -309,13 +239,28 @@ def nest(
     if bad:
         refuse_tangles(cuts, rings, bad, curves)
     diagnostics: list[Diagnostic] = []
-    if (pairs := _meeting(shapely.get_exterior_ring(rings))) or bad:
+    # Pairs of rings that cross or touch. The one with more points is prepared: it has its
+    # neighbours in a tree.
+    edges = shapely.get_exterior_ring(rings)
+    first, second = shapely.STRtree(edges).query(edges)
+    first, second = first[first < second], second[first < second]
+    sizes = shapely.get_num_coordinates(edges)
+    swap = sizes[second] > sizes[first]
+    large, small = np.where(swap, second, first), np.where(swap, first, second)
+    shapely.prepare(edges[large])
+    meet = shapely.intersects(edges[large], edges[small])
+    pairs = sorted(zip(first[meet].tolist(), second[meet].tolist(), strict=True))
+    if pairs or bad:
         diagnostics = crossings(cuts, rings, bad, pairs, curves, tolerance, gap, kerf)
     nested = _nested(shapes, closed, rings, bad)
     if not kerf or errors_in(diagnostics):
         return nested, diagnostics
-    turning = turns((points[mine], number[owner[mine]]))
-    needles = list(told_beside(cuts, turning, tolerance))
+    turning = running_back.turns((points[mine], number[owner[mine]]))
+    needles = [
+        one
+        for k, at in turning.items()
+        for one in running_back.needles_beside(cuts[k].source, *at, tolerance)
+    ]
     if needles:
         return nested, [*diagnostics, *needles]
     # A needle whose mouth is written a hair wide does not meet itself.
@@ -324,7 +269,7 @@ def nest(
         return nested, diagnostics
     more, flat = taken_apart(nested, which, tolerance)
     if flat:
-        return nested, [*diagnostics, *told_flat(flat)]
+        return nested, [*diagnostics, *flat]
     if len(more) > len(nested):
         drawn = points_of([s.curves for s in more], tolerance / 4)
         return nest(more, drawn, curves, tolerance, gap, kerf)
@@ -335,7 +280,7 @@ def _nested(
     shapes: Sequence[Shape], closed: Sequence[int], rings: "NDArray[Any]", bad: Sequence[int]
 ) -> list[Shape]:
     """The shapes with their places; `rings` are the polygons of those that are `closed`."""
-    found = list(shapes)
+    placed = list(shapes)
     signed = signed_areas(rings)
     areas = np.abs(signed)
     signed[areas <= MIN_WIDTH * shapely.length(rings)] = 0.0
@@ -355,11 +300,11 @@ def _nested(
     for i, area in zip(which, [*signed.tolist(), *[0.0] * len(opened)], strict=True):
         rings_around = around[i]
         parent = closed[min(rings_around, key=lambda b: (areas[b], b))] if rings_around else -1
-        found[i] = replace(shapes[i], area=area, depth=len(rings_around), parent=parent)
+        placed[i] = replace(shapes[i], area=area, depth=len(rings_around), parent=parent)
     for i, rings_around in around.items():
         for b in rings_around:
-            _put_inside(found, i, closed[b])
-    return found
+            _put_inside(placed, i, closed[b])
+    return placed
 
 
 def _put_inside(shapes: list[Shape], inner: int, outer: int) -> None:

@@ -5,27 +5,25 @@ from math import cos, dist, pi
 
 import numpy as np
 import shapely
+from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic
-from beamcam.geometry.array_types import Floats
 from beamcam.geometry.arrays import CurveTable, unit_vectors
 from beamcam.geometry.conics import direction_deg
-from beamcam.geometry.curves import Arc, Curve, Line, join_boxes
+from beamcam.geometry.curves import Arc, Line, join_boxes
 from beamcam.geometry.plane import Point
 from beamcam.machine.torch import Torch
 from beamcam.planning.contours import rules
-from beamcam.planning.contours.narrow import (
-    TOLD,
+from beamcam.planning.contours.left_waste import (
+    REPORTED,
     Left,
-    Near,
+    left_diagnostics,
     left_in,
-    told_near,
-    told_of,
     uncompensated,
 )
 from beamcam.planning.contours.order import PLAIN
-from beamcam.planning.contours.outline import Curves, Shape, waste_side
+from beamcam.planning.contours.outline import Curves, Shape, entity, waste_side
 from beamcam.planning.contours.outline import ways as polylines_of
 
 #: Mitre limit of corners, in half kerfs.
@@ -49,10 +47,9 @@ def compensated(
     offset_shapes = list(shapes)
     by_machine = torch.kerf_by == "machine"
     which = [
-        k
-        for k, (shape, kerf) in enumerate(zip(shapes, kerfs, strict=True))
-        if kerf or (by_machine and shape.process == "cut" and shape.closed)
-    ]
+        k for k, shape in enumerate(shapes)
+        if kerfs[k] or (by_machine and shape.process == "cut" and shape.closed)
+    ]  # fmt: skip
     if not which:
         return offset_shapes, []
     free = [k for k in which if not all(isinstance(c, Line | Arc) for c in shapes[k].curves)]
@@ -69,18 +66,16 @@ def compensated(
         paths[k] = path
     near = too_near(shapes, paths, kerfs, torch)
     # There may be room for the kerf, but not for a mitre that stands out from it.
-    rounded = {
-        k
-        for n in near
-        if n.width >= kerfs[n.shape] - torch.tolerance
-        for k in (n.shape, n.other)
-        if kerfs[k]
-    }
+    wide = [n for n in near if n.width >= kerfs[n.shape] - torch.tolerance]
+    rounded = {k for n in wide for k in (n.shape, n.other) if kerfs[k]}
     if rounded and not by_machine:
         for k, path in _moved(offset_shapes, sorted(rounded), kerfs, torch, [], mitre_limit=0.0):
             paths[k] = path
         near = too_near(shapes, paths, kerfs, torch)
-    diagnostics += [told_near(shapes, n, kerfs[n.shape]) for n in near]
+    for n in near:
+        own, other = shapes[n.shape].source, entity(shapes[n.other].source)
+        widths = {"found": f"{n.width:.3f}", "kerf": f"{kerfs[n.shape]:g}"}
+        diagnostics.append(rules.NEAR.at(own, other=other, **widths, **rules.at_place(n.place)))
     if not by_machine:
         for k in kept_off:
             offset_shapes[k] = paths[k] or offset_shapes[k]
@@ -110,7 +105,9 @@ def _moved(
     for k, offset, sharp in zip(which, moved, sharp_corners(some, widths), strict=True):
         shape, kerf = shapes[k], kerfs[k]
         if isinstance(offset, Vanished):
-            diagnostics.append(_no_room(shape, kerf))
+            x0, y0, x1, y1 = join_boxes([c.bbox for c in shape.curves]) or (0.0, 0.0, 0.0, 0.0)
+            size = f"{x1 - x0:.3g} x {y1 - y0:.3g}"
+            diagnostics.append(rules.VANISHED.at(shape.source, found=size, kerf=f"{kerf:g}"))
             yield k, None
             continue
         area, ring = max(zip(offset.areas, offset.chains, strict=True), key=lambda one: abs(one[0]))
@@ -120,14 +117,17 @@ def _moved(
         others = [chain for chain in offset.chains if chain is not ring]
         left = sharp if offset.exact else left_in(shape, path, kerf, torch.tolerance, others)
         if left:
-            diagnostics += told_of(shape, left, kerf)
+            diagnostics += left_diagnostics(shape, left, kerf)
         yield k, path
 
 
-def _no_room(shape: Shape, kerf: float) -> Diagnostic:
-    box = join_boxes([c.bbox for c in shape.curves]) or (0.0, 0.0, 0.0, 0.0)
-    size = f"{box[2] - box[0]:.3g} x {box[3] - box[1]:.3g}"
-    return rules.VANISHED.at(shape.source, found=size, kerf=f"{kerf:g}")
+class Near(Struct, frozen=True):
+    """A contour that the cut along another one enters."""
+
+    shape: int  #: that is cut
+    other: int
+    width: float  #: of the waste between both, where it is least
+    place: Point
 
 
 def too_near(
@@ -170,32 +170,26 @@ def sharp_corners(shapes: Sequence[Shape], kerfs: Sequence[float]) -> list[list[
     owner = np.repeat(np.arange(len(shapes)), sizes)
     following = np.arange(len(table.curves)) + 1
     following[begins + sizes - 1] = begins
-    ends, starts = _tangents(table)
-    a, b = ends, starts[following]
+    # Directions of lines and arcs at their ends and at their starts.
+    a, starts = np.zeros((len(table.curves), 2)), np.zeros((len(table.curves), 2))
+    step, arcs = table.lines[:, 2:] - table.lines[:, :2], table.arcs
+    unit = step / np.maximum(np.hypot(step[:, 0], step[:, 1]), 1e-300)[:, None]
+    a[table.where(Line)] = starts[table.where(Line)] = unit
+    quarter = np.where(arcs[:, 4] > 0.0, 90.0, -90.0)
+    starts[table.where(Arc)] = unit_vectors(arcs[:, 3] + quarter)
+    a[table.where(Arc)] = unit_vectors(arcs[:, 3] + arcs[:, 4] + quarter)
+    b = starts[following]
     turn = np.arctan2(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0], np.sum(a * b, axis=1))
     # On a ring that runs counter-clockwise the waste of a hole lies left, that of an outline right.
     left = np.array([1.0 if (s.area > 0.0) == s.is_hole else -1.0 for s in shapes])
     inward = np.clip(turn * left[owner], 0.0, pi - 1e-6)
     depth = np.array(kerfs)[owner] / 2 * (1 / np.cos(inward / 2) - 1)
     corners: list[list[Left]] = [[] for _ in shapes]
-    for k in np.flatnonzero(depth > TOLD * np.array(kerfs)[owner]).tolist():
+    for k in np.flatnonzero(depth > REPORTED * np.array(kerfs)[owner]).tolist():
         x, y = table.ends[k, 2:].tolist()
         width = kerfs[owner[k]] * cos((pi - float(inward[k])) / 2)
         corners[owner[k]].append(Left((x, y), width, float(depth[k]), True))
     return [sorted(one, key=lambda left: -left.depth) for one in corners]
-
-
-def _tangents(table: CurveTable) -> tuple[Floats, Floats]:
-    """Directions of lines and arcs at their ends and at their starts, (n, 2) each."""
-    ends, starts = np.zeros((len(table.curves), 2)), np.zeros((len(table.curves), 2))
-    step = table.lines[:, 2:] - table.lines[:, :2]
-    unit = step / np.maximum(np.hypot(step[:, 0], step[:, 1]), 1e-300)[:, None]
-    ends[table.where(Line)] = starts[table.where(Line)] = unit
-    arcs = table.arcs
-    turn = np.where(arcs[:, 4] > 0.0, 90.0, -90.0)
-    starts[table.where(Arc)] = unit_vectors(arcs[:, 3] + turn)
-    ends[table.where(Arc)] = unit_vectors(arcs[:, 3] + arcs[:, 4] + turn)
-    return ends, starts
 
 
 # --- leads ----------------------------------------------------------------------------------------
@@ -239,33 +233,33 @@ def leads_of(
     tree = shapely.STRtree(polylines_of(fence, torch.tolerance / 4))
     off_path = half_kerf + OFF_PATH * torch.tolerance if half_kerf else 0.0
     ways_in: dict[int, Curves] = {}
-    suggestions: dict[int, Curves] = {}
+    ways_out: dict[int, Curves] = {}
     short: set[int] = set()
     if torch.hole_lead == "middle":
-        small = {k: from_middle(ways[k].curves) for k in which if ways[k].is_small}
-        round_ones = {k: curves for k, curves in small.items() if curves}
+        small = (k for k in which if ways[k].is_small)
+        round_ones = {k: curves for k in small if (curves := from_middle(ways[k].curves))}
         kept = _clear_of(tree, round_ones, False, torch.tolerance, clearance, 0.0)
         ways_in |= {k: round_ones[k] for k in kept}
     # Each for itself, so that a way out without room does not shorten the way in.
-    for found, is_out, far in (
+    for those, is_out, far in (
         (ways_in, False, max(pierce_radius, off_path)), (ways_in, False, off_path),
-        (suggestions, True, off_path),
+        (ways_out, True, off_path),
     ):  # fmt: skip
         for share in SHARES:
             tried = {
-                k: leads(ways[k].curves, sides[k], torch, share, overs[k])[is_out]
+                k: _lead(ways[k].curves, overs[k], sides[k], torch, share, is_out)
                 for k in which
-                if k not in found
+                if k not in those
             }
             kept = _clear_of(tree, tried, is_out, torch.tolerance, clearance, far)
             if share == SHARES[0]:
                 short |= tried.keys() - kept
-            found |= {k: tried[k] for k in kept}
-    led = {k: (ways_in.get(k, ()), suggestions.get(k, ())) for k in which}
+            those |= {k: tried[k] for k in kept}
+    both = {k: (ways_in.get(k, ()), ways_out.get(k, ())) for k in which}
     if not short:
-        return led, []
+        return both, []
     first = ways[min(short)].source
-    return led, [rules.NO_LEAD.at(first, count=len(short), found=f"{torch.lead_in:g}")]
+    return both, [rules.NO_LEAD.at(first, count=len(short), found=f"{torch.lead_in:g}")]
 
 
 def _clear_of(
@@ -316,29 +310,14 @@ def overcut_length(shape: Shape, torch: Torch) -> float:
 SAME_CIRCLE = 1e-4  #: mm that arcs of a round hole may be apart
 
 
-def leads(
-    curves: Curves, side: int, torch: Torch, share: float, over: Curves = ()
-) -> tuple[Curves, Curves]:
-    """Lead-in and lead-out of a closed contour on its waste side, `share` of the machine's length.
-
-    The lead-out begins at the end of the overcut, `over`. A line comes square to the contour; an
-    arc is a quarter circle that is tangent to it.
-
-          |  line            .-  arc
-          v                 (
-        --o--->           --o--->
-    """
-    start, last = curves[0].start, (over or curves)[-1]
-    return (
-        _lead(start, curves[0].tangent(0.0), side, torch, torch.lead_in * share, False),
-        _lead(last.end, last.tangent(1.0), side, torch, torch.lead_out * share, True),
-    )
-
-
 def from_middle(curves: Curves) -> Curves:
     """Lead-in of a round hole: half a circle from its middle, tangent to it; none of another."""
     first, *others = curves
-    if not isinstance(first, Arc) or not all(_is_of(first, other) for other in others):
+    if not isinstance(first, Arc) or not all(
+        isinstance(other, Arc) and dist(first.centre, other.centre) <= SAME_CIRCLE
+        and abs(first.radius - other.radius) <= SAME_CIRCLE
+        for other in others
+    ):  # fmt: skip
         return ()
     (x, y), (mx, my) = first.start, first.centre
     half = Arc(
@@ -348,18 +327,21 @@ def from_middle(curves: Curves) -> Curves:
     return (half,)
 
 
-def _is_of(arc: Arc, other: Curve) -> bool:
-    """Whether another curve lies on the circle of an arc."""
-    return (
-        isinstance(other, Arc)
-        and dist(arc.centre, other.centre) <= SAME_CIRCLE
-        and abs(arc.radius - other.radius) <= SAME_CIRCLE
-    )
-
-
 def _lead(
-    at: Point, tangent: Point, side: int, torch: Torch, length: float, is_out: bool
+    curves: Curves, over: Curves, side: int, torch: Torch, share: float, is_out: bool
 ) -> Curves:
+    """Lead-in or lead-out of a closed contour on its waste side, `share` of the machine's length.
+
+    The lead-out begins at the end of the overcut, `over`. A line comes square to the contour; an
+    arc is a quarter circle that is tangent to it.
+
+          |  line            .-  arc
+          v                 (
+        --o--->           --o--->
+    """
+    curve, t = ((over or curves)[-1], 1.0) if is_out else (curves[0], 0.0)
+    at, tangent = (curve.end if is_out else curve.start), curve.tangent(t)
+    length = share * (torch.lead_out if is_out else torch.lead_in)
     if torch.lead == "none" or length <= 0.0:
         return ()
     normal = (-side * tangent[1], side * tangent[0])

@@ -6,6 +6,7 @@ shortens the way (`two_opt`).
 
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator, Sequence
+from itertools import product
 from math import floor, inf
 
 import numpy as np
@@ -14,7 +15,6 @@ from beamcam.errors import Diagnostic
 from beamcam.geometry.array_types import Counts, Floats
 from beamcam.geometry.plane import Point
 from beamcam.machine.torch import LayerSettings, Torch
-from beamcam.model.plan import HATCH
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.outline import Shape
 
@@ -59,13 +59,9 @@ class _Ways:
     """A tour as arrays, in the order of its places."""
 
     def __init__(
-        self,
-        tour: list[tuple[int, bool]],
-        starts: Floats,
-        ends: Floats,
-        parents: Counts,
+        self, tour: list[tuple[int, bool]], starts: Floats, ends: Floats, parents: Counts,
         here: Point,
-    ) -> None:
+    ) -> None:  # fmt: skip
         self._count = len(tour)
         self._nodes = np.array([index for index, _ in tour])
         self._turned = np.array([turned for _, turned in tour])
@@ -114,7 +110,8 @@ class _Ways:
         Quick lengths show that most are not, and as a rule which stretch gains most; where gains
         are too near one another for that, exact lengths decide.
         """
-        quick = self._gains(places, _quick_lengths)
+        # As `np.hypot` but for the last digit, in a third of the time.
+        quick = self._gains(places, lambda x, y: np.sqrt(x * x + y * y))
         for k in np.flatnonzero(quick.max(axis=1) > MIN_GAIN / 2).tolist():
             place, gains = int(places[k]), quick[k]
             near_best = np.flatnonzero(gains > gains.max() - MIN_GAIN / 2)
@@ -174,11 +171,6 @@ class _Ways:
         return last_inner
 
 
-def _quick_lengths(x: Floats, y: Floats) -> Floats:
-    """As `np.hypot` but for the last digit, in a third of the time."""
-    return np.sqrt(x * x + y * y)
-
-
 # --- nearest --------------------------------------------------------------------------------------
 
 # The greedy tour: the contour nearest to the head whose inner contours are done.
@@ -199,22 +191,16 @@ NOTHING: Choice = (inf, 2, 0)
 Cell = tuple[int, int]  #: column and row
 
 
-def _ring(ring: int) -> list[Cell]:
-    """Offsets of the cells in the square ring `ring` cells away."""
-    span = range(-ring, ring + 1)
-    return [(i, k) for i in span for k in span if max(abs(i), abs(k)) == ring]
-
-
-_RINGS = [_ring(ring) for ring in range(FARTHEST_RING + 1)]
+#: Offsets of the cells in each square ring, so many cells away.
+_RINGS: list[list[Cell]] = [[] for _ in range(FARTHEST_RING + 1)]
+for _column, _row in product(range(-FARTHEST_RING, FARTHEST_RING + 1), repeat=2):
+    _RINGS[max(abs(_column), abs(_row))].append((_column, _row))
 
 
 def nearest_first(
-    stage: Sequence[int],
-    starts: Sequence[Point],
-    ends: Sequence[Point],
-    parents: Sequence[int],
-    here: Point,
-) -> list[tuple[int, bool]]:
+    stage: Sequence[int], starts: Sequence[Point], ends: Sequence[Point],
+    parents: Sequence[int], here: Point,
+) -> list[tuple[int, bool]]:  # fmt: skip
     """The contours of `stage` in greedy order, and whether each is begun at its end.
 
     A contour waits until all those are done whose parent it is.
@@ -244,11 +230,11 @@ class _Free:
     """The contours that may be done next, by the number in which they came free."""
 
     def __init__(self, places: Sequence[tuple[Point, Point]]) -> None:
-        """`places` are those of all contours that will ever be free."""
+        """`places` are those of all contours that will ever be free, one or more."""
         xy = np.array(places, dtype=np.float64).reshape(-1, 2)
-        span = np.ptp(xy, axis=0) if len(xy) else np.zeros(2)
-        area = max(float(span[0] * span[1]), float(span.max()) ** 2 / max(len(xy), 1))
-        self._cell = (area * ENDS_A_CELL / max(len(xy), 1)) ** 0.5 or 1.0
+        span = np.ptp(xy, axis=0)
+        area = max(float(span[0] * span[1]), float(span.max()) ** 2 / len(xy))
+        self._cell = (area * ENDS_A_CELL / len(xy)) ** 0.5 or 1.0
         self._cells: defaultdict[Cell, list[tuple[float, float, int, int]]] = defaultdict(list)
         self._where: list[set[Cell]] = []  #: the cells that the ends of each lie in
         #: Both ends of each; at infinity once it is done.
@@ -294,9 +280,6 @@ class _Free:
             # So far to every side there is nothing that was not looked at.
             if best[0] < ((ring * self._cell + clear) * (1 - 1e-9)) ** 2:
                 return best
-        return self._nearest_of_all(here)
-
-    def _nearest_of_all(self, here: Point) -> Choice:
         away = self._ends[: len(self._where)] - (*here, *here)
         squares = away * away
         to_start, to_end = squares[:, 0] + squares[:, 1], squares[:, 2] + squares[:, 3]
@@ -334,13 +317,8 @@ def order(shapes: Sequence[Shape], ranks: Sequence[int] = (), fixed: Sequence[bo
         own = set(stage)
         within = [parent if parent in own else -1 for parent in parents]
         tour = nearest_first(stage, starts, ends, within, here)
-        tour = turn_stretches(
-            tour,
-            np.array(starts, dtype=float),
-            np.array(ends, dtype=float),
-            np.array(within),
-            here,
-        )
+        begins, stops = (np.array(points, dtype=float) for points in (starts, ends))
+        tour = turn_stretches(tour, begins, stops, np.array(within), here)
         done += tour
         if tour:
             last, turned = tour[-1]
@@ -360,12 +338,6 @@ def rank(shape: Shape, torch: Torch) -> int:
     return torch.settings.get(shape.look, PLAIN).order
 
 
-def is_one_way(shape: Shape, torch: Torch) -> bool:
-    """Whether a shape is a line of a hatch that is followed as it is drawn."""
-    own = torch.settings.get(shape.look, PLAIN)
-    return own.hatch_one_way and shape.source.where == HATCH
-
-
 def refuse_order(shapes: Sequence[Shape], torch: Torch) -> Iterator[Diagnostic]:
     """An error for the first contour whose turn is after one around it, or a mark's after a cut."""
     if not any(own.order for own in torch.settings.values()):
@@ -373,12 +345,11 @@ def refuse_order(shapes: Sequence[Shape], torch: Torch) -> Iterator[Diagnostic]:
     cuts = [shape for shape in shapes if shape.process == "cut"]
     earliest = min(cuts, key=lambda s: rank(s, torch), default=None)
     for shape in shapes:
-        before = shapes[shape.parent] if shape.parent >= 0 else None
-        if shape.process != "cut":
-            before = earliest
+        around = shapes[shape.parent] if shape.parent >= 0 else None
+        before = around if shape.process == "cut" else earliest
         if before is not None and rank(before, torch) < rank(shape, torch):
+            ranks = {"found": rank(shape, torch), "expected": rank(before, torch)}
             yield rules.LOOK_ORDER.at(
-                shape.source, key=shape.look, found=rank(shape, torch), process=shape.process,
-                other=before.source, expected=rank(before, torch),
-            )  # fmt: skip
+                shape.source, key=shape.look, process=shape.process, other=before.source, **ranks
+            )
             return

@@ -73,34 +73,26 @@ def from_longest(curves: Curves, which: Sequence[int]) -> Curves:
     Of the longest curve where none of them is a line.
     """
     lines = [k for k in which if isinstance(curves[k], Line)]
-    longest = max(lines or which, key=lambda k: _size(curves[k]))
+    # To a millionth: of equal ones the first, whatever the last digits of their ends are.
+    longest = max(lines or which, key=lambda k: round(dist(curves[k].start, curves[k].end), 6))
     first, last = curves[longest].split(0.5)
     return (last, *curves[longest + 1 :], *curves[:longest], first)
 
 
-def _size(curve: Curve) -> float:
-    """Length of a line, distance of its ends of any other curve, to a millionth.
-
-    So the first of equal ones is taken, whatever the last digits of their ends are.
-    """
-    return round(dist(curve.start, curve.end), 6)
-
-
 def stretch(curves: Curves, lengths: Sequence[float], low: float, high: float) -> Curves:
     """The part of a chain between two lengths along it."""
-    found: list[Curve] = []
+    pieces: list[Curve] = []
     done = 0.0
-    for curve, length in zip(curves, lengths, strict=True):
+    for piece, length in zip(curves, lengths, strict=True):
         a, b = max(low - done, 0.0), min(high - done, length)
         if b - a > 1e-9:
-            piece = curve
             if b < length:
                 piece = piece.split(parameter_at(piece, b))[0]
             if a > 0.0:
                 piece = piece.split(parameter_at(piece, a))[1]
-            found.append(piece)
+            pieces.append(piece)
         done += length
-    return tuple(found)
+    return tuple(pieces)
 
 
 #: Points of chains, and the chain of each.
@@ -136,8 +128,8 @@ def ways(chains: Sequence[Sequence[Curve]], tolerance: float) -> "NDArray[Any]":
     import shapely
 
     points, owner = points_of(chains, tolerance)
-    found: NDArray[Any] = shapely.linestrings(points, indices=owner)
-    return found
+    lines: NDArray[Any] = shapely.linestrings(points, indices=owner)
+    return lines
 
 
 def signed_areas(rings: "NDArray[Any]") -> "Floats":
@@ -237,7 +229,19 @@ def curves_of(feature: Hole | Slot, cross: float) -> tuple[Curve, ...]:
         return cross_at((feature.x, feature.y), cross)
     if isinstance(feature, Hole):
         return (Arc((feature.x, feature.y), feature.diameter / 2, 0.0, 360.0),)
-    return tuple(_slot_curves(feature))
+    # Lines joined by corner arcs of the slot's diameter: half circles where it has no height.
+    (c, s), u, v = unit_vector(feature.angle), feature.length / 2, feature.height / 2
+    arcs = [
+        Arc((feature.x + c * x - s * y, feature.y + s * x + c * y), feature.diameter / 2,
+            feature.angle + 90.0 * k, 90.0)
+        for k, (x, y) in enumerate(((u, v), (-u, v), (-u, -v), (u, -v)))
+    ]  # fmt: skip
+    curves: list[Curve] = []
+    for k, arc in enumerate(arcs):
+        curves += [arc] if arc.radius > 0.0 else []
+        if (u, v)[k % 2] > 0.0:
+            curves.append(Line(arc.end, arcs[(k + 1) % 4].start))
+    return tuple(curves)
 
 
 def cross_at(at: Point, size: float) -> tuple[Line, Line]:
@@ -255,24 +259,6 @@ def centres_of(feature: Hole | Slot) -> list[Point]:
                         {feature.height / 2, -feature.height / 2}):  # fmt: skip
         points.append((feature.x + c * u - s * v, feature.y + s * u + c * v))
     return sorted(points)
-
-
-def _slot_curves(slot: Slot) -> Iterator[Curve]:
-    """Lines joined by corner arcs of the slot's diameter: half circles where it has no height."""
-    radius, (c, s) = slot.diameter / 2, unit_vector(slot.angle)
-    half_x, half_y = slot.length / 2, slot.height / 2
-
-    def at(x: float, y: float) -> Point:
-        return slot.x + c * x - s * y, slot.y + s * x + c * y
-
-    corners = ((half_x, half_y), (-half_x, half_y), (-half_x, -half_y), (half_x, -half_y))
-    arcs = [Arc(at(x, y), radius, slot.angle + 90.0 * k, 90.0) for k, (x, y) in enumerate(corners)]
-    for k, arc in enumerate(arcs):
-        if radius > 0.0:
-            yield arc
-        start, end = arc.end, arcs[(k + 1) % 4].start
-        if (slot.length, slot.height)[k % 2] > 0.0:
-            yield Line(start, end)
 
 
 SAME_SIZE = 1e-6  #: mm, that an opening may be below the least by its last digits
@@ -303,19 +289,14 @@ def round_ended(shape: Shape, least: float, tolerance: float) -> Opening | None:
         (c * u - s * middle, s * u + c * middle)
         for u in dict.fromkeys((centre - reach, centre + reach))
     ]
-    places = [*corners, *(between(a, b, 0.5) for a, b in pairwise(corners))]
-    if max(abs(_from_line(place, ends) - width / 2) for place in places) > tolerance:
-        return None
-    return Opening(tuple(ends), width, length)
-
-
-def _from_line(place: Point, ends: Sequence[Point]) -> float:
-    """How far a place is from a line between two ends, or from a point."""
-    (x0, y0), (x1, y1) = ends[0], ends[-1]
-    way = x1 - x0, y1 - y0
+    (ex, ey), way = ends[0], (ends[-1][0] - ends[0][0], ends[-1][1] - ends[0][1])
     size = dot(way, way)
-    share = dot(way, (place[0] - x0, place[1] - y0)) / size if size else 0.0
-    return distance(place, between(ends[0], ends[-1], min(max(share, 0.0), 1.0)))
+    for x, y in (*corners, *(between(a, b, 0.5) for a, b in pairwise(corners))):
+        share = dot(way, (x - ex, y - ey)) / size if size else 0.0
+        nearest = between(ends[0], ends[-1], min(max(share, 0.0), 1.0))
+        if abs(distance((x, y), nearest) - width / 2) > tolerance:
+            return None
+    return Opening(tuple(ends), width, length)
 
 
 def with_outline(part: Part) -> Part:
@@ -326,12 +307,26 @@ def with_outline(part: Part) -> Part:
     return replace(part, features=(*part.features, Contour("v", "outer", lines, part.source)))
 
 
+def outer_contours(part: Part) -> dict[int, Contour]:
+    """The outer contours that are cut, by their indices."""
+    return {
+        k: one for k, one in enumerate(part.features)
+        if isinstance(one, Contour) and one.kind == "outer" and one.process == "cut"
+        and one.face in PLATE_FACES
+    }  # fmt: skip
+
+
+def is_plate_contour(one: Contour) -> bool:
+    """Whether it is a closed cut of a plate, and not one of a drawing."""
+    plain = one.process == "cut" and one.closed and one.face in PLATE_FACES
+    return plain and one.layer is None and one.colour is None
+
+
 def outline_of(part: Part) -> tuple[Line, ...]:
     """The outline of a plate that has no contour of its own: its length and width, and its ends as
     the header has them; nothing for others and drawings.
     """
-    cut = [c for c in part.contours if c.kind == "outer" and c.process == "cut"]
-    if part.measures is not None or any(contour.face in PLATE_FACES for contour in cut):
+    if part.measures is not None or outer_contours(part):
         return ()
     (a, d), (b, c) = end_lines(part, "v")
     return Line(a, b), Line(b, c), Line(c, d), Line(d, a)
@@ -373,13 +368,14 @@ def off_plate(part: Part, tolerance: float) -> Iterator[Diagnostic]:
     """
     import shapely
 
-    openings = [f for f in part.features if isinstance(f, Hole | Slot | Contour) and _is_opening(f)]
+    openings = [
+        f for f in part.features
+        if (isinstance(f, Contour) and f.kind == "inner" and is_plate_contour(f))
+        or (isinstance(f, Hole | Slot) and f.kind != "mark" and f.face in PLATE_FACES)
+    ]  # fmt: skip
     if not openings:
         return
-    around = [
-        c.curves for c in part.contours
-        if c.process == "cut" and c.face in PLATE_FACES and c.kind == "outer"
-    ]  # fmt: skip
+    around: list[Curves] = [one.curves for one in outer_contours(part).values()]
     around += [own] if (own := outline_of(part)) else []
     chains = [*around, *(f.curves if isinstance(f, Contour) else curves_of(f, 0.0)
                          for f in openings)]  # fmt: skip
@@ -390,10 +386,3 @@ def off_plate(part: Part, tolerance: float) -> Iterator[Diagnostic]:
     for k, opening in enumerate(openings):
         if k not in on_plate:
             yield rules.OFF.at(opening.source, what=description(opening))
-
-
-def _is_opening(one: Hole | Slot | Contour) -> bool:
-    if isinstance(one, Contour):
-        of_plate = one.kind == "inner" and one.process == "cut" and one.closed
-        return of_plate and one.layer is None and one.colour is None and one.face in PLATE_FACES
-    return one.kind != "mark" and one.face in PLATE_FACES

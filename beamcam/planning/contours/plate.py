@@ -3,15 +3,12 @@
 from collections.abc import Iterator, Sequence
 from itertools import product
 from math import dist
+from typing import Literal
 
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, PlanError
-from beamcam.geometry.arrays import CurveTable, table_of
-from beamcam.geometry.plane import (
-    Box,
-    Point,
-)
+from beamcam.geometry.plane import Box, Point
 from beamcam.machine.coper import Coper
 from beamcam.machine.load import load, shipped
 from beamcam.machine.tables import HeightAxis
@@ -21,29 +18,15 @@ from beamcam.machine.torch import (
     TorchProcess,
     TorchRow,
     is_row_for,
-    material_of,
     material_said,
 )
 from beamcam.model.colour import key_of
 from beamcam.model.hatch import hatched, not_filled
-from beamcam.model.part import (
-    Contour,
-    Part,
-    extent,
-    moved_curve,
-)
+from beamcam.model.part import Contour, Part, extent, moved_curve
 from beamcam.model.plan import ContourOp
 from beamcam.planning.contours import rules
-from beamcam.planning.contours.copies import cannot_lie, laid_out, size_of
+from beamcam.planning.contours.layout import cannot_lie, laid_out, size_of, spread
 from beamcam.planning.contours.outline import Shape, reach_of, reached_curves, with_outline
-from beamcam.planning.contours.spread import spread
-
-
-def box_of(curves: CurveTable) -> Box:
-    """The bounding box of one or more curves."""
-    if curves.box is None:
-        raise AssertionError("curves without a box")
-    return curves.box
 
 
 def shift_of(box: Box, torch: Torch) -> Point:
@@ -66,19 +49,27 @@ def moved(shapes: Sequence[Shape], shift: Point) -> list[Shape]:
     ]
 
 
-def refuse_large(box: Box, part: Part, torch: Torch) -> None:
+def refuse_large(box: Box, part: Part, torch: Torch, slack: float) -> None:
     """Raises PlanError if the box of the work is larger than the area; kerf and leads add to it.
 
     Asked first, because what a damaged file holds may be as large as a planet and take hours.
     """
-    _refuse_extent(box, part, torch, torch.gap + torch.tolerance)
+    length, width = box[2] - box[0], box[3] - box[1]
+    if length > torch.length + slack or width > torch.width + slack:
+        raise PlanError(_too_large(length, width, part, torch))
+
+
+def _too_large(length: float, width: float, part: Part, torch: Torch) -> Diagnostic:
+    found, expected = f"{length:.1f} x {width:.1f}", f"{torch.length:g} x {torch.width:g}"
+    return rules.SHEET_SIZE.at(part.source, found=found, expected=expected)
 
 
 def worked_box(operations: Sequence[ContourOp], overscan: float = 0.0) -> Box:
     """The box around all that the tool does, leads included, and round hatches their overscan."""
     passes = [one for op in operations for one in op.passes]
     ways = [way for p in passes for way in (p.lead_in, p.curves, p.lead_out)]
-    box = box_of(table_of(tuple([curve for way in ways for curve in way])))
+    box = extent(curve for way in ways for curve in way)
+    assert box is not None
     beyond = [
         point
         for op in operations
@@ -97,29 +88,14 @@ def refuse_size(operations: Sequence[ContourOp], part: Part, torch: Torch) -> No
     low_x, low_y, high_x, high_y = torch.area
     box = worked_box(operations, torch.overscan)
     slack = torch.tolerance
-    _refuse_extent(box, part, torch, slack)
+    refuse_large(box, part, torch, slack)
     if (
         box[0] < low_x - slack or box[1] < low_y - slack
         or box[2] > high_x + slack or box[3] > high_y + slack
     ):  # fmt: skip
-        x0, y0, x1, y1 = (f"{v:.1f}" for v in box)
-        raise PlanError(
-            rules.SHEET_PLACE.at(
-                part.source, x0=x0, y0=y0, x1=x1, y1=y1,
-                length=f"{torch.length:g}", width=f"{torch.width:g}",
-            )
-        )  # fmt: skip
-
-
-def _refuse_extent(box: Box, part: Part, torch: Torch, slack: float) -> None:
-    if box[2] - box[0] > torch.length + slack or box[3] - box[1] > torch.width + slack:
-        raise PlanError(
-            rules.SHEET_SIZE.at(
-                part.source,
-                found=f"{box[2] - box[0]:.1f} x {box[3] - box[1]:.1f}",
-                expected=f"{torch.length:g} x {torch.width:g}",
-            )
-        )
+        places = {name: f"{v:.1f}" for name, v in zip(("x0", "y0", "x1", "y1"), box, strict=True)}
+        area = {"length": f"{torch.length:g}", "width": f"{torch.width:g}"}
+        raise PlanError(rules.SHEET_PLACE.at(part.source, **places, **area))
 
 
 NOISE_DEG = 1.0  #: of an angle in a header; less is noise of its writer
@@ -161,9 +137,7 @@ def laid(parts: tuple[Part, ...], torch: Torch | None) -> tuple[tuple[Part, ...]
         for part in () if diagnostics else parts:
             length, width = size_of(part, torch)
             if length > torch.length + torch.gap or width > torch.width + torch.gap:
-                found = f"{length:.1f} x {width:.1f}"
-                expected = f"{torch.length:g} x {torch.width:g}"
-                diagnostics.append(rules.SHEET_SIZE.at(part.source, found=found, expected=expected))
+                diagnostics.append(_too_large(length, width, part, torch))
         if diagnostics:
             raise PlanError(diagnostics)
         parts = tuple([laid_out(part, torch) for part in parts])
@@ -200,14 +174,14 @@ def fits_turned(parts: Sequence[Part], torch: Torch) -> bool:
     if torch.place == "drawn" and torch.origin == "table":
         return False
     (part,) = parts
-    any_ignored = "ignore" in torch.colours.values()
-    curves = [
+    ignored = {key for key, meaning in torch.colours.items() if meaning == "ignore"}
+    box = extent(
         curve
         for feature in with_outline(part).features
-        if not (any_ignored and isinstance(feature, Contour) and _is_ignored(feature, torch))
+        if not (ignored and isinstance(feature, Contour)
+                and key_of(feature, torch.colours) in ignored)
         for curve in reached_curves(feature)
-    ]
-    box = extent(curves)
+    )  # fmt: skip
     if box is None:
         return False
     length, width = box[2] - box[0], box[3] - box[1]
@@ -215,11 +189,6 @@ def fits_turned(parts: Sequence[Part], torch: Torch) -> bool:
     if (length <= long and width <= wide) or width > long or length > wide:
         return False
     return next(cannot_lie(part, torch), None) is None
-
-
-def _is_ignored(contour: Contour, torch: Torch) -> bool:
-    key = key_of(contour, torch.colours)
-    return key is not None and torch.colours[key] == "ignore"
 
 
 def outermost(part: Part, thickness: float) -> Iterator[tuple[float, float, float]]:
@@ -231,21 +200,16 @@ def outermost(part: Part, thickness: float) -> Iterator[tuple[float, float, floa
 
 def skew_ends(part: Part, torch: Torch) -> Iterator[Diagnostic]:
     """An error for each end of a plate that the header has skew through the thickness, unless
-    bevels of an outline say edge by edge what is: see `skew_ends.with_bevels`."""
+    bevels of an outline say edge by edge what is: see `plate_edges.with_bevels`."""
     if any(contour.bevels for contour in part.contours):
         return
     cuts, least = part.cuts, max(torch.min_bevel, NOISE_DEG)
-    if abs(cuts.flange_start) >= least:
-        source = part.cut_source("flange", "start")
-        yield rules.SKEW_END.at(source, end="start", found=f"{cuts.flange_start:g}")
-    if abs(cuts.flange_end) >= least:
-        source = part.cut_source("flange", "end")
-        yield rules.SKEW_END.at(source, end="end", found=f"{cuts.flange_end:g}")
-
-
-def is_same(material: str, grade: str) -> bool:
-    """Whether a requested material may be the one that a part's grade names."""
-    return material_of(material) == material_of(grade)
+    ends: tuple[tuple[Literal["start", "end"], float], ...] = (
+        ("start", cuts.flange_start), ("end", cuts.flange_end),
+    )  # fmt: skip
+    for end, angle in ends:
+        if abs(angle) >= least:
+            yield rules.SKEW_END.at(part.cut_source("flange", end), end=end, found=f"{angle:g}")
 
 
 def between_rows(torch: Torch | Coper, row: TorchRow, thickness: float) -> TorchRow:
@@ -258,23 +222,14 @@ def between_rows(torch: Torch | Coper, row: TorchRow, thickness: float) -> Torch
         return row
     import numpy as np
 
+    own = (row.process, row.material, row.amps, row.nozzle)
     chart = sorted(
         (other.up_to, other.feed_mm_min)
         for other in torch.rows
-        if _chart_of(other) == _chart_of(row)
+        if (other.process, other.material, other.amps, other.nozzle) == own
     )
     limits, feeds = zip(*chart, strict=True)
     return replace(row, feed_mm_min=float(np.interp(thickness, limits, feeds)))
-
-
-def _chart_of(row: TorchRow) -> tuple[object, ...]:
-    return row.process, row.material, row.amps, row.nozzle
-
-
-def _shipped_torches() -> Iterator[tuple[str, Torch]]:
-    for machine in map(load, shipped()):
-        if machine.torch is not None:
-            yield machine.name, machine.torch
 
 
 class SheetMaterial:
@@ -298,7 +253,8 @@ class SheetMaterial:
     def row(self, process: TorchProcess) -> TorchRow | None:
         """The first row of the machine that fits the sheet; None if there is none."""
         if process not in self._rows:
-            row = next(filter(self._fits, self._rows_of(process)), None)
+            rows = (row for row in self._torch.rows if row.process == process)
+            row = next(filter(self._fits, rows), None)
             if row is None and process == "spot" and (cut := self.row("cut")) is not None:
                 row = cut.spotting()
             self._rows[process] = row and between_rows(self._torch, row, self.thickness)
@@ -316,9 +272,6 @@ class SheetMaterial:
             passes=row.passes if own.passes is None else own.passes,
         )
 
-    def _rows_of(self, process: TorchProcess) -> list[TorchRow]:
-        return [row for row in self._torch.rows if row.process == process]
-
     def _fits(self, row: TorchRow) -> bool:
         is_material = is_row_for(row.material, self.material)
         return is_material and 0.0 < self.thickness <= row.up_to
@@ -335,27 +288,23 @@ class SheetMaterial:
         if not self.is_known:
             return [rules.NO_THICKNESS.at(self._source)]
         known = {row.process for row in self._torch.rows}
+        material = self.material or "of no known material"
         return [
             rules.THICKNESS.at(
-                self._source,
-                found=f"{self.thickness:g}",
-                material=self.material or "of no known material",
-                process=process,
-                expected=self._limits(process),
-                others=self._others(process),
+                self._source, found=f"{self.thickness:g}", material=material, process=process,
+                expected=self._limits(process), others=self._others(process),
             )
-            for process in sorted(processes & known)
-            if self.row(process) is None
-        ]
+            for process in sorted(processes & known) if self.row(process) is None
+        ]  # fmt: skip
 
     def unlifted(self, processes: set[TorchProcess], z: HeightAxis) -> list[Diagnostic]:
         """Why the torch cannot be lifted over the sheet; nothing if it can."""
+        rows = [(process, row) for process in sorted(processes) if (row := self.row(process))]
         diagnostics = [
             rules.TORCH_HEIGHT.at(
                 self._source, key=key, process=process, up_to=f"{row.up_to:g}", axis=z.axis
             )
-            for process in sorted(processes)
-            if (row := self.row(process)) is not None
+            for process, row in rows
             for key in ("pierce_height", "cut_height")
             if not getattr(row, key)
         ]
@@ -368,8 +317,9 @@ class SheetMaterial:
     def _others(self, process: TorchProcess) -> str:
         """Which of the shipped machines work such a sheet: "plate-oxyfuel cuts it (--machine)"."""
         able = [
-            name for name, torch in _shipped_torches()
-            if any(row.process == process and self._fits(row) for row in torch.rows)
+            machine.name for machine in map(load, shipped())
+            if machine.torch is not None
+            and any(row.process == process and self._fits(row) for row in machine.torch.rows)
         ]  # fmt: skip
         if not able or self.thickness <= 0.0:
             return "no shipped machine does; [[torch.more_rows]] in a file of your own adds a row"
@@ -378,7 +328,7 @@ class SheetMaterial:
     def _limits(self, process: TorchProcess) -> str:
         """ "above 0 and at most 8 mm of acrylic, 8 mm of wood"."""
         greatest: dict[str, float] = {}
-        for row in self._rows_of(process):
+        for row in (row for row in self._torch.rows if row.process == process):
             greatest[row.material] = max(row.up_to, greatest.get(row.material, 0.0))
         limits = (f"{up_to:g} mm of {'any' if m == '*' else m}" for m, up_to in greatest.items())
         return "above 0 and at most " + ", ".join(limits)

@@ -81,7 +81,7 @@ def loose_once(curves: Sequence[AssignedCurve], repeats: Repeats) -> list[Assign
 def contours_once(
     shapes: Sequence[Shape], gap: float, repeats: Repeats, kerf: float | None = None
 ) -> list[list[Shape]]:
-    """What is left of each contour without stretches that lie on others of the same process.
+    """What is left of each contour without pieces that lie on others of the same process.
 
     Of two that lie on one another the closed one stays, or else the first. Remainders up to
     `gap` are dropped. Two closed ones that share an edge and are not the same, and one that lies
@@ -125,12 +125,9 @@ def _unequal(shapes: Sequence[Shape], repeats: Repeats) -> list[int]:
 
 
 def _rest(
-    shape: Shape,
-    on: Sequence[Sequence[tuple[Curve, Shape]]],
-    gap: float,
-    repeats: Repeats,
+    shape: Shape, on: Sequence[Sequence[tuple[Curve, Shape]]], gap: float, repeats: Repeats,
     kerf: float | None,
-) -> list[Shape]:
+) -> list[Shape]:  # fmt: skip
     """What is to be cut of a contour of which each curve may lie `on` others."""
     from beamcam.geometry.cleaning import uncovered
 
@@ -144,11 +141,24 @@ def _rest(
     at = next(k for k, curve in enumerate(shape.curves) if on[k] and rests[k] != (curve,))
     stands_for = on[at][0][1]
     runs = [run for run in _runs(rests, shape.closed) if total_length(run) > gap]
-    is_common = shape.closed and (bool(runs) or stands_for is shape or not _is_same(shape, on))
+    # It is the same as one closed contour that it lies on all round, and that has its area.
+    common = set.intersection(*({id(other) for _, other in others} for others in on))
+    other = next((other for _, other in on[0] if id(other) in common), None)
+    is_same = (
+        other is not None
+        and other.closed
+        and (
+            abs(abs(signed_area(shape.curves)) - abs(signed_area(other.curves)))
+            <= SAME_PLACE * total_length(shape.curves)
+        )
+    )
+    is_common = shape.closed and (bool(runs) or stands_for is shape or not is_same)
     if is_common and kerf is not None:
         if kerf and shape.process == "cut":
-            place = shape.curves[at].point(0.5)
-            repeats.refusals.append(_shared(shape, stands_for, place, lost, kerf))
+            name = "itself" if shape is stands_for else entity(stands_for.source)
+            values = {"found": f"{lost:.3f}", "other": name, "kerf": f"{kerf:g}"}
+            place = rules.at_place(shape.curves[at].point(0.5))
+            repeats.refusals.append(rules.SHARED.at(shape.source, **values, **place))
         repeats.share = True
         return [shape]
     if is_common:
@@ -160,27 +170,6 @@ def _rest(
     if not runs:
         repeats.stands.update(dict.fromkeys(shape.features, stands_for.features[0]))
     return [replace(shape, curves=run, closed=False) for run in runs]
-
-
-def _is_same(shape: Shape, on: Sequence[Sequence[tuple[Curve, Shape]]]) -> bool:
-    """Whether a closed contour lies on one closed contour of the same area, all round."""
-    common = set.intersection(*({id(other) for _, other in others} for others in on))
-    other = next((other for _, other in on[0] if id(other) in common), None)
-    if other is None:
-        return False
-    area = abs(signed_area(shape.curves))
-    slack = SAME_PLACE * total_length(shape.curves)
-    return other.closed and abs(area - abs(signed_area(other.curves))) <= slack
-
-
-def _shared(
-    shape: Shape, other: Shape, place: tuple[float, float], length: float, kerf: float
-) -> Diagnostic:
-    name = "itself" if shape is other else entity(other.source)
-    return rules.SHARED.at(
-        shape.source, found=f"{length:.3f}", other=name, kerf=f"{kerf:g}",
-        x=f"{place[0]:.3f}", y=f"{place[1]:.3f}",
-    )  # fmt: skip
 
 
 def _runs(rests: Sequence[tuple[Curve, ...]], closed: bool) -> list[tuple[Curve, ...]]:
@@ -218,12 +207,10 @@ def begun_off_common(
         return found
     curves = [curve for path in paths for curve in path.curves]
     owners = [(k, n) for k, path in enumerate(paths) for n in range(len(path.curves))]
-    pairs = overlapping(CurveTable(curves), [paths[k].process for k, _ in owners])
-    common: dict[int, set[int]] = {}
-    for pair in pairs:
-        for number in pair:
-            k, n = owners[number]
-            common.setdefault(k, set()).add(n)
+    common: defaultdict[int, set[int]] = defaultdict(set)
+    for pair in overlapping(CurveTable(curves), [paths[k].process for k, _ in owners]):
+        for k, n in (owners[number] for number in pair):
+            common[k].add(n)
     for k, shared in common.items():
         at = first.get(k, -1)
         if at < 0 or not shapes[at].closed or shapes[at].curves != paths[k].curves:
@@ -240,15 +227,10 @@ def in_levels(shapes: Sequence[Shape], torch: Torch) -> list[Shape]:
 
     What lies around a shape comes no earlier than that.
     """
-    tree = shapely.STRtree(ways([s.curves for s in shapes], torch.tolerance / 4))
-    runs = [k for k, s in enumerate(shapes) if s.process == "cut" and not s.closed]
-    chains = [shapes[k].curves for k in runs]
-    ends = [shapely.Point(p) for chain in chains for p in (chain[0].start, chain[-1].end)]
     before: list[dict[int, int]] = [{} for _ in shapes]  #: by how many levels others are lower
-    near = tree.query(ends, "dwithin", distance=torch.gap).T.tolist() if ends else []
-    for end, other in near:
-        if other < runs[end // 2] and shapes[other].process == "cut":
-            before[runs[end // 2]][other] = 1
+    for run, other, _ in _ends_on(shapes, torch):
+        if other < run and shapes[other].process == "cut":
+            before[run][other] = 1
     for k, shape in enumerate(shapes):
         if shape.parent >= 0:
             before[shape.parent].setdefault(k, 0)
@@ -261,17 +243,15 @@ def in_levels(shapes: Sequence[Shape], torch: Torch) -> list[Shape]:
     return [replace(s, level=max(level, s.level)) for s, level in zip(shapes, levels, strict=True)]
 
 
-def with_joints(shapes: Sequence[Shape], torch: Torch) -> list[Shape]:
-    """The shapes with the places where the rests of others begin and end on them."""
-    rests = [s.curves for s in shapes if s.process == "cut" and not s.closed]
-    ends = [end for curves in rests for end in (curves[0].start, curves[-1].end)]
-    joints: list[list[Point]] = [[] for _ in shapes]
+def _ends_on(shapes: Sequence[Shape], torch: Torch) -> Iterator[tuple[int, int, Point]]:
+    """Open cuts, the shapes that each begins or ends on, and where."""
+    runs = [k for k, s in enumerate(shapes) if s.process == "cut" and not s.closed]
+    chains = [shapes[k].curves for k in runs]
+    ends = [end for curves in chains for end in (curves[0].start, curves[-1].end)]
     if ends:
         tree = shapely.STRtree(ways([s.curves for s in shapes], torch.tolerance / 4))
         near = tree.query(shapely.points(ends), "dwithin", distance=torch.gap)
-        for end, k in near.T.tolist():
-            joints[k].append(ends[end])
-    return [replace(s, joints=tuple(own)) for s, own in zip(shapes, joints, strict=True)]
+        yield from ((runs[end // 2], k, ends[end]) for end, k in near.T.tolist())
 
 
 def common_cuts(
@@ -303,5 +283,9 @@ def common_cuts(
     if any(kerfs):
         shapes = in_levels(begun_off_common(shapes, paths, first, torch), torch)
     if torch.tabs:
-        shapes = with_joints(shapes, torch)
+        joints: list[list[Point]] = [[] for _ in shapes]
+        for _, other, place in _ends_on(shapes, torch):
+            joints[other].append(place)
+        both = zip(shapes, joints, strict=True)
+        shapes = [replace(shape, joints=tuple(places)) for shape, places in both]
     return shapes, [kerfs[k] for k, _ in cuts], list(repeats.remarks())

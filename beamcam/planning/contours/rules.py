@@ -1,5 +1,7 @@
 """Rules for sheets on a cutting table."""
 
+from collections.abc import Iterable
+
 from beamcam.errors import error, note, warning
 
 # fmt: off
@@ -248,13 +250,9 @@ NOTCH = note("plan-sheet-notch",
     "found {what}, which lies on the outline of {first} along {found} mm; it is cut with it, as a "
     "notch",
     "A cut-out that is open to the edge takes that edge away, and leaves one contour.")
-RULES = (
-    CHAIN, SKEW_END, OFF, NOTCH,
-    SHEETS, MIXED, SHEET_FULL, QUANTITY, NOTHING, UNMAPPED, MAP, OPTION,
-    LOOK_SETTING, LOOK_OVERCUT, LOOK_ORDER, LAYOUT, HATCH, NO_PROCESS, NO_THICKNESS, THICKNESS,
-    OTHER_THICKNESS, OTHER_MATERIAL, ASSUMED, SHEET_SIZE, SHEET_PLACE, JUNCTION, BRANCHED,
-    NOT_CLOSED, TINY, SHARED, COMMON, RUNS_BACK_KERF, RUNS_BACK, RUNS_OVER, GAP, GAPS, OPEN_CUT,
-    OPEN_KERF, MORE_OPEN, OVERLAP, VANISHED, NARROW, NEAR, LEFT, CROWDED, COPIES, CROSSING,
-    MORE_CROSSINGS, CROSSED, MORE_CROSSED, NO_LEAD, SQUARE, NEEDS_LEAD, UNCOMPENSATED,
-    MACHINE_TABS, TURNED, APART, TAB_JOINT, NO_TABS, OVERCUT, TORCH_HEIGHT, HEADROOM,
-)
+
+
+def at_place(place: Iterable[float]) -> dict[str, str]:
+    """A place as messages have it, by `x` and `y`."""
+    x, y = (f"{value:.3f}" for value in place)
+    return {"x": x, "y": y}

@@ -1,4 +1,4 @@
-"""Bridges that hold a part in its sheet: stretches of a closed contour that are not cut.
+"""Bridges that hold a part in its sheet: pieces of a closed contour that are not cut.
 
 What holds is the steel between both ends of the cut, so their distance counts: over a corner, and
 round a bend, more of the contour is left than the bridge is wide.
@@ -12,6 +12,8 @@ Nor is one where the cut along what is left of another contour begins or ends: i
 
 from collections.abc import Sequence
 from math import acos, degrees, dist
+
+import shapely
 
 from beamcam.geometry.curves import Arc, parameter_at
 from beamcam.geometry.plane import Point, dot
@@ -34,27 +36,21 @@ def needs_tabs(shape: Shape, torch: Torch) -> bool:
     return bool(torch.tabs) and shape.process == "cut" and shape.is_ring and is_meant
 
 
-def stretches_of(shape: Shape, kerf: float, torch: Torch) -> tuple[Curves, ...]:
-    """The stretches of a contour between its bridges, one if it has none."""
-    if not needs_tabs(shape, torch):
-        return (shape.curves,)
-    clear = torch.min_tab_to_corner and torch.min_tab_to_corner + MITRE * kerf
-    return bridged(shape.curves, torch.tabs, torch.tab_width + kerf, clear, kerf, shape.joints)
+def pieces_of(shape: Shape, kerf: float, torch: Torch) -> tuple[Curves, ...]:
+    """The pieces of a contour between its bridges, one if it has none.
 
-
-def bridged(
-    curves: Curves, tabs: int, width: float, clear: float = 0.0, kerf: float = 0.0,
-    joints: Sequence[Point] = (),
-) -> tuple[Curves, ...]:  # fmt: skip
-    """The stretches of a closed contour between `tabs` bridges, whose ends are `width` mm apart.
-
-    The bridges lie at equal distances, the first half of that from the start; one that is nearer
-    to a corner than `clear`, would take more of the contour than `MOST_ALONG` allows, or may take
-    one of the `joints`, is moved to the nearest place that does not, if there is one within a
-    quarter of these distances. It takes a joint where all places that are clear of corners do, or
-    where none is and the even one does.
+    The bridges lie at equal distances, the first half of that from the start; one that is too near
+    to a corner, would take more of the contour than `MOST_ALONG` allows, or may take one of its
+    joints, is moved to the nearest place that does not, if there is one within a quarter of these
+    distances. It takes a joint where all places that are clear of corners do, or where none is and
+    the even one does.
     A contour that has not four times as much length as its bridges gets fewer of them, or none.
     """
+    curves, joints, width = shape.curves, shape.joints, torch.tab_width + kerf
+    tabs = torch.tabs if needs_tabs(shape, torch) else 0
+    if not tabs:
+        return (curves,)
+    clear = torch.min_tab_to_corner and torch.min_tab_to_corner + MITRE * kerf
     lengths = [c.length for c in curves]
     total = sum(lengths)
     while tabs and total < 4 * tabs * width:
@@ -62,7 +58,11 @@ def bridged(
     if not tabs:
         return (curves,)
     corners = [(place, width / 2 + clear) for place in _corners(curves, lengths, kerf) if clear]
-    along = _along(curves, joints)
+    along: list[float] = []
+    if joints:
+        (line,) = ways([curves], JOINT)
+        at_line = shapely.line_locate_point(line, shapely.points(joints))
+        along = (total / line.length * at_line).tolist()
     # Round a bend a bridge takes more of the contour than on a straight side.
     near, far = (
         [(at, off) for at in along] for off in (width / 2, MOST_ALONG * width / 2 + kerf / 2)
@@ -86,9 +86,7 @@ def joint_in_bridge(shape: Shape, kerf: float, torch: Torch) -> Point | None:
     """A place in a bridge of a contour where what is left of another begins or ends."""
     if not (shape.joints and needs_tabs(shape, torch)):
         return None
-    import shapely
-
-    whole, *cut = ways([shape.curves, *stretches_of(shape, kerf, torch)], JOINT)
+    whole, *cut = ways([shape.curves, *pieces_of(shape, kerf, torch)], JOINT)
     places = shapely.points(shape.joints)
     off = shapely.distance(shapely.union_all(cut), places) - shapely.distance(whole, places)
     worst = int(off.argmax())
@@ -116,22 +114,14 @@ def _bridge(
     for k in range(1, int((most - least) / step) + 1):
         places += [p for p in (middle - k * step, middle + k * step) if least <= p <= most]
     for place in places:
-        half = _half(curves, lengths, place, width)
-        if half is not None:
-            return place - half, place + half
+        half = width / 2
+        while 2 * half <= MOST_ALONG * width:
+            low, high = place - half, place + half
+            missing = width - dist(place_at(curves, lengths, low), place_at(curves, lengths, high))
+            if missing <= NEARLY:
+                return low, high
+            half += missing / 2  # both ends move apart by that at most
     return middle - width / 2, middle + width / 2
-
-
-def _half(curves: Curves, lengths: Sequence[float], middle: float, width: float) -> float | None:
-    """How far along a contour the ends of a bridge lie from its middle; None if too far."""
-    half = width / 2
-    while 2 * half <= MOST_ALONG * width:
-        a, b = (place_at(curves, lengths, middle + side * half) for side in (-1.0, 1.0))
-        missing = width - dist(a, b)
-        if missing <= NEARLY:
-            return half
-        half += missing / 2  # both ends move apart by that at most
-    return None
 
 
 def _corners(curves: Curves, lengths: Sequence[float], kerf: float) -> list[float]:
@@ -149,17 +139,6 @@ def _corners(curves: Curves, lengths: Sequence[float], kerf: float) -> list[floa
             corners += [place, place + lengths[k]]
         place += lengths[k]
     return sorted(corners)
-
-
-def _along(curves: Curves, joints: Sequence[Point]) -> list[float]:
-    """How far along a closed contour some places on it lie."""
-    if not joints:
-        return []
-    import shapely
-
-    (line,) = ways([curves], JOINT)
-    share = sum(curve.length for curve in curves) / line.length
-    return [share * at for at in shapely.line_locate_point(line, shapely.points(joints)).tolist()]
 
 
 def _clear_place(even: float, taken: Sequence[tuple[float, float]], most: float) -> float | None:

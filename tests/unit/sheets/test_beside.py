@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from beamcam.checks.sheets.beside import beside_faults
+from beamcam.checks.sheets.plates import beside_faults
 from beamcam.errors import VerifyError
 from beamcam.model.part import Contour, Hole, Part, Slot
 from beamcam.pipeline import post

@@ -9,9 +9,8 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from beamcam.checks.sheets.asked_sheet import kerf_on
 from beamcam.checks.sheets.compare import verify_sheet
-from beamcam.checks.sheets.required_layout import pulled_apart
+from beamcam.checks.sheets.required_layout import kerf_on, pulled_apart
 from beamcam.errors import PlanError, Source
 from beamcam.geometry.curves import Arc, Curve
 from beamcam.machine import Machine, load

@@ -10,9 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from beamcam.checks.sheets.asked_sheet import header_outline
 from beamcam.checks.sheets.compare import verify_sheet
-from beamcam.checks.sheets.skew_edges import with_skew_edges
+from beamcam.checks.sheets.plates import header_outline, with_skew_edges
 from beamcam.errors import PlanError, Severity, Source
 from beamcam.geometry.curves import Line, signed_area
 from beamcam.machine import load
@@ -20,7 +19,7 @@ from beamcam.machine.overlay import with_torch
 from beamcam.model.part import Bevel, EndCuts, Hole, Part, Profile
 from beamcam.pipeline import post
 from beamcam.planning.contours.outline import outline_of
-from beamcam.planning.contours.skew_ends import with_bevels
+from beamcam.planning.contours.plate_edges import with_bevels
 from beamcam.planning.manual_list import manual_rows
 from beamcam.solid.part_solid import part_solid
 from tests.unit.sheets.parts import contour

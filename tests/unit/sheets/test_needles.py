@@ -15,8 +15,8 @@ from beamcam.errors import Diagnostic, PlanError
 from beamcam.geometry.curves import Bezier, Curve, Line
 from beamcam.model.part import Part
 from beamcam.pipeline import RefusedProgram, post
-from beamcam.planning.contours import doubling, narrow
 from beamcam.planning.contours import kerf as kerfs
+from beamcam.planning.contours import left_waste, running_back
 from tests.conftest import examples
 from tests.unit.sheets.notches import Notch, left_at_best, left_in_program
 from tests.unit.sheets.parts import box, contour, drawing, lines, table
@@ -99,7 +99,7 @@ def test_a_sliver_is_measured_that_shapely_makes_nothing_of() -> None:
     apex, mouth = corners[:1], shapely.LineString(corners[1:])
     walls = shapely.LineString([corners[-1], *apex, corners[1]])
     beam = shapely.Point(29.3, 85.35).buffer(0.01).exterior
-    left = narrow._left(shapely.Polygon(corners), mouth, beam, walls, 0.95, 0.02)
+    left = left_waste._left(shapely.Polygon(corners), mouth, beam, walls, 0.95, 0.02)
     assert left is not None
     assert left.depth == pytest.approx(shapely.Point(apex).distance(mouth), abs=1e-6)
 
@@ -119,7 +119,7 @@ def doubled(said: tuple[Diagnostic, ...]) -> float:
 
 def slit(steel: BaseGeometry) -> float:
     """Length in mm over which the waste in a plate is narrower than a doubled line may be."""
-    half = doubling.NEEDLE * MACHINE.needed(MACHINE.torch, "torch").tolerance / 2
+    half = running_back.NEEDLE * MACHINE.needed(MACHINE.torch, "torch").tolerance / 2
     closed = steel.buffer(half, join_style="mitre").buffer(-half, join_style="mitre")
     sizes = shapely.bounds(shapely.get_parts(closed.difference(steel)))
     return float(np.hypot(*(sizes[:, 2:] - sizes[:, :2]).T).max(initial=0.0))
@@ -154,7 +154,7 @@ def test_the_read_back_refuses_what_is_left_untold(notch: Notch) -> None:
     """The planner keeps silent about all that it leaves."""
     left = left_at_best(notch.steel(), KERF)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(kerfs, "told_of", silent)
+        patch.setattr(kerfs, "left_diagnostics", silent)
         try:
             post((notch.part(),), MACHINE)
         except RefusedProgram as refused:

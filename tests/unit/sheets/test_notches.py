@@ -12,7 +12,7 @@ from beamcam.errors import PlanError, VerifyError
 from beamcam.geometry.curves import Arc, Line
 from beamcam.model.part import Bevel, Contour, Part
 from beamcam.pipeline import post
-from beamcam.planning.contours.notches import Notches
+from beamcam.planning.contours.plate_edges import Notches
 from beamcam.planning.manual_list import manual_rows
 from beamcam.planning.sheet import plan_sheet
 from tests.unit.sheets.parts import S, box, contour, plate, table

@@ -14,7 +14,7 @@ from beamcam.geometry.curves import Bezier, Line
 from beamcam.machine import Machine
 from beamcam.model.part import Part
 from beamcam.pipeline import post
-from beamcam.planning.contours import doubling
+from beamcam.planning.contours import running_back
 from tests.conftest import examples
 
 from .parts import box, circle, contour, drawing, lines, table
@@ -153,12 +153,12 @@ def test_a_curve_that_runs_over_itself_is_refused(
 
 def test_hundreds_of_rounds_are_not_compared_pair_by_pair(monkeypatch: pytest.MonkeyPatch) -> None:
     """What is found so far is enough to refuse the curve."""
-    monkeypatch.setattr(doubling, "AT_ONCE", 100)
-    monkeypatch.setattr(doubling, "MAX_PAIRS", 1000)
+    monkeypatch.setattr(running_back, "AT_ONCE", 100)
+    monkeypatch.setattr(running_back, "MAX_PAIRS", 1000)
     with pytest.raises(PlanError, match="plan-runs-over-itself") as caught:
         post((wound(3.5),), MACHINE)
     found = float(re.findall(r"for (\S+) mm", caught.value.diagnostics[0].message)[0])
-    assert doubling.MIN_LENGTH < found < 471.0
+    assert running_back.MIN_LENGTH < found < 471.0
 
 
 @pytest.mark.parametrize("part", [wound(1.0), wound(3.5, 4.0)], ids=["ring", "spiral"])

@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from beamcam.checks.sheets.asked_sheet import laid_out
 from beamcam.checks.sheets.compare import verify_sheet
+from beamcam.checks.sheets.required_layout import laid_out
 from beamcam.errors import PlanError
 from beamcam.machine import Machine
 from beamcam.machine.torch_faults import torch_faults

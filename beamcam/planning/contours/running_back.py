@@ -1,19 +1,19 @@
 """Curves and contours that pass a place again: back along themselves, too often, or at a point."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from itertools import pairwise
-from math import hypot, pi, tau
+from math import pi, tau
 
 import numpy as np
 import shapely
-from msgspec import Struct
+from msgspec.structs import replace
 from shapely.ops import substring
 
-from beamcam.errors import Diagnostic, PlanError
+from beamcam.errors import Diagnostic, PlanError, Source
 from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.geometry.arrays import CurveTable, cubics_of, first_equal
 from beamcam.geometry.curves import Arc, Bezier, BSpline, Curve, Line
-from beamcam.geometry.plane import Point, dot
+from beamcam.geometry.plane import distance, dot
 from beamcam.geometry.polylines import polylines
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.assign_process import AssignedCurve
@@ -32,21 +32,13 @@ MOST_LENGTH = 100.0  #: of a needle, in mm, that is looked at
 SHORT = 1e-3  #: mm that a contour may run back along itself; what writes drawings rounds so
 
 
-class Doubling(Struct, frozen=True):
-    """A stretch that a curve follows there and back."""
-
-    curve: int
-    place: Point  #: where it turns round
-    length: float
-
-
-def without_steps_back(curves: tuple[Curve, ...]) -> tuple[Curve, ...]:
-    """A closed contour without lines shorter than `SHORT` that run back along their neighbour.
+def without_steps_back(shape: Shape) -> Shape:
+    """A closed cut without lines shorter than `SHORT` that run back along their neighbour.
 
     The line behind one begins where it began, or the line before it ends where it ended; between
     two curves that are no lines it stays.
     """
-    ring = list(curves)
+    ring = list(shape.curves) if shape.closed and shape.process == "cut" else []
     k = 0
     while k < len(ring) > 2:
         one, before, behind = ring[k], ring[k - 1], ring[(k + 1) % len(ring)]
@@ -66,7 +58,8 @@ def without_steps_back(curves: tuple[Curve, ...]) -> tuple[Curve, ...]:
             k = max(k - 2, 0)  # what is before it may run back now
         else:
             k += 1
-    return curves if len(ring) == len(curves) else tuple(ring)
+    is_same = not ring or len(ring) == len(shape.curves)
+    return shape if is_same else replace(shape, curves=tuple(ring))
 
 
 def _turns_back(one: Curve, other: Curve) -> bool:
@@ -75,12 +68,17 @@ def _turns_back(one: Curve, other: Curve) -> bool:
     return dot(one.tangent(1.0), other.tangent(0.0)) < BACK
 
 
-def doublings(curves: Sequence[Curve], which: Sequence[int]) -> Iterator[Doubling]:
-    """Places where curves turn round and run back along themselves."""
-    which = [k for k in which if _may_turn_round(curves[k])]
+def remarks(
+    curves: Sequence[AssignedCurve], which: Sequence[int], kerf: float
+) -> Iterator[Diagnostic]:
+    """Remarks on the curves that turn round and run back along themselves.
+
+    An error with kerf compensation, as the side of such a stretch is undefined.
+    """
+    which = [k for k in which if _may_turn_round(curves[k].curve)]
     if not which:
         return
-    drawn = polylines([curves[k] for k in which], FINE)
+    drawn = polylines([curves[k].curve for k in which], FINE)
     steps = np.diff(drawn.points, axis=0)
     sizes = np.hypot(*steps.T)
     back = np.sum(steps[1:] * steps[:-1], axis=1) < BACK * sizes[1:] * sizes[:-1]
@@ -89,10 +87,10 @@ def doublings(curves: Sequence[Curve], which: Sequence[int]) -> Iterator[Doublin
         begin, end = int(drawn.begins[own]), int(drawn.begins[own + 1])
         if begin < at < end - 1:
             arms = drawn.points[begin : at + 1][::-1], drawn.points[at:end]
-            length = _together(*arms, 2 * FINE)
+            length, w = _together(*arms, 2 * FINE), curves[which[own]]
             if length > MIN_LENGTH:
-                x, y = drawn.points[at].tolist()
-                yield Doubling(which[own], (x, y), length)
+                rule = rules.RUNS_BACK_KERF if kerf and w.process == "cut" else rules.RUNS_BACK
+                yield rule.at(w.source, found=f"{length:.3f}", **rules.at_place(drawn.points[at]))
 
 
 def _may_turn_round(curve: Curve) -> bool:
@@ -108,10 +106,9 @@ def _may_turn_round(curve: Curve) -> bool:
     else:
         return True
     sides = []
-    for (x0, y0), (x1, y1) in pairwise(points):
-        length = hypot(x1 - x0, y1 - y0)
-        if length > 0.0:
-            sides.append(((x1 - x0) / length, (y1 - y0) / length))
+    for a, b in pairwise(points):
+        if (length := distance(a, b)) > 0.0:
+            sides.append(((b[0] - a[0]) / length, (b[1] - a[1]) / length))
     for k in range(max(len(sides) - degree, 0) + 1):
         some = sides[k : k + degree]
         x, y = sum(u for u, _ in some), sum(v for _, v in some)
@@ -128,22 +125,6 @@ def _together(one: Floats, other: Floats, near: float) -> float:
     apart = np.flatnonzero(away > near)
     last = int(apart[0]) if len(apart) else len(one)
     return float(np.hypot(*np.diff(one[:last], axis=0).T).sum()) if last > 1 else 0.0
-
-
-def told(
-    curves: Sequence[AssignedCurve], which: Sequence[int], kerf: float
-) -> Iterator[Diagnostic]:
-    """Remarks on the curves that run back along themselves.
-
-    An error with kerf compensation, as the side of such a stretch is undefined.
-    """
-    for doubling in doublings([w.curve for w in curves], which):
-        w = curves[doubling.curve]
-        rule = rules.RUNS_BACK_KERF if kerf and w.process == "cut" else rules.RUNS_BACK
-        yield rule.at(
-            w.source, found=f"{doubling.length:.3f}",
-            x=f"{doubling.place[0]:.3f}", y=f"{doubling.place[1]:.3f}",
-        )  # fmt: skip
 
 
 def turns(drawn: Drawn) -> dict[int, tuple[Floats, Counts]]:
@@ -169,20 +150,11 @@ def turns(drawn: Drawn) -> dict[int, tuple[Floats, Counts]]:
     return by_curve
 
 
-def told_beside(
-    shapes: Sequence[Shape], turning: Mapping[int, tuple[Floats, Counts]], tolerance: float
+def needles_beside(
+    source: Source, ring: Floats, turns: Counts, tolerance: float
 ) -> Iterator[Diagnostic]:
-    """An error for each needle of a closed contour that lies beside another stretch of it."""
-    for k, (ring, at) in turning.items():
-        for doubling in _needles(ring, at, NEEDLE * tolerance):
-            yield rules.RUNS_BACK_KERF.at(
-                shapes[k].source, found=f"{doubling.length:.3f}",
-                x=f"{doubling.place[0]:.3f}", y=f"{doubling.place[1]:.3f}",
-            )  # fmt: skip
-
-
-def _needles(ring: Floats, turns: Counts, near: float) -> Iterator[Doubling]:
-    """The needles of a ring (n, 2) that lie beside another stretch of it, by where it turns."""
+    """An error for each needle of a ring (n, 2) that lies beside another stretch of it."""
+    near = NEEDLE * tolerance
     for at in turns.tolist():
         places = np.append(np.roll(ring, -at, axis=0), ring[at : at + 1], axis=0)
         around = shapely.linestrings(places)
@@ -197,8 +169,7 @@ def _needles(ring: Floats, turns: Counts, near: float) -> Iterator[Doubling]:
             continue
         rest = substring(around, length + near, reached[-1] - length - near)
         if rest.distance(around.interpolate(length / 2)) <= BESIDE * length / 2:
-            x, y = ring[at].tolist()
-            yield Doubling(0, (x, y), length)
+            yield rules.RUNS_BACK_KERF.at(source, found=f"{length:.3f}", **rules.at_place(ring[at]))
 
 
 # --- copies ---------------------------------------------------------------------------------------
@@ -209,7 +180,7 @@ def _needles(ring: Floats, turns: Counts, near: float) -> Iterator[Doubling]:
 #: Times that a contour may be passed on an average. Hatching of 0.02 mm passes a place of 0.1 mm
 #: five times; work that takes every pair of curves on one place grows with the square of it.
 MAX_PASSES = 64
-MAX_ASKED = 1000  #: stretches of which the neighbours are counted
+MAX_ASKED = 1000  #: segments of which the neighbours are counted
 MAX_EQUAL = 300_000  #: pairs of curves with the same numbers: 775 copies of one, 245 of ten
 CELLS = 512  #: along the longer side of the grid in which neighbours are looked for
 
@@ -236,7 +207,7 @@ def refuse_many_passes(shapes: Sequence[Shape], drawn: Drawn, tolerance: float) 
     """Raise PlanError for shapes that pass most of their places more than `MAX_PASSES` times.
 
     `drawn` are points of the shapes, and the shape of each. The passes of a place are the lengths
-    of all stretches no farther than `tolerance` from it, each no longer than that place, by its
+    of all segments no farther than `tolerance` from it, each no longer than that place, by its
     length.
     """
     points, owner = drawn
@@ -248,23 +219,21 @@ def refuse_many_passes(shapes: Sequence[Shape], drawn: Drawn, tolerance: float) 
     places = (starts[which] + ends[which]) / 2
     kept = _may_pass(starts, ends, places, tolerance)
     starts, ends = starts[kept], ends[kept]
-    stretches = shapely.linestrings(np.stack((starts, ends), axis=1))
+    segments = shapely.linestrings(np.stack((starts, ends), axis=1))
     middles = shapely.points(places)
-    near, place = shapely.STRtree(middles).query(stretches, "dwithin", distance=tolerance)
+    near, place = shapely.STRtree(middles).query(segments, "dwithin", distance=tolerance)
     lengths = np.minimum(np.hypot(*(ends - starts).T), 2 * tolerance)
     passes = np.bincount(place, lengths[near], len(which)) / (2 * tolerance)
     if passes.mean() > MAX_PASSES:
         worst = int(np.argmax(passes))
-        x, y = shapely.get_coordinates(middles[worst])[0].tolist()
         source = shapes[int(owner[which[worst]])].source
         values = {"found": f"{passes[worst]:.0f}", "reach": f"{tolerance:g}"}
-        raise PlanError(
-            rules.CROWDED.at(source, **values, x=f"{x:.3f}", y=f"{y:.3f}", expected=MAX_PASSES)
-        )
+        place = rules.at_place(places[worst])
+        raise PlanError(rules.CROWDED.at(source, **values, **place, expected=MAX_PASSES))
 
 
 def _may_pass(starts: Floats, ends: Floats, places: Floats, tolerance: float) -> Counts:
-    """The stretches that may pass a place within the tolerance.
+    """The segments that may pass a place within the tolerance.
 
     Those have a place in a cell of a grid that the box around them comes into. How many places lie
     in the cells of a box follows from the sums of all cells below and to the left of its corners.
@@ -275,8 +244,7 @@ def _may_pass(starts: Floats, ends: Floats, places: Floats, tolerance: float) ->
     cell = max(float((high.max(axis=1, keepdims=True) - origin).max()) / CELLS, tolerance)
 
     def cells(points: Floats) -> Counts:
-        found: Counts = ((points - origin) / cell).astype(np.int64)
-        return found
+        return np.asarray(((points - origin) / cell).astype(np.int64))
 
     side = CELLS + 2
     x, y = cells(places.T)
@@ -312,10 +280,10 @@ def free_repeats(curves: Sequence[AssignedCurve], which: Sequence[int]) -> Itera
         if high > low and np.ptp(ahead[low:high]) > TURNED_RAD:
             own = steps[low:high]
             again = _again(starts[low:high], own)
-            if (found := float(np.hypot(*own[again].T).sum())) > MIN_LENGTH:
-                x, y = starts[low:high][int(np.argmax(again))].tolist()
+            if (length := float(np.hypot(*own[again].T).sum())) > MIN_LENGTH:
+                first = starts[low:high][int(np.argmax(again))]
                 yield rules.RUNS_OVER.at(
-                    curves[some[0]].source, found=f"{found:.3f}", x=f"{x:.3f}", y=f"{y:.3f}"
+                    curves[some[0]].source, found=f"{length:.3f}", **rules.at_place(first)
                 )
 
 
@@ -385,7 +353,7 @@ def is_straight(curve: Curve) -> bool:
     if not isinstance(curve, Bezier) or curve.weights is not None:
         return False
     (x0, y0), (x1, y1) = curve.start, curve.end
-    length = hypot(x1 - x0, y1 - y0)
+    length = distance(curve.start, curve.end)
     if length <= SAME_POINT:
         return False
     u, v = (x1 - x0) / length, (y1 - y0) / length

@@ -7,20 +7,20 @@ ____          ____      The beam is a disc of the kerf's width. Where it does no
 """
 
 from collections.abc import Iterator, Sequence
-from math import dist, hypot, sqrt
-from typing import TYPE_CHECKING, Any
+from math import dist, sqrt
+from typing import Any
 
+import numpy as np
+import shapely
 from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic
+from beamcam.geometry.array_types import Floats
 from beamcam.geometry.curves import Arc, Curve
 from beamcam.geometry.plane import Point
 from beamcam.planning.contours import rules
-from beamcam.planning.contours.outline import Shape, entity, outlines, waste_side, ways
-
-if TYPE_CHECKING:
-    from beamcam.geometry.array_types import Floats
+from beamcam.planning.contours.outline import Shape, outlines, waste_side, ways
 
 #: What is left in a slot is no deeper than so many kerfs, or the slot is refused; and in a corner
 #: that is sharp, where everybody knows that a round beam leaves something.
@@ -29,7 +29,7 @@ DEEPEST_CORNER = 4.0
 
 #: What is left is reported where it is deeper than so many kerfs: half of one in a corner of 60
 #: degrees.
-TOLD = 0.55
+REPORTED = 0.55
 
 #: A slot may be so much deeper than the corner between its walls where they meet the beam: what
 #: curves are flattened by, and a share.
@@ -53,24 +53,6 @@ class Left(Struct, frozen=True):
     is_cut_off: bool = False  #: the beam would have room, but does not get there
 
 
-class Near(Struct, frozen=True):
-    """A contour that the cut along another one enters."""
-
-    shape: int  #: that is cut
-    other: int
-    width: float  #: of the waste between both, where it is least
-    place: Point
-
-
-def told_near(shapes: Sequence[Shape], near: Near, kerf: float) -> Diagnostic:
-    """The error for a contour that the cut along another one enters."""
-    return rules.NEAR.at(
-        shapes[near.shape].source, found=f"{near.width:.3f}",
-        other=entity(shapes[near.other].source), x=f"{near.place[0]:.3f}",
-        y=f"{near.place[1]:.3f}", kerf=f"{kerf:g}",
-    )  # fmt: skip
-
-
 def left_in(
     shape: Shape,
     path: Shape,
@@ -85,8 +67,6 @@ def left_in(
     nearer to the contour than half of that: the inside of the path grown by half a kerf for a
     hole, shrunk for an outline.
     """
-    import shapely
-
     drawn = outlines([shape.curves, path.curves], tolerance * FINE_SHARE)
     # A ring that touches itself has lines beside its areas when it is made valid.
     contour, ring = (shapely.buffer(one, 0.0) for one in shapely.make_valid(drawn))
@@ -97,27 +77,10 @@ def left_in(
     pieces = pieces[shapely.area(pieces) > 0.0]  # points and lines in which both touch
     if not len(pieces):
         return []
-    swept = _swept(shape, contour, ring, reached)
-    taken, middle, edge = (shapely.boundary(one) for one in (swept, ring, contour))
-    beyond = shapely.buffer(shapely.multilinestrings(ways(others, tolerance)), kerf / 2)
-    found = []
-    for piece, is_cut_off in zip(
-        pieces.tolist(), shapely.intersects(pieces, beyond).tolist(), strict=True
-    ):
-        left = _left(piece, taken, middle, edge, kerf / 2, tolerance)
-        if left is not None:
-            found.append(replace(left, is_cut_off=is_cut_off))
-    return sorted(found, key=lambda left: -left.depth)
-
-
-def _swept(shape: Shape, contour: Any, ring: Any, reached: Any) -> Any:
-    """The waste that the beam takes away, on the path's own side of the contour.
-
-      | ||\\    The beam at o takes the tip of a thin wall's other side, too, by no more than
-    o | || \\   the tolerance. What is left behind the wall is not near the beam by that.
-    """
-    import shapely
-
+    # The waste that the beam takes away, on the path's own side of the contour.
+    #
+    #   | ||\    The beam at o takes the tip of a thin wall's other side, too, by no more than the
+    # o | || \   tolerance. What is left behind the wall is not near the beam by that.
     if shape.is_hole:
         taken = shapely.intersection(contour, reached)
     else:
@@ -125,7 +88,16 @@ def _swept(shape: Shape, contour: Any, ring: Any, reached: Any) -> Any:
         taken = shapely.difference(sheet, shapely.union(contour, reached))
     parts = shapely.get_parts(taken)
     own = shapely.length(shapely.intersection(parts, shapely.boundary(ring))) > 0.0
-    return shapely.multipolygons(parts[own])
+    swept = shapely.multipolygons(parts[own])
+    taken, middle, edge = (shapely.boundary(one) for one in (swept, ring, contour))
+    beyond = shapely.buffer(shapely.multilinestrings(ways(others, tolerance)), kerf / 2)
+    cut_off = shapely.intersects(pieces, beyond).tolist()
+    places = [
+        replace(left, is_cut_off=is_cut_off)
+        for piece, is_cut_off in zip(pieces.tolist(), cut_off, strict=True)
+        if (left := _left(piece, taken, middle, edge, kerf / 2, tolerance)) is not None
+    ]
+    return sorted(places, key=lambda left: -left.depth)
 
 
 def _left(
@@ -136,13 +108,12 @@ def _left(
     `swept` is the edge of what the beam takes away, `ring` its path. The mouth of a piece is where
     it lies at what is taken away: what is behind it is as deep as it is far from there.
     """
-    import numpy as np
-    import shapely
-
     # The rings by themselves: of a polygon that is not quite valid nothing would be left.
     outline = shapely.segmentize(shapely.get_rings(piece), radius / 4)
-    mouth = _along(outline, swept)
-    corners = shapely.get_coordinates(outline)
+    corners, number = shapely.get_coordinates(outline, return_index=True)
+    ends = np.stack((corners[:-1], corners[1:]), axis=1)[number[1:] == number[:-1]]
+    sides, middles = shapely.linestrings(ends), shapely.points(ends.mean(axis=1))
+    mouth = shapely.multilinestrings(sides[shapely.dwithin(middles, swept, SAME_PLACE)])
     if mouth.is_empty:  # a neck that has no width
         entry = corners[int(np.argmin(shapely.distance(shapely.points(corners), swept)))]
         depth = float(np.hypot(*(corners - entry).T).max())
@@ -152,14 +123,17 @@ def _left(
     if depth <= tolerance:
         return None
     x, y = corners[int(np.argmax(away))].tolist()
-    walls = _segments(outline)
-    walls = walls[~shapely.dwithin(_middles(walls), mouth, tolerance)]
-    merged = shapely.get_parts(shapely.line_merge(shapely.multilinestrings(walls))).tolist()
-    sides = [wall for wall in merged if wall.length > radius / 4]
-    if len(sides) > 1:  # a neck: the beam comes from both ends
-        (a, b), (c, d) = shapely.get_coordinates(shapely.shortest_line(*sides[:2])).tolist()
-        return Left(((a + c) / 2, (b + d) / 2), sides[0].distance(sides[1]), depth, False)
-    (x0, y0), (x1, y1) = _longest_chord(_open_part(mouth, ring, contour, radius, tolerance))
+    rest = shapely.multilinestrings(sides[~shapely.dwithin(middles, mouth, tolerance)])
+    merged = shapely.get_parts(shapely.line_merge(rest)).tolist()
+    walls = [wall for wall in merged if wall.length > radius / 4]
+    if len(walls) > 1:  # a neck: the beam comes from both ends
+        (a, b), (c, d) = shapely.get_coordinates(shapely.shortest_line(*walls[:2])).tolist()
+        return Left(((a + c) / 2, (b + d) / 2), walls[0].distance(walls[1]), depth, False)
+    # Its two places that are farthest apart.
+    open_part = shapely.multipoints(_open_part(mouth, ring, contour, radius, tolerance))
+    hull = shapely.get_coordinates(shapely.convex_hull(open_part))
+    chords = np.hypot(*(hull[:, None] - hull[None]).transpose(2, 0, 1))
+    (x0, y0), (x1, y1) = hull[[*np.unravel_index(int(np.argmax(chords)), chords.shape)]].tolist()
     width = dist((x0, y0), (x1, y1))
     from_middle = sqrt(max(radius * radius - width * width / 4, 0.0))
     in_corner = radius * radius / from_middle - radius if from_middle > 0.0 else depth
@@ -168,39 +142,13 @@ def _left(
     return Left(((x0 + x1) / 2, (y0 + y1) / 2), width, depth, False)
 
 
-def _along(rings: Any, edge: Any) -> Any:
-    """The stretches of some rings that lie on an edge, as lines."""
-    import shapely
-
-    every = _segments(rings)
-    return shapely.multilinestrings(every[shapely.dwithin(_middles(every), edge, SAME_PLACE)])
-
-
-def _segments(rings: Any) -> Any:
-    """The lines of some rings, from corner to corner."""
-    import numpy as np
-    import shapely
-
-    ends, number = shapely.get_coordinates(rings, return_index=True)
-    follows = number[1:] == number[:-1]
-    return shapely.linestrings(np.stack((ends[:-1][follows], ends[1:][follows]), axis=1))
-
-
-def _middles(segments: Any) -> Any:
-    import shapely
-
-    return shapely.points(shapely.get_coordinates(segments).reshape(-1, 2, 2).mean(axis=1))
-
-
-def _open_part(mouth: Any, ring: Any, contour: Any, radius: float, tolerance: float) -> "Floats":
+def _open_part(mouth: Any, ring: Any, contour: Any, radius: float, tolerance: float) -> Floats:
     """Points of a mouth without the slivers beside the contour that lead to it.
 
     Between a contour and the edge of what the beam takes away may be up to the tolerance, and so
     a piece has slivers that are longer than itself. They are not part of what the beam touches
     from the places where it stands before the mouth.
     """
-    import shapely
-
     corners: Floats = shapely.get_coordinates(mouth)
     points = shapely.points(corners)
     clear = points[~shapely.dwithin(points, contour, tolerance)]
@@ -212,35 +160,17 @@ def _open_part(mouth: Any, ring: Any, contour: Any, radius: float, tolerance: fl
     return touched
 
 
-def _longest_chord(points: "Floats") -> tuple[Point, Point]:
-    """The two points that are farthest apart."""
-    import numpy as np
-    import shapely
-
-    hull = shapely.get_coordinates(shapely.convex_hull(shapely.multipoints(points)))
-    away = np.hypot(*(hull[:, None] - hull[None]).transpose(2, 0, 1))
-    a, b = np.unravel_index(int(np.argmax(away)), away.shape)
-    return tuple(hull[a].tolist()), tuple(hull[b].tolist())
-
-
-def told_of(shape: Shape, left: Sequence[Left], kerf: float) -> Iterator[Diagnostic]:
+def left_diagnostics(shape: Shape, left: Sequence[Left], kerf: float) -> Iterator[Diagnostic]:
     """An error for the deepest place that is refused, else a warning if there is one to give."""
-    for rule, which in (
-        (rules.NARROW, [one for one in left if one.is_cut_off or one.depth > _deepest(one) * kerf]),
-        (rules.LEFT, [one for one in left if one.depth > TOLD * kerf]),
-    ):
-        if which:
-            deepest = which[0]
-            yield rule.at(
-                shape.source, found=f"{deepest.width:.3f}", depth=f"{deepest.depth:.3f}",
-                x=f"{deepest.place[0]:.3f}", y=f"{deepest.place[1]:.3f}", kerf=f"{kerf:g}",
-                more="" if len(which) == 1 else f" and {len(which) - 1} more",
-            )  # fmt: skip
-            return
-
-
-def _deepest(left: Left) -> float:
-    return DEEPEST_CORNER if left.is_corner else DEEPEST_SLOT
+    deepest = {True: DEEPEST_CORNER * kerf, False: DEEPEST_SLOT * kerf}
+    refused = [one for one in left if one.is_cut_off or one.depth > deepest[one.is_corner]]
+    reported = [one for one in left if one.depth > REPORTED * kerf]
+    for first, *others in (which for which in (refused or reported,) if which):
+        yield (rules.NARROW if refused else rules.LEFT).at(
+            shape.source, found=f"{first.width:.3f}", depth=f"{first.depth:.3f}",
+            kerf=f"{kerf:g}", more=f" and {len(others)} more" if others else "",
+            **rules.at_place(first.place),
+        )  # fmt: skip
 
 
 def uncompensated(shape: Shape, kerf: float) -> Diagnostic:
@@ -249,9 +179,6 @@ def uncompensated(shape: Shape, kerf: float) -> Diagnostic:
     That is one whose middle, moved so far into the waste, comes nearest to another place of the
     contour: an arc that is smaller than the tool, or a side between two corners.
     """
-    import numpy as np
-    import shapely
-
     side = waste_side(shape.area, shape.is_hole)
     contour = ways([shape.curves], kerf / 1000)[0]
     curves = [curve for curve in shape.curves if curve.length > 0.0]
@@ -260,15 +187,9 @@ def uncompensated(shape: Shape, kerf: float) -> Diagnostic:
         (x, y), (tx, ty) = curve.point(0.5), curve.tangent(0.5)
         points.append((x - side * ty * kerf / 2, y + side * tx * kerf / 2))
     k = int(np.argmin(shapely.distance(shapely.points(points), contour)))
-    x, y = curves[k].point(0.5)
-    size = _size(curves[k])
-    return rules.UNCOMPENSATED.at(
-        shape.source, found=size, kerf=f"{kerf:g}", x=f"{x:.3f}", y=f"{y:.3f}"
-    )
-
-
-def _size(curve: Curve) -> str:
+    curve = curves[k]
+    size = f"a side of {dist(curve.start, curve.end):.3f} mm"
     if isinstance(curve, Arc):
-        return f"an arc of radius {curve.radius:.3f} mm"
-    (x0, y0), (x1, y1) = curve.start, curve.end
-    return f"a side of {hypot(x1 - x0, y1 - y0):.3f} mm"
+        size = f"an arc of radius {curve.radius:.3f} mm"
+    place = rules.at_place(curve.point(0.5))
+    return rules.UNCOMPENSATED.at(shape.source, found=size, kerf=f"{kerf:g}", **place)
