@@ -65,7 +65,7 @@ def load(
     config = Config(
         loaded.name, sheet=settings.sheet, map=settings.map, tolerances=settings.tolerances
     )
-    if config.tolerances:
+    if config.tolerances.given():
         from beamcam.config.load import with_tolerances
 
         loaded = with_tolerances(loaded, config)

@@ -331,7 +331,7 @@ def machine_asked(name: str, config: Config) -> Machine | None:
 def _as_asked(machine: Machine, config: Config, is_one_of_two: bool) -> Machine:
     """A machine with the tolerances, the map and the sheet of the job."""
     remark(machine.remarks)
-    if config.tolerances:
+    if config.tolerances.given():
         from beamcam.config.load import with_tolerances
 
         machine = with_tolerances(machine, config)

@@ -147,7 +147,9 @@ def _expected(what: str, hint: Any, found: object) -> str:
         others = "".join(f", or {_in_words(kind)}" for kind in _alternatives(hint)[1:])
         return "one of " + ", ".join(map(repr, get_args(choices))) + others
     if bound := _BOUND.match(what):
-        return _BOUNDS[bound[1]].format(f"{float(bound[2]):g}")
+        limits = [m for k in _alternatives(hint) for m in getattr(k, "__metadata__", ())]
+        units = [limit.extra["unit"] for limit in limits if limit.extra]
+        return _BOUNDS[bound[1]].format(" ".join([f"{float(bound[2]):g}", *units]))
     if _TEXT.match(what):
         return "a text"
     if length := _LENGTH.match(what):

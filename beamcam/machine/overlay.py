@@ -1,7 +1,7 @@
 """A cutting table with one job's settings: the command line overrides the machine file."""
 
 from collections.abc import Mapping
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 from msgspec.structs import replace
 
@@ -10,7 +10,7 @@ from beamcam.machine.tables import TABLE_CONTROLLERS
 from beamcam.machine.torch import KERF_STEPS, OTHERS, LayerSettings, Torch, TorchRow
 
 Meaning = Literal["cut", "mark", "engrave", "ignore"]
-MEANINGS: tuple[Meaning, ...] = ("cut", "mark", "engrave", "ignore")
+MEANINGS: tuple[Meaning, ...] = get_args(Meaning)
 
 
 def with_section(machine: Machine, corner: float | None, lip: float | None) -> Machine:
@@ -68,7 +68,13 @@ def with_torch(
         kept = {k: v for k, v in torch.settings.items() if k not in colours}
         given["settings"] = {**(settings or {}), **kept}
     if kerf is not None:
-        given = {**_kerf_values(machine, torch, kerf), **given}
+        least = KERF_STEPS * machine.format.resolution
+        if 0.0 < kerf < least:
+            takes = f"{machine.name} takes 0, or {least:g} mm or more"
+            raise ValueError(f"a kerf of {kerf:g} mm; {takes}")
+        cuts = [replace(row, kerf=kerf) if row.process == "cut" else row for row in torch.rows]
+        kerf_by = "offset" if torch.kerf_by == "none" else torch.kerf_by
+        given = {"rows": tuple(cuts), "kerf_by": kerf_by if kerf else "none", **given}
     changed: Torch = replace(torch, **given)
     if changed.kerf_by == "machine" and machine.words.left and torch.lead == "arc":
         # A controller takes up its compensation along a line.
@@ -88,30 +94,11 @@ def _chosen(
         and (not nozzle or row.nozzle.casefold() == nozzle.casefold())
     ]  # fmt: skip
     if not fitting:
-        asked = " and ".join(
-            [*([f"{amps:g} A"] if amps else []), *([f"the nozzle {nozzle!r}"] if nozzle else [])]
-        )
+        wished = [f"{amps:g} A"] if amps else []
+        wished += [f"the nozzle {nozzle!r}"] if nozzle else []
         has = sorted({f"{row.amps:g} A {row.nozzle}".strip() for row in cuts})
-        raise ValueError(f"{asked}; the rows of {name} are for {', '.join(has)}")
+        raise ValueError(f"{' and '.join(wished)}; the rows of {name} are for {', '.join(has)}")
     return tuple(row for row in torch.rows if row.process != "cut" or row in fitting)
-
-
-def _kerf_values(machine: Machine, torch: Torch, kerf: float) -> dict[str, Any]:
-    """The fields of a torch that follow from the kerf of a job."""
-    least = KERF_STEPS * machine.format.resolution
-    if 0.0 < kerf < least:
-        takes = f"{machine.name} takes 0, or {least:g} mm or more"
-        raise ValueError(f"a kerf of {kerf:g} mm; {takes}")
-    kerf_values: dict[str, Any] = {
-        "rows": tuple(
-            replace(row, kerf=kerf) if row.process == "cut" else row for row in torch.rows
-        )
-    }
-    if kerf == 0.0:
-        kerf_values["kerf_by"] = "none"
-    elif torch.kerf_by == "none":
-        kerf_values["kerf_by"] = "offset"
-    return kerf_values
 
 
 def _check(machine: Machine, changed: Torch) -> None:
