@@ -11,7 +11,7 @@ from beamcam.checks.job import head_of, head_remarks
 from beamcam.errors import Source, errors_in
 from beamcam.machine.machine import Machine
 from beamcam.recovery.bars import recover_bars
-from beamcam.recovery.found import LEFT_OUT, MANUAL_WORK, KnownStock, Recovered, with_marks
+from beamcam.recovery.recovered import LEFT_OUT, MANUAL_WORK, KnownStock, Recovered, with_marks
 
 __all__ = ["KnownStock", "Recovered", "recover", "with_marks"]
 

@@ -23,8 +23,8 @@ from beamcam.geometry.curves import Line, join_boxes, signed_area
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch, TorchProcess
 from beamcam.model.part import Contour, ContourKind, Hole, Measures, Part, Process, Profile
-from beamcam.recovery.found import CROWDED, FITTED, KERF, SHEET, Recovered
 from beamcam.recovery.paths import Curves, bridge, ring_of, whole
+from beamcam.recovery.recovered import CROWDED, FITTED, KERF, SHEET, Recovered, mark_of
 
 MARK: Process = "punch"  #: of a marked contour, so that DSTV can hold it (KO)
 MOST_CROSSINGS = 100_000  #: of closed paths, about, that are looked into
@@ -67,8 +67,8 @@ def _recovered(text: str, machine: Machine, torch: Torch, name: str) -> Recovere
     """The part of a sheet of the machine's own thickness."""
     thickness = torch.thickness
     sheet = Part(
-        name.rpartition("/")[2].partition(".")[0] or "part",
-        Profile("B", "", 0.0, 0.0, 0.0, thickness), 0.0, Source(name), grade=torch.material,
+        mark_of(name), Profile("B", "", 0.0, 0.0, 0.0, thickness), 0.0, Source(name),
+        grade=torch.material,
     )  # fmt: skip
     done, diagnostics = table_run(text, machine, name)
     rows = rows_of(sheet, torch)
@@ -110,7 +110,7 @@ def _paths(strokes: Strokes, torch: Torch, fine: float, name: str) -> list[_Path
     """
     legs, near = list(strokes.moves.each()), max(torch.gap, fine)
     paths: list[_Path] = []
-    waiting: list[Curves] = []  #: stretches of a contour that did not close yet
+    waiting: list[Curves] = []  #: pieces of a contour that did not close yet
     for stroke in strokes.each:
         own = legs[stroke.first : stroke.last]
         curves: Curves = tuple([leg.curve or Line(leg.start, leg.end) for leg in own])
@@ -125,17 +125,17 @@ def _paths(strokes: Strokes, torch: Torch, fine: float, name: str) -> list[_Path
             if one.closed:
                 paths.append(one)
                 waiting = []
-            continue
-        paths.append(_path((curves,), stroke, torch, fine, name))
+        else:
+            paths.append(_path((curves,), stroke, torch, fine, name))
     return paths + [_path((w,), strokes.each[-1], torch, fine, name) for w in waiting]
 
 
 def _path(
-    stretches: Sequence[Curves], stroke: HeadStroke, torch: Torch, fine: float, name: str
+    pieces: Sequence[Curves], stroke: HeadStroke, torch: Torch, fine: float, name: str
 ) -> _Path:
-    """One path without its leads, its stretches joined and its end closed."""
-    curves, near = stretches[0], max(torch.gap, fine)
-    for more in stretches[1:]:
+    """One path without its leads, its pieces joined and its end closed."""
+    curves, near = pieces[0], max(torch.gap, fine)
+    for more in pieces[1:]:
         curves = (*curves, *bridge(curves[-1], more[0]), *more)
     ring = ring_of(curves, fine, near)
     kerf = 0.0
@@ -154,17 +154,16 @@ def _contours(paths: Sequence[_Path], torch: Torch, diagnostics: list[Diagnostic
     inside = _depths(paths, torch.tolerance * LOOK_SHARE)
     moved = [k for k, path in enumerate(paths) if path.kerf]
     amounts = [paths[k].kerf / 2 * (1 if inside[k] % 2 else -1) for k in moved]
-    chains = {}
     rings = [paths[k].curves for k in moved]
+    chains = {}
     offsets = offset_chains(rings, amounts, torch.tolerance * OFFSET_SHARE)
     for k, offset in zip(moved, offsets, strict=True):
-        path = paths[k]
         if isinstance(offset, Vanished):
-            diagnostics.append(KERF.at(path.source, found=abs(offset.area), kerf=path.kerf))
+            kerf, area = paths[k].kerf, abs(offset.area)
+            diagnostics.append(KERF.at(paths[k].source, found=area, kerf=kerf))
         else:
-            chains[k] = max(
-                zip(offset.areas, offset.chains, strict=True), key=lambda one: abs(one[0])
-            )[1]
+            largest = max(range(len(offset.areas)), key=lambda n: abs(offset.areas[n]))
+            chains[k] = offset.chains[largest]
     contours = []
     for k, path in enumerate(paths):
         curves = chains.get(k, path.curves)
@@ -205,11 +204,8 @@ def _depths(paths: Sequence[_Path], tolerance: float) -> list[int]:
 
     rings = [k for k, path in enumerate(paths) if path.closed and path.process == "cut"]
     depths = [0] * len(paths)
-    if len(rings) < 2:
-        return depths
-    shapes = []
-    for k in rings:
-        shapes.append(shapely.Polygon(polylines(paths[k].curves, tolerance).points).buffer(0.0))
+    drawn = [polylines(paths[k].curves, tolerance).points for k in rings]
+    shapes = [shapely.Polygon(points).buffer(0.0) for points in drawn]
     tree = shapely.STRtree(shapes)
     inner, outer = tree.query([s.representative_point() for s in shapes], "within")
     for a, b in zip(inner.tolist(), outer.tolist(), strict=True):

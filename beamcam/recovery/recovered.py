@@ -125,20 +125,20 @@ def plain(value: float, slack: float, decimals: int) -> float:
     return round(value, decimals) + 0.0
 
 
+def mark_of(name: str) -> str:
+    """The mark of a part whose program does not say it: the name of its file."""
+    return name.rpartition("/")[2].partition(".")[0] or "part"
+
+
 def with_marks(parts: Sequence[Part], mark: str) -> tuple[Part, ...]:
     """The parts, those that are alike as one with their number; several are counted."""
     alike: dict[object, list[Part]] = {}
-    for part in parts:
-        alike.setdefault(_shape(part), []).append(part)
+    nowhere = Source("")
+    for part in parts:  # but for their places in the program
+        features = tuple(replace(f, source=nowhere) for f in part.features)
+        alike.setdefault(replace(part, source=nowhere, features=features), []).append(part)
     several = len(alike) > 1
     return tuple(
         replace(same[0], mark=f"{mark}-{k}" if several else mark, quantity=len(same))
         for k, same in enumerate(alike.values(), 1)
     )
-
-
-def _shape(part: Part) -> object:
-    """Key that distinguishes parts: everything but their place in the program."""
-    nowhere = Source("")
-    features = tuple(replace(f, source=nowhere) for f in part.features)
-    return replace(part, source=nowhere, features=features)
