@@ -47,7 +47,10 @@ def _stops(
         things.append((line, f"feature:{i}"))
         rows = rows_of.get(line)
         if rows is not None and isinstance(feature, Contour):
-            things += _row_stops(rows, i)
+            # A comment stands between two rows, so that turning round puts it before the other one.
+            own = sorted({*rows.lines, *rows.notch_lines})
+            places = [len(own) - row if rows.turned else row for row in range(len(own))]
+            things += [(own[k], f"feature:{i}:{place}") for k, place in enumerate(places) if k]
     block_at = {block.line: block for block in blocks}
     for k, plane in enumerate(planes):
         block = block_at[plane.source.line or 0]
@@ -72,16 +75,3 @@ def _stops(
             things.append((block.line, "block:" + things[at][1]))
     things.sort()
     return things
-
-
-def _row_stops(rows: ContourRows, feature: int) -> list[Stop]:
-    """The rows of a contour behind its first; of one that was turned round, counted from its end.
-
-    A comment stands between two rows, so that turning round puts it before the other one.
-    """
-    lines = sorted({*rows.lines, *rows.notch_lines})
-    return [
-        (line, f"feature:{feature}:{len(lines) - row if rows.turned else row}")
-        for row, line in enumerate(lines)
-        if row
-    ]

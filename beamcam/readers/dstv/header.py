@@ -119,7 +119,11 @@ def read_header(head: HeaderLines, source: Source, log: Log) -> Part | None:
     values, lines = head.values, head.numbers
     before = len(log.diagnostics)
     quantity = _quantity(values[5], lines[5], log)
-    code = _profile_code(values[7], lines[7], log)
+    code = next((code for code in PROFILE_CODES if code == values[7].upper()), None)
+    if code is None:
+        log.add(rules.PROFILE_CODE, lines[7], found=values[7])
+    elif code != values[7]:
+        log.add(rules.PROFILE_CASE, lines[7], found=values[7], code=code)
     length, saw_length = _lengths(values[8], "," in values[9], lines[8], log)
     dimensions = _dimensions(values, lines, log)
     if quantity is None or code is None or length is None or dimensions is None:
@@ -144,11 +148,13 @@ def read_header(head: HeaderLines, source: Source, log: Log) -> Part | None:
     _warn_of_texts(values, lines, log)
     known_lines = {d.source.line for d in log.diagnostics[before:]}
     log.taken += [line for line in lines if line not in known_lines] if known_lines else lines
+    texts = ["" if value == "-" else value for value in values]  # a dash means none
+    while len(texts) > MIN_LINES and not texts[-1]:
+        texts.pop()
     return Part(
         mark=values[3], profile=profile, length=length, source=source, quantity=quantity,
-        saw_length=saw_length, order=_text(values[0]), drawing=_text(values[1]),
-        phase=_text(values[2]), grade=_text(values[4]), cuts=EndCuts(*cuts), weight=weight,
-        surface=surface, notes=_notes(values[MIN_LINES:]),
+        saw_length=saw_length, order=texts[0], drawing=texts[1], phase=texts[2], grade=texts[4],
+        cuts=EndCuts(*cuts), weight=weight, surface=surface, notes=tuple(texts[MIN_LINES:]),
         cut_lines=(lines[16], lines[17], lines[18], lines[19]),
     )  # fmt: skip
 
@@ -259,19 +265,6 @@ def _warn_of_texts(values: list[str], lines: list[int], log: Log) -> None:
                 log.add(rules.MARK_ELSEWHERE, lines[3], found=values[3], field=field, name=name)
 
 
-def _text(value: str) -> str:
-    """A text of the header; a dash means none."""
-    return "" if value == "-" else value
-
-
-def _notes(values: list[str]) -> tuple[str, ...]:
-    """The free texts, without the empty ones at the end."""
-    texts = [_text(value) for value in values]
-    while texts and not texts[-1]:
-        texts.pop()
-    return tuple(texts)
-
-
 def _quantity(text: str, line: int, log: Log) -> int | None:
     match = _WHOLE.fullmatch(text)
     if match is None:
@@ -281,16 +274,6 @@ def _quantity(text: str, line: int, log: Log) -> int | None:
     if value == 0 or match[2]:
         log.add(rules.QUANTITY_FORM, line, found=text, value=value)
     return value
-
-
-def _profile_code(text: str, line: int, log: Log) -> ProfileCode | None:
-    code = text.upper()
-    if code in PROFILE_CODES:
-        if code != text:
-            log.add(rules.PROFILE_CASE, line, found=text, code=code)
-        return code
-    log.add(rules.PROFILE_CODE, line, found=text)
-    return None
 
 
 def _lengths(text: str, commas: bool, line: int, log: Log) -> tuple[float | None, float | None]:
