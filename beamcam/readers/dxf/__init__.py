@@ -11,7 +11,7 @@ from msgspec.structs import replace
 from beamcam.budget import DEPTH, InForce
 from beamcam.errors import Diagnostic, ReadError, Source
 from beamcam.geometry.curves import Curve
-from beamcam.model.part import Contour, Dashed, Measures, Part, TextMark
+from beamcam.model.part import Contour, Dashed, Measures, TextMark
 from beamcam.readers import Reading
 from beamcam.readers.drawing import (
     INSUNITS,
@@ -39,6 +39,7 @@ from beamcam.readers.dxf.entities import (
     CURVES,
     KINDS,
     by_fit_points,
+    chains_of,
     contradictions,
     is_drawn,
     text_marks,
@@ -47,10 +48,7 @@ from beamcam.readers.dxf.entities import (
 from beamcam.readers.dxf.layers import Attributes, Layers, LayerStyle, attributes_of
 from beamcam.readers.dxf.load import MARKER, Run, is_binary, load_document, looks_like
 
-__all__ = ["RULES", "looks_like", "read"]
-
-RULES = rules.RULES
-
+__all__ = ["looks_like", "read"]
 
 #: Heights that differ by less are noise of the writer: files carry 1e-9 to 1e-7.
 FLAT = 1e-3
@@ -108,52 +106,35 @@ def read(
             walk.entities(loaded.document.modelspace(), frame, LayerStyle(), ())
     except ReadError as error:
         return Reading("dxf", (), diagnostics + error.diagnostics)
-    dimensions: list[Any] = []
     if loaded.document is not None and not unit.given:
         dimensions = list(loaded.document.modelspace().query("DIMENSION"))
-    collected = walk.found
-    part, fitted = _part(name, collected, fit)
-    seen = sorted([*collected.not_cut.items(), ("hidden curves", collected.hidden_on.total())])
-    diagnostics += (
-        *(contradictions(dimensions, unit.name, unit.mm, name) if dimensions else ()),
-        *collected.diagnostics,
-        *fitted,
-        *_remarks(collected, source),
-        *verdict(part, seen, None if unit.given else unit.name, source),
+        diagnostics += contradictions(dimensions, unit.name, unit.mm, name) if dimensions else ()
+    content = walk.content
+    not_cut, lettered = (
+        tuple(sorted(counts.items())) for counts in (content.not_cut, content.lettered)
     )
+    dashed = tuple(content.dashed.values())
+    measures = Measures((), tuple(content.hidden), not_cut, lettered=lettered, dashed=dashed)
+    part, fitted = fit_newton(drawing_part(name, tuple(content.contours), measures), fit)
+    part = replace(part, features=(*part.features, *content.texts))
+    seen = sorted([*not_cut, ("hidden curves", content.hidden_on.total())])
+    unit_name = None if unit.given else unit.name
+    diagnostics += (*content.diagnostics, *fitted, *_remarks(content, source))
+    diagnostics += (*verdict(part, seen, unit_name, source),)
     return wrapped(Reading("dxf", (part,), diagnostics), wrap)
 
 
-def _part(
-    name: str, collected: DrawingContent, fit: Sequence[str]
-) -> tuple[Part, tuple[Diagnostic, ...]]:
-    """The part of a drawing, polylines on the layers of `fit` as polynomials; what is said."""
-    not_cut = tuple(sorted(collected.not_cut.items()))
-    lettered = tuple(sorted(collected.lettered.items()))
-    dashed = tuple(collected.dashed.values())
-    measures = Measures((), tuple(collected.hidden), not_cut, lettered=lettered, dashed=dashed)
-    part, fitted = fit_newton(drawing_part(name, tuple(collected.contours), measures), fit)
-    return replace(part, features=(*part.features, *collected.texts)), fitted
-
-
-def _remarks(collected: DrawingContent, source: Source) -> list[Diagnostic]:
+def _remarks(content: DrawingContent, source: Source) -> Iterator[Diagnostic]:
     """Remarks on entities that are not contours, by kind and count."""
-    by_kind = (
-        (rules.NOT_CUT, collected.not_cut),
-        (rules.EDGE_ON, collected.edge_on),
-        (rules.EMPTY_CURVES, collected.empty),
-        (rules.HIDDEN, collected.hidden_on),
-    )
-    diagnostics = [
-        rule.at(source, count=counts.total(), found=counted(sorted(counts.items())))
-        for rule, counts in by_kind
-        if counts
-    ]
-    if collected.heights:
-        low, high = min(collected.heights), max(collected.heights)
-        if high - low > FLAT:
-            diagnostics.append(rules.NOT_FLAT.at(source, low=low, high=high))
-    return diagnostics
+    kinds = (rules.NOT_CUT, rules.EDGE_ON, rules.EMPTY_CURVES, rules.HIDDEN)
+    counters = (content.not_cut, content.edge_on, content.empty, content.hidden_on)
+    for rule, counts in zip(kinds, counters, strict=True):
+        if counts:
+            found = counted(sorted(counts.items()))
+            yield rule.at(source, count=counts.total(), found=found)
+    low, high = min(content.heights, default=0.0), max(content.heights, default=0.0)
+    if high - low > FLAT:
+        yield rules.NOT_FLAT.at(source, low=low, high=high)
 
 
 # --- units ----------------------------------------------------------------------------------------
@@ -202,8 +183,11 @@ def find_unit(
             return None, (UNITS_OPTION.at(source, found=units, expected=expected),)
         return LengthUnit(units.lower(), mm, given=True), ()
     code = header_number(data, "$INSUNITS")
-    if code is None or code == 0:
-        return LengthUnit("mm", 1.0), (rules.UNITS_MISSING.at(source, found=_missing(data, code)),)
+    if not code:
+        found = "no $INSUNITS" if code is None else "$INSUNITS 0 (no unit)"
+        if header_number(data, "$MEASUREMENT") == 0:
+            found += " but $MEASUREMENT 0 (inches)"
+        return LengthUnit("mm", 1.0), (rules.UNITS_MISSING.at(source, found=found),)
     if code not in INSUNITS:
         expected = ", ".join(f"{c} {name}" for c, (name, _) in INSUNITS.items() if c <= 6)
         return None, (rules.UNITS_UNKNOWN.at(source, found=code, expected=expected),)
@@ -212,13 +196,6 @@ def find_unit(
     if shown in (3, 4) and unit.mm not in (25.4, 304.8):
         return unit, (rules.UNITS_IMPERIAL.at(source, found=shown, unit=unit.name),)
     return unit, ()
-
-
-def _missing(data: bytes, code: int | None) -> str:
-    text = "no $INSUNITS" if code is None else "$INSUNITS 0 (no unit)"
-    if header_number(data, "$MEASUREMENT") == 0:
-        return text + " but $MEASUREMENT 0 (inches)"
-    return text
 
 
 # --- walk -----------------------------------------------------------------------------------------
@@ -241,7 +218,7 @@ class DrawingWalk(Struct):
     runs: Iterator[Run] = iter(())  #: the plain entities that stand at the markers
     newton: frozenset[str] = frozenset()  #: layers whose fit points are nodes of polynomials
     letters: frozenset[str] = frozenset()  #: layers whose texts are lettered
-    found: DrawingContent = field(default_factory=DrawingContent)
+    content: DrawingContent = field(default_factory=DrawingContent)
     _seen: Counter[str] = field(default_factory=Counter)
     _copies: int = 0  #: of blocks, so far
 
@@ -265,10 +242,10 @@ class DrawingWalk(Struct):
                 if kind == "INSERT":
                     self._insert(entity, source, frame, above, blocks)
                 elif kind in CURVES and (kind != "POLYLINE" or is_drawn(entity)):
-                    look = self.layers.look(attributes_of(entity), above, bool(blocks))
-                    self._curve(entity, source, frame, look)
+                    style = self.layers.style(attributes_of(entity), above, bool(blocks))
+                    self._curve(entity, source, frame, style)
                 elif self._is_lettered(entity, kind, above, bool(blocks)):
-                    self.found.texts += text_marks(entity, frame, source)
+                    self.content.texts += text_marks(entity, frame, source)
                 # SEQEND ends a list of vertices; ezdxf hides it from sound files only. An ATTDEF in
                 # a block shows nothing: each insert has attributes of its own.
                 elif kind != "SEQEND" and not (blocks and kind == "ATTDEF"):
@@ -286,48 +263,48 @@ class DrawingWalk(Struct):
 
     def _say_entity(self, source: Source, kind: str, error: Exception) -> None:
         text = " ".join(str(error).split()) or type(error).__name__
-        self.found.diagnostics.append(rules.ENTITY.at(source, kind=kind, found=text))
+        self.content.diagnostics.append(rules.ENTITY.at(source, kind=kind, found=text))
 
     def _count(self, entity: Any, kind: str, above: LayerStyle, inside: bool) -> None:
         """Count what is not a curve, unless it is hidden anyway."""
-        if not self.layers.hides(self.layers.look(attributes_of(entity), above, inside)):
-            self.found.not_cut[kind] += 1
+        if not self.layers.hides(self.layers.style(attributes_of(entity), above, inside)):
+            self.content.not_cut[kind] += 1
 
     def _is_lettered(self, entity: Any, kind: str, above: LayerStyle, inside: bool) -> bool:
         """Whether a text stands on a layer that is mapped to a mark, and shows; it is counted."""
         if kind not in KINDS or not self.letters:
             return False
-        look = self.layers.look(attributes_of(entity), above, inside)
-        if look.layer.lower() not in self.letters or self.layers.hides(look):
+        style = self.layers.style(attributes_of(entity), above, inside)
+        if style.layer.lower() not in self.letters or self.layers.hides(style):
             return False
-        self.found.lettered[look.layer] += 1
+        self.content.lettered[style.layer] += 1
         return True
 
     def run(self, run: Run, frame: InsertFrame) -> None:
         """Sort plain entities, which stand in model space."""
         attributes: Attributes | None = None
         for plain in run:
-            if plain.says is not attributes:
-                attributes = plain.says
-                look = self.layers.look(attributes, LayerStyle(), False)
-                hidden = self.layers.hides(look)
+            if plain.attributes is not attributes:
+                attributes = plain.attributes
+                style = self.layers.style(attributes, LayerStyle(), False)
+                hidden = self.layers.hides(style)
             kind = plain.kind
             source, read = self._source(kind, plain.handle), BY_VALUES[kind]
-            self._sort(kind, source, look, hidden, read, frame, plain.values)
+            self._sort(kind, source, style, hidden, read, frame, plain.values)
 
-    def _curve(self, entity: Any, source: Source, frame: InsertFrame, look: LayerStyle) -> None:
-        kind = entity.dxftype()
-        polynomial = by_fit_points(entity) > 0 and look.layer.lower() in self.newton
-        read = through_fit_points if polynomial else CURVES[kind]
-        seen = self._sort(kind, source, look, self.layers.hides(look), read, frame, (entity,))
-        if seen and not polynomial and (count := by_fit_points(entity)):
-            self.found.diagnostics.append(rules.FIT_SPLINE.at(source, count=count))
+    def _curve(self, entity: Any, source: Source, frame: InsertFrame, style: LayerStyle) -> None:
+        kind, count = entity.dxftype(), by_fit_points(entity)
+        polynomial = count > 0 and style.layer.lower() in self.newton
+        read = through_fit_points if polynomial else chains_of
+        seen = self._sort(kind, source, style, self.layers.hides(style), read, frame, (entity,))
+        if seen and count and not polynomial:
+            self.content.diagnostics.append(rules.FIT_SPLINE.at(source, count=count))
 
     def _sort(
         self,
         kind: str,
         source: Source,
-        look: LayerStyle,
+        style: LayerStyle,
         hidden: bool,
         read: Callable[..., list[Chain]],
         frame: InsertFrame,
@@ -337,8 +314,8 @@ class DrawingWalk(Struct):
 
         `read` takes the frame, a list that it adds heights to, and the values.
         """
-        collected = self.found
-        heights: Heights = [] if hidden else collected.heights
+        content = self.content
+        heights: Heights = [] if hidden else content.heights
         count = len(heights)
         try:
             chains = read(frame, heights, *values)
@@ -346,22 +323,22 @@ class DrawingWalk(Struct):
         except _BAD_NUMBERS as error:
             del heights[count:]
             if not hidden and isinstance(error, EdgeOnError):
-                collected.edge_on[kind] += 1
+                content.edge_on[kind] += 1
             elif not hidden:
                 self._say_entity(source, kind, error)
             return False
         if not chains:
-            collected.empty[kind] += 1
+            content.empty[kind] += 1
         if hidden:
-            collected.hidden += (curve for chain in chains for curve in chain)
-            collected.hidden_on[look.layer] += 1
+            content.hidden += (curve for chain in chains for curve in chain)
+            content.hidden_on[style.layer] += 1
             return False
         for chain in chains:
-            collected.contours.append(as_contour(chain, source, look.layer, look.colour))
-        if chains and look.line_type:
-            key = look.layer, look.colour, look.line_type
-            before = collected.dashed.get(key) or Dashed(*key, 0, source)
-            collected.dashed[key] = replace(before, count=before.count + len(chains))
+            content.contours.append(as_contour(chain, source, style.layer, style.colour))
+        if chains and style.line_type:
+            key = style.layer, style.colour, style.line_type
+            before = content.dashed.get(key) or Dashed(*key, 0, source)
+            content.dashed[key] = replace(before, count=before.count + len(chains))
         return bool(chains)
 
     def _insert(
@@ -373,16 +350,16 @@ class DrawingWalk(Struct):
         blocks: tuple[str, ...],
     ) -> None:
         """Open an insert: its block, once for each place of its array."""
-        look = self.layers.look(attributes_of(insert), above, bool(blocks))
+        style = self.layers.style(attributes_of(insert), above, bool(blocks))
         name = str(insert.dxf.get("name", ""))
         for attribute in insert.attribs:
-            self._count(attribute, "ATTRIB", look, True)
+            self._count(attribute, "ATTRIB", style, True)
         block = insert.block()
         if block is None or block.block.is_xref:
-            self.found.diagnostics.append(rules.BLOCK_MISSING.at(source, found=name))
+            self.content.diagnostics.append(rules.BLOCK_MISSING.at(source, found=name))
             return
         if name.lower() in blocks:
-            self.found.diagnostics.append(rules.BLOCK_CYCLE.at(source, found=name))
+            self.content.diagnostics.append(rules.BLOCK_CYCLE.at(source, found=name))
             return
         if len(blocks) >= InForce.limits.depth:
             raise ReadError(DEPTH.at(source, found=name, expected=InForce.limits.depth))
@@ -390,8 +367,8 @@ class DrawingWalk(Struct):
         self._copies += copies
         if self._copies > MOST_COPIES:
             raise ReadError(rules.BLOCK_COUNT.at(source, found=self._copies, expected=MOST_COPIES))
-        before = len(self.found.contours)
+        before = len(self.content.contours)
         for place in insert.multi_insert() if copies > 1 else (insert,):
-            self.entities(block, frame.inside(place.matrix44()), look, (*blocks, name.lower()))
-        if len(self.found.contours) > before and self.layers.hides(look):
-            self.found.diagnostics.append(rules.FROZEN_INSERT.at(source, layer=look.layer))
+            self.entities(block, frame.inside(place.matrix44()), style, (*blocks, name.lower()))
+        if len(self.content.contours) > before and self.layers.hides(style):
+            self.content.diagnostics.append(rules.FROZEN_INSERT.at(source, layer=style.layer))

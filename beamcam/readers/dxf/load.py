@@ -4,6 +4,7 @@ import io
 import logging
 import re
 from collections.abc import Iterable
+from contextlib import suppress
 
 import numpy as np
 from msgspec import Struct
@@ -26,13 +27,13 @@ from beamcam.readers.dxf.plain import (
     NOT_SAID,
     UNSAID,
     Codes,
-    Says,
+    Texts,
     ValuePlaces,
     Values,
     attributes_from,
     plan_of,
 )
-from beamcam.readers.dxf.repair import VERSION, is_sound, recovered, said, with_subclasses
+from beamcam.readers.dxf.repair import VERSION, is_sound, message_of, recovered, with_subclasses
 
 UTF8 = 1021  #: and above: files in UTF-8, whatever code page they name
 #: Without a handler, Python would print what ezdxf logs.
@@ -59,7 +60,7 @@ class Plain(Struct, frozen=True, gc=False):
 
     kind: str
     handle: str | None
-    says: Attributes
+    attributes: Attributes
     values: Values
 
 
@@ -103,12 +104,18 @@ def load_document(data: bytes, source: Source) -> Loaded:
     handles = is_binary(data) or bool(_HANDLE.search(data))
     logging.getLogger("ezdxf").addHandler(_SILENT)
     try:
-        drawing = _load_binary(data) if is_binary(data) else _load_text(data, handles)
+        if is_binary(data):
+            from ezdxf.document import Drawing
+            from ezdxf.lldxf.tagger import binary_tags_loader
+
+            document = Drawing.load(binary_tags_loader(data))
+            return Loaded(document, tables_of(document), (), handles, remarks)
+        drawing = _load_text(data, handles)
     # ezdxf lets errors of every kind pass through for damaged files (ValueError, KeyError,
     # AttributeError of half-read entities): whatever it is, the file is not sound.
     except Exception as error:
         if is_binary(data):
-            raise ReadError(rules.STRUCTURE.at(source, found=said(error))) from error
+            raise ReadError(rules.STRUCTURE.at(source, found=message_of(error))) from error
         drawing, repairs = _repaired(data, handles, source, error)
         remarks = (*remarks, *repairs)
     return Loaded(*drawing, handles, remarks)
@@ -140,53 +147,33 @@ _Drawing = tuple[Document | None, Tables, tuple[Run, ...]]
 def _load_text(data: bytes, handles: bool) -> _Drawing:
     """The document, without the plain entities of model space where they can be taken apart."""
     data = data.removeprefix(b"\xef\xbb\xbf")
-    version, encoding = _version_and_encoding(data)
+    found = VERSION.search(data)
+    if found is not None and (data.isascii() or int(found[1]) >= UTF8):
+        version, encoding = f"AC{found[1].decode()}", "utf-8"
+    else:  # that of its code page
+        from ezdxf.filemanagement import dxf_stream_info
+
+        info = dxf_stream_info(_text(data, "utf-8", "ignore"))
+        version, encoding = info.version, info.encoding
     text = _text(data, encoding, "surrogateescape").read()
     taken = take_plain(text, version, handles)
     if taken is not None and taken.tables is not None:
         return None, taken.tables, taken.runs
-    document = _rest(taken, version) if taken is not None else None
-    if taken is not None and document is not None:
-        return document, tables_of(document), taken.runs
     from ezdxf.filemanagement import read
 
+    if taken is not None:
+        # Where the file is not sound, ezdxf shall say so of the whole of it.
+        with suppress(Exception):
+            document = read(io.StringIO(taken.rest))
+            owners = {document.modelspace().layout_key}
+            if document.loaded_dxfversion == version and taken.owners <= owners:
+                return document, tables_of(document), taken.runs
     document = read(io.StringIO(text))
     return document, tables_of(document), ()
 
 
-def _version_and_encoding(data: bytes) -> tuple[str, str]:
-    """The version of a text, "AC1015", and the encoding that belongs to it or to its code page."""
-    found = VERSION.search(data)
-    if found is not None and (data.isascii() or int(found[1]) >= UTF8):
-        return f"AC{found[1].decode()}", "utf-8"
-    from ezdxf.filemanagement import dxf_stream_info
-
-    info = dxf_stream_info(_text(data, "utf-8", "ignore"))
-    return info.version, info.encoding
-
-
-def _rest(taken: Taken, version: str) -> Document | None:
-    """The document of what plain entities leave; None if these are not all of model space's."""
-    from ezdxf.filemanagement import read
-
-    try:
-        document = read(io.StringIO(taken.rest))
-    except Exception:  # the file is not sound: ezdxf shall say so of the whole of it
-        return None
-    owners = {document.modelspace().layout_key}
-    return document if document.loaded_dxfversion == version and taken.owners <= owners else None
-
-
 def _text(data: bytes, encoding: str, errors: str) -> io.TextIOWrapper:
     return io.TextIOWrapper(io.BytesIO(data), encoding=encoding, errors=errors)
-
-
-def _load_binary(data: bytes) -> _Drawing:
-    from ezdxf.document import Drawing
-    from ezdxf.lldxf.tagger import binary_tags_loader
-
-    document = Drawing.load(binary_tags_loader(data))
-    return document, tables_of(document), ()
 
 
 def _repaired(
@@ -276,7 +263,7 @@ class _Taker:
         self.odd = False  #: whether a plain entity is where none is allowed
         self.owners: set[str] = set()
         self._spans: list[tuple[int, int]] = []  #: first row of each run, and the row behind it
-        self._attributes: dict[Says, Attributes] = {}
+        self._attributes: dict[Texts, Attributes] = {}
 
     def take(self, entities: Iterable[int]) -> None:
         """Take those of the entities that are plain."""
@@ -291,8 +278,11 @@ class _Taker:
             except KeyError:
                 plan = plans[key] = plan_of(row[0], _codes(sequence), self.r12)
             plain = None if plan is None else self._read(plan, row)
-            if plain is None:
-                goes_on = _goes_on(row, sequence)
+            if plain is None:  # do its vertices or attributes follow, up to a SEQEND?
+                goes_on = row[0] in ("POLYLINE", "VERTEX", "ATTRIB")
+                if row[0] == "INSERT":
+                    codes = _codes(sequence)
+                    goes_on = 66 in codes and row[codes.index(66)].strip() != "0"
                 continue
             self.odd |= goes_on
             begun, behind = self._spans[-1] if self._spans else (0, 0)
@@ -305,18 +295,17 @@ class _Taker:
 
     def _read(self, plan: ValuePlaces, row: list[str]) -> Plain | None:
         row += BEYOND
-        said = plan.attributes(row)
+        texts = plan.attributes(row)
         try:
-            attributes = self._attributes.get(said)
+            attributes = self._attributes.get(texts)
             if attributes is None:
-                attributes = self._attributes[said] = attributes_from(*said)
+                attributes = self._attributes[texts] = attributes_from(*texts)
             values = plan.read(row)
         except (ValueError, ArithmeticError):
             return None
         self.owners.add(row[plan.owner])
-        return Plain(
-            row[0], None if plan.handle == NOT_SAID else row[plan.handle], attributes, values
-        )
+        handle = None if plan.handle == NOT_SAID else row[plan.handle]
+        return Plain(row[0], handle, attributes, values)
 
     def has_names_of_others(self) -> bool:
         """Whether anything in the rest of the file has the handle of a plain entity."""
@@ -336,11 +325,3 @@ class _Taker:
             pieces += ("0", MARKER)
             kept = last
         return "\n".join((*pieces, *lines[2 * kept :], ""))
-
-
-def _goes_on(row: list[str], sequence: bytes) -> bool:
-    """Whether the vertices or attributes of an entity follow, up to a SEQEND."""
-    if row[0] == "INSERT":
-        codes = _codes(sequence)
-        return 66 in codes and row[codes.index(66)].strip() != "0"
-    return row[0] in ("POLYLINE", "VERTEX", "ATTRIB")

@@ -25,8 +25,8 @@ from beamcam.readers.dxf.layers import BRACKET, BYLAYER, HANDLE, SUBCLASS, TYPE_
 Codes = tuple[int, ...]
 Values = tuple[Any, ...]  #: what the function of `curves` for the kind of entity takes
 
-#: Layer, colour, true colour, whether it is hidden, line type.
-Says = tuple[str, str, str, str, str]
+#: Layer, colour, true colour, whether it is hidden, line type, as a file has them.
+Texts = tuple[str, str, str, str, str]
 #: The values of an entity, one a row, and `BEYOND` behind them.
 Row = list[str]
 
@@ -59,7 +59,7 @@ class ValuePlaces(Struct, frozen=True):
 
     handle: int
     owner: int
-    attributes: Callable[[Row], Says]
+    attributes: Callable[[Row], Texts]
     values: Callable[[Row], Values]
     reals: tuple[int, ...]  #: numbers that are not used here, but have to be some
     wholes: tuple[int, ...]
@@ -191,20 +191,16 @@ def _is_regular(kind: _Kind, codes: Codes) -> bool:
     if not ordered or not kind.needed.issubset(codes):
         return False
     once = [c for c in codes if c not in kind.many and c not in (SUBCLASS, BRACKET, OWNER)]
-    return len(once) == len(set(once)) and _points_are_whole(codes)
-
-
-#: The group codes of x of a point; y follows with 10 more, and z with 20 if it is there.
-_X = (10, 11, 12, 13, 210)
-
-
-def _points_are_whole(codes: Codes) -> bool:
     before, after = (-1, *codes), (*codes[1:], -1)
-    return all(
+    return len(once) == len(set(once)) and all(
         (after[k] == code + 10 or code not in _X)
         and (before[k] == code - 10 or (code - 10 not in _X and code - 20 not in _X))
         for k, code in enumerate(codes)
     )
+
+
+#: The group codes of x of a point; y follows with 10 more, and z with 20 if it is there.
+_X = (10, 11, 12, 13, 210)
 
 
 def _numbers(texts: Sequence[str]) -> tuple[float, ...]:
