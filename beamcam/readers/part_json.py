@@ -20,11 +20,9 @@ from beamcam.model.part import (
     Bend,
     Camber,
     Contour,
-    ContourKind,
     EndPlane,
     Feature,
     Hole,
-    HoleKind,
     Part,
     Plane,
     Profile,
@@ -142,18 +140,16 @@ def _features(
                 known = ", ".join(planes) or "it has none"
                 raise place.at("face").fault(JSON_FACE, found=name, planes=known)
             order = inf if one.feature is None else one.feature
-            numbered.append((order, _feature(one, place, source(one, place))))
+            if isinstance(one, ContourForm):
+                numbered.append((order, _contour(one, place, source(one, place))))
+                continue
+            fields = {k: value for k, value in asdict(one).items() if k not in _NOT_ITS_OWN}
+            if isinstance(one, HoleForm | SlotForm):
+                of_depth = "through" if one.depth is None else "blind"
+                fields["kind"] = of_depth if isinstance(one.kind, UnsetType) else one.kind
+            numbered.append((order, _MADE[type(one)](**fields, source=source(one, place))))
     numbered.sort(key=lambda pair: pair[0])
     return tuple(feature for _, feature in numbered)
-
-
-def _feature(form: Featured, place: JsonPlace, source: Source) -> Feature:
-    if isinstance(form, ContourForm):
-        return _contour(form, place, source)
-    fields = {name: value for name, value in asdict(form).items() if name not in _NOT_ITS_OWN}
-    if isinstance(form, HoleForm | SlotForm):
-        fields["kind"] = _kind(form)
-    return _MADE[type(form)](**fields, source=source)
 
 
 #: Keys of a feature's form that are not fields of the feature.
@@ -165,50 +161,36 @@ _MADE: dict[type[Featured], Callable[..., Feature]] = {
 }  # fmt: skip
 
 
-def _kind(form: HoleForm | SlotForm) -> HoleKind:
-    if isinstance(form.kind, UnsetType):
-        return "through" if form.depth is None else "blind"
-    return form.kind
-
-
 def _contour(form: ContourForm, place: JsonPlace, source: Source) -> Contour:
     if not form.curves:
         raise place.at("curves").wrong("no curves", "one curve or more")
-    found = _each(form.curves, place.at("curves"))
-    curves = tuple(curve for one, below in found for curve in curves_of(one, below))
-    # Shorthands have no direction of their own.
+    forms = _each(form.curves, place.at("curves"))
+    curves = tuple(curve for one, below in forms for curve in curves_of(one, below))
+    closed = _is_closed(curves)
+    # Shorthands have no direction of their own: outer ones run counter-clockwise from outside.
     drawn = all(
         one.polygon or one.circle or one.tangent_circle or one.function for one in form.curves
     )
-    if drawn and form.kind != "open" and _is_closed(curves):
-        curves = _turned_as(curves, form.kind, form.face)
+    if drawn and form.kind != "open" and closed:
+        positive = (form.kind == "outer") != (form.face in MIRRORED_FACES)
+        if (signed_area(curves) > 0) != positive:
+            curves = tuple(curve.reversed() for curve in reversed(curves))
+    colour = form.colour
+    if colour is not None:
+        try:
+            colour = parse_colour(colour)
+        except ValueError:
+            expected = "#RRGGBB, rgb(r, g, b) or the name of a colour"
+            raise place.at("colour").wrong(colour, expected) from None
     for key in ("bevels", "notches"):
         for row, below in _each(getattr(form, key), place.at(key)):
             if not 0 <= row.curve < len(curves):
                 raise below.at("curve").fault(JSON_INDEX, found=row.curve, count=len(curves))
     return Contour(
         form.face, form.kind, curves, source, form.process,
-        _is_closed(curves) if isinstance(form.closed, UnsetType) else form.closed, form.bevels,
-        form.notches, form.edge, form.layer, _colour(form.colour, place.at("colour")),
+        closed if isinstance(form.closed, UnsetType) else form.closed, form.bevels,
+        form.notches, form.edge, form.layer, colour,
     )  # fmt: skip
-
-
-def _colour(text: str | None, place: JsonPlace) -> str | None:
-    """A colour as "#rrggbb"."""
-    if text is None:
-        return None
-    try:
-        return parse_colour(text)
-    except ValueError:
-        raise place.wrong(text, "#RRGGBB, rgb(r, g, b) or the name of a colour") from None
-
-
-def _turned_as(curves: tuple[Curve, ...], kind: ContourKind, face: str) -> tuple[Curve, ...]:
-    """Polygons, circles and ways so that outer ones run counter-clockwise seen from outside."""
-    positive = (kind == "outer") != (face in MIRRORED_FACES)
-    if (signed_area(curves) > 0) == positive:
-        return curves
-    return tuple(curve.reversed() for curve in reversed(curves))
 
 
 def _is_closed(curves: tuple[Curve, ...]) -> bool:
@@ -240,6 +222,7 @@ def looks_like(data: bytes) -> bool:
 
 def read(data: bytes, name: str) -> Reading:
     """The part of a JSON file; never raises."""
+    source = Source(name)
     try:
         value = json.loads(
             data.decode("utf-8-sig"), object_pairs_hook=_unique, parse_constant=_refuse_constant
@@ -247,22 +230,20 @@ def read(data: bytes, name: str) -> Reading:
         if _HALF.search(data):
             value = _whole(value)
     except _KeyTwice as error:
-        return Reading("part-json", (), (JSON_KEY_TWICE.at(Source(name), key=str(error)),))
+        return Reading("part-json", (), (JSON_KEY_TWICE.at(source, key=str(error)),))
     except json.JSONDecodeError as error:
-        collected = f"{error.msg} in column {error.colno}"
-        return Reading(
-            "part-json", (), (JSON_SYNTAX.at(Source(name, error.lineno), found=collected),)
-        )
+        source, found = Source(name, error.lineno), f"{error.msg} in column {error.colno}"
     except UnicodeDecodeError as error:
-        collected = f"bytes that are no UTF-8 at {error.start}"
-        return Reading("part-json", (), (JSON_SYNTAX.at(Source(name), found=collected),))
+        found = f"bytes that are no UTF-8 at {error.start}"
     except (RecursionError, ValueError) as error:
-        return Reading("part-json", (), (JSON_SYNTAX.at(Source(name), found=fault_text(error)),))
-    try:
-        part = part_from_json(value, name)
-    except ReadError as error:
-        return Reading("part-json", (), error.diagnostics)
-    return Reading("part-json", (part,), tuple(checked_polynomials(part)))
+        found = fault_text(error)
+    else:
+        try:
+            part = part_from_json(value, name)
+        except ReadError as error:
+            return Reading("part-json", (), error.diagnostics)
+        return Reading("part-json", (part,), tuple(checked_polynomials(part)))
+    return Reading("part-json", (), (JSON_SYNTAX.at(source, found=found),))
 
 
 #: What half of a character is written as, which no file takes afterwards.

@@ -1,7 +1,7 @@
 """XML to elements that know their line; names of SVG without prefix, others left out."""
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from itertools import pairwise
 from xml.parsers import expat
 
@@ -223,17 +223,12 @@ class StyleSheet(Struct):
 
     def add(self, text: str) -> None:
         """Take in the rules of one element `style`."""
-        pieces = _BRACE.split(_without_statements(_without_comments(text)))
-        at = 0
-        while at + 3 < len(pieces):
-            head, begin, body, end = pieces[at : at + 4]
-            at += 2
-            if begin == "{" and end == "}":  # of braces inside one another the innermost
-                at += 2
-                if "@" not in head:  # @font-face: nothing that a shape could look like
-                    style = tuple(declarations(body))
-                    for selector in head.split(","):
-                        self._add_rule(selector.strip(), style)
+        for head, body in _rules(_without_statements(_without_comments(text))):
+            if "@" in head:  # @font-face: nothing that a shape could look like
+                continue
+            style = tuple(declarations(body))
+            for selector in head.split(","):
+                self._add_rule(selector.strip(), style)
 
     def _add_rule(self, selector: str, style: tuple[tuple[str, str, bool], ...]) -> None:
         steps = re.sub(r"\s*>\s*", " > ", selector).split()
@@ -318,6 +313,17 @@ def _without_statements(text: str) -> str:
             at = begin
     kept.append(text[at:])
     return " ".join(kept)
+
+
+def _rules(text: str) -> Iterator[tuple[str, str]]:
+    """Head and body of each rule; of braces inside one another the innermost."""
+    pieces = _BRACE.split(text)
+    at = 0
+    while at + 3 < len(pieces):
+        if pieces[at + 1] == "{" and pieces[at + 3] == "}":
+            yield pieces[at], pieces[at + 2]
+            at += 2
+        at += 2
 
 
 def declarations(text: str) -> Iterable[tuple[str, str, bool]]:
