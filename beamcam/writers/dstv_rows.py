@@ -17,6 +17,7 @@ from beamcam.geometry.curves import (
     signed_area,
     unit_vector,
 )
+from beamcam.geometry.plane import distance
 from beamcam.model.part import (
     MIRRORED_FACES,
     Bend,
@@ -167,24 +168,20 @@ def contour_rows(contour: Contour, tolerance: float | None) -> list[str]:
         if len(here) > 2:
             raise BeamcamError(WRITE_BEVELS.at(contour.source, count=len(here)))
         pairs = tuple(value for bevel in here for value in (bevel.angle, bevel.land))
-        add(curve.start, sign * _radius(curve), pairs=pairs)
+        radius = 0.0  # of an arc, negative if it runs clockwise in the numbers
+        if isinstance(curve, Arc):
+            radius = curve.radius if curve.sweep_deg > 0 else -curve.radius
+        add(curve.start, sign * radius, pairs=pairs)
         for notch in contour.notches:
             if notch.curve == i:
                 add(notch.corner, sign * notch.radius, notch.kind)
     start, end = contour.curves[0].start, contour.curves[-1].end
-    if contour.closed and hypot(start[0] - end[0], start[1] - end[1]) < 0.01:
+    if contour.closed and distance(start, end) < 0.01:
         end = start
     add(end, 0.0)
     if contour.closed and end != start:
         add(start, 0.0)
     return rows
-
-
-def _radius(curve: Curve) -> float:
-    """The radius of an arc, negative if it runs clockwise in the numbers; 0 of a line."""
-    if isinstance(curve, Arc):
-        return curve.radius if curve.sweep_deg > 0 else -curve.radius
-    return 0.0
 
 
 def _by_the_book(contour: Contour) -> Contour:
@@ -213,21 +210,14 @@ def _by_the_book(contour: Contour) -> Contour:
 def _in_dstv_curves(contour: Contour, tolerance: float | None) -> Contour:
     """`contour` in lines and arcs of at most 180 degrees; bevels go with each piece."""
     pieces: list[Curve] = []
-    first_of: list[int] = []
-    count_of: list[int] = []
+    places: list[range] = []  # of each curve's pieces
     for curve in contour.curves:
-        curves = _pieces(curve, contour, tolerance)
-        first_of.append(len(pieces))
-        count_of.append(len(curves))
-        pieces += curves
+        pieces += _pieces(curve, contour, tolerance)
+        places.append(range(places[-1].stop if places else 0, len(pieces)))
     if len(pieces) == len(contour.curves):
         return replace(contour, curves=tuple(pieces))
-    bevels = tuple(
-        Bevel(first_of[b.curve] + k, b.angle, b.land)
-        for b in contour.bevels
-        for k in range(count_of[b.curve])
-    )
-    notches = tuple(replace(n, curve=first_of[n.curve]) for n in contour.notches)
+    bevels = tuple(Bevel(k, b.angle, b.land) for b in contour.bevels for k in places[b.curve])
+    notches = tuple(replace(n, curve=places[n.curve].start) for n in contour.notches)
     return replace(contour, curves=tuple(pieces), bevels=bevels, notches=notches)
 
 
@@ -243,10 +233,9 @@ def _pieces(curve: Curve, contour: Contour, tolerance: float | None) -> list[Cur
             count = ceil(abs(curve.sweep_deg) / 180.0 - 1e-12)
             if count <= 1:
                 # Readers take an arc for the half circle whose rounded numbers it could have.
-                (ax, ay), (bx, by) = curve.start, curve.end
-                if not 0.0 < 2 * curve.radius - hypot(bx - ax, by - ay) <= LIKE_HALF:
-                    return [curve]
-                if abs(abs(curve.sweep_deg) - 180.0) < 1e-9:
+                short = 2 * curve.radius - distance(curve.start, curve.end)
+                is_half = abs(abs(curve.sweep_deg) - 180.0) < 1e-9
+                if is_half or not 0.0 < short <= LIKE_HALF:
                     return [curve]
                 count = 2
             step = curve.sweep_deg / count
@@ -257,23 +246,16 @@ def _pieces(curve: Curve, contour: Contour, tolerance: float | None) -> list[Cur
     if tolerance is None or tolerance <= 0:
         raise BeamcamError(WRITE_CURVE.at(contour.source, kind=type(curve).__name__))
     if isinstance(curve, EllipseArc):
-        points = _ellipse_points(curve, tolerance)
+        # An ellipse is a circle of its major axis pressed flat, so that its chords are no further
+        # away than the circle's: step = 2 acos(1 - tolerance / major).
+        step = 2 * acos(max(0.0, 1 - tolerance / curve.major))
+        count = max(2, ceil(abs(radians(curve.sweep_deg)) / min(step, pi / 2)))
+        points = [curve.point(k / count) for k in range(count + 1)]
     else:
         points = [curve.start]
         for piece in bezier_pieces(curve):
             points += _bezier_points(piece, tolerance)
     return [Line(a, b) for a, b in pairwise(points) if a != b]
-
-
-def _ellipse_points(curve: EllipseArc, tolerance: float) -> list[Point]:
-    """Points whose chords stay within `tolerance` of an ellipse.
-
-    The ellipse is a circle of its major axis pressed flat, so its chords are no further away
-    than the circle's: step = 2 acos(1 - tolerance / major).
-    """
-    step = 2 * acos(max(0.0, 1 - tolerance / curve.major)) if tolerance < curve.major else pi / 2
-    count = max(2, ceil(abs(radians(curve.sweep_deg)) / min(step, pi / 2)))
-    return [curve.point(k / count) for k in range(count + 1)]
 
 
 def _bezier_points(curve: Bezier, tolerance: float, depth: int = 24) -> list[Point]:
@@ -291,7 +273,5 @@ def _bezier_points(curve: Bezier, tolerance: float, depth: int = 24) -> list[Poi
         flat = flat and hypot(x - x0 - t * dx, y - y0 - t * dy) <= tolerance
     if flat or depth == 0:
         return [curve.end]
-    first, second = curve.split(0.5)
-    return _bezier_points(first, tolerance, depth - 1) + _bezier_points(
-        second, tolerance, depth - 1
-    )
+    halves = [_bezier_points(half, tolerance, depth - 1) for half in curve.split(0.5)]
+    return halves[0] + halves[1]

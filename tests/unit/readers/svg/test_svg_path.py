@@ -260,7 +260,7 @@ def test_numbers_set_apart_are_those_that_the_grammar_finds(text: str) -> None:
         assert _numbers("H", text) == found
         assert not rest
     except PathError:
-        assert rest or not found  # no length to go
+        assert rest or not found or max(map(abs, found)) > 1e9  # no length to go
 
 
 @pytest.mark.parametrize(
