@@ -8,7 +8,7 @@ import json
 import os
 import os.path
 import tomllib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any, get_args
 
@@ -60,45 +60,35 @@ def load(path: str | Path) -> Config:
     place = TomlPlace({"": (str(path), text)})
     try:
         read = converted(table, ConfigFile)
-        _check_colours(read.map)
+        for key in read.map:
+            if key.startswith(("#", "rgb(", "rgba(")):
+                from beamcam.model.colour import parse_colour
+
+                try:
+                    parse_colour(key)
+                except ValueError as error:
+                    raise Fault("value", ("map", key), key, "a colour such as '#ff0000'") from error
     except Fault as fault:
         raise ConfigError(_diagnostic(fault, place)) from None
     folder = file.resolve().parent
+
+    def held(machine: str) -> str:
+        """A machine's name, or its path as it holds wherever the command is called from."""
+        return str(folder / machine.replace("\\", "/")) if machine.endswith(".toml") else machine
+
     values: dict[str, Any] = {name: getattr(read, name) for name in table}
     if read.machine:
-        values["machine"] = _from(folder, read.machine)
-    if read.machines:
-        values["machines"] = {
-            stock: _from(folder, named)
-            if isinstance(named, str)
-            else tuple(_from(folder, name) for name in named)
-            for stock, named in read.machines.items()
-        }
-    values["split"] = tuple(_from(folder, name) for name in read.split)
+        values["machine"] = held(read.machine)
+    values["machines"] = {
+        stock: held(named) if isinstance(named, str) else tuple(map(held, named))
+        for stock, named in read.machines.items()
+    }
+    values["split"] = tuple(map(held, read.split))
     values["trust"] = tuple(str(folder / portable_path(place)) for place in read.trust)
     values["stock_lengths"] = tuple(sorted(set(read.stock_lengths)))
     rows = [f"{key}.{row}" for key in table if isinstance(table[key], dict) for row in table[key]]
     sources = {key: place.child(key).source for key in (*table, *rows)}
     return Config(**values, files=(str(path),), own=(str(path),), sources=sources)
-
-
-def _from(folder: Path, machine: str) -> str:
-    """A machine's name, or its path as it holds wherever the command is called from."""
-    return str(folder / machine.replace("\\", "/")) if machine.endswith(".toml") else machine
-
-
-def _check_colours(colours: Mapping[str, object]) -> None:
-    """Raises Fault for a key of the map that starts like a colour and is not one."""
-    if not colours:
-        return
-    from beamcam.model.colour import parse_colour
-
-    for key in colours:
-        if key.startswith(("#", "rgb(", "rgba(")):
-            try:
-                parse_colour(key)
-            except ValueError as error:
-                raise Fault("value", ("map", key), key, "a colour such as '#ff0000'") from error
 
 
 def _diagnostic(fault: Fault, place: TomlPlace) -> Diagnostic:
@@ -215,10 +205,7 @@ def _is_harmless(key: str) -> bool:
 
 # --- remember -------------------------------------------------------------------------------------
 
-# Folders that the user trusts for good: the key `trust` of the user's own configuration.
-
-
-KEY = "trust"
+KEY = "trust"  #: in the user's own configuration: folders that the user trusts for good
 
 
 def remember(folders: Sequence[str]) -> str:
@@ -259,9 +246,6 @@ def with_trust(text: str, folders: Sequence[str]) -> str:
 
 
 # --- apply ----------------------------------------------------------------------------------------
-
-# Changes of a drilling machine by a configuration: its tolerances.
-
 
 #: Key below `[tolerances]` -> field of the machine's drill that it stands for.
 TOLERANCES = {

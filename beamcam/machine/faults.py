@@ -263,9 +263,6 @@ def _body_faults(key: str, body: MachineBox, axes: frozenset[str]) -> Iterator[F
 
 # --- templates ------------------------------------------------------------------------------------
 
-# Checks of the templates of a program's blocks.
-
-
 #: How a value may be set in a template; a greater width would fill the memory with blanks.
 _FIELD_FORM = re.compile(r"[^{}]?[<>^]?[0-9]{0,2}")
 _COMMENT = re.compile(r"\([^()]*\)")

@@ -13,33 +13,12 @@ from msgspec import json, structs
 from beamcam.caches import cached
 from beamcam.conversion import Fault, converted, nearest, shown
 from beamcam.errors import Diagnostic, MachineError, Source
+from beamcam.machine import toml
+from beamcam.machine import words as rules
 from beamcam.machine.machine import Machine, MachineFile
 from beamcam.machine.proved import PROVED
 from beamcam.machine.stations import as_formula
-from beamcam.machine.toml import (
-    MAX_TOML_BYTES,
-    KeyTwice,
-    TomlError,
-    TomlFile,
-    TomlPlace,
-    keys_of,
-    line_of,
-    toml_text,
-    with_more_rows,
-    with_present_keys,
-    without,
-)
-from beamcam.machine.words import (
-    BASE_LOOP,
-    FORMER_KEY,
-    KEY_TWICE,
-    MISSING_KEY,
-    NAME_TWICE,
-    NOT_TOML,
-    UNKNOWN_KEY,
-    UNKNOWN_MACHINE,
-    WRONG_VALUE,
-)
+from beamcam.machine.toml import TomlFile, TomlPlace, line_of
 from beamcam.system import beginning_of, portable_path, user_folder
 
 MAX_BASES = 8  #: machine files laid over each other
@@ -109,7 +88,7 @@ def _cause(files: tuple[TomlFile, ...]) -> Source:
     That is the first of its keys without which there is no fault; else the whole file.
     """
     own = files[0]
-    for words in keys_of(_present(own)[0]):
+    for words in toml.keys_of(_present(own)[0]):
         try:
             _described(files, words)
         except MachineError:
@@ -126,17 +105,18 @@ def _is_of_shipped_base(source: Source, files: tuple[TomlFile, ...]) -> bool:
 
 def _described(files: tuple[TomlFile, ...], but: Sequence[str] = ()) -> Machine:
     """The machine of `_checked`, its faults where the values stand; without a key of its file."""
+    renamed = [(file, key, present) for file in files for key, present in _present(file)[1]]
     remarks = tuple(
-        FORMER_KEY.at(Source(file.shown, line_of(file.text, key)), found=key, expected=present)
-        for file in files for key, present in _present(file)[1]
-    )  # fmt: skip
+        rules.FORMER_KEY.at(Source(f.shown, line_of(f.text, key)), found=key, expected=present)
+        for f, key, present in renamed
+    )
     table, places = merged(files, but)
     place = TomlPlace(places)
     name = table["name"]
     # The head of a program and every message would name a machine that did not make it.
     plain = normalize("NFKC", name).strip().casefold() if isinstance(name, str) else ""
     if files[0].path.parent != SHIPPED and plain in shipped():
-        raise MachineError(NAME_TWICE.at(place.child("name").source, found=name))
+        raise MachineError(rules.NAME_TWICE.at(place.child("name").source, found=name))
     try:
         read = converted(table, MachineFile, as_formula)
     except Fault as fault:
@@ -160,10 +140,10 @@ def _described(files: tuple[TomlFile, ...], but: Sequence[str] = ()) -> Machine:
 def _present(file: TomlFile) -> tuple[dict[str, Any], list[tuple[str, str]]]:
     """A file's table as this version names its keys, and its renamed keys. Raises MachineError."""
     try:
-        return with_present_keys(file.table)
-    except KeyTwice as twice:
+        return toml.with_present_keys(file.table)
+    except toml.KeyTwice as twice:
         source = Source(file.shown, line_of(file.text, twice.former))
-        diagnostic = KEY_TWICE.at(source, found=twice.former, expected=twice.present)
+        diagnostic = rules.KEY_TWICE.at(source, found=twice.former, expected=twice.present)
         raise MachineError(diagnostic) from None
 
 
@@ -171,11 +151,11 @@ def _diagnostic(fault: Fault, place: TomlPlace) -> Diagnostic:
     """The message for an invalid key of a machine file."""
     at = place.child(*fault.path)
     if fault.kind == "unknown":
-        return UNKNOWN_KEY.at(at.source, found=at.key, expected=fault.expected)
+        return rules.UNKNOWN_KEY.at(at.source, found=at.key, expected=fault.expected)
     if fault.kind == "missing":
-        return MISSING_KEY.at(at.source, expected=at.key)
+        return rules.MISSING_KEY.at(at.source, expected=at.key)
     found = shown(fault.found)
-    return WRONG_VALUE.at(at.source, key=at.key, found=found, expected=fault.expected)
+    return rules.WRONG_VALUE.at(at.source, key=at.key, found=found, expected=fault.expected)
 
 
 def files_of_machine(name: str) -> tuple[TomlFile, ...]:
@@ -184,16 +164,18 @@ def files_of_machine(name: str) -> tuple[TomlFile, ...]:
     while True:
         path = _find(name, files[-1] if files else None)
         if any(path == file.path for file in files):
-            raise MachineError(BASE_LOOP.at(Source(str(files[0].path)), found=path.stem))
+            raise MachineError(rules.BASE_LOOP.at(Source(str(files[0].path)), found=path.stem))
         shown = path.name if path.parent == SHIPPED else str(path)
         try:
-            file = TomlFile(path, shown, toml_text(beginning_of(path, MAX_TOML_BYTES + 1)))
+            file = TomlFile(
+                path, shown, toml.toml_text(beginning_of(path, toml.MAX_TOML_BYTES + 1))
+            )
             base = file.table.get("base")
-        except TomlError as error:
-            raise MachineError(NOT_TOML.at(Source(shown, error.line), found=error)) from error
+        except toml.TomlError as error:
+            raise MachineError(rules.NOT_TOML.at(Source(shown, error.line), found=error)) from error
         except OSError as error:
             expected = error.strerror or "a file that can be read"
-            diagnostic = UNKNOWN_MACHINE.at(Source(shown), found=name, expected=expected)
+            diagnostic = rules.UNKNOWN_MACHINE.at(Source(shown), found=name, expected=expected)
             raise MachineError(diagnostic) from error
         files.append(file)
         if base is None:
@@ -207,7 +189,7 @@ def files_of_machine(name: str) -> tuple[TomlFile, ...]:
 
 def _wrong_base(file: TomlFile, expected: str) -> Diagnostic:
     source, found = Source(file.shown, line_of(file.text, "base")), repr(file.table["base"])
-    return WRONG_VALUE.at(source, key="base", found=found, expected=expected)
+    return rules.WRONG_VALUE.at(source, key="base", found=found, expected=expected)
 
 
 def merged(
@@ -223,7 +205,7 @@ def merged(
         own = {"name": file.path.stem, **_present(file)[0]}
         own.pop("base", None)
         if but and file is files[0] and but[0] in own:
-            own = without(own, but)
+            own = toml.without(own, but)
         if file is not files[0]:
             own = {k: v for k, v in own.items() if k not in ("default_for", "choice")}
         if "axes" in own:
@@ -232,7 +214,7 @@ def merged(
         origin = file.shown, file.text
         _overlay(table, own, places, origin, "")
         places[""] = origin
-    return with_more_rows(table), places
+    return toml.with_more_rows(table), places
 
 
 def _overlay(
@@ -274,7 +256,7 @@ def _find(name: str, over: TomlFile | None) -> Path:
         return beside.resolve()  # one's own, laid over another one's own
     expected = f"{nearest(name, shipped())} or the path of a .toml file"
     source = Source(name) if over is None else Source(over.shown, line_of(over.text, "base"))
-    raise MachineError(UNKNOWN_MACHINE.at(source, found=name, expected=expected))
+    raise MachineError(rules.UNKNOWN_MACHINE.at(source, found=name, expected=expected))
 
 
 # --- machines of one's own ------------------------------------------------------------------------
@@ -326,6 +308,6 @@ def resolved(name: str, configurations: Sequence[str]) -> str:
         path = os.path.join(folder, f"{name}.toml")
         if os.path.isfile(path):
             if (SHIPPED / f"{name}.toml").is_file():
-                raise MachineError(NAME_TWICE.at(Source(path), found=name))
+                raise MachineError(rules.NAME_TWICE.at(Source(path), found=name))
             return path
     return name

@@ -78,9 +78,6 @@ def _axis_faults(machine: Machine, left_behind: Set[str]) -> Iterator[Fault]:
 
 # --- name faults ----------------------------------------------------------------------------------
 
-# Checks of what a machine's keys name: axes, faces, sections, suffixes.
-
-
 #: DSTV codes of sections.
 SECTION_CODES = ("I", "U", "L", "M", "RO", "RU", "C", "T", "B", "SO")
 _SUFFIX = re.compile(r"\.[A-Za-z0-9_-]{1,16}")
@@ -119,9 +116,6 @@ def name_faults(machine: Machine) -> Iterator[Fault]:
 
 
 # --- marking faults -------------------------------------------------------------------------------
-
-# Checks of a stamp or printer: what it has, and the word that tells it a text.
-
 
 _LAST_ASCII = "~"
 

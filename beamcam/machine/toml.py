@@ -277,25 +277,19 @@ def with_present_keys(table: dict[str, Any]) -> tuple[dict[str, Any], list[tuple
     return _renamed_in(table, "", renamed), renamed
 
 
-def _renamed_in(
-    table: dict[str, Any], prefix: str, renamed: list[tuple[str, str]]
-) -> dict[str, Any]:
+def _renamed_in(value: Any, prefix: str, renamed: list[tuple[str, str]]) -> Any:
+    if isinstance(value, list):
+        return [_renamed_in(item, f"{prefix}{k}.", renamed) for k, item in enumerate(value)]
+    if not isinstance(value, dict):
+        return value
     present: dict[str, Any] = {}
     of = prefix.rstrip(".").rpartition(".")[2]
-    for key, value in table.items():
+    for key, item in value.items():
         name = _RENAMED.get((of, key))
         name = name or _FORMER.sub(lambda match: _PRESENT[match[1]] + match[2], key, count=1)
         if name != key:
-            if name in table:
+            if name in value:
                 raise KeyTwice(prefix + key, prefix + name)
             renamed.append((prefix + key, name))
-        present[name] = value if key in _FREE else _renamed_value(value, f"{prefix}{key}.", renamed)
+        present[name] = item if key in _FREE else _renamed_in(item, f"{prefix}{key}.", renamed)
     return present
-
-
-def _renamed_value(value: Any, prefix: str, renamed: list[tuple[str, str]]) -> Any:
-    if isinstance(value, dict):
-        return _renamed_in(value, prefix, renamed)
-    if isinstance(value, list):
-        return [_renamed_value(item, f"{prefix}{k}.", renamed) for k, item in enumerate(value)]
-    return value

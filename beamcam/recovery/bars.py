@@ -37,9 +37,6 @@ from beamcam.recovery.recovered import (
 
 # --- section --------------------------------------------------------------------------------------
 
-# The section of a bar, as far as a program gives it.
-
-
 SAME = 0.05  #: mm, by which height and width that a program says may differ from the catalogue's
 SHOWN = 6  #: sections of one size that are named
 

@@ -117,9 +117,6 @@ def _way(a: Point, b: Point) -> Point:
 
 # --- rings ----------------------------------------------------------------------------------------
 
-# The closed contour in the path of a tool, between its leads and over its bridges.
-
-
 Curves = tuple[Curve, ...]
 
 

@@ -21,7 +21,7 @@ from beamcam.model.part import (
     TextMark,
 )
 from beamcam.writers import dstv_rows
-from beamcam.writers.dstv_rows import format_number
+from beamcam.writers.dstv_rows import format_number, numbers
 
 _CONTOUR_CODES = {
     ("outer", "cut"): "AK", ("inner", "cut"): "IK", ("open", "punch"): "KO",
@@ -49,7 +49,8 @@ def write(part: Part, tolerance: float | None = None) -> str:
         sheet.comments_at(f"header:{i}")
         sheet.lines.append("  " + text if text else "  ")
     for i, point in enumerate(part.section):
-        sheet.row("PR", f"section:{i}", dstv_rows.section_row(point))
+        row = f"  {point.side}{numbers(point.y, point.z, point.radius)}"
+        sheet.row("PR", f"section:{i}", row)
     if part.tolerance is not None:
         least, greatest = part.tolerance
         sheet.row("TO", "tolerance", f"  {format_number(least)} {format_number(greatest)}")
@@ -145,7 +146,8 @@ def _write_features(part: Part, sheet: _Sheet, tolerance: float | None) -> None:
                 fault = dstv_rows.WRITE_FACE.at(plane.source, found=plane.name, what="a plane")
                 raise BeamcamError(fault)
             valid[number] = plane.name
-            sheet.rows(number, f"plane:{k}", dstv_rows.plane_rows(plane))
+            points = (plane.origin, plane.along_x, plane.along_y)
+            sheet.rows(number, f"plane:{k}", [" " + numbers(*point) for point in points])
 
     for i, feature in enumerate(part.features):
         write_planes(i)
@@ -180,12 +182,15 @@ def _write_feature(
             code = _code(code, feature.face, "a contour", planes, valid, source)
             sheet.rows(code, anchor, dstv_rows.contour_rows(feature, tolerance))
         case Bend():
-            sheet.row("KA", anchor, dstv_rows.bend_row(feature))
+            radius = () if feature.radius is None else (feature.radius,)
+            bend = (*feature.start, *feature.end, feature.angle, *radius)
+            sheet.row("KA", anchor, " " + numbers(*bend))
         case EndPlane():
-            sheet.row("SC", anchor, dstv_rows.end_plane_row(feature))
+            sheet.row("SC", anchor, " " + numbers(*feature.point, *feature.normal))
         case Camber():
             _code("UE", feature.face, "a camber", (), {}, source)
-            sheet.row("UE", anchor, dstv_rows.camber_row(feature), feature.face)
+            row = dstv_rows.place(feature.face, feature.x, "", format_number(feature.y))
+            sheet.row("UE", anchor, row, feature.face)
 
 
 def _code(

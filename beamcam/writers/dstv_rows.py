@@ -20,14 +20,9 @@ from beamcam.geometry.curves import (
 from beamcam.geometry.plane import distance
 from beamcam.model.part import (
     MIRRORED_FACES,
-    Bend,
     Bevel,
-    Camber,
     Contour,
-    EndPlane,
     Hole,
-    Plane,
-    SectionPoint,
     Slot,
     TextMark,
 )
@@ -80,11 +75,12 @@ def _column(text: str) -> str:
     return " " + text.rjust(_WIDTH - 1)
 
 
-def _numbers(*values: float) -> str:
+def numbers(*values: float) -> str:
+    """Numbers in their columns."""
     return "".join(_column(format_number(value)) for value in values)
 
 
-def _place(face: str, x: float, edge: str, y: str) -> str:
+def place(face: str, x: float, edge: str, y: str) -> str:
     """Face, x with its reference letter, and y with what stands behind it."""
     letter = face if len(face) == 1 else " "
     return f"  {letter}{_column(format_number(x))}{edge or ' '}{_column(y)}"
@@ -94,9 +90,9 @@ def hole_row(hole: Hole) -> str:
     """The row of a hole in BO."""
     # "  v      100.00u     100.00      s18.00       8.00       0.00       0.00      90.00"
     size = _KIND_LETTERS.get(hole.kind, "") + format_number(hole.diameter)
-    row = _place(hole.face, hole.x, hole.edge, format_number(hole.y)) + _column(size)
-    row += _numbers(hole.depth or 0.0)
-    return row + _numbers(0.0, 0.0, hole.angle) if hole.angle else row
+    row = place(hole.face, hole.x, hole.edge, format_number(hole.y)) + _column(size)
+    row += numbers(hole.depth or 0.0)
+    return row + numbers(0.0, 0.0, hole.angle) if hole.angle else row
 
 
 def slot_row(slot: Slot) -> str:
@@ -106,43 +102,17 @@ def slot_row(slot: Slot) -> str:
     x = slot.x - (slot.length * cos_w - slot.height * sin_w) / 2
     y = slot.y - (slot.length * sin_w + slot.height * cos_w) / 2
     size = _KIND_LETTERS.get(slot.kind, "") + format_number(slot.diameter)
-    row = _place(slot.face, x, slot.edge, format_number(y)) + _column(size)
+    row = place(slot.face, x, slot.edge, format_number(y)) + _column(size)
     row += _column(format_number(slot.depth or 0.0) + "l")
-    return row + _numbers(slot.length, slot.height, slot.angle)
+    return row + numbers(slot.length, slot.height, slot.angle)
 
 
 def text_row(mark: TextMark) -> str:
     """The row of a text in SI."""
     # "  v       30.00u     134.44       0.00  25r pt56"
     height = format_number(mark.height, 0).rstrip(".")
-    place = _place(mark.face, mark.x, mark.edge, format_number(mark.y))
-    return f"{place}{_numbers(mark.angle)} {height}{mark.option} {mark.text}"
-
-
-def bend_row(bend: Bend) -> str:
-    """The row of a bend in KA."""
-    row = " " + _numbers(*bend.start, *bend.end, bend.angle)
-    return row if bend.radius is None else row + _numbers(bend.radius)
-
-
-def end_plane_row(plane: EndPlane) -> str:
-    """The row of a cutting plane in SC."""
-    return " " + _numbers(*plane.point, *plane.normal)
-
-
-def camber_row(camber: Camber) -> str:
-    """The row of a point of the camber line in UE."""
-    return _place(camber.face, camber.x, "", format_number(camber.y))
-
-
-def plane_rows(plane: Plane) -> list[str]:
-    """The three rows of a plane in En."""
-    return [" " + _numbers(*point) for point in (plane.origin, plane.along_x, plane.along_y)]
-
-
-def section_row(point: SectionPoint) -> str:
-    """The row of a cross-section's corner in PR."""
-    return f"  {point.side}{_numbers(point.y, point.z, point.radius)}"
+    row = place(mark.face, mark.x, mark.edge, format_number(mark.y))
+    return f"{row}{numbers(mark.angle)} {height}{mark.option} {mark.text}"
 
 
 def contour_rows(contour: Contour, tolerance: float | None) -> list[str]:
@@ -160,8 +130,8 @@ def contour_rows(contour: Contour, tolerance: float | None) -> list[str]:
 
     def add(point: Point, radius: float, letter: str = "", pairs: tuple[float, ...] = ()) -> None:
         face, edge = (" ", "") if rows else (contour.face, contour.edge)
-        place = _place(face, point[0], edge, format_number(point[1]))
-        rows.append(place + (letter or " ") + _numbers(radius, *pairs))
+        row = place(face, point[0], edge, format_number(point[1]))
+        rows.append(row + (letter or " ") + numbers(radius, *pairs))
 
     for i, curve in enumerate(contour.curves):
         here = bevels.get(i, [])

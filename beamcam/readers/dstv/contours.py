@@ -22,9 +22,6 @@ from beamcam.readers.dstv.rows import RowPlace, rows_of
 
 # --- contour rows ---------------------------------------------------------------------------------
 
-# Rows of the contour blocks AK, IK, KO and PU.
-
-
 #: A notch corner this many radii from its arc comes of tangents that are (nearly) parallel.
 _FARTHEST_CORNER = 1000.0
 

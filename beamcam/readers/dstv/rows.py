@@ -270,9 +270,6 @@ def read_info(block: Block, log: Log) -> list[tuple[str, str]]:
 
 # --- holes ----------------------------------------------------------------------------------------
 
-# Holes and slots: block BO, and Bn on planes.
-
-
 WALL_NOISE = 0.01  #: mm that a depth of a wall is rounded by
 # DSTV NC, page 10: the letter before the diameter.
 _KINDS: dict[str, HoleKind] = {

@@ -200,9 +200,6 @@ def find_unit(
 
 # --- walk -----------------------------------------------------------------------------------------
 
-# Every entity of model space, inserts opened, sorted into what is read and what is not.
-
-
 #: More copies of blocks than this are a damaged number, or blocks that multiply each other.
 MOST_COPIES = 20_000
 # What numbers that make no curve end in, here and inside ezdxf.

@@ -210,9 +210,6 @@ def _fraction(digits: int) -> re.Pattern[str]:
 
 # --- shapes ---------------------------------------------------------------------------------------
 
-# The basic shapes as chains of exact curves, in the units of the drawing.
-
-
 View = tuple[float, float]
 
 SHAPES = ("path", "rect", "circle", "ellipse", "line", "polyline", "polygon")
