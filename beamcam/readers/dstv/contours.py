@@ -6,7 +6,7 @@ clockwise in the numbers, unless the program that wrote the file draws them unmi
 direction of the face's outer contour tells.
 """
 
-from itertools import pairwise
+from itertools import pairwise, zip_longest
 from math import asin, hypot, inf, sin, sqrt
 from typing import Literal, final
 
@@ -94,25 +94,16 @@ def _fields(
     notch = ""
     if rest and rest[0] in ("t", "w"):
         notch, rest = rest[0], rest[1:]
-    values = numbers(rest, line, place.log)
-    if len(values) > 5:
-        raise RowError(row)
-    pairs = _bevel_pairs(values[1:], row, line, place.log)
-    return x, edge if edge in EDGES else "", y, notch, values[0] if values else 0.0, pairs
-
-
-def _bevel_pairs(values: list[float], row: str, line: int, log: Log) -> tuple[BevelPair, ...]:
-    """Angle and land of up to two bevels. Raises RowError for an angle without its land."""
+    radius, *values = numbers(rest, line, place.log) or [0.0]
     pairs = []
-    for i in range(0, len(values), 2):
-        angle = values[i]
+    for angle, land in zip_longest(values[::2], values[1::2]):
+        if len(values) > 4 or (angle and land is None):
+            raise RowError(row)
         if angle:
-            if i + 1 == len(values):
-                raise RowError(row)
-            pairs.append((angle, values[i + 1]))
-        elif values[i + 1 : i + 2] not in ([], [0.0]):
-            log.add(rules.BEVEL_ANGLE, line, land=values[i + 1])
-    return tuple(pairs)
+            pairs.append((angle, land))
+        elif land:
+            place.log.add(rules.BEVEL_ANGLE, line, land=land)
+    return x, edge if edge in EDGES else "", y, notch, radius, tuple(pairs)
 
 
 def _split_closed(rows: ContourRows) -> list[ContourRows]:
@@ -220,7 +211,13 @@ def build_contour(rows: ContourRows, mirrored: bool, thickness: float, log: Log)
     if mirrored:
         rows.radii = [-r for r in rows.radii]
     if rows.code in "AI" and rows.points[0] != rows.points[-1]:
-        _close(rows, log)
+        gap = distance(rows.points[-1], rows.points[0])
+        log.add(rules.CONTOUR_OPEN, rows.lines[-1], gap=gap)
+        if gap <= _SNAP and len(rows.points) > 2:
+            rows.points[-1] = rows.points[0]
+        else:
+            rows.points.append(rows.points[0])
+            rows.radii.append(0.0)
     closed = rows.points[0] == rows.points[-1]
     kind: ContourKind = "outer" if rows.code == "A" else "inner" if closed else "open"
     if closed:
@@ -274,18 +271,6 @@ def _drop_repeated(rows: ContourRows, log: Log) -> None:
     rows.points, rows.lines = [points[i] for i in kept], [lines[i] for i in kept]
     rows.radii, rows.notches = radii, notches
     rows.bevels = {place[i]: pairs for i, pairs in rows.bevels.items()}
-
-
-def _close(rows: ContourRows, log: Log) -> None:
-    """Lead a contour that must be closed and is not back to its start."""
-    first, last = rows.points[0], rows.points[-1]
-    gap = distance(last, first)
-    log.add(rules.CONTOUR_OPEN, rows.lines[-1], gap=gap)
-    if gap <= _SNAP and len(rows.points) > 2:
-        rows.points[-1] = first
-    else:
-        rows.points.append(first)
-        rows.radii.append(0.0)
 
 
 def _place_bevels(rows: ContourRows, closed: bool, thickness: float, log: Log) -> list[Bevel]:

@@ -118,7 +118,12 @@ def read_header(head: HeaderLines, source: Source, log: Log) -> Part | None:
         return None
     values, lines = head.values, head.numbers
     before = len(log.diagnostics)
-    quantity = _quantity(values[5], lines[5], log)
+    whole = _WHOLE.fullmatch(values[5])
+    quantity = int(whole[1]) if whole else None
+    if whole is None:
+        log.add(rules.QUANTITY, lines[5], found=values[5])
+    elif quantity == 0 or whole[2]:
+        log.add(rules.QUANTITY_FORM, lines[5], found=values[5], value=quantity)
     code = next((code for code in PROFILE_CODES if code == values[7].upper()), None)
     if code is None:
         log.add(rules.PROFILE_CODE, lines[7], found=values[7])
@@ -166,11 +171,11 @@ def _is_short(head: HeaderLines, log: Log) -> bool:
         last = lines[-1] if lines else head.end
         log.add(rules.HEADER_SHORT, last, found="the end of the file", count=len(values))
         return True
-    position = next((i for i in range(8, MIN_LINES) if values[i] in CODES), None)
-    if position is None:
-        return False
-    log.add(rules.HEADER_SHORT, lines[position], found=values[position], count=position)
-    return True
+    for i in range(8, MIN_LINES):
+        if values[i] in CODES:
+            log.add(rules.HEADER_SHORT, lines[i], found=values[i], count=i)
+            return True
+    return False
 
 
 #: Sections of ASTM A6 and A500 by code, named by their height in inches, and the greatest of it.
@@ -263,17 +268,6 @@ def _warn_of_texts(values: list[str], lines: list[int], log: Log) -> None:
             stem = log.file.replace("\\", "/").rpartition("/")[2].rsplit(".", 1)[0]
             if stem == name:
                 log.add(rules.MARK_ELSEWHERE, lines[3], found=values[3], field=field, name=name)
-
-
-def _quantity(text: str, line: int, log: Log) -> int | None:
-    match = _WHOLE.fullmatch(text)
-    if match is None:
-        log.add(rules.QUANTITY, line, found=text)
-        return None
-    value = int(match[1])
-    if value == 0 or match[2]:
-        log.add(rules.QUANTITY_FORM, line, found=text, value=value)
-    return value
 
 
 def _lengths(text: str, commas: bool, line: int, log: Log) -> tuple[float | None, float | None]:

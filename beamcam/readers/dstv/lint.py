@@ -276,16 +276,15 @@ def _contains(outline: _Outline, x: float, y: float) -> bool:
             # A counter-clockwise arc lies right of its chord.
             if (side < 0) == (arc.sweep_deg > 0):
                 inside = not inside
-    return inside or any(_distance(a, b, x, y) <= EDGE_TOLERANCE for a, b in outline.edges)
-
-
-def _distance(a: Point, b: Point, x: float, y: float) -> float:
-    """Distance of a point from the edge between `a` and `b`."""
-    (x0, y0), (x1, y1) = a, b
-    dx, dy = x1 - x0, y1 - y0
-    square = dx * dx + dy * dy
-    t = 0.0 if square == 0 else min(1.0, max(0.0, ((x - x0) * dx + (y - y0) * dy) / square))
-    return hypot(x - x0 - t * dx, y - y0 - t * dy)
+    if inside:
+        return True
+    for (x0, y0), (x1, y1) in outline.edges:
+        dx, dy = x1 - x0, y1 - y0
+        square, along = dx * dx + dy * dy, (x - x0) * dx + (y - y0) * dy
+        t = min(1.0, max(0.0, along / square)) if square else 0.0
+        if hypot(x - x0 - t * dx, y - y0 - t * dy) <= EDGE_TOLERANCE:
+            return True
+    return False
 
 
 # --- ends ----------------------------------------------------------------------------------------

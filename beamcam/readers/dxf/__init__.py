@@ -249,7 +249,7 @@ class DrawingWalk(Struct):
                     self._count(entity, kind, above, bool(blocks))
             # What ezdxf took in of a damaged file may lack attributes or have them of other types.
             except (DXFError, *_BAD_NUMBERS, AttributeError) as error:
-                self._say_entity(source, kind, error)
+                self._report(source, kind, error)
 
     def _source(self, kind: str, handle: str | None) -> Source:
         """The entity's handle, or else its kind and number in the order of reading."""
@@ -258,7 +258,7 @@ class DrawingWalk(Struct):
         self._seen[kind] += 1
         return Source(self.name, None, f"{kind} {self._seen[kind]}")
 
-    def _say_entity(self, source: Source, kind: str, error: Exception) -> None:
+    def _report(self, source: Source, kind: str, error: Exception) -> None:
         text = " ".join(str(error).split()) or type(error).__name__
         self.content.diagnostics.append(rules.ENTITY.at(source, kind=kind, found=text))
 
@@ -322,7 +322,7 @@ class DrawingWalk(Struct):
             if not hidden and isinstance(error, EdgeOnError):
                 content.edge_on[kind] += 1
             elif not hidden:
-                self._say_entity(source, kind, error)
+                self._report(source, kind, error)
             return False
         if not chains:
             content.empty[kind] += 1

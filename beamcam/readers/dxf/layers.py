@@ -227,10 +227,15 @@ class Layers(Struct):
         line type.
         """
         layer = above.layer if inside and attributes.layer == "0" else attributes.layer
-        return LayerStyle(
-            layer, self._colour(attributes, layer, above), above.invisible or attributes.invisible,
-            self._line_type(attributes, layer, above),
-        )  # fmt: skip
+        colour, invisible = self._colour(attributes, layer, above), attributes.invisible
+        line_type = attributes.line_type.upper()
+        if line_type == TYPE_BY_BLOCK:
+            line_type = above.line_type
+        elif line_type == TYPE_BY_LAYER:
+            line_type = self._layer(layer).line_type
+        else:
+            line_type = self._with_gaps(line_type)
+        return LayerStyle(layer, colour, above.invisible or invisible, line_type)
 
     def hides(self, style: LayerStyle) -> bool:
         """Whether what shows so is not read: off, frozen, not plotting, Defpoints, not chosen."""
@@ -260,12 +265,6 @@ class Layers(Struct):
         if number == BYLAYER or number > 255:
             return self._layer(layer).colour
         return colour_of_number(number)
-
-    def _line_type(self, attributes: Attributes, layer: str, above: LayerStyle) -> str:
-        name = attributes.line_type.upper()
-        if name == TYPE_BY_BLOCK:
-            return above.line_type
-        return self._layer(layer).line_type if name == TYPE_BY_LAYER else self._with_gaps(name)
 
     def _with_gaps(self, name: str) -> str:
         """A line type if it has gaps, by the table or, where that lacks it, by its name."""

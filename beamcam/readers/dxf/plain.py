@@ -297,8 +297,15 @@ def _spline(rows: _Rows) -> Callable[[Row], Values] | None:
             raise ValueError("found a spline that is not whole")
         flat = iter(_numbers(pick(row)))
         points = tuple(zip(flat, flat, flat, strict=True))
+        # Knots are rounded, and from 0 to 1 if they do not begin at 0, as ezdxf has them; a
+        # tolerance that is not above 0 and knots that are all one raise an error.
         slack = _numbers([row[tolerance[0]]])[0] if tolerance else KNOT_TOLERANCE
-        places = _even_knots(_numbers([row[k] for k in knots]), slack)
+        digits = -int(log10(slack))
+        places = _numbers([row[k] for k in knots])
+        if digits > 0:
+            places = tuple(round(knot, digits) for knot in places)
+        if first := places[0]:
+            places = tuple((knot - first) / (places[-1] - first) for knot in places)
         return order - 1, points, places, _numbers([row[k] for k in weights])
 
     return values
@@ -306,18 +313,6 @@ def _spline(rows: _Rows) -> Callable[[Row], Values] | None:
 
 #: What knots are rounded to where the file does not say it, as ezdxf does.
 KNOT_TOLERANCE = 1e-10
-
-
-def _even_knots(knots: tuple[float, ...], tolerance: float) -> tuple[float, ...]:
-    """Knots rounded to the tolerance, and from 0 to 1 if they do not begin at 0; as ezdxf does.
-
-    Raises ValueError for a tolerance that is not above 0, and ZeroDivisionError if all are one.
-    """
-    digits = -int(log10(tolerance))
-    if digits > 0:
-        knots = tuple(round(knot, digits) for knot in knots)
-    first, span = knots[0], knots[-1] - knots[0]
-    return knots if first == 0.0 else tuple((knot - first) / span for knot in knots)
 
 
 _KINDS: dict[str, _Kind] = {

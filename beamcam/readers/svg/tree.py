@@ -236,7 +236,7 @@ class StyleSheet(Struct):
         places = [k for k, step in enumerate(steps) if step != ">"]
         lone = any(b - a > 2 for a, b in pairwise(places)) or places[:1] != [0]
         if lone or len(compounds) < len(places) or steps[-1] == ">":
-            if _PASSING.search(selector) or not any(_hides(*one) for one in style):
+            if _PASSING.search(selector) or not any(_hides(name, text) for name, text, _ in style):
                 if any(name in INHERITED or name in OWN for name, _, _ in style):
                     self.ignored.append(selector)
             else:
@@ -273,12 +273,15 @@ def _compound(text: str) -> Compound | None:
     return Compound("" if match[1] in (None, "*") else match[1], identity, classes)
 
 
-def _hides(name: str, value: str, important: bool) -> bool:
+#: Values of properties that take what has a stroke out of sight.
+_GONE = {"display": ("none",), "visibility": ("hidden", "collapse"), "stroke": ("none",)}
+
+
+def _hides(name: str, value: str) -> bool:
     """Whether a declaration takes what has a stroke out of sight."""
     if name in ("opacity", "stroke-opacity"):
         return is_nothing(value)
-    gone = {"display": ("none",), "visibility": ("hidden", "collapse"), "stroke": ("none",)}
-    return value.lower() in gone.get(name, ()) or (name == "stroke" and is_transparent(value))
+    return value.lower() in _GONE.get(name, ()) or (name == "stroke" and is_transparent(value))
 
 
 def is_nothing(opacity: str) -> bool:
