@@ -12,6 +12,7 @@ from msgspec.structs import asdict
 
 from beamcam.errors import ReadError, Source, error
 from beamcam.geometry.curves import Arc, Curve, signed_area
+from beamcam.model import part_forms
 from beamcam.model.colour import parse_colour
 from beamcam.model.curve_json import JsonPlace, curves_of, record_of, show
 from beamcam.model.part import (
@@ -29,19 +30,6 @@ from beamcam.model.part import (
     Slot,
     TextMark,
 )
-from beamcam.model.part_forms import (
-    BendForm,
-    CamberForm,
-    ContourForm,
-    EndPlaneForm,
-    Featured,
-    FeatureLists,
-    HoleForm,
-    Located,
-    PartForm,
-    SlotForm,
-    TextForm,
-)
 from beamcam.model.part_json import PART_SCHEMA
 from beamcam.plain_text import fault_text, whole_text
 from beamcam.readers import Reading
@@ -53,7 +41,7 @@ from beamcam.readers.drawing import checked_polynomials
 
 
 Form = TypeVar("Form")
-SourceOf = Callable[[Located, JsonPlace], Source]
+SourceOf = Callable[[part_forms.Located, JsonPlace], Source]
 
 JSON_SCHEMA = error("json-schema",
     "found schema {found}, expected {expected!r}",
@@ -74,7 +62,7 @@ def part_from_json(value: object, file: str) -> Part:
     top = JsonPlace(file)
     if isinstance(value, dict) and value.get("schema", PART_SCHEMA) != PART_SCHEMA:
         raise top.at("schema").fault(JSON_SCHEMA, found=show(value["schema"]), expected=PART_SCHEMA)
-    form = record_of(_without_computed(value), PartForm, top)
+    form = record_of(_without_computed(value), part_forms.PartForm, top)
     source = Source(file) if form.source is None else _source(form.source, top.at("source"), file)
     of_file = partial(_source, file=source.file)
     planes = tuple(
@@ -121,7 +109,7 @@ def _each(forms: Iterable[Form], place: JsonPlace) -> Iterator[tuple[Form, JsonP
     return ((form, place.at(index)) for index, form in enumerate(forms))
 
 
-def _source(form: Located, place: JsonPlace, file: str) -> Source:
+def _source(form: part_forms.Located, place: JsonPlace, file: str) -> Source:
     """The recorded source of an object; its JSON path if written by hand."""
     if isinstance(form.line, UnsetType):
         return Source(form.file or file, None, place.path)
@@ -129,7 +117,10 @@ def _source(form: Located, place: JsonPlace, file: str) -> Source:
 
 
 def _features(
-    form: PartForm | FeatureLists, top: JsonPlace, source: SourceOf, planes: tuple[str, ...]
+    form: part_forms.PartForm | part_forms.FeatureLists,
+    top: JsonPlace,
+    source: SourceOf,
+    planes: tuple[str, ...],
 ) -> tuple[Feature, ...]:
     """All features in the order of their key `feature`; those without it follow as they stand."""
     numbered: list[tuple[float, Feature]] = []
@@ -140,11 +131,11 @@ def _features(
                 known = ", ".join(planes) or "it has none"
                 raise place.at("face").fault(JSON_FACE, found=name, planes=known)
             order = inf if one.feature is None else one.feature
-            if isinstance(one, ContourForm):
+            if isinstance(one, part_forms.ContourForm):
                 numbered.append((order, _contour(one, place, source(one, place))))
                 continue
             fields = {k: value for k, value in asdict(one).items() if k not in _NOT_ITS_OWN}
-            if isinstance(one, HoleForm | SlotForm):
+            if isinstance(one, part_forms.HoleForm | part_forms.SlotForm):
                 of_depth = "through" if one.depth is None else "blind"
                 fields["kind"] = of_depth if isinstance(one.kind, UnsetType) else one.kind
             numbered.append((order, _MADE[type(one)](**fields, source=source(one, place))))
@@ -155,13 +146,13 @@ def _features(
 #: Keys of a feature's form that are not fields of the feature.
 _NOT_ITS_OWN = {"line", "where", "file", "feature", "kind"}
 #: The feature of each form whose fields it has.
-_MADE: dict[type[Featured], Callable[..., Feature]] = {
-    HoleForm: Hole, SlotForm: Slot, TextForm: TextMark, BendForm: Bend, EndPlaneForm: EndPlane,
-    CamberForm: Camber,
+_MADE: dict[type[part_forms.Featured], Callable[..., Feature]] = {
+    part_forms.HoleForm: Hole, part_forms.SlotForm: Slot, part_forms.TextForm: TextMark,
+    part_forms.BendForm: Bend, part_forms.EndPlaneForm: EndPlane, part_forms.CamberForm: Camber,
 }  # fmt: skip
 
 
-def _contour(form: ContourForm, place: JsonPlace, source: Source) -> Contour:
+def _contour(form: part_forms.ContourForm, place: JsonPlace, source: Source) -> Contour:
     if not form.curves:
         raise place.at("curves").wrong("no curves", "one curve or more")
     forms = _each(form.curves, place.at("curves"))

@@ -22,18 +22,9 @@ from beamcam.machine.machine import Machine, drill_of, text_x
 from beamcam.machine.stations import FLAT_DEG, Saw
 from beamcam.model.part import EndCuts, Face, Feature, Hole, HoleKind, Part, Profile, Slot, TextMark
 from beamcam.model.section import corners, sections
+from beamcam.recovery import rules
 from beamcam.recovery.paths import feature_of
-from beamcam.recovery.recovered import (
-    CATALOGUE,
-    FACES,
-    NO_PIECE,
-    PATH,
-    PROFILE,
-    KnownStock,
-    Recovered,
-    mark_of,
-    plain,
-)
+from beamcam.recovery.recovered import KnownStock, Recovered, mark_of, plain
 
 # --- section --------------------------------------------------------------------------------------
 
@@ -60,13 +51,13 @@ def section_of(
     size = " x ".join(f"{v:g}" for v in (height, width) if not isnan(v))
     figures = {"code": " or ".join(codes), "size": size or "unknown size"}
     if len(same) == 1:
-        return same[0], CATALOGUE.at(Source(name), name=same[0].name, **figures)
+        return same[0], rules.CATALOGUE.at(Source(name), name=same[0].name, **figures)
     known = ", ".join(p.name for p in same[:SHOWN]) or "none of that size in the catalogue"
     if len(same) > SHOWN:
         known += f" and {len(same) - SHOWN} more"
     height, width = (0.0 if isnan(v) else v for v in (height, width))
     profile = Profile(codes[0], "", height, width, 0.0, None)  # type: ignore[arg-type]
-    return profile, PROFILE.at(Source(name), known=known, **figures)
+    return profile, rules.PROFILE.at(Source(name), known=known, **figures)
 
 
 NEAR_NOTHING = 2  #: resolutions; a piece as short as that at a corner is a wedge
@@ -76,7 +67,7 @@ def recover_bars(text: str, machine: Machine, name: str, stock: KnownStock) -> R
     """The parts of a bar, in their order along it."""
     saw, drill = machine.saw, drill_of(machine)
     if saw is None:  # the parts come in cut, so that no program says where they end
-        return Recovered((), (NO_PIECE.at(Source(name), cuts=0),))
+        return Recovered((), (rules.NO_PIECE.at(Source(name), cuts=0),))
     diagnostics: list[Diagnostic] = []
     profile = stock.profile
     if profile is None:
@@ -87,10 +78,10 @@ def recover_bars(text: str, machine: Machine, name: str, stock: KnownStock) -> R
         diagnostics.append(remark)
     done = run(text, machine, profile, name, (stock.grade,) if stock.grade else None)
     diagnostics += done.diagnostics
-    diagnostics += [FACES.at(Source(name), found=face) for face in done.unseen]
+    diagnostics += [rules.FACES.at(Source(name), found=face) for face in done.unseen]
     pieces = _bar_pieces(done.made, machine, saw, profile)
     if not pieces:
-        diagnostics.append(NO_PIECE.at(Source(name), cuts=len(done.made.cuts)))
+        diagnostics.append(rules.NO_PIECE.at(Source(name), cuts=len(done.made.cuts)))
     if errors_in(diagnostics):
         return Recovered((), tuple(diagnostics))
     bar = _Bar(machine, ToolCatalogue(machine, drill), saw, profile, name)
@@ -184,7 +175,7 @@ class _Bar:
         feature = feature_of(replace(path, points=points), self.tools, self.profile, source)
         if feature is None:
             x, y = points[0]
-            self.diagnostics.append(PATH.at(source, kind=path.kind, face=path.face, x=x, y=y))
+            self.diagnostics.append(rules.PATH.at(source, kind=path.kind, face=path.face, x=x, y=y))
         return feature
 
     def _in(self, piece: SawnPiece, face: Face, place: Sequence[float]) -> bool:

@@ -29,20 +29,9 @@ from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Contour, EndCuts, Face, Feature, Hole, Part, Slot
 from beamcam.model.rounds import rolled
+from beamcam.recovery import rules
 from beamcam.recovery.box_tube import Faces, corner_radius, faces_of
-from beamcam.recovery.recovered import (
-    COMES_CUT,
-    CORNER,
-    NOT_PARTED,
-    REFITTED,
-    ROUNDED,
-    TILTED,
-    UNNAMED,
-    KnownStock,
-    Recovered,
-    mark_of,
-    plain,
-)
+from beamcam.recovery.recovered import KnownStock, Recovered, mark_of, plain
 from beamcam.recovery.rings import (
     DECIMALS,
     PLACE,
@@ -104,11 +93,11 @@ class _Job(Struct, frozen=True):
         diagnostics = [*self.diagnostics, *(d for d in more if d not in self.diagnostics)]
         if contours := [*part.contours]:  # which are not known to be as they were drawn
             within = f"{self.within:g}"
-            diagnostics.append(REFITTED.at(part.source, count=len(contours), within=within))
+            diagnostics.append(rules.REFITTED.at(part.source, count=len(contours), within=within))
         radius = self.coper.corner_radius
         corners = sum(rounded_corners(c.curves, radius, self.within) for c in contours)
         if corners:
-            diagnostics.append(ROUNDED.at(part.source, count=corners, radius=f"{radius:g}"))
+            diagnostics.append(rules.ROUNDED.at(part.source, count=corners, radius=f"{radius:g}"))
         return Recovered((part,), tuple(diagnostics), bool(self.bare.mark))
 
     def features(self, part: Part, wall: _Wall, whole: Shape = None) -> Iterator[Feature]:
@@ -203,11 +192,11 @@ def recover_coped(text: str, machine: Machine, name: str, stock: KnownStock) -> 
     coper = machine.needed(machine.coper, "coper")
     head, source = head_of(text), Source(name)
     if MADE_OF_CUT in text:
-        return Recovered((), (COMES_CUT.at(source),))
+        return Recovered((), (rules.COMES_CUT.at(source),))
     profile = stock.profile or head_profile(head)
     if profile is None:
         found = head.stock if head is not None and head.stock else "none"
-        return Recovered((), (UNNAMED.at(source, found=found),))
+        return Recovered((), (rules.UNNAMED.at(source, found=found),))
     bare = head_part(head, profile, name)
     bare = replace(bare, grade=stock.grade or bare.grade)
     if profile.code == "M" and not profile.radius:
@@ -227,14 +216,14 @@ def recover_coped(text: str, machine: Machine, name: str, stock: KnownStock) -> 
     if any(stroke.is_tilted for stroke in strokes):
         return _tilted(job, strokes)
     walls = [_surface(bare, strokes, coper)] if is_tube else [*_walls(bare, strokes, coper)]
-    missing = [NOT_PARTED.at(source, face=wall.face) for wall in walls if wall.shape.is_empty]
+    missing = [rules.NOT_PARTED.at(source, face=wall.face) for wall in walls if wall.shape.is_empty]
     if missing:
         return Recovered((), (*diagnostics, *missing))
     part = job.part(max(wall.shape.bounds[2] for wall in walls), AS_SAID)
     if code == "M":
         faces = faces_of(walls[0].shape, bare.profile, job.within)
         if faces.lost:
-            return Recovered((), (*diagnostics, CORNER.at(source, found=faces.lost)))
+            return Recovered((), (*diagnostics, rules.CORNER.at(source, found=faces.lost)))
         part = replace(part, cuts=faces.cuts)
         return job.recovered(part, job.of_box(part, faces, walls[0].line))
     return job.recovered(part, (one for wall in walls for one in job.features(part, wall)))
@@ -269,7 +258,7 @@ def _tilted(job: _Job, strokes: Sequence[TorchStroke]) -> Recovered:
         if not errors_in(recovered.diagnostics):
             return recovered
     first = next(stroke for stroke in strokes if stroke.is_tilted)
-    tilt = TILTED.at(Source(job.name, first.line), found=f"{first.b_deg:g}")
+    tilt = rules.TILTED.at(Source(job.name, first.line), found=f"{first.b_deg:g}")
     return Recovered((), (tilt,))
 
 

@@ -23,8 +23,9 @@ from beamcam.geometry.curves import Line, join_boxes, signed_area
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch, TorchProcess
 from beamcam.model.part import Contour, ContourKind, Hole, Measures, Part, Process, Profile
+from beamcam.recovery import rules
 from beamcam.recovery.paths import Curves, bridge, ring_of, whole
-from beamcam.recovery.recovered import CROWDED, FITTED, KERF, SHEET, Recovered, mark_of
+from beamcam.recovery.recovered import Recovered, mark_of
 
 MARK: Process = "punch"  #: of a marked contour, so that DSTV can hold it (KO)
 MOST_CROSSINGS = 100_000  #: of closed paths, about, that are looked into
@@ -58,7 +59,7 @@ def recover_sheet(text: str, machine: Machine, name: str, is_known: bool) -> Rec
         fitted = replace(torch, thickness=thickness)
         other = _recovered(text, replace(machine, torch=fitted), fitted, name)
         if not errors_in(other.diagnostics):
-            note = FITTED.at(Source(name), found=f"{thickness:g}")
+            note = rules.FITTED.at(Source(name), found=f"{thickness:g}")
             return Recovered(other.parts, (*other.diagnostics, note))
     return recovered
 
@@ -75,7 +76,7 @@ def _recovered(text: str, machine: Machine, torch: Torch, name: str) -> Recovere
     if not rows:
         material = torch.material or "any material"
         shown = "unknown thickness:" if thickness is None else f"{thickness:g}"
-        diagnostics.append(SHEET.at(Source(name), found=shown, material=material))
+        diagnostics.append(rules.SHEET.at(Source(name), found=shown, material=material))
     if errors_in(diagnostics):
         return Recovered((), tuple(diagnostics))
     strokes, more = strokes_of(
@@ -93,7 +94,7 @@ def _recovered(text: str, machine: Machine, torch: Torch, name: str) -> Recovere
     paths = [path for path in paths if path.process != "spot"]
     crossings = _crossings(paths, torch.tolerance * LOOK_SHARE)
     if crossings > MOST_CROSSINGS:
-        diagnostics.append(CROWDED.at(Source(name), found=f"{crossings:.1g}"))
+        diagnostics.append(rules.CROWDED.at(Source(name), found=f"{crossings:.1g}"))
         return Recovered((), tuple(diagnostics))
     part = _placed(sheet, _contours(paths, torch, diagnostics), spots, torch)
     if not errors_in(diagnostics):
@@ -160,7 +161,7 @@ def _contours(paths: Sequence[_Path], torch: Torch, diagnostics: list[Diagnostic
     for k, offset in zip(moved, offsets, strict=True):
         if isinstance(offset, Vanished):
             kerf, area = paths[k].kerf, abs(offset.area)
-            diagnostics.append(KERF.at(paths[k].source, found=area, kerf=kerf))
+            diagnostics.append(rules.KERF.at(paths[k].source, found=area, kerf=kerf))
         else:
             largest = max(range(len(offset.areas)), key=lambda n: abs(offset.areas[n]))
             chains[k] = offset.chains[largest]

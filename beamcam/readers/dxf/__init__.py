@@ -12,20 +12,8 @@ from beamcam.budget import DEPTH, InForce
 from beamcam.errors import Diagnostic, ReadError, Source
 from beamcam.geometry.curves import Curve
 from beamcam.model.part import Contour, Dashed, Measures, TextMark
-from beamcam.readers import Reading
-from beamcam.readers.drawing import (
-    INSUNITS,
-    MM_PER_UNIT,
-    UNITS_OPTION,
-    as_contour,
-    counted,
-    drawing_part,
-    fit_newton,
-    unknown_layers,
-    verdict,
-    wrapped,
-)
-from beamcam.readers.dxf import rules
+from beamcam.readers import Reading, drawing
+from beamcam.readers.dxf import entities, rules
 from beamcam.readers.dxf.curves import (
     BY_VALUES,
     Chain,
@@ -34,16 +22,6 @@ from beamcam.readers.dxf.curves import (
     InsertFrame,
     check_bounds,
     scaled,
-)
-from beamcam.readers.dxf.entities import (
-    CURVES,
-    KINDS,
-    by_fit_points,
-    chains_of,
-    contradictions,
-    is_drawn,
-    text_marks,
-    through_fit_points,
 )
 from beamcam.readers.dxf.layers import Attributes, Layers, LayerStyle, attributes_of
 from beamcam.readers.dxf.load import MARKER, Run, is_binary, load_document, looks_like
@@ -95,7 +73,7 @@ def read(
     except ReadError as error:
         return Reading("dxf", (), error.diagnostics)
     chosen = Layers(loaded.tables, frozenset(map(str.lower, layers)) or None)
-    diagnostics += (*loaded.remarks, *unknown_layers(chosen.names(), layers, source))
+    diagnostics += (*loaded.remarks, *drawing.unknown_layers(chosen.names(), layers, source))
     runs, frame = iter(loaded.runs), scaled(unit.mm)
     fitted_on, lettered_on = (frozenset(map(str.lower, names)) for names in (fit, letters))
     walk = DrawingWalk(name, chosen, loaded.handles, runs, fitted_on, lettered_on)
@@ -108,20 +86,24 @@ def read(
         return Reading("dxf", (), diagnostics + error.diagnostics)
     if loaded.document is not None and not unit.given:
         dimensions = list(loaded.document.modelspace().query("DIMENSION"))
-        diagnostics += contradictions(dimensions, unit.name, unit.mm, name) if dimensions else ()
+        diagnostics += (
+            entities.contradictions(dimensions, unit.name, unit.mm, name) if dimensions else ()
+        )
     content = walk.content
     not_cut, lettered = (
         tuple(sorted(counts.items())) for counts in (content.not_cut, content.lettered)
     )
     dashed = tuple(content.dashed.values())
     measures = Measures((), tuple(content.hidden), not_cut, lettered=lettered, dashed=dashed)
-    part, fitted = fit_newton(drawing_part(name, tuple(content.contours), measures), fit)
+    part, fitted = drawing.fit_newton(
+        drawing.drawing_part(name, tuple(content.contours), measures), fit
+    )
     part = replace(part, features=(*part.features, *content.texts))
     seen = sorted([*not_cut, ("hidden curves", content.hidden_on.total())])
     unit_name = None if unit.given else unit.name
     diagnostics += (*content.diagnostics, *fitted, *_remarks(content, source))
-    diagnostics += (*verdict(part, seen, unit_name, source),)
-    return wrapped(Reading("dxf", (part,), diagnostics), wrap)
+    diagnostics += (*drawing.verdict(part, seen, unit_name, source),)
+    return drawing.wrapped(Reading("dxf", (part,), diagnostics), wrap)
 
 
 def _remarks(content: DrawingContent, source: Source) -> Iterator[Diagnostic]:
@@ -130,7 +112,7 @@ def _remarks(content: DrawingContent, source: Source) -> Iterator[Diagnostic]:
     counters = (content.not_cut, content.edge_on, content.empty, content.hidden_on)
     for rule, counts in zip(kinds, counters, strict=True):
         if counts:
-            found = counted(sorted(counts.items()))
+            found = drawing.counted(sorted(counts.items()))
             yield rule.at(source, count=counts.total(), found=found)
     low, high = min(content.heights, default=0.0), max(content.heights, default=0.0)
     if high - low > FLAT:
@@ -177,10 +159,10 @@ def find_unit(
 ) -> tuple[LengthUnit | None, tuple[Diagnostic, ...]]:
     """The unit of a file, or the one that the user gave; None with an error if there is none."""
     if units is not None:
-        mm = MM_PER_UNIT.get(units.lower())
+        mm = drawing.MM_PER_UNIT.get(units.lower())
         if mm is None:
-            expected = ", ".join(MM_PER_UNIT)
-            return None, (UNITS_OPTION.at(source, found=units, expected=expected),)
+            expected = ", ".join(drawing.MM_PER_UNIT)
+            return None, (drawing.UNITS_OPTION.at(source, found=units, expected=expected),)
         return LengthUnit(units.lower(), mm, given=True), ()
     code = header_number(data, "$INSUNITS")
     if not code:
@@ -188,10 +170,10 @@ def find_unit(
         if header_number(data, "$MEASUREMENT") == 0:
             found += " but $MEASUREMENT 0 (inches)"
         return LengthUnit("mm", 1.0), (rules.UNITS_MISSING.at(source, found=found),)
-    if code not in INSUNITS:
-        expected = ", ".join(f"{c} {name}" for c, (name, _) in INSUNITS.items() if c <= 6)
+    if code not in drawing.INSUNITS:
+        expected = ", ".join(f"{c} {name}" for c, (name, _) in drawing.INSUNITS.items() if c <= 6)
         return None, (rules.UNITS_UNKNOWN.at(source, found=code, expected=expected),)
-    unit = LengthUnit(*INSUNITS[code])
+    unit = LengthUnit(*drawing.INSUNITS[code])
     shown = header_number(data, "$LUNITS")
     if shown in (3, 4) and unit.mm not in (25.4, 304.8):
         return unit, (rules.UNITS_IMPERIAL.at(source, found=shown, unit=unit.name),)
@@ -221,15 +203,15 @@ class DrawingWalk(Struct):
 
     def entities(
         self,
-        entities: Iterable[Any],
+        those: Iterable[Any],
         frame: InsertFrame,
         above: LayerStyle,
         blocks: tuple[str, ...],
     ) -> None:
-        """Sort `entities`, which stand in `frame` in the innermost of `blocks`."""
+        """Sort entities, which stand in `frame` in the innermost of `blocks`."""
         from ezdxf.lldxf.const import DXFError
 
-        for entity in entities:
+        for entity in those:
             kind = entity.dxftype()
             if kind == MARKER:
                 self.run(next(self.runs), frame)
@@ -238,11 +220,11 @@ class DrawingWalk(Struct):
             try:
                 if kind == "INSERT":
                     self._insert(entity, source, frame, above, blocks)
-                elif kind in CURVES and (kind != "POLYLINE" or is_drawn(entity)):
+                elif kind in entities.CURVES and (kind != "POLYLINE" or entities.is_drawn(entity)):
                     style = self.layers.style(attributes_of(entity), above, bool(blocks))
                     self._curve(entity, source, frame, style)
                 elif self._is_lettered(entity, kind, above, bool(blocks)):
-                    self.content.texts += text_marks(entity, frame, source)
+                    self.content.texts += entities.text_marks(entity, frame, source)
                 # SEQEND ends a list of vertices; ezdxf hides it from sound files only. An ATTDEF in
                 # a block shows nothing: each insert has attributes of its own.
                 elif kind != "SEQEND" and not (blocks and kind == "ATTDEF"):
@@ -269,7 +251,7 @@ class DrawingWalk(Struct):
 
     def _is_lettered(self, entity: Any, kind: str, above: LayerStyle, inside: bool) -> bool:
         """Whether a text stands on a layer that is mapped to a mark, and shows; it is counted."""
-        if kind not in KINDS or not self.letters:
+        if kind not in entities.KINDS or not self.letters:
             return False
         style = self.layers.style(attributes_of(entity), above, inside)
         if style.layer.lower() not in self.letters or self.layers.hides(style):
@@ -290,9 +272,9 @@ class DrawingWalk(Struct):
             self._sort(kind, source, style, hidden, read, frame, plain.values)
 
     def _curve(self, entity: Any, source: Source, frame: InsertFrame, style: LayerStyle) -> None:
-        kind, count = entity.dxftype(), by_fit_points(entity)
+        kind, count = entity.dxftype(), entities.by_fit_points(entity)
         polynomial = count > 0 and style.layer.lower() in self.newton
-        read = through_fit_points if polynomial else chains_of
+        read = entities.through_fit_points if polynomial else entities.chains_of
         seen = self._sort(kind, source, style, self.layers.hides(style), read, frame, (entity,))
         if seen and count and not polynomial:
             self.content.diagnostics.append(rules.FIT_SPLINE.at(source, count=count))
@@ -331,7 +313,7 @@ class DrawingWalk(Struct):
             content.hidden_on[style.layer] += 1
             return False
         for chain in chains:
-            content.contours.append(as_contour(chain, source, style.layer, style.colour))
+            content.contours.append(drawing.as_contour(chain, source, style.layer, style.colour))
         if chains and style.line_type:
             key = style.layer, style.colour, style.line_type
             before = content.dashed.get(key) or Dashed(*key, 0, source)

@@ -4,15 +4,7 @@ from collections.abc import Iterator, Sequence
 
 from beamcam.errors import Diagnostic, ReadError, Rule, Source
 from beamcam.model.part import Measures
-from beamcam.readers import Reading
-from beamcam.readers.drawing import (
-    counted,
-    drawing_part,
-    fit_newton,
-    unknown_layers,
-    verdict,
-    wrapped,
-)
+from beamcam.readers import Reading, drawing
 from beamcam.readers.svg import rules
 from beamcam.readers.svg.page import find_page
 from beamcam.readers.svg.tree import INITIAL, StyleSheet, looks_like, parse, style_of
@@ -49,19 +41,22 @@ def read(
     grid = page.unit * 10.0**-content.decimals if content.contours else None
     not_cut = tuple(sorted(content.not_cut.items()))
     measures = Measures(tuple(content.filled), tuple(content.hidden), not_cut, grid)
-    part, fitted = fit_newton(drawing_part(name, tuple(content.contours), measures), fit)
+    part, fitted = drawing.fit_newton(
+        drawing.drawing_part(name, tuple(content.contours), measures), fit
+    )
     seen = [*content.not_cut.items(), ("hidden shapes", content.counts["invisible"])]
     unit = "of the page" if units is None and width is None else None
+    unknown = drawing.unknown_layers(sorted(content.layers - {""}), layers, source)
     diagnostics = (
         *page.remarks, *(rules.HIDING.at(source, found=s) for s in sheet.hiding),
         *(rules.SELECTOR.at(source, found=s) for s in sheet.ignored),
-        *unknown_layers(sorted(content.layers - {""}), layers, source), *content.diagnostics,
-        *fitted, *_remarks(content, source), *verdict(part, seen, unit, source),
+        *unknown, *content.diagnostics, *fitted, *_remarks(content, source),
+        *drawing.verdict(part, seen, unit, source),
     )  # fmt: skip
-    return wrapped(Reading("svg", (part,), diagnostics), wrap)
+    return drawing.wrapped(Reading("svg", (part,), diagnostics), wrap)
 
 
-#: Remarks on the counted shapes, in this order.
+#: Remarks on the drawing.counted shapes, in this order.
 _COUNTED: tuple[tuple[str, Rule], ...] = (
     ("filled", rules.FILL_ONLY), ("clipped", rules.CLIPPED), ("flattened", rules.FLATTENED),
     ("invisible", rules.INVISIBLE), ("dashed", rules.DASHED), ("hairline", rules.HAIRLINE),
@@ -75,7 +70,7 @@ def _remarks(content: PageContent, source: Source) -> Iterator[Diagnostic]:
         yield rules.TEXT.at(source, count=content.not_cut["text"])
     others = [(tag, count) for tag, count in sorted(content.not_cut.items()) if tag != "text"]
     if others:
-        yield rules.NOT_CUT.at(source, found=counted(others))
+        yield rules.NOT_CUT.at(source, found=drawing.counted(others))
     for key, rule in _COUNTED:
         if content.counts[key]:
             yield rule.at(source, count=content.counts[key])
