@@ -7,7 +7,7 @@ from msgspec.structs import replace
 
 from beamcam.machine.machine import Machine
 from beamcam.machine.tables import TABLE_CONTROLLERS
-from beamcam.machine.torch import KERF_STEPS, OTHERS, LayerSettings, Torch, TorchRow
+from beamcam.machine.torch import KERF_STEPS, OTHERS, LayerSettings, Torch
 
 Meaning = Literal["cut", "mark", "engrave", "ignore"]
 MEANINGS: tuple[Meaning, ...] = get_args(Meaning)
@@ -49,7 +49,20 @@ def with_torch(
     if torch is None:
         raise ValueError(f"{machine.name} has no torch, so the option has no effect")
     if amps or nozzle:
-        torch = replace(torch, rows=_chosen(torch, machine.name, amps, nozzle))
+        cuts = [row for row in torch.rows if row.process == "cut"]
+        fitting = [
+            row for row in cuts
+            if row.amps == (amps or row.amps)
+            and row.nozzle.casefold() == (nozzle or row.nozzle).casefold()
+        ]  # fmt: skip
+        if not fitting:
+            wished = [f"{amps:g} A"] if amps else []
+            wished += [f"the nozzle {nozzle!r}"] if nozzle else []
+            has = ", ".join(sorted({f"{row.amps:g} A {row.nozzle}".strip() for row in cuts}))
+            of = machine.name
+            raise ValueError(f"{' and '.join(wished)}; the rows of {of} are for {has}")
+        others = (row for row in torch.rows if row.process != "cut" or row in fitting)
+        torch = replace(torch, rows=tuple(others))
     if sheet_size:
         if sheet_size[0] > torch.length or sheet_size[1] > torch.width:
             size = " x ".join(f"{v:g}" for v in sheet_size)
@@ -81,24 +94,6 @@ def with_torch(
         changed = replace(changed, lead="line")
     _check(machine, changed)
     return replace(machine, torch=changed)
-
-
-def _chosen(
-    torch: Torch, name: str, amps: float | None, nozzle: str | None
-) -> tuple[TorchRow, ...]:
-    """The rows of a chart for a current and a nozzle or gas, and those of other processes."""
-    cuts = [row for row in torch.rows if row.process == "cut"]
-    fitting = [
-        row for row in cuts
-        if (not amps or row.amps == amps)
-        and (not nozzle or row.nozzle.casefold() == nozzle.casefold())
-    ]  # fmt: skip
-    if not fitting:
-        wished = [f"{amps:g} A"] if amps else []
-        wished += [f"the nozzle {nozzle!r}"] if nozzle else []
-        has = sorted({f"{row.amps:g} A {row.nozzle}".strip() for row in cuts})
-        raise ValueError(f"{' and '.join(wished)}; the rows of {name} are for {', '.join(has)}")
-    return tuple(row for row in torch.rows if row.process != "cut" or row in fitting)
 
 
 def _check(machine: Machine, changed: Torch) -> None:

@@ -126,17 +126,14 @@ def line_of(text: str, key: str) -> int | None:
     Array tables count: `spindles.1.number` is `number` under the second `[[spindles]]`.
     """
     lines = _lines(text)
-    while key:
-        for name in (key, former_name(key)):
-            if name in lines:
-                return lines[name]
+    while key and key not in lines:
         key = key.rpartition(".")[0]
-    return None
+    return lines.get(key)
 
 
 @cached("files.lines")
 def _lines(text: str) -> dict[str, int]:
-    """The first line of each dotted key and table."""
+    """The first line of each dotted key, by its former and its present name, and of each table."""
     table, counts = "", dict[str, int]()
     lines: dict[str, int] = {}
     for number, raw in enumerate(text.split("\n"), 1):
@@ -159,6 +156,8 @@ def _lines(text: str) -> dict[str, int]:
         else:
             continue
         lines.setdefault(here, number)
+        above, _, key = here.rpartition(".")
+        lines.setdefault(f"{above}.{_present_name(above, key)}".removeprefix("."), number)
         while "." in here:  # [a.b] begins a too, unless a line before did
             here = here.rpartition(".")[0]
             lines.setdefault(here, number)
@@ -237,8 +236,6 @@ def _row_key(row: dict[str, Any]) -> tuple[str, str, float]:
 
 _FORMER = re.compile(r"^(least|greatest)(_|$)")
 _PRESENT = {"least": "min", "greatest": "max"}
-_WAS = re.compile(r"^(min|max)(_|$)")
-_FORMERLY = {present: former for former, present in _PRESENT.items()}
 #: Table and former key -> present key.
 _RENAMED = {
     ("drill", "twin"): "same_tool_tolerance",
@@ -247,7 +244,6 @@ _RENAMED = {
     ("stroke", "near"): "approach",
     ("saw", "square"): "zero_angle",
 }
-_RENAMED_FROM = {(table, present): former for (table, former), present in _RENAMED.items()}
 #: Tables whose keys are names that the user chooses.
 _FREE = frozenset({"sections", "colours", "names", "default_for"})
 
@@ -260,12 +256,10 @@ class KeyTwice(ValueError):
         self.former, self.present = former, present
 
 
-def former_name(dotted: str) -> str:
-    """A dotted key as it was called in the version before."""
-    table, dot, key = dotted.rpartition(".")
-    was = _RENAMED_FROM.get((table.rpartition(".")[2], key))
-    was = was or _WAS.sub(lambda match: _FORMERLY[match[1]] + match[2], key, count=1)
-    return f"{table}{dot}{was}"
+def _present_name(table: str, key: str) -> str:
+    """A key of a table as this version names it."""
+    name = _RENAMED.get((table.rpartition(".")[2], key))
+    return name or _FORMER.sub(lambda match: _PRESENT[match[1]] + match[2], key, count=1)
 
 
 def with_present_keys(table: dict[str, Any]) -> tuple[dict[str, Any], list[tuple[str, str]]]:
@@ -283,10 +277,8 @@ def _renamed_in(value: Any, prefix: str, renamed: list[tuple[str, str]]) -> Any:
     if not isinstance(value, dict):
         return value
     present: dict[str, Any] = {}
-    of = prefix.rstrip(".").rpartition(".")[2]
     for key, item in value.items():
-        name = _RENAMED.get((of, key))
-        name = name or _FORMER.sub(lambda match: _PRESENT[match[1]] + match[2], key, count=1)
+        name = _present_name(prefix.rstrip("."), key)
         if name != key:
             if name in value:
                 raise KeyTwice(prefix + key, prefix + name)

@@ -72,8 +72,7 @@ def header_lines(lines: list[str], texts: list[str], start: int) -> HeaderLines:
     trailing: list[tuple[int, str]] = []
     values: list[str] = []
     numbers: list[int] = []
-    for index in range(start, len(lines)):
-        text = texts[index]
+    for index, text in enumerate(texts[start:], start):
         if text[:2] == "**":
             if len(values) < MOST_LINES:
                 comments.append((len(values) + 1, text[2:]))
@@ -87,12 +86,14 @@ def header_lines(lines: list[str], texts: list[str], start: int) -> HeaderLines:
                 # the texts stand further in than ST: a line that does not is none of them
                 outside = _indent(lines[index]) <= indent < _indent(lines[numbers[8] - 1])
                 if _ROW.match(text) or outside:
-                    return HeaderLines(values, numbers, comments, trailing, index)
+                    break
             if len(text) == 2 and _is_code(text, lines, index, indent, count):
-                return HeaderLines(values, numbers, comments, trailing, index)
+                break
         values.append(text)
         numbers.append(index + 1)
-    return HeaderLines(values, numbers, comments, trailing, len(lines))
+    else:
+        index = len(lines)
+    return HeaderLines(values, numbers, comments, trailing, index)
 
 
 def _indent(line: str) -> int:

@@ -176,9 +176,9 @@ def read_bend(row: str, line: int, place: RowPlace) -> Bend:
     values = numbers(tokenise(row), line, place.log)
     if len(values) not in (5, 6):
         raise RowError(row)
-    x1, y1, x2, y2, angle = values[:5]
-    radius = values[5] if len(values) == 6 else None
-    return Bend((x1, y1), (x2, y2), angle, radius, Source(place.log.file, line))
+    x1, y1, x2, y2, angle, *radius = values
+    source = Source(place.log.file, line)
+    return Bend((x1, y1), (x2, y2), angle, radius[0] if radius else None, source)
 
 
 def read_camber(row: str, line: int, place: RowPlace) -> Camber:
@@ -194,32 +194,27 @@ def read_camber(row: str, line: int, place: RowPlace) -> Camber:
 
 def read_end_planes(block: Block, log: Log) -> list[EndPlane]:
     """The cutting planes of block SC; six numbers each, on any lines."""
-    features: list[EndPlane] = []
-    for line, values in _groups(block, 6, 0, log, rules.ENDPLANE_FIELDS):
-        x, y, z, nx, ny, nz = values
+    planes: list[EndPlane] = []
+    for line, (x, y, z, nx, ny, nz) in _groups(block, 6, 0, log, rules.ENDPLANE_FIELDS):
         if nx == ny == nz == 0.0:
             log.add(rules.ENDPLANE_FIELDS, line, found="a normal without length", count=1)
-            continue
-        features.append(EndPlane((x, y, z), (nx, ny, nz), Source(log.file, line)))
-    return features
+        else:
+            planes.append(EndPlane((x, y, z), (nx, ny, nz), Source(log.file, line)))
+    return planes
 
 
 def read_plane(block: Block, name: str, log: Log) -> Plane | None:
     """The plane of a block En: three rows of three numbers, or all nine on fewer lines."""
-    groups = _groups(block, 9, 1, log, rules.PLANE_FIELDS)
-    if not groups:
-        return None
-    a, b, c, d, e, f, g, h, i = groups[0][1]
-    return Plane(name, (a, b, c), (d, e, f), (g, h, i), Source(log.file, block.line))
+    for _, (a, b, c, d, e, f, g, h, i) in _groups(block, 9, 1, log, rules.PLANE_FIELDS):
+        return Plane(name, (a, b, c), (d, e, f), (g, h, i), Source(log.file, block.line))
+    return None
 
 
 def read_tolerance(block: Block, log: Log) -> tuple[float, float] | None:
     """Lower and upper deviation of the length (TO)."""
-    groups = _groups(block, 2, 1, log, rules.TOLERANCE_FIELDS)
-    if not groups:
-        return None
-    least, greatest = groups[0][1]
-    return least, greatest
+    for _, (least, greatest) in _groups(block, 2, 1, log, rules.TOLERANCE_FIELDS):
+        return least, greatest
+    return None
 
 
 def _groups(

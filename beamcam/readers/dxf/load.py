@@ -8,6 +8,7 @@ from contextlib import suppress
 
 import numpy as np
 from msgspec import Struct
+from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, ReadError, Source
 from beamcam.readers.dxf import rules
@@ -108,17 +109,16 @@ def load_document(data: bytes, source: Source) -> Loaded:
             from ezdxf.document import Drawing
             from ezdxf.lldxf.tagger import binary_tags_loader
 
-            document = Drawing.load(binary_tags_loader(data))
-            return Loaded(document, tables_of(document), (), handles, remarks)
-        drawing = _load_text(data, handles)
+            loaded = _of_document(Drawing.load(binary_tags_loader(data)), handles)
+        else:
+            loaded = _load_text(data, handles)
     # ezdxf lets errors of every kind pass through for damaged files (ValueError, KeyError,
     # AttributeError of half-read entities): whatever it is, the file is not sound.
     except Exception as error:
         if is_binary(data):
             raise ReadError(rules.STRUCTURE.at(source, found=message_of(error))) from error
-        drawing, repairs = _repaired(data, handles, source, error)
-        remarks = (*remarks, *repairs)
-    return Loaded(*drawing, handles, remarks)
+        loaded = _repaired(data, handles, source, error)
+    return replace(loaded, remarks=(*remarks, *loaded.remarks))
 
 
 def _check_end(data: bytes, source: Source) -> tuple[Diagnostic, ...]:
@@ -140,11 +140,11 @@ def _check_end(data: bytes, source: Source) -> tuple[Diagnostic, ...]:
     raise ReadError(rules.TRUNCATED.at(source, found=last[0].decode("latin-1").strip()))
 
 
-#: A document, its tables, and what stood at the markers in it.
-_Drawing = tuple[Document | None, Tables, tuple[Run, ...]]
+def _of_document(document: Document, handles: bool, runs: tuple[Run, ...] = ()) -> Loaded:
+    return Loaded(document, tables_of(document), runs, handles)
 
 
-def _load_text(data: bytes, handles: bool) -> _Drawing:
+def _load_text(data: bytes, handles: bool) -> Loaded:
     """The document, without the plain entities of model space where they can be taken apart."""
     data = data.removeprefix(b"\xef\xbb\xbf")
     found = VERSION.search(data)
@@ -158,7 +158,7 @@ def _load_text(data: bytes, handles: bool) -> _Drawing:
     text = _text(data, encoding, "surrogateescape").read()
     taken = take_plain(text, version, handles)
     if taken is not None and taken.tables is not None:
-        return None, taken.tables, taken.runs
+        return Loaded(None, taken.tables, taken.runs, handles)
     from ezdxf.filemanagement import read
 
     if taken is not None:
@@ -167,18 +167,15 @@ def _load_text(data: bytes, handles: bool) -> _Drawing:
             document = read(io.StringIO(taken.rest))
             owners = {document.modelspace().layout_key}
             if document.loaded_dxfversion == version and taken.owners <= owners:
-                return document, tables_of(document), taken.runs
-    document = read(io.StringIO(text))
-    return document, tables_of(document), ()
+                return _of_document(document, handles, taken.runs)
+    return _of_document(read(io.StringIO(text)), handles)
 
 
 def _text(data: bytes, encoding: str, errors: str) -> io.TextIOWrapper:
     return io.TextIOWrapper(io.BytesIO(data), encoding=encoding, errors=errors)
 
 
-def _repaired(
-    data: bytes, handles: bool, source: Source, first: Exception
-) -> tuple[_Drawing, tuple[Diagnostic, ...]]:
+def _repaired(data: bytes, handles: bool, source: Source, first: Exception) -> Loaded:
     """The document of a file that ezdxf does not read as it stands, and what was done to it.
 
     Raises ReadError if nothing helps.
@@ -187,11 +184,11 @@ def _repaired(
     remarks = (rules.SUBCLASSES.at(source, count=count),) if count else ()
     if count:
         try:
-            return _load_text(marked, handles), remarks
+            return replace(_load_text(marked, handles), remarks=remarks)
         except Exception as error:  # as above: any kind of error means that it is damaged besides
             first = error
     document, repair = recovered(marked if count else data, source, first)
-    return (document, tables_of(document), ()), (*remarks, repair)
+    return replace(_of_document(document, handles), remarks=(*remarks, repair))
 
 
 # --- plain entities -------------------------------------------------------------------------------

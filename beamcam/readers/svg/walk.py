@@ -72,7 +72,7 @@ def _name(group: Element) -> str | None:
     return _ESCAPED.sub(lambda letter: chr(int(letter[1], 16)), name)
 
 
-_GROUPS = ("g", "a")
+_GROUPS = ("g", "a", "svg", "use", "switch")
 _TEXTS = ("text", "flowRoot")
 _NOT_CUT = ("image", "foreignObject", "video", "audio", "iframe", "canvas")
 
@@ -119,32 +119,32 @@ class PageWalk(Struct):
     content: PageContent = field(default_factory=PageContent)
 
     def elements(self, elements: Iterable[Element], context: Context) -> None:
+        """Sort elements and their content; what only defines something is passed over."""
         for element in elements:
-            self.element(element, context)
+            tag = element.tag
+            if tag in _TEXTS or tag in _NOT_CUT:
+                style = style_of(element, context.style, self.sheet)
+                if not context.hidden and not _is_hidden(style):
+                    self.content.not_cut["text" if tag in _TEXTS else tag] += 1
+            elif tag in SHAPES or tag in _GROUPS:
+                if (inner := self._inside(element, context)) is None:
+                    continue
+                if tag in SHAPES:
+                    self._shape(element, inner)
+                elif tag == "use":
+                    self._use(element, inner)
+                elif tag == "switch":  # the first that asks for nothing special shows
+                    plain = [c for c in element.children if _ASKING.isdisjoint(c.attributes)]
+                    self.elements(plain[:1], inner)
+                else:
+                    self.elements(element.children, inner)
 
-    def element(self, element: Element, context: Context) -> None:
-        """Sort one element and its content; what only defines something is passed over."""
-        tag = element.tag
-        if tag in SHAPES or tag in _GROUPS or tag in ("svg", "use", "switch"):
-            inner = self._inside(element, context)
-            if inner is None:
-                return
-            if tag in SHAPES:
-                self._shape(element, inner)
-            elif tag == "use":
-                self._use(element, inner)
-            elif tag == "switch":  # the first that asks for nothing special shows
-                plain = [c for c in element.children if _ASKING.isdisjoint(c.attributes)]
-                self.elements(plain[:1], inner)
-            else:
-                self.elements(element.children, inner)
-        elif tag in _TEXTS or tag in _NOT_CUT:
-            style = style_of(element, context.style, self.sheet)
-            if not context.hidden and not _is_hidden(style):
-                self.content.not_cut["text" if tag in _TEXTS else tag] += 1
-
-    def _say(self, rule: Rule, element: Element, **values: object) -> None:
+    def _report(self, rule: Rule, element: Element, **values: object) -> None:
         self.content.diagnostics.append(rule.at(self._source(element), **values))
+
+    def _report_number(self, element: Element, error: NumberError) -> None:
+        found = {"attribute": error.attribute, "found": error.found}
+        self._report(rules.NUMBER, element, **found, expected=error.expected)
 
     def _source(self, element: Element) -> Source:
         return Source(self.name, element.line, element.get("id"))
@@ -162,10 +162,10 @@ class PageWalk(Struct):
             if text is not None:
                 matrix = product(matrix, parse_transform(text))
         except NumberError as error:
-            self._say_number(element, error)
+            self._report_number(element, error)
             return None
         except ValueError as error:
-            self._say(rules.TRANSFORM, element, found=text, expected=error)
+            self._report(rules.TRANSFORM, element, found=text, expected=error)
             return None
         layer = layer_of(element, context.depth) if element.tag == "g" else None
         hidden = context.hidden or style.get("display") == "none"
@@ -196,7 +196,7 @@ class PageWalk(Struct):
         reference = element.get("href") or element.get("xlink:href") or ""
         target = self.document.ids.get(reference[1:]) if reference.startswith("#") else None
         if target is None:
-            self._say(rules.USE, element, found=reference)
+            self._report(rules.USE, element, found=reference)
             return
         self.content.counts["uses"] += 1
         if self.content.counts["uses"] > MOST_USES:
@@ -204,15 +204,14 @@ class PageWalk(Struct):
         try:
             x, y = (length_of(element, side, self.page.view) for side in ("x", "y"))
         except NumberError as error:
-            self._say_number(element, error)
+            self._report_number(element, error)
             return
         moved = replace(context, matrix=product(context.matrix, shift(x, y)))
         if target.tag == "symbol":
             size = {k: v for k in ("width", "height") if (v := element.get(k))}
             view = {k: v for k in _OF_SYMBOL if (v := target.get(k))}
-            self.element(Element("svg", {**size, **view}, target.line, target.children), moved)
-        else:
-            self.element(target, moved)
+            target = Element("svg", {**size, **view}, target.line, target.children)
+        self.elements((target,), moved)
 
     # --- shapes -----------------------------------------------------------------------------------
 
@@ -221,21 +220,17 @@ class PageWalk(Struct):
         try:
             subpaths = subpaths_of(element, self.page.view)
         except PathError as error:
-            self._say(rules.PATH, element, found=error.found, expected=error.expected)
+            self._report(rules.PATH, element, found=error.found, expected=error.expected)
             return
         except NumberError as error:
-            self._say_number(element, error)
+            self._report_number(element, error)
             return
         chains = self._placed(subpaths, context.matrix)
         if not all(is_in_bounds(curve) for chain in chains for curve in chain):
             expected = f"coordinates of at most {MAX_COORDINATE:g} mm"
-            self._say_number(element, NumberError(element.tag, "no such number", expected))
+            self._report_number(element, NumberError(element.tag, "no such number", expected))
         elif chains:
             self._sort(element, chains, context, source)
-
-    def _say_number(self, element: Element, error: NumberError) -> None:
-        found = {"attribute": error.attribute, "found": error.found}
-        self._say(rules.NUMBER, element, **found, expected=error.expected)
 
     def _placed(self, subpaths: Iterable[Subpath], matrix: Matrix) -> list[tuple[Curve, ...]]:
         """The chains in mm, without those of no length."""
