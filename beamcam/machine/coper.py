@@ -35,7 +35,7 @@ class TubeCorner(Keys, frozen=True):
 
 
 class SupportZone(Keys, frozen=True):
-    """A stretch of X where a support holds the bar."""
+    """A part of X where a support holds the bar."""
 
     min: float  #: X where it begins
     max: float  #: X where it ends

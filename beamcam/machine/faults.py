@@ -172,7 +172,7 @@ _SAMPLE_BAR = {
 
 
 def spindle_faults(machine: Machine) -> Iterator[Fault]:
-    """Spindles that lack a drill or their own axis, and pairs that lack a spindle."""
+    """Spindles without a drill or their own axis, and pairs without a spindle."""
     faces = {spindle.face for spindle in machine.spindles}
     for index, pair in enumerate(machine.pairs):
         if not faces.issuperset(pair.faces):

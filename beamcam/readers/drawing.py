@@ -179,12 +179,12 @@ def verdict(
 
 
 def unknown_layers(
-    known: Iterable[str], wanted: Iterable[str], source: Source
+    known: Iterable[str], chosen: Iterable[str], source: Source
 ) -> tuple[Diagnostic, ...]:
     """An error for each layer that the user named and the drawing has not."""
     names = {name.lower(): name for name in known}
     diagnostics = []
-    for name in wanted:
+    for name in chosen:
         if name.lower() not in names:
             from difflib import get_close_matches
 

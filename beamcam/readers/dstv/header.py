@@ -228,12 +228,12 @@ def lip_by_name(profile: Profile) -> float | None:
         return None
     figures = [float(text.replace(",", ".")) for text in match.groups()]
     known = sorted((profile.height, profile.width, profile.flange_thickness))
-    found = set()
+    lips = set()
     for k, figure in enumerate(figures):
         others = sorted(figures[:k] + figures[k + 1 :])
         if all(abs(a - b) <= TOLERANCE for a, b in zip(others, known, strict=True)):
-            found.add(figure)
-    lip = found.pop() if len(found) == 1 else None
+            lips.add(figure)
+    lip = lips.pop() if len(lips) == 1 else None
     return lip if lip and section_fault(replace(profile, lip=lip)) is None else None
 
 

@@ -147,9 +147,9 @@ def _of_document(document: Document, handles: bool, runs: tuple[Run, ...] = ()) 
 def _load_text(data: bytes, handles: bool) -> Loaded:
     """The document, without the plain entities of model space where they can be taken apart."""
     data = data.removeprefix(b"\xef\xbb\xbf")
-    found = VERSION.search(data)
-    if found is not None and (data.isascii() or int(found[1]) >= UTF8):
-        version, encoding = f"AC{found[1].decode()}", "utf-8"
+    named = VERSION.search(data)
+    if named is not None and (data.isascii() or int(named[1]) >= UTF8):
+        version, encoding = f"AC{named[1].decode()}", "utf-8"
     else:  # that of its code page
         from ezdxf.filemanagement import dxf_stream_info
 

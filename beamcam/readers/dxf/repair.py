@@ -176,14 +176,14 @@ def _version(rows: Rows) -> str:
     variables = [row for row in range(begin, end) if rows.codes[row] == VARIABLE]
     if variables[:1] != [begin]:
         return ""
-    found = ""
+    version = ""
     for row, behind in zip(variables, [*variables[1:], end], strict=True):
         is_point = rows.codes[row + 1] == 10 and behind - row in (3, 4)
         if not rows.value(row).startswith("$") or not (behind - row == 2 or is_point):
             return ""
         if rows.value(row) == "$ACADVER":
-            found = rows.value(row + 1)
-    return found
+            version = rows.value(row + 1)
+    return version
 
 
 def _has_sound_values(rows: Rows) -> bool:
