@@ -12,7 +12,7 @@ from msgspec import Struct
 from beamcam.conversion import compile_expression, nearest
 from beamcam.geometry.plane import MAX_COORDINATE
 from beamcam.machine.machine import SECTION_NAMES, Machine, MachineBox, signed
-from beamcam.machine.stations import Drill, Saw, Spindle, ToolSet, inch_size
+from beamcam.machine.stations import Saw, Spindle, ToolSet, inch_size
 from beamcam.machine.words import PART_NAMES, WORD_NAMES
 
 #: Dotted key and what was expected; what was found, where that is not the value of the key.
@@ -62,10 +62,15 @@ def tool_faults(machine: Machine) -> Iterator[Fault]:
             yield f"axes.{index}.min", "at most max"
     if saw:
         yield from _saw_faults(saw, machine)
-    if drill:
-        yield from _drill_faults(drill)
-    elif machine.stock == "beam" and machine.tools:
+    if drill is None and machine.stock == "beam" and machine.tools:
         yield "tools", "none, or a [drill] table for them", len(machine.tools)
+    if drill and drill.max_speed_rpm < drill.min_speed_rpm:
+        yield "drill.max_speed_rpm", "at least drill.min_speed_rpm"
+    for index, row in enumerate(drill.cutting if drill else ()):
+        # A slower feed would be one of a program that rounds to 0.
+        if drill and row.feed_per_turn * drill.min_speed_rpm < 1.0:
+            expected = f"{1.0 / row.feed_per_turn:.3g} or more, for a feed of 1 mm/min"
+            yield "drill.min_speed_rpm", f"{expected} by drill.cutting.{index}.feed_per_turn"
     for index, tools in enumerate(machine.tools):
         yield from _set_faults(f"tools.{index}", tools)
         for word in words_of(tools.kind):
@@ -96,16 +101,6 @@ def _saw_faults(saw: Saw, machine: Machine) -> Iterator[Fault]:
                 yield f"axes.{index}.min", f"at most {saw.zero_angle:g}, the square cut"
             if axis.limits[1] < saw.zero_angle:
                 yield f"axes.{index}.max", f"at least {saw.zero_angle:g}, the square cut"
-
-
-def _drill_faults(drill: Drill) -> Iterator[Fault]:
-    """Speeds and feeds with which a program would say a feed that rounds to 0."""
-    if drill.max_speed_rpm < drill.min_speed_rpm:
-        yield "drill.max_speed_rpm", "at least drill.min_speed_rpm"
-    for index, row in enumerate(drill.cutting):
-        if row.feed_per_turn * drill.min_speed_rpm < 1.0:
-            expected = f"{1.0 / row.feed_per_turn:.3g} or more, for a feed of 1 mm/min"
-            yield "drill.min_speed_rpm", f"{expected} by drill.cutting.{index}.feed_per_turn"
 
 
 #: Controllers that run a saw and drilling line; a cutting table may have any.

@@ -92,7 +92,21 @@ def content(path: str) -> bytes | Diagnostic:
             return _unless_zeros(_pieces(sys.stdin.buffer.read), "stdin")
         file = open_file(path)
         try:
-            return content_of(file, os.fstat(file).st_size, path)
+            size = os.fstat(file).st_size
+            if size > InForce.limits.bytes:
+                return BYTES.at(Source(path), found=size, expected=InForce.limits.bytes)
+            if size >= _PIECE:
+                # A broken copy is often as large as the disk had room, and would fill the memory.
+                zeros = 0
+                while (piece := os.read(file, _PIECE)) and piece == _ZEROS[: len(piece)]:
+                    zeros += len(piece)
+                if not piece:
+                    return _zeros(zeros, path)
+                os.lseek(file, 0, os.SEEK_SET)
+            data = os.read(file, size + 1)
+            if len(data) != size:  # a file that someone writes to
+                data = _pieces(partial(os.read, file), data)
+            return _unless_zeros(data, path)
         finally:
             os.close(file)
     except NotAFile as error:
@@ -101,24 +115,6 @@ def content(path: str) -> bytes | Diagnostic:
         if os.path.isdir(path):
             return FOLDER.at(Source(path), found=path)
         return UNREADABLE.at(Source(shown_name(path)), found=error.strerror or error)
-
-
-def content_of(file: int, size: int, name: str) -> bytes | Diagnostic:
-    """Content of an open file, as `content`; its `size` as the system has it. Raises OSError."""
-    if size > InForce.limits.bytes:
-        return BYTES.at(Source(name), found=size, expected=InForce.limits.bytes)
-    if size >= _PIECE:
-        # A broken copy is often as large as the disk had room, and would fill the memory.
-        zeros = 0
-        while (piece := os.read(file, _PIECE)) and piece == _ZEROS[: len(piece)]:
-            zeros += len(piece)
-        if not piece:
-            return _zeros(zeros, name)
-        os.lseek(file, 0, os.SEEK_SET)
-    data = os.read(file, size + 1)
-    if len(data) != size:  # a file that someone writes to
-        data = _pieces(partial(os.read, file), data)
-    return _unless_zeros(data, name)
 
 
 def _pieces(read: Callable[[int], bytes], first: bytes = b"") -> bytes:

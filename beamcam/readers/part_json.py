@@ -11,7 +11,7 @@ from msgspec import UnsetType
 from msgspec.structs import asdict
 
 from beamcam.errors import ReadError, Source, error
-from beamcam.geometry.curves import Arc, Curve, signed_area
+from beamcam.geometry.curves import Arc, signed_area
 from beamcam.model import part_forms
 from beamcam.model.colour import parse_colour
 from beamcam.model.curve_json import JsonPlace, curves_of, record_of, show
@@ -157,7 +157,10 @@ def _contour(form: part_forms.ContourForm, place: JsonPlace, source: Source) -> 
         raise place.at("curves").wrong("no curves", "one curve or more")
     forms = _each(form.curves, place.at("curves"))
     curves = tuple(curve for one, below in forms for curve in curves_of(one, below))
-    closed = _is_closed(curves)
+    (x0, y0), (x1, y1) = curves[0].start, curves[-1].end
+    closed = max(abs(x0 - x1), abs(y0 - y1)) < 1e-6
+    if len(curves) == 1 and isinstance(curves[0], Arc):
+        closed = abs(curves[0].sweep_deg) == 360.0
     # Shorthands have no direction of their own: outer ones run counter-clockwise from outside.
     drawn = all(
         one.polygon or one.circle or one.tangent_circle or one.function for one in form.curves
@@ -182,13 +185,6 @@ def _contour(form: part_forms.ContourForm, place: JsonPlace, source: Source) -> 
         closed if isinstance(form.closed, UnsetType) else form.closed, form.bevels,
         form.notches, form.edge, form.layer, colour,
     )  # fmt: skip
-
-
-def _is_closed(curves: tuple[Curve, ...]) -> bool:
-    start, end = curves[0].start, curves[-1].end
-    if len(curves) == 1 and isinstance(curves[0], Arc):
-        return abs(curves[0].sweep_deg) == 360.0
-    return abs(start[0] - end[0]) < 1e-6 and abs(start[1] - end[1]) < 1e-6
 
 
 JSON_SYNTAX = error("json-syntax",

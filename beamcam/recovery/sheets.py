@@ -5,7 +5,7 @@ else a hole. Where the program keeps the beam off by itself, the contour lies ha
 path; a controller that compensates gets the contour.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from math import dist
 from typing import cast
 
@@ -19,6 +19,7 @@ from beamcam.checks.sheets.remainder import unchained
 from beamcam.checks.sheets.strokes import HeadStroke, Strokes, strokes_of
 from beamcam.controllers import table_events, table_run
 from beamcam.errors import Diagnostic, Source, errors_in
+from beamcam.geometry.array_types import Floats
 from beamcam.geometry.curves import Line, join_boxes, signed_area
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch, TorchProcess
@@ -66,6 +67,8 @@ def recover_sheet(text: str, machine: Machine, name: str, is_known: bool) -> Rec
 
 def _recovered(text: str, machine: Machine, torch: Torch, name: str) -> Recovered:
     """The part of a sheet of the machine's own thickness."""
+    from beamcam.geometry.polylines import polylines
+
     thickness = torch.thickness
     sheet = Part(
         mark_of(name), Profile("B", "", 0.0, 0.0, 0.0, thickness), 0.0, Source(name),
@@ -92,11 +95,17 @@ def _recovered(text: str, machine: Machine, torch: Torch, name: str) -> Recovere
         for p in paths if p.process == "spot"
     ]  # fmt: skip
     paths = [path for path in paths if path.process != "spot"]
-    crossings = _crossings(paths, torch.tolerance * LOOK_SHARE)
+    cuts = {
+        k: polylines(path.curves, torch.tolerance * LOOK_SHARE).points
+        for k, path in enumerate(paths)
+        if path.closed and path.process == "cut"
+    }
+    crossings = _crossings([*cuts.values()])
     if crossings > MOST_CROSSINGS:
         diagnostics.append(rules.CROWDED.at(Source(name), found=f"{crossings:.1g}"))
         return Recovered((), tuple(diagnostics))
-    part = _placed(sheet, _contours(paths, torch, diagnostics), spots, torch)
+    contours = _contours(paths, _depths(len(paths), cuts), torch, diagnostics)
+    part = _placed(sheet, contours, spots, torch)
     if not errors_in(diagnostics):
         diagnostics += [
             d for d in verify_sheet(text, (part,), machine, name=name) if d not in diagnostics
@@ -148,11 +157,12 @@ def _path(
     return _Path(stroke.process, curves, ring is not None, kerf, Source(name, stroke.line))
 
 
-def _contours(paths: Sequence[_Path], torch: Torch, diagnostics: list[Diagnostic]) -> list[Contour]:
-    """The contours of the paths, in their order."""
+def _contours(
+    paths: Sequence[_Path], inside: Sequence[int], torch: Torch, diagnostics: list[Diagnostic]
+) -> list[Contour]:
+    """The contours of the paths in their order, each `inside` so many cuts."""
     from beamcam.geometry.offset import Vanished, offset_chains
 
-    inside = _depths(paths, torch.tolerance * LOOK_SHARE)
     moved = [k for k, path in enumerate(paths) if path.kerf]
     amounts = [paths[k].kerf / 2 * (1 if inside[k] % 2 else -1) for k in moved]
     rings = [paths[k].curves for k in moved]
@@ -180,16 +190,12 @@ def _contours(paths: Sequence[_Path], torch: Torch, diagnostics: list[Diagnostic
     return contours
 
 
-def _crossings(paths: Sequence[_Path], tolerance: float) -> float:
+def _crossings(drawn: Sequence[Floats]) -> float:
     """About how often closed cuts cross or cover each other and themselves, from a few chords."""
     import shapely
 
-    from beamcam.geometry.polylines import polylines
-
-    rings = [p for p in paths if p.closed and p.process == "cut"]
-    if not rings:
+    if not drawn:
         return 0.0
-    drawn = [polylines(p.curves, tolerance).points for p in rings]
     ends = np.concatenate([np.stack((points[:-1], points[1:]), axis=1) for points in drawn])
     chords = shapely.linestrings(ends)
     step = max(1, len(chords) // SAMPLED)
@@ -197,16 +203,12 @@ def _crossings(paths: Sequence[_Path], tolerance: float) -> float:
     return float(np.maximum(np.bincount(met) - ALONE, 0).sum()) * step / 2
 
 
-def _depths(paths: Sequence[_Path], tolerance: float) -> list[int]:
-    """In how many closed cuts each path lies."""
+def _depths(count: int, cuts: Mapping[int, Floats]) -> list[int]:
+    """In how many closed cuts each of so many paths lies; `cuts` are polygons by their path."""
     import shapely
 
-    from beamcam.geometry.polylines import polylines
-
-    rings = [k for k, path in enumerate(paths) if path.closed and path.process == "cut"]
-    depths = [0] * len(paths)
-    drawn = [polylines(paths[k].curves, tolerance).points for k in rings]
-    shapes = [shapely.Polygon(points).buffer(0.0) for points in drawn]
+    rings, shapes = [*cuts], [shapely.Polygon(points).buffer(0.0) for points in cuts.values()]
+    depths = [0] * count
     tree = shapely.STRtree(shapes)
     inner, outer = tree.query([s.representative_point() for s in shapes], "within")
     for a, b in zip(inner.tolist(), outer.tolist(), strict=True):

@@ -85,8 +85,13 @@ def _drawing(part: Part) -> str:
             document.layers.add(layer + suffix, color=colour)
         box = _box(part, face, features)
         view = _View(space, layer, shift - box[1])
-        if not any(isinstance(f, Contour) and f.kind == "outer" for f in features):
-            _draw_stock(part, face, view)
+        (low, high), sign = _edges(part, face), -1.0 if runs_down(face) else 1.0
+        has_outline = any(isinstance(f, Contour) and f.kind == "outer" for f in features)
+        if high > low and not has_outline:  # between the ends that the header cuts
+            (a, d), (b, c) = end_lines(part, face)
+            corners = [(x, sign * y) for x, y in (a, b, c, d)]
+            for a, b in zip(corners, corners[1:] + corners[:1], strict=True):
+                view.line(a, b)
         for feature in features:
             _draw(feature, view)
         name = f"{face} {FACE_NAMES.get(face, 'PLANE')}  {part.mark}  {part.profile.name}"
@@ -163,16 +168,6 @@ class _View:
     def cross(self, x: float, y: float) -> None:
         self.line((x - _MARK_ARM, y), (x + _MARK_ARM, y), "_MARKS")
         self.line((x, y - _MARK_ARM), (x, y + _MARK_ARM), "_MARKS")
-
-
-def _draw_stock(part: Part, face: Face, view: _View) -> None:
-    """A face that has no outer contour, between the ends that the header cuts."""
-    low, high = _edges(part, face)
-    if high > low:
-        (a, d), (b, c) = end_lines(part, face)
-        corners = [(x, -y if runs_down(face) else y) for x, y in (a, b, c, d)]
-        for a, b in zip(corners, corners[1:] + corners[:1], strict=True):
-            view.line(a, b)
 
 
 def _draw(feature: Feature, view: _View) -> None:

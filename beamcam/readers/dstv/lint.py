@@ -62,8 +62,15 @@ def check(part: Part, contours: list[ContourRows], header: list[int], log: Log) 
     for feature in part.features if contours else ():
         if isinstance(feature, Contour) and feature.kind != "outer" and feature.process == "cut":
             _check_circle(feature, log)
+    for rows in contours if outers else ():
+        # How the standard draws them: clockwise in the numbers of o and h.
+        if rows.code == "A" and len(rows.face) == 1 and len(rows.points) > 2:
+            mirrored = rows.face in MIRRORED_FACES
+            if rows.area > 0 if mirrored else rows.area < 0:
+                names = ("counter-clockwise", "clockwise")
+                found, expected = names if mirrored else names[::-1]
+                log.add(rules.DIRECTION, rows.line, face=rows.face, found=found, expected=expected)
     if outers:
-        _check_directions(contours, log)
         _check_extents(part, outers, header, log)
         for name, given, angle in _differing_ends(part, outers):
             # Some programs leave the header 0 and draw the cut; none was seen to do the reverse.
@@ -88,17 +95,6 @@ def _check_weight(part: Part, header: list[int], log: Log) -> None:
     if weight > 0.0 and abs(part.weight - weight) > WEIGHT_SHARE * weight:
         name = profile.name or profile.code
         log.add(rules.WEIGHT_SECTION, header[14], found=part.weight, profile=name, expected=weight)
-
-
-def _check_directions(contours: list[ContourRows], log: Log) -> None:
-    """Note outer contours that run otherwise in their numbers than the standard draws them."""
-    for rows in contours:
-        if rows.code == "A" and len(rows.face) == 1 and len(rows.points) > 2:
-            mirrored = rows.face in MIRRORED_FACES
-            if rows.area > 0 if mirrored else rows.area < 0:
-                names = ("counter-clockwise", "clockwise")
-                found, expected = names if mirrored else names[::-1]
-                log.add(rules.DIRECTION, rows.line, face=rows.face, found=found, expected=expected)
 
 
 def _check_extents(
@@ -199,7 +195,7 @@ def _check_circle(contour: Contour, log: Log) -> None:
 def _check_holes(part: Part, outers: dict[str, list[_Outline]], log: Log) -> None:
     """Holes and texts in the air, holes that are there twice, those that are probably marks."""
     first_lines: dict[object, int] = {}
-    regions: dict[str, _Region] = {}
+    regions: dict[str, tuple[Box, list[_Outline]]] = {}
     for feature in part.features:
         kind = type(feature)
         if (
@@ -230,13 +226,9 @@ def _check_holes(part: Part, outers: dict[str, list[_Outline]], log: Log) -> Non
             log.add(rules.HOLE_OUTSIDE, line, what=what, x=x, y=y, face=face)
 
 
-#: Where a face has material: a box around it, a little wider, and its outlines, none where the box
-#: says it all.
-_Region = tuple[Box, list[_Outline]]
-
-
-def _region(part: Part, outlines: list[_Outline] | None, face: str) -> _Region:
-    """The material of a face: its outlines, or the raw section where it has none."""
+def _region(part: Part, outlines: list[_Outline] | None, face: str) -> tuple[Box, list[_Outline]]:
+    """A box around the material of a face, a little wider, and its outlines; of one without these
+    the box of the raw section."""
     if len(face) > 1:
         return (-inf, -inf, inf, inf), []  # the file gives no extent of a plane
     slack = EDGE_TOLERANCE

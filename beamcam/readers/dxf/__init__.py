@@ -121,8 +121,6 @@ def _remarks(content: DrawingContent, source: Source) -> Iterator[Diagnostic]:
 
 # --- units ----------------------------------------------------------------------------------------
 
-# Unit of length of a DXF file, from its own data.
-#
 # ezdxf invents `$INSUNITS` 6 (metres) for files without a header, so that the raw text is asked.
 
 _NL = rb"[ \t]*(?:\r\n|\r|\n)[ \t]*"
@@ -202,11 +200,7 @@ class DrawingWalk(Struct):
     _copies: int = 0  #: of blocks, so far
 
     def entities(
-        self,
-        those: Iterable[Any],
-        frame: InsertFrame,
-        above: LayerStyle,
-        blocks: tuple[str, ...],
+        self, those: Iterable[Any], frame: InsertFrame, above: LayerStyle, blocks: tuple[str, ...]
     ) -> None:
         """Sort entities, which stand in `frame` in the innermost of `blocks`."""
         from ezdxf.lldxf.const import DXFError

@@ -315,6 +315,8 @@ def _spline(rows: _Rows) -> Callable[[Row], Values] | None:
 KNOT_TOLERANCE = 1e-10
 
 
+#: Tangents, fit points and their tolerance, flags and counts.
+_OF_SPLINES = {11, 21, 31, 12, 22, 32, 13, 23, 33, 43, 44, 70, 72, 73, 74}
 _KINDS: dict[str, _Kind] = {
     "LINE": _Kind({10, 20, 11, 21}, {30, 31}, {39}, 1, _line),
     "CIRCLE": _Kind({10, 20, 40}, {30}, {39}, 1, _circle),
@@ -332,7 +334,7 @@ _KINDS: dict[str, _Kind] = {
     "SPLINE": _Kind(
         {10, 20, 40, 71},
         {30, 41, 42},
-        {11, 21, 31, 12, 22, 32, 13, 23, 33, 43, 44, 70, 72, 73, 74},
+        _OF_SPLINES,
         1,
         _spline,
         many={10, 20, 30, 11, 21, 31, 40, 41},

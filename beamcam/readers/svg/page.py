@@ -232,14 +232,13 @@ class _Finder:
     def by_units(self, units: str) -> Page:
         """The page, where the user says what a plain number is."""
         unit = MM_PER_UNIT[units]
-        if not units.startswith("px"):
-            return self._uniform(unit)
-        absolute = [side for side in (self.width, self.height) if side and side.mm is not None]
-        if self.box is None or absolute:
-            return self.by_file() if absolute and self.box else self._uniform(unit)
-        for side, length in ((self.width, self.box.width), (self.height, self.box.height)):
-            if side is not None and side.unit in _PX:
-                return self._uniform(side.number * unit / length)
+        sides = [side for side in (self.width, self.height) if side is not None]
+        if self.box is not None and units.startswith("px"):
+            if any(side.mm is not None for side in sides):
+                return self.by_file()
+            for side, length in ((self.width, self.box.width), (self.height, self.box.height)):
+                if side is not None and side.unit in _PX:
+                    return self._uniform(side.number * unit / length)
         return self._uniform(unit)
 
     def by_file(self) -> Page:
