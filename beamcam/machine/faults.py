@@ -4,6 +4,7 @@ with which no program could be written and read back.
 
 import re
 from collections.abc import Iterable, Iterator, Mapping
+from operator import attrgetter
 from string import Formatter
 from typing import Any
 
@@ -199,6 +200,11 @@ def _drawn_back(spindle: Spindle, clearance: float) -> float:
     return surface - start if deeper > surface else start - surface
 
 
+#: Axes and formulas of a spindle.
+_MOTION = ("across.axis", "across.position", "stroke.axis", "stroke.retract", "stroke.approach",
+           "stroke.bottom")  # fmt: skip
+
+
 def pair_faults(machine: Machine) -> Iterator[Fault]:
     """Each formula of a pair's second spindle that is another than the first one's.
 
@@ -206,22 +212,12 @@ def pair_faults(machine: Machine) -> Iterator[Fault]:
     """
     spindles: dict[str, int] = {s.face: index for index, s in enumerate(machine.spindles)}
     for pair in machine.pairs:
-        first, index = (spindles[face] for face in pair.faces)
-        theirs = _moved_by(machine.spindles[first])
-        for key, found in _moved_by(machine.spindles[index]).items():
-            if found != theirs[key]:
-                expected = f"{theirs[key]!r} as the other spindle of {pair.name!r} has, or no pair"
-                yield f"spindles.{index}.{key}", expected, found
-
-
-def _moved_by(spindle: Spindle) -> dict[str, str]:
-    """The axes and formulas of a spindle, by their keys."""
-    across, stroke = spindle.across, spindle.stroke
-    return {
-        "across.axis": across.axis, "across.position": across.position, "stroke.axis": stroke.axis,
-        "stroke.retract": stroke.retract, "stroke.approach": stroke.approach or stroke.retract,
-        "stroke.bottom": stroke.bottom,
-    }  # fmt: skip
+        both = [machine.spindles[spindles[face]] for face in pair.faces]
+        for key in _MOTION:
+            first, second = (attrgetter(key)(one) or one.stroke.retract for one in both)
+            if first != second:
+                expected = f"{first!r} as the other spindle of {pair.name!r} has, or no pair"
+                yield f"spindles.{spindles[pair.faces[1]]}.{key}", expected, second
 
 
 def view_faults(machine: Machine) -> Iterator[Fault]:

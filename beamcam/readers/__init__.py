@@ -138,11 +138,6 @@ def _zeros(count: int, name: str) -> Diagnostic:
     return ZEROS.at(Source(name), found=f"{count:,}".replace(",", " "))
 
 
-# --- reading --------------------------------------------------------------------------------------
-
-# The result of every reader.
-
-
 class Reading(Struct, frozen=True):
     """The parts of one file, as far as they could be read, and remarks on it.
 

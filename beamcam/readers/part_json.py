@@ -35,11 +35,6 @@ from beamcam.plain_text import fault_text, whole_text
 from beamcam.readers import Reading
 from beamcam.readers.drawing import checked_polynomials
 
-# --- part from json -------------------------------------------------------------------------------
-
-# A part from its JSON form, as written by `part_to_json` or by a person.
-
-
 Form = TypeVar("Form")
 SourceOf = Callable[[part_forms.Located, JsonPlace], Source]
 
@@ -89,18 +84,15 @@ _COMPUTED_OF_CONTOUR = {"length", "bbox"}
 
 def _without_computed(value: object) -> object:
     """A part without its computed keys: a curve may be longer than a number that is read."""
-    if not isinstance(value, dict):
-        return value
-    kept = {key: item for key, item in value.items() if key not in _COMPUTED}
-    for holder in (kept, kept.get("made")):
-        contours = holder.get("contours") if isinstance(holder, dict) else None
-        if isinstance(holder, dict) and isinstance(contours, list):
-            holder["contours"] = [
-                {key: item for key, item in one.items() if key not in _COMPUTED_OF_CONTOUR}
-                if isinstance(one, dict)
-                else one
-                for one in contours
-            ]
+
+    def without(table: Any, keys: set[str]) -> Any:
+        is_table = isinstance(table, dict)
+        return {k: v for k, v in table.items() if k not in keys} if is_table else table
+
+    kept = without(value, _COMPUTED)
+    for holder in (kept, kept.get("made")) if isinstance(kept, dict) else ():
+        if isinstance(holder, dict) and isinstance(contours := holder.get("contours"), list):
+            holder["contours"] = [without(one, _COMPUTED_OF_CONTOUR) for one in contours]
     return kept
 
 

@@ -26,8 +26,6 @@ from beamcam.recovery import rules
 from beamcam.recovery.paths import feature_of
 from beamcam.recovery.recovered import KnownStock, Recovered, mark_of, plain
 
-# --- section --------------------------------------------------------------------------------------
-
 SAME = 0.05  #: mm, by which height and width that a program says may differ from the catalogue's
 SHOWN = 6  #: sections of one size that are named
 

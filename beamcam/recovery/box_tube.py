@@ -168,9 +168,6 @@ def _band(lines: tuple[Floats, Floats], wide: float, at_high: bool) -> Shape:
     ])  # fmt: skip
 
 
-# --- ends -----------------------------------------------------------------------------------------
-
-
 def _planes(surface: Shape, section: TubeSection, profile: Profile, within: float) -> EndCuts:
     """The angles of ends that are planes from 0 to the part's length; none where one is not."""
     from shapely import LineString

@@ -29,18 +29,9 @@ from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Contour, EndCuts, Face, Feature, Hole, Part, Slot
 from beamcam.model.rounds import rolled
-from beamcam.recovery import rules
+from beamcam.recovery import rings, rules
 from beamcam.recovery.box_tube import Faces, corner_radius, faces_of
 from beamcam.recovery.recovered import KnownStock, Recovered, mark_of, plain
-from beamcam.recovery.rings import (
-    DECIMALS,
-    PLACE,
-    curves_of,
-    drilled_of,
-    pocket_of,
-    round_of,
-    rounded_corners,
-)
 from beamcam.recovery.tilted import SAME, Ends, cuts_of, ends_of, length_of, whole_wall, with_bevels
 
 Shape = Any  #: of shapely
@@ -83,7 +74,7 @@ class _Job(Struct, frozen=True):
     def part(self, end: float, slack: float) -> Part:
         """The part without features that reaches so far, as long as its head says if it may be."""
         is_as_said = abs(end - self.bare.length) <= slack
-        length = self.bare.length if is_as_said else plain(end, PLACE, DECIMALS)
+        length = self.bare.length if is_as_said else plain(end, rings.PLACE, rings.DECIMALS)
         return replace(self.bare, mark=self.bare.mark or mark_of(self.name), length=length)
 
     def recovered(self, part: Part, features: Iterable[Feature]) -> Recovered:
@@ -95,7 +86,7 @@ class _Job(Struct, frozen=True):
             within = f"{self.within:g}"
             diagnostics.append(rules.REFITTED.at(part.source, count=len(contours), within=within))
         radius = self.coper.corner_radius
-        corners = sum(rounded_corners(c.curves, radius, self.within) for c in contours)
+        corners = sum(rings.rounded_corners(c.curves, radius, self.within) for c in contours)
         if corners:
             diagnostics.append(rules.ROUNDED.at(part.source, count=corners, radius=f"{radius:g}"))
         return Recovered((part,), tuple(diagnostics), bool(self.bare.mark))
@@ -120,7 +111,7 @@ class _Job(Struct, frozen=True):
         if not is_whole or wall.is_drawn or part.profile.code == "B":
             for outline in outlines:
                 ring = _ring(orient(outline).exterior)
-                curves = curves_of(ring, self.within, (0.0, wall.wide))
+                curves = rings.curves_of(ring, self.within, (0.0, wall.wide))
                 yield Contour(wall.face, "outer", curves, source)
         for piece in pieces:
             for hole in piece.interiors:
@@ -146,17 +137,17 @@ class _Job(Struct, frozen=True):
             gone = pieces_of(box(low - 1.0, 0.0, high + 1.0, wide).difference(steel))
             within = [one for one in gone if low <= one.bounds[0] and one.bounds[2] <= high]
             within = [one for one in within if one.buffer(-self.within).area > 0.0]
-            outline = union_all([steel, *(one.buffer(PLACE) for one in within)])
+            outline = union_all([steel, *(one.buffer(rings.PLACE) for one in within)])
             outline = outline.intersection(box(low, 0.0, high, wide))
             same = outline.hausdorff_distance(box(0.0, 0.0, part.length, wide)) <= self.within
             whole = whole and (same or faces.cuts != EndCuts())
             for one in pieces_of(outline):
-                curves = curves_of(_ring(orient(one).exterior), self.within, (0.0, wide))
+                curves = rings.curves_of(_ring(orient(one).exterior), self.within, (0.0, wide))
                 outlines.append(Contour(face, "outer", curves, source))
             for one in within:
                 ring = _ring(orient(one, -1.0).exterior)
-                if any(abs(y - edge) <= PLACE for _, y in ring for edge in (0.0, wide)):
-                    curves = curves_of(ring, self.within, (0.0, wide))
+                if any(abs(y - edge) <= rings.PLACE for _, y in ring for edge in (0.0, wide)):
+                    curves = rings.curves_of(ring, self.within, (0.0, wide))
                     inner.append(Contour(face, "inner", curves, source))
                 else:
                     inner.append(self._cut_out(face, ring, source))
@@ -170,17 +161,17 @@ class _Job(Struct, frozen=True):
         contour.
         """
         if self.tube_radius is None:
-            circle = round_of(ring, self.within)
+            circle = rings.round_of(ring, self.within)
         else:
-            circle = drilled_of(ring, self.tube_radius, self.within)
+            circle = rings.drilled_of(ring, self.tube_radius, self.within)
         if circle is not None:
             return Hole(face, *circle, source)
-        slot = pocket_of(ring, self.within)
+        slot = rings.pocket_of(ring, self.within)
         if slot is not None:
             _, _, diameter, _, height, _ = slot
             if height <= 0.0 or abs(diameter / 2 - self.coper.corner_radius) > self.within:
                 return Slot(face, *slot, source)
-        return Contour(face, "inner", curves_of(ring, self.within), source)
+        return Contour(face, "inner", rings.curves_of(ring, self.within), source)
 
 
 def recover_coped(text: str, machine: Machine, name: str, stock: KnownStock) -> Recovered:

@@ -19,7 +19,7 @@ from beamcam.model.part import (
     SectionPoint,
 )
 from beamcam.readers import Reading
-from beamcam.readers.dstv import rules
+from beamcam.readers.dstv import rows, rules
 from beamcam.readers.dstv.blocks import (
     CODES,
     Block,
@@ -32,17 +32,6 @@ from beamcam.readers.dstv.blocks import (
 from beamcam.readers.dstv.contours import ContourRows, build_contour, is_mirrored, read_contour_rows
 from beamcam.readers.dstv.header import header_lines, read_header, upright
 from beamcam.readers.dstv.lint import Ends, check, with_ends
-from beamcam.readers.dstv.rows import (
-    FACE_LETTERS,
-    FEATURES,
-    RowPlace,
-    features_of,
-    read_end_planes,
-    read_info,
-    read_plane,
-    read_section_point,
-    read_tolerance,
-)
 
 #: What stands before the rows of features that are there, and what says that the ends are.
 MADE, MADE_ENDS = "**BEAMCAM MADE ", "ENDS"
@@ -148,10 +137,10 @@ def _made(texts: list[str], head: int, name: str) -> Reading:
     Its rows keep their lines; what is said of the header, which ends at line `head`, is not
     repeated.
     """
-    rows = [text.removeprefix(MADE) if text.startswith(MADE) else "" for text in texts[head:]]
+    made = [text.removeprefix(MADE) if text.startswith(MADE) else "" for text in texts[head:]]
     # A row of such a comment is no comment of its own.
-    rows = ["" if row == MADE_ENDS or row.startswith(MADE) else row for row in rows]
-    data = "\n".join([*texts[:head], *rows, "EN"]).encode()
+    made = ["" if row == MADE_ENDS or row.startswith(MADE) else row for row in made]
+    data = "\n".join([*texts[:head], *made, "EN"]).encode()
     reading, _ = read_with_account(data, name, "utf-8")
     diagnostics = tuple(d for d in reading.diagnostics if (d.source.line or 0) > head)
     return replace(reading, diagnostics=diagnostics)
@@ -197,31 +186,33 @@ def _find_start(texts: list[str], log: Log) -> tuple[int | None, list[Placed]]:
 def _read_block(block: Block, content: BlockContent, profile: Profile, log: Log) -> None:
     """Add what a block says to `content`."""
     code, plane = _code_and_plane(block, content, log)
-    place = RowPlace(log, profile, plane)
-    if code in FEATURES:
-        content.features.extend(features_of(block, place, *FEATURES[code]))
+    place = rows.RowPlace(log, profile, plane)
+    if code in rows.FEATURES:
+        content.features.extend(rows.features_of(block, place, *rows.FEATURES[code]))
     elif code in _CONTOURS:
-        rows = read_contour_rows(block, _CONTOURS[code], place)
-        content.features.extend(rows)
-        content.contours.extend(rows)
+        contours = read_contour_rows(block, _CONTOURS[code], place)
+        content.features.extend(contours)
+        content.contours.extend(contours)
     elif code == "SC":
-        content.features.extend(read_end_planes(block, log))
+        content.features.extend(rows.read_end_planes(block, log))
     elif code == "E":  # a number that is used again names another plane
         last = content.plane_names.get(block.code[1])
         name = block.code if last is None else f"{block.code}#{int(last[3:] or 1) + 1}"
-        if (read := read_plane(block, name, log)) is not None:
+        if (read := rows.read_plane(block, name, log)) is not None:
             content.planes.append(read)
         content.plane_names[block.code[1]] = name
     elif code == "PR":
-        content.section.extend(features_of(block, place, read_section_point, rules.SECTION_FIELDS))
+        content.section.extend(
+            rows.features_of(block, place, rows.read_section_point, rules.SECTION_FIELDS)
+        )
         if profile.code != "SO":
             log.add(rules.SECTION_CODE, block.line, code=profile.code)
     elif code == "IN":
-        content.info.extend(read_info(block, log))
+        content.info.extend(rows.read_info(block, log))
     elif code == "TO":
         if content.tolerance is not None:
             log.add(rules.BLOCK_REPEATED, block.line, block="TO")
-        content.tolerance = read_tolerance(block, log) or content.tolerance
+        content.tolerance = rows.read_tolerance(block, log) or content.tolerance
     else:
         if block.code == "ST":
             log.add(rules.SECOND_ST, block.line)
@@ -241,7 +232,7 @@ def _code_and_plane(block: Block, content: BlockContent, log: Log) -> tuple[str,
     known = _ON_PLANES.get(letter, code)
     if letter == "E":
         return known, ""
-    has_faces = bool(block.rows) and block.rows[0][0].lower() in FACE_LETTERS
+    has_faces = bool(block.rows) and block.rows[0][0].lower() in rows.FACE_LETTERS
     if code == "B0" and "0" not in content.plane_names and has_faces:
         log.add(rules.CODE_ZERO, block.line)
         return known, ""
@@ -253,9 +244,9 @@ def _code_and_plane(block: Block, content: BlockContent, log: Log) -> tuple[str,
 def _finish_contours(content: BlockContent, profile: Profile, log: Log) -> Iterator[Feature]:
     """The features in order, contour rows made into contours where they make one."""
     mirrored: dict[str, bool] = {}  # by face, whether its first outer contour is
-    for rows in content.contours:
-        if rows.code == "A" and rows.face in MIRRORED_FACES:
-            mirrored.setdefault(rows.face, bool(rows.points) and is_mirrored(rows))
+    for outer in content.contours:
+        if outer.code == "A" and outer.face in MIRRORED_FACES:
+            mirrored.setdefault(outer.face, bool(outer.points) and is_mirrored(outer))
     for item in content.features:
         if type(item) is not ContourRows:
             yield item
@@ -315,15 +306,15 @@ def _stops(
 ) -> list[Stop]:  # fmt: skip
     """Every line that a comment can stand before, in order, with its anchor."""
     things: list[Stop] = []
-    rows_of = {rows.line: rows for rows in contours}
+    contour_at = {contour.line: contour for contour in contours}
     for i, feature in enumerate(features):
         line = feature.source.line or 0
         things.append((line, f"feature:{i}"))
-        rows = rows_of.get(line)
-        if rows is not None and isinstance(feature, Contour):
+        drawn = contour_at.get(line)
+        if drawn is not None and isinstance(feature, Contour):
             # A comment stands between two rows, so that turning round puts it before the other one.
-            own = sorted({*rows.lines, *rows.notch_lines})
-            places = [len(own) - row if rows.turned else row for row in range(len(own))]
+            own = sorted({*drawn.lines, *drawn.notch_lines})
+            places = [len(own) - row if drawn.turned else row for row in range(len(own))]
             things += [(own[k], f"feature:{i}:{place}") for k, place in enumerate(places) if k]
     block_at = {block.line: block for block in blocks}
     for k, plane in enumerate(planes):

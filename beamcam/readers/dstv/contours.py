@@ -20,8 +20,6 @@ from beamcam.readers.dstv import rules
 from beamcam.readers.dstv.blocks import EDGES, Block, Log, RowError, numbers
 from beamcam.readers.dstv.rows import RowPlace, rows_of
 
-# --- contour rows ---------------------------------------------------------------------------------
-
 #: A notch corner this many radii from its arc comes of tangents that are (nearly) parallel.
 _FARTHEST_CORNER = 1000.0
 

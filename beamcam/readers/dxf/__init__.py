@@ -13,16 +13,8 @@ from beamcam.errors import Diagnostic, ReadError, Source
 from beamcam.geometry.curves import Curve
 from beamcam.model.part import Contour, Dashed, Measures, TextMark
 from beamcam.readers import Reading, drawing
-from beamcam.readers.dxf import entities, rules
-from beamcam.readers.dxf.curves import (
-    BY_VALUES,
-    Chain,
-    EdgeOnError,
-    Heights,
-    InsertFrame,
-    check_bounds,
-    scaled,
-)
+from beamcam.readers.dxf import curves, entities, rules
+from beamcam.readers.dxf.curves import InsertFrame
 from beamcam.readers.dxf.layers import Attributes, Layers, LayerStyle, attributes_of
 from beamcam.readers.dxf.load import MARKER, Run, is_binary, load_document, looks_like
 
@@ -43,7 +35,7 @@ class DrawingContent(Struct):
     not_cut: Counter[str] = field(default_factory=Counter)  #: entities by kind
     empty: Counter[str] = field(default_factory=Counter)
     edge_on: Counter[str] = field(default_factory=Counter)
-    heights: Heights = field(default_factory=list)
+    heights: curves.Heights = field(default_factory=list)
     dashed: dict[tuple[str, str, str], Dashed] = field(default_factory=dict)
     diagnostics: list[Diagnostic] = field(default_factory=list)
 
@@ -74,7 +66,7 @@ def read(
         return Reading("dxf", (), error.diagnostics)
     chosen = Layers(loaded.tables, frozenset(map(str.lower, layers)) or None)
     diagnostics += (*loaded.remarks, *drawing.unknown_layers(chosen.names(), layers, source))
-    runs, frame = iter(loaded.runs), scaled(unit.mm)
+    runs, frame = iter(loaded.runs), curves.scaled(unit.mm)
     fitted_on, lettered_on = (frozenset(map(str.lower, names)) for names in (fit, letters))
     walk = DrawingWalk(name, chosen, loaded.handles, runs, fitted_on, lettered_on)
     try:
@@ -262,7 +254,7 @@ class DrawingWalk(Struct):
                 style = self.layers.style(attributes, LayerStyle(), False)
                 hidden = self.layers.hides(style)
             kind = plain.kind
-            source, read = self._source(kind, plain.handle), BY_VALUES[kind]
+            source, read = self._source(kind, plain.handle), curves.BY_VALUES[kind]
             self._sort(kind, source, style, hidden, read, frame, plain.values)
 
     def _curve(self, entity: Any, source: Source, frame: InsertFrame, style: LayerStyle) -> None:
@@ -279,7 +271,7 @@ class DrawingWalk(Struct):
         source: Source,
         style: LayerStyle,
         hidden: bool,
-        read: Callable[..., list[Chain]],
+        read: Callable[..., list[curves.Chain]],
         frame: InsertFrame,
         values: tuple[Any, ...],
     ) -> bool:
@@ -288,14 +280,14 @@ class DrawingWalk(Struct):
         `read` takes the frame, a list that it adds heights to, and the values.
         """
         content = self.content
-        heights: Heights = [] if hidden else content.heights
+        heights: curves.Heights = [] if hidden else content.heights
         count = len(heights)
         try:
             chains = read(frame, heights, *values)
-            check_bounds(chains)
+            curves.check_bounds(chains)
         except _BAD_NUMBERS as error:
             del heights[count:]
-            if not hidden and isinstance(error, EdgeOnError):
+            if not hidden and isinstance(error, curves.EdgeOnError):
                 content.edge_on[kind] += 1
             elif not hidden:
                 self._report(source, kind, error)

@@ -11,7 +11,7 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, ReadError, Source
-from beamcam.readers.dxf import rules
+from beamcam.readers.dxf import plain, rules
 from beamcam.readers.dxf.layers import (
     HANDLE,
     SUBCLASS,
@@ -22,17 +22,6 @@ from beamcam.readers.dxf.layers import (
     rows_of,
     tables_by_rows,
     tables_of,
-)
-from beamcam.readers.dxf.plain import (
-    BEYOND,
-    NOT_SAID,
-    UNSAID,
-    Codes,
-    Texts,
-    ValuePlaces,
-    Values,
-    attributes_from,
-    plan_of,
 )
 from beamcam.readers.dxf.repair import VERSION, is_sound, message_of, recovered, with_subclasses
 
@@ -62,7 +51,7 @@ class Plain(Struct, frozen=True, gc=False):
     kind: str
     handle: str | None
     attributes: Attributes
-    values: Values
+    values: plain.Values
 
 
 Run = list[Plain]  #: plain entities that follow one another
@@ -225,7 +214,7 @@ def take_plain(text: str, version: str, named: bool) -> Taken | None:
     taker.take(entities)
     if taker.odd or not taker.runs or taker.has_names_of_others():
         return None
-    owners = frozenset(taker.owners - {UNSAID})
+    owners = frozenset(taker.owners - {plain.UNSAID})
     is_whole = sum(map(len, taker.runs)) == len(entities)
     tables = tables_by_rows(rows, version <= _R12) if is_whole and is_sound(rows, version) else None
     if tables is not None and not owners <= {tables.model_space}:
@@ -233,7 +222,7 @@ def take_plain(text: str, version: str, named: bool) -> Taken | None:
     return Taken(tuple(taker.runs), taker.rest() if tables is None else "", owners, tables)
 
 
-def _codes(sequence: bytes) -> Codes:
+def _codes(sequence: bytes) -> plain.Codes:
     return tuple(np.frombuffer(sequence, np.int32).tolist())
 
 
@@ -260,12 +249,12 @@ class _Taker:
         self.odd = False  #: whether a plain entity is where none is allowed
         self.owners: set[str] = set()
         self._spans: list[tuple[int, int]] = []  #: first row of each run, and the row behind it
-        self._attributes: dict[Texts, Attributes] = {}
+        self._attributes: dict[plain.Texts, Attributes] = {}
 
     def take(self, entities: Iterable[int]) -> None:
         """Take those of the entities that are plain."""
         lines = self.rows.lines
-        plans: dict[tuple[str, bytes], ValuePlaces | None] = {}
+        plans: dict[tuple[str, bytes], plain.ValuePlaces | None] = {}
         goes_on = False  # whether the entity before goes on in the one that follows
         for first, last, sequence in self.rows.sequences(entities):
             row = lines[2 * first + 1 : 2 * last : 2]
@@ -273,9 +262,9 @@ class _Taker:
             try:
                 plan = plans[key]
             except KeyError:
-                plan = plans[key] = plan_of(row[0], _codes(sequence), self.r12)
-            plain = None if plan is None else self._read(plan, row)
-            if plain is None:  # do its vertices or attributes follow, up to a SEQEND?
+                plan = plans[key] = plain.plan_of(row[0], _codes(sequence), self.r12)
+            entity = None if plan is None else self._read(plan, row)
+            if entity is None:  # do its vertices or attributes follow, up to a SEQEND?
                 goes_on = row[0] in ("POLYLINE", "VERTEX", "ATTRIB")
                 if row[0] == "INSERT":
                     codes = _codes(sequence)
@@ -288,25 +277,25 @@ class _Taker:
             else:
                 self._spans.append((first, last))
                 self.runs.append([])
-            self.runs[-1].append(plain)
+            self.runs[-1].append(entity)
 
-    def _read(self, plan: ValuePlaces, row: list[str]) -> Plain | None:
-        row += BEYOND
+    def _read(self, plan: plain.ValuePlaces, row: list[str]) -> Plain | None:
+        row += plain.BEYOND
         texts = plan.attributes(row)
         try:
             attributes = self._attributes.get(texts)
             if attributes is None:
-                attributes = self._attributes[texts] = attributes_from(*texts)
+                attributes = self._attributes[texts] = plain.attributes_from(*texts)
             values = plan.read(row)
         except (ValueError, ArithmeticError):
             return None
         self.owners.add(row[plan.owner])
-        handle = None if plan.handle == NOT_SAID else row[plan.handle]
+        handle = None if plan.handle == plain.NOT_SAID else row[plan.handle]
         return Plain(row[0], handle, attributes, values)
 
     def has_names_of_others(self) -> bool:
         """Whether anything in the rest of the file has the handle of a plain entity."""
-        handles = {plain.handle for run in self.runs for plain in run}
+        handles = {entity.handle for run in self.runs for entity in run}
         names = np.isin(self.rows.codes, _NAMES)
         for first, last in self._spans:
             names[first:last] = False

@@ -43,11 +43,6 @@ from beamcam.readers.svg.tree import (
     style_of,
 )
 
-# --- layers ---------------------------------------------------------------------------------------
-
-# The name of the layer that a group is, as drawing programs write it.
-
-
 _ESCAPED = re.compile(r"_x([0-9A-Fa-f]{4})_")
 _NUMBER = re.compile(r"_?\d+\Z")
 
