@@ -133,7 +133,7 @@ def for_job(machine: Machine, config: "Config") -> Machine:
     """
     from beamcam.machine.overlay import with_section, with_torch
 
-    if config.tolerances:
+    if config.tolerances.given():
         from beamcam.config.load import with_tolerances
 
         machine = with_tolerances(machine, config)

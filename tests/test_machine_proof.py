@@ -10,7 +10,7 @@ from msgspec.structs import replace
 from beamcam.arguments import load_machine, load_tested
 from beamcam.errors import MachineError
 from beamcam.machine import load
-from beamcam.machine.load import SHIPPED, _machine, files_of_machine, is_proved, shipped
+from beamcam.machine.load import SHIPPED, _checked, files_of_machine, is_proved, shipped
 from beamcam.machine.proved import PROVED
 from beamcam.self_test import proof_faults
 from tests.conftest import ROOT, Golden
@@ -37,9 +37,9 @@ def unproved(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     with monkeypatch.context() as patch:
         for name in tuple(PROVED):
             patch.delitem(PROVED, name)
-        _machine.cache_clear()  # type: ignore[attr-defined]
+        _checked.cache_clear()  # type: ignore[attr-defined]
         yield
-    _machine.cache_clear()  # type: ignore[attr-defined]
+    _checked.cache_clear()  # type: ignore[attr-defined]
 
 
 @pytest.mark.usefixtures("unproved")

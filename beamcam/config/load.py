@@ -8,20 +8,19 @@ import json
 import os
 import os.path
 import tomllib
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any, get_args
 
 from msgspec.structs import replace
 
-from beamcam.budget import Limits
 from beamcam.config import NO_DRILL, NOT_FOLLOWED, NOT_TOML, UNKNOWN_KEY, UNREADABLE, WRONG_VALUE
 from beamcam.config.values import (
     COMMAND_LINE,
     CONFIG_NAME,
+    TABLES,
     Config,
     ConfigFile,
-    Dask,
     MapRow,
     Meaning,
     Sheet,
@@ -31,7 +30,6 @@ from beamcam.config.values import (
 from beamcam.conversion import Fault, converted, shown
 from beamcam.errors import BeamcamError, Diagnostic, Source
 from beamcam.files import write_whole
-from beamcam.machine.faults import slack_faults
 from beamcam.machine.machine import Machine
 from beamcam.machine.toml import (
     MAX_TOML_BYTES,
@@ -62,57 +60,42 @@ def load(path: str | Path) -> Config:
     place = TomlPlace({"": (str(path), text)})
     try:
         read = converted(table, ConfigFile)
-        _check_colours(read.map)
+        for key in read.map:
+            if key.startswith(("#", "rgb(", "rgba(")):
+                from beamcam.model.colour import parse_colour
+
+                try:
+                    parse_colour(key)
+                except ValueError as error:
+                    raise Fault("value", ("map", key), key, "a colour such as '#ff0000'") from error
     except Fault as fault:
-        raise ConfigError(_said(fault, place)) from None
+        raise ConfigError(_diagnostic(fault, place)) from None
     folder = file.resolve().parent
+
+    def held(machine: str) -> str:
+        """A machine's name, or its path as it holds wherever the command is called from."""
+        return str(folder / machine.replace("\\", "/")) if machine.endswith(".toml") else machine
+
     values: dict[str, Any] = {name: getattr(read, name) for name in table}
     if read.machine:
-        values["machine"] = _from(folder, read.machine)
-    if read.machines:
-        values["machines"] = {
-            stock: _from(folder, named)
-            if isinstance(named, str)
-            else tuple(_from(folder, name) for name in named)
-            for stock, named in read.machines.items()
-        }
-    values["split"] = tuple(_from(folder, name) for name in read.split)
+        values["machine"] = held(read.machine)
+    values["machines"] = {
+        stock: held(named) if isinstance(named, str) else tuple(map(held, named))
+        for stock, named in read.machines.items()
+    }
+    values["split"] = tuple(map(held, read.split))
     values["trust"] = tuple(str(folder / portable_path(place)) for place in read.trust)
     values["stock_lengths"] = tuple(sorted(set(read.stock_lengths)))
-    return Config(**values, files=(str(path),), own=(str(path),), sources=_sources(table, place))
-
-
-def _from(folder: Path, machine: str) -> str:
-    """A machine's name, or its path as it holds wherever the command is called from."""
-    return str(folder / machine.replace("\\", "/")) if machine.endswith(".toml") else machine
-
-
-def _sources(table: Mapping[str, Any], place: TomlPlace) -> dict[str, Source]:
-    """Source of each key, and of each row of a table."""
     rows = [f"{key}.{row}" for key in table if isinstance(table[key], dict) for row in table[key]]
-    return {key: place.child(key).source for key in (*table, *rows)}
+    sources = {key: place.child(key).source for key in (*table, *rows)}
+    return Config(**values, files=(str(path),), own=(str(path),), sources=sources)
 
 
-def _check_colours(colours: Mapping[str, object]) -> None:
-    """Raises Fault for a key of the map that starts like a colour and is not one."""
-    if not colours:
-        return
-    from beamcam.model.colour import parse_colour
-
-    for key in colours:
-        if key.startswith(("#", "rgb(", "rgba(")):
-            try:
-                parse_colour(key)
-            except ValueError as error:
-                raise Fault("value", ("map", key), key, "a colour such as '#ff0000'") from error
-
-
-def _said(fault: Fault, place: TomlPlace) -> Diagnostic:
+def _diagnostic(fault: Fault, place: TomlPlace) -> Diagnostic:
     """The message for an invalid key of a configuration."""
     at = place.child(*fault.path)
     if fault.kind == "unknown":
-        tables = {"sheet": Sheet, "dask": Dask, "limits": Limits}
-        of = next((t for t, kind in tables.items() if at.key in kind.__struct_fields__), None)
+        of = next((t for t, kind in TABLES.items() if at.key in kind.__struct_fields__), None)
         expected = fault.expected if of is None else f"it below [{of}], as {of}.{at.key}"
         return UNKNOWN_KEY.at(at.source, found=at.key, expected=expected)
     if fault.kind == "missing":  # of a row of the map, the only table with a key that it needs
@@ -199,7 +182,14 @@ def harmless(config: Config) -> Config:
 
 def not_followed(config: Config) -> tuple[Diagnostic, ...]:
     """The message about the keys of a configuration that are more than harmless, if it has any."""
-    keys = tuple(_more(config))
+    keys: list[str] = []  # that are not harmless, with their rows
+    for key in config.sources:
+        if key == "map":
+            for name, row in config.map.items():
+                if isinstance(row, MapRow):
+                    keys += [f"map.{name}.{key}" for key in row.values() if key != "process"]
+        elif not _is_harmless(key) and not any(k.startswith(f"{key}.") for k in config.sources):
+            keys.append(key)
     if not keys:
         return ()
     places = (config.place(key, key.rpartition(".")[0]) for key in keys)
@@ -209,32 +199,13 @@ def not_followed(config: Config) -> tuple[Diagnostic, ...]:
     return (NOT_FOLLOWED.at(source, found=found, known=", ".join(HARMLESS), folder=folder),)
 
 
-def _more(config: Config) -> Iterator[str]:
-    """The keys that are not harmless, with their rows."""
-    for key in config.sources:
-        if key == "map":
-            for name, row in config.map.items():
-                if isinstance(row, MapRow):
-                    yield from (f"map.{name}.{key}" for key in row.said() if key != "process")
-        elif not _is_harmless(key) and not (config.sources.keys() & _rows_of(config, key)):
-            yield key
-
-
-def _rows_of(config: Config, key: str) -> frozenset[str]:
-    """The dotted rows of a key that is a table."""
-    return frozenset(other for other in config.sources if other.startswith(f"{key}."))
-
-
 def _is_harmless(key: str) -> bool:
     return key in HARMLESS or key.startswith("map.")
 
 
 # --- remember -------------------------------------------------------------------------------------
 
-# Folders that the user trusts for good: the key `trust` of the user's own configuration.
-
-
-KEY = "trust"
+KEY = "trust"  #: in the user's own configuration: folders that the user trusts for good
 
 
 def remember(folders: Sequence[str]) -> str:
@@ -276,9 +247,6 @@ def with_trust(text: str, folders: Sequence[str]) -> str:
 
 # --- apply ----------------------------------------------------------------------------------------
 
-# Changes of a drilling machine by a configuration: its tolerances.
-
-
 #: Key below `[tolerances]` -> field of the machine's drill that it stands for.
 TOLERANCES = {
     "merge": "merge_tolerance", "duplicate": "duplicate_tolerance", "sink": "sink_tolerance",
@@ -290,26 +258,16 @@ def with_tolerances(machine: Machine, config: Config) -> Machine:
     """The machine with the configuration's tolerances in place of its own; itself if none.
 
     One configuration serves machines of all kinds, so that one that does not drill is left as it
-    is. Raises ConfigError where that is the one that the configuration names for all its jobs, and
-    for a tolerance that no machine file may have.
+    is. Raises ConfigError where that is the one that the configuration names for all its jobs.
     """
-    if not config.tolerances:
+    tolerances = config.tolerances.given()
+    if not tolerances:
         return machine
     if machine.drill is None:
         if config.machine is None or config.sources.get("machine") == COMMAND_LINE:
             return machine
-        key = f"tolerances.{next(iter(config.tolerances))}"
-        source = config.place(key)
-        raise ConfigError(NO_DRILL.at(source, key=key, machine=machine.name))
-    changed = {TOLERANCES[name]: value for name, value in config.tolerances.items()}
-    # The names are those of TOLERANCES, so that they are fields of a drill.
-    drill = replace(machine.drill, **changed)
-    wrong = {name: rest for name, *rest in slack_faults(drill)}
-    for name in config.tolerances:
-        if TOLERANCES[name] in wrong:
-            found, expected = wrong[TOLERANCES[name]]
-            key = f"tolerances.{name}"
-            source = config.place(key)
-            diagnostic = WRONG_VALUE.at(source, key=key, found=f"{found:g}", expected=expected)
-            raise ConfigError(diagnostic)
+        key = f"tolerances.{next(iter(tolerances))}"
+        raise ConfigError(NO_DRILL.at(config.place(key), key=key, machine=machine.name))
+    # By TOLERANCES the names are fields of a drill.
+    drill = replace(machine.drill, **{TOLERANCES[name]: v for name, v in tolerances.items()})
     return replace(machine, drill=drill)

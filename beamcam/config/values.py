@@ -12,16 +12,9 @@ from msgspec import Meta, Struct, field
 from msgspec.structs import asdict, replace
 
 from beamcam.budget import Limits
-from beamcam.conversion import (
-    Count,
-    Keys,
-    NotNegative,
-    Positive,
-    PositiveCount,
-    Text,
-)
+from beamcam.conversion import Count, Keys, NotNegative, Positive, PositiveCount, Text
 from beamcam.errors import Diagnostic, Source
-from beamcam.machine.torch import Degrees, LayerSettings
+from beamcam.machine.torch import ChordSlack, Degrees, LayerSettings, Slack
 from beamcam.system import is_ones_own, is_open_to_all, user_folder
 
 COMMAND_LINE = Source("command line")
@@ -32,7 +25,6 @@ Origin = Literal["table", "lower-left", "lower-right", "upper-left", "upper-righ
 Machines = Annotated[tuple[Text, ...], Meta(min_length=1)]
 Quantity = Literal["file"] | PositiveCount
 ChosenBy = Literal["order", "time"]
-Tolerance = Literal["merge", "duplicate", "sink", "path", "same_tool"]
 
 
 class Setting(Struct, frozen=True):
@@ -43,7 +35,15 @@ class Setting(Struct, frozen=True):
     source: Source | None  #: None for a default
 
 
-class Sheet(Keys, frozen=True):
+class Table(Keys, frozen=True):
+    """A table whose keys need not be set."""
+
+    def given(self) -> dict[str, Any]:
+        """The values that are set, by their names."""
+        return {name: value for name, value in asdict(self).items() if value is not None}
+
+
+class Sheet(Table, frozen=True):
     """Settings for cutting a sheet, named like the command line options."""
 
     thickness: Positive | None = None
@@ -73,12 +73,18 @@ class Sheet(Keys, frozen=True):
     sheet_size: tuple[Positive, Positive] | None = None  #: length and width of a sheet, mm
     unrolled: bool | None = None  #: whether pipes that are written as plates are cut flat
 
-    def given(self) -> dict[str, Any]:
-        """The values that are set, by their names."""
-        return {name: value for name, value in asdict(self).items() if value is not None}
+
+class Tolerances(Table, frozen=True):
+    """Tolerances of drills, over the machine's own, mm."""
+
+    merge: Slack | None = None
+    duplicate: Slack | None = None
+    sink: Slack | None = None
+    path: ChordSlack | None = None
+    same_tool: Slack | None = None
 
 
-class Dask(Keys, frozen=True):
+class Dask(Table, frozen=True):
     """The cluster that batches are worked on."""
 
     scheduler: Text | None = None  #: its address, as tcp://host:8786; without one no cluster
@@ -95,7 +101,7 @@ class MapRow(LayerSettings, frozen=True, kw_only=True):
         """How it is done."""
         return LayerSettings(**{k: getattr(self, k) for k in LayerSettings.__struct_fields__})
 
-    def said(self) -> dict[str, Any]:
+    def values(self) -> dict[str, Any]:
         """The keys that say something, with their values."""
         return {"process": self.process} | {k: getattr(self, k) for k in self.settings().given()}
 
@@ -117,8 +123,7 @@ class ConfigFile(Keys, frozen=True):
     name: Text | None = None  #: template of a batch's output names
     quantity: Quantity | None = None  #: pieces of each part: "file", or a number
     flat: bool = False  #: whether a batch writes all outputs to one folder
-    #: of drills, over the machine's own, mm
-    tolerances: Mapping[Tolerance, NotNegative] = field(default_factory=dict)
+    tolerances: Tolerances = Tolerances()  #: of drills, over the machine's own, mm
     corner: Positive | None = None  #: outer radius of tubes whose file does not say it, mm
     #: what counts where header and contour of a DSTV file have different ends
     ends: Literal["contour", "header"] | None = None
@@ -168,10 +173,8 @@ class Config(ConfigFile, frozen=True):
 
     def rows(self, table: str) -> Mapping[str, Any]:
         """The rows of a key that is a table, by their names."""
-        value: Mapping[str, Any] | Sheet | Dask | Limits = getattr(self, table)
-        if not isinstance(value, Sheet | Dask | Limits):
-            return value
-        return {name: row for name, row in asdict(value).items() if row is not None}
+        value: Mapping[str, Any] | Table | Limits = getattr(self, table)
+        return value if isinstance(value, Mapping) else value.given()
 
     def settings(self) -> tuple[Setting, ...]:
         """Every value, the defaults included, each with where it was set."""
@@ -180,7 +183,7 @@ class Config(ConfigFile, frozen=True):
             value = getattr(self, key)
             for name, row in self.rows(key).items() if is_table(value) else (("", value),):
                 dotted = f"{key}.{name}" if name else key
-                value = row.said() if isinstance(row, MapRow) else row
+                value = row.values() if isinstance(row, MapRow) else row
                 rows.append(Setting(dotted, value, self.sources.get(dotted)))
         return tuple(rows)
 
@@ -200,9 +203,15 @@ def over(config: Config, options: Mapping[str, Any]) -> Config:
     return laid_over(config, given, sources)
 
 
+#: Keys that are tables of their own.
+TABLES: dict[str, type[Table | Limits]] = {
+    "tolerances": Tolerances, "sheet": Sheet, "dask": Dask, "limits": Limits,
+}  # fmt: skip
+
+
 def is_table(value: object) -> bool:
     """Whether a value has rows of its own, which are laid over those of another one by one."""
-    return isinstance(value, Mapping | Sheet | Dask | Limits)
+    return isinstance(value, Mapping | Table | Limits)
 
 
 def laid_over(config: Config, given: Mapping[str, Any], sources: Mapping[str, Source]) -> Config:
@@ -220,7 +229,7 @@ def laid_over(config: Config, given: Mapping[str, Any], sources: Mapping[str, So
             changed[key] = {**value, **{name: own[name] for name in own if name not in value}}
         else:
             changed[key] = value
-    for key, record in (("sheet", Sheet), ("dask", Dask), ("limits", Limits)):
+    for key, record in TABLES.items():
         if key in changed:
             changed[key] = record(**changed[key])
     return replace(config, **changed, sources={**kept, **sources})
@@ -236,7 +245,6 @@ def laid_over(config: Config, given: Mapping[str, Any], sources: Mapping[str, So
 
 
 CONFIG_NAME = "beamcam.toml"
-_MAGIC = frozenset("*?[")
 
 
 class ConfigFiles(Struct, frozen=True):
@@ -301,6 +309,6 @@ def _folder(name: str) -> str:
     if os.path.isdir(name):
         return name
     folder = os.path.dirname(name)
-    while not _MAGIC.isdisjoint(folder) and not os.path.isdir(folder):
+    while not {*"*?["}.isdisjoint(folder) and not os.path.isdir(folder):
         folder = os.path.dirname(folder)
     return folder

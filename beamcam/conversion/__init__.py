@@ -21,9 +21,6 @@ from msgspec.structs import fields
 
 # --- fault ----------------------------------------------------------------------------------------
 
-# A value that a record does not take.
-
-
 Path = tuple[str | int, ...]
 Hook = Callable[[Any, Any], Any]  #: type and value: the value as that type, or ValueError
 
@@ -116,7 +113,7 @@ def plain(hint: Any, holder: type = object) -> Any:
     if origin is Annotated:
         return plain(get_args(hint)[0], holder)
     if origin in (Union, UnionType):
-        kinds = [plain(a) for a in get_args(hint) if a not in (type(None), UnsetType)]
+        kinds = [plain(a) for a in _alternatives(hint)]
         return next((kind for kind in kinds if _holds(kind) is holder), kinds[0])
     return hint
 
@@ -144,10 +141,16 @@ def _expected(what: str, hint: Any, found: object) -> str:
         return "a finite number"
     choices = plain(hint)
     if get_origin(choices) is Literal:
-        others = "".join(f", or {_in_words(kind)}" for kind in _alternatives(hint)[1:])
-        return "one of " + ", ".join(map(repr, get_args(choices))) + others
+        words = ["one of " + ", ".join(map(repr, get_args(choices)))]
+        for kind in _alternatives(hint)[1:]:  # with its least value, if it has one
+            least = getattr(next(iter(getattr(kind, "__metadata__", ())), None), "ge", None)
+            least = "" if least is None else f", {_BOUNDS['>='].format(least)}"
+            words.append(_KINDS.get(getattr(plain(kind), "__name__", ""), "a table") + least)
+        return ", or ".join(words)
     if bound := _BOUND.match(what):
-        return _BOUNDS[bound[1]].format(f"{float(bound[2]):g}")
+        limits = [m for k in _alternatives(hint) for m in getattr(k, "__metadata__", ())]
+        units = [limit.extra["unit"] for limit in limits if limit.extra]
+        return _BOUNDS[bound[1]].format(" ".join([f"{float(bound[2]):g}", *units]))
     if _TEXT.match(what):
         return "a text"
     if length := _LENGTH.match(what):
@@ -165,14 +168,6 @@ def _alternatives(hint: Any) -> list[Any]:
     if get_origin(hint) not in (Union, UnionType):
         return [hint]
     return [kind for kind in get_args(hint) if kind not in (type(None), UnsetType)]
-
-
-def _in_words(kind: Any) -> str:
-    """A type with its least value, if it has one."""
-    meta = next(iter(getattr(kind, "__metadata__", ())), None)
-    least = getattr(meta, "ge", None)
-    words = _KINDS.get(getattr(plain(kind), "__name__", ""), "a table")
-    return words if least is None else f"{words}, {_BOUNDS['>='].format(least)}"
 
 
 _REPR = Repr()
@@ -233,15 +228,16 @@ def _odd_number(value: object) -> Fault | None:
     while waiting:
         path, holder = waiting.pop()
         for key, item in holder.items() if isinstance(holder, dict) else enumerate(holder):
-            if isinstance(item, float):
-                if not isfinite(item):
-                    return Fault("value", (*path, key), item, "a finite number")
-            elif isinstance(item, dict | list):
+            expected = ""
+            if isinstance(item, dict | list):
                 waiting.append(((*path, key), item))
+            elif isinstance(item, float) and not isfinite(item):
+                expected = "a finite number"
             elif isinstance(item, int) and item.bit_length() > MOST_BITS:
-                return Fault("value", (*path, key), item, "a number of at most 18 digits")
-            if isinstance(item, int | float) and abs(item) > MAX_NUMBER:
+                expected = "a number of at most 18 digits"
+            elif isinstance(item, int | float) and abs(item) > MAX_NUMBER:
                 expected = f"a number between -{MAX_NUMBER:g} and {MAX_NUMBER:g}"
+            if expected:
                 return Fault("value", (*path, key), item, expected)
     return None
 
@@ -294,25 +290,20 @@ def compile_expression(text: str, names: Collection[str]) -> Expression:
         tree = ast.parse(text.strip().replace("^", "**"), mode="eval")
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
         raise ValueError(f"{text!r} is no arithmetic expression") from error
-    if _depth(tree.body) > MOST_NESTED:
+    level: list[ast.AST] = [tree.body]
+    for _ in range(MOST_NESTED):  # without recursion
+        children = (child for node in level for child in ast.iter_child_nodes(node))
+        level = [child for child in children if isinstance(child, ast.expr)]
+    if level:
         raise ValueError(f"{text[:40]!r}... is nested more than {MOST_NESTED} deep")
     return _compile(tree.body, frozenset(names))
 
 
-def _depth(tree: ast.expr) -> int:
-    """Nesting depth of the nodes, found without recursion."""
-    deepest, waiting = 0, [(tree, 1)]
-    while waiting:
-        node, depth = waiting.pop()
-        deepest = max(deepest, depth)
-        waiting += ((child, depth + 1) for child in ast.iter_child_nodes(node)
-                    if isinstance(child, ast.expr))  # fmt: skip
-    return deepest
-
-
 def _compile(node: ast.expr, names: frozenset[str]) -> Expression:
     match node:
-        case ast.Constant(value=int() | float() as value) if _is_number(value):
+        case ast.Constant(value=int() | float() as value) if (  # True and False are no numbers
+            isinstance(value, float) or (type(value) is int and value.bit_length() <= 1023)
+        ):
             number = float(value)
             return lambda _: number
         case ast.Name(id=name) if name in names:
@@ -326,11 +317,8 @@ def _compile(node: ast.expr, names: frozenset[str]) -> Expression:
         case ast.UnaryOp(op=ast.UAdd(), operand=operand):
             return _compile(operand, names)
         case ast.BinOp(left=left, op=op, right=right) if type(op) in _OPERATORS:
-            first, second, apply = (
-                _compile(left, names),
-                _compile(right, names),
-                _OPERATORS[type(op)],
-            )
+            first, second = _compile(left, names), _compile(right, names)
+            apply = _OPERATORS[type(op)]
             return lambda values: apply(first(values), second(values))
         case ast.Call(func=ast.Name(id=name), args=args, keywords=[]) if name in FUNCTIONS:
             least, most = _COUNTS.get(name, (1, 1))
@@ -340,11 +328,5 @@ def _compile(node: ast.expr, names: frozenset[str]) -> Expression:
             function, arguments = FUNCTIONS[name], [_compile(a, names) for a in args]
             return lambda values: float(function(*[a(values) for a in arguments]))
     known = ", ".join(sorted(names))
-    raise ValueError(
-        f"{ast.unparse(node)!r} is not understood; names known here: {known or 'none'}"
-    )
-
-
-def _is_number(value: object) -> bool:
-    """Whether a constant is a number that a float can hold; True and False are not numbers."""
-    return isinstance(value, float) or (type(value) is int and value.bit_length() <= 1023)
+    text = ast.unparse(node)
+    raise ValueError(f"{text!r} is not understood; names known here: {known or 'none'}")

@@ -53,23 +53,13 @@ def documented(record: type) -> dict[str, tuple[str, str]]:
     documents = {}
     for node in body.body:
         if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
-            comment = lines[(node.end_lineno or node.lineno) - 1].partition("#: ")[2]
-            documents[node.target.id] = (
-                _default(node.value),
-                comment.strip() or _comment_above(lines[: node.lineno - 1]),
-            )
+            comment = lines[(node.end_lineno or node.lineno) - 1].partition("#: ")[2].strip()
+            first = node.lineno - 1
+            while not comment and lines[first - 1].strip().startswith("#: "):
+                first -= 1
+            above = [line.strip().removeprefix("#: ") for line in lines[first : node.lineno - 1]]
+            default = "" if node.value is None else ast.unparse(node.value)
+            if isinstance(node.value, ast.Call):  # field(default_factory=)
+                default = "()"
+            documents[node.target.id] = default, comment or " ".join(above)
     return documents
-
-
-def _comment_above(lines: list[str]) -> str:
-    """The comment that the last of these lines ends, on one line."""
-    above: list[str] = []
-    while (line := lines[-1 - len(above)].strip()).startswith("#: "):
-        above.insert(0, line.removeprefix("#: "))
-    return " ".join(above)
-
-
-def _default(value: ast.expr | None) -> str:
-    if value is None:
-        return ""
-    return "()" if isinstance(value, ast.Call) else ast.unparse(value)  # field(default_factory=)

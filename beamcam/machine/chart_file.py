@@ -58,26 +58,27 @@ def chart_rows(text: str, name: str) -> tuple[list[Row], list[Diagnostic]]:
     for line, number, values in _entries(text):
         if "class" in values and "plasma" not in values["class"].casefold():
             continue  # a drill or a mill of SheetCam's
-        row, fault = _row(number, values)
-        if fault:
-            found, expected = fault
-            diagnostics.append(CHART.at(Source(name, line), found=found, expected=expected))
-        else:
+        row = _row(number, values)
+        if isinstance(row, dict):
             rows.append(row)
+        else:
+            found, expected = row
+            diagnostics.append(CHART.at(Source(name, line), found=found, expected=expected))
     if not rows and not diagnostics:
         expected = "[MATERIAL_NUMBER_1] of QtPlasmaC or [Tool1] of SheetCam"
         diagnostics.append(CHART.at(Source(name), found="no row to cut", expected=expected))
-    seen: dict[tuple[object, ...], str] = {}
+
+    def key(row: Row) -> tuple[Any, ...]:
+        return row["material"], row["up_to"], row.get("amps", 0.0)
+
+    seen: dict[tuple[Any, ...], str] = {}
     for row in rows:
-        key = row["material"], row["up_to"], row.get("amps", 0.0)
-        if key in seen:
-            found = f"two rows of {row['material']} up to {row['up_to']:g} mm, {seen[key]!r} too"
-            expected = "one, or other amperes"
+        if key(row) in seen:
+            size = f"{row['material']} up to {row['up_to']:g} mm"
+            found, expected = f"two rows of {size}, {seen[key(row)]!r} too", "one, or other amperes"
             diagnostics.append(CHART.at(Source(name), found=found, expected=expected))
-        seen[key] = row["nozzle"]
-    return sorted(
-        rows, key=lambda row: (row["material"], row["up_to"], row.get("amps", 0.0))
-    ), diagnostics
+        seen[key(row)] = row["nozzle"]
+    return sorted(rows, key=key), diagnostics
 
 
 def _entries(text: str) -> Iterator[tuple[int, int, dict[str, str]]]:
@@ -101,15 +102,20 @@ def _entries(text: str) -> Iterator[tuple[int, int, dict[str, str]]]:
         yield entry
 
 
-def _row(number: int, values: Mapping[str, str]) -> tuple[Row, tuple[str, str] | None]:
-    """The row of a section, or what is wrong with it."""
+def _row(number: int, values: Mapping[str, str]) -> Row | tuple[str, str]:
+    """The row of a section, or what was found and expected instead."""
     title = values.get("name", "")
-    thickness = _thickness(title)
+    thickness = 0.0
+    if match := _MM.search(title):
+        thickness = float(match[1].replace(",", "."))
+    elif match := _INCH.search(title):
+        inches = int(match[1]) / int(match[2]) if match[1] and int(match[2]) else 0.0
+        thickness = round((inches or float(match[3] or 0.0)) * MM_PER_INCH, 3)
     material = next((name for name, pattern in _MATERIALS if pattern.search(title)), "")
     if not thickness:
-        return {}, (f"the row {title!r} without a thickness", "it in the name, as 6 mm or 1/4 in")
+        return f"the row {title!r} without a thickness", "it in the name, as 6 mm or 1/4 in"
     if not material:
-        return {}, (f"the row {title!r} without a material", "mild steel, stainless or aluminium")
+        return f"the row {title!r} without a material", "mild steel, stainless or aluminium"
     row: Row = {"process": "cut", "material": material, "up_to": thickness}
     for name in ("feed_mm_min", "kerf", "pierce_height", "pierce_s", "cut_height", "amps", "volts"):
         if name not in values:
@@ -117,26 +123,12 @@ def _row(number: int, values: Mapping[str, str]) -> tuple[Row, tuple[str, str] |
         try:
             row[name] = float(values[name])
         except ValueError:
-            return {}, (f"{values[name]!r} for {name} of {title!r}", "a number")
+            return f"{values[name]!r} for {name} of {title!r}", "a number"
         if not 0.0 <= row[name] < 1e6:
-            return {}, (f"{values[name]} for {name} of {title!r}", "a number from 0 on")
-    missing = [
-        name for name in _NEEDED if name not in row or (name != "pierce_s" and not row[name])
-    ]
+            return f"{values[name]} for {name} of {title!r}", "a number from 0 on"
+    missing = [k for k in _NEEDED if k not in row or (k != "pierce_s" and not row[k])]
     if missing:
-        return {}, (f"the row {title!r} without {', '.join(missing)}", "them, above 0")
-    amps = _AMPS.search(title)
-    if not row.get("amps") and amps is not None:
+        return f"the row {title!r} without {', '.join(missing)}", "them, above 0"
+    if not row.get("amps") and (amps := _AMPS.search(title)):
         row["amps"] = float(amps[1])
-    row["nozzle"], row["number"] = title, number
-    return row, None
-
-
-def _thickness(title: str) -> float:
-    """The thickness that a name says, mm; 0 if it says none."""
-    if match := _MM.search(title):
-        return float(match[1].replace(",", "."))
-    if match := _INCH.search(title):
-        inches = int(match[1]) / int(match[2]) if match[1] and int(match[2]) else 0.0
-        return round((inches or float(match[3] or 0.0)) * MM_PER_INCH, 3)
-    return 0.0
+    return {**row, "nozzle": title, "number": number}

@@ -1,10 +1,12 @@
 """A torch that goes round a profile: it turns about the bar, along which it or the bar moves."""
 
 from math import asin, atan, cos, degrees, radians, sin, sqrt, tan
-from typing import Literal
+from typing import Annotated, Literal
+
+from msgspec import Meta
 
 from beamcam.conversion import Keys, NotNegative, Positive
-from beamcam.machine.torch import TorchRow
+from beamcam.machine.torch import PathSlack, TorchRow
 
 #: Degrees of A at which the torch looks at a face: its head is at Y -sin A, Z cos A of its tip.
 A_OF_FACE = {"o": -90.0, "v": 0.0, "u": 90.0}
@@ -33,7 +35,7 @@ class TubeCorner(Keys, frozen=True):
 
 
 class SupportZone(Keys, frozen=True):
-    """A stretch of X where a support holds the bar."""
+    """A part of X where a support holds the bar."""
 
     min: float  #: X where it begins
     max: float  #: X where it ends
@@ -80,14 +82,14 @@ class Coper(Keys, frozen=True):
     tcp: bool = True  #: whether X, Y and Z say where the tip is, or the axis that it turns about
     pivot: NotNegative = 0.0  #: from the tip to the axis that it turns about
     #: degrees that B tilts the torch along the bar, at most; 0 where the machine has no B
-    tilt: NotNegative = 0.0
+    tilt: Annotated[float, Meta(ge=0, le=60)] = 0.0
     #: The root between web and flange, where the torch has no room over the web: refused, or cut
     #: from outside of the flange by a pass that is deep enough.
     k_area: Literal["refuse", "pass"] = "refuse"
     root_over: Positive = 2.0  #: how much deeper than the root such a pass cuts
     #: of a re-entrant corner that is drawn sharp, or as round as there is room
     corner_radius: Positive = 10.0
-    tolerance: Positive = 0.2  #: of the cut from the contour
+    tolerance: PathSlack = 0.2  #: of the cut from the contour
     lead: Positive = 8.0  #: from the pierce point, in scrap, to the contour
     over: Positive = 2.0  #: how far a cut goes on beyond a free edge
     min_hole: NotNegative = 0.0  #: smallest diameter that is burnt

@@ -4,11 +4,9 @@ from collections.abc import Iterator
 from math import hypot
 
 from beamcam.machine.coper import TUBES, Coper
-from beamcam.machine.faults import Fault
+from beamcam.machine.faults import Fault, repeats
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import TorchRow
-
-MOST_TILT_DEG = 60.0  #: farther over, the torch lies on the steel
 
 
 def coper_faults(machine: Machine) -> Iterator[Fault]:
@@ -17,67 +15,64 @@ def coper_faults(machine: Machine) -> Iterator[Fault]:
     if coper is None:
         return
     if machine.stock != "profile":
-        yield "coper", machine.stock, "no such table, or stock = 'profile'"
+        yield "coper", "no such table, or stock = 'profile'", machine.stock
     if machine.controller != "linuxcnc":
-        yield "controller", machine.controller, "linuxcnc, which runs a torch round a profile"
+        yield "controller", "linuxcnc, which runs a torch round a profile"
     for name in ("turn", "traverse", "feed", "cut_on", "cut_off"):
         if not getattr(words, name):
-            yield f"words.{name}", [], "a template, since there is a coper"
+            yield f"words.{name}", "a template, since there is a coper"
     for name in ("height", "width"):
         template = getattr(words, f"measured_{name}")
         if template and sum(line.count("{" + name) for line in template) != 1:
-            yield f"words.measured_{name}", list(template), f"{{{name}}} once"
+            yield f"words.measured_{name}", f"{{{name}}} once"
     round_bar = coper.turns == "bar"
     for name in ("a", "inverse"):
         if any("{" + name in line for line in words.feed) != round_bar:
-            expected = f"{{{name}}} where coper.turns is bar, and nowhere else"
-            yield "words.feed", list(words.feed), expected
-    if not {*coper.profiles} <= (
-        allowed := {"I", "U", "L", "T", "C", *(TUBES if round_bar else ())}
-    ):
+            yield "words.feed", f"{{{name}}} where coper.turns is bar, and nowhere else"
+    allowed = {"I", "U", "L", "T", "C", *(TUBES if round_bar else ())}
+    if not {*coper.profiles} <= allowed:
         expected = f"some of {', '.join(sorted(allowed))} where coper.turns is {coper.turns}"
-        yield "coper.profiles", list(coper.profiles), expected
+        yield "coper.profiles", expected
     yield from _tilt_faults(machine, coper)
     yield from _fixed_faults(machine, coper)
     for k, zone in enumerate(coper.supports):
         if zone.min >= zone.max:
-            yield f"coper.supports.{k}.max", zone.max, f"more than min, {zone.min:g}"
+            yield f"coper.supports.{k}.max", f"more than min, {zone.min:g}"
     if coper.a_unit == "mm" and {*coper.profiles} != {"RO"}:
-        yield "coper.a_unit", "mm", "deg, as only round tubes (RO) turn evenly with their surface"
-    for name, found, code in (("corner", coper.corner, "M"), ("lip", coper.lip, "C")):
-        if found and code not in coper.profiles:
-            yield f"coper.{name}", found, f"none where coper.profiles has no {code}"
+        yield "coper.a_unit", "deg, as only round tubes (RO) turn evenly with their surface"
+    for name, code in (("corner", "M"), ("lip", "C")):
+        if getattr(coper, name) and code not in coper.profiles:
+            yield f"coper.{name}", f"none where coper.profiles has no {code}"
     yield from _reach_faults(machine, coper)
     if coper.tcp == bool(coper.pivot):
-        expected = "0 where tcp is true, and above 0 where it is false"
-        yield "coper.pivot", coper.pivot, expected
-    if not any(row.process == "cut" for row in coper.rows):
-        yield "coper.rows", [row.process for row in coper.rows], "a row for cut"
+        yield "coper.pivot", "0 where tcp is true, and above 0 where it is false"
+    processes = [row.process for row in coper.rows]
+    if "cut" not in processes:
+        yield "coper.rows", "a row for cut", processes
     for index, row in enumerate(coper.rows):
         yield from _row_faults(f"coper.rows.{index}", row, coper)
-    yield from _feed_faults(coper)
-    step = machine.format.resolution
-    if not 4 * step <= coper.tolerance <= 1.0:
-        expected = f"{4 * step:g} to 1 mm, four steps of its numbers at least"
-        yield "coper.tolerance", coper.tolerance, expected
+    for index, _ in repeats((row.feed_mm_min, row.material) for row in coper.rows):
+        expected = "another feed for each thickness, which is told by it"
+        yield f"coper.rows.{index}.feed_mm_min", expected
+    least = 4 * machine.format.resolution
+    if coper.tolerance < least:
+        yield "coper.tolerance", f"{least:g} to 1 mm, four steps of its numbers at least"
     if coper.head_width < coper.torch_width:
-        yield "coper.head_width", coper.head_width, "at least torch_width"
+        yield "coper.head_width", "at least torch_width"
 
 
 def _tilt_faults(machine: Machine, coper: Coper) -> Iterator[Fault]:
     """A torch that tilts without an axis or a word for it, or the other way round."""
-    if coper.tilt and (coper.turns == "bar" or coper.tilt > MOST_TILT_DEG):
-        expected = f"at most {MOST_TILT_DEG:g}, and 0 where coper.turns is bar"
-        yield "coper.tilt", coper.tilt, expected
+    if coper.tilt and coper.turns == "bar":
+        yield "coper.tilt", "0 where coper.turns is bar"
     if any("{b}" in line for line in machine.words.turn) != bool(coper.tilt):
-        expected = "{b} where coper.tilt is above 0, and nowhere else"
-        yield "words.turn", list(machine.words.turn), expected
+        yield "words.turn", "{b} where coper.tilt is above 0, and nowhere else"
     axes = [(k, axis) for k, axis in enumerate(machine.axes) if axis.moves == "B"]
     if bool(axes) != bool(coper.tilt):
-        yield "axes", len(machine.axes), "one that moves B where coper.tilt is above 0, else none"
+        yield "axes", "one that moves B where coper.tilt is above 0, else none", len(machine.axes)
     for k, axis in axes:
         if axis.limits[0] > -coper.tilt or axis.limits[1] < coper.tilt:
-            yield f"axes.{k}.max", axis.max, f"-{coper.tilt:g} to {coper.tilt:g} at least"
+            yield f"axes.{k}.max", f"-{coper.tilt:g} to {coper.tilt:g} at least"
 
 
 def _fixed_faults(machine: Machine, coper: Coper) -> Iterator[Fault]:
@@ -86,15 +81,13 @@ def _fixed_faults(machine: Machine, coper: Coper) -> Iterator[Fault]:
     if coper.y == "follows":
         return
     if coper.turns == "torch" or {*coper.profiles} != {"RO"}:
-        expected = "RO alone, and turns = 'bar', where coper.y is fixed"
-        yield "coper.profiles", list(coper.profiles), expected
+        yield "coper.profiles", "RO alone, and turns = 'bar', where coper.y is fixed"
     for name in ("turn", "traverse", "feed"):
         if any("{y}" in line for line in getattr(machine.words, name)):
-            expected = "no {y} where coper.y is fixed"
-            yield f"words.{name}", list(getattr(machine.words, name)), expected
+            yield f"words.{name}", "no {y} where coper.y is fixed"
     for k, axis in enumerate(machine.axes):
         if axis.moves == "Y":
-            yield f"axes.{k}.moves", "Y", "no such axis where coper.y is fixed"
+            yield f"axes.{k}.moves", "no such axis where coper.y is fixed"
 
 
 def _reach_faults(machine: Machine, coper: Coper) -> Iterator[Fault]:
@@ -112,40 +105,32 @@ def _reach_faults(machine: Machine, coper: Coper) -> Iterator[Fault]:
         for k, axis in enumerate(machine.axes):
             if axis.moves == name and (axis.limits[0] > least or axis.limits[1] < most):
                 end = "max" if axis.limits[1] < most else "min"
-                expected = f"{least:g} to {most:.4g} at least, for {what}"
-                yield f"axes.{k}.{end}", getattr(axis, end), expected
-
-
-def _feed_faults(coper: Coper) -> Iterator[Fault]:
-    """Feeds that do not tell the rows apart, or that figures between two rows would not fall by."""
-    feeds = [(row.feed_mm_min, row.material) for row in coper.rows]
-    for index, row in enumerate(coper.rows):
-        key, feed = f"coper.rows.{index}.feed_mm_min", row.feed_mm_min
-        if feeds.index(feeds[index]) != index:
-            yield key, feed, "another feed for each thickness, which is told by it"
-        thinner = (o for o in coper.rows if o.material == row.material and o.up_to < row.up_to)
-        if coper.between_rows == "interpolate" and any(o.feed_mm_min <= feed for o in thinner):
-            expected = "a feed below those of thinner steel, as between_rows is interpolate"
-            yield key, feed, expected
+                yield f"axes.{k}.{end}", f"{least:g} to {most:.4g} at least, for {what}"
 
 
 def _row_faults(key: str, row: TorchRow, coper: Coper) -> Iterator[Fault]:
+    """A row that no torch cuts by, or between which and a thinner one no feed lies."""
     if row.process != "cut":
-        yield f"{key}.process", row.process, "cut, as a coper does nothing else"
+        yield f"{key}.process", "cut, as a coper does nothing else"
     for name in ("kerf", "cut_height", "pierce_height", "pierce_s"):
         if not getattr(row, name):
-            yield f"{key}.{name}", 0.0, "a figure above 0, as the torch goes round the steel by it"
+            yield f"{key}.{name}", "a figure above 0, as the torch goes round the steel by it"
     if row.cut_height <= coper.play:
-        yield f"{key}.cut_height", row.cut_height, f"more than play, {coper.play:g} mm"
+        yield f"{key}.cut_height", f"more than play, {coper.play:g} mm"
     if row.pierce_height < row.cut_height:
-        yield f"{key}.pierce_height", row.pierce_height, "at least cut_height"
+        yield f"{key}.pierce_height", "at least cut_height"
     if row.passes != 1:
-        yield f"{key}.passes", row.passes, "1, as a torch cuts through at once"
+        yield f"{key}.passes", "1, as a torch cuts through at once"
     if coper.corner_radius < row.kerf / 2:
         expected = f"at least {row.kerf / 2:g}, half the kerf of the widest row"
-        yield "coper.corner_radius", coper.corner_radius, expected
+        yield "coper.corner_radius", expected
     if coper.lead < row.pierce_radius:
-        yield "coper.lead", coper.lead, f"at least {row.pierce_radius:g}, what piercing burns"
+        yield "coper.lead", f"at least {row.pierce_radius:g}, what piercing burns"
     if coper.trim < 2 * (coper.lead + row.kerf):
-        expected = f"at least {2 * (coper.lead + row.kerf):g}, for leads and kerfs"
-        yield "coper.trim", coper.trim, expected
+        yield "coper.trim", f"at least {2 * (coper.lead + row.kerf):g}, for leads and kerfs"
+    thinner = (o for o in coper.rows if o.material == row.material and o.up_to < row.up_to)
+    if coper.between_rows == "interpolate" and any(
+        other.feed_mm_min <= row.feed_mm_min for other in thinner
+    ):
+        expected = "a feed below those of thinner steel, as between_rows is interpolate"
+        yield f"{key}.feed_mm_min", expected

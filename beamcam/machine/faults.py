@@ -1,91 +1,107 @@
 """Checks of a machine's stations, tools and templates: keys that contradict each other, and those
-out of the range in which programs can be written and read back.
+with which no program could be written and read back.
 """
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
+from operator import attrgetter
 from string import Formatter
 from typing import Any
 
 from msgspec import Struct
 
-from beamcam.conversion import nearest
+from beamcam.conversion import compile_expression, nearest
 from beamcam.geometry.plane import MAX_COORDINATE
-from beamcam.machine.bodies import body_faults
-from beamcam.machine.machine import Machine
-from beamcam.machine.stations import FLAT_DEG, Drill, Saw, Spindle, ToolSet, inch_size
+from beamcam.machine.machine import SECTION_NAMES, Machine, MachineBox, signed
+from beamcam.machine.stations import Saw, Spindle, ToolSet, inch_size
 from beamcam.machine.words import PART_NAMES, WORD_NAMES
 
-Fault = tuple[str, object, str]  #: dotted key, what was found, what was expected
+#: Dotted key and what was expected; what was found, where that is not the value of the key.
+Fault = tuple[str, str] | tuple[str, str, object]
 
-#: mm that ends may gape, a path be off and two holes lie apart that are one: beyond that a hole is
-#: no hole any more.
-MAX_SLACK = 1.0
-#: mm/min; feeds are written to 0.001 mm/s or mm/min, so that each is within 3 % of the machine's.
-MIN_FEED_MM_MIN = 1.0
-MIN_FEED_PER_TURN = 0.001  #: mm
-MIN_PATH_TOLERANCE = 0.001  #: mm of chords from their curve, finer than a mill cuts
-MIN_SPEED_RPM = 1.0  #: which programs say to 1
 #: Kinds of tools whose speed or feed comes from `drill.cutting`.
 TURNING = ("drill", "tap", "countersink", "mill", "punch", "scribe")
 #: Kinds of tools that follow a path, for which the bar has to move forward and back.
 ALONG_A_PATH = ("mill", "scribe")
 
 
+def with_found(faults: Iterable[Fault], machine: Machine) -> Iterator[tuple[str, object, str]]:
+    """Key, what was found and what was expected of each fault."""
+    for key, expected, *own in faults:
+        found: Any = machine
+        for word in () if own else key.split("."):
+            if isinstance(found, tuple):
+                found = found[int(word)]
+            else:
+                found = found[word] if isinstance(found, Mapping) else getattr(found, word)
+        found = own[0] if own else found
+        yield key, list(found) if isinstance(found, tuple) else found, expected
+
+
+def repeats(values: Iterable[object]) -> Iterator[tuple[int, int]]:
+    """The index of each value that was there before, and of where it was first."""
+    first: dict[object, int] = {}
+    for index, value in enumerate(values):
+        if first.setdefault(value, index) != index:
+            yield index, first[value]
+
+
 def tool_faults(machine: Machine) -> Iterator[Fault]:
-    """Each key that contradicts another."""
-    saw, drill, layout = machine.saw, machine.drill, machine.layout
-    if saw and drill and layout:
-        if layout.order == "saw-drill" and drill.x < saw.x:
-            yield "drill.x", drill.x, "at least saw.x, since the bar reaches the saw first"
-        if layout.order == "drill-saw" and drill.x > saw.x:
-            yield "drill.x", drill.x, "at most saw.x, since the bar reaches the drill first"
-    if saw and saw.min_angle > saw.max_angle:
-        yield "saw.min_angle", saw.min_angle, "at most saw.max_angle"
-    if saw and saw.min_tilt > saw.max_tilt:
-        yield "saw.min_tilt", saw.min_tilt, "at most saw.max_tilt"
-    if saw and saw.min_tilt != saw.max_tilt and not carries(machine.words.saw, "tilt"):
-        yield "words.saw", list(machine.words.saw), "a word with {tilt}, since the blade tilts"
-    if saw:
-        yield from _square_faults(saw, machine)
-    if drill is None and machine.stock == "beam" and machine.tools:
-        yield "tools", len(machine.tools), "none, or a [drill] table for them"
+    """Each key of the saw, the drill and the tools that contradicts another."""
+    saw, drill, layout, marks = machine.saw, machine.drill, machine.layout, machine.marks
+    for key, x, why in (
+        ("drill.x", drill.x if drill else None, "since the bar reaches the drill first"),
+        ("marks.x", marks.x if marks.is_told else None, "or the part is cut off before"),
+    ):
+        if saw and layout and x is not None:
+            if layout.order == "saw-drill" and x < saw.x:
+                yield key, "at least saw.x, since the bar reaches the saw first"
+            if layout.order == "drill-saw" and x > saw.x:
+                yield key, f"at most saw.x, {why}"
     for index, axis in enumerate(machine.axes):
-        if axis.min is not None and axis.max is not None and axis.min > axis.max:
-            yield f"axes.{index}.min", axis.min, "at most max"
+        if axis.limits[0] > axis.limits[1]:
+            yield f"axes.{index}.min", "at most max"
+    if saw:
+        yield from _saw_faults(saw, machine)
+    if drill is None and machine.stock == "beam" and machine.tools:
+        yield "tools", "none, or a [drill] table for them", len(machine.tools)
+    if drill and drill.max_speed_rpm < drill.min_speed_rpm:
+        yield "drill.max_speed_rpm", "at least drill.min_speed_rpm"
+    for index, row in enumerate(drill.cutting if drill else ()):
+        # A slower feed would be one of a program that rounds to 0.
+        if drill and row.feed_per_turn * drill.min_speed_rpm < 1.0:
+            expected = f"{1.0 / row.feed_per_turn:.3g} or more, for a feed of 1 mm/min"
+            yield "drill.min_speed_rpm", f"{expected} by drill.cutting.{index}.feed_per_turn"
     for index, tools in enumerate(machine.tools):
         yield from _set_faults(f"tools.{index}", tools)
         for word in words_of(tools.kind):
             if not getattr(machine.words, word):
-                yield f"words.{word}", [], f"a template, since there are tools of kind {tools.kind}"
+                yield f"words.{word}", f"a template, since there are tools of kind {tools.kind}"
         if tools.kind in ALONG_A_PATH and layout and layout.order == "saw-drill":
-            yield f"tools.{index}.kind", tools.kind, "a tool for strokes, since X only grows"
-        if (
-            tools.kind in TURNING
-            and drill
-            and not any(row.kind == tools.kind for row in drill.cutting)
-        ):
-            yield "drill.cutting", tools.kind, f"a row with kind = {tools.kind!r}"
+            yield f"tools.{index}.kind", "a tool for strokes, since X only grows"
+        rows = drill.cutting if drill else ()
+        if tools.kind in TURNING and drill and all(row.kind != tools.kind for row in rows):
+            yield "drill.cutting", f"a row with kind = {tools.kind!r}", tools.kind
 
 
-def _square_faults(saw: Saw, machine: Machine) -> Iterator[Fault]:
-    """Each limit that keeps the saw from a square cut, which every bar needs."""
-    for key, limit, square in (
-        ("min_angle", saw.min_angle, saw.zero_angle), ("min_tilt", saw.min_tilt, 0.0),
-    ):  # fmt: skip
-        if limit > square:
-            yield f"saw.{key}", limit, f"at most {square:g}, the square cut"
-    for key, limit, square in (
-        ("max_angle", saw.max_angle, saw.zero_angle), ("max_tilt", saw.max_tilt, 0.0),
-    ):  # fmt: skip
-        if limit < square:
-            yield f"saw.{key}", limit, f"at least {square:g}, the square cut"
+def _saw_faults(saw: Saw, machine: Machine) -> Iterator[Fault]:
+    """Limits that leave no angle, or keep the saw from a square cut, which every bar needs."""
+    for name, square in (("angle", saw.zero_angle), ("tilt", 0.0)):
+        least, most = getattr(saw, f"min_{name}"), getattr(saw, f"max_{name}")
+        if least > most:
+            yield f"saw.min_{name}", f"at most saw.max_{name}"
+        if least > square:
+            yield f"saw.min_{name}", f"at most {square:g}, the square cut"
+        if most < square:
+            yield f"saw.max_{name}", f"at least {square:g}, the square cut"
+    if saw.min_tilt != saw.max_tilt and not carries(machine.words.saw, "tilt"):
+        yield "words.saw", "a word with {tilt}, since the blade tilts"
     for index, axis in enumerate(machine.axes):
         if axis.moves == "angle" and axis.spindle is None:
-            if axis.min is not None and axis.min > saw.zero_angle:
-                yield f"axes.{index}.min", axis.min, f"at most {saw.zero_angle:g}, the square cut"
-            if axis.max is not None and axis.max < saw.zero_angle:
-                yield f"axes.{index}.max", axis.max, f"at least {saw.zero_angle:g}, the square cut"
+            if axis.limits[0] > saw.zero_angle:
+                yield f"axes.{index}.min", f"at most {saw.zero_angle:g}, the square cut"
+            if axis.limits[1] < saw.zero_angle:
+                yield f"axes.{index}.max", f"at least {saw.zero_angle:g}, the square cut"
 
 
 #: Controllers that run a saw and drilling line; a cutting table may have any.
@@ -95,29 +111,25 @@ _OF_LINES = ("codesys", "linuxcnc")
 def number_faults(machine: Machine) -> Iterator[Fault]:
     """A controller of another kind of machine, tools without a number or a peck of their words."""
     if machine.stock == "beam" and machine.controller not in _OF_LINES:
-        yield "controller", machine.controller, f"{' or '.join(_OF_LINES)}, which run a line"
+        yield "controller", f"{' or '.join(_OF_LINES)}, which run a line"
     for index, tools in enumerate(machine.tools):
-        key = f"tools.{index}.numbers"
+        key, word = f"tools.{index}", f"words.{tools.kind}"
+        template = getattr(machine.words, tools.kind)
         if tools.numbers and len(tools.numbers) != len(tools.sizes):
-            yield key, list(tools.numbers), f"{len(tools.sizes)}, one for each diameter"
-        if not tools.numbers and carries(getattr(machine.words, tools.kind), "tool"):
-            yield key, [], f"one for each diameter, since words.{tools.kind} has {{tool}}"
-        yield from _peck_faults(f"tools.{index}.max_peck", tools, machine)
+            yield f"{key}.numbers", f"{len(tools.sizes)}, one for each diameter"
+        if not tools.numbers and carries(template, "tool"):
+            yield f"{key}.numbers", f"one for each diameter, since {word} has {{tool}}"
+        if tools.max_peck and tools.kind != "drill":
+            expected = "no such key, only drills are drawn back on their way"
+            yield f"{key}.max_peck", expected
+        elif tools.max_peck and not carries(template, "peck"):
+            expected = f"a word with {{peck}} in {word}, which feeds to the depth at once"
+            yield f"{key}.max_peck", expected
+        elif carries(template, "peck") and not tools.max_peck:
+            yield f"{key}.max_peck", f"a depth above 0, since {word} has {{peck}}"
     numbers = [number for tools in machine.tools for number in tools.numbers]
-    if len(numbers) != len(set(numbers)):
-        yield "tools", sorted(n for n in set(numbers) if numbers.count(n) > 1), "a number once"
-
-
-def _peck_faults(key: str, tools: ToolSet, machine: Machine) -> Iterator[Fault]:
-    """A depth fed at a time that the words do not write, and one that they lack."""
-    pecks = carries(getattr(machine.words, tools.kind), "peck")
-    if tools.max_peck and tools.kind != "drill":
-        yield key, tools.max_peck, "no such key, only drills are drawn back on their way"
-    elif tools.max_peck and not pecks:
-        expected = f"a word with {{peck}} in words.{tools.kind}, which feeds to the depth at once"
-        yield key, tools.max_peck, expected
-    elif pecks and not tools.max_peck:
-        yield key, tools.max_peck, f"a depth above 0, since words.{tools.kind} has {{peck}}"
+    if twice := sorted({numbers[index] for index, _ in repeats(numbers)}):
+        yield "tools", "a number once", twice
 
 
 def carries(template: tuple[str, ...], name: str) -> bool:
@@ -135,50 +147,17 @@ def _set_faults(key: str, tools: ToolSet) -> Iterator[Fault]:
         try:
             inch_size(text)
         except ValueError:
-            yield f"{key}.inches.{index}", text, "inches such as '13/16' or '1 1/16'"
+            yield f"{key}.inches.{index}", "inches such as '13/16' or '1 1/16'"
             return
-    if not all(size > 0 for size in tools.sizes):
-        yield f"{key}.diameters", list(tools.sizes), "diameters above 0"
     if not tools.sizes:
-        yield f"{key}.diameters", [], "at least one diameter"
-    if tools.point_deg > FLAT_DEG:
-        yield f"{key}.point_deg", tools.point_deg, "at most 180, which is flat"
+        yield f"{key}.diameters", "at least one diameter"
     if tools.kind == "tap":
-        for name, values in (("pitches", tools.pitches), ("pre_drills", tools.pre_drills)):
-            if len(values) != len(tools.sizes):
-                yield f"{key}.{name}", list(values), f"{len(tools.sizes)}, one for each diameter"
-            elif not all(value > 0 for value in values):
-                yield f"{key}.{name}", list(values), "sizes above 0"
+        for name in ("pitches", "pre_drills"):
+            if len(getattr(tools, name)) != len(tools.sizes):
+                yield f"{key}.{name}", f"{len(tools.sizes)}, one for each diameter"
         for size, before in zip(tools.sizes, tools.pre_drills, strict=False):
             if before >= size:
-                yield f"{key}.pre_drills", before, f"less than the thread's {size:g}"
-
-
-def spindle_faults(machine: Machine) -> Iterator[Fault]:
-    """Spindles that lack a drill or their own axis, and pairs that lack a spindle."""
-    faces = {spindle.face for spindle in machine.spindles}
-    for index, pair in enumerate(machine.pairs):
-        if not faces.issuperset(pair.faces):
-            yield f"pairs.{index}.faces", list(pair.faces), "faces that have a spindle"
-    for index, spindle in enumerate(machine.spindles):
-        if spindle.across.axis == spindle.stroke.axis:
-            yield f"spindles.{index}.stroke.axis", spindle.stroke.axis, "another axis"
-        if not _follows_y(spindle):
-            expected = "arithmetic with y, so that each y of a face has its own place"
-            yield f"spindles.{index}.across.position", str(spindle.across.position), expected
-        elif machine.drill is None:
-            yield f"spindles.{index}", spindle.name, "a [drill] table for it"
-        elif _drawn_back(machine, spindle) < 0.0:
-            expected = "a place outside of the bar, where the tool is drawn back"
-            yield f"spindles.{index}.stroke.retract", spindle.stroke.retract, expected
-
-
-def _follows_y(spindle: Spindle) -> bool:
-    """Whether a spindle moves across with the holes' y, by as much at every place."""
-    bar = {**_SAMPLE_BAR, "depth": 10.0, "tip": 5.0, "clearance": 5.0}
-    places = [spindle.across.position({**bar, "y": y}) for y in (10.0, 11.0, 111.0)]
-    per_mm = places[1] - places[0]
-    return per_mm != 0.0 and abs(places[2] - places[1] - 100.0 * per_mm) < 1e-6
+                yield f"{key}.pre_drills", f"less than the thread's {size:g}", before
 
 
 #: A bar on which a spindle has to stand clear; nothing lies beside the face.
@@ -188,14 +167,42 @@ _SAMPLE_BAR = {
 }  # fmt: skip
 
 
-def _drawn_back(machine: Machine, spindle: Spindle) -> float:
+def spindle_faults(machine: Machine) -> Iterator[Fault]:
+    """Spindles without a drill or their own axis, and pairs without a spindle."""
+    faces = {spindle.face for spindle in machine.spindles}
+    for index, pair in enumerate(machine.pairs):
+        if not faces.issuperset(pair.faces):
+            yield f"pairs.{index}.faces", "faces that have a spindle"
+    bar = {**_SAMPLE_BAR, "depth": 10.0, "tip": 5.0, "clearance": 5.0}
+    for index, spindle in enumerate(machine.spindles):
+        key = f"spindles.{index}"
+        if spindle.across.axis == spindle.stroke.axis:
+            yield f"{key}.stroke.axis", "another axis"
+        # It moves across with the holes' y, by as much at every place.
+        a, b, c = (spindle.across.position({**bar, "y": y}) for y in (10.0, 11.0, 111.0))
+        if a == b or abs(c - b - 100.0 * (b - a)) >= 1e-6:
+            expected = "arithmetic with y, so that each y of a face has its own place"
+            yield f"{key}.across.position", expected
+        elif machine.drill is None:
+            yield key, "a [drill] table for it", spindle.name
+        elif _drawn_back(spindle, machine.drill.clearance) < 0.0:
+            expected = "a place outside of the bar, where the tool is drawn back"
+            yield f"{key}.stroke.retract", expected
+
+
+def _drawn_back(spindle: Spindle, clearance: float) -> float:
     """Clearance of the tool from the bar between two strokes, in mm; negative inside the bar."""
-    values = {**_SAMPLE_BAR, "clearance": machine.drill.clearance if machine.drill else 0.0}
+    values = {**_SAMPLE_BAR, "clearance": clearance}
     start, surface = spindle.stroke.retract(values), spindle.stroke.bottom(values)
     deeper = spindle.stroke.bottom({**values, "depth": 1.0})
     if deeper == surface:  # a fixed stroke, from 0 on the bar
         return -start if surface >= start else start
     return surface - start if deeper > surface else start - surface
+
+
+#: Axes and formulas of a spindle.
+_MOTION = ("across.axis", "across.position", "stroke.axis", "stroke.retract", "stroke.approach",
+           "stroke.bottom")  # fmt: skip
 
 
 def pair_faults(machine: Machine) -> Iterator[Fault]:
@@ -205,22 +212,12 @@ def pair_faults(machine: Machine) -> Iterator[Fault]:
     """
     spindles: dict[str, int] = {s.face: index for index, s in enumerate(machine.spindles)}
     for pair in machine.pairs:
-        first, index = (spindles[face] for face in pair.faces)
-        theirs = _moved_by(machine.spindles[first])
-        for key, found in _moved_by(machine.spindles[index]).items():
-            if found != theirs[key]:
-                expected = f"{theirs[key]!r} as the other spindle of {pair.name!r} has, or no pair"
-                yield f"spindles.{index}.{key}", found, expected
-
-
-def _moved_by(spindle: Spindle) -> dict[str, str]:
-    """The axes and formulas of a spindle, by their keys."""
-    across, stroke = spindle.across, spindle.stroke
-    return {
-        "across.axis": across.axis, "across.position": across.position, "stroke.axis": stroke.axis,
-        "stroke.retract": stroke.retract, "stroke.approach": stroke.approach or stroke.retract,
-        "stroke.bottom": stroke.bottom,
-    }  # fmt: skip
+        both = [machine.spindles[spindles[face]] for face in pair.faces]
+        for key in _MOTION:
+            first, second = (attrgetter(key)(one) or one.stroke.retract for one in both)
+            if first != second:
+                expected = f"{first!r} as the other spindle of {pair.name!r} has, or no pair"
+                yield f"spindles.{spindles[pair.faces[1]]}.{key}", expected, second
 
 
 def view_faults(machine: Machine) -> Iterator[Fault]:
@@ -230,67 +227,32 @@ def view_faults(machine: Machine) -> Iterator[Fault]:
         lifts = machine.torch is not None and machine.torch.z == "program"
         letters = "XYZ" if lifts else "XY"
         names = frozenset(machine.triggers.all_axes if machine.triggers else letters)
-    yield from body_faults(machine.bodies, names)
+    for index, _ in repeats(body.name for body in machine.bodies):
+        yield f"bodies.{index}.name", "a name once"
+    for index, body in enumerate(machine.bodies):
+        yield from _body_faults(f"bodies.{index}", body, names)
     modbus, count = machine.modbus, len(names)
     if modbus.scales and len(modbus.scales) != count:
-        yield "modbus.scales", len(modbus.scales), f"{count}, one for each axis"
+        yield "modbus.scales", f"{count}, one for each axis", len(modbus.scales)
     if modbus.first + count * modbus.words + 6 > 65536:
-        yield "modbus.first", modbus.first, "an address whose registers end by 65535"
+        yield "modbus.first", "an address whose registers end by 65535"
 
 
-# --- ranges ---------------------------------------------------------------------------------------
-
-# Numbers with which a program would be one that the read-back refuses: a feed that rounds to 0, or
-# a hole that is no hole any more.
-
-
-def range_faults(machine: Machine) -> Iterator[Fault]:
-    """Each number that programs cannot say, or that leaves nothing of the work."""
-    if machine.saw is not None:
-        yield from feed_faults("saw.feed_mm_min", machine.saw.feed_mm_min)
-    if machine.drill is not None:
-        yield from _of_drill(machine.drill)
-        for name, found, expected in slack_faults(machine.drill):
-            yield f"drill.{name}", found, expected
-
-
-def feed_faults(key: str, found: float) -> Iterator[Fault]:
-    """That a feed is slower than programs can say, if it is."""
-    if found < MIN_FEED_MM_MIN:
-        yield key, found, f"at least {MIN_FEED_MM_MIN:g} mm/min"
-
-
-def _of_drill(drill: Drill) -> Iterator[Fault]:
-    if drill.min_speed_rpm < MIN_SPEED_RPM:
-        yield "drill.min_speed_rpm", drill.min_speed_rpm, f"at least {MIN_SPEED_RPM:g}"
-    if drill.max_speed_rpm < drill.min_speed_rpm:
-        yield "drill.max_speed_rpm", drill.max_speed_rpm, "at least drill.min_speed_rpm"
-    yield from feed_faults("drill.max_feed_mm_min", drill.max_feed_mm_min)
-    for index, row in enumerate(drill.cutting):
-        key = f"drill.cutting.{index}.feed_per_turn"
-        if row.feed_per_turn < MIN_FEED_PER_TURN:
-            yield key, row.feed_per_turn, f"at least {MIN_FEED_PER_TURN:g} mm"
-        if row.feed_per_turn * drill.min_speed_rpm < MIN_FEED_MM_MIN:
-            expected = f"{MIN_FEED_MM_MIN / row.feed_per_turn:.3g} or more, for a feed of 1 mm/min"
-            yield "drill.min_speed_rpm", drill.min_speed_rpm, f"{expected} by {key}"
-
-
-def slack_faults(drill: Drill) -> Iterator[Fault]:
-    """Each tolerance with which a hole would be no hole any more, by its name in a drill."""
-    for name in (
-        "merge_tolerance", "same_tool_tolerance", "duplicate_tolerance", "sink_tolerance",
-        "path_tolerance",
-    ):  # fmt: skip
-        if (found := getattr(drill, name)) > MAX_SLACK:
-            yield name, found, f"at most {MAX_SLACK:g} mm"
-    if drill.path_tolerance < MIN_PATH_TOLERANCE:
-        yield "path_tolerance", drill.path_tolerance, f"at least {MIN_PATH_TOLERANCE:g} mm"
+def _body_faults(key: str, body: MachineBox, axes: frozenset[str]) -> Iterator[Fault]:
+    """Carriers that are no axes, and corners that are no arithmetic over a section."""
+    for field, carrier in zip(("x", "y", "z", "turn"), body.carriers, strict=True):
+        if carrier and signed(carrier)[0] not in axes:
+            yield f"{key}.{field}", f"an axis: {', '.join(sorted(axes))}"
+    for field, formulas in (("min", body.min), ("max", body.max), ("pivot", body.pivot or ())):
+        for formula in formulas:
+            try:
+                compile_expression(formula, SECTION_NAMES)
+            except ValueError:
+                expected = f"arithmetic over {', '.join(SECTION_NAMES)}"
+                yield f"{key}.{field}", expected, str(formula)
 
 
 # --- templates ------------------------------------------------------------------------------------
-
-# Checks of the templates of a program's blocks.
-
 
 #: How a value may be set in a template; a greater width would fill the memory with blanks.
 _FIELD_FORM = re.compile(r"[^{}]?[<>^]?[0-9]{0,2}")
@@ -306,7 +268,8 @@ _NOT_SAID = {
 def template_faults(machine: Machine) -> Iterator[Fault]:
     """Each template that names what it cannot, or gives a value a form that it must not have.
 
-    Decimals are those of [format], so that a program is read back as it was rounded.
+    Decimals are those of [format], so that a program is read back as it was rounded. Data of a part
+    in a table's program stand in comments: as figures nothing would say which is right.
     """
     for key, names in WORD_NAMES.items():
         if key == "header":
@@ -316,16 +279,11 @@ def template_faults(machine: Machine) -> Iterator[Fault]:
         template = getattr(machine.words, key)
         for line in (template,) if isinstance(template, str) else template:
             for found, expected in _line_faults(line, names):
-                yield f"words.{key}", found, expected
+                yield f"words.{key}", expected, found
             if machine.stock != "beam" and key != "header":
-                yield from _outside_comments(f"words.{key}", line)
-
-
-def _outside_comments(key: str, line: str) -> Iterator[Fault]:
-    """Data of a part that would be a figure of a table's program: nothing says which is right."""
-    for _, name, _, _ in Formatter().parse(_COMMENT.sub("", line)):
-        if name in PART_NAMES:
-            yield key, "{" + name + "}", "it in a comment, between ( and )"
+                for _, name, _, _ in Formatter().parse(_COMMENT.sub("", line)):
+                    if name in PART_NAMES:
+                        yield f"words.{key}", "it in a comment, between ( and )", "{" + name + "}"
 
 
 def _line_faults(line: str, names: frozenset[str]) -> Iterator[tuple[str, str]]:
@@ -359,11 +317,12 @@ def leaves(record: Any, key: str = "") -> Iterator[tuple[str, object]]:
         yield key, list(record) if isinstance(record, tuple) else record
 
 
-def size_faults(machine: Machine) -> Iterator[tuple[str, object, str]]:
+def size_faults(machine: Machine) -> Iterator[Fault]:
     """Each number that no machine has, and that arithmetic with others would not stand."""
     for key, value in leaves(machine):
         for number in value if isinstance(value, list) else (value,):
             if isinstance(number, int | float) and abs(number) > MAX_COORDINATE:
-                yield key, value, f"a number between -{MAX_COORDINATE:g} and {MAX_COORDINATE:g}"
+                expected = f"a number between -{MAX_COORDINATE:g} and {MAX_COORDINATE:g}"
+                yield key, expected, value
             if isinstance(number, float) and 0.0 < abs(number) < MIN_NUMBER:
-                yield key, value, f"0, or a number of at least {MIN_NUMBER:g}"
+                yield key, f"0, or a number of at least {MIN_NUMBER:g}", value

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from types import UnionType
 from typing import Any, Literal, NamedTuple, Union, get_args, get_origin
 
-from msgspec import Meta, Struct
+from msgspec import Struct
 
 from beamcam.conversion.schema import Schema, documented, schema_of
 from beamcam.errors import Source
@@ -48,10 +48,16 @@ _PLAIN = {str: "text", float: "number", int: "whole number", bool: "true or fals
 
 
 def _kind(hint: object) -> str:
-    """The type of a value, in words."""
+    """The type of a value with its limits, in words."""
     origin, args = get_origin(hint), get_args(hint)
     if origin is typing.Annotated:
-        return _kind(args[0]) + _limits(args[1])
+        kind, meta = _kind(args[0]), args[1]
+        if meta.le is not None:
+            least = f"above {meta.gt:g}, " if meta.ge is None else f"{meta.ge:g} to "
+            return f"{kind}, {least}{meta.le:g}{' at most' if meta.ge is None else ''}"
+        if meta.gt is not None:
+            return f"{kind} above {meta.gt:g}"
+        return kind if meta.ge is None else f"{kind}, {meta.ge:g} or more"
     if origin in (Union, UnionType):
         return _kind(next(a for a in args if a is not type(None)))
     if origin is Literal:
@@ -62,17 +68,6 @@ def _kind(hint: object) -> str:
     if isinstance(origin, type) and issubclass(origin, Mapping):
         return f"table of {_kind(args[1])}"
     return "arithmetic" if hint is Formula else _PLAIN[typing.cast(type, hint)]
-
-
-def _limits(meta: Meta) -> str:
-    """The limits of a number, in words."""
-    if meta.le is not None and meta.gt is not None:
-        return f", above {meta.gt:g}, {meta.le:g} at most"
-    if meta.le is not None:
-        return f", {meta.ge:g} to {meta.le:g}"
-    if meta.gt is not None:
-        return f" above {meta.gt:g}"
-    return "" if meta.ge is None else f", {meta.ge:g} or more"
 
 
 def _record_in(hint: object) -> tuple[type | None, str]:
@@ -106,7 +101,12 @@ def machine_schema() -> Schema:
     schema = schema_of(MachineFile, {Formula: ARITHMETIC})
     records, whole = schema["$defs"], schema["$defs"]["MachineFile"]
     for record in records.values():
-        record["properties"] = {k: _no_null(v) for k, v in record["properties"].items()}
+        for name, value in record["properties"].items():  # that may be left out; TOML has no null
+            choices = value.get("anyOf", [])
+            if {"type": "null"} in choices:
+                (choice,) = (choice for choice in choices if choice != {"type": "null"})
+                others = {k: v for k, v in value.items() if k not in ("anyOf", "default")}
+                record["properties"][name] = {**choice, **others}
     whole["properties"] = {"base": BASE, **whole["properties"]}
     required = [name for name in whole.pop("required") if name != "name"]  # or the file's own
     tables = {}
@@ -117,15 +117,6 @@ def machine_schema() -> Schema:
     whole["if"] = {"not": {"required": ["base"]}}
     whole["then"] = {"required": required, "properties": tables}
     return schema
-
-
-def _no_null(value: Schema) -> Schema:
-    """The schema of a value that may be left out; TOML has no null."""
-    choices = value.get("anyOf", [])
-    if {"type": "null"} not in choices:
-        return value
-    (choice,) = (choice for choice in choices if choice != {"type": "null"})
-    return {**choice, **{k: v for k, v in value.items() if k not in ("anyOf", "default")}}
 
 
 # --- starting file --------------------------------------------------------------------------------

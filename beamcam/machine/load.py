@@ -13,41 +13,19 @@ from msgspec import json, structs
 from beamcam.caches import cached
 from beamcam.conversion import Fault, converted, nearest, shown
 from beamcam.errors import Diagnostic, MachineError, Source
+from beamcam.machine import toml
+from beamcam.machine import words as rules
 from beamcam.machine.machine import Machine, MachineFile
 from beamcam.machine.proved import PROVED
 from beamcam.machine.stations import as_formula
-from beamcam.machine.toml import (
-    MAX_TOML_BYTES,
-    KeyTwice,
-    TomlError,
-    TomlFile,
-    TomlPlace,
-    keys_of,
-    line_of,
-    toml_text,
-    with_more_rows,
-    with_present_keys,
-    without,
-)
-from beamcam.machine.words import (
-    BASE_LOOP,
-    FORMER_KEY,
-    KEY_TWICE,
-    MISSING_KEY,
-    NAME_TWICE,
-    NOT_TOML,
-    UNKNOWN_KEY,
-    UNKNOWN_MACHINE,
-    WRONG_VALUE,
-)
+from beamcam.machine.toml import TomlFile, TomlPlace, line_of
 from beamcam.system import beginning_of, portable_path, user_folder
 
 MAX_BASES = 8  #: machine files laid over each other
 #: Keys that say how a file is found, and nothing of the machine.
 _NOT_INHERITED = ("name", "default_for", "choice")
-#: Keys that no program depends on.
-_BY_AXES = ("bodies", "modbus")
-_NOT_OF_PROGRAMS = (*_NOT_INHERITED, *_BY_AXES)
+_BY_AXES = ("bodies", "modbus")  #: keys of a base that follow from its axes
+_NOT_OF_PROGRAMS = (*_NOT_INHERITED, *_BY_AXES)  #: keys that no program depends on
 SHIPPED = Path(__file__).resolve().parent.parent / "machines"
 
 
@@ -58,7 +36,7 @@ def shipped() -> tuple[str, ...]:
 
 def load(name: str) -> Machine:
     """The machine called `name`, or the one in the file at that path. Raises MachineError."""
-    return _machine(files_of_machine(name))
+    return _checked(files_of_machine(name))
 
 
 def is_proved(files: tuple[TomlFile, ...]) -> bool:
@@ -91,33 +69,32 @@ def source_in(name: str, key: str, text: str) -> Source:
 
 
 @cached("files.machine")
-def _machine(files: tuple[TomlFile, ...]) -> Machine:
+def _checked(files: tuple[TomlFile, ...]) -> Machine:
     """The machine described by a file and its bases. Raises MachineError."""
     try:
         return _described(files)
     except MachineError as error:
-        raise MachineError(
-            tuple(_blamed(diagnostic, files) for diagnostic in error.diagnostics)
-        ) from None
+        faults = [
+            structs.replace(fault, source=_cause(files))
+            if _is_of_shipped_base(fault.source, files) else fault
+            for fault in error.diagnostics
+        ]  # fmt: skip
+        raise MachineError(tuple(faults)) from None
 
 
-def _blamed(diagnostic: Diagnostic, files: tuple[TomlFile, ...]) -> Diagnostic:
-    """A fault of a machine where its own file brings it about, never where a shipped one stands.
+def _cause(files: tuple[TomlFile, ...]) -> Source:
+    """Where a machine's own file brings a fault about that stands in a shipped one.
 
-    The key is the first of the file without which there is no fault; else the whole file.
+    That is the first of its keys without which there is no fault; else the whole file.
     """
-    if not _is_of_shipped_base(diagnostic.source, files):
-        return diagnostic
     own = files[0]
-    for words in keys_of(_present(own)[0]):
+    for words in toml.keys_of(_present(own)[0]):
         try:
             _described(files, words)
         except MachineError:
             continue
-        return structs.replace(
-            diagnostic, source=Source(own.shown, line_of(own.text, ".".join(words)))
-        )
-    return structs.replace(diagnostic, source=Source(own.shown))
+        return Source(own.shown, line_of(own.text, ".".join(words)))
+    return Source(own.shown)
 
 
 def _is_of_shipped_base(source: Source, files: tuple[TomlFile, ...]) -> bool:
@@ -127,75 +104,58 @@ def _is_of_shipped_base(source: Source, files: tuple[TomlFile, ...]) -> bool:
 
 
 def _described(files: tuple[TomlFile, ...], but: Sequence[str] = ()) -> Machine:
-    """The machine of `_machine`, its faults where the values stand; without a key of its file."""
+    """The machine of `_checked`, its faults where the values stand; without a key of its file."""
+    renamed = [(file, key, present) for file in files for key, present in _present(file)[1]]
     remarks = tuple(
-        FORMER_KEY.at(Source(file.shown, line_of(file.text, key)), found=key, expected=present)
-        for file in files for key, present in _present(file)[1]
-    )  # fmt: skip
+        rules.FORMER_KEY.at(Source(f.shown, line_of(f.text, key)), found=key, expected=present)
+        for f, key, present in renamed
+    )
     table, places = merged(files, but)
     place = TomlPlace(places)
-    _refuse_shipped_name(files[0], table["name"], place)
+    name = table["name"]
+    # The head of a program and every message would name a machine that did not make it.
+    plain = normalize("NFKC", name).strip().casefold() if isinstance(name, str) else ""
+    if files[0].path.parent != SHIPPED and plain in shipped():
+        raise MachineError(rules.NAME_TWICE.at(place.child("name").source, found=name))
     try:
         read = converted(table, MachineFile, as_formula)
     except Fault as fault:
-        raise MachineError(_said(fault, place)) from None
-    machine = Machine(**structs.asdict(read), checksum=_checksum(table), remarks=remarks)
+        raise MachineError(_diagnostic(fault, place)) from None
+    # That changes with any value that programs depend on, even under the same name; no protection
+    # against forgery.
+    values = {key: value for key, value in table.items() if key not in _NOT_OF_PROGRAMS}
+    checksum = f"{crc32(json.encode(values, order='deterministic')):08x}"
+    machine = Machine(**structs.asdict(read), checksum=checksum, remarks=remarks)
     if not is_proved(files):
         from beamcam.machine.references import check_keys
 
-        check_keys(machine, place, _left_behind(files))
+        first = {
+            key: next((k for k, file in enumerate(files) if key in file.table), len(files))
+            for key in ("spindles", "saw", "axes")
+        }
+        check_keys(machine, place, frozenset(key for key in first if first[key] < first["axes"]))
     return machine
-
-
-def _refuse_shipped_name(file: TomlFile, name: object, place: TomlPlace) -> None:
-    """Raises MachineError where a file that is not shipped gives its machine a shipped name.
-
-    The head of a program and every message would name a machine that did not make it.
-    """
-    if file.path.parent == SHIPPED or not isinstance(name, str):
-        return
-    if normalize("NFKC", name).strip().casefold() in shipped():
-        raise MachineError(NAME_TWICE.at(place.child("name").source, found=name))
-
-
-def _left_behind(files: tuple[TomlFile, ...]) -> frozenset[str]:
-    """The tables of stations that a file over that of the axes has or takes away."""
-
-    def first(key: str) -> int:
-        return next((k for k, file in enumerate(files) if key in file.table), len(files))
-
-    return frozenset(key for key in ("spindles", "saw") if first(key) < first("axes"))
 
 
 def _present(file: TomlFile) -> tuple[dict[str, Any], list[tuple[str, str]]]:
     """A file's table as this version names its keys, and its renamed keys. Raises MachineError."""
     try:
-        return with_present_keys(file.table)
-    except KeyTwice as twice:
+        return toml.with_present_keys(file.table)
+    except toml.KeyTwice as twice:
         source = Source(file.shown, line_of(file.text, twice.former))
-        diagnostic = KEY_TWICE.at(source, found=twice.former, expected=twice.present)
+        diagnostic = rules.KEY_TWICE.at(source, found=twice.former, expected=twice.present)
         raise MachineError(diagnostic) from None
 
 
-def _checksum(table: dict[str, Any]) -> str:
-    """Eight hex digits that change with any value of a machine's files that programs depend on.
-
-    They show that a machine has been changed, even under the same name. They are not protection
-    against forgery.
-    """
-    values = {key: value for key, value in table.items() if key not in _NOT_OF_PROGRAMS}
-    return f"{crc32(json.encode(values, order='deterministic')):08x}"
-
-
-def _said(fault: Fault, place: TomlPlace) -> Diagnostic:
+def _diagnostic(fault: Fault, place: TomlPlace) -> Diagnostic:
     """The message for an invalid key of a machine file."""
     at = place.child(*fault.path)
     if fault.kind == "unknown":
-        return UNKNOWN_KEY.at(at.source, found=at.key, expected=fault.expected)
+        return rules.UNKNOWN_KEY.at(at.source, found=at.key, expected=fault.expected)
     if fault.kind == "missing":
-        return MISSING_KEY.at(at.source, expected=at.key)
+        return rules.MISSING_KEY.at(at.source, expected=at.key)
     found = shown(fault.found)
-    return WRONG_VALUE.at(at.source, key=at.key, found=found, expected=fault.expected)
+    return rules.WRONG_VALUE.at(at.source, key=at.key, found=found, expected=fault.expected)
 
 
 def files_of_machine(name: str) -> tuple[TomlFile, ...]:
@@ -204,16 +164,18 @@ def files_of_machine(name: str) -> tuple[TomlFile, ...]:
     while True:
         path = _find(name, files[-1] if files else None)
         if any(path == file.path for file in files):
-            raise MachineError(BASE_LOOP.at(Source(str(files[0].path)), found=path.stem))
+            raise MachineError(rules.BASE_LOOP.at(Source(str(files[0].path)), found=path.stem))
         shown = path.name if path.parent == SHIPPED else str(path)
         try:
-            file = TomlFile(path, shown, toml_text(beginning_of(path, MAX_TOML_BYTES + 1)))
+            file = TomlFile(
+                path, shown, toml.toml_text(beginning_of(path, toml.MAX_TOML_BYTES + 1))
+            )
             base = file.table.get("base")
-        except TomlError as error:
-            raise MachineError(NOT_TOML.at(Source(shown, error.line), found=error)) from error
+        except toml.TomlError as error:
+            raise MachineError(rules.NOT_TOML.at(Source(shown, error.line), found=error)) from error
         except OSError as error:
             expected = error.strerror or "a file that can be read"
-            diagnostic = UNKNOWN_MACHINE.at(Source(shown), found=name, expected=expected)
+            diagnostic = rules.UNKNOWN_MACHINE.at(Source(shown), found=name, expected=expected)
             raise MachineError(diagnostic) from error
         files.append(file)
         if base is None:
@@ -227,7 +189,7 @@ def files_of_machine(name: str) -> tuple[TomlFile, ...]:
 
 def _wrong_base(file: TomlFile, expected: str) -> Diagnostic:
     source, found = Source(file.shown, line_of(file.text, "base")), repr(file.table["base"])
-    return WRONG_VALUE.at(source, key="base", found=found, expected=expected)
+    return rules.WRONG_VALUE.at(source, key="base", found=found, expected=expected)
 
 
 def merged(
@@ -243,17 +205,16 @@ def merged(
         own = {"name": file.path.stem, **_present(file)[0]}
         own.pop("base", None)
         if but and file is files[0] and but[0] in own:
-            own = without(own, but)
+            own = toml.without(own, but)
         if file is not files[0]:
-            for key in ("default_for", "choice"):
-                own.pop(key, None)
-        if "axes" in own:  # bodies and registers follow from the axes of a base
+            own = {k: v for k, v in own.items() if k not in ("default_for", "choice")}
+        if "axes" in own:
             for key in _BY_AXES:
                 table.pop(key, None)
         origin = file.shown, file.text
         _overlay(table, own, places, origin, "")
         places[""] = origin
-    return with_more_rows(table), places
+    return toml.with_more_rows(table), places
 
 
 def _overlay(
@@ -295,7 +256,7 @@ def _find(name: str, over: TomlFile | None) -> Path:
         return beside.resolve()  # one's own, laid over another one's own
     expected = f"{nearest(name, shipped())} or the path of a .toml file"
     source = Source(name) if over is None else Source(over.shown, line_of(over.text, "base"))
-    raise MachineError(UNKNOWN_MACHINE.at(source, found=name, expected=expected))
+    raise MachineError(rules.UNKNOWN_MACHINE.at(source, found=name, expected=expected))
 
 
 # --- machines of one's own ------------------------------------------------------------------------
@@ -347,6 +308,6 @@ def resolved(name: str, configurations: Sequence[str]) -> str:
         path = os.path.join(folder, f"{name}.toml")
         if os.path.isfile(path):
             if (SHIPPED / f"{name}.toml").is_file():
-                raise MachineError(NAME_TWICE.at(Source(path), found=name))
+                raise MachineError(rules.NAME_TWICE.at(Source(path), found=name))
             return path
     return name

@@ -12,12 +12,11 @@ from typing import Annotated, Literal, TypeVar
 
 from msgspec import Meta, Struct, field
 
-from beamcam.conversion import Count, Keys, NotNegative, Positive, PositiveCount
+from beamcam.conversion import Count, Keys, NotNegative, Positive, PositiveCount, Text
 from beamcam.errors import Diagnostic
 from beamcam.geometry.plane import MAX_COORDINATE
-from beamcam.machine.bodies import MachineBox
 from beamcam.machine.coper import Coper
-from beamcam.machine.stations import Drill, Marks, Pair, Saw, Spindle, ToolSet
+from beamcam.machine.stations import Drill, Formula, Marks, Pair, Saw, Spindle, ToolSet
 from beamcam.machine.tables import Stepper, Triggers
 from beamcam.machine.torch import Torch
 from beamcam.machine.words import Words
@@ -26,6 +25,8 @@ from beamcam.machine.words import Words
 Decimals = Annotated[int, Meta(ge=0, le=6)]
 
 Station = TypeVar("Station")
+Stock = Literal["beam", "sheet", "profile"]
+ALONG_SHARE = 0.5  #: of the acceleration of the axes, along a path where a file gives none
 
 
 class NumberFormat(Keys, frozen=True):
@@ -95,6 +96,38 @@ class ControlledAxis(Keys, frozen=True):
         return -inf if self.min is None else self.min, inf if self.max is None else self.max
 
 
+#: What a body's box may depend on: the section that is worked.
+SECTION_NAMES = ("height", "width", "flange_thickness", "web_thickness")
+
+
+class MachineBox(Keys, frozen=True):
+    """A box of the machine, placed as it stands when the axes that carry it stand at 0.
+
+    x runs downstream along the bar from machine X 0, y across the web from its middle as Y of a
+    program does, z downward from the top of the bar as Z does. An axis that carries the box is
+    called by its name, with - before it where it moves the box the other way.
+    """
+
+    name: Text  #: in messages
+    min: tuple[Formula, Formula, Formula]  #: minimum x, y and z
+    max: tuple[Formula, Formula, Formula]  #: maximum x, y and z
+    x: str = ""  #: axis that carries it along x; fixed in x if absent
+    y: str = ""  #: axis that carries it along y
+    z: str = ""  #: axis that carries it along z
+    turn: str = ""  #: axis in degrees that turns it about the vertical, from x towards y
+    pivot: tuple[Formula, Formula] | None = None  #: x and y that it turns about; 0 and 0 if absent
+
+    @property
+    def carriers(self) -> tuple[str, str, str, str]:
+        """The axes along x, y and z and the turning one; "" where there is none."""
+        return self.x, self.y, self.z, self.turn
+
+
+def signed(carrier: str) -> tuple[str, int]:
+    """The name of an axis that carries a body, and the sign of its motion."""
+    return (carrier[1:], -1) if carrier.startswith("-") else (carrier, 1)
+
+
 #: What a word of a line's own does: nothing, or of a G word a canned cycle of drilling, straight
 #: down, with a dwell, drawn back for the chips or to break them, or the end of one.
 CycleMeaning = Literal[
@@ -143,7 +176,7 @@ class MachineFile(Keys, frozen=True):
     title: str  #: what it is, in lists of machines
     #: the family of its controller
     controller: Literal["codesys", "linuxcnc", "grbl", "mach3", "simotion", "plcopen", "stepper"]
-    stock: Literal["beam", "sheet", "profile"]  #: what it works on; profile: coped all round
+    stock: Stock  #: what it works on; profile: coped all round
     format: NumberFormat
     words: Words = Words()
     suffix: str = ".gcode"  #: of its programs
@@ -220,9 +253,6 @@ def text_x(machine: Machine) -> float:
     return drill_of(machine).x if machine.marks.x is None else machine.marks.x
 
 
-ALONG_SHARE = 0.5
-
-
 class PathLimits(Struct, frozen=True):
     """Limits of a table's axes along a path of any direction, in mm and s; infinite where none are.
 
@@ -254,14 +284,10 @@ def path_limits(machine: Machine) -> PathLimits | None:
     x, y = axes["X"], axes["Y"]
     whole = min(x.acceleration, y.acceleration)
     along = torch.acceleration or ALONG_SHARE * whole
-    return PathLimits(
-        x.speed, y.speed, along, torch.acceleration or whole, sqrt(whole * whole - along * along),
-        min(_jerk(x), _jerk(y)), torch.corner,
-    )  # fmt: skip
-
-
-def _jerk(axis: ControlledAxis) -> float:
-    return inf if axis.jerk is None else axis.jerk
+    jerk = min(inf if axis.jerk is None else axis.jerk for axis in (x, y))
+    across = sqrt(whole * whole - along * along)
+    straight = torch.acceleration or whole
+    return PathLimits(x.speed, y.speed, along, straight, across, jerk, torch.corner)
 
 
 # --- G and M words --------------------------------------------------------------------------------
@@ -277,6 +303,7 @@ def _jerk(axis: ControlledAxis) -> float:
 
 _CODE = re.compile(r"([GM])(\d{1,3})(\.\d)?")
 CARRYING_CODE = re.compile(r"(M\d{1,3})([A-Z$])(-?\d{1,6}(?:\.\d{1,3})?)")
+_IN_BRACES = re.compile(r"\{(\w+)")
 #: M words that switch outputs, and the letter that says which.
 _OUTPUTS = {
     **dict.fromkeys(("M10", "M11", "M62", "M63", "M64", "M65"), "P"), "M67": "E", "M68": "E",
@@ -309,9 +336,6 @@ def names_in(words: Words, templates: Iterable[str]) -> frozenset[str]:
     return frozenset(name for line in lines for name in _IN_BRACES.findall(line))
 
 
-_IN_BRACES = re.compile(r"\{(\w+)")
-
-
 def meaning_of(
     codes: Mapping[str, CodeMeaning], code: str, values: Mapping[str, float]
 ) -> tuple[str, CodeMeaning] | None:
@@ -339,11 +363,6 @@ def shown_code(code: str) -> str:
 
 # --- defaults -------------------------------------------------------------------------------------
 
-# Which shipped machine is meant where none is named.
-
-
-Stock = Literal["beam", "sheet", "profile"]
-
 ANY_SUFFIX = "*"
 
 #: Stock and suffix of the output -> machines in the order in which they are tried, from the keys
@@ -370,10 +389,9 @@ def default_machines(stock: Stock, output: str = "", flats: bool = False) -> tup
     A torch that goes round profiles may make of bars what no line that saws and drills does, and
     such a line `flats` that no table makes.
     """
-    found = DEFAULTS.get((stock, PurePath(output).suffix.lower()), DEFAULTS[stock, ANY_SUFFIX])
-    if stock == "beam":
-        return (*found, *DEFAULTS["profile", ANY_SUFFIX])
-    return (*found, *DEFAULTS["beam", ANY_SUFFIX]) if flats else found
+    names = DEFAULTS.get((stock, PurePath(output).suffix.lower()), DEFAULTS[stock, ANY_SUFFIX])
+    other: Stock = "profile" if stock == "beam" else "beam"
+    return (*names, *DEFAULTS[other, ANY_SUFFIX]) if flats or stock == "beam" else names
 
 
 def is_of_sheets(program: str) -> bool:

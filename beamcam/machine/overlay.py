@@ -1,16 +1,16 @@
 """A cutting table with one job's settings: the command line overrides the machine file."""
 
 from collections.abc import Mapping
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 from msgspec.structs import replace
 
 from beamcam.machine.machine import Machine
 from beamcam.machine.tables import TABLE_CONTROLLERS
-from beamcam.machine.torch import KERF_STEPS, OTHERS, LayerSettings, Torch, TorchRow
+from beamcam.machine.torch import KERF_STEPS, OTHERS, LayerSettings, Torch
 
 Meaning = Literal["cut", "mark", "engrave", "ignore"]
-MEANINGS: tuple[Meaning, ...] = ("cut", "mark", "engrave", "ignore")
+MEANINGS: tuple[Meaning, ...] = get_args(Meaning)
 
 
 def with_section(machine: Machine, corner: float | None, lip: float | None) -> Machine:
@@ -49,7 +49,20 @@ def with_torch(
     if torch is None:
         raise ValueError(f"{machine.name} has no torch, so the option has no effect")
     if amps or nozzle:
-        torch = replace(torch, rows=_chosen(torch, machine.name, amps, nozzle))
+        cuts = [row for row in torch.rows if row.process == "cut"]
+        fitting = [
+            row for row in cuts
+            if row.amps == (amps or row.amps)
+            and row.nozzle.casefold() == (nozzle or row.nozzle).casefold()
+        ]  # fmt: skip
+        if not fitting:
+            wished = [f"{amps:g} A"] if amps else []
+            wished += [f"the nozzle {nozzle!r}"] if nozzle else []
+            has = ", ".join(sorted({f"{row.amps:g} A {row.nozzle}".strip() for row in cuts}))
+            of = machine.name
+            raise ValueError(f"{' and '.join(wished)}; the rows of {of} are for {has}")
+        others = (row for row in torch.rows if row.process != "cut" or row in fitting)
+        torch = replace(torch, rows=tuple(others))
     if sheet_size:
         if sheet_size[0] > torch.length or sheet_size[1] > torch.width:
             size = " x ".join(f"{v:g}" for v in sheet_size)
@@ -68,50 +81,19 @@ def with_torch(
         kept = {k: v for k, v in torch.settings.items() if k not in colours}
         given["settings"] = {**(settings or {}), **kept}
     if kerf is not None:
-        given = {**_kerf_values(machine, torch, kerf), **given}
+        least = KERF_STEPS * machine.format.resolution
+        if 0.0 < kerf < least:
+            takes = f"{machine.name} takes 0, or {least:g} mm or more"
+            raise ValueError(f"a kerf of {kerf:g} mm; {takes}")
+        cuts = [replace(row, kerf=kerf) if row.process == "cut" else row for row in torch.rows]
+        kerf_by = "offset" if torch.kerf_by == "none" else torch.kerf_by
+        given = {"rows": tuple(cuts), "kerf_by": kerf_by if kerf else "none", **given}
     changed: Torch = replace(torch, **given)
     if changed.kerf_by == "machine" and machine.words.left and torch.lead == "arc":
         # A controller takes up its compensation along a line.
         changed = replace(changed, lead="line")
     _check(machine, changed)
     return replace(machine, torch=changed)
-
-
-def _chosen(
-    torch: Torch, name: str, amps: float | None, nozzle: str | None
-) -> tuple[TorchRow, ...]:
-    """The rows of a chart for a current and a nozzle or gas, and those of other processes."""
-    cuts = [row for row in torch.rows if row.process == "cut"]
-    fitting = [
-        row for row in cuts
-        if (not amps or row.amps == amps)
-        and (not nozzle or row.nozzle.casefold() == nozzle.casefold())
-    ]  # fmt: skip
-    if not fitting:
-        asked = " and ".join(
-            [*([f"{amps:g} A"] if amps else []), *([f"the nozzle {nozzle!r}"] if nozzle else [])]
-        )
-        has = sorted({f"{row.amps:g} A {row.nozzle}".strip() for row in cuts})
-        raise ValueError(f"{asked}; the rows of {name} are for {', '.join(has)}")
-    return tuple(row for row in torch.rows if row.process != "cut" or row in fitting)
-
-
-def _kerf_values(machine: Machine, torch: Torch, kerf: float) -> dict[str, Any]:
-    """The fields of a torch that follow from the kerf of a job."""
-    least = KERF_STEPS * machine.format.resolution
-    if 0.0 < kerf < least:
-        takes = f"{machine.name} takes 0, or {least:g} mm or more"
-        raise ValueError(f"a kerf of {kerf:g} mm; {takes}")
-    kerf_values: dict[str, Any] = {
-        "rows": tuple(
-            replace(row, kerf=kerf) if row.process == "cut" else row for row in torch.rows
-        )
-    }
-    if kerf == 0.0:
-        kerf_values["kerf_by"] = "none"
-    elif torch.kerf_by == "none":
-        kerf_values["kerf_by"] = "offset"
-    return kerf_values
 
 
 def _check(machine: Machine, changed: Torch) -> None:

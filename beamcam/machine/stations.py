@@ -5,9 +5,9 @@ that say where a spindle stands.
 from collections.abc import Iterable, Mapping
 from fnmatch import fnmatchcase
 from math import inf, isfinite, pi, radians, tan
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
-from msgspec import Struct, field
+from msgspec import Meta, Struct, field
 
 from beamcam.caches import cached
 from beamcam.conversion import (
@@ -20,6 +20,7 @@ from beamcam.conversion import (
     compile_expression,
 )
 from beamcam.errors import MachineError, Source
+from beamcam.machine.torch import ChordSlack, Feed, Slack
 from beamcam.machine.words import WRONG_VALUE
 
 FORMULA_NAMES = frozenset(
@@ -47,10 +48,12 @@ class Formula(str):
         """The number for a section and a hole. Raises MachineError where there is none."""
         try:
             number = _compiled(self)(values)
+            if not isfinite(number):
+                raise ValueError("not finite")
         except (ArithmeticError, ValueError) as error:
-            raise _without_value(self, values, str(error)) from None
-        if not isfinite(number):
-            raise _without_value(self, values, "not finite")
+            given = ", ".join(f"{name} {value:g}" for name, value in sorted(values.items()))
+            expected = f"arithmetic that has a value for {given} ({error})"
+            raise NoValueError(str(self), expected) from None
         return number
 
 
@@ -59,18 +62,14 @@ class NoValueError(MachineError):
 
     def __init__(self, formula: str, expected: str) -> None:
         self.formula, self.expected = formula, expected
-        source = Source("machine")
-        super().__init__(
-            WRONG_VALUE.at(source, key="spindles", found=repr(formula), expected=expected)
+        found = repr(formula)
+        diagnostic = WRONG_VALUE.at(
+            Source("machine"), key="spindles", found=found, expected=expected
         )
+        super().__init__(diagnostic)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.formula, self.expected)
-
-
-def _without_value(formula: Formula, values: Mapping[str, float], why: str) -> NoValueError:
-    given = ", ".join(f"{name} {value:g}" for name, value in sorted(values.items()))
-    return NoValueError(str(formula), f"arithmetic that has a value for {given} ({why})")
 
 
 def as_formula(kind: type, value: object) -> Formula:
@@ -90,10 +89,9 @@ def _compiled(text: str) -> Expression:
     return compile_expression(text, FORMULA_NAMES)
 
 
+FLAT_DEG = 180.0  #: of the point of a tool that is flat
 ToolKind = Literal["drill", "tap", "countersink", "mill", "punch", "scribe"]
 UnitKind = Literal["stamp", "printer"]  #: what letters by itself and is not a tool of a spindle
-
-
 ToolMaterial = Literal["hss", "carbide"]
 
 
@@ -126,9 +124,6 @@ class Tool(Struct, frozen=True, cache_hash=True):
         return self.diameter / 2 / tan(radians(self.point_deg) / 2)
 
 
-FLAT_DEG = 180.0
-
-
 MM_PER_INCH = 25.4
 
 
@@ -136,12 +131,13 @@ class ToolSet(Keys, frozen=True):
     """Tools of one kind in the diameters that the shop has."""
 
     kind: ToolKind  #: of all of them
-    diameters: tuple[float, ...] = ()  #: each is a tool
+    diameters: tuple[Positive, ...] = ()  #: each is a tool
     inches: tuple[str, ...] = ()  #: more of them, as "13/16" or "1 1/16"
-    point_deg: Positive = 118.0  #: angle of the point or the cone; 180 is flat
+    #: angle of the point or the cone; 180 is flat
+    point_deg: Annotated[float, Meta(gt=0, le=FLAT_DEG)] = 118.0
     faces: tuple[Literal["v", "o", "u", "h"], ...] = ("v", "o", "u", "h")  #: of spindles
-    pitches: tuple[float, ...] = ()  #: of taps, one for each diameter
-    pre_drills: tuple[float, ...] = ()  #: of taps, the drill before each of them
+    pitches: tuple[Positive, ...] = ()  #: of taps, one for each diameter
+    pre_drills: tuple[Positive, ...] = ()  #: of taps, the drill before each of them
     hand: Literal["right", "left"] = "right"  #: of taps
     largest_hole: NotNegative = 0.0  #: of mills: largest that may be milled as a circle
     tool_material: ToolMaterial = "hss"  #: high-speed steel or cemented carbide
@@ -172,14 +168,15 @@ def inch_size(text: str) -> float:
     from fractions import Fraction
 
     try:
-        return round(float(sum(Fraction(word) for word in text.split())) * MM_PER_INCH, 6)
-    except (ValueError, ArithmeticError) as error:
-        raise ValueError(f"{text!r} is no size in inches") from error
+        size = round(float(sum(Fraction(word) for word in text.split())) * MM_PER_INCH, 6)
+    except (ValueError, ArithmeticError):
+        size = 0.0
+    if size <= 0.0:
+        raise ValueError(f"{text!r} is no size in inches")
+    return size
 
 
 # --- saw ------------------------------------------------------------------------------------------
-
-# The saw of a line.
 
 
 class SawSection(Keys, frozen=True):
@@ -203,7 +200,7 @@ class Saw(Keys, frozen=True):
     pivot: Literal["o", "u"] = "o"  #: the edge of the web on which X is counted
     zero_angle: float = 0.0  #: what a square cut is called: 0 or 90
     angle_sign: Literal[-1, 1] = 1  #: of DSTV's web angle in the machine's counting
-    feed_mm_min: Positive = 2500.0  #: of the blade
+    feed_mm_min: Feed = 2500.0  #: of the blade
     #: an end nearer to square than this is sawn square, degrees of web or flange
     min_mitre: float = 0.2
     min_tilt: float = 0.0  #: of the blade out of the vertical, for flange angles
@@ -215,9 +212,6 @@ class Saw(Keys, frozen=True):
 
 
 # --- drill ----------------------------------------------------------------------------------------
-
-# The drilling station of a line, and its spindles.
-
 
 Axis = Literal["Y", "Z"]
 
@@ -270,7 +264,7 @@ class Cutting(Keys, frozen=True):
 
     up_to: Positive  #: diameter of the tool
     speed_m_min: Positive  #: at the drill's edge
-    feed_per_turn: Positive  #: mm
+    feed_per_turn: Annotated[float, Meta(ge=0.001, extra={"unit": "mm"})]  #: mm
     grade: str = "*"  #: steel grades of the row, as shell patterns separated by |
     kind: ToolKind = "drill"  #: of tool
     tool_material: Literal["*", "hss", "carbide"] = "*"  #: kind of tool the row applies to
@@ -285,19 +279,19 @@ class Drill(Keys, frozen=True):
     fits: tuple[Fit, ...]
     cutting: tuple[Cutting, ...]
     never_under: bool = False  #: whether no drill may be smaller than its hole, whatever fits say
-    merge_tolerance: NotNegative = 0.1  #: flange holes nearer than this are one operation
+    merge_tolerance: Slack = 0.1  #: flange holes nearer than this are one operation
     clearance: NotNegative = 5.0  #: between tool and surface where the feed begins
     breakthrough: NotNegative = 2.0  #: of the drill's full diameter beyond the far side
-    min_speed_rpm: Positive = 150.0  #: of a spindle
+    min_speed_rpm: Annotated[float, Meta(ge=1)] = 150.0  #: of a spindle; programs say it to 1
     max_speed_rpm: Positive = 2500.0  #: of a spindle
-    max_feed_mm_min: Positive = 20000.0  #: of a tool
+    max_feed_mm_min: Feed = 20000.0  #: of a tool
     #: tools that differ by no more are one: 20.64 and 13/16 in
-    same_tool_tolerance: NotNegative = 0.02
-    duplicate_tolerance: NotNegative = 0.01  #: holes of one face nearer than this are one hole
+    same_tool_tolerance: Slack = 0.02
+    duplicate_tolerance: Slack = 0.01  #: holes of one face nearer than this are one hole
     slots: Literal["mill", "drill-mill"] = "drill-mill"  #: whether its ends are drilled first
     runout_pitches: NotNegative = 3.0  #: of a tap's drill below a blind thread
-    sink_tolerance: NotNegative = 0.2  #: of a countersink's depth against its diameter
-    path_tolerance: NotNegative = 0.02  #: of the chords of a milled or scribed curve
+    sink_tolerance: Slack = 0.2  #: of a countersink's depth against its diameter
+    path_tolerance: ChordSlack = 0.02  #: of the chords of a milled or scribed curve
     mark_depth: NotNegative = 0.3  #: of a scribed line
     punch_depth: NotNegative = 1.0  #: of a centre punch that the part gives no depth
     min_edge_distance: NotNegative = 0.0  #: steel from a hole to an edge, an end or another hole
@@ -334,7 +328,9 @@ class Marks(Keys, frozen=True):
     characters: str = ""  #: that a stamp or printer has
     heights: tuple[Positive, ...] = ()  #: that it has; empty: any
     pitch: Positive = 0.8  #: from character to character, as a share of the height
-    angles: tuple[float, ...] = (0.0,)  #: degrees at which it letters
+    angles: Annotated[tuple[float, ...], Meta(min_length=1)] = (
+        0.0,
+    )  #: degrees at which it letters
     #: faces that it comes to, and what {face} calls the unit there
     faces: Mapping[str, int] = field(default_factory=dict)
     x: float | None = None  #: machine X of a text at bar x 0; None is where the drill stands
@@ -357,8 +353,7 @@ def speed_and_feed(tool: Tool, drill: Drill, grade: str) -> tuple[float, float]:
     row = cutting_row(tool, drill, grade)
     if tool.kind in ("punch", "scribe"):
         return 0.0, min(1000 * row.speed_m_min, drill.max_feed_mm_min)
-    speed = turns_of(row, tool)
-    speed = min(max(speed, drill.min_speed_rpm), drill.max_speed_rpm)
+    speed = min(max(turns_of(row, tool), drill.min_speed_rpm), drill.max_speed_rpm)
     if tool.kind == "tap":
         # A tap has to follow its pitch, so a limit of the feed lowers the speed.
         speed = min(speed, drill.max_feed_mm_min / tool.pitch)

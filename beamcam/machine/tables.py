@@ -71,6 +71,8 @@ DIALECTS = {
 
 LateFactor = Annotated[float, Meta(ge=1.0, le=10.0)]  #: no operation is sooner than its time
 UnitBytes = Annotated[int, Meta(ge=1024)]  #: a unit has to hold some set-points
+#: No task of such a controller comes round sooner.
+Cycle = Annotated[float, Meta(ge=0.0005, extra={"unit": "s"})]
 
 
 READ_ROUNDING = 1e-9  #: of a count; an axis that stands on a count is at it
@@ -102,7 +104,7 @@ class Triggers(Keys, frozen=True):
     limits: tuple[str, str, str, str]  #: inputs: X low, X high, Y low, Y high
     start: str  #: input of the button that starts the work
     outputs: Mapping[str, str]  #: output of each process
-    cycle_s: Positive  #: of the TimerInterruptTask that the program runs in
+    cycle_s: Cycle  #: of the TimerInterruptTask that the program runs in
     acceleration: Positive  #: mm/s2 along the path
     traverse_mm_s: Positive  #: along the path with the tool off
     acknowledge: str = ""  #: input of the button that acknowledges a fault; a variable if absent

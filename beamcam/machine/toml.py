@@ -68,36 +68,19 @@ def _table(text: str) -> dict[str, Any]:
     except RecursionError:
         raise TomlError(f"nested more than {MAX_DEPTH} deep") from None
     except ValueError as error:  # of numbers with too many digits too
-        raise _error_of(fault_text(error), text) from error
-    if _depth(table) > MAX_DEPTH:
+        message = fault_text(error)
+        if at := _AT_LINE.search(message):
+            raise TomlError(message[: at.start()], int(at[1])) from error
+        at_end = " (at end of document)"
+        line = len(text.splitlines()) if at_end in message else 1
+        raise TomlError(message.removesuffix(at_end), line) from error
+    level: list[Any] = [table]
+    for _ in range(MAX_DEPTH):
+        inner = (holder.values() if isinstance(holder, dict) else holder for holder in level)
+        level = [item for items in inner for item in items if isinstance(item, dict | list)]
+    if level:
         raise TomlError(f"nested more than {MAX_DEPTH} deep")
     return table
-
-
-def _error_of(message: str, text: str) -> TomlError:
-    """What the parser says, with its line."""
-    at = _AT_LINE.search(message)
-    if at is not None:
-        return TomlError(message[: at.start()], int(at[1]))
-    at_end = " (at end of document)"
-    return TomlError(
-        message.removesuffix(at_end), len(text.splitlines()) if at_end in message else 1
-    )
-
-
-def _depth(table: dict[str, Any]) -> int:
-    """Nesting depth of tables and lists."""
-    depth = 0
-    level: list[Any] = [table]
-    while level:
-        depth += 1
-        level = [
-            item
-            for holder in level
-            for item in (holder.values() if isinstance(holder, dict) else holder)
-            if isinstance(item, dict | list)
-        ]
-    return depth
 
 
 class TomlPlace:
@@ -143,17 +126,14 @@ def line_of(text: str, key: str) -> int | None:
     Array tables count: `spindles.1.number` is `number` under the second `[[spindles]]`.
     """
     lines = _lines(text)
-    while key:
-        for name in (key, former_name(key)):
-            if name in lines:
-                return lines[name]
+    while key and key not in lines:
         key = key.rpartition(".")[0]
-    return None
+    return lines.get(key)
 
 
 @cached("files.lines")
 def _lines(text: str) -> dict[str, int]:
-    """The first line of each dotted key and table."""
+    """The first line of each dotted key, by its former and its present name, and of each table."""
     table, counts = "", dict[str, int]()
     lines: dict[str, int] = {}
     for number, raw in enumerate(text.split("\n"), 1):
@@ -164,23 +144,24 @@ def _lines(text: str) -> dict[str, int]:
             here = table = f"{name}.{counts[name]}"
             lines.setdefault(name, number)
         elif line.startswith("["):
-            here = table = _numbered(_bare(line[1:].partition("]")[0]), counts)
+            # With the index of the array table that it is in: `spindles.1.stroke`.
+            first, dot, rest = _bare(line[1:].partition("]")[0]).partition(".")
+            here = (
+                f"{first}.{counts[first]}.{rest}" if dot and first in counts else first + dot + rest
+            )
+            table = here
         elif "=" in line and not line.startswith("#"):
             name = _bare(line.partition("=")[0])
             here = f"{table}.{name}" if table else name
         else:
             continue
         lines.setdefault(here, number)
+        above, _, key = here.rpartition(".")
+        lines.setdefault(f"{above}.{_present_name(above, key)}".removeprefix("."), number)
         while "." in here:  # [a.b] begins a too, unless a line before did
             here = here.rpartition(".")[0]
             lines.setdefault(here, number)
     return lines
-
-
-def _numbered(table: str, counts: Mapping[str, int]) -> str:
-    """A table's name with the index of the array table that it is in: `spindles.1.stroke`."""
-    first, dot, rest = table.partition(".")
-    return f"{first}.{counts[first]}.{rest}" if dot and first in counts else table
 
 
 def _bare(key: str) -> str:
@@ -211,58 +192,39 @@ def with_more_rows(table: dict[str, Any]) -> dict[str, Any]:
     if not isinstance(torch, dict) or "more_rows" not in torch:
         return table
     rows, more = torch.get("rows", []), torch["more_rows"]
-    if (
-        not isinstance(rows, list)
-        or not isinstance(more, list)
-        or not all(_is_row(row) for row in (*rows, *more))
-    ):
+    try:
+        for both in (rows, more):
+            converted(both, list[TorchRow])
+    except Fault:
         return table
     others = {key: value for key, value in torch.items() if key != "more_rows"}
     return {**table, "torch": {**others, "rows": _merged(rows, more)}}
 
 
-def _is_row(row: object) -> bool:
-    try:
-        converted(row, TorchRow)
-    except Fault:
-        return False
-    return True
-
-
 def _merged(rows: Sequence[dict[str, Any]], more: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
     """The rows in the order in which the first that fits counts."""
-    rows_of_both = list(rows)
+    both = list(rows)
     for row in more:
         # A chart of one material is not left by a row that names none.
-        own = {
-            _row_key(other)[1]: other for other in rows if _row_key(other)[0] == _row_key(row)[0]
-        }
-        is_of_one = "material" not in row and len(own) == 1
-        new = (
-            row | {"material": next(iter(own.values())).get("material", ANY)} if is_of_one else row
-        )
-        same = [k for k, row in enumerate(rows_of_both) if _row_key(row) == _row_key(new)]
-        if same:
-            rows_of_both[same[0]] = new
-        else:
-            behind = (k for k, row in enumerate(rows_of_both) if _counts_before(new, row))
-            rows_of_both.insert(next(behind, len(rows_of_both)), new)
-    return rows_of_both
+        own = {_row_key(old)[1]: old for old in rows if old["process"] == row["process"]}
+        if "material" not in row and len(own) == 1:
+            row = row | {"material": next(iter(own.values())).get("material", ANY)}
+        process, material, up_to = key = _row_key(row)
+        keys = [_row_key(old) for old in both]
+        if key in keys:
+            both[keys.index(key)] = row
+            continue
+        # Before those that would match first otherwise.
+        behind = [
+            k for k, (of, its, to) in enumerate(keys)
+            if of == process and (up_to < to if its == material else its == ANY)
+        ]  # fmt: skip
+        both.insert(behind[0] if behind else len(both), row)
+    return both
 
 
 def _row_key(row: dict[str, Any]) -> tuple[str, str, float]:
     return row["process"], row.get("material", ANY).upper(), float(row["up_to"])
-
-
-def _counts_before(new: dict[str, Any], row: dict[str, Any]) -> bool:
-    """Whether a new row must precede another, which would match first otherwise."""
-    process, material, up_to = _row_key(new)
-    other, its_material, its_up_to = _row_key(row)
-    if process != other:
-        return False
-    if material == its_material:
-        return up_to < its_up_to
-    return its_material == ANY
 
 
 # --- former keys ----------------------------------------------------------------------------------
@@ -274,8 +236,6 @@ def _counts_before(new: dict[str, Any], row: dict[str, Any]) -> bool:
 
 _FORMER = re.compile(r"^(least|greatest)(_|$)")
 _PRESENT = {"least": "min", "greatest": "max"}
-_WAS = re.compile(r"^(min|max)(_|$)")
-_FORMERLY = {present: former for former, present in _PRESENT.items()}
 #: Table and former key -> present key.
 _RENAMED = {
     ("drill", "twin"): "same_tool_tolerance",
@@ -284,7 +244,6 @@ _RENAMED = {
     ("stroke", "near"): "approach",
     ("saw", "square"): "zero_angle",
 }
-_RENAMED_FROM = {(table, present): former for (table, former), present in _RENAMED.items()}
 #: Tables whose keys are names that the user chooses.
 _FREE = frozenset({"sections", "colours", "names", "default_for"})
 
@@ -297,12 +256,10 @@ class KeyTwice(ValueError):
         self.former, self.present = former, present
 
 
-def former_name(dotted: str) -> str:
-    """A dotted key as it was called in the version before."""
-    table, dot, key = dotted.rpartition(".")
-    was = _RENAMED_FROM.get((table.rpartition(".")[2], key))
-    was = was or _WAS.sub(lambda match: _FORMERLY[match[1]] + match[2], key, count=1)
-    return f"{table}{dot}{was}"
+def _present_name(table: str, key: str) -> str:
+    """A key of a table as this version names it."""
+    name = _RENAMED.get((table.rpartition(".")[2], key))
+    return name or _FORMER.sub(lambda match: _PRESENT[match[1]] + match[2], key, count=1)
 
 
 def with_present_keys(table: dict[str, Any]) -> tuple[dict[str, Any], list[tuple[str, str]]]:
@@ -314,25 +271,17 @@ def with_present_keys(table: dict[str, Any]) -> tuple[dict[str, Any], list[tuple
     return _renamed_in(table, "", renamed), renamed
 
 
-def _renamed_in(
-    table: dict[str, Any], prefix: str, renamed: list[tuple[str, str]]
-) -> dict[str, Any]:
+def _renamed_in(value: Any, prefix: str, renamed: list[tuple[str, str]]) -> Any:
+    if isinstance(value, list):
+        return [_renamed_in(item, f"{prefix}{k}.", renamed) for k, item in enumerate(value)]
+    if not isinstance(value, dict):
+        return value
     present: dict[str, Any] = {}
-    of = prefix.rstrip(".").rpartition(".")[2]
-    for key, value in table.items():
-        name = _RENAMED.get((of, key))
-        name = name or _FORMER.sub(lambda match: _PRESENT[match[1]] + match[2], key, count=1)
+    for key, item in value.items():
+        name = _present_name(prefix.rstrip("."), key)
         if name != key:
-            if name in table:
+            if name in value:
                 raise KeyTwice(prefix + key, prefix + name)
             renamed.append((prefix + key, name))
-        present[name] = value if key in _FREE else _renamed_value(value, f"{prefix}{key}.", renamed)
+        present[name] = item if key in _FREE else _renamed_in(item, f"{prefix}{key}.", renamed)
     return present
-
-
-def _renamed_value(value: Any, prefix: str, renamed: list[tuple[str, str]]) -> Any:
-    if isinstance(value, dict):
-        return _renamed_in(value, prefix, renamed)
-    if isinstance(value, list):
-        return [_renamed_value(item, f"{prefix}{k}.", renamed) for k, item in enumerate(value)]
-    return value

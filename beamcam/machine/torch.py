@@ -82,6 +82,14 @@ def is_row_for(material: str, grade: str) -> bool:
 
 Degrees = Annotated[float, Meta(ge=-360, le=360)]
 Share = Annotated[float, Meta(gt=0, le=1)]
+#: Feeds are written to 0.001 mm/s or mm/min, so that each is within 3 % of the machine's.
+Feed = Annotated[float, Meta(ge=1, extra={"unit": "mm/min"})]
+#: That ends may gape, a path be off and two holes lie apart that are one: beyond that a hole is no
+#: hole any more.
+Slack = Annotated[float, Meta(ge=0, le=1, extra={"unit": "mm"})]
+PathSlack = Annotated[float, Meta(gt=0, le=1, extra={"unit": "mm"})]
+#: Of chords from their curve; less is finer than a mill cuts.
+ChordSlack = Annotated[float, Meta(ge=0.001, le=1, extra={"unit": "mm"})]
 TorchProcess = Literal["cut", "mark", "engrave", "spot"]
 
 
@@ -94,7 +102,7 @@ class TorchRow(Keys, frozen=True):
 
     process: TorchProcess  #: that the row is for
     up_to: Positive  #: thickness of the sheet
-    feed_mm_min: Positive  #: along the contour
+    feed_mm_min: Feed  #: along the contour
     material: str = "*"  #: of the sheet: mild steel, a grade ...; or a shell pattern of grades
     power: NotNegative = 0.0  #: what the words call {power}
     pierce_s: NotNegative = 0.0  #: between the tool's start and the first move
@@ -193,8 +201,8 @@ class Torch(Keys, frozen=True):
     mirror: Literal["none", "x", "y"] = "none"  #: x: left for right; y: top for bottom
     rotate: Degrees = 0.0  #: of the part about its middle, degrees, counter-clockwise
     copies: tuple[PositiveCount, PositiveCount] = (1, 1)  #: of the part, along X and along Y
-    tolerance: Positive = 0.01  #: maximum deviation of the path from the contour
-    gap: Positive = 0.01  #: ends of curves as near as this belong together
+    tolerance: PathSlack = 0.01  #: maximum deviation of the path from the contour
+    gap: PathSlack = 0.01  #: ends of curves as near as this belong together
     #: whether open lines may be cut where kerf is compensated: they have no side that a part is on
     allow_open: bool = False
     kerf_by: Literal["none", "offset", "machine"] = "none"  #: kerf compensation

@@ -105,41 +105,29 @@ class Words(Keys, frozen=True):
     pace: tuple[str, ...] = ()  #: another feed from the next move on, where moves do not say it
 
 
+def _names(text: str) -> frozenset[str]:
+    return frozenset(text.split())
+
+
 #: What is known of the part that work is on, and of the job.
-PART_NAMES = frozenset(
-    {
-        "mark", "name", "profile", "grade", "length", "quantity", "order", "drawing", "phase",
-        "date",
-    }
-)  # fmt: skip
+PART_NAMES = _names("mark name profile grade length quantity order drawing phase date")
 #: Templates of work on a part, in which `PART_NAMES` may stand besides the header.
 WORK_WORDS = (
     "saw", "drill", "tap", "countersink", "punch", "mill", "mill_to", "mill_end", "scribe",
     "scribe_to", "scribe_end", "stamp", "printer", "cut_on", "cut_off", "mark_on", "mark_off",
     "engrave_on", "engrave_off", "spot_on", "spot_off",
 )  # fmt: skip
-
-
-_STROKE_NAMES = PART_NAMES | frozenset(
-    {
-        "spindle", "tool", "tool_name", "station", "diameter", "x", "y", "z", "near_y", "near_z",
-        "bottom_y", "bottom_z", "feed", "speed",
-    }
-)  # fmt: skip
-
-_TEXT_NAMES = PART_NAMES | frozenset({"string", "x", "y", "height", "angle", "face"})
-_TO_NAMES = frozenset({"x", "y", "feed"})
+_STROKE_NAMES = PART_NAMES | _names(
+    "spindle tool tool_name station diameter x y z near_y near_z bottom_y bottom_z feed speed"
+)
+_TEXT_NAMES = PART_NAMES | _names("string x y height angle face")
+_TO_NAMES = _names("x y feed")
 _ARC_NAMES = _TO_NAMES | {"i", "j"}
 _ELLIPSE_NAMES = _ARC_NAMES | {"angle", "ratio"}
-_ROW_NAMES = frozenset(
-    {
-        "power", "pierce", "preheat", "feed", "pierce_height", "cut_height", "amps", "volts",
-        "number",
-    }
-)  # fmt: skip
+_ROW_NAMES = _names("power pierce preheat feed pierce_height cut_height amps volts number")
 _OFF_NAMES = PART_NAMES | {"clearance"}
 _TORCH_NAMES = _OFF_NAMES | _ROW_NAMES | {"touch_height"}
-_SIDE_NAMES = frozenset({"kerf", "half_kerf"})
+_SIDE_NAMES = _names("kerf half_kerf")
 
 #: What each template of `Words` may name.
 WORD_NAMES: dict[str, frozenset[str]] = {

@@ -133,6 +133,6 @@ def _words(sides: Sequence[_Side], cut: object) -> Pieces:
     else:
         circle = drilled_of(ring, own.turn / (2 * pi), WITHIN)
     if circle is not None:
-        return ("Ø", round(circle.diameter, 1))
+        return ("Ø", round(circle[2], 1))
     left, low, right, high = opening.bounds
     return (round(right - left, 1), " x ", round(high - low, 1))

@@ -19,7 +19,8 @@ for that alone.
 import os
 import re
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
+from functools import partial
 from importlib import import_module
 
 import msgspec
@@ -88,14 +89,24 @@ def content(path: str) -> bytes | Diagnostic:
     """
     try:
         if path == STANDARD_INPUT:
-            most, pieces, total = InForce.limits.bytes, [], 0
-            while total <= most and (piece := sys.stdin.buffer.read(_PIECE)):
-                pieces.append(piece)
-                total += len(piece)
-            return _unless_zeros(b"".join(pieces), "stdin")
+            return _unless_zeros(_pieces(sys.stdin.buffer.read), "stdin")
         file = open_file(path)
         try:
-            return content_of(file, os.fstat(file).st_size, path)
+            size = os.fstat(file).st_size
+            if size > InForce.limits.bytes:
+                return BYTES.at(Source(path), found=size, expected=InForce.limits.bytes)
+            if size >= _PIECE:
+                # A broken copy is often as large as the disk had room, and would fill the memory.
+                zeros = 0
+                while (piece := os.read(file, _PIECE)) and piece == _ZEROS[: len(piece)]:
+                    zeros += len(piece)
+                if not piece:
+                    return _zeros(zeros, path)
+                os.lseek(file, 0, os.SEEK_SET)
+            data = os.read(file, size + 1)
+            if len(data) != size:  # a file that someone writes to
+                data = _pieces(partial(os.read, file), data)
+            return _unless_zeros(data, path)
         finally:
             os.close(file)
     except NotAFile as error:
@@ -106,46 +117,25 @@ def content(path: str) -> bytes | Diagnostic:
         return UNREADABLE.at(Source(shown_name(path)), found=error.strerror or error)
 
 
-def content_of(file: int, size: int, name: str) -> bytes | Diagnostic:
-    """Content of an open file, as `content`; its `size` as the system has it. Raises OSError."""
-    if size > InForce.limits.bytes:
-        return _too_long(size, name)
-    if size >= _PIECE:
-        # A broken copy is often as large as the disk had room, and would fill the memory.
-        zeros = 0
-        while (piece := os.read(file, _PIECE)) and piece == _ZEROS[: len(piece)]:
-            zeros += len(piece)
-        if not piece:
-            return _zeros(zeros, name)
-        os.lseek(file, 0, os.SEEK_SET)
-    data = os.read(file, size + 1)
-    if len(data) != size:  # a file that someone writes to
-        pieces = [data]
-        total = len(data)
-        while total <= InForce.limits.bytes and (piece := os.read(file, _PIECE)):
-            pieces.append(piece)
-            total += len(piece)
-        data = b"".join(pieces)
-    return _unless_zeros(data, name)
+def _pieces(read: Callable[[int], bytes], first: bytes = b"") -> bytes:
+    """All that is read piece by piece, or a little more than `limits.bytes` of it."""
+    pieces, total = [first], len(first)
+    while total <= InForce.limits.bytes and (piece := read(_PIECE)):
+        pieces.append(piece)
+        total += len(piece)
+    return b"".join(pieces)
 
 
 def _unless_zeros(data: bytes, name: str) -> bytes | Diagnostic:
     if data[:1] == b"\0" and not data.strip(b"\0"):
         return _zeros(len(data), name)
-    return _too_long(len(data), name) if len(data) > InForce.limits.bytes else data
-
-
-def _too_long(size: int, name: str) -> Diagnostic:
-    return BYTES.at(Source(name), found=size, expected=InForce.limits.bytes)
+    if len(data) > InForce.limits.bytes:
+        return BYTES.at(Source(name), found=len(data), expected=InForce.limits.bytes)
+    return data
 
 
 def _zeros(count: int, name: str) -> Diagnostic:
     return ZEROS.at(Source(name), found=f"{count:,}".replace(",", " "))
-
-
-# --- reading --------------------------------------------------------------------------------------
-
-# The result of every reader.
 
 
 class Reading(Struct, frozen=True):
@@ -232,16 +222,15 @@ def read(data: bytes, name: str, **options: object) -> Reading:
         return Reading("unknown", (), (CORELDRAW.at(Source(name), found=corel),))
     if (other := other_format(data, name)) is not None:
         return Reading("unknown", (), (other,))
-    if _is_program(data, name):
+    if (is_of_programs(name) or suffix == ".nc") and _is_program(data):
         return Reading("unknown", (), (PROGRAM.at(Source(name)),))
-    for known in FORMATS:
-        if suffix in known.suffixes:
-            return _read_as(known, data, name, options)
-    for known in FORMATS:
-        if known.looks_like(data):
-            return _read_as(known, data, name, options)
-    known_suffixes = ", ".join(s for f in FORMATS for s in f.suffixes)
-    return Reading("unknown", (), (UNKNOWN_FORMAT.at(Source(name), expected=known_suffixes),))
+    by_suffix = (known for known in FORMATS if suffix in known.suffixes)
+    by_content = (known for known in FORMATS if known.looks_like(data))
+    if (known := next(by_suffix, None) or next(by_content, None)) is None:
+        expected = ", ".join(s for f in FORMATS for s in f.suffixes)
+        return Reading("unknown", (), (UNKNOWN_FORMAT.at(Source(name), expected=expected),))
+    taken = {k: v for k, v in options.items() if k in known.options and v is not None}
+    return known.read(data, name, **taken)
 
 
 def _coreldraw(data: bytes, suffix: str) -> str:
@@ -276,24 +265,19 @@ _G_CODE = re.compile(rb"^(?:N\d+[ \t]*)?[GM]\d{1,3}\b", re.MULTILINE)
 
 def other_format(data: bytes, name: str) -> Diagnostic | None:
     """What a file of a common other format is, and what is expected instead of it."""
-    other = _other_format(data, os.path.splitext(name)[1].lower())
-    if other is None:
-        return None
-    return OTHER_FORMAT.at(Source(name), found=other[0], expected=other[1])
-
-
-def _other_format(data: bytes, suffix: str) -> tuple[str, str] | None:
+    suffix = os.path.splitext(name)[1].lower()
     if any(suffix in known.suffixes for known in FORMATS):
         return None  # the reader of that suffix says what is wrong with it
     schema = _SCHEMA.search(data, 0, _HEAD_BYTES) if data[:13] == b"ISO-10303-21;" else None
     if schema is not None and not schema[1].upper().startswith(b"IFC"):
-        name = schema[1].split()[0].decode("ascii", "replace")
-        return f"a STEP model ({name})", "the model exported as IFC, or its parts as DSTV"
-    if data.startswith(b"PK\3\4") and (b"word/" in data or b"xl/" in data):
-        return "a document of Office", _PARTS
-    return next(
-        ((what, expected) for begin, what, expected in _BEGINNINGS if data.startswith(begin)), None
-    )
+        found = f"a STEP model ({schema[1].split()[0].decode('ascii', 'replace')})"
+        expected = "the model exported as IFC, or its parts as DSTV"
+    elif data.startswith(b"PK\3\4") and (b"word/" in data or b"xl/" in data):
+        found, expected = "a document of Office", _PARTS
+    else:
+        begun = (row for row in _BEGINNINGS if data.startswith(row[0]))
+        _, found, expected = next(begun, (b"", "", ""))
+    return OTHER_FORMAT.at(Source(name), found=found, expected=expected) if found else None
 
 
 def is_of_programs(name: str) -> bool:
@@ -302,18 +286,10 @@ def is_of_programs(name: str) -> bool:
     return any(suffix == known for _, known in DEFAULTS)
 
 
-def _is_program(data: bytes, name: str) -> bool:
-    """Whether bytes are a machine's program: by its suffix and content, and no reader knows it."""
-    suffix = os.path.splitext(name)[1].lower()
-    if not is_of_programs(name) and suffix != ".nc":
-        return False
+def _is_program(data: bytes) -> bool:
+    """Whether bytes are a machine's program, by their content, and no reader knows them."""
     is_one = b"BEAMCAM" in data[:1024] or _G_CODE.search(data, 0, _HEAD_BYTES) is not None
     return is_one and not any(known.looks_like(data) for known in FORMATS)
-
-
-def _read_as(known: Format, data: bytes, name: str, options: Mapping[str, object]) -> Reading:
-    taken = {k: v for k, v in options.items() if k in known.options and v is not None}
-    return known.read(data, name, **taken)
 
 
 TAIL_BYTES = 1 << 17  #: that are looked at; some writers leave remarks behind the end

@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import chain as chained
 from itertools import pairwise
-from math import hypot, pi
+from math import pi
 from pathlib import PurePath
 
 from msgspec.structs import replace
@@ -13,7 +13,7 @@ from beamcam.errors import Diagnostic, Source, error, note, warning
 from beamcam.geometry.conics import direction_deg
 from beamcam.geometry.curves import Arc, Bezier, BSpline, Curve, EllipseArc, Line, NewtonCurve
 from beamcam.geometry.newton import find_oscillation, newton_through, node_error
-from beamcam.geometry.plane import MAX_COORDINATE, Matrix, join_boxes
+from beamcam.geometry.plane import MAX_COORDINATE, Matrix, distance, join_boxes
 from beamcam.model.part import Contour, Measures, Part, Profile, extent
 from beamcam.plain_text import whole_text
 from beamcam.readers import Reading
@@ -103,14 +103,6 @@ def split_length(text: str) -> tuple[float, str]:
     return number, match[2].lower()
 
 
-def joined(chain: Sequence[Curve]) -> bool:
-    """Whether the end of a chain is its start."""
-    if not chain:
-        return False
-    (x0, y0), (x1, y1) = chain[0].start, chain[-1].end
-    return hypot(x1 - x0, y1 - y0) <= ONE_POINT
-
-
 def is_in_bounds(curve: Curve) -> bool:
     """Whether all coordinates of a curve are numbers of at most `MAX_COORDINATE`."""
     match curve:
@@ -118,12 +110,8 @@ def is_in_bounds(curve: Curve) -> bool:
             (x0, y0), (x1, y1), most = curve.start, curve.end, MAX_COORDINATE
             return abs(x0) <= most and abs(y0) <= most and abs(x1) <= most and abs(y1) <= most
         case Arc():
-            values: Iterable[float] = (
-                *curve.centre,
-                curve.radius,
-                curve.start_deg,
-                curve.sweep_deg,
-            )
+            angles = curve.start_deg, curve.sweep_deg
+            values: Iterable[float] = (*curve.centre, curve.radius, *angles)
         case EllipseArc():
             values = (*curve.centre, *curve.axis, curve.ratio, curve.start_deg, curve.sweep_deg)
         case Bezier():
@@ -154,7 +142,7 @@ def as_contour(
     curves: tuple[Curve, ...], source: Source, layer: str | None, colour: str | None
 ) -> Contour:
     """A chain as it was drawn; one that ends where it starts is closed."""
-    closed = joined(curves)
+    closed = bool(curves) and distance(curves[0].start, curves[-1].end) <= ONE_POINT
     return Contour(
         face="v", kind="outer" if closed else "open", curves=curves, source=source, closed=closed,
         layer=layer, colour=colour,
@@ -191,12 +179,12 @@ def verdict(
 
 
 def unknown_layers(
-    known: Iterable[str], wanted: Iterable[str], source: Source
+    known: Iterable[str], chosen: Iterable[str], source: Source
 ) -> tuple[Diagnostic, ...]:
     """An error for each layer that the user named and the drawing has not."""
     names = {name.lower(): name for name in known}
     diagnostics = []
-    for name in wanted:
+    for name in chosen:
         if name.lower() not in names:
             from difflib import get_close_matches
 
@@ -244,12 +232,11 @@ def fit_newton(part: Part, layers: Sequence[str]) -> tuple[Part, tuple[Diagnosti
     for name in dict.fromkeys(layer.lower() for layer in layers):
         if name in there and name in with_polylines:
             diagnostics += _fit_layer(contours, there[name], part.source)
-            continue
-        found = f"no layer {name!r}" if name else "no layer"
-        if name in there:
-            found = f"no polylines on layer {there[name]!r}"
-        expected = ", ".join(map(repr, there.values())) or "none"
-        diagnostics.append(FIT_LAYER.at(part.source, found=found, expected=expected))
+        else:
+            found = f"no layer {name!r}" if name else "no layer"
+            found = f"no polylines on layer {there[name]!r}" if name in there else found
+            expected = ", ".join(map(repr, there.values())) or "none"
+            diagnostics.append(FIT_LAYER.at(part.source, found=found, expected=expected))
     measures = part.measures
     assert measures is not None
     made = drawing_part(part.source.file, tuple(contours), measures)
@@ -264,22 +251,17 @@ def is_polyline(contour: Contour) -> bool:
 def _fit_layer(contours: list[Contour], layer: str, source: Source) -> list[Diagnostic]:
     """Replaces the polylines of one layer in `contours`; what is said about it."""
     diagnostics: list[Diagnostic] = []
-    count = kept = 0
-    for k, contour in enumerate(contours):
-        if (contour.layer or "").lower() != layer.lower():
-            continue
-        if not is_polyline(contour):
-            kept += 1
-            continue
-        nodes = (contour.curves[0].start, *(curve.end for curve in contour.curves))
+    own = [k for k, c in enumerate(contours) if (c.layer or "").lower() == layer.lower()]
+    polylines = [k for k in own if is_polyline(contours[k])]
+    for k in polylines:
+        curves = contours[k].curves
         try:
-            contours[k] = replace(contour, curves=(newton_through(nodes),))
+            fitted = newton_through((curves[0].start, *(curve.end for curve in curves)))
+            contours[k] = replace(contours[k], curves=(fitted,))
         except ValueError as error:
-            diagnostics.append(FIT_NODES.at(contour.source, found=error))
-            continue
-        count += 1
-    diagnostics.append(FITTED.at(source, count=count, layer=layer, kept=kept))
-    return diagnostics
+            diagnostics.append(FIT_NODES.at(contours[k].source, found=error))
+    count, kept = len(polylines) - len(diagnostics), len(own) - len(polylines)
+    return [*diagnostics, FITTED.at(source, count=count, layer=layer, kept=kept)]
 
 
 # --- the unrolled surface of a tube: --wrap -------------------------------------------------------
@@ -315,17 +297,12 @@ def wrapped(reading: Reading, name: str | None) -> Reading:
     """The parts of a drawing as tubes whose unrolled surface is drawn, where one is named."""
     if name is None or reading.refused:
         return reading
-    tube = tube_of(name)
-    parts: list[Part] = []
-    diagnostics: list[Diagnostic] = []
-    for part in reading.parts:
-        if tube is None:
-            diagnostics.append(WRAP_NAME.at(part.source, found=name))
-            break
-        one, more = _round(part, tube)
-        parts.append(one)
-        diagnostics.append(more)
-    return replace(reading, parts=tuple(parts), diagnostics=(*reading.diagnostics, *diagnostics))
+    (part,), tube = reading.parts, tube_of(name)
+    if tube is None:
+        remark = WRAP_NAME.at(part.source, found=name)
+        return replace(reading, parts=(), diagnostics=(*reading.diagnostics, remark))
+    part, remark = _round(part, tube)
+    return replace(reading, parts=(part,), diagnostics=(*reading.diagnostics, remark))
 
 
 def _round(part: Part, tube: Profile) -> tuple[Part, Diagnostic]:

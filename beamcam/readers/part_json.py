@@ -11,7 +11,8 @@ from msgspec import UnsetType
 from msgspec.structs import asdict
 
 from beamcam.errors import ReadError, Source, error
-from beamcam.geometry.curves import Arc, Curve, signed_area
+from beamcam.geometry.curves import Arc, signed_area
+from beamcam.model import part_forms
 from beamcam.model.colour import parse_colour
 from beamcam.model.curve_json import JsonPlace, curves_of, record_of, show
 from beamcam.model.part import (
@@ -20,42 +21,22 @@ from beamcam.model.part import (
     Bend,
     Camber,
     Contour,
-    ContourKind,
     EndPlane,
     Feature,
     Hole,
-    HoleKind,
     Part,
     Plane,
     Profile,
     Slot,
     TextMark,
 )
-from beamcam.model.part_forms import (
-    BendForm,
-    CamberForm,
-    ContourForm,
-    EndPlaneForm,
-    Featured,
-    FeatureLists,
-    HoleForm,
-    Located,
-    PartForm,
-    SlotForm,
-    TextForm,
-)
 from beamcam.model.part_json import PART_SCHEMA
 from beamcam.plain_text import fault_text, whole_text
 from beamcam.readers import Reading
 from beamcam.readers.drawing import checked_polynomials
 
-# --- part from json -------------------------------------------------------------------------------
-
-# A part from its JSON form, as written by `part_to_json` or by a person.
-
-
 Form = TypeVar("Form")
-SourceOf = Callable[[Located, JsonPlace], Source]
+SourceOf = Callable[[part_forms.Located, JsonPlace], Source]
 
 JSON_SCHEMA = error("json-schema",
     "found schema {found}, expected {expected!r}",
@@ -76,7 +57,7 @@ def part_from_json(value: object, file: str) -> Part:
     top = JsonPlace(file)
     if isinstance(value, dict) and value.get("schema", PART_SCHEMA) != PART_SCHEMA:
         raise top.at("schema").fault(JSON_SCHEMA, found=show(value["schema"]), expected=PART_SCHEMA)
-    form = record_of(_without_computed(value), PartForm, top)
+    form = record_of(_without_computed(value), part_forms.PartForm, top)
     source = Source(file) if form.source is None else _source(form.source, top.at("source"), file)
     of_file = partial(_source, file=source.file)
     planes = tuple(
@@ -103,18 +84,15 @@ _COMPUTED_OF_CONTOUR = {"length", "bbox"}
 
 def _without_computed(value: object) -> object:
     """A part without its computed keys: a curve may be longer than a number that is read."""
-    if not isinstance(value, dict):
-        return value
-    kept = {key: item for key, item in value.items() if key not in _COMPUTED}
-    for holder in (kept, kept.get("made")):
-        contours = holder.get("contours") if isinstance(holder, dict) else None
-        if isinstance(holder, dict) and isinstance(contours, list):
-            holder["contours"] = [
-                {key: item for key, item in one.items() if key not in _COMPUTED_OF_CONTOUR}
-                if isinstance(one, dict)
-                else one
-                for one in contours
-            ]
+
+    def without(table: Any, keys: set[str]) -> Any:
+        is_table = isinstance(table, dict)
+        return {k: v for k, v in table.items() if k not in keys} if is_table else table
+
+    kept = without(value, _COMPUTED)
+    for holder in (kept, kept.get("made")) if isinstance(kept, dict) else ():
+        if isinstance(holder, dict) and isinstance(contours := holder.get("contours"), list):
+            holder["contours"] = [without(one, _COMPUTED_OF_CONTOUR) for one in contours]
     return kept
 
 
@@ -123,7 +101,7 @@ def _each(forms: Iterable[Form], place: JsonPlace) -> Iterator[tuple[Form, JsonP
     return ((form, place.at(index)) for index, form in enumerate(forms))
 
 
-def _source(form: Located, place: JsonPlace, file: str) -> Source:
+def _source(form: part_forms.Located, place: JsonPlace, file: str) -> Source:
     """The recorded source of an object; its JSON path if written by hand."""
     if isinstance(form.line, UnsetType):
         return Source(form.file or file, None, place.path)
@@ -131,7 +109,10 @@ def _source(form: Located, place: JsonPlace, file: str) -> Source:
 
 
 def _features(
-    form: PartForm | FeatureLists, top: JsonPlace, source: SourceOf, planes: tuple[str, ...]
+    form: part_forms.PartForm | part_forms.FeatureLists,
+    top: JsonPlace,
+    source: SourceOf,
+    planes: tuple[str, ...],
 ) -> tuple[Feature, ...]:
     """All features in the order of their key `feature`; those without it follow as they stand."""
     numbered: list[tuple[float, Feature]] = []
@@ -142,80 +123,60 @@ def _features(
                 known = ", ".join(planes) or "it has none"
                 raise place.at("face").fault(JSON_FACE, found=name, planes=known)
             order = inf if one.feature is None else one.feature
-            numbered.append((order, _feature(one, place, source(one, place))))
+            if isinstance(one, part_forms.ContourForm):
+                numbered.append((order, _contour(one, place, source(one, place))))
+                continue
+            fields = {k: value for k, value in asdict(one).items() if k not in _NOT_ITS_OWN}
+            if isinstance(one, part_forms.HoleForm | part_forms.SlotForm):
+                of_depth = "through" if one.depth is None else "blind"
+                fields["kind"] = of_depth if isinstance(one.kind, UnsetType) else one.kind
+            numbered.append((order, _MADE[type(one)](**fields, source=source(one, place))))
     numbered.sort(key=lambda pair: pair[0])
     return tuple(feature for _, feature in numbered)
-
-
-def _feature(form: Featured, place: JsonPlace, source: Source) -> Feature:
-    if isinstance(form, ContourForm):
-        return _contour(form, place, source)
-    fields = {name: value for name, value in asdict(form).items() if name not in _NOT_ITS_OWN}
-    if isinstance(form, HoleForm | SlotForm):
-        fields["kind"] = _kind(form)
-    return _MADE[type(form)](**fields, source=source)
 
 
 #: Keys of a feature's form that are not fields of the feature.
 _NOT_ITS_OWN = {"line", "where", "file", "feature", "kind"}
 #: The feature of each form whose fields it has.
-_MADE: dict[type[Featured], Callable[..., Feature]] = {
-    HoleForm: Hole, SlotForm: Slot, TextForm: TextMark, BendForm: Bend, EndPlaneForm: EndPlane,
-    CamberForm: Camber,
+_MADE: dict[type[part_forms.Featured], Callable[..., Feature]] = {
+    part_forms.HoleForm: Hole, part_forms.SlotForm: Slot, part_forms.TextForm: TextMark,
+    part_forms.BendForm: Bend, part_forms.EndPlaneForm: EndPlane, part_forms.CamberForm: Camber,
 }  # fmt: skip
 
 
-def _kind(form: HoleForm | SlotForm) -> HoleKind:
-    if isinstance(form.kind, UnsetType):
-        return "through" if form.depth is None else "blind"
-    return form.kind
-
-
-def _contour(form: ContourForm, place: JsonPlace, source: Source) -> Contour:
+def _contour(form: part_forms.ContourForm, place: JsonPlace, source: Source) -> Contour:
     if not form.curves:
         raise place.at("curves").wrong("no curves", "one curve or more")
-    found = _each(form.curves, place.at("curves"))
-    curves = tuple(curve for one, below in found for curve in curves_of(one, below))
-    # Shorthands have no direction of their own.
+    forms = _each(form.curves, place.at("curves"))
+    curves = tuple(curve for one, below in forms for curve in curves_of(one, below))
+    (x0, y0), (x1, y1) = curves[0].start, curves[-1].end
+    closed = max(abs(x0 - x1), abs(y0 - y1)) < 1e-6
+    if len(curves) == 1 and isinstance(curves[0], Arc):
+        closed = abs(curves[0].sweep_deg) == 360.0
+    # Shorthands have no direction of their own: outer ones run counter-clockwise from outside.
     drawn = all(
         one.polygon or one.circle or one.tangent_circle or one.function for one in form.curves
     )
-    if drawn and form.kind != "open" and _is_closed(curves):
-        curves = _turned_as(curves, form.kind, form.face)
+    if drawn and form.kind != "open" and closed:
+        positive = (form.kind == "outer") != (form.face in MIRRORED_FACES)
+        if (signed_area(curves) > 0) != positive:
+            curves = tuple(curve.reversed() for curve in reversed(curves))
+    colour = form.colour
+    if colour is not None:
+        try:
+            colour = parse_colour(colour)
+        except ValueError:
+            expected = "#RRGGBB, rgb(r, g, b) or the name of a colour"
+            raise place.at("colour").wrong(colour, expected) from None
     for key in ("bevels", "notches"):
         for row, below in _each(getattr(form, key), place.at(key)):
             if not 0 <= row.curve < len(curves):
                 raise below.at("curve").fault(JSON_INDEX, found=row.curve, count=len(curves))
     return Contour(
         form.face, form.kind, curves, source, form.process,
-        _is_closed(curves) if isinstance(form.closed, UnsetType) else form.closed, form.bevels,
-        form.notches, form.edge, form.layer, _colour(form.colour, place.at("colour")),
+        closed if isinstance(form.closed, UnsetType) else form.closed, form.bevels,
+        form.notches, form.edge, form.layer, colour,
     )  # fmt: skip
-
-
-def _colour(text: str | None, place: JsonPlace) -> str | None:
-    """A colour as "#rrggbb"."""
-    if text is None:
-        return None
-    try:
-        return parse_colour(text)
-    except ValueError:
-        raise place.wrong(text, "#RRGGBB, rgb(r, g, b) or the name of a colour") from None
-
-
-def _turned_as(curves: tuple[Curve, ...], kind: ContourKind, face: str) -> tuple[Curve, ...]:
-    """Polygons, circles and ways so that outer ones run counter-clockwise seen from outside."""
-    positive = (kind == "outer") != (face in MIRRORED_FACES)
-    if (signed_area(curves) > 0) == positive:
-        return curves
-    return tuple(curve.reversed() for curve in reversed(curves))
-
-
-def _is_closed(curves: tuple[Curve, ...]) -> bool:
-    start, end = curves[0].start, curves[-1].end
-    if len(curves) == 1 and isinstance(curves[0], Arc):
-        return abs(curves[0].sweep_deg) == 360.0
-    return abs(start[0] - end[0]) < 1e-6 and abs(start[1] - end[1]) < 1e-6
 
 
 JSON_SYNTAX = error("json-syntax",
@@ -240,6 +201,7 @@ def looks_like(data: bytes) -> bool:
 
 def read(data: bytes, name: str) -> Reading:
     """The part of a JSON file; never raises."""
+    source = Source(name)
     try:
         value = json.loads(
             data.decode("utf-8-sig"), object_pairs_hook=_unique, parse_constant=_refuse_constant
@@ -247,22 +209,20 @@ def read(data: bytes, name: str) -> Reading:
         if _HALF.search(data):
             value = _whole(value)
     except _KeyTwice as error:
-        return Reading("part-json", (), (JSON_KEY_TWICE.at(Source(name), key=str(error)),))
+        return Reading("part-json", (), (JSON_KEY_TWICE.at(source, key=str(error)),))
     except json.JSONDecodeError as error:
-        collected = f"{error.msg} in column {error.colno}"
-        return Reading(
-            "part-json", (), (JSON_SYNTAX.at(Source(name, error.lineno), found=collected),)
-        )
+        source, found = Source(name, error.lineno), f"{error.msg} in column {error.colno}"
     except UnicodeDecodeError as error:
-        collected = f"bytes that are no UTF-8 at {error.start}"
-        return Reading("part-json", (), (JSON_SYNTAX.at(Source(name), found=collected),))
+        found = f"bytes that are no UTF-8 at {error.start}"
     except (RecursionError, ValueError) as error:
-        return Reading("part-json", (), (JSON_SYNTAX.at(Source(name), found=fault_text(error)),))
-    try:
-        part = part_from_json(value, name)
-    except ReadError as error:
-        return Reading("part-json", (), error.diagnostics)
-    return Reading("part-json", (part,), tuple(checked_polynomials(part)))
+        found = fault_text(error)
+    else:
+        try:
+            part = part_from_json(value, name)
+        except ReadError as error:
+            return Reading("part-json", (), error.diagnostics)
+        return Reading("part-json", (part,), tuple(checked_polynomials(part)))
+    return Reading("part-json", (), (JSON_SYNTAX.at(source, found=found),))
 
 
 #: What half of a character is written as, which no file takes afterwards.

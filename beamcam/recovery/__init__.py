@@ -10,8 +10,9 @@ What comes back was proved: the program, read back against the parts, makes exac
 from beamcam.checks.job import head_of, head_remarks
 from beamcam.errors import Source, errors_in
 from beamcam.machine.machine import Machine
+from beamcam.recovery import rules
 from beamcam.recovery.bars import recover_bars
-from beamcam.recovery.found import LEFT_OUT, MANUAL_WORK, KnownStock, Recovered, with_marks
+from beamcam.recovery.recovered import KnownStock, Recovered, with_marks
 
 __all__ = ["KnownStock", "Recovered", "recover", "with_marks"]
 
@@ -42,7 +43,7 @@ def recover(
     if errors_in(diagnostics):
         return Recovered((), diagnostics)
     if head is not None and head.manual_work:
-        diagnostics = (*diagnostics, MANUAL_WORK.at(Source(name), found=head.manual_work))
+        diagnostics = (*diagnostics, rules.MANUAL_WORK.at(Source(name), found=head.manual_work))
     if head is not None and head.left_out:
-        diagnostics = (*diagnostics, LEFT_OUT.at(Source(name), found=head.left_out))
+        diagnostics = (*diagnostics, rules.LEFT_OUT.at(Source(name), found=head.left_out))
     return Recovered(recovered.parts, diagnostics, recovered.marked)

@@ -21,7 +21,7 @@ from beamcam.controllers.events import Move
 from beamcam.geometry.array_types import Floats
 from beamcam.machine.machine import Machine
 from beamcam.model.part import EndCuts, Face, Profile
-from beamcam.recovery.found import plain
+from beamcam.recovery.recovered import plain
 from beamcam.recovery.rings import DECIMALS, PLACE
 
 Shape = Any  #: of shapely
@@ -101,13 +101,13 @@ def faces_of(surface: Shape, profile: Profile, within: float) -> Faces:
         for face, bands in zip((a, b), _split(lines, r, within), strict=True):
             at_high = a_high if face == a else b_high
             shapes[face].append(_band(bands, profile.face_width(face), at_high))
-    found: dict[Face, Shape] = {}
+    faces: dict[Face, Shape] = {}
     for face in FACES:
         shape = union_all([one.buffer(SEAM / 10, join_style="mitre") for one in shapes[face]])
         shape = shape.difference(union_all(gone[face])) if gone[face] else shape
         strip = box(-FAR, 0.0, FAR, profile.face_width(face))
-        found[face] = areas_of(shape.intersection(strip))
-    return Faces(found, cuts)
+        faces[face] = areas_of(shape.intersection(strip))
+    return Faces(faces, cuts)
 
 
 def _mapped(shape: Shape, y_of: Any) -> Shape:
@@ -168,45 +168,31 @@ def _band(lines: tuple[Floats, Floats], wide: float, at_high: bool) -> Shape:
     ])  # fmt: skip
 
 
-# --- ends -----------------------------------------------------------------------------------------
-
-
 def _planes(surface: Shape, section: TubeSection, profile: Profile, within: float) -> EndCuts:
     """The angles of ends that are planes from 0 to the part's length; none where one is not."""
-    angles = []
-    for side in (-1, 1):
-        found = _plane(surface, section, profile, side, within)
-        if found is None:
-            return EndCuts()
-        angles.append([plain(degrees(atan(by)), 2e-3, DECIMALS) for by in found])
-    (web_start, flange_start), (web_end, flange_end) = angles
-    return EndCuts(web_start, web_end, flange_start, flange_end)
-
-
-def _plane(
-    surface: Shape, section: TubeSection, profile: Profile, side: int, within: float
-) -> tuple[float, float] | None:
-    """tan of the angles of an end in the views of v and u; None where it is no plane."""
     from shapely import LineString
 
-    slopes = []
-    for faces in ("vh", "ou"):
-        face: Any = faces[0]
-        wide = profile.face_width(face)
-        ys = [section.radius + 0.1, wide - section.radius - 0.1]
-        ends = []
-        for y in ys:
-            s = section.around(face, y)
-            cut = surface.intersection(LineString([(-FAR, s), (FAR, s)]))
-            ends.append(cut.bounds[0 if side < 0 else 2])
-        slopes.append((ends[0] - ends[1]) / (ys[1] - ys[0]))
-    by_y, by_z = (0.0 if abs(by) <= np.tan(np.radians(LEAST_DEG)) else by for by in slopes)
-    off = []
-    for s in np.linspace(-section.turn / 2, section.turn / 2, 200):
+    def end(s: float) -> float:
+        """x where the surface ends at a place round it."""
         cut = surface.intersection(LineString([(-FAR, s), (FAR, s)]))
-        reach = [-by_y * y - by_z * z for y, z in _through(section, float(s))]
-        off.append(cut.bounds[0 if side < 0 else 2] - (min(reach) if side < 0 else max(reach)))
-    return (by_y, by_z) if np.ptp(off) <= 2 * within else None
+        return float(cut.bounds[0 if pick is min else 2])
+
+    angles = []
+    for pick in (min, max):
+        slopes = []  # in the views of v and u
+        for face in ("v", "o"):
+            low, high = section.radius + 0.1, profile.face_width(face) - section.radius - 0.1
+            rise = end(section.around(face, low)) - end(section.around(face, high))
+            slopes.append(rise / (high - low))
+        by_y, by_z = (0.0 if abs(by) <= np.tan(np.radians(LEAST_DEG)) else by for by in slopes)
+        off = []
+        for s in map(float, np.linspace(-section.turn / 2, section.turn / 2, 200)):
+            off.append(end(s) - pick(-by_y * y - by_z * z for y, z in _through(section, s)))
+        if np.ptp(off) > 2 * within:
+            return EndCuts()
+        angles.append([plain(degrees(atan(by)), 2e-3, DECIMALS) for by in (by_y, by_z)])
+    (web_start, flange_start), (web_end, flange_end) = angles
+    return EndCuts(web_start, web_end, flange_start, flange_end)
 
 
 def _through(section: TubeSection, s: float) -> Sequence[tuple[float, float]]:

@@ -7,7 +7,7 @@
 Of an I, a U or an L the web goes on below its flanges where it stands on them, and the stem of a T.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from math import inf
 from typing import Any
 
@@ -29,28 +29,9 @@ from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Contour, EndCuts, Face, Feature, Hole, Part, Slot
 from beamcam.model.rounds import rolled
+from beamcam.recovery import rings, rules
 from beamcam.recovery.box_tube import Faces, corner_radius, faces_of
-from beamcam.recovery.found import (
-    COMES_CUT,
-    CORNER,
-    NOT_PARTED,
-    REFITTED,
-    ROUNDED,
-    TILTED,
-    UNNAMED,
-    KnownStock,
-    Recovered,
-    plain,
-)
-from beamcam.recovery.rings import (
-    DECIMALS,
-    PLACE,
-    curves_of,
-    drilled_of,
-    pocket_of,
-    round_of,
-    rounded_corners,
-)
+from beamcam.recovery.recovered import KnownStock, Recovered, mark_of, plain
 from beamcam.recovery.tilted import SAME, Ends, cuts_of, ends_of, length_of, whole_wall, with_bevels
 
 Shape = Any  #: of shapely
@@ -74,6 +55,125 @@ class _Wall(Struct, frozen=True):
     is_drawn: bool = False  #: whether it has an outline though it is whole
 
 
+class _Job(Struct, frozen=True):
+    """A program that is recovered, and the part as far as its head says it."""
+
+    text: str
+    machine: Machine
+    coper: Coper
+    name: str
+    bare: Part
+    diagnostics: tuple[Diagnostic, ...]
+    tube_radius: float | None  #: of a round tube
+
+    @property
+    def within(self) -> float:
+        """How near to the cut contours are refitted, in mm."""
+        return self.coper.tolerance * REFIT_SHARE
+
+    def part(self, end: float, slack: float) -> Part:
+        """The part without features that reaches so far, as long as its head says if it may be."""
+        is_as_said = abs(end - self.bare.length) <= slack
+        length = self.bare.length if is_as_said else plain(end, rings.PLACE, rings.DECIMALS)
+        return replace(self.bare, mark=self.bare.mark or mark_of(self.name), length=length)
+
+    def recovered(self, part: Part, features: Iterable[Feature]) -> Recovered:
+        """A part with its features, and what the read-back says of the program beside it."""
+        part = as_drawn(replace(part, features=tuple(features)))
+        more = verify_coping(self.text, (part,), self.machine, name=self.name)
+        diagnostics = [*self.diagnostics, *(d for d in more if d not in self.diagnostics)]
+        if contours := [*part.contours]:  # which are not known to be as they were drawn
+            within = f"{self.within:g}"
+            diagnostics.append(rules.REFITTED.at(part.source, count=len(contours), within=within))
+        radius = self.coper.corner_radius
+        corners = sum(rings.rounded_corners(c.curves, radius, self.within) for c in contours)
+        if corners:
+            diagnostics.append(rules.ROUNDED.at(part.source, count=corners, radius=f"{radius:g}"))
+        return Recovered((part,), tuple(diagnostics), bool(self.bare.mark))
+
+    def features(self, part: Part, wall: _Wall, whole: Shape = None) -> Iterator[Feature]:
+        """The outline of a wall, where it is no whole one, and what is cut out of it.
+
+        A whole one is a rectangle as long as the part, or `whole`.
+        """
+        from shapely import MultiPolygon, Polygon, box
+        from shapely.geometry.polygon import orient
+
+        source = Source(part.source.file, wall.line)
+        is_tube = self.tube_radius is not None
+        pieces = [orient(piece) for piece in pieces_of(wall.shape)]
+        outlines = [Polygon(piece.exterior) for piece in pieces]
+        whole = whole or box(0.0, 0.0, part.length, wall.wide)
+        if is_tube:
+            turn = box(-1e6, 0.0, 1e6, wall.wide)
+            outlines = pieces_of(MultiPolygon(outlines).intersection(turn))
+        is_whole = len(outlines) == 1 and outlines[0].hausdorff_distance(whole) <= self.within
+        if not is_whole or wall.is_drawn or part.profile.code == "B":
+            for outline in outlines:
+                ring = _ring(orient(outline).exterior)
+                curves = rings.curves_of(ring, self.within, (0.0, wall.wide))
+                yield Contour(wall.face, "outer", curves, source)
+        for piece in pieces:
+            for hole in piece.interiors:
+                _, low, _, high = hole.bounds
+                if not is_tube or 0.0 <= (low + high) / 2 < wall.wide:
+                    yield self._cut_out(wall.face, _ring(hole), source)
+
+    def of_box(self, part: Part, faces: Faces, line: int) -> Iterator[Feature]:
+        """The outlines of a rectangular tube's faces where one is no whole one, and its cut-outs.
+
+        What opens to an edge of a face goes on over the corner, as a cut-out of both.
+        """
+        from shapely import box, union_all
+        from shapely.geometry.polygon import orient
+
+        source = Source(part.source.file, line)
+        outlines: list[Contour] = []
+        inner: list[Feature] = []
+        whole = True
+        for face, steel in faces.steel.items():
+            wide = part.profile.face_width(face)
+            low, _, high, _ = steel.bounds
+            gone = pieces_of(box(low - 1.0, 0.0, high + 1.0, wide).difference(steel))
+            within = [one for one in gone if low <= one.bounds[0] and one.bounds[2] <= high]
+            within = [one for one in within if one.buffer(-self.within).area > 0.0]
+            outline = union_all([steel, *(one.buffer(rings.PLACE) for one in within)])
+            outline = outline.intersection(box(low, 0.0, high, wide))
+            same = outline.hausdorff_distance(box(0.0, 0.0, part.length, wide)) <= self.within
+            whole = whole and (same or faces.cuts != EndCuts())
+            for one in pieces_of(outline):
+                curves = rings.curves_of(_ring(orient(one).exterior), self.within, (0.0, wide))
+                outlines.append(Contour(face, "outer", curves, source))
+            for one in within:
+                ring = _ring(orient(one, -1.0).exterior)
+                if any(abs(y - edge) <= rings.PLACE for _, y in ring for edge in (0.0, wide)):
+                    curves = rings.curves_of(ring, self.within, (0.0, wide))
+                    inner.append(Contour(face, "inner", curves, source))
+                else:
+                    inner.append(self._cut_out(face, ring, source))
+        yield from outlines if not whole else ()
+        yield from inner
+
+    def _cut_out(self, face: Face, ring: Sequence[Point], source: Source) -> Feature:
+        """A hole, a slot, or a contour.
+
+        Where the corners of a rectangle have the radius that the machine gives sharp ones it is a
+        contour.
+        """
+        if self.tube_radius is None:
+            circle = rings.round_of(ring, self.within)
+        else:
+            circle = rings.drilled_of(ring, self.tube_radius, self.within)
+        if circle is not None:
+            return Hole(face, *circle, source)
+        slot = rings.pocket_of(ring, self.within)
+        if slot is not None:
+            _, _, diameter, _, height, _ = slot
+            if height <= 0.0 or abs(diameter / 2 - self.coper.corner_radius) > self.within:
+                return Slot(face, *slot, source)
+        return Contour(face, "inner", rings.curves_of(ring, self.within), source)
+
+
 def recover_coped(text: str, machine: Machine, name: str, stock: KnownStock) -> Recovered:
     """The part that a coper's program makes; none where an error is said.
 
@@ -81,108 +181,76 @@ def recover_coped(text: str, machine: Machine, name: str, stock: KnownStock) -> 
     a grade of `stock`. Raises TypeError for a machine without a coper.
     """
     coper = machine.needed(machine.coper, "coper")
-    head = head_of(text)
-    source = Source(name)
+    head, source = head_of(text), Source(name)
     if MADE_OF_CUT in text:
-        return Recovered((), (COMES_CUT.at(source),))
+        return Recovered((), (rules.COMES_CUT.at(source),))
     profile = stock.profile or head_profile(head)
     if profile is None:
         found = head.stock if head is not None and head.stock else "none"
-        return Recovered((), (UNNAMED.at(source, found=found),))
+        return Recovered((), (rules.UNNAMED.at(source, found=found),))
     bare = head_part(head, profile, name)
     bare = replace(bare, grade=stock.grade or bare.grade)
-    is_tube, within = coper.unrolls(profile.code), coper.tolerance * REFIT_SHARE
     if profile.code == "M" and not profile.radius:
         turned = replace(profile, radius=corner_radius(text, machine, profile))
         bare = replace(bare, profile=turned)
     bare = lying(bare)
-    code = rolled(bare).profile.code
-    codes = codes_read(coper)
+    code, codes = rolled(bare).profile.code, codes_read(coper)
     if code not in codes:
         expected = ", ".join(codes)
         return Recovered((), (coping_rules.SECTION.at(source, found=code, expected=expected),))
     strokes, diagnostics = strokes_of(text, bare, machine, name)
     if errors_in(diagnostics):
         return Recovered((), tuple(diagnostics))
-    tilted = next((stroke for stroke in strokes if stroke.is_tilted), None)
-    if tilted is not None:
-        return _tilted(text, bare, strokes, machine, coper, diagnostics, tilted, name)
+    is_tube = coper.unrolls(profile.code)
+    radius = rolled(bare).profile.height / 2 if is_tube and code != "M" else None
+    job = _Job(text, machine, coper, name, bare, tuple(diagnostics), radius)
+    if any(stroke.is_tilted for stroke in strokes):
+        return _tilted(job, strokes)
     walls = [_surface(bare, strokes, coper)] if is_tube else [*_walls(bare, strokes, coper)]
-    missing = [wall.face for wall in walls if wall.shape.is_empty]
+    missing = [rules.NOT_PARTED.at(source, face=wall.face) for wall in walls if wall.shape.is_empty]
     if missing:
-        diagnostics += [NOT_PARTED.at(source, face=face) for face in missing]
-        return Recovered((), tuple(diagnostics))
-    end = max(wall.shape.bounds[2] for wall in walls)
-    length = bare.length if abs(end - bare.length) <= AS_SAID else plain(end, PLACE, DECIMALS)
-    mark = bare.mark or name.rpartition("/")[2].partition(".")[0] or "part"
-    part = replace(bare, mark=mark, length=length)
+        return Recovered((), (*diagnostics, *missing))
+    part = job.part(max(wall.shape.bounds[2] for wall in walls), AS_SAID)
     if code == "M":
-        faces = faces_of(walls[0].shape, bare.profile, within)
+        faces = faces_of(walls[0].shape, bare.profile, job.within)
         if faces.lost:
-            return Recovered((), (*diagnostics, CORNER.at(source, found=faces.lost)))
+            return Recovered((), (*diagnostics, rules.CORNER.at(source, found=faces.lost)))
         part = replace(part, cuts=faces.cuts)
-        find = _Features(part, None, coper.corner_radius, within)
-        features = [*find.of_box(faces, walls[0].line)]
-    else:
-        radius = rolled(bare).profile.height / 2 if is_tube else None
-        find = _Features(part, radius, coper.corner_radius, within)
-        features = [feature for wall in walls for feature in find.on(wall)]
-    part = as_drawn(replace(part, features=tuple(features)))
-    diagnostics += [
-        d for d in verify_coping(text, (part,), machine, name=name) if d not in diagnostics
-    ]
-    return Recovered((part,), (*diagnostics, *_remarks(part, coper, within)), bool(bare.mark))
+        return job.recovered(part, job.of_box(part, faces, walls[0].line))
+    return job.recovered(part, (one for wall in walls for one in job.features(part, wall)))
 
 
-def _tilted(
-    text: str, bare: Part, strokes: Sequence[TorchStroke], machine: Machine, coper: Coper,
-    diagnostics: Sequence[Diagnostic], first: TorchStroke, name: str,
-) -> Recovered:  # fmt: skip
+def _tilted(job: _Job, strokes: Sequence[TorchStroke]) -> Recovered:
     """The part that a tilted torch makes: with skew ends, or else with bevels at square ones.
 
     The read-back says which of them it is; an error where it takes neither.
     """
-    section, within = CoperSection(bare.profile), coper.tolerance * REFIT_SHARE
+    section = CoperSection(job.bare.profile)
     square = [stroke for stroke in strokes if not stroke.is_tilted]
     ends = ends_of(strokes, section)
     tries: list[tuple[Sequence[TorchStroke], Ends]] = [] if ends is None else [(strokes, ends)]
     for cutting, planes in (*tries, (square, NO_ENDS)):
-        walls = [*_walls(bare, cutting, coper, planes)]
+        walls = [*_walls(job.bare, cutting, job.coper, planes)]
         if any(wall.shape.is_empty for wall in walls):
             continue
         end = max(wall.shape.bounds[2] for wall in walls)
         end = length_of(planes[1], section) if planes[1] is not None else end
-        length = bare.length if abs(end - bare.length) <= SAME else plain(end, PLACE, DECIMALS)
-        mark = bare.mark or name.rpartition("/")[2].partition(".")[0] or "part"
-        part = replace(bare, mark=mark, length=length, cuts=cuts_of(planes))
-        find = _Features(part, None, coper.corner_radius, within)
+        part = replace(job.part(end, SAME), cuts=cuts_of(planes))
         if planes == NO_ENDS:  # an outline carries the bevels, whatever else is cut of its wall
             tilted = {stroke.face for stroke in strokes if stroke.is_tilted}
             walls = [replace(wall, is_drawn=wall.face in tilted) for wall in walls]
-        features = [
-            feature
-            for wall in walls
-            for feature in find.on(wall, whole_wall(wall.face, planes, length, section, wall.wide))
-        ]
+        features: list[Feature] = []
+        for wall in walls:
+            whole = whole_wall(wall.face, planes, part.length, section, wall.wide)
+            features += job.features(part, wall, whole)
         if planes == NO_ENDS:
             features = [*with_bevels(features, strokes, section)]
-        part = as_drawn(replace(part, features=tuple(features)))
-        refusals = verify_coping(text, (part,), machine, name=name)
-        if not errors_in(refusals):
-            more = [d for d in refusals if d not in diagnostics]
-            remarks = _remarks(part, coper, within)
-            return Recovered((part,), (*diagnostics, *more, *remarks), bool(bare.mark))
-    found = f"{first.b_deg:g}"
-    return Recovered((), (TILTED.at(Source(name, first.line), found=found),))
-
-
-def _remarks(part: Part, coper: Coper, within: float) -> Iterator[Diagnostic]:
-    """What of the part's contours is not known to be as it was drawn."""
-    if contours := [*part.contours]:
-        yield REFITTED.at(part.source, count=len(contours), within=f"{within:g}")
-    corners = sum(rounded_corners(c.curves, coper.corner_radius, within) for c in contours)
-    if corners:
-        yield ROUNDED.at(part.source, count=corners, radius=f"{coper.corner_radius:g}")
+        recovered = job.recovered(part, features)
+        if not errors_in(recovered.diagnostics):
+            return recovered
+    first = next(stroke for stroke in strokes if stroke.is_tilted)
+    tilt = rules.TILTED.at(Source(job.name, first.line), found=f"{first.b_deg:g}")
+    return Recovered((), (tilt,))
 
 
 # --- walls ----------------------------------------------------------------------------------------
@@ -265,114 +333,14 @@ def _part_of(bar: Shape, taken: Shape, begins: Sequence[tuple[Point, float]]) ->
     from shapely import Point as Place
 
     left, _, right, _ = bar.bounds
-    features = []
+    kept = []
     for piece in pieces_of(bar.difference(taken)):
         first, _, last, _ = piece.bounds
-        if piece.area <= SPECK or first <= left or last >= right:
-            continue
-        if any(piece.distance(Place(at)) <= half + BEGINS for at, half in begins):
-            continue
-        features.append(piece)
-    return MultiPolygon(features)
-
-
-# --- features -------------------------------------------------------------------------------------
-
-
-class _Features:
-    """Finds the features of a part of some length on its walls."""
-
-    def __init__(
-        self, part: Part, tube_radius: float | None, corner_radius: float, within: float
-    ) -> None:
-        self._part, self._length, self._tube_radius = part, part.length, tube_radius
-        self._corner_radius, self._within = corner_radius, within
-
-    def on(self, wall: _Wall, whole: Shape = None) -> Iterator[Feature]:
-        """The outline of a wall, where it is no whole one, and what is cut out of it.
-
-        A whole one is a rectangle as long as the part, or `whole`.
-        """
-        from shapely import MultiPolygon, Polygon, box
-        from shapely.geometry.polygon import orient
-
-        source = Source(self._part.source.file, wall.line)
-        is_tube = self._tube_radius is not None
-        pieces = [orient(piece) for piece in pieces_of(wall.shape)]
-        outlines = [Polygon(piece.exterior) for piece in pieces]
-        whole = whole or box(0.0, 0.0, self._length, wall.wide)
-        if is_tube:
-            turn = box(-1e6, 0.0, 1e6, wall.wide)
-            outlines = pieces_of(MultiPolygon(outlines).intersection(turn))
-        is_whole = len(outlines) == 1 and outlines[0].hausdorff_distance(whole) <= self._within
-        if not is_whole or wall.is_drawn or self._part.profile.code == "B":
-            for outline in outlines:
-                ring = _ring(orient(outline).exterior)
-                curves = curves_of(ring, self._within, (0.0, wall.wide))
-                yield Contour(wall.face, "outer", curves, source)
-        for piece in pieces:
-            for hole in piece.interiors:
-                _, low, _, high = hole.bounds
-                if not is_tube or 0.0 <= (low + high) / 2 < wall.wide:
-                    yield self._cut_out(wall.face, _ring(hole), source)
-
-    def of_box(self, faces: Faces, line: int) -> Iterator[Feature]:
-        """The outlines of a rectangular tube's faces where one is no whole one, and its cut-outs.
-
-        What opens to an edge of a face goes on over the corner, as a cut-out of both.
-        """
-        from shapely import box, union_all
-        from shapely.geometry.polygon import orient
-
-        source = Source(self._part.source.file, line)
-        skew = faces.cuts != EndCuts()
-        outlines: list[Contour] = []
-        inner: list[Feature] = []
-        whole = True
-        for face, steel in faces.steel.items():
-            wide = self._part.profile.face_width(face)
-            low, _, high, _ = steel.bounds
-            gone = pieces_of(box(low - 1.0, 0.0, high + 1.0, wide).difference(steel))
-            within = [one for one in gone if low <= one.bounds[0] and one.bounds[2] <= high]
-            within = [one for one in within if one.buffer(-self._within).area > 0.0]
-            outline = union_all([steel, *(one.buffer(PLACE) for one in within)])
-            outline = outline.intersection(box(low, 0.0, high, wide))
-            same = outline.hausdorff_distance(box(0.0, 0.0, self._length, wide)) <= self._within
-            whole = whole and (same or skew)
-            for one in pieces_of(outline):
-                curves = curves_of(_ring(orient(one).exterior), self._within, (0.0, wide))
-                outlines.append(Contour(face, "outer", curves, source))
-            for one in within:
-                ring = _ring(orient(one, -1.0).exterior)
-                edges = (0.0, wide)
-                if any(abs(y - edge) <= PLACE for _, y in ring for edge in edges):
-                    curves = curves_of(ring, self._within, edges)
-                    inner.append(Contour(face, "inner", curves, source))
-                else:
-                    inner.append(self._cut_out(face, ring, source))
-        yield from outlines if not whole else ()
-        yield from inner
-
-    def _cut_out(self, face: Face, ring: Sequence[Point], source: Source) -> Feature:
-        """A hole, a slot, or a contour.
-
-        Where the corners of a rectangle have the radius that the machine gives sharp ones it is a
-        contour.
-        """
-        if self._tube_radius is None:
-            found = round_of(ring, self._within)
-        else:
-            found = drilled_of(ring, self._tube_radius, self._within)
-        if found is not None:
-            return Hole(face, found.x, found.y, found.diameter, source)
-        slot = pocket_of(ring, self._within)
-        if slot is None or (
-            slot.height > 0.0 and abs(slot.diameter / 2 - self._corner_radius) <= self._within
-        ):
-            return Contour(face, "inner", curves_of(ring, self._within), source)
-        return Slot(
-            face, slot.x, slot.y, slot.diameter, slot.length, slot.height, slot.angle, source
-        )
+        is_parted = piece.area > SPECK and left < first and last < right
+        scrap = any(piece.distance(Place(at)) <= half + BEGINS for at, half in begins)
+        if is_parted and not scrap:
+            kept.append(piece)
+    return MultiPolygon(kept)
 
 
 def _ring(ring: Shape) -> list[Point]:

@@ -1,11 +1,10 @@
-"""Round holes, slots and marked lines from the paths that tools were led along."""
+"""Round holes, slots and marked lines from the paths of tools."""
 
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from math import atan2, cos, degrees, dist, hypot, radians, sin, sqrt
 from statistics import fmean
 
-from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.checks.bars.paths import pocket_error
@@ -15,53 +14,45 @@ from beamcam.checks.bars.tools import ToolCatalogue
 from beamcam.errors import Source
 from beamcam.geometry.curves import Arc, Curve, Line, Point
 from beamcam.geometry.plane import cross
-from beamcam.model.part import Contour, Hole, Profile, Slot
-from beamcam.recovery.found import plain
+from beamcam.model.part import Contour, Hole, HoleKind, Profile, Slot
+from beamcam.recovery.recovered import plain
 
 MIN_CORNERS = 8  #: of a chain of chords that replaces a circle
 MOST_SIDES = 64  #: of a path's hull that are tried as the direction of a slot, the longest
 
 
-class NotAFeature(Struct, frozen=True):
-    """A path that makes no feature of a part, and where it begins."""
-
-    x: float
-    y: float
-
-
 def feature_of(
-    trail: MachinedPath, tools: ToolCatalogue, profile: Profile, source: Source
-) -> Hole | Slot | Contour | NotAFeature:
-    """The feature that a path makes; its x counts from the part's start."""
-    points = [trail.points[0], *(b for a, b in pairwise(trail.points) if a != b)]
-    if trail.kind == "scribe":
-        lines = tuple([Line(a, b) for a, b in pairwise(points)])
-        closed = dist(points[0], points[-1]) <= tools.machine.format.resolution
-        return Contour(trail.face, "open", lines, source, "punch", closed)
-    thickness = profile.thickness(trail.face)
+    path: MachinedPath, tools: ToolCatalogue, profile: Profile, source: Source
+) -> Hole | Slot | Contour | None:
+    """The feature that a path makes, its x from the part's start; None where it makes none."""
+    points = [path.points[0], *(b for a, b in pairwise(path.points) if a != b)]
     slack, decimals = tools.machine.format.resolution, tools.machine.format.length_decimals
-    through = not thickness or trail.max_depth >= thickness - slack
-    depth = None if through else plain(trail.max_depth, slack, decimals)
-    allowed = tools.drill.path_tolerance + 2 * slack
-    own, least = None, allowed
-    for pocket in _pockets(points, trail, depth, slack, decimals):
-        error = pocket_error(pocket, trail.points, trail.diameter)
+    if path.kind == "scribe":
+        lines = tuple([Line(a, b) for a, b in pairwise(points)])
+        closed = dist(points[0], points[-1]) <= slack
+        return Contour(path.face, "open", lines, source, "punch", closed)
+    thickness = profile.thickness(path.face)
+    through = not thickness or path.max_depth >= thickness - slack
+    depth = None if through else plain(path.max_depth, slack, decimals)
+    own, least = None, tools.drill.path_tolerance + 2 * slack
+    for pocket in _pockets(points, path, depth, slack, decimals):
+        error = pocket_error(pocket, path.points, path.diameter)
         if error <= least:
             own, least = pocket, error
         if error <= slack:
             break
     if own is None:
-        return NotAFeature(*trail.points[0])
-    kind = "through" if through else "blind"
-    place = trail.face, own.x, own.y, own.diameter
+        return None
+    kind: HoleKind = "through" if through else "blind"
     is_round = not own.length and not own.height
-    if is_round and tools.mills_round(own.diameter, trail.face):
-        return Hole(*place, source, depth, kind)  # type: ignore[arg-type]
-    return Slot(*place, own.length, own.height, own.angle, source, depth, kind)  # type: ignore[arg-type]
+    if is_round and tools.mills_round(own.diameter, path.face):
+        return Hole(path.face, own.x, own.y, own.diameter, source, depth, kind)
+    sizes = own.diameter, own.length, own.height, own.angle
+    return Slot(path.face, own.x, own.y, *sizes, source, depth, kind)
 
 
 def _pockets(
-    points: Sequence[Point], trail: MachinedPath, depth: float | None, slack: float, decimals: int
+    points: Sequence[Point], path: MachinedPath, depth: float | None, slack: float, decimals: int
 ) -> Iterator[RequiredPocket]:
     """Possible pockets of a mill's path: a circle, or rectangles with round corners.
 
@@ -86,21 +77,20 @@ def _pockets(
         wide, high = max(xs) - min(xs), max(ys) - min(ys)
         off = min(dist(p, (max(xs), max(ys))) for p in own)
         for rounding in (min(wide, high) / 2, 0.0, off / (sqrt(2) - 1)):
-            diameter = plain(trail.diameter + 2 * rounding, 5 * slack, decimals)
-            round_about = diameter - trail.diameter
-            sizes = (plain(max(w - round_about, 0.0), 2 * slack, decimals) for w in (wide, high))
-            length, height = sizes
+            diameter = plain(path.diameter + 2 * rounding, 5 * slack, decimals)
+            cut = diameter - path.diameter
+            length, height = (plain(max(w - cut, 0.0), 2 * slack, decimals) for w in (wide, high))
             turned = angle
             if not (length or height):
                 radius = fmean(dist(p, (u, v)) for p in own)
-                diameter = plain(trail.diameter + 2 * radius, 5 * slack, decimals)
+                diameter = plain(path.diameter + 2 * radius, 5 * slack, decimals)
                 turned = 0.0
             if height > length:
                 length, height, turned = height, length, angle - 90.0 if angle > 0 else angle + 90.0
             x, y = (plain(p, slack, decimals) for p in (c * u - s * v, s * u + c * v))
             yield RequiredPocket(
-                0, trail.face, x, y, length, height, turned, diameter, depth, "",
-                Hole(trail.face, x, y, diameter, Source("")),
+                0, path.face, x, y, length, height, turned, diameter, depth, "",
+                Hole(path.face, x, y, diameter, Source("")),
             )  # fmt: skip
 
 
@@ -113,7 +103,7 @@ def _hull(points: Sequence[Point]) -> list[Point]:
     def half(line: Sequence[Point]) -> list[Point]:
         kept: list[Point] = []
         for p in line:
-            while len(kept) > 1 and _turn(kept[-2], kept[-1], p) <= 0.0:
+            while len(kept) > 1 and cross(_way(kept[-2], kept[-1]), _way(kept[-2], p)) <= 0.0:
                 kept.pop()
             kept.append(p)
         return kept[:-1]
@@ -121,14 +111,11 @@ def _hull(points: Sequence[Point]) -> list[Point]:
     return half(ordered) + half(ordered[::-1])
 
 
-def _turn(a: Point, b: Point, c: Point) -> float:
-    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+def _way(a: Point, b: Point) -> Point:
+    return b[0] - a[0], b[1] - a[1]
 
 
 # --- rings ----------------------------------------------------------------------------------------
-
-# The closed contour in the path of a tool, between its leads and over its bridges.
-
 
 Curves = tuple[Curve, ...]
 
@@ -182,7 +169,7 @@ def whole(ring: Sequence[Curve], near: float) -> Curves:
 
 
 def bridge(before: Curve, after: Curve) -> Curves:
-    """Curves that join two stretches of a contour over the bridge between them."""
+    """Curves that join two pieces of a contour over the bridge between them."""
     if isinstance(before, Arc) and isinstance(after, Arc) and _is_one_circle(before, after, 0.01):
         end = before.start_deg + before.sweep_deg
         turn = 360.0 if before.sweep_deg > 0.0 else -360.0
@@ -202,9 +189,8 @@ def _is_one_circle(a: Arc, b: Arc, near: float) -> bool:
 def _off(point: Point, a: Point, b: Point) -> float:
     """Distance of a point from the line through a and b; far where it is not between them."""
     long = dist(a, b)
-    if long <= max(dist(a, point), dist(point, b)):
-        return long
-    return abs(cross((b[0] - a[0], b[1] - a[1]), (point[0] - a[0], point[1] - a[1]))) / long
+    is_between = long > max(dist(a, point), dist(point, b))
+    return abs(cross(_way(a, b), _way(a, point))) / long if is_between else long
 
 
 def _corner(before: Line, after: Line) -> Point | None:

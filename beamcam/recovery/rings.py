@@ -8,18 +8,17 @@ a few hundredths of a millimetre long: it ends where the long chords on either s
 
 from collections.abc import Sequence
 from itertools import pairwise
-from math import asin, atan2, cos, degrees, dist, hypot, radians, sin, sqrt
+from math import asin, atan2, cos, degrees, dist, hypot, inf, radians, sin, sqrt
 from typing import Any
 
 import numpy as np
-from msgspec import Struct
 
 from beamcam.checks.coping.stock import EDGE_NOISE
 from beamcam.geometry.conics import arc_by_points
 from beamcam.geometry.curves import Arc, Curve, Line
 from beamcam.geometry.plane import Point
 from beamcam.geometry.polylines import arcs_and_lines
-from beamcam.recovery.found import plain
+from beamcam.recovery.recovered import plain
 
 Shape = Any  #: of shapely
 
@@ -33,26 +32,12 @@ DECIMALS = 3
 SLOT_SHARE = 0.5  #: of the shorter side of a slot that its round corners take, at least
 
 
-class CutCircle(Struct, frozen=True):
-    """A circle that was cut."""
-
-    x: float
-    y: float
-    diameter: float
+Circle = tuple[float, float, float]  #: x, y and diameter
+#: x, y, diameter of the corners, length and height from centre to centre of these, and angle.
+Pocket = tuple[float, float, float, float, float, float]
 
 
-class CutPocket(Struct, frozen=True):
-    """A rectangle with round corners that was cut; sizes from centre to centre of its corners."""
-
-    x: float
-    y: float
-    diameter: float
-    length: float
-    height: float
-    angle: float
-
-
-def round_of(ring: Sequence[Point], within: float) -> CutCircle | None:
+def round_of(ring: Sequence[Point], within: float) -> Circle | None:
     """The circle that a ring of chords replaces, everywhere within some mm of it."""
     if len(ring) < LEAST_ROUND:
         return None
@@ -69,24 +54,23 @@ def round_of(ring: Sequence[Point], within: float) -> CutCircle | None:
     inside = np.hypot(half[:, 0] - x, half[:, 1] - y)
     diameter = _plain_size(2 * float(away.max()))
     off = max(float(np.abs(away - diameter / 2).max()), diameter / 2 - float(inside.min()))
-    return CutCircle(x, y, diameter) if off <= within else None
+    return (x, y, diameter) if off <= within else None
 
 
-def drilled_of(ring: Sequence[Point], tube_radius: float, within: float) -> CutCircle | None:
+def drilled_of(ring: Sequence[Point], tube_radius: float, within: float) -> Circle | None:
     """The hole through the axis of a tube that a ring on its unrolled outside is cut along."""
     us = [u for _, u in ring]
     middle = (min(us) + max(us)) / 2
     if max(us) - middle >= tube_radius * radians(90.0):
         return None
     flat = [(x, tube_radius * sin((u - middle) / tube_radius)) for x, u in ring]
-    found = round_of(flat, within)
-    if found is None or found.diameter >= 2 * tube_radius:
+    x, y, diameter = round_of(flat, within) or (0.0, 0.0, inf)
+    if diameter >= 2 * tube_radius:
         return None
-    y = middle + tube_radius * asin(found.y / tube_radius)
-    return CutCircle(found.x, plain(y, PLACE, DECIMALS), found.diameter)
+    return x, plain(middle + tube_radius * asin(y / tube_radius), PLACE, DECIMALS), diameter
 
 
-def pocket_of(ring: Sequence[Point], within: float) -> CutPocket | None:
+def pocket_of(ring: Sequence[Point], within: float) -> Pocket | None:
     """The slot that a ring of chords replaces, everywhere within some mm of it."""
     from shapely import Polygon
 
@@ -115,7 +99,7 @@ def pocket_of(ring: Sequence[Point], within: float) -> CutPocket | None:
     if max(map(off_it, (*own, *halves))) > within:
         return None
     x, y = (plain(w, PLACE, DECIMALS) for w in (c * u - s * v, s * u + c * v))
-    return CutPocket(x, y, diameter, round(length, DECIMALS), round(height, DECIMALS), angle)
+    return x, y, diameter, round(length, DECIMALS), round(height, DECIMALS), angle
 
 
 def curves_of(
@@ -126,7 +110,15 @@ def curves_of(
     `edges` are the y of a wall's edges. What ends at one does so with a line: places of an arc
     that are as near to an edge as EDGE_NOISE would be taken for it.
     """
-    places = _without_straight(_with_corners(ring))
+    from shapely import LineString
+    from shapely import Point as Place
+
+    ring = _with_corners(ring)
+    # Without the places that lie on a line between their neighbours.
+    places = [(x, y) for x, y in LineString([*ring, ring[0]]).simplify(STRAIGHT).coords[:-1]]
+    through = LineString((places[-1], places[1]))
+    if len(places) > 3 and through.distance(Place(places[0])) <= STRAIGHT:
+        del places[0]
     sides = list(zip(places, [*places[1:], places[0]], strict=True))
     first = max(range(len(sides)), key=lambda k: dist(*sides[k]))
     places = _clear_of_edges([*places[first:], *places[: first + 1]], within, edges)
@@ -141,12 +133,11 @@ def curves_of(
     curves += arcs_and_lines(places[begin:], within)
     if not any(isinstance(curve, Line) for curve in curves):
         return tuple(curves)
-    ends = [
-        _plain_place(_joint(before, curve, within))
-        for before, curve in zip([curves[-1], *curves[:-1]], curves, strict=True)
-    ]
-    around = zip(curves, ends, [*ends[1:], ends[0]], strict=True)
-    return tuple([_between(curve, a, b, within) for curve, a, b in around if a != b])
+    around = zip([curves[-1], *curves[:-1]], curves, strict=True)
+    joints = [_joint(before, curve, within) for before, curve in around]
+    ends = [(plain(x, PLACE, DECIMALS), plain(y, PLACE, DECIMALS)) for x, y in joints]
+    spans = zip(curves, ends, [*ends[1:], ends[0]], strict=True)
+    return tuple([_between(curve, a, b, within) for curve, a, b in spans if a != b])
 
 
 def _clear_of_edges(places: list[Point], within: float, edges: Sequence[float]) -> list[Point]:
@@ -213,17 +204,6 @@ def _meeting(a: Point, b: Point, c: Point, d: Point) -> Point | None:
     return a[0] + t * ux, a[1] + t * uy
 
 
-def _without_straight(ring: Sequence[Point]) -> list[Point]:
-    """A ring without the places that lie on a line between their neighbours."""
-    from shapely import LineString
-    from shapely import Point as Place
-
-    kept = [(x, y) for x, y in LineString([*ring, ring[0]]).simplify(STRAIGHT).coords[:-1]]
-    through = LineString((kept[-1], kept[1]))
-    is_between = len(kept) > 3 and through.distance(Place(kept[0])) <= STRAIGHT
-    return kept[1:] if is_between else kept
-
-
 def _joint(before: Line | Arc, after: Line | Arc, within: float) -> Point:
     """Where two curves meet; of a line and an arc that touch, where they do."""
     line, arc = (before, after) if isinstance(after, Arc) else (after, before)
@@ -238,10 +218,6 @@ def _joint(before: Line | Arc, after: Line | Arc, within: float) -> Point:
         if touches and dist(foot, after.start) <= most:
             return foot
     return after.start
-
-
-def _plain_place(place: Point) -> Point:
-    return plain(place[0], PLACE, DECIMALS), plain(place[1], PLACE, DECIMALS)
 
 
 def _between(curve: Line | Arc, a: Point, b: Point, within: float) -> Curve:

@@ -5,7 +5,7 @@ else a hole. Where the program keeps the beam off by itself, the contour lies ha
 path; a controller that compensates gets the contour.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from math import dist
 from typing import cast
 
@@ -19,12 +19,14 @@ from beamcam.checks.sheets.remainder import unchained
 from beamcam.checks.sheets.strokes import HeadStroke, Strokes, strokes_of
 from beamcam.controllers import table_run
 from beamcam.errors import Diagnostic, Source, errors_in
+from beamcam.geometry.array_types import Floats
 from beamcam.geometry.curves import Line, join_boxes, signed_area
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch, TorchProcess
 from beamcam.model.part import Contour, ContourKind, Hole, Measures, Part, Process, Profile
-from beamcam.recovery.found import CROWDED, FITTED, KERF, SHEET, Recovered
+from beamcam.recovery import rules
 from beamcam.recovery.paths import Curves, bridge, ring_of, whole
+from beamcam.recovery.recovered import Recovered, mark_of
 
 MARK: Process = "punch"  #: of a marked contour, so that DSTV can hold it (KO)
 MOST_CROSSINGS = 100_000  #: of closed paths, about, that are looked into
@@ -58,24 +60,26 @@ def recover_sheet(text: str, machine: Machine, name: str, is_known: bool) -> Rec
         fitted = replace(torch, thickness=thickness)
         other = _recovered(text, replace(machine, torch=fitted), fitted, name)
         if not errors_in(other.diagnostics):
-            note = FITTED.at(Source(name), found=f"{thickness:g}")
+            note = rules.FITTED.at(Source(name), found=f"{thickness:g}")
             return Recovered(other.parts, (*other.diagnostics, note))
     return recovered
 
 
 def _recovered(text: str, machine: Machine, torch: Torch, name: str) -> Recovered:
     """The part of a sheet of the machine's own thickness."""
+    from beamcam.geometry.polylines import polylines
+
     thickness = torch.thickness
     sheet = Part(
-        name.rpartition("/")[2].partition(".")[0] or "part",
-        Profile("B", "", 0.0, 0.0, 0.0, thickness), 0.0, Source(name), grade=torch.material,
+        mark_of(name), Profile("B", "", 0.0, 0.0, 0.0, thickness), 0.0, Source(name),
+        grade=torch.material,
     )  # fmt: skip
     done, diagnostics = table_run(text, machine, name)
     rows = rows_of(sheet, torch)
     if not rows:
         material = torch.material or "any material"
         shown = "unknown thickness:" if thickness is None else f"{thickness:g}"
-        diagnostics.append(SHEET.at(Source(name), found=shown, material=material))
+        diagnostics.append(rules.SHEET.at(Source(name), found=shown, material=material))
     if errors_in(diagnostics):
         return Recovered((), tuple(diagnostics))
     strokes, more = strokes_of(done, machine, torch, rows, name)
@@ -89,11 +93,17 @@ def _recovered(text: str, machine: Machine, torch: Torch, name: str) -> Recovere
         for p in paths if p.process == "spot"
     ]  # fmt: skip
     paths = [path for path in paths if path.process != "spot"]
-    crossings = _crossings(paths, torch.tolerance * LOOK_SHARE)
+    cuts = {
+        k: polylines(path.curves, torch.tolerance * LOOK_SHARE).points
+        for k, path in enumerate(paths)
+        if path.closed and path.process == "cut"
+    }
+    crossings = _crossings([*cuts.values()])
     if crossings > MOST_CROSSINGS:
-        diagnostics.append(CROWDED.at(Source(name), found=f"{crossings:.1g}"))
+        diagnostics.append(rules.CROWDED.at(Source(name), found=f"{crossings:.1g}"))
         return Recovered((), tuple(diagnostics))
-    part = _placed(sheet, _contours(paths, torch, diagnostics), spots, torch)
+    contours = _contours(paths, _depths(len(paths), cuts), torch, diagnostics)
+    part = _placed(sheet, contours, spots, torch)
     if not errors_in(diagnostics):
         diagnostics += [
             d for d in verify_sheet(text, (part,), machine, name=name) if d not in diagnostics
@@ -108,7 +118,7 @@ def _paths(strokes: Strokes, torch: Torch, fine: float, name: str) -> list[_Path
     """
     legs, near = list(strokes.moves.each()), max(torch.gap, fine)
     paths: list[_Path] = []
-    waiting: list[Curves] = []  #: stretches of a contour that did not close yet
+    waiting: list[Curves] = []  #: pieces of a contour that did not close yet
     for stroke in strokes.each:
         own = legs[stroke.first : stroke.last]
         curves: Curves = tuple([leg.curve or Line(leg.start, leg.end) for leg in own])
@@ -123,17 +133,17 @@ def _paths(strokes: Strokes, torch: Torch, fine: float, name: str) -> list[_Path
             if one.closed:
                 paths.append(one)
                 waiting = []
-            continue
-        paths.append(_path((curves,), stroke, torch, fine, name))
+        else:
+            paths.append(_path((curves,), stroke, torch, fine, name))
     return paths + [_path((w,), strokes.each[-1], torch, fine, name) for w in waiting]
 
 
 def _path(
-    stretches: Sequence[Curves], stroke: HeadStroke, torch: Torch, fine: float, name: str
+    pieces: Sequence[Curves], stroke: HeadStroke, torch: Torch, fine: float, name: str
 ) -> _Path:
-    """One path without its leads, its stretches joined and its end closed."""
-    curves, near = stretches[0], max(torch.gap, fine)
-    for more in stretches[1:]:
+    """One path without its leads, its pieces joined and its end closed."""
+    curves, near = pieces[0], max(torch.gap, fine)
+    for more in pieces[1:]:
         curves = (*curves, *bridge(curves[-1], more[0]), *more)
     ring = ring_of(curves, fine, near)
     kerf = 0.0
@@ -145,24 +155,24 @@ def _path(
     return _Path(stroke.process, curves, ring is not None, kerf, Source(name, stroke.line))
 
 
-def _contours(paths: Sequence[_Path], torch: Torch, diagnostics: list[Diagnostic]) -> list[Contour]:
-    """The contours of the paths, in their order."""
+def _contours(
+    paths: Sequence[_Path], inside: Sequence[int], torch: Torch, diagnostics: list[Diagnostic]
+) -> list[Contour]:
+    """The contours of the paths in their order, each `inside` so many cuts."""
     from beamcam.geometry.offset import Vanished, offset_chains
 
-    inside = _depths(paths, torch.tolerance * LOOK_SHARE)
     moved = [k for k, path in enumerate(paths) if path.kerf]
     amounts = [paths[k].kerf / 2 * (1 if inside[k] % 2 else -1) for k in moved]
-    chains = {}
     rings = [paths[k].curves for k in moved]
+    chains = {}
     offsets = offset_chains(rings, amounts, torch.tolerance * OFFSET_SHARE)
     for k, offset in zip(moved, offsets, strict=True):
-        path = paths[k]
         if isinstance(offset, Vanished):
-            diagnostics.append(KERF.at(path.source, found=abs(offset.area), kerf=path.kerf))
+            kerf, area = paths[k].kerf, abs(offset.area)
+            diagnostics.append(rules.KERF.at(paths[k].source, found=area, kerf=kerf))
         else:
-            chains[k] = max(
-                zip(offset.areas, offset.chains, strict=True), key=lambda one: abs(one[0])
-            )[1]
+            largest = max(range(len(offset.areas)), key=lambda n: abs(offset.areas[n]))
+            chains[k] = offset.chains[largest]
     contours = []
     for k, path in enumerate(paths):
         curves = chains.get(k, path.curves)
@@ -178,16 +188,12 @@ def _contours(paths: Sequence[_Path], torch: Torch, diagnostics: list[Diagnostic
     return contours
 
 
-def _crossings(paths: Sequence[_Path], tolerance: float) -> float:
+def _crossings(drawn: Sequence[Floats]) -> float:
     """About how often closed cuts cross or cover each other and themselves, from a few chords."""
     import shapely
 
-    from beamcam.geometry.polylines import polylines
-
-    rings = [p for p in paths if p.closed and p.process == "cut"]
-    if not rings:
+    if not drawn:
         return 0.0
-    drawn = [polylines(p.curves, tolerance).points for p in rings]
     ends = np.concatenate([np.stack((points[:-1], points[1:]), axis=1) for points in drawn])
     chords = shapely.linestrings(ends)
     step = max(1, len(chords) // SAMPLED)
@@ -195,19 +201,12 @@ def _crossings(paths: Sequence[_Path], tolerance: float) -> float:
     return float(np.maximum(np.bincount(met) - ALONE, 0).sum()) * step / 2
 
 
-def _depths(paths: Sequence[_Path], tolerance: float) -> list[int]:
-    """In how many closed cuts each path lies."""
+def _depths(count: int, cuts: Mapping[int, Floats]) -> list[int]:
+    """In how many closed cuts each of so many paths lies; `cuts` are polygons by their path."""
     import shapely
 
-    from beamcam.geometry.polylines import polylines
-
-    rings = [k for k, path in enumerate(paths) if path.closed and path.process == "cut"]
-    depths = [0] * len(paths)
-    if len(rings) < 2:
-        return depths
-    shapes = []
-    for k in rings:
-        shapes.append(shapely.Polygon(polylines(paths[k].curves, tolerance).points).buffer(0.0))
+    rings, shapes = [*cuts], [shapely.Polygon(points).buffer(0.0) for points in cuts.values()]
+    depths = [0] * count
     tree = shapely.STRtree(shapes)
     inner, outer = tree.query([s.representative_point() for s in shapes], "within")
     for a, b in zip(inner.tolist(), outer.tolist(), strict=True):

@@ -14,9 +14,9 @@ from beamcam.checks.coping.section import CoperSection
 from beamcam.checks.coping.skew import SkewEnd
 from beamcam.checks.coping.strokes import TorchStroke
 from beamcam.geometry.curves import Line, signed_area
-from beamcam.geometry.plane import Point
+from beamcam.geometry.plane import dot
 from beamcam.model.part import Bevel, Contour, EndCuts, Feature
-from beamcam.recovery.found import plain
+from beamcam.recovery.recovered import plain
 
 Shape = Any  #: of shapely
 
@@ -32,22 +32,20 @@ Ends = tuple[SkewEnd | None, SkewEnd | None]
 
 def ends_of(strokes: Sequence[TorchStroke], section: CoperSection) -> Ends | None:
     """The skew ends that tilted strokes make, start and end; None where they make no two planes."""
-    middle = sum(_places(strokes)) / max(1, len(_places(strokes)))
-    found: list[SkewEnd | None] = []
+    xs = [x for stroke in strokes for x, _ in stroke.points] or [0.0]
+    middle = (min(xs) + max(xs)) / 2
+    ends: list[SkewEnd | None] = []
     for side in (-1, 1):
         own = [
             _plane(stroke, side, section) for stroke in strokes
             if stroke.b_deg and not stroke.leans and side * (stroke.points[-1][0] - middle) > 0.0
         ]  # fmt: skip
-        if any(_differ(one, own[0]) for one in own):
-            return None
-        found.append(own[0] if own else None)
-    return found[0], found[1]
-
-
-def _places(strokes: Sequence[TorchStroke]) -> list[float]:
-    xs = [x for stroke in strokes for x, _ in stroke.points]
-    return [min(xs), max(xs)] if xs else []
+        for end in own:
+            slopes = max(abs(end.by_y - own[0].by_y), abs(end.by_z - own[0].by_z))
+            if slopes > ALIKE or abs(end.c - own[0].c) > SAME:
+                return None
+        ends.append(own[0] if own else None)
+    return ends[0], ends[1]
 
 
 def _plane(stroke: TorchStroke, side: int, section: CoperSection) -> SkewEnd:
@@ -63,11 +61,6 @@ def _plane(stroke: TorchStroke, side: int, section: CoperSection) -> SkewEnd:
         by_y, by_z, y, z = lean, -slope, 0.0, ya
     off = stroke.row.kerf / 2 * sqrt(1.0 + by_y**2 + by_z**2)
     return SkewEnd(side, xa + y * by_y + z * by_z - side * off, by_y, by_z)
-
-
-def _differ(one: SkewEnd, other: SkewEnd) -> bool:
-    slopes = max(abs(one.by_y - other.by_y), abs(one.by_z - other.by_z))
-    return slopes > ALIKE or abs(one.c - other.c) > SAME
 
 
 def cuts_of(ends: Ends) -> EndCuts:
@@ -106,8 +99,8 @@ def with_bevels(
             yield feature
             continue
         own = [one for one in strokes if one.is_tilted and one.face == feature.face]
-        found = [_bevel(feature, stroke, section.thickness(feature.face)) for stroke in own]
-        yield replace(feature, bevels=tuple(one for one in found if one is not None))
+        bevels = [_bevel(feature, stroke, section.thickness(feature.face)) for stroke in own]
+        yield replace(feature, bevels=tuple(bevel for bevel in bevels if bevel is not None))
 
 
 def _bevel(contour: Contour, stroke: TorchStroke, thick: float) -> Bevel | None:
@@ -117,15 +110,13 @@ def _bevel(contour: Contour, stroke: TorchStroke, thick: float) -> Bevel | None:
         return None
     start, end = stroke.points[1], stroke.points[-1]
     turned = -1.0 if signed_area(contour.curves) < 0.0 else 1.0
-    found: list[tuple[float, Bevel]] = []
+    bevels: list[tuple[float, Bevel]] = []  #: and how far the stroke runs from its edge
     for k, curve in enumerate(contour.curves):
         if not isinstance(curve, Line) or curve.length <= 0.0:
             continue
-        dx, dy = (turned * (b - a) / curve.length for a, b in
-                  zip(curve.start, curve.end, strict=True))  # fmt: skip
-        across = dist(start, end) * curve.length
-        along = abs(_dot(_way(start, end), _way(curve.start, curve.end))) / (across or 1.0)
-        if along < ALONG:
+        dx, dy = (turned * way for way in curve.tangent(0.0))
+        along = dot((dx, dy), (end[0] - start[0], end[1] - start[1]))
+        if abs(along) < ALONG * (dist(start, end) or 1.0):
             continue
         (x, y), (px, py) = curve.start, start
         inside = -dy * (px - x) + dx * (py - y)  # the steel lies on the left
@@ -137,13 +128,5 @@ def _bevel(contour: Contour, stroke: TorchStroke, thick: float) -> Bevel | None:
         land = thick - (inside + reach) / slope
         bevel = Bevel(k, plain(degrees(atan(slope)), ANGLE_DEG, DECIMALS), plain(land, LAND, 2))
         if -LAND <= land <= thick + LAND:
-            found.append((abs(inside), bevel))
-    return min(found, key=lambda one: one[0])[1] if found else None
-
-
-def _way(a: Point, b: Point) -> Point:
-    return b[0] - a[0], b[1] - a[1]
-
-
-def _dot(a: Point, b: Point) -> float:
-    return a[0] * b[0] + a[1] * b[1]
+            bevels.append((abs(inside), bevel))
+    return min(bevels, key=lambda one: one[0])[1] if bevels else None

@@ -9,8 +9,7 @@ from msgspec import Struct
 from beamcam.checks.bars.stations import choices_of
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.array_types import Counts, Floats
-from beamcam.machine.bodies import SECTION_NAMES, MachineBox, signed
-from beamcam.machine.machine import Machine
+from beamcam.machine.machine import SECTION_NAMES, Machine, MachineBox, signed
 from beamcam.machine.stations import Saw
 from beamcam.model.part import Profile
 from beamcam.simulation import COLLISION, LIMIT, REACH, TIPS

@@ -20,23 +20,8 @@ from beamcam.model.part import (
     Slot,
     TextMark,
 )
-from beamcam.writers.dstv_rows import (
-    WRITE_COMMENT,
-    WRITE_CONTOUR,
-    WRITE_FACE,
-    WRITE_PLANE,
-    WRITE_TEXT,
-    bend_row,
-    camber_row,
-    contour_rows,
-    end_plane_row,
-    format_number,
-    hole_row,
-    plane_rows,
-    section_row,
-    slot_row,
-    text_row,
-)
+from beamcam.writers import dstv_rows
+from beamcam.writers.dstv_rows import format_number, numbers
 
 _CONTOUR_CODES = {
     ("outer", "cut"): "AK", ("inner", "cut"): "IK", ("open", "punch"): "KO",
@@ -64,7 +49,8 @@ def write(part: Part, tolerance: float | None = None) -> str:
         sheet.comments_at(f"header:{i}")
         sheet.lines.append("  " + text if text else "  ")
     for i, point in enumerate(part.section):
-        sheet.row("PR", f"section:{i}", section_row(point))
+        row = f"  {point.side}{numbers(point.y, point.z, point.radius)}"
+        sheet.row("PR", f"section:{i}", row)
     if part.tolerance is not None:
         least, greatest = part.tolerance
         sheet.row("TO", "tolerance", f"  {format_number(least)} {format_number(greatest)}")
@@ -78,7 +64,8 @@ def write(part: Part, tolerance: float | None = None) -> str:
         sheet.lines += [MADE + line for line in (MADE_ENDS, *there.lines)]
     sheet.lines.append("EN")
     sheet.comments_at("after-end")
-    sheet.finish()
+    for place in sheet.comments:  # without a place
+        raise BeamcamError(dstv_rows.WRITE_COMMENT.at(part.source, found=place))
     return "\n".join(sheet.lines) + "\n"
 
 
@@ -118,12 +105,6 @@ class _Sheet(Struct):
             self.comments_at(f"{anchor}:{i}" if i else anchor)
             self.lines.append(row)
 
-    def finish(self) -> None:
-        """Raise BeamcamError if a comment has no place."""
-        if self.comments:
-            place = next(iter(self.comments))
-            raise BeamcamError(WRITE_COMMENT.at(self.part.source, found=place))
-
 
 def _header(part: Part) -> list[str]:
     """The header's lines, 24 or more."""
@@ -162,76 +143,84 @@ def _write_features(part: Part, sheet: _Sheet, tolerance: float | None) -> None:
             _, k, plane = pending.pop(0)
             number = plane.name.split("#")[0]
             if not re.fullmatch("E[0-9]", number):
-                raise BeamcamError(WRITE_FACE.at(plane.source, found=plane.name, what="a plane"))
+                fault = dstv_rows.WRITE_FACE.at(plane.source, found=plane.name, what="a plane")
+                raise BeamcamError(fault)
             valid[number] = plane.name
-            sheet.rows(number, f"plane:{k}", plane_rows(plane))
+            points = (plane.origin, plane.along_x, plane.along_y)
+            sheet.rows(number, f"plane:{k}", [" " + numbers(*point) for point in points])
 
     for i, feature in enumerate(part.features):
         write_planes(i)
-        _write_feature(feature, i, part, sheet, valid, tolerance)
+        _write_feature(feature, f"feature:{i}", sheet, valid, tolerance)
     write_planes(len(part.features))
 
 
 def _write_feature(
-    feature: Feature, index: int, part: Part, sheet: _Sheet, valid: dict[str, str],
-    tolerance: float | None,
-) -> None:  # fmt: skip
-    anchor = f"feature:{index}"
+    feature: Feature, anchor: str, sheet: _Sheet, valid: dict[str, str], tolerance: float | None
+) -> None:
     # Rows of a block share the face, and whether they have a reference letter: a row without one
     # would inherit that of the row before.
+    source, planes = feature.source, sheet.part.planes
     match feature:
         case Hole() | Slot():
-            code = _code("BO", feature.face, "a hole", part.planes, valid, feature.source)
-            row = hole_row(feature) if isinstance(feature, Hole) else slot_row(feature)
+            code = _code("BO", feature.face, "a hole", planes, valid, source)
+            if isinstance(feature, Hole):
+                row = dstv_rows.hole_row(feature)
+            else:
+                row = dstv_rows.slot_row(feature)
             sheet.row(code, anchor, row, (feature.face, bool(feature.edge)))
         case TextMark():
-            code = _code("SI", feature.face, "a text", part.planes, valid, feature.source)
-            _check_text(feature.text, "a text mark", feature.source, empty=False)
-            sheet.row(code, anchor, text_row(feature), (feature.face, bool(feature.edge)))
+            code = _code("SI", feature.face, "a text", planes, valid, source)
+            _check_text(feature.text, "a text mark", source, empty=False)
+            row = dstv_rows.text_row(feature)
+            sheet.row(code, anchor, row, (feature.face, bool(feature.edge)))
         case Contour():
             code = _CONTOUR_CODES.get((feature.kind, feature.process), "")
             if not code:
-                raise BeamcamError(
-                    WRITE_CONTOUR.at(feature.source, kind=feature.kind, process=feature.process)
-                )
-            code = _code(code, feature.face, "a contour", part.planes, valid, feature.source)
-            sheet.rows(code, anchor, contour_rows(feature, tolerance))
+                kind, process = feature.kind, feature.process
+                raise BeamcamError(dstv_rows.WRITE_CONTOUR.at(source, kind=kind, process=process))
+            code = _code(code, feature.face, "a contour", planes, valid, source)
+            sheet.rows(code, anchor, dstv_rows.contour_rows(feature, tolerance))
         case Bend():
-            sheet.row("KA", anchor, bend_row(feature))
+            radius = () if feature.radius is None else (feature.radius,)
+            bend = (*feature.start, *feature.end, feature.angle, *radius)
+            sheet.row("KA", anchor, " " + numbers(*bend))
         case EndPlane():
-            sheet.row("SC", anchor, end_plane_row(feature))
+            sheet.row("SC", anchor, " " + numbers(*feature.point, *feature.normal))
         case Camber():
-            _code("UE", feature.face, "a camber", (), {}, feature.source)
-            sheet.row("UE", anchor, camber_row(feature), feature.face)
+            _code("UE", feature.face, "a camber", (), {}, source)
+            row = dstv_rows.place(feature.face, feature.x, "", format_number(feature.y))
+            sheet.row("UE", anchor, row, feature.face)
 
 
 def _code(
-    code: str, face: str, what: str, planes: tuple[Plane, ...], valid: dict[str, str],
+    code: str,
+    face: str,
+    what: str,
+    planes: tuple[Plane, ...],
+    valid: dict[str, str],
     source: Source,
-) -> str:  # fmt: skip
+) -> str:
     """The block code for a feature on `face`; that of a plane takes its number."""
     if face in FACES:
         return code
     number = face.split("#")[0]
     if face not in {plane.name for plane in planes}:
-        raise BeamcamError(WRITE_FACE.at(source, found=face, what=what))
+        raise BeamcamError(dstv_rows.WRITE_FACE.at(source, found=face, what=what))
     if valid.get(number) != face:
-        raise BeamcamError(WRITE_PLANE.at(source, found=face))
+        raise BeamcamError(dstv_rows.WRITE_PLANE.at(source, found=face))
     return code[0] + number[1]
 
 
 def _info_row(word: str, text: str, source: Source) -> str:
     """A line of IN; one without a word may hold no colon, which would make it one."""
-    _check_text(word + text, "a line of information", source)
+    place = "a line of information"
+    _check_text(word + text, place, source)
     row = f"{word} : {text}" if word else text
     if (":" in word) or (not word and (":" in text or len(text) <= 2)):
+        expected = "a word and a text, or a text of 3 characters or more without a colon"
         raise BeamcamError(
-            WRITE_TEXT.at(
-                source,
-                found=row,
-                place="a line of information",
-                expected="a word and a text, or a text of 3 characters or more without a colon",
-            )
+            dstv_rows.WRITE_TEXT.at(source, found=row, place=place, expected=expected)
         )
     return "  " + row.rstrip()
 
@@ -248,4 +237,5 @@ def _check_text(
     elif not empty and not text.strip():
         expected = "a text that is not empty"
     if expected:
-        raise BeamcamError(WRITE_TEXT.at(source, found=text, place=place, expected=expected))
+        fault = dstv_rows.WRITE_TEXT.at(source, found=text, place=place, expected=expected)
+        raise BeamcamError(fault)

@@ -17,16 +17,12 @@ from beamcam.geometry.curves import (
     signed_area,
     unit_vector,
 )
+from beamcam.geometry.plane import distance
 from beamcam.model.part import (
     MIRRORED_FACES,
-    Bend,
     Bevel,
-    Camber,
     Contour,
-    EndPlane,
     Hole,
-    Plane,
-    SectionPoint,
     Slot,
     TextMark,
 )
@@ -79,11 +75,12 @@ def _column(text: str) -> str:
     return " " + text.rjust(_WIDTH - 1)
 
 
-def _numbers(*values: float) -> str:
+def numbers(*values: float) -> str:
+    """Numbers in their columns."""
     return "".join(_column(format_number(value)) for value in values)
 
 
-def _place(face: str, x: float, edge: str, y: str) -> str:
+def place(face: str, x: float, edge: str, y: str) -> str:
     """Face, x with its reference letter, and y with what stands behind it."""
     letter = face if len(face) == 1 else " "
     return f"  {letter}{_column(format_number(x))}{edge or ' '}{_column(y)}"
@@ -93,9 +90,9 @@ def hole_row(hole: Hole) -> str:
     """The row of a hole in BO."""
     # "  v      100.00u     100.00      s18.00       8.00       0.00       0.00      90.00"
     size = _KIND_LETTERS.get(hole.kind, "") + format_number(hole.diameter)
-    row = _place(hole.face, hole.x, hole.edge, format_number(hole.y)) + _column(size)
-    row += _numbers(hole.depth or 0.0)
-    return row + _numbers(0.0, 0.0, hole.angle) if hole.angle else row
+    row = place(hole.face, hole.x, hole.edge, format_number(hole.y)) + _column(size)
+    row += numbers(hole.depth or 0.0)
+    return row + numbers(0.0, 0.0, hole.angle) if hole.angle else row
 
 
 def slot_row(slot: Slot) -> str:
@@ -105,43 +102,17 @@ def slot_row(slot: Slot) -> str:
     x = slot.x - (slot.length * cos_w - slot.height * sin_w) / 2
     y = slot.y - (slot.length * sin_w + slot.height * cos_w) / 2
     size = _KIND_LETTERS.get(slot.kind, "") + format_number(slot.diameter)
-    row = _place(slot.face, x, slot.edge, format_number(y)) + _column(size)
+    row = place(slot.face, x, slot.edge, format_number(y)) + _column(size)
     row += _column(format_number(slot.depth or 0.0) + "l")
-    return row + _numbers(slot.length, slot.height, slot.angle)
+    return row + numbers(slot.length, slot.height, slot.angle)
 
 
 def text_row(mark: TextMark) -> str:
     """The row of a text in SI."""
     # "  v       30.00u     134.44       0.00  25r pt56"
     height = format_number(mark.height, 0).rstrip(".")
-    place = _place(mark.face, mark.x, mark.edge, format_number(mark.y))
-    return f"{place}{_numbers(mark.angle)} {height}{mark.option} {mark.text}"
-
-
-def bend_row(bend: Bend) -> str:
-    """The row of a bend in KA."""
-    row = " " + _numbers(*bend.start, *bend.end, bend.angle)
-    return row if bend.radius is None else row + _numbers(bend.radius)
-
-
-def end_plane_row(plane: EndPlane) -> str:
-    """The row of a cutting plane in SC."""
-    return " " + _numbers(*plane.point, *plane.normal)
-
-
-def camber_row(camber: Camber) -> str:
-    """The row of a point of the camber line in UE."""
-    return _place(camber.face, camber.x, "", format_number(camber.y))
-
-
-def plane_rows(plane: Plane) -> list[str]:
-    """The three rows of a plane in En."""
-    return [" " + _numbers(*point) for point in (plane.origin, plane.along_x, plane.along_y)]
-
-
-def section_row(point: SectionPoint) -> str:
-    """The row of a cross-section's corner in PR."""
-    return f"  {point.side}{_numbers(point.y, point.z, point.radius)}"
+    row = place(mark.face, mark.x, mark.edge, format_number(mark.y))
+    return f"{row}{numbers(mark.angle)} {height}{mark.option} {mark.text}"
 
 
 def contour_rows(contour: Contour, tolerance: float | None) -> list[str]:
@@ -159,32 +130,28 @@ def contour_rows(contour: Contour, tolerance: float | None) -> list[str]:
 
     def add(point: Point, radius: float, letter: str = "", pairs: tuple[float, ...] = ()) -> None:
         face, edge = (" ", "") if rows else (contour.face, contour.edge)
-        place = _place(face, point[0], edge, format_number(point[1]))
-        rows.append(place + (letter or " ") + _numbers(radius, *pairs))
+        row = place(face, point[0], edge, format_number(point[1]))
+        rows.append(row + (letter or " ") + numbers(radius, *pairs))
 
     for i, curve in enumerate(contour.curves):
         here = bevels.get(i, [])
         if len(here) > 2:
             raise BeamcamError(WRITE_BEVELS.at(contour.source, count=len(here)))
         pairs = tuple(value for bevel in here for value in (bevel.angle, bevel.land))
-        add(curve.start, sign * _radius(curve), pairs=pairs)
+        radius = 0.0  # of an arc, negative if it runs clockwise in the numbers
+        if isinstance(curve, Arc):
+            radius = curve.radius if curve.sweep_deg > 0 else -curve.radius
+        add(curve.start, sign * radius, pairs=pairs)
         for notch in contour.notches:
             if notch.curve == i:
                 add(notch.corner, sign * notch.radius, notch.kind)
     start, end = contour.curves[0].start, contour.curves[-1].end
-    if contour.closed and hypot(start[0] - end[0], start[1] - end[1]) < 0.01:
+    if contour.closed and distance(start, end) < 0.01:
         end = start
     add(end, 0.0)
     if contour.closed and end != start:
         add(start, 0.0)
     return rows
-
-
-def _radius(curve: Curve) -> float:
-    """The radius of an arc, negative if it runs clockwise in the numbers; 0 of a line."""
-    if isinstance(curve, Arc):
-        return curve.radius if curve.sweep_deg > 0 else -curve.radius
-    return 0.0
 
 
 def _by_the_book(contour: Contour) -> Contour:
@@ -213,21 +180,14 @@ def _by_the_book(contour: Contour) -> Contour:
 def _in_dstv_curves(contour: Contour, tolerance: float | None) -> Contour:
     """`contour` in lines and arcs of at most 180 degrees; bevels go with each piece."""
     pieces: list[Curve] = []
-    first_of: list[int] = []
-    count_of: list[int] = []
+    places: list[range] = []  # of each curve's pieces
     for curve in contour.curves:
-        curves = _pieces(curve, contour, tolerance)
-        first_of.append(len(pieces))
-        count_of.append(len(curves))
-        pieces += curves
+        pieces += _pieces(curve, contour, tolerance)
+        places.append(range(places[-1].stop if places else 0, len(pieces)))
     if len(pieces) == len(contour.curves):
         return replace(contour, curves=tuple(pieces))
-    bevels = tuple(
-        Bevel(first_of[b.curve] + k, b.angle, b.land)
-        for b in contour.bevels
-        for k in range(count_of[b.curve])
-    )
-    notches = tuple(replace(n, curve=first_of[n.curve]) for n in contour.notches)
+    bevels = tuple(Bevel(k, b.angle, b.land) for b in contour.bevels for k in places[b.curve])
+    notches = tuple(replace(n, curve=places[n.curve].start) for n in contour.notches)
     return replace(contour, curves=tuple(pieces), bevels=bevels, notches=notches)
 
 
@@ -243,10 +203,9 @@ def _pieces(curve: Curve, contour: Contour, tolerance: float | None) -> list[Cur
             count = ceil(abs(curve.sweep_deg) / 180.0 - 1e-12)
             if count <= 1:
                 # Readers take an arc for the half circle whose rounded numbers it could have.
-                (ax, ay), (bx, by) = curve.start, curve.end
-                if not 0.0 < 2 * curve.radius - hypot(bx - ax, by - ay) <= LIKE_HALF:
-                    return [curve]
-                if abs(abs(curve.sweep_deg) - 180.0) < 1e-9:
+                short = 2 * curve.radius - distance(curve.start, curve.end)
+                is_half = abs(abs(curve.sweep_deg) - 180.0) < 1e-9
+                if is_half or not 0.0 < short <= LIKE_HALF:
                     return [curve]
                 count = 2
             step = curve.sweep_deg / count
@@ -257,23 +216,16 @@ def _pieces(curve: Curve, contour: Contour, tolerance: float | None) -> list[Cur
     if tolerance is None or tolerance <= 0:
         raise BeamcamError(WRITE_CURVE.at(contour.source, kind=type(curve).__name__))
     if isinstance(curve, EllipseArc):
-        points = _ellipse_points(curve, tolerance)
+        # An ellipse is a circle of its major axis pressed flat, so that its chords are no further
+        # away than the circle's: step = 2 acos(1 - tolerance / major).
+        step = 2 * acos(max(0.0, 1 - tolerance / curve.major))
+        count = max(2, ceil(abs(radians(curve.sweep_deg)) / min(step, pi / 2)))
+        points = [curve.point(k / count) for k in range(count + 1)]
     else:
         points = [curve.start]
         for piece in bezier_pieces(curve):
             points += _bezier_points(piece, tolerance)
     return [Line(a, b) for a, b in pairwise(points) if a != b]
-
-
-def _ellipse_points(curve: EllipseArc, tolerance: float) -> list[Point]:
-    """Points whose chords stay within `tolerance` of an ellipse.
-
-    The ellipse is a circle of its major axis pressed flat, so its chords are no further away
-    than the circle's: step = 2 acos(1 - tolerance / major).
-    """
-    step = 2 * acos(max(0.0, 1 - tolerance / curve.major)) if tolerance < curve.major else pi / 2
-    count = max(2, ceil(abs(radians(curve.sweep_deg)) / min(step, pi / 2)))
-    return [curve.point(k / count) for k in range(count + 1)]
 
 
 def _bezier_points(curve: Bezier, tolerance: float, depth: int = 24) -> list[Point]:
@@ -291,7 +243,5 @@ def _bezier_points(curve: Bezier, tolerance: float, depth: int = 24) -> list[Poi
         flat = flat and hypot(x - x0 - t * dx, y - y0 - t * dy) <= tolerance
     if flat or depth == 0:
         return [curve.end]
-    first, second = curve.split(0.5)
-    return _bezier_points(first, tolerance, depth - 1) + _bezier_points(
-        second, tolerance, depth - 1
-    )
+    halves = [_bezier_points(half, tolerance, depth - 1) for half in curve.split(0.5)]
+    return halves[0] + halves[1]

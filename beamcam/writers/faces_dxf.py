@@ -74,7 +74,9 @@ def _drawing(part: Part) -> str:
     document.units = units.MM
     space = document.modelspace()
     shift = 0.0
-    for face in _drawn_faces(part):
+    used = {_face_of(feature) for feature in part.features} | {"v"}
+    planes = [plane.name for plane in part.planes if plane.name in used]
+    for face in (*(face for face in ("u", "v", "o", "h") if face in used), *planes):
         features = [f for f in part.features if _face_of(f) == face]
         if runs_down(face):
             features = [_upside_down(f) for f in features]
@@ -82,11 +84,20 @@ def _drawing(part: Part) -> str:
         for suffix, colour in _COLOURS.items():
             document.layers.add(layer + suffix, color=colour)
         box = _box(part, face, features)
-        sheet = _View(space, layer, shift - box[1])
-        _draw_stock(part, face, features, sheet)
+        view = _View(space, layer, shift - box[1])
+        (low, high), sign = _edges(part, face), -1.0 if runs_down(face) else 1.0
+        has_outline = any(isinstance(f, Contour) and f.kind == "outer" for f in features)
+        if high > low and not has_outline:  # between the ends that the header cuts
+            (a, d), (b, c) = end_lines(part, face)
+            corners = [(x, sign * y) for x, y in (a, b, c, d)]
+            for a, b in zip(corners, corners[1:] + corners[:1], strict=True):
+                view.line(a, b)
         for feature in features:
-            _draw(feature, sheet)
-        sheet.label(_label(part, face), box)
+            _draw(feature, view)
+        name = f"{face} {FACE_NAMES.get(face, 'PLANE')}  {part.mark}  {part.profile.name}"
+        cuts = sum(1 for f in part.features if _face_of(f) is None) if face == "v" else 0
+        note = f"  {cuts} cutting planes not drawn" if cuts else ""
+        view.label(f"{name}  {face_title(face, part.profile.code)}{note}", box)
         shift += box[3] - box[1] + GAP
     stream = io.StringIO()
     document.write(stream)
@@ -109,20 +120,6 @@ def _upside_down(feature: Feature) -> Feature:
 def _face_of(feature: Feature) -> Face | None:
     """The face that a feature is drawn on; None of a cutting plane."""
     return "v" if isinstance(feature, Bend) else getattr(feature, "face", None)
-
-
-def _drawn_faces(part: Part) -> list[Face]:
-    """Faces from the lowest view to the highest, planes above them."""
-    used = {_face_of(feature) for feature in part.features} | {"v"}
-    planes = [plane.name for plane in part.planes if plane.name in used]
-    return [face for face in ("u", "v", "o", "h") if face in used] + planes
-
-
-def _label(part: Part, face: Face) -> str:
-    cuts = sum(1 for f in part.features if _face_of(f) is None)
-    seen = f"{part.mark}  {part.profile.name}  {face_title(face, part.profile.code)}"
-    text = f"{face} {FACE_NAMES.get(face, 'PLANE')}  {seen}"
-    return text + (f"  {cuts} cutting planes not drawn" if cuts and face == "v" else "")
 
 
 def _box(part: Part, face: Face, features: list[Feature]) -> Box:
@@ -162,10 +159,8 @@ class _View:
 
     def label(self, text: str, box: Box) -> None:
         place = self.at((box[0], box[3] + GAP / 4 - _LABEL_HEIGHT / 4))
-        height = min(_LABEL_HEIGHT, GAP / 2)
-        self.space.add_text(text, height=height / 2, dxfattribs=self.on("_LABEL")).set_placement(
-            place
-        )
+        entity = self.space.add_text(text, height=_LABEL_HEIGHT / 2, dxfattribs=self.on("_LABEL"))
+        entity.set_placement(place)
 
     def line(self, a: tuple[float, float], b: tuple[float, float], suffix: str = "") -> None:
         self.space.add_line(self.at(a), self.at(b), dxfattribs=self.on(suffix))
@@ -175,51 +170,36 @@ class _View:
         self.line((x, y - _MARK_ARM), (x, y + _MARK_ARM), "_MARKS")
 
 
-def _draw_stock(part: Part, face: Face, features: list[Feature], sheet: _View) -> None:
-    """A face that has no outer contour, between the ends that the header cuts."""
-    if any(isinstance(f, Contour) and f.kind == "outer" for f in features):
-        return
-    low, high = _edges(part, face)
-    if high > low:
-        (a, d), (b, c) = end_lines(part, face)
-        corners = [(x, -y if runs_down(face) else y) for x, y in (a, b, c, d)]
-        for a, b in zip(corners, corners[1:] + corners[:1], strict=True):
-            sheet.line(a, b)
-
-
-def _draw(feature: Feature, sheet: _View) -> None:
+def _draw(feature: Feature, view: _View) -> None:
     match feature:
         case Hole() if feature.kind == "mark" or feature.diameter == 0:
-            sheet.cross(feature.x, feature.y)
+            view.cross(feature.x, feature.y)
         case Hole():
-            centre = sheet.at((feature.x, feature.y))
-            sheet.space.add_circle(centre, feature.diameter / 2, dxfattribs=sheet.on("_HOLES"))
+            centre = view.at((feature.x, feature.y))
+            view.space.add_circle(centre, feature.diameter / 2, dxfattribs=view.on("_HOLES"))
         case Slot():
-            _draw_slot(feature, sheet)
+            _draw_slot(feature, view)
         case Contour():
             suffix = "" if feature.process == "cut" else "_MARKS"
             for curve in feature.curves:
-                _draw_curve(curve, sheet, suffix)
+                _draw_curve(curve, view, suffix)
         case TextMark():
             from ezdxf.enums import TextEntityAlignment
 
-            entity = sheet.space.add_text(
-                feature.text,
-                height=feature.height or 1.0,
-                rotation=feature.angle,
-                dxfattribs=sheet.on("_TEXT"),
+            height, on = feature.height or 1.0, view.on("_TEXT")
+            entity = view.space.add_text(
+                feature.text, height=height, rotation=feature.angle, dxfattribs=on
             )
             # Through the web a text would be mirror writing below its base line.
-            align = "TOP_LEFT" if feature.face == THROUGH else "LEFT"
-            place = sheet.at((feature.x, feature.y))
-            entity.set_placement(place, align=TextEntityAlignment[align])
+            align = TextEntityAlignment["TOP_LEFT" if feature.face == THROUGH else "LEFT"]
+            entity.set_placement(view.at((feature.x, feature.y)), align=align)
         case Bend():
-            sheet.line(feature.start, feature.end, "_MARKS")
+            view.line(feature.start, feature.end, "_MARKS")
         case Camber():
-            sheet.cross(feature.x, feature.y)
+            view.cross(feature.x, feature.y)
 
 
-def _draw_slot(slot: Slot, sheet: _View) -> None:
+def _draw_slot(slot: Slot, view: _View) -> None:
     """Straight sides and corner arcs; of no straight side where length or height is 0."""
     radius = slot.diameter / 2
     half = slot.length / 2, slot.height / 2
@@ -233,50 +213,44 @@ def _draw_slot(slot: Slot, sheet: _View) -> None:
         x, y = i * half[0], j * half[1]
         turn = slot.angle + 90.0 * k
         if radius:
-            _draw_curve(Arc(place(x, y), radius, turn, 90.0), sheet, "_HOLES")
+            _draw_curve(Arc(place(x, y), radius, turn, 90.0), view, "_HOLES")
         # the side from the end of this corner to the start of the next one
         i_next, j_next = corners[(k + 1) % 4]
         out_x, out_y = ((0, radius), (-radius, 0), (0, -radius), (radius, 0))[k]
         a = place(x + out_x, y + out_y)
         b = place(i_next * half[0] + out_x, j_next * half[1] + out_y)
         if hypot(a[0] - b[0], a[1] - b[1]) > 1e-9:
-            sheet.line(a, b, "_HOLES")
+            view.line(a, b, "_HOLES")
 
 
-def _draw_curve(curve: Curve, sheet: _View, suffix: str) -> None:
+def _draw_curve(curve: Curve, view: _View, suffix: str) -> None:
     """A curve as the entity that is exactly it; a Newton polynomial as its Bezier curve."""
-    attributes = sheet.on(suffix)
+    attributes = view.on(suffix)
     match curve:
         case Line():
-            sheet.line(curve.start, curve.end, suffix)
+            view.line(curve.start, curve.end, suffix)
         case Arc() if abs(curve.sweep_deg) >= 360.0:
-            sheet.space.add_circle(sheet.at(curve.centre), curve.radius, dxfattribs=attributes)
+            view.space.add_circle(view.at(curve.centre), curve.radius, dxfattribs=attributes)
         case Arc():
             start, end = sorted((curve.start_deg, curve.start_deg + curve.sweep_deg))
-            centre = sheet.at(curve.centre)
-            sheet.space.add_arc(centre, curve.radius, start, end, dxfattribs=attributes)
+            centre = view.at(curve.centre)
+            view.space.add_arc(centre, curve.radius, start, end, dxfattribs=attributes)
         case EllipseArc():
-            _draw_ellipse(curve, sheet, attributes)
+            start, end = sorted((curve.start_deg, curve.start_deg + curve.sweep_deg))
+            centre, span = view.at(curve.centre), (radians(start), radians(end))
+            view.space.add_ellipse(centre, curve.axis, curve.ratio, *span, dxfattribs=attributes)
         case BSpline():
-            _draw_spline(curve, sheet, attributes)
+            _draw_spline(curve, view, attributes)
         case Bezier() | NewtonCurve():
             for piece in bezier_pieces(curve):
                 degree = piece.degree
                 knots = (0.0,) * (degree + 1) + (1.0,) * (degree + 1)
-                _draw_spline(BSpline(degree, piece.points, knots, piece.weights), sheet, attributes)
+                _draw_spline(BSpline(degree, piece.points, knots, piece.weights), view, attributes)
 
 
-def _draw_ellipse(curve: EllipseArc, sheet: _View, attributes: dict[str, Any]) -> None:
-    start, end = sorted((curve.start_deg, curve.start_deg + curve.sweep_deg))
-    sheet.space.add_ellipse(
-        sheet.at(curve.centre), curve.axis, curve.ratio, radians(start), radians(end),
-        dxfattribs=attributes,
-    )  # fmt: skip
-
-
-def _draw_spline(curve: BSpline, sheet: _View, attributes: dict[str, Any]) -> None:
-    control = [sheet.at(point) for point in curve.control]
-    spline = sheet.space.add_spline(dxfattribs=attributes)
+def _draw_spline(curve: BSpline, view: _View, attributes: dict[str, Any]) -> None:
+    control = [view.at(point) for point in curve.control]
+    spline = view.space.add_spline(dxfattribs=attributes)
     spline.dxf.degree = curve.degree
     spline.control_points = [(x, y, 0.0) for x, y in control]
     spline.knots = list(curve.knots)

@@ -7,10 +7,10 @@ machine's file put in. What a job adds are its times and set-points, in two plac
 """
 
 import re
-from collections.abc import Mapping
 from importlib.resources import files
 
 from msgspec import Struct
+from msgspec.structs import astuple
 
 from beamcam.caches import PerObject
 from beamcam.machine.machine import Machine
@@ -60,7 +60,10 @@ def library_runtime(machine: Machine, style: str) -> Runtime:
     triggers = machine.needed(machine.triggers, "trigger program")
     dialect, has_z = dialect_of(machine), triggers.z is not None
     text = _INCLUDE.sub(lambda mark: shipped(mark[1]), shipped(dialect.text))
-    text = _of_style(text, style)
+    # What it has for one style goes from the style's mark up to the next one.
+    text, *pieces = re.split(rf"^<({'|'.join(STYLES)}|)>\n", text, flags=re.MULTILINE)
+    marks = zip(pieces[::2], pieces[1::2], strict=True)
+    text += "".join(piece for mark, piece in marks if mark in ("", style))
     homing = shipped(dialect.homing)
     text = text.replace("<homing>\n", _of_homing(homing, 0) + _of_homing(homing, 1) * has_z)
     text = text.replace("<motion>\n", shipped("paths" if triggers.path_objects else "lines"))
@@ -159,22 +162,6 @@ def is_address(place: str) -> bool:
     return place.startswith("%")
 
 
-def _as_called(text: str, names: Mapping[str, str]) -> str:
-    """A text with names of the controller's library as the project's package has them."""
-    if not names:
-        return text
-    longest_first = sorted(names, key=len, reverse=True)
-    words = re.compile(rf"(?<!\w)(?:{'|'.join(map(re.escape, longest_first))})(?!\w)")
-    return words.sub(lambda word: names[word[0]], text)
-
-
-def _of_style(text: str, style: str) -> str:
-    """A text with what it has for one style: from the style's mark up to the next one."""
-    first, *pieces = re.split(rf"^<({'|'.join(STYLES)}|)>\n", text, flags=re.MULTILINE)
-    marks = zip(pieces[::2], pieces[1::2], strict=True)
-    return first + "".join(piece for mark, piece in marks if mark in ("", style))
-
-
 def _of_homing(text: str, up: int) -> str:
     """The text for homing, of an axis that homes down or up."""
     for word, own in HOMING.items():
@@ -188,13 +175,17 @@ def shipped(name: str) -> str:
 
 
 def _make(machine: Machine) -> dict[str, Runtime]:
+    """The text of each style, with names of the library as the project's package has them."""
+    runtimes = {style: library_runtime(machine, style) for style in STYLES}
     names = machine.triggers.names if machine.triggers else {}
-    made = {}
-    for style in STYLES:
-        plain = library_runtime(machine, style)
-        called = (_as_called(text, names) for text in (plain.head, plain.middle, plain.end))
-        made[style] = Runtime(*called)
-    return made
+    if not names:
+        return runtimes
+    longest_first = sorted(names, key=len, reverse=True)
+    words = re.compile(rf"(?<!\w)(?:{'|'.join(map(re.escape, longest_first))})(?!\w)")
+    return {
+        style: Runtime(*(words.sub(lambda word: names[word[0]], text) for text in astuple(plain)))
+        for style, plain in runtimes.items()
+    }
 
 
 _all_styles = PerObject("simotion.runtime", _make)

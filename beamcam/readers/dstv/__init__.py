@@ -1,12 +1,13 @@
 """The DSTV reader (.nc, .nc1): 7th edition of the standard, and what real files make of it."""
 
-from collections.abc import Iterator
-from typing import Literal
+from bisect import bisect_right
+from collections.abc import Iterator, Sequence
+from itertools import zip_longest
 
 from msgspec import Struct, field
 from msgspec.structs import replace
 
-from beamcam.errors import Rule, Source
+from beamcam.errors import Source
 from beamcam.model.part import (
     MIRRORED_FACES,
     Contour,
@@ -18,7 +19,7 @@ from beamcam.model.part import (
     SectionPoint,
 )
 from beamcam.readers import Reading
-from beamcam.readers.dstv import rules
+from beamcam.readers.dstv import rows, rules
 from beamcam.readers.dstv.blocks import (
     CODES,
     Block,
@@ -30,32 +31,10 @@ from beamcam.readers.dstv.blocks import (
 )
 from beamcam.readers.dstv.contours import ContourRows, build_contour, is_mirrored, read_contour_rows
 from beamcam.readers.dstv.header import header_lines, read_header, upright
-from beamcam.readers.dstv.lint import check
-from beamcam.readers.dstv.rows import (
-    FACE_LETTERS,
-    RowPlace,
-    RowReader,
-    features_of,
-    read_bend,
-    read_camber,
-    read_end_planes,
-    read_hole,
-    read_info,
-    read_plane,
-    read_section_point,
-    read_text,
-    read_tolerance,
-)
+from beamcam.readers.dstv.lint import Ends, check, with_ends
 
 #: What stands before the rows of features that are there, and what says that the ends are.
 MADE, MADE_ENDS = "**BEAMCAM MADE ", "ENDS"
-#: Blocks of a feature a row: what reads a row, and the rule for one that nothing explains.
-_FEATURES: dict[str, tuple[RowReader[Feature | None], Rule]] = {
-    "BO": (read_hole, rules.HOLE_FIELDS),
-    "SI": (read_text, rules.TEXT_FIELDS),
-    "KA": (read_bend, rules.BEND_FIELDS),
-    "UE": (read_camber, rules.CAMBER_FIELDS),
-}
 #: Blocks of contours by the letter that their rows go by.
 _CONTOURS = {"AK": "A", "IK": "I", "KO": "K", "PU": "P"}
 #: Blocks on planes by their letter: the block on faces that has the same rows.
@@ -76,31 +55,13 @@ class BlockContent(Struct):
     plane_names: dict[str, str] = field(default_factory=dict)  #: by digit, the last plane's name
 
 
-class Account(Struct):
-    """Account of a file's lines: each data line is in the part or reported."""
-
-    data_lines: list[int]
-    taken: list[int]
-    reported: list[int]
-
-    @property
-    def lost(self) -> list[int]:
-        """Data lines that are neither in the part nor in a diagnostic; always empty."""
-        return sorted({*self.data_lines} - {*self.taken} - {*self.reported})
-
-
 def looks_like(data: bytes) -> bool:
     """Whether the bytes are a DSTV file by their lines: a line ST, or two codes of its own."""
     lines = {line.strip() for line in split_lines(decode(data[:20000])[0])}
     return "ST" in lines or len(lines & {"EN", "BO", "AK", "IK", "SI", "KO"}) >= 2
 
 
-def read(
-    data: bytes,
-    name: str,
-    encoding: str | None = None,
-    ends: Literal["contour", "header"] | None = None,
-) -> Reading:
+def read(data: bytes, name: str, encoding: str | None = None, ends: Ends | None = None) -> Reading:
     """The part of a DSTV file and its diagnostics; never raises.
 
     `name` is the file's name for messages. Where the header cannot be read there is no part.
@@ -111,39 +72,33 @@ def read(
 
 
 def read_with_account(
-    data: bytes,
-    name: str,
-    asked: str | None = None,
-    ends: Literal["contour", "header"] | None = None,
-) -> tuple[Reading, Account]:
+    data: bytes, name: str, encoding: str | None = None, ends: Ends | None = None
+) -> tuple[Reading, Log]:
     """As `read`, with the account of the file's lines."""
     log = Log(name)
-    encoding = wrong = None
-    if asked is None:
-        text, encoding = decode(data)
+    if encoding is None:
+        text, guessed = decode(data)
     else:
-        text, wrong = decode_as(data, asked, name)
+        text, guessed = decode_as(data, encoding, log), None
     lines = split_lines(text)
     texts = [*map(str.strip, lines)]
-    if wrong is not None:
-        log.diagnostics.append(wrong)
-    if encoding is not None:
+    if guessed is not None:
         line = next((i for i, row in enumerate(lines, 1) if not row.isascii()), 1)
-        log.add(rules.ENCODING, line, encoding=encoding)
+        log.add(rules.ENCODING, line, encoding=guessed)
     start, comments = _find_start(texts, log)
     if start is None:
-        return _refused(lines, log)
+        return _refused(texts, log)
     head = header_lines(lines, texts, start)
     header = read_header(head, Source(name, start), log)
     if header is None:
-        return _refused(lines, log)
+        return _refused(texts, log)
     made = None
     if any(text.startswith(MADE) for text in texts[head.end :]):
         made = _made(texts, head.end, name)
-        body = ["" if text.startswith(MADE) else text for text in texts[head.end :]]
-        texts = [*texts[: head.end], *body]
+        texts = ["" if text.startswith(MADE) else text for text in texts]
     comments += [(0, f"header:{n}", text) for n, text in head.comments]
     blocks, loose, end = split_blocks(lines, texts, head.end, log)
+    log.data_lines = head.numbers + [number for block in blocks for number in block.numbers]
     loose = head.trailing + loose
     for number in head.numbers + [n for block in blocks for n in block.numbers[:1]]:
         begin = lines[number - 1][:2]
@@ -156,9 +111,7 @@ def read_with_account(
     features = tuple(_finish_contours(content, header.profile, log))
     anchored = tuple(FileComment(text, anchor) for _, anchor, text in comments)
     if loose:
-        from beamcam.readers.dstv.comments import place_comments
-
-        anchored = place_comments(
+        anchored = _place_comments(
             comments, loose, blocks, end, features, content.planes, content.contours
         )
     part = replace(
@@ -168,19 +121,14 @@ def read_with_account(
     )  # fmt: skip
     log.diagnostics += () if made is None else made.diagnostics
     if (other := upright(data, part, head.numbers, log)) is not None:
-        told = log.diagnostics[-1]
-        reading, account = read_with_account(other, name, asked, ends)
-        return replace(reading, diagnostics=(told, *reading.diagnostics)), account
+        remark = log.diagnostics[-1]
+        reading, log = read_with_account(other, name, encoding, ends)
+        return replace(reading, diagnostics=(remark, *reading.diagnostics)), log
     if ends is not None:
-        from beamcam.readers.dstv.ends import with_ends
-
         part = with_ends(part, ends, head.numbers, log)
     check(part, content.contours, head.numbers, log)
-    data_lines = head.numbers + [number for block in blocks for number in block.numbers]
-    diagnostics = log.diagnostics
-    diagnostics.sort(key=lambda d: d.source.line or 0)
-    reported = [d.source.line or 0 for d in diagnostics] + log.left_out
-    return Reading("dstv", (part,), tuple(diagnostics)), Account(data_lines, log.taken, reported)
+    log.diagnostics.sort(key=lambda d: d.source.line or 0)
+    return Reading("dstv", (part,), tuple(log.diagnostics)), log
 
 
 def _made(texts: list[str], head: int, name: str) -> Reading:
@@ -189,26 +137,25 @@ def _made(texts: list[str], head: int, name: str) -> Reading:
     Its rows keep their lines; what is said of the header, which ends at line `head`, is not
     repeated.
     """
-    rows = [text.removeprefix(MADE) if text.startswith(MADE) else "" for text in texts[head:]]
+    made = [text.removeprefix(MADE) if text.startswith(MADE) else "" for text in texts[head:]]
     # A row of such a comment is no comment of its own.
-    rows = ["" if row == MADE_ENDS or row.startswith(MADE) else row for row in rows]
-    data = "\n".join([*texts[:head], *rows, "EN"]).encode()
+    made = ["" if row == MADE_ENDS or row.startswith(MADE) else row for row in made]
+    data = "\n".join([*texts[:head], *made, "EN"]).encode()
     reading, _ = read_with_account(data, name, "utf-8")
     diagnostics = tuple(d for d in reading.diagnostics if (d.source.line or 0) > head)
     return replace(reading, diagnostics=diagnostics)
 
 
-def _refused(lines: list[str], log: Log) -> tuple[Reading, Account]:
+def _refused(texts: list[str], log: Log) -> tuple[Reading, Log]:
     """No part, and a note of how many lines were not looked at."""
     known_lines = {d.source.line for d in log.diagnostics}
-    data_lines = [
-        i for i, line in enumerate(lines, 1) if line.strip() and line.lstrip()[:2] != "**"
-    ]
+    data_lines = [i for i, text in enumerate(texts, 1) if text and text[:2] != "**"]
     unread = [i for i in data_lines if i not in known_lines]
     if unread:
         log.add(rules.UNREAD, unread[-1], count=len(unread))
+        log.left_out += unread
     log.diagnostics.sort(key=lambda d: d.source.line or 0)
-    return Reading("dstv", (), tuple(log.diagnostics)), Account(data_lines, [], data_lines)
+    return Reading("dstv", (), tuple(log.diagnostics)), log
 
 
 def _find_start(texts: list[str], log: Log) -> tuple[int | None, list[Placed]]:
@@ -239,29 +186,40 @@ def _find_start(texts: list[str], log: Log) -> tuple[int | None, list[Placed]]:
 def _read_block(block: Block, content: BlockContent, profile: Profile, log: Log) -> None:
     """Add what a block says to `content`."""
     code, plane = _code_and_plane(block, content, log)
-    place = RowPlace(log, profile, plane)
-    if code in _FEATURES:
-        content.features.extend(features_of(block, place, *_FEATURES[code]))
+    place = rows.RowPlace(log, profile, plane)
+    if code in rows.FEATURES:
+        content.features.extend(rows.features_of(block, place, *rows.FEATURES[code]))
     elif code in _CONTOURS:
-        rows = read_contour_rows(block, _CONTOURS[code], place)
-        content.features.extend(rows)
-        content.contours.extend(rows)
+        contours = read_contour_rows(block, _CONTOURS[code], place)
+        content.features.extend(contours)
+        content.contours.extend(contours)
     elif code == "SC":
-        content.features.extend(read_end_planes(block, log))
-    elif code == "E":
-        _read_plane(block, content, log)
+        content.features.extend(rows.read_end_planes(block, log))
+    elif code == "E":  # a number that is used again names another plane
+        last = content.plane_names.get(block.code[1])
+        name = block.code if last is None else f"{block.code}#{int(last[3:] or 1) + 1}"
+        if (read := rows.read_plane(block, name, log)) is not None:
+            content.planes.append(read)
+        content.plane_names[block.code[1]] = name
     elif code == "PR":
-        content.section.extend(features_of(block, place, read_section_point, rules.SECTION_FIELDS))
+        content.section.extend(
+            rows.features_of(block, place, rows.read_section_point, rules.SECTION_FIELDS)
+        )
         if profile.code != "SO":
             log.add(rules.SECTION_CODE, block.line, code=profile.code)
     elif code == "IN":
-        content.info.extend(read_info(block, log))
+        content.info.extend(rows.read_info(block, log))
     elif code == "TO":
         if content.tolerance is not None:
             log.add(rules.BLOCK_REPEATED, block.line, block="TO")
-        content.tolerance = read_tolerance(block, log) or content.tolerance
+        content.tolerance = rows.read_tolerance(block, log) or content.tolerance
     else:
-        _refuse_block(block, log)
+        if block.code == "ST":
+            log.add(rules.SECOND_ST, block.line)
+        elif block.code:
+            log.add(rules.BLOCK_UNKNOWN, block.line, found=block.code, count=len(block.rows))
+        for line, row in zip(block.numbers, block.rows, strict=True):
+            log.add(rules.ROW_LOST, line, found=row, block=block.code or "the header")
 
 
 def _code_and_plane(block: Block, content: BlockContent, log: Log) -> tuple[str, str]:
@@ -274,7 +232,7 @@ def _code_and_plane(block: Block, content: BlockContent, log: Log) -> tuple[str,
     known = _ON_PLANES.get(letter, code)
     if letter == "E":
         return known, ""
-    has_faces = bool(block.rows) and block.rows[0][0].lower() in FACE_LETTERS
+    has_faces = bool(block.rows) and block.rows[0][0].lower() in rows.FACE_LETTERS
     if code == "B0" and "0" not in content.plane_names and has_faces:
         log.add(rules.CODE_ZERO, block.line)
         return known, ""
@@ -283,33 +241,12 @@ def _code_and_plane(block: Block, content: BlockContent, log: Log) -> tuple[str,
     return known, content.plane_names.get(digit, "E" + digit)
 
 
-def _read_plane(block: Block, content: BlockContent, log: Log) -> None:
-    """Add the plane of a block En; a number that is used again names another plane."""
-    base = block.code
-    last = content.plane_names.get(base[1])
-    name = base if last is None else f"{base}#{int(last[3:] or 1) + 1}"
-    plane = read_plane(block, name, log)
-    if plane is not None:
-        content.planes.append(plane)
-    content.plane_names[base[1]] = name
-
-
-def _refuse_block(block: Block, log: Log) -> None:
-    """An error for a block that cannot be read, on its code and on each of its rows."""
-    if block.code == "ST":
-        log.add(rules.SECOND_ST, block.line)
-    elif block.code:
-        log.add(rules.BLOCK_UNKNOWN, block.line, found=block.code, count=len(block.rows))
-    for line, row in zip(block.numbers, block.rows, strict=True):
-        log.add(rules.ROW_LOST, line, found=row, block=block.code or "the header")
-
-
 def _finish_contours(content: BlockContent, profile: Profile, log: Log) -> Iterator[Feature]:
     """The features in order, contour rows made into contours where they make one."""
     mirrored: dict[str, bool] = {}  # by face, whether its first outer contour is
-    for rows in content.contours:
-        if rows.code == "A" and rows.face in MIRRORED_FACES:
-            mirrored.setdefault(rows.face, bool(rows.points) and is_mirrored(rows))
+    for outer in content.contours:
+        if outer.code == "A" and outer.face in MIRRORED_FACES:
+            mirrored.setdefault(outer.face, bool(outer.points) and is_mirrored(outer))
     for item in content.features:
         if type(item) is not ContourRows:
             yield item
@@ -318,19 +255,88 @@ def _finish_contours(content: BlockContent, profile: Profile, log: Log) -> Itera
         if item.face in MIRRORED_FACES and item.points:
             known = mirrored.get(item.face)
             flip = known if known is not None else item.code in "KP" or is_mirrored(item)
-        feature = _contour_or_mark(item, flip, profile, log)
-        if feature is not None:
-            yield feature
+        if item.code == "K" and len(item.points) == 1:  # a punch mark
+            (x, y), line = item.points[0], item.lines[0]
+            log.add(rules.SINGLE_PUNCH, line)
+            log.taken.append(line)
+            source = Source(log.file, line)
+            yield Hole(item.face, x, y, 0.0, source, None, "mark", None, item.edge)
+            continue
+        thickness = profile.thickness(item.face) if item.face in "vouh" else 0.0
+        if (contour := build_contour(item, flip, thickness, log)) is not None:
+            yield contour
 
 
-def _contour_or_mark(
-    rows: ContourRows, flip: bool, profile: Profile, log: Log
-) -> Contour | Hole | None:
-    """The contour of `rows`; a single point of KO is a punch mark."""
-    if rows.code == "K" and len(rows.points) == 1:
-        (x, y), line = rows.points[0], rows.lines[0]
-        log.add(rules.SINGLE_PUNCH, line)
-        log.taken.append(line)
-        return Hole(rows.face, x, y, 0.0, Source(log.file, line), None, "mark", None, rows.edge)
-    thickness = profile.thickness(rows.face) if rows.face in "vouh" else 0.0
-    return build_contour(rows, flip, thickness, log)
+# --- comments ------------------------------------------------------------------------------------
+
+# Positions of comments between the rows of a file: the object that each precedes.
+
+
+Stop = tuple[int, str]  #: a line that a comment can stand before, and its anchor
+
+
+def _place_comments(
+    placed: list[tuple[int, str, str]], loose: list[tuple[int, str]], blocks: list[Block], end: int,
+    features: Sequence[Feature], planes: Sequence[Plane], contours: Sequence[ContourRows],
+) -> tuple[FileComment, ...]:  # fmt: skip
+    """All comments of a file with their anchors, in the order in which a writer meets them.
+
+    `placed` have their line and anchor already; `loose` are lines and texts between the blocks.
+    """
+    from beamcam.model.anchors import anchor_key, plane_positions
+
+    stops = _stops(blocks, features, planes, contours)
+    lines = [line for line, _ in stops]
+    comments = list(placed)
+    for line, text in loose:
+        if end and line > end:
+            anchor = "after-end"
+        else:
+            at = bisect_right(lines, line)
+            anchor = stops[at][1] if at < len(stops) else "end"
+        comments.append((line, anchor, text))
+    positions = plane_positions(planes, features)
+    comments.sort(key=lambda item: anchor_key(item[1], positions))
+    return tuple(FileComment(text, anchor) for _, anchor, text in comments)
+
+
+def _stops(
+    blocks: list[Block], features: Sequence[Feature], planes: Sequence[Plane],
+    contours: Sequence[ContourRows],
+) -> list[Stop]:  # fmt: skip
+    """Every line that a comment can stand before, in order, with its anchor."""
+    things: list[Stop] = []
+    contour_at = {contour.line: contour for contour in contours}
+    for i, feature in enumerate(features):
+        line = feature.source.line or 0
+        things.append((line, f"feature:{i}"))
+        drawn = contour_at.get(line)
+        if drawn is not None and isinstance(feature, Contour):
+            # A comment stands between two rows, so that turning round puts it before the other one.
+            own = sorted({*drawn.lines, *drawn.notch_lines})
+            places = [len(own) - row if drawn.turned else row for row in range(len(own))]
+            things += [(own[k], f"feature:{i}:{place}") for k, place in enumerate(places) if k]
+    block_at = {block.line: block for block in blocks}
+    for k, plane in enumerate(planes):
+        block = block_at[plane.source.line or 0]
+        things += [
+            (line, f"plane:{k}:{row}" if row else f"plane:{k}")
+            for row, line in enumerate(block.numbers[:3])
+        ]
+    counts = {"PR": 0, "IN": 0}
+    for block in blocks:
+        if block.code in counts:
+            name = "section" if block.code == "PR" else "info"
+            for line in block.numbers:
+                things.append((line, f"{name}:{counts[block.code]}"))
+                counts[block.code] += 1
+        elif block.code == "TO" and block.numbers:
+            things.append((block.numbers[0], "tolerance"))
+    things.sort()
+    lines = [line for line, _ in things]
+    for block, limit in zip_longest(blocks, [block.line for block in blocks[1:]]):
+        at = bisect_right(lines, block.line)
+        if at < len(lines) and (limit is None or lines[at] < limit):
+            things.append((block.line, "block:" + things[at][1]))
+    things.sort()
+    return things

@@ -29,12 +29,23 @@ class RowError(ValueError):
 
 
 class Log(Struct):
-    """Diagnostics of one file, and the lines of it that were used."""
+    """Diagnostics of one file, and the account of its lines: each is in the part or reported."""
 
     file: str
     diagnostics: list[Diagnostic] = field(default_factory=list)
+    data_lines: list[int] = field(default_factory=list)
     taken: list[int] = field(default_factory=list)  #: lines whose content is in the part
     left_out: list[int] = field(default_factory=list)  #: lines that a diagnostic elsewhere counts
+
+    @property
+    def reported(self) -> set[int]:
+        """Lines that a diagnostic names or counts."""
+        return {d.source.line or 0 for d in self.diagnostics} | {*self.left_out}
+
+    @property
+    def lost(self) -> list[int]:
+        """Data lines that are neither in the part nor in a diagnostic; always empty."""
+        return sorted({*self.data_lines} - {*self.taken} - self.reported)
 
     def add(self, rule: Rule, line: int, **values: object) -> None:
         """Say `rule` of a line, with what was found cut to a length that can be read."""
@@ -137,24 +148,18 @@ def split_blocks(
         elif text and end:
             log.add(rules.AFTER_EN, number, found=text)
         elif text:
-            _add_row(text, number, blocks, comments, log)
+            if not blocks:
+                blocks.append(Block("", number, [], []))
+            if "**" in text and blocks[-1].code not in _TEXT_CODES:
+                text, comment = (part.strip() for part in text.split("**", 1))
+                log.add(rules.COMMENT_INLINE, number)
+                comments.append((number - 1, comment))
+            blocks[-1].rows.append(text)
+            blocks[-1].numbers.append(number)
     if not end:
         last = max((i for i, line in enumerate(lines, 1) if line.strip()), default=1)
         log.add(rules.NO_EN, last)
     return blocks, comments, end
-
-
-def _add_row(row: str, number: int, blocks: list[Block], comments: list[Loose], log: Log) -> None:
-    """Add a row to the last block, a comment behind it to the comments."""
-    if not blocks:
-        blocks.append(Block("", number, [], []))
-    block = blocks[-1]
-    if "**" in row and block.code not in _TEXT_CODES:
-        row, comment = (part.strip() for part in row.split("**", 1))
-        log.add(rules.COMMENT_INLINE, number)
-        comments.append((number - 1, comment))
-    block.rows.append(row)
-    block.numbers.append(number)
 
 
 def _code(text: str, line: str, number: int, log: Log) -> str | None:
@@ -204,13 +209,14 @@ def decode(data: bytes) -> tuple[str, str | None]:
         return data.removeprefix(_BOM).decode(name, "replace"), NAMES[name]
 
 
-def decode_as(data: bytes, encoding: str, file: str) -> tuple[str, Diagnostic | None]:
-    """The text of a file in the encoding that is asked for; what is wrong where it is none."""
+def decode_as(data: bytes, encoding: str, log: Log) -> str:
+    """The text of a file in an encoding that the user names, with an error where it is none."""
     try:
-        return data.decode(encoding), None
-    except UnicodeError:
-        line = 1 + data.count(b"\n", 0, _first_odd(data, encoding))
-        return data.decode(encoding, "replace"), ENCODING.at(Source(file, line), encoding=encoding)
+        return data.decode(encoding)
+    except UnicodeError as error:
+        line = 1 + data.count(b"\n", 0, getattr(error, "start", 0))
+        log.add(ENCODING, line, encoding=encoding)
+        return data.decode(encoding, "replace")
 
 
 def guessed(data: bytes) -> str:
@@ -223,14 +229,3 @@ def guessed(data: bytes) -> str:
     if 2 * cyrillic > odd:
         return "cp1251"
     return "cp850" if 2 * dos > odd else "latin-1"
-
-
-def _first_odd(data: bytes, encoding: str) -> int:
-    """Position of the first bytes that are invalid in the encoding."""
-    try:
-        data.decode(encoding)
-    except UnicodeDecodeError as error:
-        return error.start
-    except UnicodeError:
-        pass
-    return 0

@@ -6,7 +6,7 @@ clockwise in the numbers, unless the program that wrote the file draws them unmi
 direction of the face's outer contour tells.
 """
 
-from itertools import pairwise
+from itertools import pairwise, zip_longest
 from math import asin, hypot, inf, sin, sqrt
 from typing import Literal, final
 
@@ -19,11 +19,6 @@ from beamcam.model.part import MIRRORED_FACES, Bevel, Contour, ContourKind, Notc
 from beamcam.readers.dstv import rules
 from beamcam.readers.dstv.blocks import EDGES, Block, Log, RowError, numbers
 from beamcam.readers.dstv.rows import RowPlace, rows_of
-
-# --- contour rows ---------------------------------------------------------------------------------
-
-# Rows of the contour blocks AK, IK, KO and PU.
-
 
 #: A notch corner this many radii from its arc comes of tangents that are (nearly) parallel.
 _FARTHEST_CORNER = 1000.0
@@ -65,7 +60,14 @@ def read_contour_rows(block: Block, code: str, place: RowPlace) -> list[ContourR
             rows.edge = rows.edge or edge
             rows.edges += edge
         if notch:
-            _add_notch(rows, notch, (x, y), radius, line, place.log)
+            near = rows.points[-1] if rows.points else (x, y)
+            if hypot(x - near[0], y - near[1]) > _FARTHEST_CORNER * (abs(radius) + 1):
+                place.log.add(rules.NOTCH_CORNER, line, x=x, y=y)
+            else:
+                kind: Literal["t", "w"] = "t" if notch == "t" else "w"
+                group = rows.notches.setdefault(len(rows.points) - 1, [])
+                group.append((kind, (x, y), radius))
+                rows.notch_lines.append(line)
             continue
         if pairs:
             rows.bevels[len(rows.points)] = pairs
@@ -90,39 +92,16 @@ def _fields(
     notch = ""
     if rest and rest[0] in ("t", "w"):
         notch, rest = rest[0], rest[1:]
-    values = numbers(rest, line, place.log)
-    if len(values) > 5:
-        raise RowError(row)
-    pairs = _bevel_pairs(values[1:], row, line, place.log)
-    return x, edge if edge in EDGES else "", y, notch, values[0] if values else 0.0, pairs
-
-
-def _bevel_pairs(values: list[float], row: str, line: int, log: Log) -> tuple[BevelPair, ...]:
-    """Angle and land of up to two bevels. Raises RowError for an angle without its land."""
+    radius, *values = numbers(rest, line, place.log) or [0.0]
     pairs = []
-    for i in range(0, len(values), 2):
-        angle = values[i]
+    for angle, land in zip_longest(values[::2], values[1::2]):
+        if len(values) > 4 or (angle and land is None):
+            raise RowError(row)
         if angle:
-            if i + 1 == len(values):
-                raise RowError(row)
-            pairs.append((angle, values[i + 1]))
-        elif values[i + 1 : i + 2] not in ([], [0.0]):
-            log.add(rules.BEVEL_ANGLE, line, land=values[i + 1])
-    return tuple(pairs)
-
-
-def _add_notch(
-    rows: ContourRows, letter: str, corner: Point, radius: float, line: int, log: Log
-) -> None:
-    """Keep a notch row with the edge that it stands on, unless its corner lies far away."""
-    kind: Literal["t", "w"] = "t" if letter == "t" else "w"
-    near = rows.points[-1] if rows.points else corner
-    far = hypot(corner[0] - near[0], corner[1] - near[1])
-    if far > _FARTHEST_CORNER * (abs(radius) + 1):
-        log.add(rules.NOTCH_CORNER, line, x=corner[0], y=corner[1])
-        return
-    rows.notches.setdefault(len(rows.points) - 1, []).append((kind, corner, radius))
-    rows.notch_lines.append(line)
+            pairs.append((angle, land))
+        elif land:
+            place.log.add(rules.BEVEL_ANGLE, line, land=land)
+    return x, edge if edge in EDGES else "", y, notch, radius, tuple(pairs)
 
 
 def _split_closed(rows: ContourRows) -> list[ContourRows]:
@@ -146,20 +125,17 @@ def _split_closed(rows: ContourRows) -> list[ContourRows]:
             start = i + 1
     if not ends:
         return [rows]
-    bounds = [0, *ends, len(points)]
-    return [_part_of(rows, low, high) for low, high in pairwise(bounds)]
-
-
-def _part_of(rows: ContourRows, low: int, high: int) -> ContourRows:
-    """The contour of the points from `low` to before `high`."""
-    first, behind = rows.lines[low], rows.lines[high] if high < len(rows.lines) else inf
-    return ContourRows(
-        rows.code, rows.face, rows.edge, first, rows.points[low:high], rows.radii[low:high],
-        rows.lines[low:high],
-        {i - low: bevel for i, bevel in rows.bevels.items() if low <= i < high},
-        {i - low: notch for i, notch in rows.notches.items() if low <= max(i, 0) < high},
-        [n for n in rows.notch_lines if (first <= n or low == 0) and n < behind], rows.edges,
-    )  # fmt: skip
+    contours = []
+    for low, high in pairwise([0, *ends, len(points)]):
+        first, behind = rows.lines[low], rows.lines[high] if high < len(rows.lines) else inf
+        contours.append(ContourRows(
+            rows.code, rows.face, rows.edge, first, points[low:high], rows.radii[low:high],
+            rows.lines[low:high],
+            {i - low: bevel for i, bevel in rows.bevels.items() if low <= i < high},
+            {i - low: notch for i, notch in rows.notches.items() if low <= max(i, 0) < high},
+            [n for n in rows.notch_lines if (first <= n or low == 0) and n < behind], rows.edges,
+        ))  # fmt: skip
+    return contours
 
 
 _SNAP = 0.011  #: ends this close are one point that was rounded twice
@@ -220,7 +196,12 @@ def build_contour(rows: ContourRows, mirrored: bool, thickness: float, log: Log)
     counter-clockwise seen from outside, closed inner ones clockwise.
     """
     if len(set(rows.points)) < 2:
-        _refuse_point(rows, log)
+        lines = rows.lines + rows.notch_lines
+        if radius := next((r for r in rows.radii[:-1] if r), 0.0):  # an arc is asked for
+            log.add(rules.CIRCLE_POINTS, rows.line, radius=radius, count=len(lines))
+        else:
+            log.add(rules.CONTOUR_EMPTY, rows.line, points=len(rows.points[:1]), count=len(lines))
+        log.left_out.extend(lines)
         return None
     if len(rows.edges) > 1:
         log.add(rules.EDGE_MIXED, rows.line, found=" ".join(rows.edges), kept=rows.edge)
@@ -228,12 +209,29 @@ def build_contour(rows: ContourRows, mirrored: bool, thickness: float, log: Log)
     if mirrored:
         rows.radii = [-r for r in rows.radii]
     if rows.code in "AI" and rows.points[0] != rows.points[-1]:
-        _close(rows, log)
+        gap = distance(rows.points[-1], rows.points[0])
+        log.add(rules.CONTOUR_OPEN, rows.lines[-1], gap=gap)
+        if gap <= _SNAP and len(rows.points) > 2:
+            rows.points[-1] = rows.points[0]
+        else:
+            rows.points.append(rows.points[0])
+            rows.radii.append(0.0)
     closed = rows.points[0] == rows.points[-1]
     kind: ContourKind = "outer" if rows.code == "A" else "inner" if closed else "open"
-    rows.turned = closed and _runs_the_other_way(rows, kind, log)
+    if closed:
+        rows.area = polygon_area(rows.points)
+        area = rows.area + segments_area(rows.points, rows.radii)
+        if area == 0.0:
+            log.add(rules.CONTOUR_AREA, rows.line)
+        wants_positive = (kind == "outer") != (rows.face in MIRRORED_FACES)
+        rows.turned = area < 0 if wants_positive else area > 0
     bevels = _place_bevels(rows, closed, thickness, log)
-    notches = _place_notches(rows, mirrored)
+    last = len(rows.points) - 2
+    notches = [
+        Notch(i if 0 <= i <= last else last, at, corner, -radius if mirrored else radius)
+        for i, group in sorted(rows.notches.items())
+        for at, corner, radius in group
+    ]
     curves = _curves(rows, log)
     if curves is None:
         log.left_out.extend(rows.lines + rows.notch_lines)
@@ -241,7 +239,6 @@ def build_contour(rows: ContourRows, mirrored: bool, thickness: float, log: Log)
     log.taken.extend(rows.lines)
     log.taken.extend(rows.notch_lines)
     if rows.turned:
-        last = len(curves) - 1
         bevels = [Bevel(last - b.curve, b.angle, b.land) for b in bevels]
         bevels.sort(key=lambda b: b.curve)
         notches = [Notch(last - n.curve, n.kind, n.corner, -n.radius) for n in reversed(notches)]
@@ -250,37 +247,6 @@ def build_contour(rows: ContourRows, mirrored: bool, thickness: float, log: Log)
         rows.face, kind, curves, Source(log.file, rows.line), process, closed, tuple(bevels),
         tuple(notches), rows.edge,
     )  # fmt: skip
-
-
-def _runs_the_other_way(rows: ContourRows, kind: ContourKind, log: Log) -> bool:
-    """Whether a closed contour runs against the sense in which ours run, seen from outside."""
-    rows.area = polygon_area(rows.points)
-    area = rows.area + segments_area(rows.points, rows.radii)
-    if area == 0.0:
-        log.add(rules.CONTOUR_AREA, rows.line)
-    wants_positive = (kind == "outer") != (rows.face in MIRRORED_FACES)
-    return area < 0 if wants_positive else area > 0
-
-
-def _place_notches(rows: ContourRows, mirrored: bool) -> list[Notch]:
-    """The notches at the edges that they stand on, the last one at most."""
-    last = len(rows.points) - 2
-    return [
-        Notch(i if 0 <= i <= last else last, kind, corner, -radius if mirrored else radius)
-        for i, group in sorted(rows.notches.items())
-        for kind, corner, radius in group
-    ]
-
-
-def _refuse_point(rows: ContourRows, log: Log) -> None:
-    """Say that a contour is one point only, which is an error where an arc is asked for."""
-    lines = rows.lines + rows.notch_lines
-    radius = next((r for r in rows.radii[:-1] if r), 0.0)
-    if radius:
-        log.add(rules.CIRCLE_POINTS, rows.line, radius=radius, count=len(lines))
-    else:
-        log.add(rules.CONTOUR_EMPTY, rows.line, points=len(rows.points[:1]), count=len(lines))
-    log.left_out.extend(lines)
 
 
 def _drop_repeated(rows: ContourRows, log: Log) -> None:
@@ -303,18 +269,6 @@ def _drop_repeated(rows: ContourRows, log: Log) -> None:
     rows.points, rows.lines = [points[i] for i in kept], [lines[i] for i in kept]
     rows.radii, rows.notches = radii, notches
     rows.bevels = {place[i]: pairs for i, pairs in rows.bevels.items()}
-
-
-def _close(rows: ContourRows, log: Log) -> None:
-    """Lead a contour that must be closed and is not back to its start."""
-    first, last = rows.points[0], rows.points[-1]
-    gap = distance(last, first)
-    log.add(rules.CONTOUR_OPEN, rows.lines[-1], gap=gap)
-    if gap <= _SNAP and len(rows.points) > 2:
-        rows.points[-1] = first
-    else:
-        rows.points.append(first)
-        rows.radii.append(0.0)
 
 
 def _place_bevels(rows: ContourRows, closed: bool, thickness: float, log: Log) -> list[Bevel]:
@@ -362,19 +316,18 @@ def _half_circle(points: list[Point], radii: list[float], i: int) -> float:
     half = hypot(x1 - x0, y1 - y0) / 2
     if not size or not 0.0 < 2 * (size - half) <= _HALF_SLACK:
         return radius
+    half_circle = half if radius > 0 else -half
     leans = sqrt(1.0 - (half / size) ** 2)  # of the arc as drawn, towards the chord at both ends
     beside = []
     closed = points[0] == points[-1]
     for k in (i - 1, i + 1):
         k = k % len(radii) if closed else k
         if not 0 <= k < len(radii) or radii[k]:
-            return half if radius > 0 else -half
+            return half_circle
         (xa, ya), (xb, yb) = points[k], points[k + 1]
         along = (xb - xa) * (x1 - x0) + (yb - ya) * (y1 - y0)
         beside.append(along / (2 * half * hypot(xb - xa, yb - ya)))
-    if all(leans / 2 < lean < 1.5 * leans for lean in beside):
-        return radius
-    return half if radius > 0 else -half
+    return radius if all(leans / 2 < lean < 1.5 * leans for lean in beside) else half_circle
 
 
 def _curve(

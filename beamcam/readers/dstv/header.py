@@ -72,8 +72,7 @@ def header_lines(lines: list[str], texts: list[str], start: int) -> HeaderLines:
     trailing: list[tuple[int, str]] = []
     values: list[str] = []
     numbers: list[int] = []
-    for index in range(start, len(lines)):
-        text = texts[index]
+    for index, text in enumerate(texts[start:], start):
         if text[:2] == "**":
             if len(values) < MOST_LINES:
                 comments.append((len(values) + 1, text[2:]))
@@ -87,12 +86,14 @@ def header_lines(lines: list[str], texts: list[str], start: int) -> HeaderLines:
                 # the texts stand further in than ST: a line that does not is none of them
                 outside = _indent(lines[index]) <= indent < _indent(lines[numbers[8] - 1])
                 if _ROW.match(text) or outside:
-                    return HeaderLines(values, numbers, comments, trailing, index)
+                    break
             if len(text) == 2 and _is_code(text, lines, index, indent, count):
-                return HeaderLines(values, numbers, comments, trailing, index)
+                break
         values.append(text)
         numbers.append(index + 1)
-    return HeaderLines(values, numbers, comments, trailing, len(lines))
+    else:
+        index = len(lines)
+    return HeaderLines(values, numbers, comments, trailing, index)
 
 
 def _indent(line: str) -> int:
@@ -118,8 +119,17 @@ def read_header(head: HeaderLines, source: Source, log: Log) -> Part | None:
         return None
     values, lines = head.values, head.numbers
     before = len(log.diagnostics)
-    quantity = _quantity(values[5], lines[5], log)
-    code = _profile_code(values[7], lines[7], log)
+    whole = _WHOLE.fullmatch(values[5])
+    quantity = int(whole[1]) if whole else None
+    if whole is None:
+        log.add(rules.QUANTITY, lines[5], found=values[5])
+    elif quantity == 0 or whole[2]:
+        log.add(rules.QUANTITY_FORM, lines[5], found=values[5], value=quantity)
+    code = next((code for code in PROFILE_CODES if code == values[7].upper()), None)
+    if code is None:
+        log.add(rules.PROFILE_CODE, lines[7], found=values[7])
+    elif code != values[7]:
+        log.add(rules.PROFILE_CASE, lines[7], found=values[7], code=code)
     length, saw_length = _lengths(values[8], "," in values[9], lines[8], log)
     dimensions = _dimensions(values, lines, log)
     if quantity is None or code is None or length is None or dimensions is None:
@@ -144,11 +154,13 @@ def read_header(head: HeaderLines, source: Source, log: Log) -> Part | None:
     _warn_of_texts(values, lines, log)
     known_lines = {d.source.line for d in log.diagnostics[before:]}
     log.taken += [line for line in lines if line not in known_lines] if known_lines else lines
+    texts = ["" if value == "-" else value for value in values]  # a dash means none
+    while len(texts) > MIN_LINES and not texts[-1]:
+        texts.pop()
     return Part(
         mark=values[3], profile=profile, length=length, source=source, quantity=quantity,
-        saw_length=saw_length, order=_text(values[0]), drawing=_text(values[1]),
-        phase=_text(values[2]), grade=_text(values[4]), cuts=EndCuts(*cuts), weight=weight,
-        surface=surface, notes=_notes(values[MIN_LINES:]),
+        saw_length=saw_length, order=texts[0], drawing=texts[1], phase=texts[2], grade=texts[4],
+        cuts=EndCuts(*cuts), weight=weight, surface=surface, notes=tuple(texts[MIN_LINES:]),
         cut_lines=(lines[16], lines[17], lines[18], lines[19]),
     )  # fmt: skip
 
@@ -160,11 +172,11 @@ def _is_short(head: HeaderLines, log: Log) -> bool:
         last = lines[-1] if lines else head.end
         log.add(rules.HEADER_SHORT, last, found="the end of the file", count=len(values))
         return True
-    position = next((i for i in range(8, MIN_LINES) if values[i] in CODES), None)
-    if position is None:
-        return False
-    log.add(rules.HEADER_SHORT, lines[position], found=values[position], count=position)
-    return True
+    for i in range(8, MIN_LINES):
+        if values[i] in CODES:
+            log.add(rules.HEADER_SHORT, lines[i], found=values[i], count=i)
+            return True
+    return False
 
 
 #: Sections of ASTM A6 and A500 by code, named by their height in inches, and the greatest of it.
@@ -216,12 +228,12 @@ def lip_by_name(profile: Profile) -> float | None:
         return None
     figures = [float(text.replace(",", ".")) for text in match.groups()]
     known = sorted((profile.height, profile.width, profile.flange_thickness))
-    found = set()
+    lips = set()
     for k, figure in enumerate(figures):
         others = sorted(figures[:k] + figures[k + 1 :])
         if all(abs(a - b) <= TOLERANCE for a, b in zip(others, known, strict=True)):
-            found.add(figure)
-    lip = found.pop() if len(found) == 1 else None
+            lips.add(figure)
+    lip = lips.pop() if len(lips) == 1 else None
     return lip if lip and section_fault(replace(profile, lip=lip)) is None else None
 
 
@@ -257,40 +269,6 @@ def _warn_of_texts(values: list[str], lines: list[int], log: Log) -> None:
             stem = log.file.replace("\\", "/").rpartition("/")[2].rsplit(".", 1)[0]
             if stem == name:
                 log.add(rules.MARK_ELSEWHERE, lines[3], found=values[3], field=field, name=name)
-
-
-def _text(value: str) -> str:
-    """A text of the header; a dash means none."""
-    return "" if value == "-" else value
-
-
-def _notes(values: list[str]) -> tuple[str, ...]:
-    """The free texts, without the empty ones at the end."""
-    texts = [_text(value) for value in values]
-    while texts and not texts[-1]:
-        texts.pop()
-    return tuple(texts)
-
-
-def _quantity(text: str, line: int, log: Log) -> int | None:
-    match = _WHOLE.fullmatch(text)
-    if match is None:
-        log.add(rules.QUANTITY, line, found=text)
-        return None
-    value = int(match[1])
-    if value == 0 or match[2]:
-        log.add(rules.QUANTITY_FORM, line, found=text, value=value)
-    return value
-
-
-def _profile_code(text: str, line: int, log: Log) -> ProfileCode | None:
-    code = text.upper()
-    if code in PROFILE_CODES:
-        if code != text:
-            log.add(rules.PROFILE_CASE, line, found=text, code=code)
-        return code
-    log.add(rules.PROFILE_CODE, line, found=text)
-    return None
 
 
 def _lengths(text: str, commas: bool, line: int, log: Log) -> tuple[float | None, float | None]:

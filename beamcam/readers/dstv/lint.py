@@ -1,17 +1,19 @@
 """Cross-checks of a part that was read: does the file agree with itself?
 
-Nothing here changes the part. Each check looks at two things that a file says twice: an end in the
-header and in the contour, a hole and the material around it.
+Each looks at two things that a file says twice: an end in the header and in the contour, a hole and
+the material around it. `check` changes nothing of the part; `with_ends` has ends as the user says.
 """
 
 from collections.abc import Iterator
 from itertools import pairwise
 from math import atan2, degrees, hypot, inf, pi
+from typing import Literal
 
 from msgspec import Struct
+from msgspec.structs import replace
 
-from beamcam.geometry.curves import Arc, Box, Point, join_boxes
-from beamcam.geometry.plane import box_around
+from beamcam.geometry.curves import Arc, Box, Line, Point, join_boxes
+from beamcam.geometry.plane import box_around, distance
 from beamcam.model.part import (
     MIRRORED_FACES,
     Contour,
@@ -60,13 +62,26 @@ def check(part: Part, contours: list[ContourRows], header: list[int], log: Log) 
     for feature in part.features if contours else ():
         if isinstance(feature, Contour) and feature.kind != "outer" and feature.process == "cut":
             _check_circle(feature, log)
+    for rows in contours if outers else ():
+        # How the standard draws them: clockwise in the numbers of o and h.
+        if rows.code == "A" and len(rows.face) == 1 and len(rows.points) > 2:
+            mirrored = rows.face in MIRRORED_FACES
+            if rows.area > 0 if mirrored else rows.area < 0:
+                names = ("counter-clockwise", "clockwise")
+                found, expected = names if mirrored else names[::-1]
+                log.add(rules.DIRECTION, rows.line, face=rows.face, found=found, expected=expected)
     if outers:
-        _check_directions(contours, log)
         _check_extents(part, outers, header, log)
-        _check_ends(part, outers, header, log)
-        _check_end_planes(part, log)
-    if part.profile.code == "B":
-        _check_unrolled(part, header, log)
+        for name, given, angle in _differing_ends(part, outers):
+            # Some programs leave the header 0 and draw the cut; none was seen to do the reverse.
+            rule = rules.CUT_ANGLE if abs(given) > ANGLE_TOLERANCE_DEG else rules.CUT_MISSING
+            text = name.replace("_", " ") + " cut"
+            log.add(rule, header[CUT_LINES[name] - 1], name=text, header=given, contour=angle + 0.0)
+        if plane := next((f for f in part.features if isinstance(f, EndPlane)), None):
+            log.add(rules.ENDPLANE_OVERRULED, plane.source.line or 0)
+    width = part.profile.height
+    if part.profile.code == "B" and is_unrolled(part.profile):
+        log.add(rules.UNROLLED, header[6], height=width, diameter=round(width / pi, 2))
     _check_weight(part, header, log)
     _check_holes(part, outers, log)
 
@@ -76,32 +91,10 @@ def _check_weight(part: Part, header: list[int], log: Log) -> None:
     profile = part.profile
     if part.weight <= 0.0 or profile.code not in WALLED or section_fault(profile) is not None:
         return
-    area = section_area(profile)
-    weight = 0.0 if area is None else area * STEEL_KG_MM3 * 1000
+    weight = (section_area(profile) or 0.0) * STEEL_KG_MM3 * 1000
     if weight > 0.0 and abs(part.weight - weight) > WEIGHT_SHARE * weight:
         name = profile.name or profile.code
         log.add(rules.WEIGHT_SECTION, header[14], found=part.weight, profile=name, expected=weight)
-
-
-def _outline(contour: Contour) -> _Outline:
-    curves = contour.curves
-    points = [curve.start for curve in curves]
-    arcs = [curve for curve in curves if isinstance(curve, Arc)]
-    box = box_around(points)
-    box = join_boxes([box, *(arc.bbox for arc in arcs)]) or box
-    return _Outline([*points, points[0]], box, arcs)
-
-
-def _check_directions(contours: list[ContourRows], log: Log) -> None:
-    """Note outer contours that run otherwise in their numbers than the standard draws them."""
-    for rows in contours:
-        if rows.code == "A" and len(rows.face) == 1 and len(rows.points) > 2:
-            area = rows.area
-            mirrored = rows.face in MIRRORED_FACES
-            if area > 0 if mirrored else area < 0:
-                names = ("counter-clockwise", "clockwise")
-                found, expected = names if mirrored else names[::-1]
-                log.add(rules.DIRECTION, rows.line, face=rows.face, found=found, expected=expected)
 
 
 def _check_extents(
@@ -133,20 +126,15 @@ def _outlines(part: Part) -> dict[str, list[_Outline]]:
     outers: dict[str, list[_Outline]] = {}
     for one in part.contours:
         if one.kind == "outer":
-            outers.setdefault(one.face, []).append(_outline(one))
+            points = [curve.start for curve in one.curves]
+            arcs = [curve for curve in one.curves if isinstance(curve, Arc)]
+            box = box_around(points)
+            box = join_boxes([box, *(arc.bbox for arc in arcs)]) or box
+            outers.setdefault(one.face, []).append(_Outline([*points, points[0]], box, arcs))
     return outers
 
 
-def _check_ends(part: Part, outers: dict[str, list[_Outline]], header: list[int], log: Log) -> None:
-    """Add the ends of which header and contour say different things."""
-    for name, given, angle in _differing_ends(part, outers):
-        # Some programs leave the header 0 and draw the cut; none was seen to do the reverse.
-        rule = rules.CUT_ANGLE if abs(given) > ANGLE_TOLERANCE_DEG else rules.CUT_MISSING
-        text = name.replace("_", " ") + " cut"
-        log.add(rule, header[CUT_LINES[name] - 1], name=text, header=given, contour=angle + 0.0)
-
-
-def denied_ends(part: Part) -> Iterator[tuple[str, float, float]]:
+def _denied_ends(part: Part) -> Iterator[tuple[str, float, float]]:
     """The cuts of a header that a contour denies: name, its angle and that of the contour."""
     for name, given, angle in _differing_ends(part, _outlines(part)):
         if abs(given) > ANGLE_TOLERANCE_DEG:
@@ -168,9 +156,8 @@ def _differing_ends(
             continue
         for name, angle in zip(names, _end_angles(outlines[0]), strict=True):
             given: float = getattr(cuts, name)
-            if angle is None or abs(angle - given) <= ANGLE_TOLERANCE_DEG:
-                continue
-            yield name, given, angle
+            if angle is not None and abs(angle - given) > ANGLE_TOLERANCE_DEG:
+                yield name, given, angle
 
 
 def _end_angles(outline: _Outline) -> tuple[float | None, float | None]:
@@ -189,21 +176,6 @@ def _end_angles(outline: _Outline) -> tuple[float | None, float | None]:
     return angles[0], angles[1]
 
 
-def _check_end_planes(part: Part, log: Log) -> None:
-    """Note cutting planes that the contour overrules."""
-    for feature in part.features:
-        if isinstance(feature, EndPlane):
-            log.add(rules.ENDPLANE_OVERRULED, feature.source.line or 0)
-            return
-
-
-def _check_unrolled(part: Part, header: list[int], log: Log) -> None:
-    """Note a plate that is the surface of a pipe."""
-    width = part.profile.height
-    if is_unrolled(part.profile):
-        log.add(rules.UNROLLED, header[6], height=width, diameter=round(width / pi, 2))
-
-
 def _check_circle(contour: Contour, log: Log) -> None:
     """Note a circle that is written as a contour."""
     first = contour.curves[0]
@@ -213,7 +185,7 @@ def _check_circle(contour: Contour, log: Log) -> None:
     for curve in contour.curves:
         if not isinstance(curve, Arc) or abs(curve.radius - first.radius) > 0.01:
             return
-        if hypot(curve.centre[0] - first.centre[0], curve.centre[1] - first.centre[1]) > 0.05:
+        if distance(curve.centre, first.centre) > 0.05:
             return
         sweep += curve.sweep_deg
     if abs(abs(sweep) - 360) < 1:
@@ -222,51 +194,41 @@ def _check_circle(contour: Contour, log: Log) -> None:
 
 def _check_holes(part: Part, outers: dict[str, list[_Outline]], log: Log) -> None:
     """Holes and texts in the air, holes that are there twice, those that are probably marks."""
-    seen: dict[object, int] = {}
-    regions: dict[str, _Region] = {}
+    first_lines: dict[object, int] = {}
+    regions: dict[str, tuple[Box, list[_Outline]]] = {}
     for feature in part.features:
-        if type(feature) is Hole:
-            _check_twice(feature, seen, log)
-            if feature.diameter <= LARGEST_MARK and feature.kind in ("through", "blind"):
-                log.add(rules.HOLE_SMALL, feature.source.line or 0, diameter=feature.diameter)
-        elif type(feature) is not Slot and type(feature) is not TextMark:
+        kind = type(feature)
+        if (
+            type(feature) is not Hole
+            and type(feature) is not Slot
+            and type(feature) is not TextMark
+        ):
             continue
-        face, x, y = feature.face, feature.x, feature.y
+        face, x, y, line = feature.face, feature.x, feature.y, feature.source.line or 0
+        if type(feature) is Hole:
+            size, key = (
+                feature.diameter,
+                (face, x, y, feature.diameter, feature.kind, feature.depth),
+            )
+            if (first := first_lines.setdefault(key, line)) != line:
+                log.add(rules.HOLE_DUPLICATE, line, first=first, x=x, y=y, diameter=size)
+            if size <= LARGEST_MARK and feature.kind in ("through", "blind"):
+                log.add(rules.HOLE_SMALL, line, diameter=size)
         if face not in regions:
             regions[face] = _region(part, outers.get(face), face)
         (x0, y0, x1, y1), outlines = regions[face]
         inside = x0 <= x <= x1 and y0 <= y <= y1
-        if inside and outlines and type(feature) is not TextMark:  # of a text the box is enough
-            inside = any(_contains(outline, x, y) for outline in outlines)
-        if not inside:
-            _say_outside(feature, log)
+        if kind is TextMark:  # of a text the box is enough
+            if not inside:
+                log.add(rules.TEXT_OUTSIDE, line, x=x, y=y, face=face)
+        elif not inside or (outlines and not any(_contains(one, x, y) for one in outlines)):
+            what = "a hole" if kind is Hole else "a slot"
+            log.add(rules.HOLE_OUTSIDE, line, what=what, x=x, y=y, face=face)
 
 
-def _say_outside(feature: Hole | Slot | TextMark, log: Log) -> None:
-    line, place = feature.source.line or 0, {"x": feature.x, "y": feature.y, "face": feature.face}
-    if type(feature) is TextMark:
-        log.add(rules.TEXT_OUTSIDE, line, **place)
-    else:
-        what = "a hole" if type(feature) is Hole else "a slot"
-        log.add(rules.HOLE_OUTSIDE, line, what=what, **place)
-
-
-def _check_twice(hole: Hole, seen: dict[object, int], log: Log) -> None:
-    """Note a hole that is `seen` already, by the line that it was first on."""
-    line = hole.source.line or 0
-    first = seen.setdefault((hole.face, hole.x, hole.y, hole.diameter, hole.kind, hole.depth), line)
-    if first != line:
-        place = {"x": hole.x, "y": hole.y, "diameter": hole.diameter}
-        log.add(rules.HOLE_DUPLICATE, line, first=first, **place)
-
-
-#: Where a face has material: a box around it, a little wider, and its outlines, none where the box
-#: says it all.
-_Region = tuple[Box, list[_Outline]]
-
-
-def _region(part: Part, outlines: list[_Outline] | None, face: str) -> _Region:
-    """The material of a face: its outlines, or the raw section where it has none."""
+def _region(part: Part, outlines: list[_Outline] | None, face: str) -> tuple[Box, list[_Outline]]:
+    """A box around the material of a face, a little wider, and its outlines; of one without these
+    the box of the raw section."""
     if len(face) > 1:
         return (-inf, -inf, inf, inf), []  # the file gives no extent of a plane
     slack = EDGE_TOLERANCE
@@ -306,13 +268,87 @@ def _contains(outline: _Outline, x: float, y: float) -> bool:
             # A counter-clockwise arc lies right of its chord.
             if (side < 0) == (arc.sweep_deg > 0):
                 inside = not inside
-    return inside or any(_distance(a, b, x, y) <= EDGE_TOLERANCE for a, b in outline.edges)
+    if inside:
+        return True
+    for (x0, y0), (x1, y1) in outline.edges:
+        dx, dy = x1 - x0, y1 - y0
+        square, along = dx * dx + dy * dy, (x - x0) * dx + (y - y0) * dy
+        t = min(1.0, max(0.0, along / square)) if square else 0.0
+        if hypot(x - x0 - t * dx, y - y0 - t * dy) <= EDGE_TOLERANCE:
+            return True
+    return False
 
 
-def _distance(a: Point, b: Point, x: float, y: float) -> float:
-    """Distance of a point from the edge between `a` and `b`."""
-    (x0, y0), (x1, y1) = a, b
-    dx, dy = x1 - x0, y1 - y0
-    square = dx * dx + dy * dy
-    t = 0.0 if square == 0 else min(1.0, max(0.0, ((x - x0) * dx + (y - y0) * dy) / square))
-    return hypot(x - x0 - t * dx, y - y0 - t * dy)
+# --- ends ----------------------------------------------------------------------------------------
+
+# Which counts where header and contour of a file describe different ends: as the user says.
+
+
+Ends = Literal["contour", "header"]
+AT_EDGE = 0.5  #: mm off an edge of its face that a corner of an end may lie
+LEVEL = 1e-3  #: slope of a side that runs along an edge
+
+
+def with_ends(part: Part, ends: Ends, header: list[int], log: Log) -> Part:
+    """A part whose ends agree: by its contours the angles of the header are theirs, by the header
+    the sides of the contours at that end are its. Each that is settled so is reported.
+
+    Where the header counts the part stays as it is if an outline does not end in a side from edge
+    to edge, between two along the edges, or is unrolled.
+    """
+    denied = [*_denied_ends(part)]
+    if not denied:
+        return part
+    settled = part
+    if ends == "contour":
+        cuts = {name: angle + 0.0 for name, _, angle in denied}
+        settled = replace(part, cuts=replace(part.cuts, **cuts))
+    else:
+        for at in {name.partition("_")[2]: 0 for name, _, _ in denied}:
+            features = [
+                _at_header(one, settled, at == "end")
+                if isinstance(one, Contour) and one.kind == "outer" and one.process == "cut"
+                else one
+                for one in settled.features
+            ]
+            settled = replace(settled, features=tuple(features))
+        if is_unrolled(part.profile) or [*_denied_ends(settled)]:
+            return part
+    for name, given, angle in denied:
+        text = name.replace("_", " ") + " cut"
+        log.add(
+            rules.CUT_SETTLED, header[CUT_LINES[name] - 1], name=text, header=given, contour=angle,
+            ends=ends,
+        )  # fmt: skip
+    return replace(settled, ends_by=ends)
+
+
+def _at_header(contour: Contour, part: Part, at_end: bool) -> Contour:
+    """An outline whose side at one end is that of the header; itself if it has none there."""
+    from beamcam.model.description import end_lines
+
+    if contour.face not in ("v", "h", "o", "u") or not all(
+        isinstance(curve, Line) for curve in contour.curves
+    ):
+        return contour
+    corners = [curve.start for curve in contour.curves]
+    width = part.profile.face_width(contour.face)
+    (low_x, _), (high_x, _) = end_lines(part, contour.face)[at_end]
+    pick = max if at_end else min
+    moved: dict[int, Point] = {}
+    for y, x in ((0.0, low_x), (width, high_x)):
+        on_edge = [k for k, corner in enumerate(corners) if abs(corner[1] - y) <= AT_EDGE]
+        if not on_edge:
+            return contour
+        last = pick(on_edge, key=lambda k: corners[k][0])
+        moved[last] = (x, corners[last][1])
+    (a, b), count = moved, len(corners)
+    if abs(a - b) not in (1, count - 1):
+        return contour
+    for k, other in ((a, b), (b, a)):  # the sides beside the end run along the edges
+        beside = corners[k - 1 if (k + 1) % count == other else (k + 1) % count]
+        if abs(beside[1] - corners[k][1]) > LEVEL * abs(beside[0] - corners[k][0]):
+            return contour
+    ring = [moved.get(k, corner) for k, corner in enumerate(corners)]
+    sides = tuple(Line(p, q) for p, q in zip(ring, [*ring[1:], ring[0]], strict=True))
+    return replace(contour, curves=sides)

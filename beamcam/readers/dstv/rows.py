@@ -13,6 +13,7 @@ from beamcam.model.part import (
     Bend,
     Camber,
     EndPlane,
+    Feature,
     Hole,
     HoleKind,
     Plane,
@@ -46,11 +47,7 @@ class RowPlace(Struct):
     profile: Profile
     face: str  #: "" where no row has named one; of a block on a plane its name, which stays
     edge: str = ""
-    case_told: bool = False
-
-    @property
-    def plate(self) -> bool:
-        return self.profile.code == "B"
+    has_capital: bool = False  #: whether a capital is reported
 
     def take(self, tokens: list[str], line: int) -> list[str]:
         """`tokens` without the face that they may begin with.
@@ -63,7 +60,7 @@ class RowPlace(Struct):
                 self.face = letter
             return tokens[1:]
         found = " ".join(tokens)
-        if found[:1].isalpha() or not (self.face or self.plate):
+        if found[:1].isalpha() or not (self.face or self.profile.code == "B"):
             self.log.add(rules.FACE, line, found=found)
             raise RowError(found)
         if not self.face:
@@ -82,12 +79,12 @@ class RowPlace(Struct):
             raise RowError(letter)
 
     def small(self, letter: str, line: int) -> str:
-        """The letter of a face or a reference as it is meant, whose capital is told."""
+        """The letter of a face or a reference as it is meant, whose capital is reported."""
         if letter not in CAPITALS:
             return letter
-        if not self.case_told:
+        if not self.has_capital:
             self.log.add(rules.FACE_CASE, line, found=letter, read=letter.lower())
-            self.case_told = True
+            self.has_capital = True
         return letter.lower()
 
     def corner(self, row: str, line: int, least: int = 0) -> tuple[float, str, float, list[str]]:
@@ -115,7 +112,7 @@ def rows_of(
 ) -> Iterator[tuple[int, Item]]:
     """The line of each row, and what `read` makes of it.
 
-    Rows that `read` has no explanation for (RowError) are told by `rule`, unless an error says
+    Rows that `read` has no explanation for (RowError) are reported by `rule`, unless an error says
     already what is wrong with them.
     """
     log = place.log
@@ -179,9 +176,9 @@ def read_bend(row: str, line: int, place: RowPlace) -> Bend:
     values = numbers(tokenise(row), line, place.log)
     if len(values) not in (5, 6):
         raise RowError(row)
-    x1, y1, x2, y2, angle = values[:5]
-    radius = values[5] if len(values) == 6 else None
-    return Bend((x1, y1), (x2, y2), angle, radius, Source(place.log.file, line))
+    x1, y1, x2, y2, angle, *radius = values
+    source = Source(place.log.file, line)
+    return Bend((x1, y1), (x2, y2), angle, radius[0] if radius else None, source)
 
 
 def read_camber(row: str, line: int, place: RowPlace) -> Camber:
@@ -197,32 +194,27 @@ def read_camber(row: str, line: int, place: RowPlace) -> Camber:
 
 def read_end_planes(block: Block, log: Log) -> list[EndPlane]:
     """The cutting planes of block SC; six numbers each, on any lines."""
-    features: list[EndPlane] = []
-    for line, values in _groups(block, 6, 0, log, rules.ENDPLANE_FIELDS):
-        x, y, z, nx, ny, nz = values
+    planes: list[EndPlane] = []
+    for line, (x, y, z, nx, ny, nz) in _groups(block, 6, 0, log, rules.ENDPLANE_FIELDS):
         if nx == ny == nz == 0.0:
             log.add(rules.ENDPLANE_FIELDS, line, found="a normal without length", count=1)
-            continue
-        features.append(EndPlane((x, y, z), (nx, ny, nz), Source(log.file, line)))
-    return features
+        else:
+            planes.append(EndPlane((x, y, z), (nx, ny, nz), Source(log.file, line)))
+    return planes
 
 
 def read_plane(block: Block, name: str, log: Log) -> Plane | None:
     """The plane of a block En: three rows of three numbers, or all nine on fewer lines."""
-    groups = _groups(block, 9, 1, log, rules.PLANE_FIELDS)
-    if not groups:
-        return None
-    a, b, c, d, e, f, g, h, i = groups[0][1]
-    return Plane(name, (a, b, c), (d, e, f), (g, h, i), Source(log.file, block.line))
+    for _, (a, b, c, d, e, f, g, h, i) in _groups(block, 9, 1, log, rules.PLANE_FIELDS):
+        return Plane(name, (a, b, c), (d, e, f), (g, h, i), Source(log.file, block.line))
+    return None
 
 
 def read_tolerance(block: Block, log: Log) -> tuple[float, float] | None:
     """Lower and upper deviation of the length (TO)."""
-    groups = _groups(block, 2, 1, log, rules.TOLERANCE_FIELDS)
-    if not groups:
-        return None
-    least, greatest = groups[0][1]
-    return least, greatest
+    for _, (least, greatest) in _groups(block, 2, 1, log, rules.TOLERANCE_FIELDS):
+        return least, greatest
+    return None
 
 
 def _groups(
@@ -273,11 +265,6 @@ def read_info(block: Block, log: Log) -> list[tuple[str, str]]:
 
 # --- holes ----------------------------------------------------------------------------------------
 
-# Holes and slots: block BO, and Bn on planes.
-
-
-Sizes = tuple[float, float, float, float, float]  #: diameter, depth, width, height, angle
-
 WALL_NOISE = 0.01  #: mm that a depth of a wall is rounded by
 # DSTV NC, page 10: the letter before the diameter.
 _KINDS: dict[str, HoleKind] = {
@@ -287,14 +274,7 @@ _KINDS: dict[str, HoleKind] = {
 
 def read_hole(row: str, line: int, place: RowPlace) -> Hole | Slot | None:
     """The hole or slot of a row of BO or Bn, glued ones included; None, with an error, for no
-    such."""
-    return _drilled(place, line, *_hole_fields(row, line, place))
-
-
-def _hole_fields(
-    row: str, line: int, place: RowPlace
-) -> tuple[float, float, HoleKind, Sizes, bool]:
-    """x, y, kind, sizes, and whether the row has the letter of a slot.
+    such.
 
     Raises RowError if no rule explains the row.
     """
@@ -314,31 +294,28 @@ def _hole_fields(
     if not 1 <= len(sizes) <= 5:
         raise RowError(row)
     diameter, depth, width, height, angle, *_ = (*sizes, 0.0, 0.0, 0.0, 0.0)
-    return x, y, kind, (diameter, depth, width, height, angle), slotted
-
-
-def _drilled(
-    place: RowPlace, line: int, x: float, y: float, kind: HoleKind, sizes: Sizes, slotted: bool
-) -> Hole | Slot | None:
-    """The hole or slot that the values of a row mean; None, with an error, if it cannot be."""
-    diameter, depth, width, height, angle = sizes
-    log = place.log
     if diameter < 0 or depth < 0:
         log.add(rules.HOLE_DIAMETER, line, diameter=diameter, depth=depth)
         return None
-    source = Source(log.file, line)
     if kind == "through" and depth and _goes_through(place, depth):
         wall = place.profile.thickness(place.face)
         log.add(rules.HOLE_THROUGH, line, depth=depth, wall=wall)
         depth = 0.0
-        sizes = (diameter, depth, width, height, angle)
+    if kind == "through":
+        # DSTV NC, page 10: depth 0 means through; a diameter of 0 can only be a mark.
+        is_mark = diameter == 0 and not (width or height)
+        kind = "mark" if is_mark else "blind" if depth else "through"
+    source = Source(log.file, line)
     if width or height:
         if not slotted:
             log.add(rules.SLOT_LETTER, line, width=width, height=height)
-        return _slot(place, line, x, y, kind, sizes)
-    if kind == "through":
-        # DSTV NC, page 10: depth 0 means through; a diameter of 0 can only be a mark.
-        kind = "mark" if diameter == 0 else "blind" if depth else "through"
+        # DSTV NC, page 11: x and y are of the first corner circle, the others may lie on either
+        # side of it; width and height are between the circles' centres.
+        cos_w, sin_w = unit_vector(angle)
+        x += (width * cos_w - height * sin_w) / 2
+        y += (width * sin_w + height * cos_w) / 2
+        between = diameter, abs(width), abs(height), angle
+        return Slot(place.face, x, y, *between, source, depth or None, kind, place.edge)
     if slotted:
         log.add(rules.SLOT_ROUND, line)
     cone = angle if kind == "countersink" else 0.0
@@ -359,19 +336,8 @@ def _goes_through(place: RowPlace, depth: float) -> bool:
     return 0.0 < wall <= depth + WALL_NOISE and depth < most - WALL_NOISE
 
 
-def _slot(place: RowPlace, line: int, x: float, y: float, kind: HoleKind, sizes: Sizes) -> Slot:
-    """The slot whose first corner circle is at x, y; the others may lie on either side of it.
-
-    Width and height are between the circles' centres. DSTV NC, page 11.
-    """
-    diameter, depth, width, height, angle = sizes
-    if kind == "through" and depth:
-        kind = "blind"
-    cos_w, sin_w = unit_vector(angle)
-    x += (width * cos_w - height * sin_w) / 2
-    y += (width * sin_w + height * cos_w) / 2
-    source = Source(place.log.file, line)
-    width, height = abs(width), abs(height)
-    return Slot(
-        place.face, x, y, diameter, width, height, angle, source, depth or None, kind, place.edge
-    )
+#: Blocks of a feature a row: what reads a row, and the rule for one that nothing explains.
+FEATURES: dict[str, tuple[RowReader[Feature | None], Rule]] = {
+    "BO": (read_hole, rules.HOLE_FIELDS), "SI": (read_text, rules.TEXT_FIELDS),
+    "KA": (read_bend, rules.BEND_FIELDS), "UE": (read_camber, rules.CAMBER_FIELDS),
+}  # fmt: skip

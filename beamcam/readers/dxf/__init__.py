@@ -11,46 +11,14 @@ from msgspec.structs import replace
 from beamcam.budget import DEPTH, InForce
 from beamcam.errors import Diagnostic, ReadError, Source
 from beamcam.geometry.curves import Curve
-from beamcam.model.part import Contour, Dashed, Measures, Part, TextMark
-from beamcam.readers import Reading
-from beamcam.readers.drawing import (
-    INSUNITS,
-    MM_PER_UNIT,
-    UNITS_OPTION,
-    as_contour,
-    counted,
-    drawing_part,
-    fit_newton,
-    unknown_layers,
-    verdict,
-    wrapped,
-)
-from beamcam.readers.dxf import rules
-from beamcam.readers.dxf.curves import (
-    BY_VALUES,
-    Chain,
-    EdgeOnError,
-    Heights,
-    InsertFrame,
-    check_bounds,
-    scaled,
-)
-from beamcam.readers.dxf.entities import (
-    CURVES,
-    KINDS,
-    by_fit_points,
-    contradictions,
-    is_drawn,
-    text_marks,
-    through_fit_points,
-)
+from beamcam.model.part import Contour, Dashed, Measures, TextMark
+from beamcam.readers import Reading, drawing
+from beamcam.readers.dxf import curves, entities, rules
+from beamcam.readers.dxf.curves import InsertFrame
 from beamcam.readers.dxf.layers import Attributes, Layers, LayerStyle, attributes_of
 from beamcam.readers.dxf.load import MARKER, Run, is_binary, load_document, looks_like
 
-__all__ = ["RULES", "looks_like", "read"]
-
-RULES = rules.RULES
-
+__all__ = ["looks_like", "read"]
 
 #: Heights that differ by less are noise of the writer: files carry 1e-9 to 1e-7.
 FLAT = 1e-3
@@ -67,7 +35,7 @@ class DrawingContent(Struct):
     not_cut: Counter[str] = field(default_factory=Counter)  #: entities by kind
     empty: Counter[str] = field(default_factory=Counter)
     edge_on: Counter[str] = field(default_factory=Counter)
-    heights: Heights = field(default_factory=list)
+    heights: curves.Heights = field(default_factory=list)
     dashed: dict[tuple[str, str, str], Dashed] = field(default_factory=dict)
     diagnostics: list[Diagnostic] = field(default_factory=list)
 
@@ -97,8 +65,8 @@ def read(
     except ReadError as error:
         return Reading("dxf", (), error.diagnostics)
     chosen = Layers(loaded.tables, frozenset(map(str.lower, layers)) or None)
-    diagnostics += (*loaded.remarks, *unknown_layers(chosen.names(), layers, source))
-    runs, frame = iter(loaded.runs), scaled(unit.mm)
+    diagnostics += (*loaded.remarks, *drawing.unknown_layers(chosen.names(), layers, source))
+    runs, frame = iter(loaded.runs), curves.scaled(unit.mm)
     fitted_on, lettered_on = (frozenset(map(str.lower, names)) for names in (fit, letters))
     walk = DrawingWalk(name, chosen, loaded.handles, runs, fitted_on, lettered_on)
     try:
@@ -108,58 +76,43 @@ def read(
             walk.entities(loaded.document.modelspace(), frame, LayerStyle(), ())
     except ReadError as error:
         return Reading("dxf", (), diagnostics + error.diagnostics)
-    dimensions: list[Any] = []
     if loaded.document is not None and not unit.given:
         dimensions = list(loaded.document.modelspace().query("DIMENSION"))
-    collected = walk.found
-    part, fitted = _part(name, collected, fit)
-    seen = sorted([*collected.not_cut.items(), ("hidden curves", collected.hidden_on.total())])
-    diagnostics += (
-        *(contradictions(dimensions, unit.name, unit.mm, name) if dimensions else ()),
-        *collected.diagnostics,
-        *fitted,
-        *_remarks(collected, source),
-        *verdict(part, seen, None if unit.given else unit.name, source),
+        diagnostics += (
+            entities.contradictions(dimensions, unit.name, unit.mm, name) if dimensions else ()
+        )
+    content = walk.content
+    not_cut, lettered = (
+        tuple(sorted(counts.items())) for counts in (content.not_cut, content.lettered)
     )
-    return wrapped(Reading("dxf", (part,), diagnostics), wrap)
+    dashed = tuple(content.dashed.values())
+    measures = Measures((), tuple(content.hidden), not_cut, lettered=lettered, dashed=dashed)
+    part, fitted = drawing.fit_newton(
+        drawing.drawing_part(name, tuple(content.contours), measures), fit
+    )
+    part = replace(part, features=(*part.features, *content.texts))
+    seen = sorted([*not_cut, ("hidden curves", content.hidden_on.total())])
+    unit_name = None if unit.given else unit.name
+    diagnostics += (*content.diagnostics, *fitted, *_remarks(content, source))
+    diagnostics += (*drawing.verdict(part, seen, unit_name, source),)
+    return drawing.wrapped(Reading("dxf", (part,), diagnostics), wrap)
 
 
-def _part(
-    name: str, collected: DrawingContent, fit: Sequence[str]
-) -> tuple[Part, tuple[Diagnostic, ...]]:
-    """The part of a drawing, polylines on the layers of `fit` as polynomials; what is said."""
-    not_cut = tuple(sorted(collected.not_cut.items()))
-    lettered = tuple(sorted(collected.lettered.items()))
-    dashed = tuple(collected.dashed.values())
-    measures = Measures((), tuple(collected.hidden), not_cut, lettered=lettered, dashed=dashed)
-    part, fitted = fit_newton(drawing_part(name, tuple(collected.contours), measures), fit)
-    return replace(part, features=(*part.features, *collected.texts)), fitted
-
-
-def _remarks(collected: DrawingContent, source: Source) -> list[Diagnostic]:
+def _remarks(content: DrawingContent, source: Source) -> Iterator[Diagnostic]:
     """Remarks on entities that are not contours, by kind and count."""
-    by_kind = (
-        (rules.NOT_CUT, collected.not_cut),
-        (rules.EDGE_ON, collected.edge_on),
-        (rules.EMPTY_CURVES, collected.empty),
-        (rules.HIDDEN, collected.hidden_on),
-    )
-    diagnostics = [
-        rule.at(source, count=counts.total(), found=counted(sorted(counts.items())))
-        for rule, counts in by_kind
-        if counts
-    ]
-    if collected.heights:
-        low, high = min(collected.heights), max(collected.heights)
-        if high - low > FLAT:
-            diagnostics.append(rules.NOT_FLAT.at(source, low=low, high=high))
-    return diagnostics
+    kinds = (rules.NOT_CUT, rules.EDGE_ON, rules.EMPTY_CURVES, rules.HIDDEN)
+    counters = (content.not_cut, content.edge_on, content.empty, content.hidden_on)
+    for rule, counts in zip(kinds, counters, strict=True):
+        if counts:
+            found = drawing.counted(sorted(counts.items()))
+            yield rule.at(source, count=counts.total(), found=found)
+    low, high = min(content.heights, default=0.0), max(content.heights, default=0.0)
+    if high - low > FLAT:
+        yield rules.NOT_FLAT.at(source, low=low, high=high)
 
 
 # --- units ----------------------------------------------------------------------------------------
 
-# Unit of length of a DXF file, from its own data.
-#
 # ezdxf invents `$INSUNITS` 6 (metres) for files without a header, so that the raw text is asked.
 
 _NL = rb"[ \t]*(?:\r\n|\r|\n)[ \t]*"
@@ -196,35 +149,28 @@ def find_unit(
 ) -> tuple[LengthUnit | None, tuple[Diagnostic, ...]]:
     """The unit of a file, or the one that the user gave; None with an error if there is none."""
     if units is not None:
-        mm = MM_PER_UNIT.get(units.lower())
+        mm = drawing.MM_PER_UNIT.get(units.lower())
         if mm is None:
-            expected = ", ".join(MM_PER_UNIT)
-            return None, (UNITS_OPTION.at(source, found=units, expected=expected),)
+            expected = ", ".join(drawing.MM_PER_UNIT)
+            return None, (drawing.UNITS_OPTION.at(source, found=units, expected=expected),)
         return LengthUnit(units.lower(), mm, given=True), ()
     code = header_number(data, "$INSUNITS")
-    if code is None or code == 0:
-        return LengthUnit("mm", 1.0), (rules.UNITS_MISSING.at(source, found=_missing(data, code)),)
-    if code not in INSUNITS:
-        expected = ", ".join(f"{c} {name}" for c, (name, _) in INSUNITS.items() if c <= 6)
+    if not code:
+        found = "no $INSUNITS" if code is None else "$INSUNITS 0 (no unit)"
+        if header_number(data, "$MEASUREMENT") == 0:
+            found += " but $MEASUREMENT 0 (inches)"
+        return LengthUnit("mm", 1.0), (rules.UNITS_MISSING.at(source, found=found),)
+    if code not in drawing.INSUNITS:
+        expected = ", ".join(f"{c} {name}" for c, (name, _) in drawing.INSUNITS.items() if c <= 6)
         return None, (rules.UNITS_UNKNOWN.at(source, found=code, expected=expected),)
-    unit = LengthUnit(*INSUNITS[code])
+    unit = LengthUnit(*drawing.INSUNITS[code])
     shown = header_number(data, "$LUNITS")
     if shown in (3, 4) and unit.mm not in (25.4, 304.8):
         return unit, (rules.UNITS_IMPERIAL.at(source, found=shown, unit=unit.name),)
     return unit, ()
 
 
-def _missing(data: bytes, code: int | None) -> str:
-    text = "no $INSUNITS" if code is None else "$INSUNITS 0 (no unit)"
-    if header_number(data, "$MEASUREMENT") == 0:
-        return text + " but $MEASUREMENT 0 (inches)"
-    return text
-
-
 # --- walk -----------------------------------------------------------------------------------------
-
-# Every entity of model space, inserts opened, sorted into what is read and what is not.
-
 
 #: More copies of blocks than this are a damaged number, or blocks that multiply each other.
 MOST_COPIES = 20_000
@@ -241,21 +187,17 @@ class DrawingWalk(Struct):
     runs: Iterator[Run] = iter(())  #: the plain entities that stand at the markers
     newton: frozenset[str] = frozenset()  #: layers whose fit points are nodes of polynomials
     letters: frozenset[str] = frozenset()  #: layers whose texts are lettered
-    found: DrawingContent = field(default_factory=DrawingContent)
+    content: DrawingContent = field(default_factory=DrawingContent)
     _seen: Counter[str] = field(default_factory=Counter)
     _copies: int = 0  #: of blocks, so far
 
     def entities(
-        self,
-        entities: Iterable[Any],
-        frame: InsertFrame,
-        above: LayerStyle,
-        blocks: tuple[str, ...],
+        self, those: Iterable[Any], frame: InsertFrame, above: LayerStyle, blocks: tuple[str, ...]
     ) -> None:
-        """Sort `entities`, which stand in `frame` in the innermost of `blocks`."""
+        """Sort entities, which stand in `frame` in the innermost of `blocks`."""
         from ezdxf.lldxf.const import DXFError
 
-        for entity in entities:
+        for entity in those:
             kind = entity.dxftype()
             if kind == MARKER:
                 self.run(next(self.runs), frame)
@@ -264,18 +206,18 @@ class DrawingWalk(Struct):
             try:
                 if kind == "INSERT":
                     self._insert(entity, source, frame, above, blocks)
-                elif kind in CURVES and (kind != "POLYLINE" or is_drawn(entity)):
-                    look = self.layers.look(attributes_of(entity), above, bool(blocks))
-                    self._curve(entity, source, frame, look)
+                elif kind in entities.CURVES and (kind != "POLYLINE" or entities.is_drawn(entity)):
+                    style = self.layers.style(attributes_of(entity), above, bool(blocks))
+                    self._curve(entity, source, frame, style)
                 elif self._is_lettered(entity, kind, above, bool(blocks)):
-                    self.found.texts += text_marks(entity, frame, source)
+                    self.content.texts += entities.text_marks(entity, frame, source)
                 # SEQEND ends a list of vertices; ezdxf hides it from sound files only. An ATTDEF in
                 # a block shows nothing: each insert has attributes of its own.
                 elif kind != "SEQEND" and not (blocks and kind == "ATTDEF"):
                     self._count(entity, kind, above, bool(blocks))
             # What ezdxf took in of a damaged file may lack attributes or have them of other types.
             except (DXFError, *_BAD_NUMBERS, AttributeError) as error:
-                self._say_entity(source, kind, error)
+                self._report(source, kind, error)
 
     def _source(self, kind: str, handle: str | None) -> Source:
         """The entity's handle, or else its kind and number in the order of reading."""
@@ -284,52 +226,52 @@ class DrawingWalk(Struct):
         self._seen[kind] += 1
         return Source(self.name, None, f"{kind} {self._seen[kind]}")
 
-    def _say_entity(self, source: Source, kind: str, error: Exception) -> None:
+    def _report(self, source: Source, kind: str, error: Exception) -> None:
         text = " ".join(str(error).split()) or type(error).__name__
-        self.found.diagnostics.append(rules.ENTITY.at(source, kind=kind, found=text))
+        self.content.diagnostics.append(rules.ENTITY.at(source, kind=kind, found=text))
 
     def _count(self, entity: Any, kind: str, above: LayerStyle, inside: bool) -> None:
         """Count what is not a curve, unless it is hidden anyway."""
-        if not self.layers.hides(self.layers.look(attributes_of(entity), above, inside)):
-            self.found.not_cut[kind] += 1
+        if not self.layers.hides(self.layers.style(attributes_of(entity), above, inside)):
+            self.content.not_cut[kind] += 1
 
     def _is_lettered(self, entity: Any, kind: str, above: LayerStyle, inside: bool) -> bool:
         """Whether a text stands on a layer that is mapped to a mark, and shows; it is counted."""
-        if kind not in KINDS or not self.letters:
+        if kind not in entities.KINDS or not self.letters:
             return False
-        look = self.layers.look(attributes_of(entity), above, inside)
-        if look.layer.lower() not in self.letters or self.layers.hides(look):
+        style = self.layers.style(attributes_of(entity), above, inside)
+        if style.layer.lower() not in self.letters or self.layers.hides(style):
             return False
-        self.found.lettered[look.layer] += 1
+        self.content.lettered[style.layer] += 1
         return True
 
     def run(self, run: Run, frame: InsertFrame) -> None:
         """Sort plain entities, which stand in model space."""
         attributes: Attributes | None = None
         for plain in run:
-            if plain.says is not attributes:
-                attributes = plain.says
-                look = self.layers.look(attributes, LayerStyle(), False)
-                hidden = self.layers.hides(look)
+            if plain.attributes is not attributes:
+                attributes = plain.attributes
+                style = self.layers.style(attributes, LayerStyle(), False)
+                hidden = self.layers.hides(style)
             kind = plain.kind
-            source, read = self._source(kind, plain.handle), BY_VALUES[kind]
-            self._sort(kind, source, look, hidden, read, frame, plain.values)
+            source, read = self._source(kind, plain.handle), curves.BY_VALUES[kind]
+            self._sort(kind, source, style, hidden, read, frame, plain.values)
 
-    def _curve(self, entity: Any, source: Source, frame: InsertFrame, look: LayerStyle) -> None:
-        kind = entity.dxftype()
-        polynomial = by_fit_points(entity) > 0 and look.layer.lower() in self.newton
-        read = through_fit_points if polynomial else CURVES[kind]
-        seen = self._sort(kind, source, look, self.layers.hides(look), read, frame, (entity,))
-        if seen and not polynomial and (count := by_fit_points(entity)):
-            self.found.diagnostics.append(rules.FIT_SPLINE.at(source, count=count))
+    def _curve(self, entity: Any, source: Source, frame: InsertFrame, style: LayerStyle) -> None:
+        kind, count = entity.dxftype(), entities.by_fit_points(entity)
+        polynomial = count > 0 and style.layer.lower() in self.newton
+        read = entities.through_fit_points if polynomial else entities.chains_of
+        seen = self._sort(kind, source, style, self.layers.hides(style), read, frame, (entity,))
+        if seen and count and not polynomial:
+            self.content.diagnostics.append(rules.FIT_SPLINE.at(source, count=count))
 
     def _sort(
         self,
         kind: str,
         source: Source,
-        look: LayerStyle,
+        style: LayerStyle,
         hidden: bool,
-        read: Callable[..., list[Chain]],
+        read: Callable[..., list[curves.Chain]],
         frame: InsertFrame,
         values: tuple[Any, ...],
     ) -> bool:
@@ -337,31 +279,31 @@ class DrawingWalk(Struct):
 
         `read` takes the frame, a list that it adds heights to, and the values.
         """
-        collected = self.found
-        heights: Heights = [] if hidden else collected.heights
+        content = self.content
+        heights: curves.Heights = [] if hidden else content.heights
         count = len(heights)
         try:
             chains = read(frame, heights, *values)
-            check_bounds(chains)
+            curves.check_bounds(chains)
         except _BAD_NUMBERS as error:
             del heights[count:]
-            if not hidden and isinstance(error, EdgeOnError):
-                collected.edge_on[kind] += 1
+            if not hidden and isinstance(error, curves.EdgeOnError):
+                content.edge_on[kind] += 1
             elif not hidden:
-                self._say_entity(source, kind, error)
+                self._report(source, kind, error)
             return False
         if not chains:
-            collected.empty[kind] += 1
+            content.empty[kind] += 1
         if hidden:
-            collected.hidden += (curve for chain in chains for curve in chain)
-            collected.hidden_on[look.layer] += 1
+            content.hidden += (curve for chain in chains for curve in chain)
+            content.hidden_on[style.layer] += 1
             return False
         for chain in chains:
-            collected.contours.append(as_contour(chain, source, look.layer, look.colour))
-        if chains and look.line_type:
-            key = look.layer, look.colour, look.line_type
-            before = collected.dashed.get(key) or Dashed(*key, 0, source)
-            collected.dashed[key] = replace(before, count=before.count + len(chains))
+            content.contours.append(drawing.as_contour(chain, source, style.layer, style.colour))
+        if chains and style.line_type:
+            key = style.layer, style.colour, style.line_type
+            before = content.dashed.get(key) or Dashed(*key, 0, source)
+            content.dashed[key] = replace(before, count=before.count + len(chains))
         return bool(chains)
 
     def _insert(
@@ -373,16 +315,16 @@ class DrawingWalk(Struct):
         blocks: tuple[str, ...],
     ) -> None:
         """Open an insert: its block, once for each place of its array."""
-        look = self.layers.look(attributes_of(insert), above, bool(blocks))
+        style = self.layers.style(attributes_of(insert), above, bool(blocks))
         name = str(insert.dxf.get("name", ""))
         for attribute in insert.attribs:
-            self._count(attribute, "ATTRIB", look, True)
+            self._count(attribute, "ATTRIB", style, True)
         block = insert.block()
         if block is None or block.block.is_xref:
-            self.found.diagnostics.append(rules.BLOCK_MISSING.at(source, found=name))
+            self.content.diagnostics.append(rules.BLOCK_MISSING.at(source, found=name))
             return
         if name.lower() in blocks:
-            self.found.diagnostics.append(rules.BLOCK_CYCLE.at(source, found=name))
+            self.content.diagnostics.append(rules.BLOCK_CYCLE.at(source, found=name))
             return
         if len(blocks) >= InForce.limits.depth:
             raise ReadError(DEPTH.at(source, found=name, expected=InForce.limits.depth))
@@ -390,8 +332,8 @@ class DrawingWalk(Struct):
         self._copies += copies
         if self._copies > MOST_COPIES:
             raise ReadError(rules.BLOCK_COUNT.at(source, found=self._copies, expected=MOST_COPIES))
-        before = len(self.found.contours)
+        before = len(self.content.contours)
         for place in insert.multi_insert() if copies > 1 else (insert,):
-            self.entities(block, frame.inside(place.matrix44()), look, (*blocks, name.lower()))
-        if len(self.found.contours) > before and self.layers.hides(look):
-            self.found.diagnostics.append(rules.FROZEN_INSERT.at(source, layer=look.layer))
+            self.entities(block, frame.inside(place.matrix44()), style, (*blocks, name.lower()))
+        if len(self.content.contours) > before and self.layers.hides(style):
+            self.content.diagnostics.append(rules.FROZEN_INSERT.at(source, layer=style.layer))

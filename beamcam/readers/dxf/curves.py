@@ -89,7 +89,7 @@ def _slope(row: Row, v: Vector) -> float:
 
 Chain = tuple[Curve, ...]
 Heights = list[float]
-Vertex = tuple[float, float, float]  #: x, y and the bulge of the stretch behind it
+Vertex = tuple[float, float, float]  #: x, y and the bulge of the line or arc behind it
 
 #: A bulge whose arc rises less than this above its chord is a straight line.
 FLAT_BULGE = 1e-7
@@ -103,16 +103,12 @@ def _placed(curves: Iterable[Curve], matrix: Matrix) -> Chain:
     """The curves of an entity's plane in mm, without lines that are seen as points."""
     if matrix == IDENTITY:
         return tuple(curves)
-    placed = (_mapped(curve, matrix) for curve in curves)
-    return tuple(c for c in placed if not (isinstance(c, Line) and c.start == c.end))
-
-
-def _mapped(curve: Curve, matrix: Matrix) -> Curve:
     try:
-        placed = curve.transformed(matrix)
+        placed = [curve.transformed(matrix) for curve in curves]
     except ValueError as error:
         raise EdgeOnError(str(error)) from error
-    return round_if_circle(placed) if isinstance(placed, EllipseArc) else placed
+    placed = [round_if_circle(c) if isinstance(c, EllipseArc) else c for c in placed]
+    return tuple(c for c in placed if not (isinstance(c, Line) and c.start == c.end))
 
 
 # --- lines, arcs, ellipses ------------------------------------------------------------------------
@@ -154,23 +150,17 @@ def ellipse(
     end_rad: float,
 ) -> list[Chain]:
     """An ellipse by half of its major axis; `normal` has length 1 and stands on its plane."""
-    x, y, z = _cross(normal, major)
-    minor = (x * ratio, y * ratio, z * ratio)
+    (a, b, c), (x, y, z) = normal, major
+    minor = ((b * z - c * y) * ratio, (c * x - a * z) * ratio, (a * y - b * x) * ratio)
     # Parameters are eccentric angles in radians, not polar ones.
     sweep = (end_rad - start_rad) % tau
-    if sweep < 1e-9 or sweep > tau - 1e-9:
-        sweep = tau
+    sweep_deg = degrees(sweep) if 1e-9 <= sweep <= tau - 1e-9 else 360.0
     u, v = frame.vector(major), frame.vector(minor)
     if hypot(*u) == 0.0:
         return []
     heights.append(frame.height(centre))
-    sweep_deg = 360.0 if sweep == tau else degrees(sweep)
     curve = ellipse_of(frame.point(centre), u, v, degrees(start_rad), sweep_deg)
     return [(round_if_circle(curve),)]
-
-
-def _cross(a: Vector, b: Vector) -> Vector:
-    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
 # --- polylines ------------------------------------------------------------------------------------

@@ -1,7 +1,7 @@
 """What ezdxf holds of an entity: the numbers of its curves, its text, what a dimension says."""
 
 import re
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from math import atan2, cos, degrees, hypot, radians, sin
 from typing import Any
 
@@ -21,12 +21,10 @@ from beamcam.readers.dxf.curves import (
 
 # --- curves ---------------------------------------------------------------------------------------
 
-# A function of the table `CURVES` takes the frame that an entity stands in, a list that it adds
-# heights to, and the entity, and gives chains, as the functions of `curves` do.
-
-
 # Flag of a vertex: a control point of the frame of a fitted polyline, which is not drawn.
 SPLINE_FRAME = 16
+#: Kinds of entities that are curves.
+CURVES = ("LINE", "ARC", "CIRCLE", "ELLIPSE", "LWPOLYLINE", "POLYLINE", "SPLINE")
 
 
 def _vector(v: Any) -> Vector:
@@ -45,33 +43,29 @@ def _axes(entity: Any) -> Axes:
     return _vector(ocs.ux), _vector(ocs.uy), _vector(ocs.uz)
 
 
-def _line(frame: InsertFrame, heights: Heights, entity: Any) -> list[Chain]:
-    return curves.line(frame, heights, _vector(entity.dxf.start), _vector(entity.dxf.end))
-
-
-def _circle(frame: InsertFrame, heights: Heights, entity: Any) -> list[Chain]:
-    centre, radius = _vector(entity.dxf.center), entity.dxf.radius
-    return curves.arc(frame, heights, centre, radius, axes=_axes(entity))
-
-
-def _arc(frame: InsertFrame, heights: Heights, entity: Any) -> list[Chain]:
-    centre, radius = _vector(entity.dxf.center), entity.dxf.radius
-    start, end = entity.dxf.start_angle, entity.dxf.end_angle
-    return curves.arc(frame, heights, centre, radius, start, end, _axes(entity))
-
-
-def _ellipse(frame: InsertFrame, heights: Heights, entity: Any) -> list[Chain]:
-    dxf = entity.dxf
-    normal = _vector(dxf.extrusion.normalize())
-    axis = _vector(dxf.major_axis)
-    ends = dxf.start_param, dxf.end_param
-    return curves.ellipse(frame, heights, _vector(dxf.center), axis, normal, dxf.ratio, *ends)
-
-
-def _lwpolyline(frame: InsertFrame, heights: Heights, entity: Any) -> list[Chain]:
-    vertices = [(float(x), float(y), float(b)) for x, y, b in entity.get_points("xyb")]
-    elevation = entity.dxf.get("elevation", 0.0)
-    return curves.polyline(frame, heights, vertices, bool(entity.closed), elevation, _axes(entity))
+def chains_of(frame: InsertFrame, heights: Heights, entity: Any) -> list[Chain]:
+    """The chains of a curve of ezdxf, by the functions of `curves`."""
+    dxf, kind = entity.dxf, entity.dxftype()
+    if kind == "LINE":
+        return curves.line(frame, heights, _vector(dxf.start), _vector(dxf.end))
+    if kind in ("ARC", "CIRCLE"):
+        start, end = (dxf.start_angle, dxf.end_angle) if kind == "ARC" else (0.0, 360.0)
+        centre, axes = _vector(dxf.center), _axes(entity)
+        return curves.arc(frame, heights, centre, dxf.radius, start, end, axes)
+    if kind == "ELLIPSE":
+        normal, axis = _vector(dxf.extrusion.normalize()), _vector(dxf.major_axis)
+        ends = dxf.start_param, dxf.end_param
+        return curves.ellipse(frame, heights, _vector(dxf.center), axis, normal, dxf.ratio, *ends)
+    if kind == "LWPOLYLINE":
+        vertices = [(float(x), float(y), float(b)) for x, y, b in entity.get_points("xyb")]
+        flat = bool(entity.closed), dxf.get("elevation", 0.0), _axes(entity)
+        return curves.polyline(frame, heights, vertices, *flat)
+    if kind == "POLYLINE":
+        return _polyline(frame, heights, entity)
+    tool = entity.construction_tool()
+    points = [_vector(p) for p in tool.control_points]
+    knots, weights = (tuple(map(float, row)) for row in (tool.knots(), tool.weights()))
+    return curves.spline(frame, heights, tool.order - 1, points, knots, weights)
 
 
 def _polyline(frame: InsertFrame, heights: Heights, entity: Any) -> list[Chain]:
@@ -79,23 +73,13 @@ def _polyline(frame: InsertFrame, heights: Heights, entity: Any) -> list[Chain]:
     closed = bool(entity.is_closed)
     if entity.is_2d_polyline:
         vertices = [(v.location.x, v.location.y, v.get("bulge", 0.0)) for v in drawn]
-        elevation = entity.dxf.get("elevation")
+        elevation = entity.dxf.get("elevation", drawn[0].location if drawn else None)
         height = elevation.z if elevation is not None else 0.0
-        if elevation is None and drawn:
-            height = drawn[0].location.z
         return curves.polyline(frame, heights, vertices, closed, height, _axes(entity))
     points = [_vector(v.location) for v in drawn]
     if closed and points:
         points.append(points[0])
     return curves.polyline_through(frame, heights, points)
-
-
-def _spline(frame: InsertFrame, heights: Heights, entity: Any) -> list[Chain]:
-    tool = entity.construction_tool()
-    points = [_vector(p) for p in tool.control_points]
-    knots = tuple(float(k) for k in tool.knots())
-    weights = tuple(float(w) for w in tool.weights())
-    return curves.spline(frame, heights, tool.order - 1, points, knots, weights)
 
 
 def by_fit_points(entity: Any) -> int:
@@ -112,17 +96,6 @@ def through_fit_points(frame: InsertFrame, heights: Heights, entity: Any) -> lis
     return curves.polyline_through(frame, heights, points)
 
 
-CURVES: dict[str, Callable[[InsertFrame, Heights, Any], list[Chain]]] = {
-    "LINE": _line,
-    "ARC": _arc,
-    "CIRCLE": _circle,
-    "ELLIPSE": _ellipse,
-    "LWPOLYLINE": _lwpolyline,
-    "POLYLINE": _polyline,
-    "SPLINE": _spline,
-}
-
-
 # --- texts ----------------------------------------------------------------------------------------
 
 # Texts of a drawing that are to be lettered: those on layers that are mapped to a mark.
@@ -137,7 +110,10 @@ _FEET = (0.0, 1 / 3, -0.5, -1.0)
 def text_marks(entity: Any, frame: InsertFrame, source: Source) -> Iterator[TextMark]:
     """The lines of a text, each from where its baseline begins."""
     if entity.dxftype() == "TEXT":
-        lines, across, up = [entity.plain_text()], *_held(entity)
+        lines, along = [entity.plain_text()], entity.dxf.get("halign", 0)
+        # From where it is aligned: a share of its length, and in heights above its baseline.
+        across = (0.0, 0.5, 1.0, 0.0, 0.5, 0.0)[along]
+        up = -0.5 if along == 4 else _FEET[entity.dxf.get("valign", 0)]  # 4: by its middle
         at = entity.dxf.insert if (across, up) == (0.0, 0.0) else entity.dxf.align_point
         height, turn = entity.dxf.height, entity.dxf.get("rotation", 0.0)
     else:
@@ -154,23 +130,11 @@ def text_marks(entity: Any, frame: InsertFrame, source: Source) -> Iterator[Text
     for number, line in enumerate(lines):
         if not line.strip():
             continue
-        begin, foot = -across * _width(line) * height, (up - number * LINE_SPACING) * height
+        glyphs = (glyph_of(sign) for sign in spelled(line, {}).text)
+        width = sum(glyph.advance for glyph in glyphs if glyph is not None)  # in heights
+        begin, foot = -across * width * height, (up - number * LINE_SPACING) * height
         x, y = frame.point((at[0] + begin * c - foot * s, at[1] + begin * s + foot * c, at[2]))
         yield TextMark("v", x, y, degrees(atan2(uy, ux)), height * scale, line.strip(), source)
-
-
-def _held(text: Any) -> tuple[float, float]:
-    """Alignment point of a TEXT: as a share of its length, and above its baseline in heights."""
-    across = (0.0, 0.5, 1.0, 0.0, 0.5, 0.0)[text.dxf.get("halign", 0)]
-    if text.dxf.get("halign", 0) == 4:  # by its middle
-        return 0.5, -0.5
-    return across, _FEET[text.dxf.get("valign", 0)]
-
-
-def _width(line: str) -> float:
-    """Length of a line of text in heights."""
-    glyphs = (glyph_of(sign) for sign in spelled(line, {}).text)
-    return sum(glyph.advance for glyph in glyphs if glyph is not None)
 
 
 # --- what dimensions say --------------------------------------------------------------------------
@@ -178,6 +142,8 @@ def _width(line: str) -> float:
 _STATED = re.compile(r"(\d+(?:[.,]\d+)?)\s*(mm|cm|m|inch(?:es)?|in|ft|\"|″|')\.?\Z", re.IGNORECASE)
 _WORDS = {"inch": 25.4, "inches": 25.4, '"': 25.4, "″": 25.4, "'": 304.8}
 _FORMATTING = re.compile(r"\\[A-Za-z][^;\\]*;|[{}]")
+_SIZES = (1.0, 10.0, 25.4, 304.8, 1000.0)
+_UNIT_FACTORS = {a / b for a in _SIZES for b in _SIZES if a != b}
 
 
 def contradictions(
@@ -195,16 +161,10 @@ def contradictions(
             continue
         text, length, measured = stated
         size = measured * mm
-        if size > 0.0 and _is_unit_factor(length / size):
-            return (
-                rules.UNITS_CONTRADICT.at(
-                    Source(name, None, dimension.dxf.handle),
-                    stated=text,
-                    measured=measured,
-                    unit=unit,
-                    size=size,
-                ),
-            )
+        if size > 0.0 and any(abs(length / size / k - 1.0) < 0.01 for k in _UNIT_FACTORS):
+            figures = {"stated": text, "measured": measured, "unit": unit, "size": size}
+            source = Source(name, None, dimension.dxf.handle)
+            return (rules.UNITS_CONTRADICT.at(source, **figures),)
     return ()
 
 
@@ -226,12 +186,6 @@ def _stated_length(dimension: Any) -> tuple[str, float, float] | None:
     word = match[2].lower()
     mm = _WORDS.get(word) or MM_PER_UNIT[word]
     return text, float(match[1].replace(",", ".")) * mm, measured
-
-
-def _is_unit_factor(factor: float) -> bool:
-    sizes = (1.0, 10.0, 25.4, 304.8, 1000.0)
-    known = {a / b for a in sizes for b in sizes if a != b}
-    return any(abs(factor / k - 1.0) < 0.01 for k in known)
 
 
 def is_drawn(polyline: Any) -> bool:

@@ -52,16 +52,16 @@ def rows_of(text: str) -> Rows | None:
     ends = [k for k in starts if lines[2 * k + 1] == "EOF"]
     if ends != [len(texts) - 1]:
         return None
-    found: dict[str, list[range]] = {}
+    sections: dict[str, list[range]] = {}
     name = ""
     for k, row in enumerate(starts):
         kind = lines[2 * row + 1].strip()
         if kind == "SECTION":
             name, begin = lines[2 * row + 3] if codes[row + 1] == NAME else "", k + 1
         elif kind == "ENDSEC" and name:
-            found.setdefault(name, []).append(range(begin, k))
+            sections.setdefault(name, []).append(range(begin, k))
             name = ""
-    once = {name: places[0] for name, places in found.items() if len(places) == 1}
+    once = {name: places[0] for name, places in sections.items() if len(places) == 1}
     return Rows(lines, codes, starts, once)
 
 
@@ -121,6 +121,9 @@ class TableLayer(Struct, frozen=True):
     hidden: bool = False  #: off, frozen or not plotting
 
 
+_UNKNOWN = TableLayer("")  #: white, and shown
+
+
 class Tables(Struct, frozen=True):
     """Layers, and which line types have gaps, by their names in lower case."""
 
@@ -158,9 +161,8 @@ def tables_by_rows(rows: Rows, r12: bool) -> Tables | None:
     layers.setdefault("defpoints", TableLayer("Defpoints"))
     has_gaps = {name: DASH in entry for name, entry in entries["LTYPE"].items()}
     space = entries["BLOCK_RECORD"].get("*model_space", {}).get(HANDLE, [""])[0]
-    return (
-        None if any("" in names for names in entries.values()) else Tables(layers, has_gaps, space)
-    )
+    is_odd = any("" in names for names in entries.values())
+    return None if is_odd else Tables(layers, has_gaps, space)
 
 
 def _entries(rows: Rows, kind: str, r12: bool) -> dict[str, dict[int, list[str]]]:
@@ -168,7 +170,7 @@ def _entries(rows: Rows, kind: str, r12: bool) -> dict[str, dict[int, list[str]]
 
     The name is empty of one that is not as it should be, or has another's.
     """
-    found: dict[str, dict[int, list[str]]] = {}
+    entries: dict[str, dict[int, list[str]]] = {}
     for k in rows.sections.get("TABLES", ()):
         if rows.kind(k) != kind:
             continue
@@ -179,8 +181,8 @@ def _entries(rows: Rows, kind: str, r12: bool) -> dict[str, dict[int, list[str]]
         classes = [] if r12 else ["AcDbSymbolTableRecord", _CLASSES[kind]]
         is_sound = len(names) == 1 and entry.get(SUBCLASS, []) == classes
         name = names[0].lower() if is_sound else ""
-        found["" if name in found else name] = entry
-    return found
+        entries["" if name in entries else name] = entry
+    return entries
 
 
 def _layer(entry: dict[int, list[str]]) -> TableLayer:
@@ -218,44 +220,41 @@ class Layers(Struct):
     def names(self) -> tuple[str, ...]:
         return tuple(layer.name for layer in self.tables.layers.values())
 
-    def look(self, attributes: Attributes, above: LayerStyle, inside: bool) -> LayerStyle:
+    def style(self, attributes: Attributes, above: LayerStyle, inside: bool) -> LayerStyle:
         """How what has `attributes` shows below `above`; `inside`: whether it stands in a block.
 
         In a block, layer 0 stands for the layer of the insert, and BYBLOCK for its colour and its
         line type.
         """
         layer = above.layer if inside and attributes.layer == "0" else attributes.layer
-        return LayerStyle(
-            layer, self._colour(attributes, layer, above), above.invisible or attributes.invisible,
-            self._line_type(attributes, layer, above),
-        )  # fmt: skip
+        colour, invisible = self._colour(attributes, layer, above), attributes.invisible
+        line_type = attributes.line_type.upper()
+        if line_type == TYPE_BY_BLOCK:
+            line_type = above.line_type
+        elif line_type == TYPE_BY_LAYER:
+            line_type = self._layer(layer).line_type
+        else:
+            line_type = self._with_gaps(line_type)
+        return LayerStyle(layer, colour, above.invisible or invisible, line_type)
 
-    def hides(self, look: LayerStyle) -> bool:
-        """Whether what looks so is not read: off, frozen, not plotting, Defpoints, not chosen."""
-        if look.invisible:
+    def hides(self, style: LayerStyle) -> bool:
+        """Whether what shows so is not read: off, frozen, not plotting, Defpoints, not chosen."""
+        if style.invisible:
             return True
         if self.chosen is not None:
-            return look.layer.lower() not in self.chosen
-        return self._layer(look.layer).hidden
+            return style.layer.lower() not in self.chosen
+        return self._layer(style.layer).hidden
 
     def _layer(self, name: str) -> _Layer:
+        """A layer as the table has it; white and visible if an entity names one that it has not."""
         key = name.lower()
         if key not in self._known:
-            self._known[key] = self._read(name)
+            layer = self.tables.layers.get(key, _UNKNOWN)
+            true_colour, number = layer.true_colour, layer.colour
+            colour = colour_of_number(number) if true_colour is None else _hex(true_colour)
+            hidden = layer.hidden or key == "defpoints"
+            self._known[key] = _Layer(colour, self._with_gaps(layer.line_type), hidden)
         return self._known[key]
-
-    def _read(self, name: str) -> _Layer:
-        """A layer as the table has it; white and visible if an entity names one that it has not."""
-        hidden = name.lower() == "defpoints"
-        layer = self.tables.layers.get(name.lower())
-        if layer is None:
-            return _Layer(WHITE, "", hidden)
-        true_colour = layer.true_colour
-        return _Layer(
-            _hex(true_colour) if true_colour is not None else colour_of_number(layer.colour),
-            self._with_gaps(layer.line_type),
-            hidden or layer.hidden,
-        )
 
     def _colour(self, attributes: Attributes, layer: str, above: LayerStyle) -> str:
         if attributes.true_colour is not None:
@@ -266,12 +265,6 @@ class Layers(Struct):
         if number == BYLAYER or number > 255:
             return self._layer(layer).colour
         return colour_of_number(number)
-
-    def _line_type(self, attributes: Attributes, layer: str, above: LayerStyle) -> str:
-        name = attributes.line_type.upper()
-        if name == TYPE_BY_BLOCK:
-            return above.line_type
-        return self._layer(layer).line_type if name == TYPE_BY_LAYER else self._with_gaps(name)
 
     def _with_gaps(self, name: str) -> str:
         """A line type if it has gaps, by the table or, where that lacks it, by its name."""

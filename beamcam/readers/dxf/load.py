@@ -4,12 +4,14 @@ import io
 import logging
 import re
 from collections.abc import Iterable
+from contextlib import suppress
 
 import numpy as np
 from msgspec import Struct
+from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, ReadError, Source
-from beamcam.readers.dxf import rules
+from beamcam.readers.dxf import plain, rules
 from beamcam.readers.dxf.layers import (
     HANDLE,
     SUBCLASS,
@@ -21,18 +23,7 @@ from beamcam.readers.dxf.layers import (
     tables_by_rows,
     tables_of,
 )
-from beamcam.readers.dxf.plain import (
-    BEYOND,
-    NOT_SAID,
-    UNSAID,
-    Codes,
-    Says,
-    ValuePlaces,
-    Values,
-    attributes_from,
-    plan_of,
-)
-from beamcam.readers.dxf.repair import VERSION, is_sound, recovered, said, with_subclasses
+from beamcam.readers.dxf.repair import VERSION, is_sound, message_of, recovered, with_subclasses
 
 UTF8 = 1021  #: and above: files in UTF-8, whatever code page they name
 #: Without a handler, Python would print what ezdxf logs.
@@ -59,8 +50,8 @@ class Plain(Struct, frozen=True, gc=False):
 
     kind: str
     handle: str | None
-    says: Attributes
-    values: Values
+    attributes: Attributes
+    values: plain.Values
 
 
 Run = list[Plain]  #: plain entities that follow one another
@@ -103,15 +94,20 @@ def load_document(data: bytes, source: Source) -> Loaded:
     handles = is_binary(data) or bool(_HANDLE.search(data))
     logging.getLogger("ezdxf").addHandler(_SILENT)
     try:
-        drawing = _load_binary(data) if is_binary(data) else _load_text(data, handles)
+        if is_binary(data):
+            from ezdxf.document import Drawing
+            from ezdxf.lldxf.tagger import binary_tags_loader
+
+            loaded = _of_document(Drawing.load(binary_tags_loader(data)), handles)
+        else:
+            loaded = _load_text(data, handles)
     # ezdxf lets errors of every kind pass through for damaged files (ValueError, KeyError,
     # AttributeError of half-read entities): whatever it is, the file is not sound.
     except Exception as error:
         if is_binary(data):
-            raise ReadError(rules.STRUCTURE.at(source, found=said(error))) from error
-        drawing, repairs = _repaired(data, handles, source, error)
-        remarks = (*remarks, *repairs)
-    return Loaded(*drawing, handles, remarks)
+            raise ReadError(rules.STRUCTURE.at(source, found=message_of(error))) from error
+        loaded = _repaired(data, handles, source, error)
+    return replace(loaded, remarks=(*remarks, *loaded.remarks))
 
 
 def _check_end(data: bytes, source: Source) -> tuple[Diagnostic, ...]:
@@ -133,65 +129,42 @@ def _check_end(data: bytes, source: Source) -> tuple[Diagnostic, ...]:
     raise ReadError(rules.TRUNCATED.at(source, found=last[0].decode("latin-1").strip()))
 
 
-#: A document, its tables, and what stood at the markers in it.
-_Drawing = tuple[Document | None, Tables, tuple[Run, ...]]
+def _of_document(document: Document, handles: bool, runs: tuple[Run, ...] = ()) -> Loaded:
+    return Loaded(document, tables_of(document), runs, handles)
 
 
-def _load_text(data: bytes, handles: bool) -> _Drawing:
+def _load_text(data: bytes, handles: bool) -> Loaded:
     """The document, without the plain entities of model space where they can be taken apart."""
     data = data.removeprefix(b"\xef\xbb\xbf")
-    version, encoding = _version_and_encoding(data)
+    named = VERSION.search(data)
+    if named is not None and (data.isascii() or int(named[1]) >= UTF8):
+        version, encoding = f"AC{named[1].decode()}", "utf-8"
+    else:  # that of its code page
+        from ezdxf.filemanagement import dxf_stream_info
+
+        info = dxf_stream_info(_text(data, "utf-8", "ignore"))
+        version, encoding = info.version, info.encoding
     text = _text(data, encoding, "surrogateescape").read()
     taken = take_plain(text, version, handles)
     if taken is not None and taken.tables is not None:
-        return None, taken.tables, taken.runs
-    document = _rest(taken, version) if taken is not None else None
-    if taken is not None and document is not None:
-        return document, tables_of(document), taken.runs
+        return Loaded(None, taken.tables, taken.runs, handles)
     from ezdxf.filemanagement import read
 
-    document = read(io.StringIO(text))
-    return document, tables_of(document), ()
-
-
-def _version_and_encoding(data: bytes) -> tuple[str, str]:
-    """The version of a text, "AC1015", and the encoding that belongs to it or to its code page."""
-    found = VERSION.search(data)
-    if found is not None and (data.isascii() or int(found[1]) >= UTF8):
-        return f"AC{found[1].decode()}", "utf-8"
-    from ezdxf.filemanagement import dxf_stream_info
-
-    info = dxf_stream_info(_text(data, "utf-8", "ignore"))
-    return info.version, info.encoding
-
-
-def _rest(taken: Taken, version: str) -> Document | None:
-    """The document of what plain entities leave; None if these are not all of model space's."""
-    from ezdxf.filemanagement import read
-
-    try:
-        document = read(io.StringIO(taken.rest))
-    except Exception:  # the file is not sound: ezdxf shall say so of the whole of it
-        return None
-    owners = {document.modelspace().layout_key}
-    return document if document.loaded_dxfversion == version and taken.owners <= owners else None
+    if taken is not None:
+        # Where the file is not sound, ezdxf shall say so of the whole of it.
+        with suppress(Exception):
+            document = read(io.StringIO(taken.rest))
+            owners = {document.modelspace().layout_key}
+            if document.loaded_dxfversion == version and taken.owners <= owners:
+                return _of_document(document, handles, taken.runs)
+    return _of_document(read(io.StringIO(text)), handles)
 
 
 def _text(data: bytes, encoding: str, errors: str) -> io.TextIOWrapper:
     return io.TextIOWrapper(io.BytesIO(data), encoding=encoding, errors=errors)
 
 
-def _load_binary(data: bytes) -> _Drawing:
-    from ezdxf.document import Drawing
-    from ezdxf.lldxf.tagger import binary_tags_loader
-
-    document = Drawing.load(binary_tags_loader(data))
-    return document, tables_of(document), ()
-
-
-def _repaired(
-    data: bytes, handles: bool, source: Source, first: Exception
-) -> tuple[_Drawing, tuple[Diagnostic, ...]]:
+def _repaired(data: bytes, handles: bool, source: Source, first: Exception) -> Loaded:
     """The document of a file that ezdxf does not read as it stands, and what was done to it.
 
     Raises ReadError if nothing helps.
@@ -200,11 +173,11 @@ def _repaired(
     remarks = (rules.SUBCLASSES.at(source, count=count),) if count else ()
     if count:
         try:
-            return _load_text(marked, handles), remarks
+            return replace(_load_text(marked, handles), remarks=remarks)
         except Exception as error:  # as above: any kind of error means that it is damaged besides
             first = error
     document, repair = recovered(marked if count else data, source, first)
-    return (document, tables_of(document), ()), (*remarks, repair)
+    return replace(_of_document(document, handles), remarks=(*remarks, repair))
 
 
 # --- plain entities -------------------------------------------------------------------------------
@@ -241,7 +214,7 @@ def take_plain(text: str, version: str, named: bool) -> Taken | None:
     taker.take(entities)
     if taker.odd or not taker.runs or taker.has_names_of_others():
         return None
-    owners = frozenset(taker.owners - {UNSAID})
+    owners = frozenset(taker.owners - {plain.UNSAID})
     is_whole = sum(map(len, taker.runs)) == len(entities)
     tables = tables_by_rows(rows, version <= _R12) if is_whole and is_sound(rows, version) else None
     if tables is not None and not owners <= {tables.model_space}:
@@ -249,7 +222,7 @@ def take_plain(text: str, version: str, named: bool) -> Taken | None:
     return Taken(tuple(taker.runs), taker.rest() if tables is None else "", owners, tables)
 
 
-def _codes(sequence: bytes) -> Codes:
+def _codes(sequence: bytes) -> plain.Codes:
     return tuple(np.frombuffer(sequence, np.int32).tolist())
 
 
@@ -276,12 +249,12 @@ class _Taker:
         self.odd = False  #: whether a plain entity is where none is allowed
         self.owners: set[str] = set()
         self._spans: list[tuple[int, int]] = []  #: first row of each run, and the row behind it
-        self._attributes: dict[Says, Attributes] = {}
+        self._attributes: dict[plain.Texts, Attributes] = {}
 
     def take(self, entities: Iterable[int]) -> None:
         """Take those of the entities that are plain."""
         lines = self.rows.lines
-        plans: dict[tuple[str, bytes], ValuePlaces | None] = {}
+        plans: dict[tuple[str, bytes], plain.ValuePlaces | None] = {}
         goes_on = False  # whether the entity before goes on in the one that follows
         for first, last, sequence in self.rows.sequences(entities):
             row = lines[2 * first + 1 : 2 * last : 2]
@@ -289,10 +262,13 @@ class _Taker:
             try:
                 plan = plans[key]
             except KeyError:
-                plan = plans[key] = plan_of(row[0], _codes(sequence), self.r12)
-            plain = None if plan is None else self._read(plan, row)
-            if plain is None:
-                goes_on = _goes_on(row, sequence)
+                plan = plans[key] = plain.plan_of(row[0], _codes(sequence), self.r12)
+            entity = None if plan is None else self._read(plan, row)
+            if entity is None:  # do its vertices or attributes follow, up to a SEQEND?
+                goes_on = row[0] in ("POLYLINE", "VERTEX", "ATTRIB")
+                if row[0] == "INSERT":
+                    codes = _codes(sequence)
+                    goes_on = 66 in codes and row[codes.index(66)].strip() != "0"
                 continue
             self.odd |= goes_on
             begun, behind = self._spans[-1] if self._spans else (0, 0)
@@ -301,26 +277,25 @@ class _Taker:
             else:
                 self._spans.append((first, last))
                 self.runs.append([])
-            self.runs[-1].append(plain)
+            self.runs[-1].append(entity)
 
-    def _read(self, plan: ValuePlaces, row: list[str]) -> Plain | None:
-        row += BEYOND
-        said = plan.attributes(row)
+    def _read(self, plan: plain.ValuePlaces, row: list[str]) -> Plain | None:
+        row += plain.BEYOND
+        texts = plan.attributes(row)
         try:
-            attributes = self._attributes.get(said)
+            attributes = self._attributes.get(texts)
             if attributes is None:
-                attributes = self._attributes[said] = attributes_from(*said)
+                attributes = self._attributes[texts] = plain.attributes_from(*texts)
             values = plan.read(row)
         except (ValueError, ArithmeticError):
             return None
         self.owners.add(row[plan.owner])
-        return Plain(
-            row[0], None if plan.handle == NOT_SAID else row[plan.handle], attributes, values
-        )
+        handle = None if plan.handle == plain.NOT_SAID else row[plan.handle]
+        return Plain(row[0], handle, attributes, values)
 
     def has_names_of_others(self) -> bool:
         """Whether anything in the rest of the file has the handle of a plain entity."""
-        handles = {plain.handle for run in self.runs for plain in run}
+        handles = {entity.handle for run in self.runs for entity in run}
         names = np.isin(self.rows.codes, _NAMES)
         for first, last in self._spans:
             names[first:last] = False
@@ -336,11 +311,3 @@ class _Taker:
             pieces += ("0", MARKER)
             kept = last
         return "\n".join((*pieces, *lines[2 * kept :], ""))
-
-
-def _goes_on(row: list[str], sequence: bytes) -> bool:
-    """Whether the vertices or attributes of an entity follow, up to a SEQEND."""
-    if row[0] == "INSERT":
-        codes = _codes(sequence)
-        return 66 in codes and row[codes.index(66)].strip() != "0"
-    return row[0] in ("POLYLINE", "VERTEX", "ATTRIB")

@@ -25,8 +25,8 @@ from beamcam.readers.dxf.layers import BRACKET, BYLAYER, HANDLE, SUBCLASS, TYPE_
 Codes = tuple[int, ...]
 Values = tuple[Any, ...]  #: what the function of `curves` for the kind of entity takes
 
-#: Layer, colour, true colour, whether it is hidden, line type.
-Says = tuple[str, str, str, str, str]
+#: Layer, colour, true colour, whether it is hidden, line type, as a file has them.
+Texts = tuple[str, str, str, str, str]
 #: The values of an entity, one a row, and `BEYOND` behind them.
 Row = list[str]
 
@@ -59,7 +59,7 @@ class ValuePlaces(Struct, frozen=True):
 
     handle: int
     owner: int
-    attributes: Callable[[Row], Says]
+    attributes: Callable[[Row], Texts]
     values: Callable[[Row], Values]
     reals: tuple[int, ...]  #: numbers that are not used here, but have to be some
     wholes: tuple[int, ...]
@@ -191,20 +191,16 @@ def _is_regular(kind: _Kind, codes: Codes) -> bool:
     if not ordered or not kind.needed.issubset(codes):
         return False
     once = [c for c in codes if c not in kind.many and c not in (SUBCLASS, BRACKET, OWNER)]
-    return len(once) == len(set(once)) and _points_are_whole(codes)
-
-
-#: The group codes of x of a point; y follows with 10 more, and z with 20 if it is there.
-_X = (10, 11, 12, 13, 210)
-
-
-def _points_are_whole(codes: Codes) -> bool:
     before, after = (-1, *codes), (*codes[1:], -1)
-    return all(
+    return len(once) == len(set(once)) and all(
         (after[k] == code + 10 or code not in _X)
         and (before[k] == code - 10 or (code - 10 not in _X and code - 20 not in _X))
         for k, code in enumerate(codes)
     )
+
+
+#: The group codes of x of a point; y follows with 10 more, and z with 20 if it is there.
+_X = (10, 11, 12, 13, 210)
 
 
 def _numbers(texts: Sequence[str]) -> tuple[float, ...]:
@@ -301,8 +297,15 @@ def _spline(rows: _Rows) -> Callable[[Row], Values] | None:
             raise ValueError("found a spline that is not whole")
         flat = iter(_numbers(pick(row)))
         points = tuple(zip(flat, flat, flat, strict=True))
+        # Knots are rounded, and from 0 to 1 if they do not begin at 0, as ezdxf has them; a
+        # tolerance that is not above 0 and knots that are all one raise an error.
         slack = _numbers([row[tolerance[0]]])[0] if tolerance else KNOT_TOLERANCE
-        places = _even_knots(_numbers([row[k] for k in knots]), slack)
+        digits = -int(log10(slack))
+        places = _numbers([row[k] for k in knots])
+        if digits > 0:
+            places = tuple(round(knot, digits) for knot in places)
+        if first := places[0]:
+            places = tuple((knot - first) / (places[-1] - first) for knot in places)
         return order - 1, points, places, _numbers([row[k] for k in weights])
 
     return values
@@ -312,18 +315,8 @@ def _spline(rows: _Rows) -> Callable[[Row], Values] | None:
 KNOT_TOLERANCE = 1e-10
 
 
-def _even_knots(knots: tuple[float, ...], tolerance: float) -> tuple[float, ...]:
-    """Knots rounded to the tolerance, and from 0 to 1 if they do not begin at 0; as ezdxf does.
-
-    Raises ValueError for a tolerance that is not above 0, and ZeroDivisionError if all are one.
-    """
-    digits = -int(log10(tolerance))
-    if digits > 0:
-        knots = tuple(round(knot, digits) for knot in knots)
-    first, span = knots[0], knots[-1] - knots[0]
-    return knots if first == 0.0 else tuple((knot - first) / span for knot in knots)
-
-
+#: Tangents, fit points and their tolerance, flags and counts.
+_OF_SPLINES = {11, 21, 31, 12, 22, 32, 13, 23, 33, 43, 44, 70, 72, 73, 74}
 _KINDS: dict[str, _Kind] = {
     "LINE": _Kind({10, 20, 11, 21}, {30, 31}, {39}, 1, _line),
     "CIRCLE": _Kind({10, 20, 40}, {30}, {39}, 1, _circle),
@@ -341,7 +334,7 @@ _KINDS: dict[str, _Kind] = {
     "SPLINE": _Kind(
         {10, 20, 40, 71},
         {30, 41, 42},
-        {11, 21, 31, 12, 22, 32, 13, 23, 33, 43, 44, 70, 72, 73, 74},
+        _OF_SPLINES,
         1,
         _spline,
         many={10, 20, 30, 11, 21, 31, 40, 41},

@@ -41,10 +41,10 @@ def with_subclasses(data: bytes) -> tuple[bytes, int]:
     groups = [(lines[k].strip(), lines[k + 1]) for k in range(0, len(lines) - 1, 2)]
     version = VERSION.search(data)
     is_old = version is None or int(version[1]) <= R12
-    found: list[Group] = []
+    marked: list[Group] = []
     count = k = 0
     while k < len(groups):
-        found.append(groups[k])
+        marked.append(groups[k])
         code, value = groups[k]
         k += 1
         marker = MARKERS.get(value.strip()) if code == b"0" else None
@@ -53,11 +53,11 @@ def with_subclasses(data: bytes) -> tuple[bytes, int]:
         own = list(takewhile(lambda group: group[0] != b"0", groups[k:]))
         k += len(own)
         if any(c == b"100" and v.strip() == marker for c, v in own):
-            found += own
+            marked += own
         else:
-            found += _marked(own, marker, is_old)
+            marked += _marked(own, marker, is_old)
             count += 1
-    return b"".join(b"%b\n%b\n" % group for group in found), count
+    return b"".join(b"%b\n%b\n" % group for group in marked), count
 
 
 def _marked(own: list[Group], marker: bytes, is_old: bool) -> list[Group]:
@@ -86,12 +86,12 @@ def recovered(data: bytes, source: Source, first: Exception) -> tuple[Document, 
     try:
         document, auditor = recover.read(io.BytesIO(data))
     except Exception as error:  # as above: any kind of error means that repair failed
-        raise ReadError(rules.STRUCTURE.at(source, found=said(error))) from error
+        raise ReadError(rules.STRUCTURE.at(source, found=message_of(error))) from error
     count = len(auditor.errors) + len(auditor.fixes)
-    return document, rules.RECOVERED.at(source, count=count, found=said(first))
+    return document, rules.RECOVERED.at(source, count=count, found=message_of(first))
 
 
-def said(error: Exception) -> str:
+def message_of(error: Exception) -> str:
     """One line that says what ezdxf stumbled over; ids of unread entities are left out, since
     they are addresses in memory and differ from run to run."""
     text = re.sub(r"\(#\d{9,}\)", "", " ".join(str(error).split()))
@@ -176,14 +176,14 @@ def _version(rows: Rows) -> str:
     variables = [row for row in range(begin, end) if rows.codes[row] == VARIABLE]
     if variables[:1] != [begin]:
         return ""
-    found = ""
+    version = ""
     for row, behind in zip(variables, [*variables[1:], end], strict=True):
         is_point = rows.codes[row + 1] == 10 and behind - row in (3, 4)
         if not rows.value(row).startswith("$") or not (behind - row == 2 or is_point):
             return ""
         if rows.value(row) == "$ACADVER":
-            found = rows.value(row + 1)
-    return found
+            version = rows.value(row + 1)
+    return version
 
 
 def _has_sound_values(rows: Rows) -> bool:

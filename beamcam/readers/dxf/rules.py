@@ -1,6 +1,6 @@
 """Rules for DXF files: every code that this reader gives, with its reason."""
 
-from beamcam.errors import Rule, error, note, warning
+from beamcam.errors import error, note, warning
 
 # fmt: off
 
@@ -83,7 +83,3 @@ BLOCK_COUNT = error("dxf-block-count",
 FROZEN_INSERT = warning("dxf-frozen-insert",
     "found an insert on the hidden layer {layer!r} with curves on visible layers, which are read",
     "Some programs hide all of a block with its insert, others only what lies on layer 0.")
-
-RULES: tuple[Rule, ...] = tuple(
-    value for value in list(globals().values()) if isinstance(value, Rule)
-)

@@ -101,10 +101,10 @@ def _only(
     model: Model, items: tuple[Entity, ...], frame: Frame, what: str
 ) -> tuple[Swept | Shell, list[Removed]]:
     """As `_item` of the sole item of a representation."""
-    found = [_item(model, item, frame) for item in items]  # of several one may be bent
-    if len(found) != 1:
-        raise Unreadable(f"{what} of {len(found)} solids")
-    return found[0]
+    solids = [_item(model, item, frame) for item in items]  # of several one may be bent
+    if len(solids) != 1:
+        raise Unreadable(f"{what} of {len(solids)} solids")
+    return solids[0]
 
 
 def _item(model: Model, item: Entity, frame: Frame) -> tuple[Swept | Shell, list[Removed]]:
@@ -266,10 +266,10 @@ def shell_of(model: Model, item: Entity, frame: Frame, where: str | None = None)
         rings += around
         faces += [face] * len(around)
     points = np.array(list(chain.from_iterable(rings))).reshape(-1, 3)
-    found = shell(moved(points, frame), [len(ring) for ring in rings], faces, where)
-    if found.count < 4:
-        raise Unreadable(f"{item.is_a()} of {found.count} faces")
-    return found
+    solid = shell(moved(points, frame), [len(ring) for ring in rings], faces, where)
+    if solid.count < 4:
+        raise Unreadable(f"{item.is_a()} of {solid.count} faces")
+    return solid
 
 
 def _faces(model: Model, item: Entity) -> Iterator[list[Ring]]:

@@ -123,16 +123,16 @@ def drill_bolt_holes(
     bolts, without = bolts_of(model)
     parts, diagnostics = list[Part](), list[Diagnostic]()
     for element, part, shaped in members:
-        said: list[Diagnostic] = []
+        remarks: list[Diagnostic] = []
         if bolts and walls_of(shaped.section) and not any((*part.holes, *part.slots)):
             try:
                 world = model.placement(element.ObjectPlacement).times(shaped.frame)
             except (Unreadable, *NOT_WELL_FORMED) as reason:
-                said = [rules.GEOMETRY.at(part.source, found=reason)]
+                remarks = [rules.GEOMETRY.at(part.source, found=reason)]
             else:
-                part, said = _drilled(bolts, world, part, shaped, options, name)
-        diagnostics += said
-        if not errors_in(said):
+                part, remarks = _drilled(bolts, world, part, shaped, options, name)
+        diagnostics += remarks
+        if not errors_in(remarks):
             parts.append(part)
     source = Source(name)
     if without:

@@ -98,29 +98,29 @@ def check_kernel(
     model: Model, element: Entity, shaped: Shaped, profile: Entity, source: Source
 ) -> KernelVerdict:
     """What section and solid of the kernel have against what was read of a swept member."""
-    said: tuple[Diagnostic, ...] = ()
+    remarks: tuple[Diagnostic, ...] = ()
     try:
         stock = stock_of(model, element, shaped, profile)
-        said = section_said(shaped, stock, source, True)
+        remarks = section_diagnostics(shaped, stock, source, True)
         built = kernel.built(model, element, kernel.FINEST if shaped.cutters else kernel.FINE)
     except Unreadable as reason:
         fault = rules.KERNEL.at(source, found=f"no solid ({reason})", expected="a solid")
-        return KernelVerdict(said, fault)
+        return KernelVerdict(remarks, fault)
     if built.error is not None:
-        return KernelVerdict((*said, rules.KERNEL_LOG.at(source, found=built.error)))
+        return KernelVerdict((*remarks, rules.KERNEL_LOG.at(source, found=built.error)))
     body = built.shell.moved(shaped.frame.inverse())
     low, high = extent(body, (1.0, 0.0, 0.0))
     if abs(high - low - shaped.length) > LENGTH_SAME:
         found, expected = f"a length of {high - low:.2f} mm", f"{shaped.length:.2f} mm"
         fault = rules.KERNEL.at(source, found=found, expected=expected)
-        return KernelVerdict(said, fault, built.volume)
-    diagnostics = differences(shaped, body, stock, FINE, built.volume).said(source)
+        return KernelVerdict(remarks, fault, built.volume)
+    diagnostics = differences(shaped, body, stock, FINE, built.volume).diagnostics(source)
     if any(d.severity is Severity.ERROR for d in diagnostics):
-        return KernelVerdict(said, diagnostics[0], built.volume)
-    return KernelVerdict((*said, *diagnostics), None, built.volume)
+        return KernelVerdict(remarks, diagnostics[0], built.volume)
+    return KernelVerdict((*remarks, *diagnostics), None, built.volume)
 
 
-def section_said(
+def section_diagnostics(
     shaped: Shaped, stock: BareStock, source: Source, swept: bool = False
 ) -> tuple[Diagnostic, ...]:
     """Whether the section that a body was cut from is the one that its part holds.
@@ -184,7 +184,7 @@ def form_of(model: Model, element: Entity) -> Hashable:
 def _solids(model: Model, element: Entity) -> list[int]:
     """The numbers of all that items say, down to their coordinates; equal ones share a number."""
     numbers: dict[Entity, int] = model.once("numbers of items", None, dict)
-    told: dict[Hashable, int] = model.once("told of items", None, dict)
+    number_of: dict[Hashable, int] = model.once("number_of of items", None, dict)
 
     def replaced(value: Any) -> Hashable:
         if isinstance(value, tuple):
@@ -194,6 +194,6 @@ def _solids(model: Model, element: Entity) -> list[int]:
     items: tuple[Entity, ...] = body_representation(element).values[3]
     for one in chain.from_iterable(item.below(numbers) for item in items):
         named = "IfcProfileDef" in one.type.kinds  # of a profile its name does not matter
-        said = one.type.name, replaced(one.values[2:] if named else one.values)
-        numbers[one] = told.setdefault(said, len(told))
+        key = one.type.name, replaced(one.values[2:] if named else one.values)
+        numbers[one] = number_of.setdefault(key, len(number_of))
     return [numbers[item] for item in items]

@@ -144,7 +144,7 @@ class Prism(Struct, frozen=True, gc=False):
         return shape.intersection(first.intersection(last))
 
     def _along(self, wall: Wall, c: float) -> Shape:
-        """Where the plane runs along the rulings: a strip for each stretch of the outline."""
+        """Where the plane runs along the rulings: a strip for each part of the outline."""
         f, n = self.frame, wall.direction
         u, v, at = dot(f.x, n), dot(f.y, n), c - dot(f.o, n)
         grade = u * u + v * v
@@ -344,12 +344,12 @@ def bevels_of(outer: Chain, wall: Wall, levels: Sequence[tuple[float, Shape]]) -
             continue
         behind = [(wall.thickness - depth, back) for depth, back in reversed(run)]
         sides = [_bevel(i, one, wall.thickness, way) for one, way in ((run, 1.0), (behind, -1.0))]
-        told = [bevel for bevel in sides if bevel is not None]
-        if not told:  # from surface to surface, of an edge of another form
+        own = [bevel for bevel in sides if bevel is not None]
+        if not own:  # from surface to surface, of an edge of another form
             (top, near), (deepest, far) = run[0], run[-1]
             angle = degrees(atan2(max(near, far), deepest - top))
-            told = [Bevel(i, angle if near > far else -angle, 0.0)]
-        bevels += told
+            own = [Bevel(i, angle if near > far else -angle, 0.0)]
+        bevels += own
     return tuple(bevels)
 
 

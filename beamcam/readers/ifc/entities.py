@@ -91,10 +91,10 @@ class Model(Struct):
     def once(self, what: str, key: Any, made: Callable[..., Known], *of: Any) -> Known:
         """What a key stands for: `made(*of)`, worked out when it is first asked for."""
         at = what, key
-        found: Known | UnsetType = self.known.get(at, UNSET)
-        if found is UNSET:
-            found = self.known[at] = made(*of)
-        return found
+        value: Known | UnsetType = self.known.get(at, UNSET)
+        if value is UNSET:
+            value = self.known[at] = made(*of)
+        return value
 
     def point(self, c: Coordinates) -> Vec:
         """An IfcCartesianPoint of two or three coordinates, in mm."""
@@ -290,13 +290,13 @@ def _unzip(data: bytes) -> bytes | str:
             size, packed = one.file_size, len(data)
             if size > (most := max(MAX_UNPACKED, MAX_RATIO * packed)):
                 return f"{packed} bytes that unpack to {size}, expected at most {most}"
-            most, found = min(most, InForce.limits.bytes), bytearray()
+            most, whole = min(most, InForce.limits.bytes), bytearray()
             with archive.open(one) as file:  # the size that the directory says may be a lie
                 while piece := file.read(_PIECE):
-                    found += piece
-                    if len(found) > most:
+                    whole += piece
+                    if len(whole) > most:
                         return f"an archive that unpacks to more than {most} bytes"
-            return bytes(found)
+            return bytes(whole)
     except (zipfile.BadZipFile, zlib.error, struct.error, EOFError, OSError, ValueError) as fault:
         return f"a damaged archive, {fault}"
     except (RuntimeError, NotImplementedError) as fault:  # a password, an unknown compression

@@ -16,7 +16,7 @@ from shapely import LineString, MultiPolygon, Polygon, get_coordinates
 from beamcam.errors import Diagnostic, Source, errors_in
 from beamcam.model.part import Hole, Slot
 from beamcam.readers.ifc import kernel, rules
-from beamcam.readers.ifc.checks import section_said
+from beamcam.readers.ifc.checks import section_diagnostics
 from beamcam.readers.ifc.cutters import HalfSpace, planes_of, reaches
 from beamcam.readers.ifc.entities import Entity, Model, Unreadable
 from beamcam.readers.ifc.finish import Regions, Shaped, from_regions, opening, sawn
@@ -144,7 +144,7 @@ def _unexplained(
     apart = differences(shape, body, stock, by, volume)
     if abs(apart.volume - apart.expected) > EXPLAINED * theirs:
         raise _not_explained(theirs, apart.expected)
-    return (*apart.said(source), *section_said(shape, stock, source))
+    return (*apart.diagnostics(source), *section_diagnostics(shape, stock, source))
 
 
 def _beyond(body: Shell, section: Section) -> str | None:
@@ -231,7 +231,7 @@ def _full_width(shape: Shape, wall: Wall, c: float, stock: BareStock) -> Shape:
     if len(crossed) < 2:
         return shape
     low, high, near = min(crossed), max(crossed), EDGE + STEEPEST * stock.rise
-    found: list[Any] = []
+    shapes: list[Any] = []
     for piece in pieces_of(shape):
         x, q = get_coordinates(piece.exterior.simplify(STRAIGHT))[:-1].T
         to = np.select([abs(q - low) < near, abs(q - high) < near], [0.0, wall.width], q)
@@ -243,8 +243,8 @@ def _full_width(shape: Shape, wall: Wall, c: float, stock: BareStock) -> Shape:
             moved[leads] += (run / np.where(leads, rise, 1.0) * (to - q))[leads]
             done |= leads
         made = Polygon(np.column_stack((moved, to)), piece.interiors)
-        found += pieces_of(made if made.is_valid else made.buffer(0))
-    return MultiPolygon(found)
+        shapes += pieces_of(made if made.is_valid else made.buffer(0))
+    return MultiPolygon(shapes)
 
 
 def _plate(shell: Shell) -> Stock | None:

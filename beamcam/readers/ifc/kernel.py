@@ -94,13 +94,13 @@ class Built(Struct, frozen=True):
     others: tuple[str, ...] = ()  #: what is said of curved faces that only facets stand for
 
 
-def built(model: Model, element: Entity, asked: Mapping[str, Any] = FINE) -> Built:
+def built(model: Model, element: Entity, own: Mapping[str, Any] = FINE) -> Built:
     """The kernel's solid of an element, openings taken off, with the cylinders that it has.
 
-    The corners of the shell's facets lie on the solid's surfaces. `asked` are settings of the
+    The corners of the shell's facets lie on the solid's surfaces. `settings` are settings of the
     kernel beside its usual ones. Raises Unreadable if it has none.
     """
-    solid = _solid(model, element, asked)
+    solid = _solid(model, element, own)
     wrapper = _kernel().ifcopenshell_wrapper
     made = next(getattr(wrapper, name) for name in FACETED if hasattr(wrapper, name))
     try:
@@ -111,12 +111,12 @@ def built(model: Model, element: Entity, asked: Mapping[str, Any] = FINE) -> Bui
     points = np.frombuffer(mesh.geometry.verts_buffer).reshape(-1, 3)[corners] * 1e3
     normals = np.frombuffer(mesh.geometry.normals_buffer).reshape(-1, 3)[corners]
     count = len(corners) // 3
-    found = shell(points, [3] * count, range(count))
-    if found.count < 4:
+    mesh = shell(points, [3] * count, range(count))
+    if mesh.count < 4:
         raise Unreadable("an empty solid by the kernel")
     cylinders, others = _cylinders(points.reshape(-1, 3, 3), normals.reshape(-1, 3, 3))
     volume = float(solid.volume) * 1e9
-    return Built(replace(found, cylinders=cylinders), _error(), volume, others)
+    return Built(replace(mesh, cylinders=cylinders), _error(), volume, others)
 
 
 def _cylinders(facets: Floats, normals: Floats) -> tuple[tuple[Cylinder, ...], tuple[str, ...]]:
@@ -147,8 +147,8 @@ def _cylinders(facets: Floats, normals: Floats) -> tuple[tuple[Cylinder, ...], t
     _, first = np.unique(rows.round(5) + 0.0, axis=0, return_index=True)
     every = [Cylinder(vec(row[:3]), vec(row[3:6]), float(row[6])) for row in rows[np.sort(first)]]
     points = np.unique(facets.reshape(-1, 3), axis=0)
-    found = [one for one in every if np.count_nonzero(one.off(points) < ON_IT) >= MIN_CORNERS]
-    kept = tuple(one for one in found if not any(_blunted(one, other) for other in found))
+    fitting = [one for one in every if np.count_nonzero(one.off(points) < ON_IT) >= MIN_CORNERS]
+    kept = tuple(one for one in fitting if not any(_blunted(one, other) for other in fitting))
     along = np.abs((sides[bent] * axes[:, None]).sum(axis=2))
     lengths = np.linalg.norm(sides[bent], axis=2)
     cone = ((apart[bent] < BENT * BENT) & (along < (1.0 - BENT) * lengths)).any(axis=1)
@@ -163,7 +163,7 @@ def _kernel() -> Any:
     return ifcopenshell
 
 
-def _solid(model: Model, element: Entity, asked: Mapping[str, Any]) -> Any:
+def _solid(model: Model, element: Entity, own: Mapping[str, Any]) -> Any:
     """The kernel's solid of an element. Raises Unreadable."""
     openings = features_of(element, "openings")
     try:
@@ -177,7 +177,7 @@ def _solid(model: Model, element: Entity, asked: Mapping[str, Any]) -> Any:
     settings.set("mesher-linear-deflection", CHORD)
     settings.set("mesher-angular-deflection", ANGLE)
     settings.set("weld-vertices", False)  # which would leave out the normals
-    for name, value in asked.items():
+    for name, value in own.items():
         settings.set(name, value)
     file = model.file.opened
     try:

@@ -56,19 +56,19 @@ class Data(Struct, frozen=True, gc=False):
         """The property set that lists copes and mitres."""
         return next((of for of in self.sets if _CUTOUTS in of.lower()), None)
 
-    def _said(self, what: str) -> Iterator[tuple[str, Value]]:
+    def _values(self, what: str) -> Iterator[tuple[str, Value]]:
         """The sources and the values of a row of `_NAMES`."""
         for name in _NAMES[what]:
             yield from ((f"{of}.{name}", v[name]) for of, v in self.sets.items() if name in v)
 
     def text(self, what: str) -> str:
         """What the sets say of a row of `_NAMES`; empty if they say nothing."""
-        return next(filter(None, (str(value).strip() for _, value in self._said(what))), "")
+        return next(filter(None, (str(value).strip() for _, value in self._values(what))), "")
 
     def number(self, what: str) -> tuple[str, float]:
         """The source and the value, above 0, of a row of `_NAMES`; 0 if there is none."""
-        found = ((of, v) for of, v in self._said(what) if isinstance(v, float) and v > 0)
-        return next(found, ("", 0.0))
+        numbers = ((of, v) for of, v in self._values(what) if isinstance(v, float) and v > 0)
+        return next(numbers, ("", 0.0))
 
 
 def data_of(model: Model, element: Entity) -> Data:
@@ -226,25 +226,29 @@ def _contradicts(label: str, profile: Profile) -> bool:
     if known is not None:
         # Measures of angles and tubes do not say which side is up.
         return known[0] != profile.code or section.difference(profile, known[1]) > SIZE_OFF
-    said = _said_measures(label)
-    if profile.code not in ("B", "RO", "M", "L") or len(said) < 2 or max(said) < LARGEST_INCHES:
+    numbers = _measures_in(label)
+    if (
+        profile.code not in ("B", "RO", "M", "L")
+        or len(numbers) < 2
+        or max(numbers) < LARGEST_INCHES
+    ):
         return False
     thick = profile.web_thickness or 0.0
     if profile.code == "B":  # of a plate the other numbers may be those of a larger blank
-        return all(abs(one - thick) > WALL_OFF for one in said)
+        return all(abs(one - thick) > WALL_OFF for one in numbers)
     sizes = (profile.height,) if profile.code == "RO" else (profile.height, profile.width)
-    if len(said) == 2 and len(sizes) == 2:  # K100*5 is square
+    if len(numbers) == 2 and len(sizes) == 2:  # K100*5 is square
         sizes = sizes if abs(sizes[0] - sizes[1]) <= SIZE_OFF else (0.0, 0.0)
-        said = (said[0], *said)
-    if len(said) != len(sizes) + 1:
+        numbers = (numbers[0], *numbers)
+    if len(numbers) != len(sizes) + 1:
         return False
-    *outer, wall = sorted(said, reverse=True)
+    *outer, wall = sorted(numbers, reverse=True)
     off = (abs(a - b) for a, b in zip(outer, sorted(sizes, reverse=True), strict=True))
     return max(off) > SIZE_OFF or abs(wall - thick) > WALL_OFF
 
 
 @cached("ifc.said_measures")
-def _said_measures(label: str) -> tuple[float, ...]:
+def _measures_in(label: str) -> tuple[float, ...]:
     """The numbers of a name that is made of measures, in mm; none of another name."""
     match = _MEASURES.fullmatch(label.strip().upper())
     if match is None:

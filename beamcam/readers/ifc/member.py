@@ -212,9 +212,9 @@ class Members(Struct):
         source = member.source
         against = [*check_data(part, shaped, member.data, source), *shaped.diagnostics]
         if self.options.kernel and profile is not None:  # a shell is held against its own faces
-            asked = self.model, member.element, shaped, profile, Source(self.name)
+            arguments = self.model, member.element, shaped, profile, Source(self.name)
             form = form_of(self.model, member.element)
-            compared = self.model.once("compared", form, check_kernel, *asked)
+            compared = self.model.once("compared", form, check_kernel, *arguments)
             against += compared.against(shaped, member.data, source)
         against += [rules.FITTED.at(source, found=kind) for kind in shaped.fitted]
         against += [rules.PIECES.at(source, found=text) for text in shaped.remarks]

@@ -52,7 +52,7 @@ def shares(
     each_by_itself: bool,
     begin: Callable[[], object] | None = None,
 ) -> Iterator[T]:
-    """What `share` gives for all of range(count), a stretch at a time and in order.
+    """What `share` gives for all of range(count), a share at a time and in order.
 
     With `workers` above 0 so many processes do it, each of which calls `begin` first, and `share`
     has to give what can be pickled. Without, one does what raises KernelNeeded here. `died` gives
@@ -67,20 +67,20 @@ def shares(
     try:
         while place < count:
             if todo and pool.has_room():
-                stretch = todo.popleft()
+                members = todo.popleft()
                 if not workers:
                     with suppress(KernelNeeded):
-                        made[stretch.start] = stretch.stop, share(stretch)
-                if stretch.start not in made:
-                    pool.submit(stretch)
+                        made[members.start] = members.stop, share(members)
+                if members.start not in made:
+                    pool.submit(members)
             else:
-                for stretch, result in pool.wait():
+                for members, result in pool.wait():
                     if not isinstance(result, Died):
-                        made[stretch.start] = stretch.stop, result
-                    elif len(stretch) == 1:
-                        made[stretch.start] = stretch.stop, died(stretch.start)
+                        made[members.start] = members.stop, result
+                    elif len(members) == 1:
+                        made[members.start] = members.stop, died(members.start)
                     else:
-                        todo.extendleft(range(i, i + 1) for i in stretch)
+                        todo.extendleft(range(i, i + 1) for i in members)
             while place in made:
                 place, done = made.pop(place)
                 yield done
@@ -97,7 +97,7 @@ def read_model(
         return Reading("ifc", (), (opened,))
     try:
         return _read(opened, name, selection, options, progress)
-    except Malformed as fault:  # of a record that nobody looked at before
+    except Malformed as fault:  # of a record that was not looked at before
         fatal = rules.SYNTAX.at(Source(name, fault.line), found=str(fault))
     except RecursionError:
         fatal = rules.SYNTAX.at(Source(name), found="values too deep inside one another")
@@ -162,7 +162,7 @@ def _account(members: Members, taken: Taken) -> Iterator[Diagnostic]:
                 yield rules.NOT_FOUND.at(source, kind=kind, found=value, expected=some)
     for what in sorted({what for what, _ in taken.left_out}):
         left = Counter({kind: n for (of, kind), n in taken.left_out.items() if of == what})
-        yield rules.LEFT_OUT.at(source, found=left.total(), what=what, classes=_told(left))
+        yield rules.LEFT_OUT.at(source, found=left.total(), what=what, classes=_counted(left))
     others, *parts = (
         Counter(one.is_a() for one in members.model.file.by_type(name))
         for name in ("IfcElement", "IfcFeatureElement", "IfcElementAssembly")
@@ -172,10 +172,10 @@ def _account(members: Members, taken: Taken) -> Iterator[Diagnostic]:
     for kind in {element.is_a() for element in members.elements}:
         del others[kind]
     if others:
-        yield rules.OTHER_CLASSES.at(source, found=others.total(), classes=_told(others))
+        yield rules.OTHER_CLASSES.at(source, found=others.total(), classes=_counted(others))
     if unknown := members.model.file.unknown_classes():
-        said = {"found": unknown.total(), "classes": _told(unknown)}
-        yield rules.UNKNOWN_CLASS.at(source, **said, expected=members.model.file.schema)
+        figures = {"found": unknown.total(), "classes": _counted(unknown)}
+        yield rules.UNKNOWN_CLASS.at(source, **figures, expected=members.model.file.schema)
     if verdicts.total() != len(members.elements):
         raise AssertionError("the ledger of the model does not balance")
     numbers = {verdict: verdicts[verdict] for verdict in member.VERDICTS}
@@ -184,7 +184,7 @@ def _account(members: Members, taken: Taken) -> Iterator[Diagnostic]:
     yield rules.LEDGER.at(source, found=verdicts.total(), **numbers)
 
 
-def _told(counts: Counter[str]) -> str:
+def _counted(counts: Counter[str]) -> str:
     """IfcBeam 3, IfcColumn 1"""
     rows = sorted(counts.items(), key=lambda row: (-row[1], row[0]))
     return ", ".join(f"{kind} {count}" for kind, count in rows)

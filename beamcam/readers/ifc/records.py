@@ -52,10 +52,10 @@ class Doubtful(Values):
     """
 
     def __getitem__(self, place: SupportsIndex | slice) -> Any:
-        found = super().__getitem__(place)
-        if isinstance(found, Malformed):
-            raise Malformed(str(found))
-        return tuple(Doubtful(found)) if isinstance(place, slice) else found
+        value = super().__getitem__(place)
+        if isinstance(value, Malformed):
+            raise Malformed(str(value))
+        return tuple(Doubtful(value)) if isinstance(place, slice) else value
 
     def __iter__(self) -> Iterator[Any]:
         return map(self.__getitem__, range(len(self)))
@@ -108,10 +108,10 @@ class Entity(Struct, eq=False, gc=False):
     def guid(self) -> str:
         """The GlobalId of a rooted entity, its first value; its name where that is no text."""
         try:
-            found = next(tuple.__iter__(self.values), None)  # which may be an error
+            name = next(tuple.__iter__(self.values), None)  # which may be an error
         except (Malformed, RecursionError):
-            found = None
-        return found if isinstance(found, str) else self.name
+            name = None
+        return name if isinstance(name, str) else self.name
 
     def __repr__(self) -> str:
         return f"{self.name}={self.type.name}"
@@ -259,8 +259,8 @@ class File:
             elif place == len(own):
                 return
             elif _REFERENCES.fullmatch(written):
-                found = tuple(self.entity(int(one)) for one in re.findall(r"\d+", written))
-                yield found if written.startswith("(") else found[0]
+                entities = tuple(self.entity(int(one)) for one in re.findall(r"\d+", written))
+                yield entities if written.startswith("(") else entities[0]
             elif written == own[place]:
                 yield self._value(self._read(held, place))
             else:
@@ -289,15 +289,15 @@ class File:
         """
         if self._written:
             return (one for one in referred(entity.values[place] or ()) if one.guid in names)
-        found = self._read(entity.held, place) or ()
-        return (self._value(one) for one in found if self._read(one, 0) in names)
+        values = self._read(entity.held, place) or ()
+        return (self._value(one) for one in values if self._read(one, 0) in names)
 
     def by_type(self, name: str) -> list[Any]:
         """The entities of a class and of its subtypes, in the order of the file."""
-        found = [*map(self._value, self.opened.by_type(name))]
+        entities = [*map(self._value, self.opened.by_type(name))]
         lost = [one for one in self._lost if name in entity_type(self.schema, one.kind).kinds]
-        found += [self.entity(one.number) for one in lost]
-        return sorted(found, key=lambda one: self._places[one.number])
+        entities += [self.entity(one.number) for one in lost]
+        return sorted(entities, key=lambda one: self._places[one.number])
 
     def unknown_classes(self) -> Counter[str]:
         """How many records have each class that the schema does not know."""

@@ -25,7 +25,7 @@ from beamcam.readers.ifc.space import Cylinder, Vec, dot
 SAGITTA = 5e-4  #: mm between an arc and its polygon
 MOST_POINTS = 20_000  #: of an arc's polygon; a whole circle of 40 m
 ON_CIRCLE = 2e-3
-ELLIPSE_POINTS = 180  #: on a stretch of an ellipse, which only a skew cut leaves
+ELLIPSE_POINTS = 180  #: on a part of an ellipse, which only a skew cut leaves
 FAR = 1e10  #: mm; beyond where a plane that is tilted by rounding alone crosses a wall's plane
 SAME = 1e-6  #: mm between equal circles of a solid, and between a circle and a corner that is on it
 UPRIGHT = 1e-9  #: by which the axis of a circle's cylinder may be off the plane's normal, squared
@@ -95,8 +95,8 @@ def half_plane(a: float, b: float, d: float) -> Shape:
 def pieces_of(shape: Shape) -> list[Any]:
     """The polygons of a region that are more than scraps, the largest first."""
     parts = [shape] if shape.geom_type == "Polygon" else list(getattr(shape, "geoms", ()))
-    found = [p for p in parts if p.geom_type == "Polygon" and p.area > TINY_AREA]
-    return sorted(found, key=lambda p: -float(p.area))
+    polygons = [p for p in parts if p.geom_type == "Polygon" and p.area > TINY_AREA]
+    return sorted(polygons, key=lambda p: -float(p.area))
 
 
 def cleaned(shape: Shape) -> Shape:
@@ -173,11 +173,11 @@ def with_circles(shape: Shape, circles: Circles, exact: Circles) -> Shape:
 
 def circles_in(cylinders: Sequence[Cylinder], normal: Vec, u: Vec, v: Vec) -> Circles:
     """The circles (in u and v) of the cylinders that run along a normal, each once."""
-    found = Circles(facets=True)
+    circles = Circles(facets=True)
     for one in cylinders:
         if 1.0 - dot(one.axis, normal) ** 2 <= UPRIGHT:
-            found.add((dot(one.point, u), dot(one.point, v)), one.radius, SAME)
-    return found
+            circles.add((dot(one.point, u), dot(one.point, v)), one.radius, SAME)
+    return circles
 
 
 def region_within(segments: Floats) -> Shape:

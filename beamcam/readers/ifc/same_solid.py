@@ -105,19 +105,19 @@ class Differences(Struct, frozen=True):
     volume: float = 0.0  #: mm3 of the body
     expected: float = 0.0  #: mm3 of the part
 
-    def said(self, source: Source) -> tuple[Diagnostic, ...]:
+    def diagnostics(self, source: Source) -> tuple[Diagnostic, ...]:
         if self.lumps:
-            return (rules.UNEXPLAINED.at(source, found=_told(self.lumps)),)
+            return (rules.UNEXPLAINED.at(source, found=_listed(self.lumps)),)
         if sum(one.volume for one in self.fillets) > GROSS * self.volume > 0.0:
             share = f"{100 * GROSS:g}"
-            return (rules.ROOT_CUT.at(source, found=_told(self.fillets), share=share),)
+            return (rules.ROOT_CUT.at(source, found=_listed(self.fillets), share=share),)
         pairs = (rules.ROOT_FILLET, self.fillets), (rules.LEANING, self.leaning)
         off = abs(self.volume - self.expected)
         if not self.fillets and not self.leaning and off > max(BOUND, SPREAD * self.volume):
             rule = rules.VOLUME_OFF if off > GROSS * self.volume else rules.VOLUME
             found, expected = (f"{v / 1e3:.2f}" for v in (self.volume, self.expected))
             return (rule.at(source, found=found, expected=expected),)
-        return tuple(rule.at(source, found=_told(found)) for rule, found in pairs if found)
+        return tuple(rule.at(source, found=_listed(found)) for rule, found in pairs if found)
 
 
 def differences(
@@ -146,7 +146,7 @@ def differences(
             # Surfaces that lie in one another are dear to cut: only where there is a core.
             exact = {True: solid - drawn, False: drawn - solid}
             cores = _cores(solid, part, stock, by, shaped)
-            pieces = [(k, _grown(one, exact[k], by.slack)) for k, found in cores for one in found]
+            pieces = [(k, _grown(one, exact[k], by.slack)) for k, lumps in cores for one in lumps]
     except BeamcamError as reason:
         raise Unreadable(str(reason.diagnostics[0])) from reason
     check_member()
@@ -220,9 +220,9 @@ def _plainly_drilled(
         wall, radius = walls[f.face], f.diameter / 2
         centres = slot_corners(f) if isinstance(f, Slot) else [(f.x, f.y)]
         spine = shapely.MultiPoint(centres).convex_hull
-        found = [one for one in plugs if _is_plug(one, spine, radius, wall, by)]
+        pieces = [one for one in plugs if _is_plug(one, spine, radius, wall, by)]
         through = f.depth is None and (isinstance(f, Slot) or f.kind == "through")
-        if len(found) != 1 or not through:
+        if len(pieces) != 1 or not through:
             return None
         volume -= wall.thickness * float(spine.buffer(radius, ROUND).area)
     return volume
@@ -395,6 +395,6 @@ def _joined(lumps: Iterable[Lump]) -> list[Lump]:
     return out
 
 
-def _told(lumps: Sequence[Lump]) -> str:
+def _listed(lumps: Sequence[Lump]) -> str:
     more = f"; and {len(lumps) - SHOWN} more" if len(lumps) > SHOWN else ""
     return "; ".join(map(str, lumps[:SHOWN])) + more

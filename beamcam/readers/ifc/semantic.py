@@ -58,11 +58,11 @@ def _takes_all(cutter: Prism, plane: HalfSpace, stock: Stock, corners: Sequence[
         if plane.side * (far - x) > NO_LENGTH
         for at in (x, far)
     ]
-    found, off = [*map(cutter.frame.inverse().point, beyond)], FLUSH / size(cutter.frame.z)
-    if not found or not all(-off <= p[2] <= 1 + off for p in found):
+    points, off = [*map(cutter.frame.inverse().point, beyond)], FLUSH / size(cutter.frame.z)
+    if not points or not all(-off <= p[2] <= 1 + off for p in points):
         return False
     region = polygon_of(cutter.outline.outer, (), Circles()).buffer(FLUSH / size(cutter.frame.x))
-    return bool(region.covers(shapely.MultiPoint([p[:2] for p in found]).convex_hull))
+    return bool(region.covers(shapely.MultiPoint([p[:2] for p in points]).convex_hull))
 
 
 NO_LENGTH = 1e-4  #: mm beyond a plane that are nothing
@@ -218,7 +218,7 @@ def pierce(
     # The first planes are the stock's own, square ends.
     if high[0] <= start.planes[0].point[0] or low[0] >= end.planes[0].point[0]:
         return []
-    found: list[Hole | Slot] = []
+    features: list[Hole | Slot] = []
     for wall in walls:
         (q0, c0), (q1, c1) = wall.split(low), wall.split(high)
         if (
@@ -249,8 +249,8 @@ def pierce(
             continue
         if beyond is None or q0 < NEAR or q1 > wall.width - NEAR:
             return None
-        found.append(_drilled(cutter, cutter.shape, wall, (c0, c1), place))
-    return found
+        features.append(_drilled(cutter, cutter.shape, wall, (c0, c1), place))
+    return features
 
 
 def _beyond(xs: Span, qs: Span, start: Trim, end: Trim, wall: Wall) -> bool | None:
@@ -319,17 +319,17 @@ def _radial(
     first = y * along[1] + z * along[2]
     last = first + dot(cutter.frame.z, along)
     wall = section.web_thickness if section.code == "RO" else r
-    found: list[Hole | Slot] = []
+    holes: list[Hole | Slot] = []
     for at in (-r, r):
         low, high = sorted((at, at - copysign(wall, at)))
         if first <= low + THROUGH and last >= high - THROUGH:
             way = scale(along, copysign(1.0, at))
             # 0 at the lowest line, a quarter of the round at v, half of it on top.
             angle = atan2(way[2], -way[1]) % (2 * pi)
-            found.append(Hole("v", start[0], angle * r, diameter, source))
+            holes.append(Hole("v", start[0], angle * r, diameter, source))
         elif min(last, high) - max(first, low) > TOUCH:
             rule = rules.ODD_CUT if section.code == "RO" else rules.SOLID_CUT
             raise Unreadable("a blind hole", rule)
-    if section.code == "RU" and len(found) == 1:
+    if section.code == "RU" and len(holes) == 1:
         raise Unreadable("a blind hole", rules.SOLID_CUT)
-    return found[:1] if section.code == "RU" else found  # a solid bar is drilled from one side
+    return holes[:1] if section.code == "RU" else holes  # a solid bar is drilled from one side

@@ -158,19 +158,19 @@ def coordinates(points: Floats, way: Vec) -> Floats:
     A matrix product would not do: its last digits depend on the place in the array.
     """
     x, y, z = points.T
-    found: Floats = x * way[0] + y * way[1] + z * way[2]
-    return found
+    numbers: Floats = x * way[0] + y * way[1] + z * way[2]
+    return numbers
 
 
 def dots(a: Floats, b: Floats) -> Floats:
     (ax, ay, az), (bx, by, bz) = a.T, b.T
-    found: Floats = ax * bx + ay * by + az * bz
-    return found
+    numbers: Floats = ax * bx + ay * by + az * bz
+    return numbers
 
 
 def lengths(vectors: Floats) -> Floats:
-    found: Floats = np.linalg.norm(vectors, axis=1)
-    return found
+    numbers: Floats = np.linalg.norm(vectors, axis=1)
+    return numbers
 
 
 def section(shell: Shell, at: Vec, normal: Vec, u: Vec, v: Vec) -> Shape:
@@ -195,23 +195,23 @@ def segments(shell: Shell, at: Vec, normal: Vec, u: Vec, v: Vec) -> Floats:
     order = np.lexsort((dots(hits, ways), face))
     flat = np.column_stack((coordinates(hits, u), coordinates(hits, v)))[order] + 0.0
     lines: Floats = flat.reshape(-1, 2, 2)
-    found: Floats = lines[(lines[:, 0] != lines[:, 1]).any(axis=1)]
-    return found
+    edges: Floats = lines[(lines[:, 0] != lines[:, 1]).any(axis=1)]
+    return edges
 
 
 def longest_direction(shell: Shell) -> Vec:
     """The direction that most of the shell's edges run along, by their length."""
     ways, length, counted = _edges(shell)
-    found = heaviest(ways[counted], length[counted], NEARLY, MOST_WAYS)
-    if found is None:
+    way = heaviest(ways[counted], length[counted], NEARLY, MOST_WAYS)
+    if way is None:
         return ALONG
     # The facets of a small round may run slantwise, nearly along it.
-    near = counted & (np.abs(coordinates(ways, found)) > NEARLY)
-    exact = heaviest(ways[near], length[near], EXACTLY, MOST_WAYS) or found
+    near = counted & (np.abs(coordinates(ways, way)) > NEARLY)
+    exact = heaviest(ways[near], length[near], EXACTLY, MOST_WAYS) or way
     if np.count_nonzero(np.abs(coordinates(ways[near], exact)) > EXACTLY) >= MIN_EDGES:
-        found = exact
-    along = coordinates(ways, found)  # which way it runs, the first of all says
-    return scale(found, float(np.sign(along[np.abs(along) > NEARLY][0])))
+        way = exact
+    along = coordinates(ways, way)  # which way it runs, the first of all says
+    return scale(way, float(np.sign(along[np.abs(along) > NEARLY][0])))
 
 
 def kinked(shell: Shell) -> float | None:
@@ -268,7 +268,7 @@ def heaviest(ways: Floats, weights: Floats, near: float, most: int) -> Vec | Non
     Vectors whose cosine is above `near` go with the first of them that stands alone. Of such
     firsts there are at most `most`; what is near none of those does not count.
     """
-    best, found = 0.0, None
+    best, heaviest_way = 0.0, None
     left = np.arange(len(ways))
     for _ in range(most):
         check_member()
@@ -280,9 +280,9 @@ def heaviest(ways: Floats, weights: Floats, near: float, most: int) -> Vec | Non
         # Summed in their order: numpy's own sum may tell equal sums apart.
         weight = float(np.cumsum(weights[left[same]])[-1])
         if weight > best:
-            best, found = weight, first
+            best, heaviest_way = weight, first
         left = left[~same]
-    return found
+    return heaviest_way
 
 
 def extent(shell: Shell, direction: Vec) -> tuple[float, float]:

@@ -35,7 +35,7 @@ WELDED = 5  #: decimals of a mm to which corners of faces are one
 NEAR_EVENTS = 0.05  #: mm between two x that are one
 #: Takes (x, y, z) to (Y, Z, x), for sections across.
 ACROSS = ((0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0), (1.0, 0.0, 0.0, 0.0))
-MOST_STATIONS = 160  #: that are looked at; the longest stretches come first
+MOST_STATIONS = 160  #: that are looked at; the longest intervals come first
 
 
 def solid_of(body: Shell) -> "Manifold | None":
@@ -47,12 +47,12 @@ def solid_of(body: Shell) -> "Manifold | None":
     m = kernel()
     for triangles in (corners, corners[:, ::-1]):  # the faces may be turned inside out
         mesh = m.Mesh64(np.ascontiguousarray(points), np.ascontiguousarray(triangles, np.uint64))
-        found = m.Manifold(mesh)
-        if found.status() != m.Error.NoError or found.is_empty():
+        solid = m.Manifold(mesh)
+        if solid.status() != m.Error.NoError or solid.is_empty():
             return None
-        if found.volume() >= 0.0:
+        if solid.volume() >= 0.0:
             break
-    return found
+    return solid
 
 
 def _triangles(body: Shell) -> Any:
@@ -60,7 +60,7 @@ def _triangles(body: Shell) -> Any:
     corners = np.arange(len(body.points))
     if len(corners) == 3 * body.count:
         return corners.reshape(-1, 3)
-    found = []
+    triangles = []
     rings = np.split(corners, np.flatnonzero(body.before > corners)[1:])
     for face, of_face in groupby(rings, key=lambda ring: int(body.face[ring[0]])):
         normal = body.area_normals[face]
@@ -73,12 +73,12 @@ def _triangles(body: Shell) -> Any:
             way = -1 if places and x @ np.roll(y, -1) > y @ np.roll(x, -1) else 1
             places.append(ring[::way])  # hollows run the other way
             drawn.append(np.column_stack((x, y))[::way])
-        found.append(np.concatenate(places)[kernel().triangulate(drawn)])
-    return np.concatenate(found)
+        triangles.append(np.concatenate(places)[kernel().triangulate(drawn)])
+    return np.concatenate(triangles)
 
 
-def stretches(events: Any) -> list[tuple[float, float]]:
-    """The stretches between some x, the longest if there are too many."""
+def intervals(events: Any) -> list[tuple[float, float]]:
+    """The intervals between some x, the longest if there are too many."""
     marks = np.unique(events.round(4))
     edges = np.array([m for i, m in enumerate(marks) if i == 0 or m - marks[i - 1] > NEAR_EVENTS])
     chosen = np.sort(np.argsort(-np.diff(edges), kind="stable")[:MOST_STATIONS])
@@ -92,7 +92,7 @@ def across(body: Shell, x: float) -> Shape:
 
 def section_area(body: Shell) -> float:
     """mm3 of a body by its sections, which crossings measure even where faces lie twice."""
-    points = stretches(body.points[:, 0])
+    points = intervals(body.points[:, 0])
     return sum(float(across(body, (x0 + x1) / 2).area) * (x1 - x0) for x0, x1 in points)
 
 
@@ -103,7 +103,7 @@ def by_stations(body: Shell, drawn: "Manifold", slack: float) -> "Iterator[tuple
     """
     lying = drawn.transform(ACROSS)
     ends = lying.to_mesh64().vert_properties[:, 2]
-    for x0, x1 in stretches(np.concatenate((body.points[:, 0], ends))):
+    for x0, x1 in intervals(np.concatenate((body.points[:, 0], ends))):
         check_member()
         theirs, ours = across(body, (x0 + x1) / 2), shapely.union_all([])
         for ring in lying.slice((x0 + x1) / 2).to_polygons():

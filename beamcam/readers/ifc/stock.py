@@ -206,7 +206,7 @@ def rolled_stock(shell: Shell, axis: Vec) -> Stock | None:
             continue
         circles = circles_in(shell.cylinders, axis, u, v)
         outer, inner = chains_of(pieces[0], circles)
-        section = _told(outer, inner, pieces[0]) if outer else None
+        section = _own_section(outer, inner, pieces[0]) if outer else None
         if section is not None and section.code == "SO":
             (x0, x1), (y0, y1) = extent(shell, u), extent(shell, v)
             off = np.abs(np.subtract(pieces[0].bounds, (x0, y0, x1, y1)))
@@ -248,7 +248,7 @@ def _placed(shell: Shell, section: Section, bare: BareStock, u: Vec, v: Vec) -> 
     return Stock(section, frame, *extent(shell, frame.x), bare=bare)
 
 
-def _told(outer: Chain, inner: tuple[Chain, ...], piece: Any) -> Section | None:
+def _own_section(outer: Chain, inner: tuple[Chain, ...], piece: Any) -> Section | None:
     """The section of an outline; of a mesh's rough roundings by the corners of `piece` alone.
 
     Some roundings of a mesh may lie on circles, and others not.
@@ -322,10 +322,10 @@ def end_faces(shell: Shell, axis: Vec, side: int) -> Counts:
     middles = np.bincount(faces, coordinates(shell.points, axis)) / np.bincount(faces)
     there = (middles - (low + high) / 2) * side > 0
     there &= np.abs(coordinates(shell.area_normals, axis)) >= MIN_LEAN * areas
-    found = np.flatnonzero(there)
-    ways = shell.area_normals[found] * (1 / areas[found])[:, None]
-    way = heaviest(ways, areas[found], NEARLY_PLANE, len(found))
-    return found if way is None else found[np.abs(coordinates(ways, way)) > NEARLY_PLANE]
+    faces = np.flatnonzero(there)
+    ways = shell.area_normals[faces] * (1 / areas[faces])[:, None]
+    way = heaviest(ways, areas[faces], NEARLY_PLANE, len(faces))
+    return faces if way is None else faces[np.abs(coordinates(ways, way)) > NEARLY_PLANE]
 
 
 def _flat(piece: Any) -> Section | None:

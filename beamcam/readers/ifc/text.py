@@ -165,14 +165,14 @@ def places(inner: str) -> list[str]:
 
         .AREA.,'bolt hole',(#05,$),9.            .AREA.  '  (#5,$)  n
     """
-    found, deep = [""], 0
+    fields, deep = [""], 0
     for match in _TOKEN.finditer(inner):
         token = match[0].upper()
         deep += (token == "(") - (token == ")")
         if token == "," and not deep:
-            found.append("")
+            fields.append("")
         elif match.lastgroup is not None:
-            found[-1] += {"string": "'", "number": "n"}.get(match.lastgroup, f"#{match[3]}")
+            fields[-1] += {"string": "'", "number": "n"}.get(match.lastgroup, f"#{match[3]}")
         else:
-            found[-1] += "$" if token == "*" else token
-    return found if inner.strip() else []
+            fields[-1] += "$" if token == "*" else token
+    return fields if inner.strip() else []

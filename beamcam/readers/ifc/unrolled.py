@@ -122,11 +122,11 @@ def cut_tube(
     holes = [h for h in holes if there.distance(shapely.Point(h.x, h.y)) < h.diameter / 2]
     n = facets(radius, SAGITTA)
     volume = float(solid.volume()) * (2 * pi / n) / sin(2 * pi / n) - hole_volume(section, holes)
-    found = sawn(stock, (planes[0], planes[1]), (span[0], span[1]), [*contours, *holes], source,
+    shaped = sawn(stock, (planes[0], planes[1]), (span[0], span[1]), [*contours, *holes], source,
                  volume)  # fmt: skip
     stays, takes = (f"{one:.2f}" for one in off)
-    said = rules.SQUARE_CUT.at(source, stays=stays, takes=takes)
-    return replace(found, cutters=cutters, diagnostics=(said,) if max(off) >= LEAST_OFF else ())
+    remark = rules.SQUARE_CUT.at(source, stays=stays, takes=takes)
+    return replace(shaped, cutters=cutters, diagnostics=(remark,) if max(off) >= LEAST_OFF else ())
 
 
 def _look_at_seam(contours: Sequence[Contour], radius: float) -> None:
@@ -219,8 +219,8 @@ def _surface(rows: Floats, triangles: Any, radius: float) -> Surface:
 def _simple(line: Floats, radius: float) -> Floats:
     """A line on a surface with as few places as its chord allows, its ends where they are."""
     drawn = shapely.LineString(line * (1.0, radius)).simplify(CHORD)
-    found: Floats = shapely.get_coordinates(drawn) / (1.0, radius)
-    return found
+    points: Floats = shapely.get_coordinates(drawn) / (1.0, radius)
+    return points
 
 
 def _loops(triangles: Any) -> Iterator[list[int]]:

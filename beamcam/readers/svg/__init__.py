@@ -1,18 +1,10 @@
 """The SVG reader: every stroked shape, exact, in mm from the lower left corner of the page."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from beamcam.errors import Diagnostic, ReadError, Rule, Source
 from beamcam.model.part import Measures
-from beamcam.readers import Reading
-from beamcam.readers.drawing import (
-    counted,
-    drawing_part,
-    fit_newton,
-    unknown_layers,
-    verdict,
-    wrapped,
-)
+from beamcam.readers import Reading, drawing
 from beamcam.readers.svg import rules
 from beamcam.readers.svg.page import find_page
 from beamcam.readers.svg.tree import INITIAL, StyleSheet, looks_like, parse, style_of
@@ -45,24 +37,26 @@ def read(
         walk.elements(document.root.children, Context(page.matrix, style, hidden=hidden))
     except ReadError as error:
         return Reading("svg", (), error.diagnostics)
-    found = walk.found
-    grid = page.unit * 10.0**-found.decimals if found.contours else None
-    not_cut = tuple(sorted(found.not_cut.items()))
-    measures = Measures(tuple(found.filled), tuple(found.hidden), not_cut, grid)
-    part, fitted = fit_newton(drawing_part(name, tuple(found.contours), measures), fit)
-    source = Source(name)
-    seen = [*found.not_cut.items(), ("hidden shapes", found.counts["invisible"])]
+    content, source = walk.content, Source(name)
+    grid = page.unit * 10.0**-content.decimals if content.contours else None
+    not_cut = tuple(sorted(content.not_cut.items()))
+    measures = Measures(tuple(content.filled), tuple(content.hidden), not_cut, grid)
+    part, fitted = drawing.fit_newton(
+        drawing.drawing_part(name, tuple(content.contours), measures), fit
+    )
+    seen = [*content.not_cut.items(), ("hidden shapes", content.counts["invisible"])]
     unit = "of the page" if units is None and width is None else None
+    unknown = drawing.unknown_layers(sorted(content.layers - {""}), layers, source)
     diagnostics = (
         *page.remarks, *(rules.HIDING.at(source, found=s) for s in sheet.hiding),
         *(rules.SELECTOR.at(source, found=s) for s in sheet.ignored),
-        *unknown_layers(sorted(found.layers - {""}), layers, source), *found.diagnostics,
-        *fitted, *_remarks(found, source), *verdict(part, seen, unit, source),
+        *unknown, *content.diagnostics, *fitted, *_remarks(content, source),
+        *drawing.verdict(part, seen, unit, source),
     )  # fmt: skip
-    return wrapped(Reading("svg", (part,), diagnostics), wrap)
+    return drawing.wrapped(Reading("svg", (part,), diagnostics), wrap)
 
 
-#: Remarks on the counted shapes, in this order.
+#: Remarks on the drawing.counted shapes, in this order.
 _COUNTED: tuple[tuple[str, Rule], ...] = (
     ("filled", rules.FILL_ONLY), ("clipped", rules.CLIPPED), ("flattened", rules.FLATTENED),
     ("invisible", rules.INVISIBLE), ("dashed", rules.DASHED), ("hairline", rules.HAIRLINE),
@@ -70,15 +64,13 @@ _COUNTED: tuple[tuple[str, Rule], ...] = (
 )  # fmt: skip
 
 
-def _remarks(collected: PageContent, source: Source) -> list[Diagnostic]:
+def _remarks(content: PageContent, source: Source) -> Iterator[Diagnostic]:
     """Remarks on elements that are not contours, by kind and count."""
-    diagnostics = []
-    if collected.not_cut["text"]:
-        diagnostics.append(rules.TEXT.at(source, count=collected.not_cut["text"]))
-    others = [(tag, count) for tag, count in sorted(collected.not_cut.items()) if tag != "text"]
+    if content.not_cut["text"]:
+        yield rules.TEXT.at(source, count=content.not_cut["text"])
+    others = [(tag, count) for tag, count in sorted(content.not_cut.items()) if tag != "text"]
     if others:
-        diagnostics.append(rules.NOT_CUT.at(source, found=counted(others)))
+        yield rules.NOT_CUT.at(source, found=drawing.counted(others))
     for key, rule in _COUNTED:
-        if collected.counts[key]:
-            diagnostics.append(rule.at(source, count=collected.counts[key]))
-    return diagnostics
+        if content.counts[key]:
+            yield rule.at(source, count=content.counts[key])

@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Callable
-from math import inf, isfinite, radians, tan
+from math import inf, radians, tan
 from typing import Literal, NamedTuple
 
 from msgspec import Struct
@@ -39,11 +39,6 @@ def scale(x: float, y: float) -> Matrix:
     return (x, 0.0, 0.0), (0.0, y, 0.0)
 
 
-def _matrix(a: float, b: float, c: float, d: float, e: float, f: float) -> Matrix:
-    # SVG lists the columns.
-    return (a, c, e), (b, d, f)
-
-
 def _rotate(angle_deg: float, x: float = 0.0, y: float = 0.0) -> Matrix:
     c, s = unit_vector(angle_deg)
     turn: Matrix = ((c, -s, 0.0), (s, c, 0.0))
@@ -52,7 +47,7 @@ def _rotate(angle_deg: float, x: float = 0.0, y: float = 0.0) -> Matrix:
 
 #: Name to map and the counts of numbers that it takes. Source: SVG 1.1, section 7.6.
 _MAPS: dict[str, tuple[Callable[..., Matrix], tuple[int, ...]]] = {
-    "matrix": (_matrix, (6,)),
+    "matrix": (lambda a, b, c, d, e, f: ((a, c, e), (b, d, f)), (6,)),  # SVG lists the columns
     "translate": (lambda x, y=0.0: shift(x, y), (1, 2)),
     "scale": (lambda x, y=None: scale(x, x if y is None else y), (1, 2)),
     "rotate": (_rotate, (1, 3)),
@@ -89,7 +84,7 @@ class ViewBoxFit(NamedTuple):
     how: Literal["meet", "slice", "none"] = "meet"  #: seen whole, page filled, or stretched
     share_x: float = 0.5  #: of the free space that lies left of the drawing
     share_y: float = 0.5  #: above it
-    said: bool = False  #: whether the file says it
+    is_given: bool = False  #: whether the file says it
 
     def scales(self, across: float, down: float) -> tuple[float, float]:
         """The scales of x and y, of those by width and by height."""
@@ -105,7 +100,7 @@ def fit_of(text: str | None) -> ViewBoxFit:
     if match is None:
         return ViewBoxFit()
     if match["none"]:
-        return ViewBoxFit("none", said=True)
+        return ViewBoxFit("none", is_given=True)
     how: Literal["meet", "slice"] = "slice" if match["how"] == "slice" else "meet"
     return ViewBoxFit(how, _SHARES[match["x"]], _SHARES[match["y"]], True)
 
@@ -121,13 +116,33 @@ _PX = ("", "px")
 _ABSOLUTE = ("mm", "cm", "in", "pt", "pc", "q")
 
 
-class ViewBox(Struct, frozen=True):
+class ViewBox(NamedTuple):
     """The part of the drawing's plane that the page shows."""
 
     x: float
     y: float
     width: float
     height: float
+
+
+class NumberError(ValueError):
+    """An attribute that is not a length: its name, what was found and what was expected."""
+
+    def __init__(self, attribute: str, found: str, expected: str) -> None:
+        self.attribute, self.found, self.expected = attribute, found, expected
+        super().__init__(f"found {attribute}={found!r}, expected {expected}")
+
+
+def view_box(text: str) -> ViewBox:
+    """The numbers of a viewBox. Raises NumberError for anything else."""
+    try:
+        box = ViewBox(*map(float, re.split(r"[\s,]+", text.strip())))
+    except (ValueError, TypeError) as error:
+        raise NumberError("viewBox", text, "four numbers") from error
+    is_bounded = all(abs(number) <= MAX_COORDINATE for number in box)
+    if not (is_bounded and box.width > 0.0 and box.height > 0.0):
+        raise NumberError("viewBox", text, "a width and a height above 0")
+    return box
 
 
 class Page(Struct, frozen=True):
@@ -160,14 +175,8 @@ def find_page(document: Document, name: str, units: str | None, width: str | flo
     finder = _Finder(document, name)
     if units is not None and units.lower() not in MM_PER_UNIT:
         raise ReadError(UNITS_OPTION.at(Source(name), found=units, expected=", ".join(MM_PER_UNIT)))
-    if width is not None:
-        return finder.by_width(_given_width(width, name))
-    if units is not None:
-        return finder.by_units(units.lower())
-    return finder.by_file()
-
-
-def _given_width(width: str | float, name: str) -> float:
+    if width is None:
+        return finder.by_file() if units is None else finder.by_units(units.lower())
     try:
         number, unit = (width, "mm") if isinstance(width, int | float) else split_length(width)
         mm = number * MM_PER_UNIT[unit or "mm"]
@@ -175,7 +184,7 @@ def _given_width(width: str | float, name: str) -> float:
         mm = 0.0
     if not 0.0 < mm < inf:
         raise ReadError(WIDTH_OPTION.at(Source(name), found=width))
-    return mm
+    return finder.by_width(mm)
 
 
 class _Finder:
@@ -187,7 +196,12 @@ class _Finder:
         style = {key: value for key, value, _ in declarations(document.root.get("style") or "")}
         self.width = self._size("width", style)
         self.height = self._size("height", style)
-        self.box = self._view_box()
+        self.box: ViewBox | None = None
+        if (text := document.root.get("viewBox")) is not None:
+            try:
+                self.box = view_box(text)
+            except NumberError as error:
+                raise self._refuse(f"viewBox={text!r}", error.expected) from error
         self.fit = fit_of(document.root.get("preserveAspectRatio"))
 
     def _refuse(self, found: str, expected: str) -> ReadError:
@@ -207,19 +221,6 @@ class _Finder:
             raise self._refuse(f"{side}={text!r}", "a length above 0")
         return _Size(text, number, unit)
 
-    def _view_box(self) -> ViewBox | None:
-        text = self.document.root.get("viewBox")
-        if text is None:
-            return None
-        try:
-            x, y, width, height = map(float, re.split(r"[\s,]+", text.strip()))
-        except ValueError as error:
-            raise self._refuse(f"viewBox={text!r}", "four numbers") from error
-        sizes_known = 0.0 < width < inf and 0.0 < height < inf
-        if not (sizes_known and isfinite(x) and isfinite(y)):
-            raise self._refuse(f"viewBox={text!r}", "a width and a height above 0")
-        return ViewBox(x, y, width, height)
-
     def by_width(self, mm: float) -> Page:
         """The page, `mm` wide."""
         if self.box is not None:
@@ -231,14 +232,13 @@ class _Finder:
     def by_units(self, units: str) -> Page:
         """The page, where the user says what a plain number is."""
         unit = MM_PER_UNIT[units]
-        if not units.startswith("px"):
-            return self._uniform(unit)
-        absolute = [side for side in (self.width, self.height) if side and side.mm is not None]
-        if self.box is None or absolute:
-            return self.by_file() if absolute and self.box else self._uniform(unit)
-        for side, length in ((self.width, self.box.width), (self.height, self.box.height)):
-            if side is not None and side.unit in _PX:
-                return self._uniform(side.number * unit / length)
+        sides = [side for side in (self.width, self.height) if side is not None]
+        if self.box is not None and units.startswith("px"):
+            if any(side.mm is not None for side in sides):
+                return self.by_file()
+            for side, length in ((self.width, self.box.width), (self.height, self.box.height)):
+                if side is not None and side.unit in _PX:
+                    return self._uniform(side.number * unit / length)
         return self._uniform(unit)
 
     def by_file(self) -> Page:
@@ -274,17 +274,16 @@ class _Finder:
         if not all(1.0 / MAX_COORDINATE <= ratio <= MAX_COORDINATE for ratio in ratios):
             expected = f"between {1.0 / MAX_COORDINATE:g} and {MAX_COORDINATE:g} mm"
             raise self._refuse(f"a unit of {min(ratios):g} mm", expected)
-        if len(ratios) == 2 and not self.fit.said:
+        if len(ratios) == 2 and not self.fit.is_given:
             slack = SCALE_SLACK
             if all(side == round(side) for _, side in by):
                 slack += 0.5 / self.box.width + 0.5 / self.box.height  # rounded to whole units
             if abs(ratios[0] / ratios[1] - 1.0) > slack:
+                first, second = (f"{ratio:g}" for ratio in ratios)
+                names = {"first_by": "width and viewBox", "second_by": "height and viewBox"}
                 raise ReadError(
-                    rules.CONTRADICT.at(
-                        self.source, first=f"{ratios[0]:g}", first_by=f"{by[0][0]} and viewBox",
-                        second=f"{ratios[1]:g}", second_by=f"{by[1][0]} and viewBox",
-                    )
-                )  # fmt: skip
+                    rules.CONTRADICT.at(self.source, first=first, second=second, **names)
+                )
         return ratios
 
     def _by_pixels(self, found: str, across: float, down: float) -> Page:
@@ -341,8 +340,5 @@ def _writer(document: Document) -> tuple[str, int] | None:
     if match := re.search(r"inkscape:version=(\d{1,9})\.(\d{1,9})", foreign):
         old = (int(match[1]), int(match[2])) < (0, 92)
         return f"Inkscape {match[1]}.{match[2]}", 90 if old else 96
-    if "corel.com/coreldraw" in foreign or any(
-        identity.startswith("CorelCorpID") for identity in document.ids
-    ):
-        return "CorelDRAW", 96
-    return None
+    by_corel = any(identity.startswith("CorelCorpID") for identity in document.ids)
+    return ("CorelDRAW", 96) if by_corel or "corel.com/coreldraw" in foreign else None

@@ -12,7 +12,7 @@ from beamcam.geometry.conics import direction_deg, ellipse_of
 from beamcam.geometry.curves import Arc, Bezier, Curve, EllipseArc, Line
 from beamcam.geometry.plane import MAX_COORDINATE, Point
 from beamcam.readers.drawing import MM_PER_UNIT, lines_through, round_if_circle, split_length
-from beamcam.readers.svg.page import CSS_PX
+from beamcam.readers.svg.page import CSS_PX, NumberError
 from beamcam.readers.svg.tree import Element
 
 _COMMANDS = re.compile(r"([MmZzLlHhVvCcSsQqTtAa])")
@@ -55,7 +55,12 @@ def parse_path(d: str) -> list[Subpath]:
 def _numbers(command: str, text: str) -> list[float]:
     """The numbers behind a command. Raises PathError for anything else, or too few."""
     name = command.upper()
-    numbers = _arc_numbers(text) if name == "A" else _numbers_apart(text)
+    if name == "A":
+        numbers = _arc_numbers(text)
+    else:  # "1-2.5.5" are three as well
+        numbers = [float(n) for n in _NUMBER.findall(text)]
+        if rest := _NUMBER.sub(" ", text).strip(_SEPARATORS):
+            raise PathError(_short(rest), "a number")
     if not all(-MAX_COORDINATE <= number <= MAX_COORDINATE for number in numbers):
         raise PathError(_short(text), f"numbers of at most {MAX_COORDINATE:g}")
     if name == "Z":
@@ -64,14 +69,6 @@ def _numbers(command: str, text: str) -> list[float]:
     elif not numbers or len(numbers) % _TAKES[name]:
         raise PathError(_short(command + text), f"{_TAKES[name]} numbers, or a multiple of them")
     return numbers
-
-
-def _numbers_apart(text: str) -> list[float]:
-    """The numbers in a text; "1-2.5.5" are three as well."""
-    rest = _NUMBER.sub(" ", text).strip(_SEPARATORS)
-    if rest:
-        raise PathError(_short(rest), "a number")
-    return [float(n) for n in _NUMBER.findall(text)]
 
 
 def _arc_numbers(text: str) -> list[float]:
@@ -107,7 +104,11 @@ class _Pen:
     def draw(self, command: str, numbers: list[float]) -> None:
         name, relative = command.upper(), command.islower()
         if name == "Z":
-            self._close()
+            if not self.moved and not self.done:
+                raise PathError("z", "M before anything else")
+            self.curves += lines_through([self.at, self.first])
+            self.at, self.handle = self.first, None
+            self.finish()
             return
         if name == "M":
             self.finish()
@@ -129,46 +130,27 @@ class _Pen:
     def _segment(self, name: str, relative: bool, numbers: list[float]) -> None:
         x0, y0 = self.at
         handle = None
-        match name:
-            case "L":
-                end = self._points(numbers, relative)[0]
-                self._line(end)
-            case "H":
+        if name == "A":
+            end = self._points(numbers[5:], relative)[0]
+            self.curves += arc_curves(self.at, end, numbers[:5])
+        elif name in "LHV":
+            if name == "H":
                 end = (numbers[0] + (x0 if relative else 0.0), y0)
-                self._line(end)
-            case "V":
+            elif name == "V":
                 end = (x0, numbers[0] + (y0 if relative else 0.0))
-                self._line(end)
-            case "A":
-                end = self._points(numbers[5:], relative)[0]
-                self.curves += arc_curves(self.at, end, numbers[:5])
-            case _:
-                points = self._points(numbers, relative)
-                if name in "ST":
-                    points.insert(0, self._reflected("C" if name == "S" else "Q"))
-                end = points[-1]
-                handle = ("C" if name in "CS" else "Q", points[-2])
-                if any(p != self.at for p in points):
-                    self.curves.append(Bezier((self.at, *points)))
+            else:
+                end = self._points(numbers, relative)[0]
+            self.curves += lines_through([self.at, end])
+        else:
+            kind, points = "C" if name in "CS" else "Q", self._points(numbers, relative)
+            if name in "ST":  # the control point that continues the curve before smoothly
+                x, y = self.handle[1] if self.handle and self.handle[0] == kind else self.at
+                points.insert(0, (2 * x0 - x, 2 * y0 - y))
+            end = points[-1]
+            handle = (kind, points[-2])
+            if any(p != self.at for p in points):
+                self.curves.append(Bezier((self.at, *points)))
         self.at, self.handle = end, handle
-
-    def _line(self, end: Point) -> None:
-        if end != self.at:
-            self.curves.append(Line(self.at, end))
-
-    def _reflected(self, kind: str) -> Point:
-        """The control point that continues the curve before smoothly."""
-        if self.handle is None or self.handle[0] != kind:
-            return self.at
-        x, y = self.handle[1]
-        return 2 * self.at[0] - x, 2 * self.at[1] - y
-
-    def _close(self) -> None:
-        if not self.moved and not self.done:
-            raise PathError("z", "M before anything else")
-        self._line(self.first)
-        self.at, self.handle = self.first, None
-        self.finish()
 
     def finish(self) -> None:
         if self.moved:
@@ -228,20 +210,9 @@ def _fraction(digits: int) -> re.Pattern[str]:
 
 # --- shapes ---------------------------------------------------------------------------------------
 
-# The basic shapes as chains of exact curves, in the units of the drawing.
-
-
 View = tuple[float, float]
 
 SHAPES = ("path", "rect", "circle", "ellipse", "line", "polyline", "polygon")
-
-
-class NumberError(ValueError):
-    """An attribute that is not a length: its name, what was found and what was expected."""
-
-    def __init__(self, attribute: str, found: str, expected: str) -> None:
-        self.attribute, self.found, self.expected = attribute, found, expected
-        super().__init__(f"found {attribute}={found!r}, expected {expected}")
 
 
 def subpaths_of(element: Element, view: View) -> list[Subpath]:
@@ -249,28 +220,27 @@ def subpaths_of(element: Element, view: View) -> list[Subpath]:
 
     Raises PathError or NumberError.
     """
+
+    def length(name: str) -> float:
+        return length_of(element, name, view)
+
     match element.tag:
         case "path":
             return parse_path(element.get("d") or "")
         case "rect":
             return [_rect(element, view)]
-        case "circle":
-            radius = length_of(element, "r", view)
-            return [_round(element, view, radius, radius)]
-        case "ellipse":
-            rx, ry = length_of(element, "rx", view), length_of(element, "ry", view)
-            return [_round(element, view, rx, ry)]
+        case "circle" | "ellipse":
+            rx, ry = map(length, ("r", "r") if element.tag == "circle" else ("rx", "ry"))
+            centre = length("cx"), length("cy")
+            return [(_arc(centre, rx, ry, 0.0, 360.0),) if rx > 0.0 and ry > 0.0 else ()]
         case "line":
-            ends = [(length_of(element, x, view), length_of(element, y, view)) for x, y in _LINE]
+            ends = [(length("x1"), length("y1")), (length("x2"), length("y2"))]
             return [lines_through(ends)]
         case _:
             points = _points(element)
             if element.tag == "polygon" and points:
                 points.append(points[0])
             return [lines_through(points)]
-
-
-_LINE = (("x1", "y1"), ("x2", "y2"))
 
 
 def length_of(element: Element, attribute: str, view: View) -> float:
@@ -303,20 +273,6 @@ _AXIS = {
 }
 
 
-def view_box(text: str) -> tuple[float, float, float, float]:
-    """The numbers of a viewBox: x, y, width and height. Raises NumberError for anything else."""
-    words = re.split(r"[\s,]+", text.strip())
-    try:
-        x, y, width, height = map(float, words)
-    except ValueError as error:
-        raise NumberError("viewBox", text, "four numbers") from error
-    if not (
-        width > 0.0 and height > 0.0 and max(map(abs, (x, y, width, height))) <= MAX_COORDINATE
-    ):
-        raise NumberError("viewBox", text, "a width and a height above 0")
-    return x, y, width, height
-
-
 def _size(element: Element, attribute: str, view: View) -> float:
     size = length_of(element, attribute, view)
     if size < 0.0:
@@ -330,10 +286,9 @@ def _rect(element: Element, view: View) -> tuple[Curve, ...]:
     width, height = _size(element, "width", view), _size(element, "height", view)
     if width == 0.0 or height == 0.0:
         return ()
-    rx = _radius(element, "rx", view)
-    ry = _radius(element, "ry", view)
-    rx, ry = (ry if rx is None else rx), (rx if ry is None else ry)
-    rx, ry = min(rx or 0.0, width / 2), min(ry or 0.0, height / 2)
+    given = [name for name in ("rx", "ry") if (element.get(name) or "auto").strip() != "auto"]
+    radii = [_size(element, name, view) for name in given] or [0.0]
+    rx, ry = min(radii[0], width / 2), min(radii[-1], height / 2)
     right, low = x + width, y + height
     if rx == 0.0 or ry == 0.0:
         return lines_through([(x, y), (right, y), (right, low), (x, low), (x, y)])
@@ -350,19 +305,6 @@ def _rect(element: Element, view: View) -> tuple[Curve, ...]:
         curves += (*lines_through([at, arc.start]), arc)
         at = arc.end
     return tuple(curves)
-
-
-def _radius(element: Element, attribute: str, view: View) -> float | None:
-    if (element.get(attribute) or "auto").strip() == "auto":
-        return None
-    return _size(element, attribute, view)
-
-
-def _round(element: Element, view: View, rx: float, ry: float) -> Subpath:
-    if rx <= 0.0 or ry <= 0.0:
-        return ()
-    centre = (length_of(element, "cx", view), length_of(element, "cy", view))
-    return (_arc(centre, rx, ry, 0.0, 360.0),)
 
 
 def _arc(

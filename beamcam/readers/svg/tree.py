@@ -170,6 +170,13 @@ class Compound(Struct, frozen=True):
     identity: str
     classes: tuple[str, ...]  #: as often as they are written, which is how much they weigh
 
+    @classmethod
+    def of(cls, selector: re.Match[str]) -> "Compound":
+        parts = re.findall(r"([.#])([^.#]+)", selector[2])
+        classes = tuple(name for mark, name in parts if mark == ".")
+        identity = next((name for mark, name in parts if mark == "#"), "")
+        return cls("" if selector[1] in (None, "*") else selector[1], identity, classes)
+
     def fits(self, element: Element) -> bool:
         """Whether an element has all of it."""
         return (
@@ -232,11 +239,12 @@ class StyleSheet(Struct):
 
     def _add_rule(self, selector: str, style: tuple[tuple[str, str, bool], ...]) -> None:
         steps = re.sub(r"\s*>\s*", " > ", selector).split()
-        compounds = [c for c in map(_compound, (s for s in steps if s != ">")) if c is not None]
+        matches = [_SELECTOR.fullmatch(step) for step in steps if step != ">"]
+        compounds = [Compound.of(match) for match in matches if match is not None]
         places = [k for k, step in enumerate(steps) if step != ">"]
         lone = any(b - a > 2 for a, b in pairwise(places)) or places[:1] != [0]
         if lone or len(compounds) < len(places) or steps[-1] == ">":
-            if _PASSING.search(selector) or not any(_hides(*one) for one in style):
+            if _PASSING.search(selector) or not any(_hides(name, text) for name, text, _ in style):
                 if any(name in INHERITED or name in OWN for name, _, _ in style):
                     self.ignored.append(selector)
             else:
@@ -262,23 +270,15 @@ class StyleSheet(Struct):
         return sorted(css_rules, key=lambda rule: rule.weight)
 
 
-def _compound(text: str) -> Compound | None:
-    """What a selector without spaces asks for; None of one that is not understood."""
-    match = _SELECTOR.match(text)
-    if not text or match is None:
-        return None
-    parts = re.findall(r"([.#])([^.#]+)", match[2])
-    classes = tuple(name for mark, name in parts if mark == ".")
-    identity = next((name for mark, name in parts if mark == "#"), "")
-    return Compound("" if match[1] in (None, "*") else match[1], identity, classes)
+#: Values of properties that take what has a stroke out of sight.
+_GONE = {"display": ("none",), "visibility": ("hidden", "collapse"), "stroke": ("none",)}
 
 
-def _hides(name: str, value: str, important: bool) -> bool:
+def _hides(name: str, value: str) -> bool:
     """Whether a declaration takes what has a stroke out of sight."""
     if name in ("opacity", "stroke-opacity"):
         return is_nothing(value)
-    gone = {"display": ("none",), "visibility": ("hidden", "collapse"), "stroke": ("none",)}
-    return value.lower() in gone.get(name, ()) or (name == "stroke" and is_transparent(value))
+    return value.lower() in _GONE.get(name, ()) or (name == "stroke" and is_transparent(value))
 
 
 def is_nothing(opacity: str) -> bool:

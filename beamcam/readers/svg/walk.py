@@ -22,17 +22,17 @@ from beamcam.model.colour import is_transparent, parse_colour
 from beamcam.model.part import Contour
 from beamcam.readers.drawing import as_contour, is_in_bounds, split_length
 from beamcam.readers.svg import rules
-from beamcam.readers.svg.page import Page, fit_of, parse_transform, product, scale, shift
-from beamcam.readers.svg.path import (
-    SHAPES,
+from beamcam.readers.svg.page import (
     NumberError,
-    PathError,
-    Subpath,
-    decimals,
-    length_of,
-    subpaths_of,
+    Page,
+    fit_of,
+    parse_transform,
+    product,
+    scale,
+    shift,
     view_box,
 )
+from beamcam.readers.svg.path import SHAPES, PathError, Subpath, decimals, length_of, subpaths_of
 from beamcam.readers.svg.tree import (
     MOST_DEEP,
     Document,
@@ -42,11 +42,6 @@ from beamcam.readers.svg.tree import (
     is_nothing,
     style_of,
 )
-
-# --- layers ---------------------------------------------------------------------------------------
-
-# The name of the layer that a group is, as drawing programs write it.
-
 
 _ESCAPED = re.compile(r"_x([0-9A-Fa-f]{4})_")
 _NUMBER = re.compile(r"_?\d+\Z")
@@ -61,24 +56,18 @@ def layer_of(group: Element, depth: int) -> str | None:
     if group.get("inkscape:groupmode") == "layer":
         return group.get("inkscape:label") or _name(group)
     marked = bool(group.children) and (group.children[0].get("id") or "").startswith("CorelCorpID")
-    if marked or depth == 0:
-        return _name(group)
-    return None
+    return _name(group) if marked or depth == 0 else None
 
 
 def _name(group: Element) -> str | None:
-    identity = group.get("id")
-    if identity is None or _NUMBER.match(identity):
+    """The id of a group, "Layer 1" of "Layer_x0020_1"; None where it is none or a number."""
+    name = group.get("id")
+    if name is None or _NUMBER.match(name):
         return None
-    return unescape(identity)
+    return _ESCAPED.sub(lambda letter: chr(int(letter[1], 16)), name)
 
 
-def unescape(name: str) -> str:
-    """ "Layer 1" of "Layer_x0020_1"."""
-    return _ESCAPED.sub(lambda found: chr(int(found[1], 16)), name)
-
-
-_GROUPS = ("g", "a")
+_GROUPS = ("g", "a", "svg", "use", "switch")
 _TEXTS = ("text", "flowRoot")
 _NOT_CUT = ("image", "foreignObject", "video", "audio", "iframe", "canvas")
 
@@ -99,6 +88,8 @@ class PageContent(Struct):
     diagnostics: list[Diagnostic] = field(default_factory=list)
 
 
+#: What a child of a switch asks for that shows in some programs only.
+_ASKING = frozenset(("requiredExtensions", "requiredFeatures", "systemLanguage"))
 _OF_SYMBOL = ("viewBox", "preserveAspectRatio", "style", "class")
 
 
@@ -120,34 +111,35 @@ class PageWalk(Struct):
     page: Page
     sheet: StyleSheet
     chosen: frozenset[str] | None = None  #: layers to read, in lower case; None is all
-    found: PageContent = field(default_factory=PageContent)
+    content: PageContent = field(default_factory=PageContent)
 
     def elements(self, elements: Iterable[Element], context: Context) -> None:
+        """Sort elements and their content; what only defines something is passed over."""
         for element in elements:
-            self.element(element, context)
+            tag = element.tag
+            if tag in _TEXTS or tag in _NOT_CUT:
+                style = style_of(element, context.style, self.sheet)
+                if not context.hidden and not _is_hidden(style):
+                    self.content.not_cut["text" if tag in _TEXTS else tag] += 1
+            elif tag in SHAPES or tag in _GROUPS:
+                if (inner := self._inside(element, context)) is None:
+                    continue
+                if tag in SHAPES:
+                    self._shape(element, inner)
+                elif tag == "use":
+                    self._use(element, inner)
+                elif tag == "switch":  # the first that asks for nothing special shows
+                    plain = [c for c in element.children if _ASKING.isdisjoint(c.attributes)]
+                    self.elements(plain[:1], inner)
+                else:
+                    self.elements(element.children, inner)
 
-    def element(self, element: Element, context: Context) -> None:
-        """Sort one element and its content; what only defines something is passed over."""
-        tag = element.tag
-        if tag in SHAPES or tag in _GROUPS or tag in ("svg", "use", "switch"):
-            inner = self._inside(element, context)
-            if inner is None:
-                return
-            if tag in SHAPES:
-                self._shape(element, inner)
-            elif tag == "use":
-                self._use(element, inner)
-            elif tag == "switch":
-                self.elements(_chosen(element), inner)
-            else:
-                self.elements(element.children, inner)
-        elif tag in _TEXTS or tag in _NOT_CUT:
-            style = style_of(element, context.style, self.sheet)
-            if not context.hidden and not _is_hidden(style):
-                self.found.not_cut["text" if tag in _TEXTS else tag] += 1
+    def _report(self, rule: Rule, element: Element, **values: object) -> None:
+        self.content.diagnostics.append(rule.at(self._source(element), **values))
 
-    def _say(self, rule: Rule, element: Element, **values: object) -> None:
-        self.found.diagnostics.append(rule.at(self._source(element), **values))
+    def _report_number(self, element: Element, error: NumberError) -> None:
+        found = {"attribute": error.attribute, "found": error.found}
+        self._report(rules.NUMBER, element, **found, expected=error.expected)
 
     def _source(self, element: Element) -> Source:
         return Source(self.name, element.line, element.get("id"))
@@ -165,24 +157,23 @@ class PageWalk(Struct):
             if text is not None:
                 matrix = product(matrix, parse_transform(text))
         except NumberError as error:
-            self._say_number(element, error)
+            self._report_number(element, error)
             return None
         except ValueError as error:
-            self._say(rules.TRANSFORM, element, found=text, expected=error)
+            self._report(rules.TRANSFORM, element, found=text, expected=error)
             return None
         layer = layer_of(element, context.depth) if element.tag == "g" else None
         hidden = context.hidden or style.get("display") == "none"
         hidden = hidden or is_nothing(style.get("opacity", "1"))
         for name in ("clip-path", "mask"):
             if style.get(name, "none") != "none":
-                self.found.counts["clipped"] += 1
+                self.content.counts["clipped"] += 1
         return Context(matrix, style, layer or context.layer, hidden, context.depth + 1)
 
     def _viewport(self, element: Element) -> Matrix:
         """The map of an svg inside the drawing: its place, and its viewBox onto its size."""
-        x, y, width, height = (
-            self._length(element, side) for side in ("x", "y", "width", "height")
-        )
+        sides = ("x", "y", "width", "height")
+        x, y, width, height = (length_of(element, side, self.page.view) for side in sides)
         text = element.get("viewBox")
         if text is None or not width or not height:
             return shift(x, y)
@@ -193,13 +184,6 @@ class PageWalk(Struct):
         y += (height - down * sy) * fit.share_y - top * sy
         return product(shift(x, y), scale(sx, sy))
 
-    def _length(self, element: Element, side: str) -> float:
-        """A side of an element in units of the drawing; 0 if it is not given.
-
-        Raises ValueError if it is not a length.
-        """
-        return length_of(element, side, self.page.view)
-
     # --- uses -------------------------------------------------------------------------------------
 
     def _use(self, element: Element, context: Context) -> None:
@@ -207,23 +191,22 @@ class PageWalk(Struct):
         reference = element.get("href") or element.get("xlink:href") or ""
         target = self.document.ids.get(reference[1:]) if reference.startswith("#") else None
         if target is None:
-            self._say(rules.USE, element, found=reference)
+            self._report(rules.USE, element, found=reference)
             return
-        self.found.counts["uses"] += 1
-        if self.found.counts["uses"] > MOST_USES:
+        self.content.counts["uses"] += 1
+        if self.content.counts["uses"] > MOST_USES:
             raise ReadError(rules.USES.at(self._source(element), expected=MOST_USES))
         try:
-            x, y = self._length(element, "x"), self._length(element, "y")
+            x, y = (length_of(element, side, self.page.view) for side in ("x", "y"))
         except NumberError as error:
-            self._say_number(element, error)
+            self._report_number(element, error)
             return
         moved = replace(context, matrix=product(context.matrix, shift(x, y)))
         if target.tag == "symbol":
             size = {k: v for k in ("width", "height") if (v := element.get(k))}
             view = {k: v for k in _OF_SYMBOL if (v := target.get(k))}
-            self.element(Element("svg", {**size, **view}, target.line, target.children), moved)
-        else:
-            self.element(target, moved)
+            target = Element("svg", {**size, **view}, target.line, target.children)
+        self.elements((target,), moved)
 
     # --- shapes -----------------------------------------------------------------------------------
 
@@ -232,25 +215,17 @@ class PageWalk(Struct):
         try:
             subpaths = subpaths_of(element, self.page.view)
         except PathError as error:
-            self._say(rules.PATH, element, found=error.found, expected=error.expected)
+            self._report(rules.PATH, element, found=error.found, expected=error.expected)
             return
         except NumberError as error:
-            self._say_number(element, error)
+            self._report_number(element, error)
             return
         chains = self._placed(subpaths, context.matrix)
         if not all(is_in_bounds(curve) for chain in chains for curve in chain):
-            endless = NumberError(
-                element.tag, "no such number", f"coordinates of at most {MAX_COORDINATE:g} mm"
-            )
-            self._say_number(element, endless)
+            expected = f"coordinates of at most {MAX_COORDINATE:g} mm"
+            self._report_number(element, NumberError(element.tag, "no such number", expected))
         elif chains:
             self._sort(element, chains, context, source)
-
-    def _say_number(self, element: Element, error: NumberError) -> None:
-        self._say(
-            rules.NUMBER, element, attribute=error.attribute, found=error.found,
-            expected=error.expected,
-        )  # fmt: skip
 
     def _placed(self, subpaths: Iterable[Subpath], matrix: Matrix) -> list[tuple[Curve, ...]]:
         """The chains in mm, without those of no length."""
@@ -259,12 +234,12 @@ class PageWalk(Struct):
             try:
                 chain = tuple(curve.transformed(matrix) for curve in subpath)
             except ValueError:  # circles have no image if the map presses them to a line
-                self.found.counts["flattened"] += 1
+                self.content.counts["flattened"] += 1
                 continue
             if any(c.start != c.end or c.bbox[:2] != c.bbox[2:] for c in chain):
                 chains.append(chain)
             else:
-                self.found.counts["degenerate"] += 1
+                self.content.counts["degenerate"] += 1
         return chains
 
     def _sort(
@@ -272,31 +247,30 @@ class PageWalk(Struct):
     ) -> None:
         """Contours if the shape has a stroke, else filled, or hidden."""
         style = context.style
-        self.found.layers.add(context.layer or "")
+        self.content.layers.add(context.layer or "")
         unwanted = self.chosen is not None and (context.layer or "").lower() not in self.chosen
         hidden = unwanted or context.hidden or _is_hidden(style)
         if not hidden and _is_painted(style, "stroke"):
             colour = self._colour(style, source)
             self._note_stroke(element, style)
-            self.found.contours += (
-                as_contour(chain, source, context.layer, colour) for chain in chains
-            )
+            contours = [as_contour(chain, source, context.layer, colour) for chain in chains]
+            self.content.contours += contours
         elif not hidden and _is_painted(style, "fill"):
-            self.found.counts["filled"] += 1
-            self.found.filled += (curve for chain in chains for curve in chain)
+            self.content.counts["filled"] += 1
+            self.content.filled += (curve for chain in chains for curve in chain)
         else:
-            self.found.counts["invisible"] += 1
-            self.found.hidden += (curve for chain in chains for curve in chain)
+            self.content.counts["invisible"] += 1
+            self.content.hidden += (curve for chain in chains for curve in chain)
 
     def _note_stroke(self, element: Element, style: Style) -> None:
         """Remarks on a stroked shape: hairlines, dashes, its grid."""
         with suppress(ValueError):  # browsers draw a stroke of no length 1 px wide
-            self.found.counts["hairline"] += split_length(style["stroke-width"])[0] == 0.0
-        self.found.counts["dashed"] += style["stroke-dasharray"] not in ("none", "")
+            self.content.counts["hairline"] += split_length(style["stroke-width"])[0] == 0.0
+        self.content.counts["dashed"] += style["stroke-dasharray"] not in ("none", "")
         numbers = element.get("d") or element.get("points")
         if numbers is None:
             numbers = " ".join(v for k, v in element.attributes.items() if k in _COORDINATES)
-        self.found.decimals = decimals(numbers, self.found.decimals)
+        self.content.decimals = decimals(numbers, self.content.decimals)
 
     def _colour(self, style: Style, source: Source) -> str | None:
         """The stroke as "#rrggbb"; None for a pattern, or where it cannot be read."""
@@ -310,20 +284,13 @@ class PageWalk(Struct):
         try:
             return parse_colour(text.split(" icc-color")[0])
         except ValueError:
-            self.found.diagnostics.append(rules.COLOUR.at(source, found=text))
+            self.content.diagnostics.append(rules.COLOUR.at(source, found=text))
             return None
 
 
 _COORDINATES = frozenset(
     ("x", "y", "width", "height", "rx", "ry", "cx", "cy", "r", "x1", "y1", "x2", "y2")
 )
-
-
-def _chosen(switch: Element) -> list[Element]:
-    """The child of a switch that shows: the first that asks for nothing special."""
-    asking = ("requiredExtensions", "requiredFeatures", "systemLanguage")
-    plain = (c for c in switch.children if not any(c.get(name) is not None for name in asking))
-    return list(plain)[:1]
 
 
 def _is_hidden(style: Style) -> bool:

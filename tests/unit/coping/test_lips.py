@@ -27,7 +27,7 @@ from beamcam.planning.coping.plan import plan_coping
 from beamcam.planning.coping.walls import laid
 from beamcam.planning.manual_list import manual_rows
 from beamcam.recovery.copers import recover_coped
-from beamcam.recovery.found import KnownStock
+from beamcam.recovery.recovered import KnownStock
 from beamcam.solid.kernel import outline as outline_of
 from beamcam.solid.opinion import solid_faults
 from benchmarks import coping_faults

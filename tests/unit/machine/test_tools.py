@@ -23,8 +23,8 @@ FAULTS = [
     ("beamline", "[[tools]]\nkind = 'drill'", "'tools.0.diameters'; expected at least one"),
     ("beamline", "[[tools]]\nkind = 'drill'\ninches = ['1/0']", "expected inches such as"),
     ("beamline", "[[tools]]\nkind = 'drill'\ninches = ['half']", "found 'half' for"),
-    ("beamline", "[[tools]]\nkind = 'drill'\ninches = ['-1/2']", "expected diameters above 0"),
-    ("beamline", "[[tools]]\nkind = 'drill'\ndiameters = [8]\npoint_deg = 190", "180, which is"),
+    ("beamline", "[[tools]]\nkind = 'drill'\ninches = ['-1/2']", "expected inches such as"),
+    ("beamline", "[[tools]]\nkind = 'drill'\ndiameters = [8]\npoint_deg = 190", "at most 180"),
     ("beamline", "[[tools]]\nkind = 'mill'\ndiameters = [8]", "'words.mill'; expected a template"),
     (
         "beamline-pusher",
@@ -34,7 +34,7 @@ FAULTS = [
     (
         "beamline-pusher",
         "[[tools]]\nkind = 'tap'\ndiameters = [8]\npitches = [0]\npre_drills = [6.8]",
-        "'tools.0.pitches'; expected sizes above 0",
+        "'tools.0.pitches.0'; expected more than 0",
     ),
     (
         "beamline-pusher",

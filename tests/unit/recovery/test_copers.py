@@ -21,7 +21,7 @@ from beamcam.model.part import EndCuts, Feature, Hole, Part, Profile, Slot, Text
 from beamcam.pipeline import post
 from beamcam.recovery import KnownStock, Recovered, recover
 from beamcam.recovery.box_tube import faces_of
-from beamcam.recovery.found import (
+from beamcam.recovery.rules import (
     COMES_CUT,
     CORNER,
     LEFT_OUT,

@@ -16,7 +16,7 @@ from beamcam.machine import Machine, load
 from beamcam.model.part import Contour, EndCuts, Feature, Hole, Part, Slot
 from beamcam.pipeline import post
 from beamcam.recovery import KnownStock, recover, with_marks
-from beamcam.recovery.found import (
+from beamcam.recovery.rules import (
     CATALOGUE,
     CROWDED,
     FACES,

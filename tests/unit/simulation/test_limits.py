@@ -16,7 +16,7 @@ from beamcam.cli import main
 from beamcam.controllers.simotion.trial import trial
 from beamcam.errors import MachineError
 from beamcam.machine import load
-from beamcam.machine.bodies import MachineBox
+from beamcam.machine.machine import MachineBox
 from beamcam.machine.stations import Formula
 from beamcam.simulation.course import bar_trace, cell_axes
 from beamcam.simulation.encoder import Encoder, precision, stair_times

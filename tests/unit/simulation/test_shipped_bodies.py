@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from beamcam.machine import load
-from beamcam.machine.bodies import MachineBox
 from beamcam.machine.load import shipped
+from beamcam.machine.machine import MachineBox
 from beamcam.machine.stations import Formula
 from beamcam.pipeline import post, read_file
 from beamcam.simulation.course import cell_axes

@@ -256,7 +256,7 @@ def test_keys_of_the_lift_that_cannot_be(
     changes: dict[str, object], key: str, expected: str
 ) -> None:
     machine = with_z(lifted("simotion"), **changes)
-    faults = [(fault[0], fault[2]) for fault in table_faults(machine)]
+    faults = [(fault[0], fault[1]) for fault in table_faults(machine)]
     assert any(k == key and e.endswith(expected) for k, e in faults), faults
 
 

@@ -18,6 +18,7 @@ from beamcam.controllers.simotion.trial import project_objects
 from beamcam.emitters import step_table as forms
 from beamcam.errors import Diagnostic
 from beamcam.machine import load
+from beamcam.machine.faults import with_found
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch_faults import table_faults
 from beamcam.motion.steps import step_table
@@ -305,4 +306,4 @@ FAULTY = [
 def test_what_is_said_of_a_machine(
     machine: Machine, key: str, found: object, expected: str
 ) -> None:
-    assert list(table_faults(machine)) == [(key, found, expected)]
+    assert list(with_found(table_faults(machine), machine)) == [(key, found, expected)]

@@ -99,7 +99,7 @@ def test_keys_that_mean_nothing_to_the_dialect_are_refused(
 
 def test_an_address_with_and_without_its_letter_is_one_place() -> None:
     (fault,) = table_faults(plain_machine(start="%I0.5"))
-    assert fault == ("triggers", "%I0.5", "each input, output and axis once")
+    assert fault == ("triggers", "each input, output and axis once", "%I0.5")
 
 
 @pytest.mark.parametrize("place", ["%IX0.4", "%I0.4", "%IX3", "%IX1.2.3", "startFromPanel"])

@@ -353,7 +353,7 @@ def test_names_of_the_library_are_written_and_read_as_the_machine_calls_them(sty
 
 def test_only_names_that_are_not_confirmed_may_be_called_otherwise() -> None:
     faults = list(table_faults(renamed(_pos="_position", X_Y="X Y")))
-    assert [(key, found) for key, found, _ in faults] == [
+    assert [(key, found) for key, _, found in faults] == [
         ("triggers.names", "_pos"), ("triggers.names.X_Y", "X Y"),
     ]  # fmt: skip
 
@@ -424,7 +424,7 @@ def test_path_objects_name_the_package_that_they_need() -> None:
     assert "    USEPACKAGE PATH;\n" in program("shield", "chain", machine)
     assert list(
         table_faults(replace(machine, triggers=replace(machine.triggers, package="CAM")))
-    ) == [("triggers.package", "CAM", "PATH or CAM_EXT, which have path objects")]
+    ) == [("triggers.package", "PATH or CAM_EXT, which have path objects")]
 
 
 def test_the_head_names_the_tasks_and_the_cycle() -> None:

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from beamcam import readers
 from beamcam.readers import dxf
 from beamcam.readers.dxf.load import looks_like
-from tests.conftest import examples
+from tests.conftest import examples, rules_of
 from tests.dxf_text import codes, curves_of, drawing, length_of, line, polyline, spline, tags
 from tests.dxf_text import section as a_section
 
@@ -29,7 +29,7 @@ def test_each_bad_sample_is_refused_with_its_code(path: Path) -> None:
 def test_there_is_a_bad_sample_for_each_error() -> None:
     from beamcam.errors import Severity
 
-    errors = {rule.code for rule in dxf.RULES if rule.severity is Severity.ERROR}
+    errors = {rule.code for rule in rules_of(dxf.rules) if rule.severity is Severity.ERROR}
     assert errors - {path.stem for path in BAD} == set()
 
 

@@ -159,9 +159,9 @@ def test_a_kernel_without_a_solid_is_no_witness(monkeypatch: pytest.MonkeyPatch)
 
 def test_a_volume_that_is_off_by_more_than_half_a_percent_refuses_the_member() -> None:
     source = Source("m.ifc")
-    (near,) = Differences(volume=1e5, expected=1e5 - 140.0).said(source)
-    (far,) = Differences(volume=1e5, expected=1e5 + 600.0).said(source)
-    assert Differences(volume=1e5, expected=1e5 - 40.0).said(source) == ()
+    (near,) = Differences(volume=1e5, expected=1e5 - 140.0).diagnostics(source)
+    (far,) = Differences(volume=1e5, expected=1e5 + 600.0).diagnostics(source)
+    assert Differences(volume=1e5, expected=1e5 - 40.0).diagnostics(source) == ()
     assert (near.code, near.severity.value) == ("ifc-volume", "warning")
     assert (far.code, far.severity.value) == ("ifc-volume-off", "error")
     assert "found a volume of 100.00 cm3 in the model; expected 100.60 cm3" in far.message

@@ -12,7 +12,7 @@ from msgspec.structs import replace
 from beamcam.errors import Severity, Source
 from beamcam.model.part import EndCuts, Hole, Slot
 from beamcam.readers.ifc import Options, read, same_solid
-from beamcam.readers.ifc.checks import section_said
+from beamcam.readers.ifc.checks import section_diagnostics
 from beamcam.readers.ifc.entities import Unreadable
 from beamcam.readers.ifc.finish import Shaped, part_of
 from beamcam.readers.ifc.kernel import Built, built
@@ -150,17 +150,17 @@ def test_rounded_toes_and_missing_fillets_are_told_and_slopes_are_not() -> None:
     section = Section("L", 60.0, 60.0, 6.0, 6.0, 0.0, (0.0, 0.0), (0.0, 1.0), (1.0, 0.0), 684.0)
     shaped = Shaped(section, 500.0, EndCuts(), (), 342e3, 500.0)
     sharp = Polygon([(0, 0), (60, 0), (60, 6), (6, 6), (6, 60), (0, 60)])
-    assert section_said(shaped, BareStock(sharp, sharp.area), SOURCE) == ()
+    assert section_diagnostics(shaped, BareStock(sharp, sharp.area), SOURCE) == ()
     toes = (
         box(54, 0, 60, 6)
         .difference(Point(54, 0).buffer(6, 64))
         .union(box(0, 54, 6, 60).difference(Point(0, 54).buffer(6, 64)))
     )
     rounded = sharp.difference(toes)
-    (said,) = section_said(shaped, BareStock(rounded, rounded.area), SOURCE)
+    (said,) = section_diagnostics(shaped, BareStock(rounded, rounded.area), SOURCE)
     assert (said.code, said["found"], said["expected"]) == ("ifc-section-area", "6.69", "6.84")
     sloped = Polygon([(0, 0), (60, 0), (60, 5), (7, 7), (5, 60), (0, 60)])
-    assert section_said(shaped, BareStock(sloped, sloped.area), SOURCE) == ()
+    assert section_diagnostics(shaped, BareStock(sloped, sloped.area), SOURCE) == ()
 
 
 def test_plain_members_are_compared_too(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -8,8 +8,8 @@ from beamcam import readers
 from beamcam.errors import Severity
 from beamcam.readers import svg
 from beamcam.readers.svg import rules
-from beamcam.readers.svg.tree import looks_like
-from beamcam.readers.svg.walk import unescape
+from beamcam.readers.svg.tree import Element, looks_like
+from beamcam.readers.svg.walk import layer_of
 from tests.conftest import SAMPLES, rules_of
 from tests.svg_text import PAGE, codes, drawing, length_of, read
 
@@ -315,8 +315,8 @@ def test_layers_can_be_chosen() -> None:
 
 
 def test_escaped_names() -> None:
-    assert unescape("Layer_x0020_1") == "Layer 1"
-    assert unescape("Warstwa_x00B7_a_b") == "Warstwa·a_b"
+    for escaped, name in (("Layer_x0020_1", "Layer 1"), ("Warstwa_x00B7_a_b", "Warstwa·a_b")):
+        assert layer_of(Element("g", {"id": escaped}, 1), 0) == name
 
 
 def test_contours_know_their_line_and_id() -> None:

@@ -1,13 +1,6 @@
-"""Input and result of a recovery."""
+"""Rules of recovery: every code that it gives, with its reason."""
 
-from collections.abc import Sequence
-from math import floor, log10
-
-from msgspec import Struct
-from msgspec.structs import replace
-
-from beamcam.errors import Diagnostic, Source, error, note, warning
-from beamcam.model.part import Part, Profile
+from beamcam.errors import error, note, warning
 
 # fmt: off
 
@@ -87,58 +80,3 @@ CORNER = error("recover-corner",
     "go over it, or a cut-out that reaches into it from one face",
     "What is cut round a corner of a rectangular tube is given as contours of the faces beside it, "
     "which have to go on over it.")
-
-
-# fmt: on
-
-
-DECIMALS = 9  #: beyond which a figure is the noise of arithmetic
-
-
-class KnownStock(Struct, frozen=True):
-    """Known data of a program's bar or sheet."""
-
-    profile: Profile | None = None
-    grade: str = ""
-    has_thickness: bool = False  #: whether the machine has the thickness of this very sheet
-
-
-class Recovered(Struct, frozen=True):
-    """The parts that a program makes, and remarks."""
-
-    parts: tuple[Part, ...]
-    diagnostics: tuple[Diagnostic, ...]
-    marked: bool = False  #: whether they have the marks of the program's head
-
-
-def plain(value: float, slack: float, decimals: int) -> float:
-    """The figure with the fewest decimals that a value may stand for, known to within `slack`.
-
-    Drawings have round figures, and sums of rounded ones are off by a little. A figure is taken
-    only where it is unlikely to lie so near by chance: its last place is 20 times the slack.
-    """
-    coarsest = DECIMALS if slack <= 0.0 else floor(-log10(20 * slack) + 1e-9)
-    for places in range(min(coarsest, DECIMALS) + 1):
-        near = round(value, places)
-        if abs(near - value) <= slack:
-            return near + 0.0
-    return round(value, decimals) + 0.0
-
-
-def with_marks(parts: Sequence[Part], mark: str) -> tuple[Part, ...]:
-    """The parts, those that are alike as one with their number; several are counted."""
-    alike: dict[object, list[Part]] = {}
-    for part in parts:
-        alike.setdefault(_shape(part), []).append(part)
-    several = len(alike) > 1
-    return tuple(
-        replace(same[0], mark=f"{mark}-{k}" if several else mark, quantity=len(same))
-        for k, same in enumerate(alike.values(), 1)
-    )
-
-
-def _shape(part: Part) -> object:
-    """Key that distinguishes parts: everything but their place in the program."""
-    nowhere = Source("")
-    features = tuple(replace(f, source=nowhere) for f in part.features)
-    return replace(part, source=nowhere, features=features)
