@@ -174,7 +174,9 @@ class Config(ConfigFile, frozen=True):
     def rows(self, table: str) -> Mapping[str, Any]:
         """The rows of a key that is a table, by their names."""
         value: Mapping[str, Any] | Table | Limits = getattr(self, table)
-        return value if isinstance(value, Mapping) else value.given()
+        if isinstance(value, Mapping | Table):
+            return value if isinstance(value, Mapping) else value.given()
+        return asdict(value)
 
     def settings(self) -> tuple[Setting, ...]:
         """Every value, the defaults included, each with where it was set."""
