@@ -174,9 +174,9 @@ class Config(ConfigFile, frozen=True):
     def rows(self, table: str) -> Mapping[str, Any]:
         """The rows of a key that is a table, by their names."""
         value: Mapping[str, Any] | Table | Limits = getattr(self, table)
-        if isinstance(value, Mapping | Table):
-            return value if isinstance(value, Mapping) else value.given()
-        return asdict(value)
+        if isinstance(value, Limits):
+            return asdict(value)
+        return value.given() if isinstance(value, Table) else value
 
     def settings(self) -> tuple[Setting, ...]:
         """Every value, the defaults included, each with where it was set."""
