@@ -10,12 +10,11 @@ from msgspec.structs import replace
 
 from beamcam.checks.bars.paths import pocket_error
 from beamcam.checks.bars.stations import MachinedPath
-from beamcam.checks.bars.targets import RequiredPocket
 from beamcam.checks.bars.tools import ToolCatalogue
 from beamcam.errors import Source
 from beamcam.geometry.curves import Arc, Curve, Line, Point
 from beamcam.geometry.plane import cross
-from beamcam.model.part import Contour, Hole, Profile, Slot
+from beamcam.model.part import Contour, Hole, HoleKind, Profile, Slot
 from beamcam.recovery.found import plain
 
 MIN_CORNERS = 8  #: of a chain of chords that replaces a circle
@@ -44,7 +43,7 @@ def feature_of(
     depth = None if through else plain(trail.max_depth, slack, decimals)
     allowed = tools.drill.path_tolerance + 2 * slack
     own, least = None, allowed
-    for pocket in _pockets(points, trail, depth, slack, decimals):
+    for pocket in _pockets(points, trail, depth, slack, decimals, source):
         error = pocket_error(pocket, trail.points, trail.diameter)
         if error <= least:
             own, least = pocket, error
@@ -52,17 +51,17 @@ def feature_of(
             break
     if own is None:
         return NotAFeature(*trail.points[0])
-    kind = "through" if through else "blind"
-    place = trail.face, own.x, own.y, own.diameter
+    kind: HoleKind = "through" if through else "blind"
     is_round = not own.length and not own.height
     if is_round and tools.mills_round(own.diameter, trail.face):
-        return Hole(*place, source, depth, kind)  # type: ignore[arg-type]
-    return Slot(*place, own.length, own.height, own.angle, source, depth, kind)  # type: ignore[arg-type]
+        return Hole(own.face, own.x, own.y, own.diameter, source, depth, kind)
+    return replace(own, kind=kind)
 
 
 def _pockets(
-    points: Sequence[Point], trail: MachinedPath, depth: float | None, slack: float, decimals: int
-) -> Iterator[RequiredPocket]:
+    points: Sequence[Point], trail: MachinedPath, depth: float | None, slack: float, decimals: int,
+    source: Source,
+) -> Iterator[Slot]:  # fmt: skip
     """Possible pockets of a mill's path: a circle, or rectangles with round corners.
 
     The path's hull is the pocket drawn in by the mill: a side of it is the pocket's direction, the
@@ -98,10 +97,7 @@ def _pockets(
             if height > length:
                 length, height, turned = height, length, angle - 90.0 if angle > 0 else angle + 90.0
             x, y = (plain(p, slack, decimals) for p in (c * u - s * v, s * u + c * v))
-            yield RequiredPocket(
-                0, trail.face, x, y, length, height, turned, diameter, depth, "",
-                Hole(trail.face, x, y, diameter, Source("")),
-            )  # fmt: skip
+            yield Slot(trail.face, x, y, diameter, length, height, turned, source, depth)
 
 
 def _hull(points: Sequence[Point]) -> list[Point]:

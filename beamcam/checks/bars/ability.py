@@ -9,7 +9,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from math import cos, radians, sin
 from operator import attrgetter
 
-from beamcam.checks.bars.holes import REACHES
+from beamcam.checks.bars.holes import reach_of
 from beamcam.checks.bars.pieces import ends_of
 from beamcam.checks.bars.stations import (
     Station,
@@ -37,7 +37,7 @@ from beamcam.machine.stations import Spindle
 from beamcam.model.part import Contour, Hole, Part, Slot
 
 FeatureRef = tuple[int, int]  #: index of the part, index of its feature
-#: A mill that is led round a hole is smaller than it by this at least.
+#: A mill that cuts round a hole is smaller than it by this at least.
 ROUND_SHARE = 0.98
 
 
@@ -119,12 +119,14 @@ def _ill_placed(
     """The features that lie where no tool comes, and what such a place is called."""
     for f, feature in enumerate(part.features):
         if isinstance(feature, Contour) and feature.process != "cut":
-            scribed = tools.works_on(feature.face, part) and any(tools.of("scribe", feature.face))
-            if scribed and (
-                in_stem(feature.curves, part.profile, feature.face)
-                or not _is_clear(feature, stations[feature.face])
-            ):
-                yield f, "reach"
+            face, curves = feature.face, feature.curves
+            if tools.works_on(face, part) and any(tools.of("scribe", face)):
+                lowest, highest = min(c.bbox[1] for c in curves), max(c.bbox[3] for c in curves)
+                is_clear = (
+                    stations[face].clear_from <= lowest and highest <= stations[face].clear_to
+                )
+                if in_stem(curves, part.profile, face) or not is_clear:
+                    yield f, "reach"
             continue
         if not isinstance(feature, Hole | Slot):
             continue
@@ -133,26 +135,14 @@ def _ill_placed(
             continue
         places = [(made.x, made.y), *(slot_corners(made) if isinstance(made, Slot) else ())]
         station = stations[made.face]
-        name = next((n for x, y in places if (n := _fault(x, y, made, part, station))), "")
-        if name:
-            yield f, name
-
-
-def _fault(x: float, y: float, made: Hole | Slot, part: Part, station: Station) -> str:
-    """Faults in the position of a hole, or of one of a slot's corners."""
-    if not (0 <= x <= part.length and 0 <= y <= part.profile.face_width(made.face)):
-        return "off-face"
-    radius = made.diameter / 2
-    if not (station.clear_from <= y - radius and y + radius <= station.clear_to):
-        return "reach"
-    return ""
-
-
-def _is_clear(line: Contour, station: Station) -> bool:
-    """Whether a tool path along a line is clear of the flanges."""
-    boxes = [curve.bbox for curve in line.curves]
-    lowest, highest = min(box[1] for box in boxes), max(box[3] for box in boxes)
-    return station.clear_from <= lowest and highest <= station.clear_to
+        size, radius = (part.length, part.profile.face_width(made.face)), made.diameter / 2
+        for x, y in places:
+            if not (0 <= x <= size[0] and 0 <= y <= size[1]):
+                yield f, "off-face"
+                break
+            if not (station.clear_from <= y - radius and y + radius <= station.clear_to):
+                yield f, "reach"
+                break
 
 
 def _off_stroke(
@@ -169,7 +159,7 @@ def _off_stroke(
         values = stroke_values(tools.machine, part.profile, face) | {"y": target.y}
         if bottom(values) != bottom(values | {"depth": 1.0}):
             continue
-        reach = REACHES[kind.tool](kind, kind.own, wall_thickness(part.profile, face), tools)
+        reach = reach_of(kind, kind.own, wall_thickness(part.profile, face), tools)
         depth = stations[face].tip_depth(bottom(values), target.y)
         through = kind.hole.depth is None and kind.tool in ("drill", "tap")
         if depth < reach.least - slack or (depth > reach.greatest + slack and not through):
@@ -184,29 +174,15 @@ def _off_axis(
     for target in targets:
         if isinstance(target, Unmakeable):
             continue
-        if (
-            isinstance(target, RequiredRound)
-            and target.optional
-            and not _is_drilled(target, part, tools)
-        ):
-            continue
         face = target.face
+        is_end = isinstance(target, RequiredRound) and target.optional
+        if is_end and not tools.drills_ends(part.features[target.feature], face):
+            continue
         depth, tip = _depth_and_tip(target, wall_thickness(part.profile, face), tools)
         values = stroke_values(tools.machine, part.profile, face) | {"depth": depth, "tip": tip}
         for y in _places(target, tools):
             if not is_within(values | {"y": y}, spindles[face], stations[face], tools.machine):
                 yield target.feature
-
-
-def _is_drilled(end: RequiredRound, part: Part, tools: ToolCatalogue) -> bool:
-    """Whether the machine drills the end of a slot before it mills it."""
-    slot = part.features[end.feature]
-    return (
-        isinstance(slot, Slot)
-        and not slot.height
-        and tools.drill.slots == "drill-mill"
-        and bool(tools.fits("drill", slot.diameter, end.face))
-    )
 
 
 def _depth_and_tip(
@@ -217,7 +193,7 @@ def _depth_and_tip(
         return tools.drill.mark_depth, 0.0
     through = thickness + tools.drill.breakthrough
     if isinstance(target, RequiredPocket):
-        return (through if target.depth is None else target.depth), 0.0
+        return (through if target.slot.depth is None else target.slot.depth), 0.0
     kind, hole = target.kind, target.kind.hole
     size = kind.own
     if target.optional:
@@ -228,7 +204,7 @@ def _depth_and_tip(
     if kind.tool == "drill" and hole.depth is not None and hole.kind in THREADS:
         tap = tools.tap(hole)
         return hole.depth + (tools.drill.runout_pitches * tap[1] if tap else 0.0), tip
-    return REACHES[kind.tool](kind, size, thickness, tools).least - tip, tip
+    return reach_of(kind, size, thickness, tools).least - tip, tip
 
 
 def _places(
@@ -240,16 +216,16 @@ def _places(
     if isinstance(target, MarkingPath):
         boxes = [curve.bbox for curve in target.curves]
         return min(box[1] for box in boxes), max(box[3] for box in boxes)
-    is_round = isinstance(target.source, Hole)
-    widest = target.diameter + tools.drill.same_tool_tolerance
-    if is_round:
-        widest = ROUND_SHARE * target.diameter
+    slot = target.slot
+    widest = slot.diameter + tools.drill.same_tool_tolerance
+    if isinstance(target.source, Hole):
+        widest = ROUND_SHARE * slot.diameter
     sizes = [d for d in tools.sizes("mill", target.face) if d <= widest]
-    mill = max(sizes, default=target.diameter)
-    angle = radians(target.angle)
-    half = abs(sin(angle)) * target.length / 2 + abs(cos(angle)) * target.height / 2
-    half += max(0.0, (target.diameter - mill) / 2)
-    return target.y - half, target.y + half
+    mill = max(sizes, default=slot.diameter)
+    angle = radians(slot.angle)
+    half = abs(sin(angle)) * slot.length / 2 + abs(cos(angle)) * slot.height / 2
+    half += max(0.0, (slot.diameter - mill) / 2)
+    return slot.y - half, slot.y + half
 
 
 def is_within(

@@ -17,11 +17,12 @@ from beamcam.checks.bars.cell_state import AXES, CellState
 from beamcam.checks.bars.stations import (
     NOWHERE,
     Bore,
+    Cut,
     MachinedFeatures,
     MachinedPath,
+    StampedText,
     Station,
     Tip,
-    made_in_order,
 )
 from beamcam.checks.bars.tools import EPSILON
 from beamcam.controllers.dialect import WORD
@@ -51,7 +52,15 @@ class Cell(CellState):
         for event in events:
             self.line = event.line
             _TAKES[type(event)](self, event)
-        return made_in_order(tuple(self.section.items()), self.order)
+        order = self.order
+        return MachinedFeatures(
+            tuple(self.section.items()),
+            tuple([one for one in order if type(one) is Cut]),
+            tuple([one for one in order if type(one) is Bore]),
+            tuple([one for one in order if type(one) is MachinedPath]),
+            tuple(order),
+            tuple([one for one in order if type(one) is StampedText]),
+        )
 
     def _compensate(self, event: Compensation) -> None:
         if event.side != "on":

@@ -7,7 +7,7 @@ from math import cos, pi, sin
 from msgspec.structs import replace
 
 from beamcam.checks.bars.ability import is_within
-from beamcam.checks.bars.pieces import RequiredEnd
+from beamcam.checks.bars.pieces import Ends, RequiredEnd
 from beamcam.checks.bars.stations import (
     MachinedPath,
     StampedText,
@@ -45,7 +45,7 @@ CHORDS = 48  #: of a hole
 
 
 def texts_of(
-    part: Part, ends: tuple[RequiredEnd, RequiredEnd], paths: Sequence[MachinedPath], from_x: float,
+    part: Part, ends: Ends, paths: Sequence[MachinedPath], from_x: float,
     tools: ToolCatalogue,
 ) -> tuple[list[MarkingPath], list[Diagnostic]]:  # fmt: skip
     """The strokes of a part's texts where a program letters them, and what is wrong with them.
@@ -83,9 +83,7 @@ class PrintedTexts:
         #: the number of a part, and the text that it has there
         self.taken: list[tuple[int, StampedText]] = []
 
-    def check(
-        self, p: int, part: Part, ends: tuple[RequiredEnd, RequiredEnd], start: float
-    ) -> Iterator[Diagnostic]:
+    def check(self, p: int, part: Part, ends: Ends, start: float) -> Iterator[Diagnostic]:
         """What is wrong with the texts of a part that begins at a bar x."""
         by_face: dict[Face, list[RequiredText]] = {}
         for feature in part.texts:
@@ -107,7 +105,7 @@ class PrintedTexts:
         return face in self.tools.machine.marks.faces and face not in missing
 
     def _take(
-        self, p: int, of: tuple[Part, tuple[RequiredEnd, RequiredEnd]],
+        self, p: int, of: tuple[Part, Ends],
         texts: Sequence[RequiredText], start: float,
         steel: Steel,
     ) -> list[DrawnText | None]:  # fmt: skip
@@ -171,9 +169,7 @@ def _is_told_as(text: RequiredText, one: StampedText) -> bool:
     return one.text == text.text and apart < ANGLE_DEG
 
 
-def _is_over(
-    text: RequiredText, drawn: DrawnText, part: Part, ends: tuple[RequiredEnd, RequiredEnd]
-) -> bool:
+def _is_over(text: RequiredText, drawn: DrawnText, part: Part, ends: Ends) -> bool:
     """Whether the middle of a text lies between the ends of a part; others of the bar may too."""
     middle = box_of(text, drawn.x, drawn.y, drawn.height).centroid
     first, last = (_ends_at(end, text.feature.face, part.profile, middle.y) for end in ends)
@@ -182,7 +178,7 @@ def _is_over(
 
 def _on_face(
     face: Face, texts: Sequence[tuple[int, TextMark]], part: Part,
-    ends: tuple[RequiredEnd, RequiredEnd],
+    ends: Ends,
     paths: Sequence[MachinedPath], from_x: float, tools: ToolCatalogue,
 ) -> tuple[list[MarkingPath], list[Diagnostic]]:  # fmt: skip
     marks = tools.machine.marks
@@ -255,9 +251,7 @@ def _within_axes(face: Face, part: Part, tools: ToolCatalogue) -> tuple[float, f
     )
 
 
-def _steel(
-    face: Face, part: Part, ends: tuple[RequiredEnd, RequiredEnd], sides: tuple[float, float]
-) -> Steel:
+def _steel(face: Face, part: Part, ends: Ends, sides: tuple[float, float]) -> Steel:
     """The steel of a face between two y, its holes taken out."""
     low, high = sides
     corners: list[Point] = []

@@ -22,7 +22,7 @@ from beamcam.checks.bars.stations import (
 from beamcam.errors import Diagnostic, Source
 from beamcam.machine.machine import Machine
 from beamcam.machine.stations import FLAT_DEG, Cutting, Drill, ToolSet
-from beamcam.model.part import Face, Hole, Part, Profile
+from beamcam.model.part import Face, Feature, Hole, Part, Profile, Slot
 from beamcam.model.section import NO_PLATE
 
 # --- shop -----------------------------------------------------------------------------------------
@@ -101,6 +101,12 @@ class ToolCatalogue:
         """Whether a hole may be milled as a circle: no drill is as large, and a mill may."""
         largest = max((t.largest_hole for t in self.of("mill", face)), default=0.0)
         return max(self.sizes("drill", face), default=0.0) < diameter <= largest
+
+    def drills_ends(self, slot: Feature, face: Face) -> bool:
+        """Whether the ends of a slot are drilled before it is milled; a rectangle's are not."""
+        if not isinstance(slot, Slot) or slot.height or self.drill.slots != "drill-mill":
+            return False
+        return bool(self.fits("drill", slot.diameter, face))
 
     def works_on(self, face: Face, part: Part) -> bool:
         """Whether a spindle works on a face of a part."""
