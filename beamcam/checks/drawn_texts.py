@@ -46,7 +46,7 @@ class RequiredText(Struct, frozen=True):
             yield tuple(islice(pieces, count))
 
 
-def wanted(feature: TextMark, marks: Marks) -> RequiredText:
+def text_to_letter(feature: TextMark, marks: Marks) -> RequiredText:
     """The strokes that a text requires."""
     text = spelled(feature.text, marks.replace).text
     share = body_share() if marks.height_of == "body" else 1.0
@@ -56,8 +56,8 @@ def wanted(feature: TextMark, marks: Marks) -> RequiredText:
     return RequiredText(feature, text, feature.height * share, pieces, counts)
 
 
-def told(feature: TextMark, marks: Marks) -> RequiredText | None:
-    """What a stamp or printer has to be told of a text, in the box of its characters.
+def text_to_print(feature: TextMark, marks: Marks) -> RequiredText | None:
+    """A text as a stamp or printer letters it, in the box of its characters.
 
     None where it has no characters, no angle or no height for it.
     """
@@ -123,19 +123,7 @@ class DrawnText(Struct, frozen=True):
     x: float
     y: float
     height: float  #: of a capital
-    pieces: tuple[Segment, ...]  #: as the font has them there
     taken: tuple[int, ...]  #: of the drawn pieces, by their numbers
-
-
-class _Places(Struct, frozen=True):
-    """Where texts of one shape would stand, by the pieces that may be their longest."""
-
-    x: Floats
-    y: Floats
-    height: Floats
-
-    def where(self, these: "NDArray[np.bool_]") -> "_Places":
-        return _Places(self.x[these], self.y[these], self.height[these])
 
 
 class DrawnPieces:
@@ -173,22 +161,22 @@ class DrawnPieces:
             return
         anchor = max(text.pieces, key=_length)
         places = self._by_direction(anchor)
-        high = places.height
-        places = places.where((high >= min_height - EXACT) & (high <= max_height + EXACT))
+        high = places[:, 2]
+        places = places[(high >= min_height - EXACT) & (high <= max_height + EXACT)]
         for a, b in text.pieces:
-            if not len(places.x):
+            if not len(places):
                 return
-            x, y = _middle(a, b)
-            at = np.column_stack((places.x + places.height * x, places.y + places.height * y))
+            at = places[:, :2] + places[:, 2:] * _middle(a, b)
             cells = _number(np.rint(at).astype(np.int64))
             k = np.searchsorted(self._near_pieces, cells) % len(self._near_pieces)
-            places = places.where(self._near_pieces[k] == cells)
-        each = zip(places.x.tolist(), places.y.tolist(), places.height.tolist(), strict=True)
-        for x, y, height in each:
+            places = places[self._near_pieces[k] == cells]
+        for x, y, height in places.tolist():
             if (drawn := self._all(text, x, y, height, anchor)) is not None:
                 yield drawn
 
-    def _by_direction(self, anchor: Segment) -> "_Places":
+    def _by_direction(self, anchor: Segment) -> Floats:
+        """Where texts of one shape would stand, by the pieces that may be their longest: x, y and
+        height (n, 3)."""
         (ax, ay), (bx, by) = anchor
         ux, uy, own = bx - ax, by - ay, _length(anchor)
         both = np.concatenate((self._ends, self._ends[:, ::-1])).reshape(2, -1, 2, 2)
@@ -201,7 +189,7 @@ class DrawnPieces:
             & (abs(ux * vy - uy * vx) <= RATIO * length * own)
         )
         height = length[like] / own
-        return _Places(x[like] - height * ax, y[like] - height * ay, height)
+        return np.column_stack((x[like] - height * ax, y[like] - height * ay, height))
 
     def _all(
         self, text: RequiredText, x: float, y: float, height: float, anchor: Segment
@@ -222,11 +210,10 @@ class DrawnPieces:
                 return None
             taken.append(k)
         x, y, height = self._fitted(text, taken, (x, y, height))
-        pieces = text.at(x, y, height)
-        for k, (a, b) in zip(taken, pieces, strict=True):
+        for k, (a, b) in zip(taken, text.at(x, y, height), strict=True):
             if _piece_apart(self.pieces[k], a, b) > self.near:
                 return None
-        return DrawnText(x, y, height, pieces, tuple(taken))
+        return DrawnText(x, y, height, tuple(taken))
 
     def _fitted(
         self, text: RequiredText, taken: Sequence[int], near: tuple[float, float, float]
@@ -252,7 +239,7 @@ def _number(cells: "NDArray[np.int64]") -> "NDArray[np.int64]":
     return cells[:, 0] * 2**31 + cells[:, 1]
 
 
-def is_where_wanted(text: RequiredText, drawn: DrawnText) -> bool:
+def is_in_place(text: RequiredText, drawn: DrawnText) -> bool:
     """Whether a text stands where the part has it, in its height."""
     apart = (drawn.x - text.feature.x, drawn.y - text.feature.y, drawn.height - text.height)
     return max(map(abs, apart)) <= EXACT
@@ -260,27 +247,22 @@ def is_where_wanted(text: RequiredText, drawn: DrawnText) -> bool:
 
 def covering(places: Sequence[frozenset[int]]) -> list[frozenset[int]]:
     """Of some sets of pieces those that are disjoint and leave the fewest pieces out."""
-    chosen: list[frozenset[int]] = []
-    for group in _touching(places):
-        chosen += _covering(sorted(group, key=lambda place: (-len(place), min(place))))
-    return chosen
-
-
-def _touching(places: Sequence[frozenset[int]]) -> Iterator[list[frozenset[int]]]:
-    """Groups of sets that meet one another by the pieces that they share."""
     of: dict[int, list[int]] = {}
     for k, place in enumerate(places):
         for piece in place:
             of.setdefault(piece, []).append(k)
+    chosen: list[frozenset[int]] = []
     left = dict.fromkeys(range(len(places)))
     while left:
-        group = [left.popitem()[0]]
+        group = [left.popitem()[0]]  # sets that meet one another by the pieces that they share
         for k in group:
             more = [j for piece in places[k] for j in of.pop(piece, ()) if j in left]
             for j in dict.fromkeys(more):
                 del left[j]
                 group.append(j)
-        yield [places[k] for k in group]
+        together = [places[k] for k in group]
+        chosen += _covering(sorted(together, key=lambda place: (-len(place), min(place))))
+    return chosen
 
 
 def _covering(places: Sequence[frozenset[int]]) -> list[frozenset[int]]:

@@ -10,7 +10,7 @@ from math import ceil, cos, radians, sin
 import numpy as np
 import shapely
 
-from beamcam.checks.drawn_texts import EXACT, NEAR, DrawnPieces, RequiredText, wanted
+from beamcam.checks.drawn_texts import EXACT, NEAR, DrawnPieces, RequiredText, text_to_letter
 from beamcam.checks.job import is_manual_work, manual_work
 from beamcam.checks.sheets import rules
 from beamcam.checks.sheets.need import Need, shift_of
@@ -19,6 +19,7 @@ from beamcam.checks.sheets.work import SHOWN, Work
 from beamcam.checks.text_assignment import (
     Steel,
     box_of,
+    found_texts,
     is_clear,
     is_surely_clear,
     steel_within,
@@ -44,7 +45,8 @@ def add_texts(need: Need, part: Part, machine: Machine, torch: Torch, strokes: S
     it is left for manual work.
     """
     required = [
-        (index, wanted(feature, machine.marks)) for index, feature in enumerate(part.features)
+        (index, text_to_letter(feature, machine.marks))
+        for index, feature in enumerate(part.features)
         if isinstance(feature, TextMark) and policy_on(feature, machine.marks) == "make"
         and not is_manual_work(feature, machine)
     ]  # fmt: skip
@@ -63,7 +65,9 @@ def add_texts(need: Need, part: Part, machine: Machine, torch: Torch, strokes: S
         return
     drawn = DrawnPieces(pieces, max(NEAR, torch.tolerance))
     ours = {index: text for index, text in required if text.feature.face in FACES}
-    standing = text_positions([*ours.values()], drawn, steel, steel, machine.marks)
+    texts = [*ours.values()]
+    found = found_texts(texts, drawn, steel, machine.marks)
+    standing = text_positions(texts, found, steel, steel, machine.marks)
     stands = dict(zip(ours, standing, strict=True))
     for index, text in required:
         one = stands.get(index)
