@@ -20,18 +20,13 @@ from beamcam.checks.bars.compare import Comparison, RequiredParts
 from beamcam.checks.bars.machine_limits import bar_faults, bore_faults, reach_faults, size_faults
 from beamcam.checks.bars.magazine import Changed, Chosen, comment_faults, stop_comments
 from beamcam.checks.bars.orientations import orientations
-from beamcam.checks.bars.stations import (
-    Choice,
-    MachinedFeatures,
-    choices_of,
-    lip_length,
-)
+from beamcam.checks.bars.stations import Choice, MachinedFeatures, choices_of, lip_length
 from beamcam.checks.bars.tools import CuttingData, ToolCatalogue, place_faults
 from beamcam.checks.job import Head, head_of, part_faults, stock_faults
 from beamcam.controllers import cell_events
 from beamcam.controllers.dialect import Dialect, dialect_of
 from beamcam.controllers.events import BarEvent, Switch
-from beamcam.errors import Diagnostic, Source, VerifyError, errors_in
+from beamcam.errors import Diagnostic, Source, errors_in
 from beamcam.machine.machine import Machine, drill_of
 from beamcam.model.description import description
 from beamcam.model.part import Hole, Part, Profile, Slot
@@ -90,10 +85,10 @@ def run(
     known = _known_of(machine)
     events, diagnostics = cell_events(text, machine, name)
     if profile is None and known.dialect.section_fields:
-        profile = section_said(events, known.dialect, machine)
+        profile = section_stated(events, known.dialect, machine)
     done = run_of_events(events, machine, profile, name, grades, lip)
     diagnostics += done.diagnostics
-    if "station" in text.lower():  # of which operators are told at stops
+    if "station" in text.lower():  # which the comments at stops name
         diagnostics += comment_faults(stop_comments(text), done.tools, machine, name)
     return replace(done, diagnostics=tuple(diagnostics))
 
@@ -107,13 +102,14 @@ def run_of_events(
     choices = known.choices(profile, lip)
     cell = Cell(machine, known.dialect, choices, known.data(grades), name)
     made = cell.run(events)
-    unseen = tuple(sorted(cell.unseen))
     diagnostics = (*cell.diagnostics, *place_faults(made, machine, name))
-    tools = tuple(cell.tools)
-    return BarRun(made, tuple(events), diagnostics, known.dialect, choices, unseen, tools)
+    return BarRun(
+        made, tuple(events), diagnostics, known.dialect, choices, tuple(sorted(cell.unseen)),
+        tuple(cell.tools),
+    )  # fmt: skip
 
 
-def section_said(events: Sequence[BarEvent], dialect: Dialect, machine: Machine) -> Profile:
+def section_stated(events: Sequence[BarEvent], dialect: Dialect, machine: Machine) -> Profile:
     """The section as far as a program says it: what kind it is, and how high and wide.
 
     A number that may mean several kinds says none of them.
@@ -130,14 +126,6 @@ def section_said(events: Sequence[BarEvent], dialect: Dialect, machine: Machine)
     return Profile(code, "", height, width, 0.0, None)  # type: ignore[arg-type]
 
 
-def interpret(text: str, machine: Machine, name: str = "program") -> MachinedFeatures:
-    """The features that a program makes. Raises VerifyError if the program is faulty by itself."""
-    done = run(text, machine, None, name)
-    if errors_in(done.diagnostics):
-        raise VerifyError(done.diagnostics)
-    return done.made
-
-
 def verify(
     text: str, parts: Sequence[Part], machine: Machine, skips: Collection[str] = (),
     name: str = "program", order: str = "given", turn: bool = False, bar: float | None = None,
@@ -152,7 +140,7 @@ def verify(
     if not parts:
         alone = run(text, machine, None, name)
         # How large the section is, the program says itself.
-        section = section_said(alone.events, alone.dialect, machine)
+        section = section_stated(alone.events, alone.dialect, machine)
         large = (
             *size_faults(section, machine, name),
             *reach_faults(alone.made.cuts, section, machine, name),
@@ -165,7 +153,7 @@ def verify(
     profile, lip = parts[0].profile, max(map(lip_length, parts))
     done = run(text, machine, profile, name, grades, lip)
     if turn:
-        other = _lying_section(done.made, parts[0])
+        other = lying_section(done.made, parts[0])
         if other != profile:
             profile = other
             done = run(text, machine, profile, name, grades, lip)
@@ -226,12 +214,7 @@ def unseen_faults(parts: Sequence[Part], machine: Machine) -> tuple[Diagnostic, 
     return tuple(faults)
 
 
-def section_of(text: str, machine: Machine, part: Part, turn: bool) -> Profile:
-    """The section of a part as it lies in a program, turned or as it was given."""
-    return _lying_section(run(text, machine, part.profile).made, part) if turn else part.profile
-
-
-def _lying_section(made: MachinedFeatures, part: Part) -> Profile:
+def lying_section(made: MachinedFeatures, part: Part) -> Profile:
     """The section of a part as it lies by what the program says of it."""
     sizes = dict(made.section)
     size = sizes.get("height"), sizes.get("width")

@@ -1,4 +1,4 @@
-"""The tools in the stations of spindles: changed at stops, and what operators are told of them.
+"""The tools in the stations of spindles: changed at stops, and the comments for the operator.
 
 What is put in before the program starts is not written down; it is taken to be the tools that the
 program needs first. At each stop a tool comes in, for one that is needed last of all: if even so
@@ -52,7 +52,10 @@ def wrong_changes(own: Sequence[Chosen | Changed], stations: int) -> Iterator[Ch
                 _make_room(loaded, own[at:], stations)
             loaded.add(one.tool)
             continue
-        new = _meant(one, own[at:], loaded)
+        # It brings the next tool that is needed and not there.
+        later = (o.tool for o in own[at:] if isinstance(o, Chosen) and o.tool not in loaded)
+        size = one.diameter
+        new = next((t for t in later if size is None or abs(t[1] - size) < 0.001), None)
         if new is None:
             if one.spindle is not None:
                 yield one
@@ -60,16 +63,6 @@ def wrong_changes(own: Sequence[Chosen | Changed], stations: int) -> Iterator[Ch
         started = started or len(loaded) >= stations
         _make_room(loaded, own[at:], stations)
         loaded.add(new)
-
-
-def _meant(change: Changed, rest: Sequence[Chosen | Changed], loaded: set[Tool]) -> Tool | None:
-    """The tool that a stop brings: the next one that is needed and not there."""
-    for one in rest:
-        if isinstance(one, Changed) or one.tool in loaded:
-            continue
-        if change.diameter is None or abs(one.tool[1] - change.diameter) < 0.001:
-            return one.tool
-    return None
 
 
 def _make_room(loaded: set[Tool], rest: Sequence[Chosen | Changed], stations: int) -> None:
@@ -103,7 +96,7 @@ _STOP = re.compile(
 
 
 class StopComment(Struct, frozen=True):
-    """What the operator is told to do."""
+    """What the operator has to do at a stop."""
 
     line: int
     spindle: str  #: its name
@@ -161,12 +154,11 @@ def _of_spindle(
     for index, one in enumerate(tools):
         if isinstance(one, Chosen):
             if one.spindle in numbers:
-                if one.tool in gone:
-                    said_before = gone[one.tool]
-                    yield rules.STOP_COMMENT.at(
-                        Source(name, one.line), found=f"a {_shown(one.tool)} chosen",
-                        expected=f"another tool, line {said_before.line} says '{said_before}'",
-                    )  # fmt: skip
+                if (before := gone.get(one.tool)) is not None:
+                    found = f"a {_shown(one.tool)} chosen"
+                    expected = f"another tool, line {before.line} says '{before}'"
+                    source = Source(name, one.line)
+                    yield rules.STOP_COMMENT.at(source, found=found, expected=expected)
                 held.add(one.tool)
             continue
         comment = comments.get(one.line)

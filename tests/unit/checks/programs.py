@@ -1,7 +1,8 @@
 """Programs written by hand for one small part, so that no emitter has a say in these tests."""
 
-from beamcam.checks.bars import verify
-from beamcam.errors import Source
+from beamcam.checks.bars import run, verify
+from beamcam.checks.bars.stations import MachinedFeatures
+from beamcam.errors import Source, VerifyError, errors_in
 from beamcam.machine import Machine, load
 from beamcam.model.part import EndCuts, Hole, Part, Profile
 
@@ -9,6 +10,14 @@ BEAM = load("beamline")
 ANNEX = load("beamline-annex")
 IPE200 = Profile("I", "IPE200", 200.0, 100.0, 8.5, 5.6, 12.0)
 SOURCE = Source("P1.nc1", 1)
+
+
+def interpret(text: str, machine: Machine, name: str = "program") -> MachinedFeatures:
+    """The features that a program makes. Raises VerifyError if it is faulty by itself."""
+    done = run(text, machine, None, name)
+    if errors_in(done.diagnostics):
+        raise VerifyError(done.diagnostics)
+    return done.made
 
 
 def hole(
