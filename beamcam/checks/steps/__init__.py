@@ -1,9 +1,9 @@
-"""Tables for stepping motors read back: steps one by one, or velocities stretch by stretch.
+"""Tables for stepping motors read back: steps one by one, or the velocities of segments.
 
 Written from docs/step-tables.md and the machine file; nothing is shared with motion or emitters.
 
     .steps .bin .h  -> rows -> motors followed (follow, pace) -> strokes
-    .csv            -> stretches, each by itself (velocities) -> strokes -> compared (outline)
+    .csv            -> segments, each by itself (velocities) -> strokes -> compared (outline)
 
 All goes block by block, so that a table of any length takes the memory of its drawing.
 """
@@ -14,7 +14,7 @@ from typing import Any
 
 from beamcam.checks.steps.follow import Followed
 from beamcam.checks.steps.outline import OutlineCheck
-from beamcam.checks.steps.velocities import ROUND, Velocities, stretches
+from beamcam.checks.steps.velocities import ROUND, Velocities, table_rows
 from beamcam.controllers.step_table import (
     Rows,
     Stream,
@@ -54,7 +54,7 @@ def verify_table(
     if form not in FORMS:
         raise ValueError(f"found a table of form {form!r}; expected one of {', '.join(FORMS)}")
     stream = Stream(pieces, name)
-    part, sheet, asked = None, None, machine
+    part, sheet, whole_machine = None, None, machine
     if parts:
         from beamcam.checks.sheets.compare import with_told
         from beamcam.checks.sheets.shared_sheet import as_one
@@ -65,7 +65,7 @@ def verify_table(
     if form == VELOCITIES:
         outline = OutlineCheck(part, machine, skips, sqrt(2.0) * ROUND, 0.0, name)
         table = Velocities(machine, name, outline)
-        fault = _read(table.follow, stretches(stream, stepper.step))
+        fault = _read(table.follow, table_rows(stream, stepper.step))
     else:
         half, simplify = stepper.step * sqrt(0.5), stepper.step * SIMPLIFY
         outline = OutlineCheck(part, machine, skips, half, simplify, name)
@@ -79,7 +79,7 @@ def verify_table(
     if sheet is None:
         return (*table.diagnostics, *outline.compare())
     diagnostics = (*table.diagnostics, *sheet.diagnostics, *outline.compare())
-    return with_told(diagnostics, head, parts, sheet.places, asked, skips, name)
+    return with_told(diagnostics, head, parts, sheet.places, whole_machine, skips, name)
 
 
 def _read(follow: Callable[[Any], None], rows: Iterator[Any]) -> Diagnostic | None:
