@@ -10,7 +10,6 @@ from math import cos, radians, sin
 from operator import attrgetter
 
 from beamcam.checks.bars.holes import reach_of
-from beamcam.checks.bars.pieces import ends_of
 from beamcam.checks.bars.stations import (
     Station,
     choices_of,
@@ -29,11 +28,10 @@ from beamcam.checks.bars.targets import (
     from_behind,
     is_same,
     slot_corners,
-    targets_of,
 )
 from beamcam.checks.bars.tools import ToolCatalogue
-from beamcam.machine.machine import Machine, drill_of, saw_of
-from beamcam.machine.stations import Spindle
+from beamcam.geometry.curves import Curve
+from beamcam.machine.machine import Machine
 from beamcam.model.part import Contour, Hole, Part, Slot
 
 FeatureRef = tuple[int, int]  #: index of the part, index of its feature
@@ -41,28 +39,11 @@ FeatureRef = tuple[int, int]  #: index of the part, index of its feature
 ROUND_SHARE = 0.98
 
 
-def skippable(
-    parts: Sequence[Part], machine: Machine, names: Collection[str]
-) -> frozenset[FeatureRef]:
-    """The features that may be left out under the names that `--allow-skips` takes.
-
-    Raises TypeError for a machine without saw and drill.
-    """
-    saw = saw_of(machine)
-    tools = ToolCatalogue(machine, drill_of(machine))
-    return frozenset(
-        (p, f)
-        for p, part in enumerate(parts)
-        for f in may_be_missing(part, targets_of(part, ends_of(part, saw), tools), tools, names)
-    )
-
-
 def may_be_missing(
     part: Part, targets: Sequence[Target], tools: ToolCatalogue, names: Collection[str]
 ) -> frozenset[int]:
     """The features of a part, by their indices, that may be left out under some names."""
     left = {t.feature for t in targets if isinstance(t, Unmakeable) and t.name in names}
-    spindles: dict[str, Spindle] = {s.face: s for s in tools.machine.spindles}
     choices = choices_of(tools.machine, part.profile, lip_length(part))
     stations: dict[str, Station] = {
         s.face: choices[s.number].stations[0] for s in tools.machine.spindles
@@ -70,9 +51,9 @@ def may_be_missing(
     if "off-face" in names or "reach" in names:
         left |= {f for f, own in _ill_placed(part, tools, stations) if own in names}
     if "axis" in names:
-        left |= {*_off_axis(part, targets, tools, spindles, stations)}
+        left |= {*_off_axis(part, targets, tools, stations)}
     if "stroke" in names:
-        left |= {*_off_stroke(part, targets, tools, spindles, stations)}
+        left |= {*_off_stroke(part, targets, tools, stations)}
     left |= {*repeats(left, part, tools)}
     if "countersink" in names:
         left |= {*_sinks(left, part, tools)}
@@ -121,10 +102,8 @@ def _ill_placed(
         if isinstance(feature, Contour) and feature.process != "cut":
             face, curves = feature.face, feature.curves
             if tools.works_on(face, part) and any(tools.of("scribe", face)):
-                lowest, highest = min(c.bbox[1] for c in curves), max(c.bbox[3] for c in curves)
-                is_clear = (
-                    stations[face].clear_from <= lowest and highest <= stations[face].clear_to
-                )
+                own, (low, high) = stations[face], _least_and_greatest_y(curves)
+                is_clear = own.clear_from <= low and high <= own.clear_to
                 if in_stem(curves, part.profile, face) or not is_clear:
                     yield f, "reach"
             continue
@@ -146,16 +125,15 @@ def _ill_placed(
 
 
 def _off_stroke(
-    part: Part, targets: Sequence[Target], tools: ToolCatalogue, spindles: Mapping[str, Spindle],
-    stations: Mapping[str, Station],
-) -> Iterator[int]:  # fmt: skip
+    part: Part, targets: Sequence[Target], tools: ToolCatalogue, stations: Mapping[str, Station]
+) -> Iterator[int]:
     """The holes that a stroke which is the same for all of them does not make."""
     slack = tools.machine.format.resolution
     for target in targets:
         if not isinstance(target, RequiredRound):
             continue
         face, kind = target.face, target.kind
-        bottom = spindles[face].stroke.bottom
+        bottom = stations[face].spindle.stroke.bottom
         values = stroke_values(tools.machine, part.profile, face) | {"y": target.y}
         if bottom(values) != bottom(values | {"depth": 1.0}):
             continue
@@ -167,9 +145,8 @@ def _off_stroke(
 
 
 def _off_axis(
-    part: Part, targets: Sequence[Target], tools: ToolCatalogue, spindles: Mapping[str, Spindle],
-    stations: Mapping[str, Station],
-) -> Iterator[int]:  # fmt: skip
+    part: Part, targets: Sequence[Target], tools: ToolCatalogue, stations: Mapping[str, Station]
+) -> Iterator[int]:
     """The features of which something that they need lies beyond an axis."""
     for target in targets:
         if isinstance(target, Unmakeable):
@@ -178,65 +155,59 @@ def _off_axis(
         is_end = isinstance(target, RequiredRound) and target.optional
         if is_end and not tools.drills_ends(part.features[target.feature], face):
             continue
-        depth, tip = _depth_and_tip(target, wall_thickness(part.profile, face), tools)
+        depth, tip, ys = _tool_places(target, wall_thickness(part.profile, face), tools)
         values = stroke_values(tools.machine, part.profile, face) | {"depth": depth, "tip": tip}
-        for y in _places(target, tools):
-            if not is_within(values | {"y": y}, spindles[face], stations[face], tools.machine):
-                yield target.feature
+        if not all(is_within(values | {"y": y}, stations[face], tools.machine) for y in ys):
+            yield target.feature
 
 
-def _depth_and_tip(
+def _tool_places(
     target: RequiredRound | RequiredPocket | MarkingPath, thickness: float, tools: ToolCatalogue
-) -> tuple[float, float]:
-    """Depth of the full diameter, or of the point of another tool than a drill; and its tip."""
+) -> tuple[float, float, tuple[float, ...]]:
+    """Depth of the full diameter, or of the point of another tool than a drill; its tip; and its y,
+    of a path the least and the greatest."""
     if isinstance(target, MarkingPath):
-        return tools.drill.mark_depth, 0.0
+        return tools.drill.mark_depth, 0.0, _least_and_greatest_y(target.curves)
     through = thickness + tools.drill.breakthrough
     if isinstance(target, RequiredPocket):
-        return (through if target.slot.depth is None else target.slot.depth), 0.0
+        slot = target.slot
+        widest = slot.diameter + tools.drill.same_tool_tolerance
+        if isinstance(target.source, Hole):
+            widest = ROUND_SHARE * slot.diameter
+        sizes = [d for d in tools.sizes("mill", target.face) if d <= widest]
+        mill = max(sizes, default=slot.diameter)
+        angle = radians(slot.angle)
+        half = abs(sin(angle)) * slot.length / 2 + abs(cos(angle)) * slot.height / 2
+        half += max(0.0, (slot.diameter - mill) / 2)
+        depth = through if slot.depth is None else slot.depth
+        return depth, 0.0, (slot.y - half, slot.y + half)
     kind, hole = target.kind, target.kind.hole
     size = kind.own
     if target.optional:
         size = next(iter(tools.fits("drill", hole.diameter, target.face)), kind.own)
     tip = tools.tip("drill", size, hole.face) if kind.tool == "drill" else 0.0
     if kind.tool in ("drill", "tap") and hole.depth is None:
-        return through, tip
-    if kind.tool == "drill" and hole.depth is not None and hole.kind in THREADS:
+        depth = through
+    elif kind.tool == "drill" and hole.depth is not None and hole.kind in THREADS:
         tap = tools.tap(hole)
-        return hole.depth + (tools.drill.runout_pitches * tap[1] if tap else 0.0), tip
-    return reach_of(kind, size, thickness, tools).least - tip, tip
+        depth = hole.depth + (tools.drill.runout_pitches * tap[1] if tap else 0.0)
+    else:
+        depth = reach_of(kind, size, thickness, tools).least - tip
+    return depth, tip, (target.y,)
 
 
-def _places(
-    target: RequiredRound | RequiredPocket | MarkingPath, tools: ToolCatalogue
-) -> tuple[float, ...]:
-    """y of the tool; of a path its minimum and maximum."""
-    if isinstance(target, RequiredRound):
-        return (target.y,)
-    if isinstance(target, MarkingPath):
-        boxes = [curve.bbox for curve in target.curves]
-        return min(box[1] for box in boxes), max(box[3] for box in boxes)
-    slot = target.slot
-    widest = slot.diameter + tools.drill.same_tool_tolerance
-    if isinstance(target.source, Hole):
-        widest = ROUND_SHARE * slot.diameter
-    sizes = [d for d in tools.sizes("mill", target.face) if d <= widest]
-    mill = max(sizes, default=slot.diameter)
-    angle = radians(slot.angle)
-    half = abs(sin(angle)) * slot.length / 2 + abs(cos(angle)) * slot.height / 2
-    half += max(0.0, (slot.diameter - mill) / 2)
-    return slot.y - half, slot.y + half
+def _least_and_greatest_y(curves: Sequence[Curve]) -> tuple[float, float]:
+    boxes = [curve.bbox for curve in curves]
+    return min(box[1] for box in boxes), max(box[3] for box in boxes)
 
 
-def is_within(
-    values: dict[str, float], spindle: Spindle, station: Station, machine: Machine
-) -> bool:
+def is_within(values: dict[str, float], station: Station, machine: Machine) -> bool:
     """Whether the axes of a spindle come to all places of a stroke."""
-    stroke = spindle.stroke
+    across, stroke = station.spindle.across, station.spindle.stroke
     along = [stroke.retract(values), stroke.bottom(values)]
     if stroke.approach is not None:
         along.append(stroke.approach(values))
-    places = {station.across: [spindle.across.position(values)], station.stroke: along}
+    places = {station.across: [across.position(values)], station.stroke: along}
     return all(
         least <= round(place, machine.format.length_decimals) <= greatest
         for index, _, least, greatest in station.limits

@@ -163,11 +163,11 @@ class HoleCheck:
         if kind.hole.depth is not None or kind.tool not in ("drill", "tap"):
             return reach
         # The machine's own stroke may be the same for all holes.
-        spindle = next(s for s in tools.machine.spindles if s.face == bore.face)
+        station = self.stations[bore.face]
         values = stroke_values(tools.machine, self.profile, bore.face)
         tip = tools.tip(bore.kind, bore.diameter, bore.face)
         values |= {"depth": thickness + tools.drill.breakthrough, "tip": tip, "y": bore.y}
-        own = self.stations[bore.face].tip_depth(spindle.stroke.bottom(values), bore.y)
+        own = station.tip_depth(station.spindle.stroke.bottom(values), bore.y)
         return DepthRange(reach.least, max(reach.greatest, own))
 
     def _wrong_tool(self, kind: RoundKind, bore: Bore) -> str:

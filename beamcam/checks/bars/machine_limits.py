@@ -43,6 +43,12 @@ class CornerCircles(Struct, frozen=True, gc=False):
     source: Source
     hole: Hole | None  #: None of a slot
 
+    @property
+    def span(self) -> tuple[float, float]:
+        """Least and greatest y."""
+        ys = [y for _, y in self.centres]
+        return min(ys) - self.radius, max(ys) + self.radius
+
 
 def shape_of(target: Target) -> CornerCircles | None:
     """The circles of what was made; None of a line, and of a slot's end, which is in the slot."""
@@ -107,16 +113,20 @@ def steel_faults(
 ) -> Iterator[Diagnostic]:
     """Holes and slots of a part, made as it has them, that have no steel all round."""
     step = machine.format.resolution + TANGENT
+    profile, lip = part.profile, lip_length(part)
     for shape in shapes:
-        found = (
-            _beyond_end(shape, part.profile, ends, step)
-            or _beyond_edge(shape, part.profile, step)
-            or _in_a_wall(shape, part.profile, step)
-        )
+        face, (low, high) = shape.face, shape.span
+        found = _beyond_end(shape, profile, ends, step) or _beyond_edge(shape, profile, step)
+        # A wall that the tool would run into: behind the face, or before it beside a sunk one.
+        if not found and (shape.through or profile.face_depth(face)):
+            for wall in walls_beside(profile, face):
+                if high > wall.least + step and low < wall.greatest - step:
+                    found = f"in the wall from y {wall.least:g} to {wall.greatest:g}"
+                    break
         if found:
             yield _no_steel(shape, part.mark, found, "steel all round it")
-        elif found := _behind_a_lip(shape, part, step):
-            yield _no_steel(shape, part.mark, found, "room for the tool")
+        elif face == "v" and lip and (low < lip - step or high > profile.height - lip + step):
+            yield _no_steel(shape, part.mark, f"behind a lip of {lip:.3g} mm", "room for the tool")
     for one, other in _overlapping(shapes, machine, step):
         yield _no_steel(other, part.mark, *_apart(one, other))
 
@@ -224,32 +234,9 @@ def _beyond_end(shape: CornerCircles, profile: Profile, ends: Ends, step: float)
 
 def _beyond_edge(shape: CornerCircles, profile: Profile, step: float) -> str:
     """By how much the circles reach beyond an edge of their face."""
-    width = profile.face_width(shape.face)
-    out = max(max(-(y - shape.radius), y + shape.radius - width) for _, y in shape.centres)
+    low, high = shape.span
+    out = max(-low, high - profile.face_width(shape.face))
     return f"{out:.3g} mm beyond the edge of the face" if out > step else ""
-
-
-def _in_a_wall(shape: CornerCircles, profile: Profile, step: float) -> str:
-    """The wall that a tool would run into: behind the face, or before it beside a sunk one."""
-    if not shape.through and not profile.face_depth(shape.face):
-        return ""
-    low = min(y for _, y in shape.centres) - shape.radius
-    high = max(y for _, y in shape.centres) + shape.radius
-    for wall in walls_beside(profile, shape.face):
-        if high > wall.least + step and low < wall.greatest - step:
-            return f"in the wall from y {wall.least:g} to {wall.greatest:g}"
-    return ""
-
-
-def _behind_a_lip(shape: CornerCircles, part: Part, step: float) -> str:
-    """That a lip of the section stands before a hole in its web."""
-    lip = lip_length(part)
-    if shape.face != "v" or not lip:
-        return ""
-    low = min(y for _, y in shape.centres) - shape.radius
-    high = max(y for _, y in shape.centres) + shape.radius
-    inside = low >= lip - step and high <= part.profile.height - lip + step
-    return "" if inside else f"behind a lip of {lip:.3g} mm"
 
 
 def _is_one_work(one: Hole, other: Hole) -> bool:

@@ -61,14 +61,6 @@ def wall_between(profile: Profile, face: Face) -> tuple[float, float]:
     return low, low + web
 
 
-def recess(profile: Profile, face: Face) -> float:
-    """How far a face lies behind the outermost steel on its side, mm."""
-    if profile.code not in WEBBED:
-        return 0.0
-    low, high = wall_between(profile, face)
-    return {"v": profile.width - high, "h": low, "o": profile.height - high, "u": low}[face]
-
-
 def lip_length(part: Part) -> float:
     """How far the lips of a C reach over its web, from the outside of its flange; else 0.
 
@@ -122,7 +114,8 @@ NOWHERE = Tip(nan, nan, nan, nan, nan)  #: before the first move
 class Station(Struct, frozen=True):
     """A spindle over a section."""
 
-    number: int
+    spindle: Spindle
+    number: int  #: of the spindle
     face: str
     across: int  #: index of its axis in X, Y, Z
     stroke: int
@@ -173,17 +166,20 @@ def choices_of(machine: Machine, profile: Profile | None, lip: float = 0.0) -> d
     return choices
 
 
-def stroke_values(machine: Machine, profile: Profile | None, face: str) -> dict[str, float]:
+def stroke_values(machine: Machine, profile: Profile | None, face: Face) -> dict[str, float]:
     """The names that the machine's formulas may use, for a face of a section."""
     values = dict.fromkeys(FORMULA_NAMES, 0.0)
     values["clearance"] = machine.drill.clearance if machine.drill else 0.0
     if profile is not None:
+        height, width, (low, high) = profile.height, profile.width, wall_between(profile, face)
         values |= {
-            "height": profile.height, "width": profile.width,
-            "flange_thickness": profile.flange_thickness,
+            "height": height, "width": width, "flange_thickness": profile.flange_thickness,
             "web_thickness": profile.web_thickness or 0.0,
-            "thickness": wall_thickness(profile, face), "face_depth": recess(profile, face),
+            "thickness": wall_thickness(profile, face),
         }  # fmt: skip
+        if profile.code in WEBBED:  # how far the face lies behind the outermost steel on its side
+            behind = {"v": width - high, "h": low, "o": height - high, "u": low}
+            values["face_depth"] = behind[face]
     return values
 
 
@@ -221,9 +217,9 @@ def _station(spindle: Spindle, machine: Machine, profile: Profile | None, lip: f
         if a.spindle == spindle.number and a.moves in _AXIS_INDEX
     )
     return Station(
-        spindle.number, face, _AXIS_INDEX[spindle.across.axis], _AXIS_INDEX[spindle.stroke.axis],
-        across_0, per_y, surface, surface_per_y, face_depth, way, surface_known,
-        retract_clearance, approach_clearance, clear_from, clear_to, limits,
+        spindle, spindle.number, face, _AXIS_INDEX[spindle.across.axis],
+        _AXIS_INDEX[spindle.stroke.axis], across_0, per_y, surface, surface_per_y, face_depth, way,
+        surface_known, retract_clearance, approach_clearance, clear_from, clear_to, limits,
     )  # fmt: skip
 
 

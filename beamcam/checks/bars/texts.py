@@ -211,13 +211,13 @@ def _sides(face: Face, part: Part) -> tuple[float, float]:
 
 def _within_axes(face: Face, part: Part, tools: ToolCatalogue) -> tuple[float, float] | None:
     """y that a spindle's axes surely come to; None if they come to none."""
-    (spindle,) = (s for s in tools.machine.spindles if s.face == face)
-    station = choices_of(tools.machine, part.profile)[spindle.number].stations[0]
+    (number,) = (s.number for s in tools.machine.spindles if s.face == face)
+    station = choices_of(tools.machine, part.profile)[number].stations[0]
     values = stroke_values(tools.machine, part.profile, face)
     values |= {"depth": tools.drill.mark_depth, "tip": 0.0}
     low, high = _sides(face, part)
     steps = [low + k * (high - low) / 256 for k in range(257)]
-    ys = [y for y in steps if is_within(values | {"y": y}, spindle, station, tools.machine)]
+    ys = [y for y in steps if is_within(values | {"y": y}, station, tools.machine)]
     if not ys or ys[-1] - ys[0] <= 2 * MARGIN:
         return None
     margin = (high - low) / 256 + MARGIN
