@@ -6,8 +6,8 @@ be a text, or belong to a longer one: those places count that leave the fewest p
 text.
 """
 
-from collections.abc import Iterator, Sequence
-from itertools import islice, pairwise
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import islice, pairwise, product
 from math import cos, hypot, radians, sin
 from typing import TYPE_CHECKING
 
@@ -42,18 +42,25 @@ class RequiredText(Struct, frozen=True):
     def strokes(self, x: float, y: float, height: float) -> Iterator[tuple[Segment, ...]]:
         """The pieces of each of its strokes at a place."""
         pieces = iter(self.at(x, y, height))
-        for count in self.counts:
-            yield tuple(islice(pieces, count))
+        return (tuple(islice(pieces, count)) for count in self.counts)
 
 
 def text_to_letter(feature: TextMark, marks: Marks) -> RequiredText:
     """The strokes that a text requires."""
     text = spelled(feature.text, marks.replace).text
     share = body_share() if marks.height_of == "body" else 1.0
-    pieces = tuple(_turned(_in_a_row(text, marks.spacing), feature))
-    glyphs = (glyph_of(sign) for sign in text)
-    counts = tuple(len(s) - 1 for glyph in glyphs if glyph is not None for s in glyph.strokes)
-    return RequiredText(feature, text, feature.height * share, pieces, counts)
+    pieces: list[Segment] = []  # along a line, letter behind letter
+    counts: list[int] = []
+    begin = 0.0
+    for sign in text:
+        glyph = glyph_of(sign)
+        if glyph is None:
+            raise AssertionError(f"the font has no {sign!r}")
+        pieces += [((begin + a, b), (begin + c, d)) for (a, b), (c, d) in glyph.segments]
+        counts += [len(stroke) - 1 for stroke in glyph.strokes]
+        begin += marks.spacing * glyph.advance
+    turned = tuple(_turned(pieces, feature))
+    return RequiredText(feature, text, feature.height * share, turned, tuple(counts))
 
 
 def text_to_print(feature: TextMark, marks: Marks) -> RequiredText | None:
@@ -75,23 +82,11 @@ def text_to_print(feature: TextMark, marks: Marks) -> RequiredText | None:
         return None
     wide = len(spelling.text) * marks.pitch
     corners = ((0.0, 0.0), (wide, 0.0), (wide, 1.0), (0.0, 1.0), (0.0, 0.0))
-    pieces = tuple(_turned(iter([*pairwise(corners)]), feature))
+    pieces = tuple(_turned(pairwise(corners), feature))
     return RequiredText(feature, spelling.text, height, pieces)
 
 
-def _in_a_row(text: str, spacing: float) -> Iterator[Segment]:
-    """The pieces of a text along a line, letter behind letter."""
-    begin = 0.0
-    for sign in text:
-        glyph = glyph_of(sign)
-        if glyph is None:
-            raise AssertionError(f"the font has no {sign!r}")
-        for (a, b), (c, d) in glyph.segments:
-            yield (begin + a, b), (begin + c, d)
-        begin += spacing * glyph.advance
-
-
-def _turned(pieces: Iterator[Segment], feature: TextMark) -> Iterator[Segment]:
+def _turned(pieces: Iterable[Segment], feature: TextMark) -> Iterator[Segment]:
     """Pieces turned to the angle of a text; on faces that are seen mirrored they are mirrored."""
     up = -1.0 if feature.face in MIRRORED_FACES else 1.0
     c, s = cos(radians(feature.angle)), sin(radians(feature.angle))
@@ -136,7 +131,7 @@ class DrawnPieces:
         for k, (a, b) in enumerate(pieces):
             self._by_middle.setdefault(self._cell(_middle(a, b)), []).append(k)
         cells = np.array([*self._by_middle], dtype=np.int64).reshape(-1, 2)
-        around = [(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1)]
+        around = [*product((-1, 0, 1), (-1, 0, 1))]
         self._near_pieces = np.unique(_number((cells[:, None] + around).reshape(-1, 2)))
 
     @staticmethod
@@ -147,8 +142,8 @@ class DrawnPieces:
         """The piece nearest to one between two points, whichever way round; None if none is."""
         x, y = self._cell(_middle(a, b))
         best, apart = None, near
-        for cell in ((x + i, y + j) for i in (-1, 0, 1) for j in (-1, 0, 1)):
-            for k in self._by_middle.get(cell, ()):
+        for i, j in product((-1, 0, 1), (-1, 0, 1)):
+            for k in self._by_middle.get((x + i, y + j), ()):
                 if (away := _piece_apart(self.pieces[k], a, b)) <= apart:
                     best, apart = k, away
         return best

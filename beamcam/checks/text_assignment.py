@@ -264,6 +264,8 @@ def assigned(
     texts: Sequence[RequiredText], options: Options, steel: Steel, marks: Marks
 ) -> list[DrawnText | None]:
     """What each text is, no two the same; as many as can be have one."""
+    import shapely
+
     result: list[DrawnText | None] = [None] * len(texts)
     left, taken = [], set()
     for t, (text, row) in enumerate(zip(texts, options, strict=True)):
@@ -277,10 +279,21 @@ def assigned(
     places = [k for k in range(len(options[0]) if options else 0) if k not in taken]
     if not left or not places:
         return result
-    boxes = _boxes(texts, options)
+    boxes = []  #: of the texts that were found
+    for k in range(len(options[0])):
+        for text, row in zip(texts, options, strict=True):
+            if (drawn := row[k]) is not None:
+                boxes.append((k, box_of(text, drawn.x, drawn.y, drawn.height)))
+                break
     costs = np.full((len(left), len(places) + len(left)), LEFT)
     for line, t in enumerate(left):
-        forbidden = _obstacle(texts[t], boxes, steel, marks)
+        # What keeps the text from standing where the part has it: the number of a text if that
+        # alone does, which would itself be free to stand there; -1 of an edge or several texts.
+        forbidden: int | None = -1
+        own = box_of(texts[t], texts[t].feature.x, texts[t].feature.y, texts[t].height)
+        if is_clear(own, steel, (), marks.min_distance + SURE):
+            near = [k for k, box in boxes if shapely.distance(own, box) <= SURE]
+            forbidden = None if not near else near[0] if len(near) == 1 else -1
         for column, k in enumerate(places):
             drawn, feature = options[t][k], texts[t].feature
             if drawn is None:
@@ -295,36 +308,6 @@ def assigned(
         if column < len(places):
             result[t] = options[t][places[column]]
     return result
-
-
-def _boxes(texts: Sequence[RequiredText], options: Options) -> list["Polygon | None"]:
-    """The boxes of the texts that were found; None for one that can be no text."""
-    boxes: list[Polygon | None] = []
-    for k in range(len(options[0])):
-        each = zip(texts, (row[k] for row in options), strict=True)
-        one = next(((text, drawn) for text, drawn in each if drawn is not None), None)
-        boxes.append(None if one is None else box_of(one[0], one[1].x, one[1].y, one[1].height))
-    return boxes
-
-
-def _obstacle(
-    text: RequiredText, boxes: Sequence["Polygon | None"], steel: Steel, marks: Marks
-) -> int | None:
-    """What keeps a text from standing where the part has it; None if nothing does.
-
-    The number of a text if that alone does: it would itself be free to stand there. Below 0 where
-    an edge or several texts are in its way.
-    """
-    import shapely
-
-    feature = text.feature
-    own = box_of(text, feature.x, feature.y, text.height)
-    if not is_clear(own, steel, (), marks.min_distance + SURE):
-        return -1
-    near = [
-        k for k, box in enumerate(boxes) if box is not None and shapely.distance(own, box) <= SURE
-    ]
-    return None if not near else near[0] if len(near) == 1 else -1
 
 
 def cheapest(costs: Floats) -> list[int]:

@@ -7,13 +7,14 @@ missing, the read-back finds out from the program, the parts, the machine and wh
 """
 
 from collections.abc import Collection, Sequence
+from functools import partial
 from math import hypot
 from operator import attrgetter
 
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.caches import BoundedCache, PerObject
+from beamcam.caches import PerObject, cached
 from beamcam.checks import rules
 from beamcam.checks.bars.cell import Cell
 from beamcam.checks.bars.compare import Comparison, RequiredParts
@@ -50,25 +51,12 @@ class _Known:
     """Values computed once for a machine and a section."""
 
     def __init__(self, machine: Machine) -> None:
-        self.machine = machine
         self.dialect = dialect_of(machine)
         self.tools = ToolCatalogue(machine, drill_of(machine))
         grades = {row.grade for row in self.tools.drill.cutting}
         self.depends_on_grade = self.dialect.feeds and len(grades) > 1
-        self._choices = BoundedCache[tuple[Profile | None, float], dict[int, Choice]](
-            "verify.stations"
-        )
-        self._data = BoundedCache[tuple[str, ...] | None, CuttingData]("verify.grades")
-
-    def choices(self, profile: Profile | None, lip: float = 0.0) -> dict[int, Choice]:
-        """The stations of each spindle number on a section with lips of a length."""
-        known, key = self._choices, (profile, lip)
-        return known.get(key) or known.keep(key, choices_of(self.machine, profile, lip))
-
-    def data(self, grades: tuple[str, ...] | None) -> CuttingData:
-        """The cutting data for steel of some grades."""
-        known, drill = self._data, self.tools.drill
-        return known.get(grades) or known.keep(grades, CuttingData(self.machine, drill, grades))
+        self.choices = cached("verify.stations")(partial(choices_of, machine))
+        self.data = cached("verify.grades")(partial(CuttingData, machine, self.tools.drill))
 
 
 _known_of = PerObject("verify.machines", _Known)
@@ -171,7 +159,7 @@ def compared(
     """
     known = _known_of(machine)
     job = RequiredParts(parts, skips, order != "given", turn, bar)
-    comparison = Comparison(done.made, job, known.tools, profile, known.choices(profile), name)
+    comparison = Comparison(done.made, job, known.tools, profile, known.choices(profile, 0.0), name)
     diagnostics = (
         *comparison.run(),
         *bar_faults(comparison.laid, machine, comparison.saw, bar, name),

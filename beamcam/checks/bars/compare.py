@@ -34,7 +34,7 @@ from beamcam.checks.bars.pieces import (
 )
 from beamcam.checks.bars.stations import Choice, MachinedFeatures
 from beamcam.checks.bars.targets import RequiredRound, Target, Unmakeable, targets_of
-from beamcam.checks.bars.tools import Done, ToolCatalogue, parting_faults
+from beamcam.checks.bars.tools import ToolCatalogue, Work, parting_faults
 from beamcam.checks.job import left_out, left_to_manual_work
 from beamcam.errors import Diagnostic, Source
 from beamcam.machine.machine import Machine, saw_of
@@ -106,13 +106,13 @@ class Comparison:
                 made, self.required_paths, parts, self.tools, self.profile, name
             )
             self.diagnostics += diagnostics
-            done += (Done(required.part, path) for path, required in taken)
+            done += ((required.part, path) for path, required in taken)
             shapes += ((required.part, shape_of(required.target)) for _, required in taken)
         for p, one in enumerate(laid):
             own = {s.feature: s for q, s in shapes if q == p and s is not None}
             self.diagnostics += steel_faults(tuple(own.values()), one.part, one.ends, machine)
         if texts is not None:
-            done += (Done(part, text) for part, text in texts.taken)
+            done += texts.taken
         self.diagnostics += parting_faults(made, laid, done, self.cuts, machine, self.profile, name)
         if texts is not None:
             self.diagnostics += texts.extra()
@@ -135,7 +135,7 @@ class Comparison:
 
     def _check_holes(
         self, parts: Sequence[Part]
-    ) -> tuple[list[Done], list[tuple[int, CornerCircles | None]]]:
+    ) -> tuple[list[tuple[int, Work]], list[tuple[int, CornerCircles | None]]]:
         """The work that makes holes, and their circles, each with its part; faults are reported."""
         holes = self.holes
         # A hole at the end of a slot is one of the part before it is one that a mill goes into.
@@ -150,7 +150,7 @@ class Comparison:
             features = {f for q, f in self.missing if q == p}
             twice = repeats(features, parts[p], self.tools)
             self.diagnostics += left_out(parts[p], {*features, *twice})
-        done = [Done(w.part, holes.bores[i]) for i, w in holes.made.items()]
+        done: list[tuple[int, Work]] = [(w.part, holes.bores[i]) for i, w in holes.made.items()]
         return done, [(w.part, shape_of(w.target)) for w in holes.made.values()]
 
     def _require(self, p: int, one: LaidPart) -> None:

@@ -254,11 +254,7 @@ limits_of_cell = PerObject("verify.cells", _limits)
 NOUNS = {"drill": "hole", "tap": "thread", "punch": "punch mark", "mill": "slot", "scribe": "line"}
 
 
-class Done(Struct, frozen=True, gc=False):
-    """Work that was found to be of a part on the bar."""
-
-    part: int
-    work: Bore | MachinedPath | StampedText
+Work = Bore | MachinedPath | StampedText
 
 
 def place_faults(made: MachinedFeatures, machine: Machine, name: str) -> Iterator[Diagnostic]:
@@ -275,20 +271,23 @@ def place_faults(made: MachinedFeatures, machine: Machine, name: str) -> Iterato
 
 
 def parting_faults(
-    made: MachinedFeatures, laid: Sequence[LaidPart], done: Iterable[Done],
+    made: MachinedFeatures, laid: Sequence[LaidPart], done: Iterable[tuple[int, Work]],
     cuts: Sequence[CutPlane], machine: Machine, profile: Profile, name: str,
 ) -> Iterator[Diagnostic]:  # fmt: skip
-    """Work on a part that is cut off already, where the bar comes to the drills before the saw."""
+    """Work on a part that is cut off already, where the bar comes to the drills before the saw.
+
+    `done` is what was found to be of a part on the bar, by the part's number.
+    """
     if machine.layout is None or machine.layout.order != "drill-saw":
         return
     place: dict[int, int] = {}  #: line of some work -> its place in the order of work
     for index, work in enumerate(made.order):
         place.setdefault(work.line, index)
     freed = [None if one.piece is None else one.piece.end.cut.line for one in laid]
-    for one in sorted(done, key=lambda one: one.work.line):
-        cut = freed[one.part]
-        if cut and place[one.work.line] > place[cut]:
-            yield _cut_off(one.work, cut, name)
+    for part, work in sorted(done, key=lambda one: one[1].line):
+        cut = freed[part]
+        if cut and place[work.line] > place[cut]:
+            yield _cut_off(work, cut, name)
     rise = (-1.0 if machine.saw is not None and machine.saw.pivot == "o" else 1.0) * profile.height
     spans: dict[int, tuple[float, float]] = {}  #: between which bar x a cut lies
     for plane in cuts:
