@@ -50,10 +50,8 @@ def may_be_missing(
     }
     if "off-face" in names or "reach" in names:
         left |= {f for f, own in _ill_placed(part, tools, stations) if own in names}
-    if "axis" in names:
-        left |= {*_off_axis(part, targets, tools, stations)}
-    if "stroke" in names:
-        left |= {*_off_stroke(part, targets, tools, stations)}
+    if "axis" in names or "stroke" in names:
+        left |= {f for f, own in _out_of_reach(part, targets, tools, stations) if own in names}
     left |= {*repeats(left, part, tools)}
     if "countersink" in names:
         left |= {*_sinks(left, part, tools)}
@@ -124,41 +122,36 @@ def _ill_placed(
                 break
 
 
-def _off_stroke(
+def _out_of_reach(
     part: Part, targets: Sequence[Target], tools: ToolCatalogue, stations: Mapping[str, Station]
-) -> Iterator[int]:
-    """The holes that a stroke which is the same for all of them does not make."""
-    slack = tools.machine.format.resolution
-    for target in targets:
-        if not isinstance(target, RequiredRound):
-            continue
-        face, kind = target.face, target.kind
-        bottom = stations[face].spindle.stroke.bottom
-        values = stroke_values(tools.machine, part.profile, face) | {"y": target.y}
-        if bottom(values) != bottom(values | {"depth": 1.0}):
-            continue
-        reach = reach_of(kind, kind.own, wall_thickness(part.profile, face), tools)
-        depth = stations[face].tip_depth(bottom(values), target.y)
-        through = kind.hole.depth is None and kind.tool in ("drill", "tap")
-        if depth < reach.least - slack or (depth > reach.greatest + slack and not through):
-            yield target.feature
-
-
-def _off_axis(
-    part: Part, targets: Sequence[Target], tools: ToolCatalogue, stations: Mapping[str, Station]
-) -> Iterator[int]:
-    """The features of which something that they need lies beyond an axis."""
+) -> Iterator[tuple[int, str]]:
+    """The features of which something lies beyond an axis, and the holes that a stroke which is the
+    same for all of them does not make."""
+    machine = tools.machine
+    slack = machine.format.resolution
     for target in targets:
         if isinstance(target, Unmakeable):
             continue
-        face = target.face
+        station, thickness = stations[target.face], wall_thickness(part.profile, target.face)
+        values = stroke_values(machine, part.profile, target.face)
         is_end = isinstance(target, RequiredRound) and target.optional
-        if is_end and not tools.drills_ends(part.features[target.feature], face):
-            continue
-        depth, tip, ys = _tool_places(target, wall_thickness(part.profile, face), tools)
-        values = stroke_values(tools.machine, part.profile, face) | {"depth": depth, "tip": tip}
-        if not all(is_within(values | {"y": y}, stations[face], tools.machine) for y in ys):
-            yield target.feature
+        if not is_end or tools.drills_ends(part.features[target.feature], target.face):
+            depth, tip, ys = _tool_places(target, thickness, tools)
+            own = values | {"depth": depth, "tip": tip}
+            if not all(is_within(own | {"y": y}, station, machine) for y in ys):
+                yield target.feature, "axis"
+        if isinstance(target, RequiredRound):
+            kind, bottom, values = (
+                target.kind,
+                station.spindle.stroke.bottom,
+                values | {"y": target.y},
+            )
+            if bottom(values) == bottom(values | {"depth": 1.0}):
+                reach = reach_of(kind, kind.own, thickness, tools)
+                depth = station.tip_depth(bottom(values), target.y)
+                through = kind.hole.depth is None and kind.tool in ("drill", "tap")
+                if depth < reach.least - slack or (depth > reach.greatest + slack and not through):
+                    yield target.feature, "stroke"
 
 
 def _tool_places(

@@ -23,7 +23,6 @@ from beamcam.checks.bars.stations import (
     Thing,
     Tip,
     limits_of,
-    tilts_of,
 )
 from beamcam.checks.bars.tools import EPSILON, LEAST, CuttingData, limits_of_cell
 from beamcam.controllers.dialect import WORD, Cycle, Dialect, MWord, Role
@@ -32,6 +31,7 @@ from beamcam.errors import Diagnostic, Rule, Source
 from beamcam.machine.machine import Machine
 
 AXES = "XYZ"
+SQUARE_DEG = 0.05  #: off the square cut, as numbers of one decimal are rounded
 Values = dict[str, float]  #: parameters of a word by what they carry
 _NO_CYCLE = Cycle("drill", 0, False, False, False)
 
@@ -261,7 +261,9 @@ class CellState:
         if isnan(self.x):
             self.say(WORD, "a cut", "an X before")
             return
-        least, greatest = tilts_of(saw, angle) if saw is not None else (tilt, tilt)
+        least = greatest = 0.0 if saw is not None else tilt
+        if saw is not None and (saw.compound or abs(angle - saw.zero_angle) < SQUARE_DEG):
+            least, greatest = saw.min_tilt, saw.max_tilt
         if not least <= tilt <= greatest:
             name = f"the tilt of the blade, turned to {angle:g},"
             self.say_beyond(name, tilt, least, greatest)

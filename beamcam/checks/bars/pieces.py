@@ -269,19 +269,19 @@ def lay_out(
         choices: dict[int, int] = {}  #: each part that waits, several times or once
         for given in waiting if free else waiting[:1]:
             choices.setdefault(id(parts[given]), given)
-        fitting = [
-            LaidPart(part, given, ends, start, piece)
-            for identity, given in choices.items()
-            for part, ends in ways[identity]
-            if (start := start_of(piece, part, ends, machine, saw)) is not None
-        ]
+        fitting = []
+        for identity, given in choices.items():
+            for part, ends in ways[identity]:
+                start = _start_of(piece, part, ends, machine, saw)
+                if start is not None:
+                    fitting.append(LaidPart(part, given, ends, start, piece))
         if fitting:
             laid.append(min(fitting, key=faults) if len(fitting) > 1 else fitting[0])
             waiting.remove(laid[-1].given)
     return laid
 
 
-def start_of(piece: SawnPiece, part: Part, ends: Ends, machine: Machine, saw: Saw) -> float | None:
+def _start_of(piece: SawnPiece, part: Part, ends: Ends, machine: Machine, saw: Saw) -> float | None:
     """Bar x at which a part starts that has a piece's ends; None if it has others."""
     first, last = ends
     if not (is_of(piece.start, first, machine, saw) and is_of(piece.end, last, machine, saw)):

@@ -18,7 +18,7 @@ from msgspec import Struct
 
 from beamcam.geometry.curves import Curve
 from beamcam.machine.machine import Machine
-from beamcam.machine.stations import FORMULA_NAMES, Saw, Spindle
+from beamcam.machine.stations import FORMULA_NAMES, Spindle
 from beamcam.model.part import Face, Part, Profile
 
 # --- walls ----------------------------------------------------------------------------------------
@@ -93,7 +93,6 @@ def in_stem(curves: Sequence[Curve], profile: Profile, face: Face) -> bool:
     return min(ys) < middle + half and max(ys) > middle - half
 
 
-SQUARE_DEG = 0.05  #: off the square cut, as numbers of one decimal are rounded
 WEBBED = ("I", "U", "C", "L", "T")  #: sections whose web lies behind their flanges
 _AXIS_INDEX = {"X": 0, "Y": 1, "Z": 2}
 
@@ -236,13 +235,6 @@ def limits_of(machine: Machine, moves: str) -> tuple[str, float, float]:
     if moves == "angle" and machine.saw is not None:
         return name, max(least, machine.saw.min_angle), min(greatest, machine.saw.max_angle)
     return name, least, greatest
-
-
-def tilts_of(saw: Saw, angle: float) -> tuple[float, float]:
-    """Minimum and maximum tilt of the blade at an angle; none off the square cut, if not both."""
-    if saw.compound or abs(angle - saw.zero_angle) < SQUARE_DEG:
-        return saw.min_tilt, saw.max_tilt
-    return 0.0, 0.0
 
 
 # --- machined features ----------------------------------------------------------------------------

@@ -62,21 +62,43 @@ def texts_of(
     """
     strokes: list[MarkingPath] = []
     diagnostics: list[Diagnostic] = []
-    texts: dict[Face, list[tuple[int, TextMark]]] = {}
+    machine, marks = tools.machine, tools.machine.marks
+    by_face: dict[Face, list[tuple[int, RequiredText]]] = {}
     for f, feature in enumerate(part.features):
-        if (
-            isinstance(feature, TextMark)
-            and policy_on(feature, tools.machine.marks) == "make"
-            and not is_manual_work(feature, tools.machine)
-        ):
-            texts.setdefault(feature.face, []).append((f, feature))
-    for face, group in texts.items():
-        if tools.works_on(face, part) and any(tools.of("scribe", face)):
-            more_strokes, more = _on_face(face, group, part, ends, paths, from_x, tools)
-            strokes += more_strokes
-            diagnostics += more
+        if not isinstance(feature, TextMark) or policy_on(feature, marks) != "make":
+            continue
+        if is_manual_work(feature, machine):
+            continue
+        if tools.works_on(feature.face, part) and any(tools.of("scribe", feature.face)):
+            by_face.setdefault(feature.face, []).append((f, text_to_letter(feature, marks)))
         else:
-            diagnostics += (manual_work(feature, part, tools.machine) for _, feature in group)
+            diagnostics.append(manual_work(feature, part, machine))
+    for face, group in by_face.items():
+        steel = _steel(face, part, ends, _sides(face, part))
+        bounds = _within_axes(face, part, tools)
+        sure = None if bounds is None else _steel(face, part, ends, bounds)
+        pieces = [
+            ((a[0] - from_x, a[1]), (b[0] - from_x, b[1]))
+            for path in paths
+            if path.kind == "scribe" and path.face == face
+            for a, b in pairwise(path.points)
+            if all(-OVER <= x - from_x <= part.length + OVER for x in (a[0], b[0]))
+        ]
+        drawn = DrawnPieces(pieces, tools.drill.path_tolerance + 2 * machine.format.resolution)
+        texts = [text for _, text in group]
+        found = found_texts(
+            texts, drawn, sure or steel, marks, lambda text, one: _is_over(text, one, part, ends)
+        )
+        positions = text_positions(texts, found, steel, sure, marks)
+        for (f, text), one in zip(group, positions, strict=True):
+            if one is None:
+                diagnostics.append(manual_work(text.feature, part, machine))
+                continue
+            diagnostics += one.diagnostics
+            what = f"stroke of the text {text.text!r}"
+            for stroke in text.strokes(one.x, one.y, one.height):
+                lines = tuple([Line(a, b) for a, b in stroke])
+                strokes.append(MarkingPath(f, face, lines, text.feature, what))
     return strokes, diagnostics
 
 
@@ -156,42 +178,6 @@ def _is_over(text: RequiredText, drawn: DrawnText, part: Part, ends: Ends) -> bo
     middle = box_of(text, drawn.x, drawn.y, drawn.height).centroid
     first, last = (_ends_at(end, text.feature.face, part.profile, middle.y) for end in ends)
     return bool(min(first) - OVER <= middle.x <= max(last) + OVER)
-
-
-def _on_face(
-    face: Face, texts: Sequence[tuple[int, TextMark]], part: Part,
-    ends: Ends,
-    paths: Sequence[MachinedPath], from_x: float, tools: ToolCatalogue,
-) -> tuple[list[MarkingPath], list[Diagnostic]]:  # fmt: skip
-    marks = tools.machine.marks
-    steel = _steel(face, part, ends, _sides(face, part))
-    bounds = _within_axes(face, part, tools)
-    sure = None if bounds is None else _steel(face, part, ends, bounds)
-    pieces = [
-        ((a[0] - from_x, a[1]), (b[0] - from_x, b[1]))
-        for path in paths
-        if path.kind == "scribe" and path.face == face
-        for a, b in pairwise(path.points)
-        if all(-OVER <= x - from_x <= part.length + OVER for x in (a[0], b[0]))
-    ]
-    drawn = DrawnPieces(pieces, tools.drill.path_tolerance + 2 * tools.machine.format.resolution)
-    required = [text_to_letter(feature, marks) for _, feature in texts]
-    found = found_texts(
-        required, drawn, sure or steel, marks, lambda text, one: _is_over(text, one, part, ends)
-    )
-    positions = text_positions(required, found, steel, sure, marks)
-    strokes: list[MarkingPath] = []
-    diagnostics: list[Diagnostic] = []
-    for (f, feature), text, one in zip(texts, required, positions, strict=True):
-        if one is None:
-            diagnostics.append(manual_work(feature, part, tools.machine))
-        else:
-            diagnostics += one.diagnostics
-            what = f"stroke of the text {text.text!r}"
-            for stroke in text.strokes(one.x, one.y, one.height):
-                lines = tuple([Line(a, b) for a, b in stroke])
-                strokes.append(MarkingPath(f, face, lines, feature, what))
-    return strokes, diagnostics
 
 
 def _sides(face: Face, part: Part) -> tuple[float, float]:

@@ -247,13 +247,11 @@ limits_of_cell = PerObject("verify.cells", _limits)
 #     entry -> mill        where slots are drilled first the mill goes down into a hole (`paths`)
 #     work  -> cut         where the drills come first a part is lost to them once it is cut off
 #
-# An arrow is asked about wherever its right side stands in the program. That what stands on its
-# left is there at all, in its size and place, is asked elsewhere.
+# An arrow is checked wherever its right side stands in the program. That what stands on its left is
+# there at all, in its size and place, is checked elsewhere.
 
 
 NOUNS = {"drill": "hole", "tap": "thread", "punch": "punch mark", "mill": "slot", "scribe": "line"}
-
-
 Work = Bore | MachinedPath | StampedText
 
 
@@ -289,29 +287,22 @@ def parting_faults(
         if cut and place[work.line] > place[cut]:
             yield _cut_off(work, cut, name)
     rise = (-1.0 if machine.saw is not None and machine.saw.pivot == "o" else 1.0) * profile.height
-    spans: dict[int, tuple[float, float]] = {}  #: between which bar x a cut lies
-    for plane in cuts:
-        xs = [plane.along(y, z) for y in (0.0, rise) for z in (0.0, profile.width)]
-        spans[plane.cut.line] = min(xs), max(xs)
     reached: tuple[float, int] | None = None  #: how far the bar is cut off, and by which line
-    for line, (least, greatest) in sorted(spans.items(), key=lambda span: place[span[0]]):
-        if reached is not None and greatest < reached[0]:
-            cut_off = next(cut.cut for cut in cuts if cut.cut.line == line)
-            yield _cut_off(cut_off, reached[1], name)
-        elif reached is None or least > reached[0]:
-            reached = least, line
+    by_line = {plane.cut.line: plane for plane in cuts}
+    for plane in sorted(by_line.values(), key=lambda plane: place[plane.cut.line]):
+        xs = [plane.along(y, z) for y in (0.0, rise) for z in (0.0, profile.width)]
+        if reached is not None and max(xs) < reached[0]:
+            yield _cut_off(plane.cut, reached[1], name)
+        elif reached is None or min(xs) > reached[0]:
+            reached = min(xs), plane.cut.line
 
 
 def _is_hole_of(work: Bore, other: Thing, near: float) -> bool:
     """Whether a tap or countersink goes into what was made before."""
     if isinstance(other, Bore):
-        return (
-            other.kind in ("drill", "tap")
-            and other.kind != work.kind
-            and other.face == work.face
-            and abs(other.x - work.x) <= near
-            and abs(other.y - work.y) <= near
-        )
+        is_other_tool = other.kind in ("drill", "tap") and other.kind != work.kind
+        apart = max(abs(other.x - work.x), abs(other.y - work.y))
+        return is_other_tool and other.face == work.face and apart <= near
     if work.kind == "tap" or not isinstance(other, MachinedPath) or other.face != work.face:
         return False
     xs, ys = [x for x, _ in other.points], [y for _, y in other.points]
