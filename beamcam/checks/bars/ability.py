@@ -141,11 +141,8 @@ def _out_of_reach(
             if not all(is_within(own | {"y": y}, station, machine) for y in ys):
                 yield target.feature, "axis"
         if isinstance(target, RequiredRound):
-            kind, bottom, values = (
-                target.kind,
-                station.spindle.stroke.bottom,
-                values | {"y": target.y},
-            )
+            kind, bottom = target.kind, station.spindle.stroke.bottom
+            values |= {"y": target.y}
             if bottom(values) == bottom(values | {"depth": 1.0}):
                 reach = reach_of(kind, kind.own, thickness, tools)
                 depth = station.tip_depth(bottom(values), target.y)

@@ -67,13 +67,12 @@ def texts_of(
     for f, feature in enumerate(part.features):
         if not isinstance(feature, TextMark) or policy_on(feature, marks) != "make":
             continue
-        if is_manual_work(feature, machine):
-            continue
-        if tools.works_on(feature.face, part) and any(tools.of("scribe", feature.face)):
+        if not is_manual_work(feature, machine):
             by_face.setdefault(feature.face, []).append((f, text_to_letter(feature, marks)))
-        else:
-            diagnostics.append(manual_work(feature, part, machine))
     for face, group in by_face.items():
+        if not tools.works_on(face, part) or not any(tools.of("scribe", face)):
+            diagnostics += (manual_work(text.feature, part, machine) for _, text in group)
+            continue
         steel = _steel(face, part, ends, _sides(face, part))
         bounds = _within_axes(face, part, tools)
         sure = None if bounds is None else _steel(face, part, ends, bounds)
