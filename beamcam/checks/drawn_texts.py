@@ -118,7 +118,7 @@ class DrawnText(Struct, frozen=True):
     x: float
     y: float
     height: float  #: of a capital
-    taken: tuple[int, ...]  #: of the drawn pieces, by their numbers
+    taken: tuple[int, ...] = ()  #: of the drawn pieces, by their numbers
 
 
 class DrawnPieces:

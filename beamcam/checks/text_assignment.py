@@ -197,20 +197,12 @@ NEVER = 1e13  #: mm that what cannot be the text counts as
 Options = Sequence[Sequence[DrawnText | None]]
 
 
-class TextPosition(Struct, frozen=True):
-    """Where a text stands, and what is wrong with that."""
-
-    x: float
-    y: float
-    height: float
-    diagnostics: tuple[Diagnostic, ...] = ()
-
-
 def text_positions(
     texts: Sequence[RequiredText], found: Sequence[DrawnText | None], steel: Steel,
     sure: Steel | None, marks: Marks,
-) -> Iterator[TextPosition | None]:  # fmt: skip
-    """Of each text of a face where a program draws it, or where the part has it if it has to.
+) -> Iterator[tuple[DrawnText, Sequence[Diagnostic]] | None]:  # fmt: skip
+    """Of each text of a face where a program draws it, or where the part has it if it has to, and
+    what is wrong with that.
 
     None where it is not drawn and can stand nowhere on the steel: it is left for manual work.
     `found` is where each is drawn, `sure` the steel to which what letters comes for sure.
@@ -223,10 +215,9 @@ def text_positions(
     for k, (text, one) in enumerate(zip(texts, found, strict=True)):
         others = [box for j, box in enumerate(boxes) if j != k and box is not None]
         if one is not None:
-            diagnostics = tuple(_judge(text, one, steel, others, marks, sure))
-            yield TextPosition(one.x, one.y, one.height, diagnostics)
+            yield one, tuple(_judge(text, one, steel, others, marks, sure))
         elif sure is not None and _can_stand(text, sure, drawn, marks, rooms):
-            yield TextPosition(text.feature.x, text.feature.y, text.height)
+            yield DrawnText(text.feature.x, text.feature.y, text.height), ()
         else:
             yield None
 

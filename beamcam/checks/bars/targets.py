@@ -13,7 +13,7 @@ What nothing of the machine makes is a `Unmakeable`.
 """
 
 from collections.abc import Iterator
-from math import cos, floor, hypot, radians, sin, tan
+from math import cos, floor, hypot, inf, radians, sin, tan
 from typing import TypeVar
 
 from msgspec import Struct
@@ -262,7 +262,7 @@ def _hole(f: int, hole: Hole, part: Part, tools: ToolCatalogue) -> Iterator[Targ
         yield from _countersink(f, hole, part, tools)
     elif any(tools.of("punch", hole.face)):
         own = next(iter(tools.sizes("punch", hole.face)), 0.0)
-        kind = RoundKind("punch", "punch mark", 0.0, float("inf"), own, hole)
+        kind = RoundKind("punch", "punch mark", 0.0, inf, own, hole)
         yield RequiredRound(f, hole.x, hole.y, hole.face, kind)
     else:
         yield Unmakeable(f, "the punch mark", "mark", hole)
@@ -291,35 +291,28 @@ def _thread(f: int, hole: Hole, part: Part, tools: ToolCatalogue) -> Iterator[Ta
 
 
 def _countersink(f: int, sink: Hole, part: Part, tools: ToolCatalogue) -> Iterator[Target]:
-    name = f"countersink {sink.diameter:g}"
-    pilot = _pilot(sink, part, tools)
+    name, diameter = f"countersink {sink.diameter:g}", sink.diameter
+    cone, pilot, reason = sink.angle or FLAT_DEG, _pilot(sink, part, tools), ""
+    least, most = tools.fit(diameter) or (diameter, diameter)
     if pilot is None:
-        yield Unmakeable(f, f"the {name}", "countersink", sink)
-        return
-    reason, limits = _sink_tools(sink, pilot, tools)
-    if reason:
+        reason = "countersink"
+    elif cone < FLAT_DEG:
+        alone = (diameter - pilot) / 2 / tan(radians(cone) / 2)
+        deep = sink.depth or alone
+        if deep < alone - tools.drill.sink_tolerance:
+            reason = "sink-depth"
+        elif deep <= alone + tools.drill.sink_tolerance:  # its rim lies on the surface
+            least, most = diameter - 1e-6, inf
+    elif not sink.depth:
+        reason = "tool"
+    sizes = [d for t in tools.of("countersink", sink.face) if t.point_deg == cone for d in t.sizes]
+    if not reason and not any(least <= d <= most for d in sizes):
+        reason = "tool"
+    if pilot is None or reason:
         yield Unmakeable(f, f"the {name}", reason, sink)
         return
-    kind = RoundKind("countersink", name, *limits, sink.diameter, sink, pilot=pilot)
+    kind = RoundKind("countersink", name, least, most, diameter, sink, pilot=pilot)
     yield RequiredRound(f, sink.x, sink.y, sink.face, kind)
-
-
-def _sink_tools(sink: Hole, pilot: float, tools: ToolCatalogue) -> tuple[str, tuple[float, float]]:
-    """Why a countersink cannot be made, "" if it can, and the diameters of its tools."""
-    cone = sink.angle or FLAT_DEG
-    limits = tools.fit(sink.diameter) or (sink.diameter, sink.diameter)
-    sizes = [d for t in tools.of("countersink", sink.face) if t.point_deg == cone for d in t.sizes]
-    exact = any(limits[0] <= d <= limits[1] for d in sizes)
-    if cone >= FLAT_DEG:
-        return ("" if exact and sink.depth else "tool"), limits
-    alone = (sink.diameter - pilot) / 2 / tan(radians(cone) / 2)
-    deep = sink.depth or alone
-    if deep < alone - tools.drill.sink_tolerance:
-        return "sink-depth", limits
-    if deep > alone + tools.drill.sink_tolerance:  # its rim lies below the surface
-        return ("" if exact else "tool"), limits
-    wide = sink.diameter - 1e-6, float("inf")
-    return ("" if any(d >= wide[0] for d in sizes) else "tool"), wide
 
 
 def _pilot(sink: Hole, part: Part, tools: ToolCatalogue) -> float | None:

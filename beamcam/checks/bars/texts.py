@@ -93,9 +93,10 @@ def texts_of(
             if one is None:
                 diagnostics.append(manual_work(text.feature, part, machine))
                 continue
-            diagnostics += one.diagnostics
+            at, faults = one
+            diagnostics += faults
             what = f"stroke of the text {text.text!r}"
-            for stroke in text.strokes(one.x, one.y, one.height):
+            for stroke in text.strokes(at.x, at.y, at.height):
                 lines = tuple([Line(a, b) for a, b in stroke])
                 strokes.append(MarkingPath(f, face, lines, text.feature, what))
     return strokes, diagnostics
@@ -141,7 +142,7 @@ class PrintedTexts:
                         feature.source, text=text.text, x=f"{drawn.x:.1f}", y=f"{drawn.y:.1f}",
                         height=f"{drawn.height:g}", expected="a height that the machine has",
                     )  # fmt: skip
-                yield from position.diagnostics
+                yield from position[1]
 
     def _take(
         self, p: int, part: Part, ends: Ends, texts: Sequence[RequiredText], start: float,

@@ -74,8 +74,9 @@ def add_texts(need: Need, part: Part, machine: Machine, torch: Torch, strokes: S
         if one is None:
             need.diagnostics.append(manual_work(text.feature, part, machine))
         else:
-            need.diagnostics += one.diagnostics
-            _need(need, process, index, text, (one.x, one.y, one.height))
+            at, diagnostics = one
+            need.diagnostics += diagnostics
+            _need(need, process, index, text, (at.x, at.y, at.height))
 
 
 def _where_they_are(

@@ -6,7 +6,6 @@ from typing import NamedTuple
 
 import numpy as np
 import shapely
-from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.checks.polylines import DrawnPath, compare_polylines
@@ -29,13 +28,6 @@ SPEED_SLACK = 1e-3  #: mm/s
 COARSE = 2.0  #: steps by which stairs of steps are smoothed for their length
 #: Permitted share below the maximum frequency of motors, for the rounding of times.
 BELOW_GREATEST = 0.02
-
-
-class ProcessData(Struct, frozen=True):
-    """How a process has to run on a sheet."""
-
-    feeds: tuple[float, ...]  #: mm/min: of the process, then of the colours and layers
-    pierce_s: float
 
 
 class Seen(NamedTuple):
@@ -155,7 +147,8 @@ class OutlineCheck:
             row.passes > 1 for row in rows_of(part, self.torch)
         )
         self.tracks: dict[TorchProcess, _Track] = {}
-        self.process_data: dict[TorchProcess, ProcessData] = {}
+        self.feeds: dict[TorchProcess, list[float]] = {}  #: mm/min; then of colours and layers
+        self.pierce_s: dict[TorchProcess, float] = {}
         self.need = Need()
         self._stroke: _StrokeDeviation | None = None
         #: the process of texts, whose strokes are found when all are known; None without texts
@@ -167,9 +160,10 @@ class OutlineCheck:
             self.letters = text_process(machine)
         rows = rows_of(part, torch)
         for row in rows:
-            known = self.process_data.get(row.process, ProcessData((), row.pierce_s))
-            feeds = dict.fromkeys((*known.feeds, row.feed_mm_min))
-            self.process_data[row.process] = replace(known, feeds=tuple(feeds))
+            self.pierce_s.setdefault(row.process, row.pierce_s)
+            feeds = self.feeds.setdefault(row.process, [])
+            if row.feed_mm_min not in feeds:
+                feeds.append(row.feed_mm_min)
         need = self.need = need_of(part, self.machine, torch, skips)
         shift, fine = shift_of(need, torch), torch.tolerance / 8
         for process, curves in need.curves.items():
@@ -239,7 +233,7 @@ class OutlineCheck:
             off, beside = f"{stroke.away[process]:.4f}", self._beside(np.array(worst), process)
             expected = f"it within {most:.4f} mm of the path, not {off} mm off it{beside}"
             diagnostic = rules.PLACE.at(source, x=x, y=y, expected=expected)
-        elif process not in self.process_data:
+        elif process not in self.feeds:
             found, expected = f"{seen.fastest.mm_s:.2f}", "a sheet that the machine has a speed for"
             diagnostic = rules.SPEED.at(source, found=found, process=process, expected=expected)
         else:
@@ -257,7 +251,7 @@ class OutlineCheck:
         wrong = {
             feed: [*self._speeds(process, feed, seen, points[0]),
                    *self._pace(process, feed, source, seen, points)]
-            for feed in self.process_data[process].feeds
+            for feed in self.feeds[process]
         }  # fmt: skip
         feeds = tuple([feed for feed, diagnostics in wrong.items() if not diagnostics])
         if not feeds:
@@ -274,7 +268,7 @@ class OutlineCheck:
 
     def _feed_at(self, place: Floats, process: TorchProcess) -> float:
         """The speed of the contour nearest to a place, in mm/min."""
-        of_process = self.process_data[process].feeds[0]
+        of_process = self.feeds[process][0]
         if process not in self.tracks:
             return of_process
         nearest = self.tracks[process].toolpaths.nearest_to(place)[1]
@@ -318,10 +312,10 @@ class OutlineCheck:
 
         The first step of a ramp, and the last one, take their time; in a corner both do.
         """
-        pierce_s = self.process_data[process].pierce_s
+        pierce_s = self.pierce_s[process]
         stepper = self.machine.needed(self.machine.stepper, "stepping motors")
         way = sqrt(2.0) * stepper.step
-        slowest = min(self.process_data[process].feeds) / SECONDS_PER_MINUTE
+        slowest = min(self.feeds[process]) / SECONDS_PER_MINUTE
         ramp_s = cbrt(6 * way / stepper.jerk) + sqrt(2 * way / stepper.acceleration)
         ramp_s += way / slowest
         rests = [
