@@ -279,9 +279,9 @@ def part_faults(
             yield HEAD_TEXT.at(source, found=found.strip(), expected=expected or "no name")
 
 
-def _near(stated: Sequence[float], found: Sequence[float], slack: float) -> bool:
-    return len(stated) == len(found) and all(
-        abs(a - b) <= slack + ROUNDED for a, b in zip(stated, found, strict=True)
+def _near(stated: Sequence[float], actual: Sequence[float], slack: float) -> bool:
+    return len(stated) == len(actual) and all(
+        abs(a - b) <= slack + ROUNDED for a, b in zip(stated, actual, strict=True)
     )
 
 

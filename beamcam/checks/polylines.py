@@ -26,7 +26,7 @@ class DrawnPath(Struct, frozen=True):
 
     process: TorchProcess
     points: Points
-    feeds_mm_min: tuple[float, ...]  #: the speeds asked of a sheet that it may be of
+    feeds_mm_min: tuple[float, ...]  #: the speeds of a sheet that it may be of
     passes: int = 1  #: how often, one after the other
 
 
@@ -87,7 +87,7 @@ def _with_places(paths: "Sequence[Floats]", torch: Torch) -> "Sequence[Floats]":
     """Paths that lost points between which they lie straight, with places at both of their ends.
 
     Where such a path leaves its lead or comes back to its start it has no corner, and the
-    comparison looks for that where one way ends and the next begins.
+    comparison expects that where one way ends and the next begins.
     """
     import numpy as np
 

@@ -82,7 +82,7 @@ class TableStroke(Struct):
     process: TorchProcess
     line: int
     points: list[Place] = field(default_factory=list)
-    feeds_mm_min: tuple[float, ...] = ()  #: the speeds asked of the sheet that it may be of
+    feeds_mm_min: tuple[float, ...] = ()  #: the speeds of the sheet that it may be of
     moves: list[TableOperation] = field(default_factory=list)
     rows: list[TorchRow] = field(default_factory=list)  #: those that it may be of
 
@@ -297,7 +297,7 @@ class Execution:
 def _is_of(speed: float, programmed: float, by_cycles: float) -> bool:
     """Whether a run of moves has a speed in mm/s, or the one that its cycles allow.
 
-    A run that is not slowed has a greater one by its cycles than is asked.
+    A run that is not slowed has a greater one by its cycles than is programmed.
     """
     return speed > 0.0 and min(programmed, by_cycles) - SLACK <= speed <= programmed + SLACK
 

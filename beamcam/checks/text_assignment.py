@@ -198,25 +198,25 @@ Options = Sequence[Sequence[DrawnText | None]]
 
 
 def text_positions(
-    texts: Sequence[RequiredText], found: Sequence[DrawnText | None], steel: Steel,
+    texts: Sequence[RequiredText], drawn: Sequence[DrawnText | None], steel: Steel,
     sure: Steel | None, marks: Marks,
 ) -> Iterator[tuple[DrawnText, Sequence[Diagnostic]] | None]:  # fmt: skip
     """Of each text of a face where a program draws it, or where the part has it if it has to, and
     what is wrong with that.
 
     None where it is not drawn and can stand nowhere on the steel: it is left for manual work.
-    `found` is where each is drawn, `sure` the steel to which what letters comes for sure.
+    `drawn` is where each is drawn, `sure` the steel to which what letters comes for sure.
     """
     boxes = [
         None if one is None else box_of(text, one.x, one.y, one.height)
-        for text, one in zip(texts, found, strict=True)
+        for text, one in zip(texts, drawn, strict=True)
     ]
-    drawn, rooms = [box for box in boxes if box is not None], dict[object, bool]()
-    for k, (text, one) in enumerate(zip(texts, found, strict=True)):
+    clear_of, rooms = [box for box in boxes if box is not None], dict[object, bool]()
+    for k, (text, one) in enumerate(zip(texts, drawn, strict=True)):
         others = [box for j, box in enumerate(boxes) if j != k and box is not None]
         if one is not None:
             yield one, tuple(_judge(text, one, steel, others, marks, sure))
-        elif sure is not None and _can_stand(text, sure, drawn, marks, rooms):
+        elif sure is not None and _can_stand(text, sure, clear_of, marks, rooms):
             yield DrawnText(text.feature.x, text.feature.y, text.height), ()
         else:
             yield None
@@ -239,9 +239,9 @@ def found_texts(
             tallest[shape] = text
     readings: dict[frozenset[int], dict[int, DrawnText]] = {}
     for shape, text in tallest.items():
-        for found in drawn.all_of(text, marks.min_height, text.height):
-            if is_ours is None or is_ours(text, found):
-                readings.setdefault(frozenset(found.taken), {}).setdefault(shape, found)
+        for one in drawn.all_of(text, marks.min_height, text.height):
+            if is_ours is None or is_ours(text, one):
+                readings.setdefault(frozenset(one.taken), {}).setdefault(shape, one)
     chosen = [readings[place] for place in covering([*readings])]
     options = []
     for shape, text in zip(shapes, texts, strict=True):

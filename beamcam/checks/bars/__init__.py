@@ -3,7 +3,7 @@
     text -> events (controllers) -> machined features (cell) -> pieces of bar (pieces) -> compared
 
 Nothing of it comes from a plan: which piece of the bar is which part, how it lies, and what may be
-missing, the read-back finds out from the program, the parts, the machine and what was asked.
+missing, the read-back finds out from the program, the parts, the machine and the request.
 """
 
 from collections.abc import Collection, Sequence
@@ -120,7 +120,7 @@ def verify(
 ) -> tuple[Diagnostic, ...]:  # fmt: skip
     """All faults of a program, by itself and against the parts on its bar.
 
-    The parts are those that were asked for, in the order asked; `order` and `turn` say whether
+    The parts are those of the request, in its order; `order` and `turn` say whether
     they may lie in another one and turned, `skips` names the kinds of features that may be left
     out, `bar` is the bar's length. Nothing comes back for a program that makes exactly the parts.
     """

@@ -107,7 +107,7 @@ class Cell(CellState):
         first = stations[0]
         across, stroke = end[first.across], end[first.stroke]
         if isnan(stroke) or isnan(across):
-            # A tool that goes where steel may be before it was said where it stands across.
+            # A tool that goes where steel may be before its place across is known.
             is_new = end[first.stroke] != start[first.stroke] and not isnan(stroke)
             if is_new and first.tip(first.across_0, stroke).beside > EPSILON:
                 axis, other = AXES[first.stroke], AXES[first.across]

@@ -1,6 +1,6 @@
 """State of a saw and drilling cell, and the effect of its M words.
 
-    state        changed by                      asked when
+    state        changed by                      checked when
     spindle      the choosing word               Y or Z move: whose axes are they?
     turning      M03, M04, M05                   a feed goes into material; the bar moves
     cooling      M07, M08, M09                   likewise, if the machine's cycles cool

@@ -67,7 +67,7 @@ class Comparison:
         self.targets: dict[int, list[Target]] = {}
         self.holes = HoleCheck(made.bores, tools, profile, choices, name)
         self.cuts = planes(made.cuts, self.saw, profile)
-        self.laid: list[LaidPart] = []  #: the parts, once they are found
+        self.laid: list[LaidPart] = []  #: the parts, once they are known
         #: What the parts on the bar require; features are a part and its feature, by their indices.
         self.required_holes: list[RequiredHole] = []
         self.required_paths: list[RequiredPath] = []
@@ -77,7 +77,7 @@ class Comparison:
 
     @cached_property
     def paths(self) -> PathsAlong:
-        """The paths along the bar, put in order where one is looked for."""
+        """The paths along the bar, put in order where one is searched."""
         return PathsAlong(self.made.paths)
 
     def run(self) -> tuple[Diagnostic, ...]:

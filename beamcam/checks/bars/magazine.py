@@ -146,7 +146,7 @@ def _of_spindle(
     spindle: Spindle, comments: dict[int, StopComment], tools: Sequence[Chosen | Changed],
     machine: Machine, name: str,
 ) -> Iterator[Diagnostic]:  # fmt: skip
-    """Faults of what is said of the stations of one spindle."""
+    """Faults of the comments about the stations of one spindle."""
     numbers = {p.number for p in machine.pairs if spindle.face in p.faces} | {spindle.number}
     stations: dict[int, Tool] = {}
     held: set[Tool] = set()  #: that the program worked with, or that were put in

@@ -34,7 +34,7 @@ def verify_remainder(
 ) -> tuple[Diagnostic, ...]:  # fmt: skip
     """All faults of the remainder from operation `first` on of a whole program.
 
-    It is read by itself, as nothing in it may count on what was said before, and behind the
+    It is read by itself, as nothing in it may count on what came before, and behind the
     operations that were done, which together have to make the parts.
     """
     grades = tuple(dict.fromkeys(part.grade for part in parts))

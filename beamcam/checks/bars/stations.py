@@ -272,7 +272,7 @@ class Bore(Struct, frozen=True, gc=False):
 
 
 class MachinedPath(Struct, frozen=True, gc=False):
-    """A path that a tool was led along in the material."""
+    """A path that a tool followed in the material."""
 
     line: int  #: of its first point
     face: str
@@ -286,7 +286,7 @@ class MachinedPath(Struct, frozen=True, gc=False):
 
 
 class StampedText(Struct, frozen=True, gc=False):
-    """A text that a stamp or printer was told."""
+    """A text that a stamp or printer letters."""
 
     line: int
     face: str

@@ -74,7 +74,7 @@ class RequiredRound(Struct, frozen=True, gc=False):
 
 
 class RequiredPocket(Struct, frozen=True, gc=False):
-    """A hole or slot that a mill is led round in: a rectangle with round corners."""
+    """A hole or slot that a mill goes round in: a rectangle with round corners."""
 
     feature: int
     face: Face
@@ -84,7 +84,7 @@ class RequiredPocket(Struct, frozen=True, gc=False):
 
 
 class MarkingPath(Struct, frozen=True, gc=False):
-    """A line that a scribe is led along."""
+    """A line that a scribe follows."""
 
     feature: int
     face: Face

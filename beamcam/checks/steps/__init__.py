@@ -48,7 +48,7 @@ def verify_table(
 
     `form` is the suffix of its file, one of `FORMS`; `pieces` are its bytes in any cut; `head` is
     the text whose head has to say where sound parts lie, if one has to. Without parts it is
-    looked at by itself. Raises ValueError for another form.
+    checked by itself. Raises ValueError for another form.
     """
     stepper = machine.needed(machine.stepper, "stepping motors")
     if form not in FORMS:

@@ -109,7 +109,7 @@ class _Track:
     """The curves of a process, and the band in which a path may be.
 
     The ends and corners of the band are cut straight, so that nothing in it is farther off than
-    `most`. To look whether a point is in it takes a fiftieth of measuring how far it is off.
+    `most`. To check whether a point is in it takes a fiftieth of measuring how far it is off.
     """
 
     def __init__(self, toolpaths: Toolpaths, most: float, fine: float) -> None:
@@ -123,7 +123,7 @@ class _Track:
 
 
 class OutlineCheck:
-    """The strokes of a table against the curves of a part; without one they are not looked at.
+    """The strokes of a table against the curves of a part; without one they are not compared.
 
     `rounding` is what a table may be off its path by: half a step along both axes, or the decimals
     of a velocity table. Paths of single steps are simplified by `simplify`.
@@ -276,7 +276,7 @@ class OutlineCheck:
         return of_process if own is None or own.speed is None else own.speed
 
     def nearest(self, place: Floats) -> str:
-        """The contour of the input that is nearest to a place, to be said behind a message."""
+        """The contour of the input that is nearest to a place, for the end of a message."""
         if not self.tracks:
             return ""
         process = min(self.tracks, key=lambda p: self.tracks[p].toolpaths.nearest_to(place)[0])
