@@ -8,7 +8,7 @@ text.
 
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import islice, pairwise, product
-from math import cos, hypot, radians, sin
+from math import cos, dist, radians, sin
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -144,7 +144,7 @@ class DrawnPieces:
         best, apart = None, near
         for i, j in product((-1, 0, 1), (-1, 0, 1)):
             for k in self._by_middle.get((x + i, y + j), ()):
-                if (away := _piece_apart(self.pieces[k], a, b)) <= apart:
+                if (away := _ends_apart(self.pieces[k], a, b)) <= apart:
                     best, apart = k, away
         return best
 
@@ -154,7 +154,7 @@ class DrawnPieces:
         """Each place where all pieces of a text are drawn, in heights between two."""
         if not text.pieces or not self.pieces:
             return
-        anchor = max(text.pieces, key=_length)
+        anchor = max(text.pieces, key=lambda piece: dist(*piece))
         places = self._by_direction(anchor)
         high = places[:, 2]
         places = places[(high >= min_height - EXACT) & (high <= max_height + EXACT)]
@@ -173,7 +173,7 @@ class DrawnPieces:
         """Where texts of one shape would stand, by the pieces that may be their longest: x, y and
         height (n, 3)."""
         (ax, ay), (bx, by) = anchor
-        ux, uy, own = bx - ax, by - ay, _length(anchor)
+        ux, uy, own = bx - ax, by - ay, dist(*anchor)
         both = np.concatenate((self._ends, self._ends[:, ::-1])).reshape(2, -1, 2, 2)
         ends = both.swapaxes(0, 1).reshape(-1, 2, 2)  # each piece both ways round
         (vx, vy), (x, y) = (ends[:, 1] - ends[:, 0]).T, ends[:, 0].T
@@ -195,18 +195,18 @@ class DrawnPieces:
         where all of them together have it they have to be near.
         """
         begin = _middle(*anchor)
-        share = 2 * self.near / _length(anchor)
+        share = 2 * self.near / dist(*anchor)
         taken = []
         for unit in text.pieces:
             a, b = placed(unit, x, y, height)
-            slack = self.near + share * _apart(begin, _middle(*unit))
+            slack = self.near + share * dist(begin, _middle(*unit))
             k = self.like(a, b, min(slack, MOST_OFF))
             if k is None:
                 return None
             taken.append(k)
         x, y, height = self._fitted(text, taken, (x, y, height))
         for k, (a, b) in zip(taken, text.at(x, y, height), strict=True):
-            if _piece_apart(self.pieces[k], a, b) > self.near:
+            if _ends_apart(self.pieces[k], a, b) > self.near:
                 return None
         return DrawnText(x, y, height, tuple(taken))
 
@@ -217,7 +217,7 @@ class DrawnPieces:
         pairs: list[tuple[Point, Point]] = []
         for unit, (a, b), k in zip(text.pieces, text.at(*near), taken, strict=True):
             p, q = self.pieces[k]
-            if _apart(p, a) + _apart(q, b) > _apart(q, a) + _apart(p, b):
+            if dist(p, a) + dist(q, b) > dist(q, a) + dist(p, b):
                 p, q = q, p
             pairs += [(unit[0], p), (unit[1], q)]
         n = len(pairs)
@@ -289,15 +289,7 @@ def _middle(a: Point, b: Point) -> Point:
     return (a[0] + b[0]) / 2, (a[1] + b[1]) / 2
 
 
-def _apart(a: Point, b: Point) -> float:
-    return hypot(a[0] - b[0], a[1] - b[1])
-
-
-def _piece_apart(piece: Segment, a: Point, b: Point) -> float:
+def _ends_apart(piece: Segment, a: Point, b: Point) -> float:
     """How far the ends of a piece are from two points, in the better order."""
     p, q = piece
-    return min(max(_apart(p, a), _apart(q, b)), max(_apart(p, b), _apart(q, a)))
-
-
-def _length(piece: Segment) -> float:
-    return _apart(*piece)
+    return min(max(dist(p, a), dist(q, b)), max(dist(p, b), dist(q, a)))

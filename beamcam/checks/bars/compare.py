@@ -36,7 +36,7 @@ from beamcam.checks.bars.stations import Choice, MachinedFeatures
 from beamcam.checks.bars.targets import RequiredRound, Target, Unmakeable, targets_of
 from beamcam.checks.bars.tools import ToolCatalogue, Work, parting_faults
 from beamcam.checks.job import left_out, left_to_manual_work
-from beamcam.errors import Diagnostic, Source
+from beamcam.errors import Diagnostic, Rule, Source
 from beamcam.machine.machine import Machine, saw_of
 from beamcam.model.part import Part, Profile, TextMark
 
@@ -74,6 +74,9 @@ class Comparison:
         self.optional: set[FeatureRef] = set()  #: that may be missing
         self.missing: set[FeatureRef] = set()  #: those that are
         self.diagnostics: list[Diagnostic] = []
+
+    def say(self, rule: Rule, source: Source, **values: object) -> None:
+        self.diagnostics.append(rule.at(source, **values))
 
     @cached_property
     def paths(self) -> PathsAlong:
@@ -128,10 +131,8 @@ class Comparison:
         for what, value in self.made.section:
             off = abs(value - expected[what])
             if not isnan(value) and off > 0.75 * self.machine.format.resolution:
-                found, source = f"{value:g}", Source(self.name)
-                self.diagnostics.append(
-                    rules.SECTION.at(source, what=what, found=found, expected=f"{expected[what]:g}")
-                )
+                found, shown = f"{value:g}", f"{expected[what]:g}"
+                self.say(rules.SECTION, Source(self.name), what=what, found=found, expected=shown)
 
     def _check_holes(
         self, parts: Sequence[Part]
@@ -171,15 +172,11 @@ class Comparison:
                 if target.feature in may_miss:
                     self.missing.add((p, target.feature))
                 elif target.place is None:
-                    self.diagnostics.append(
-                        rules.NOT_MADE.at(source, found=target.what, mark=part.mark)
-                    )
+                    self.say(rules.NOT_MADE, source, found=target.what, mark=part.mark)
                 else:
                     x, y = (f"{place:g}" for place in target.place)
                     face = getattr(target.source, "face", "")
-                    self.diagnostics.append(
-                        rules.OUTLINE.at(source, face=face, mark=part.mark, x=x, y=y)
-                    )
+                    self.say(rules.OUTLINE, source, face=face, mark=part.mark, x=x, y=y)
             elif target.feature in may_miss and not is_followed(
                 self.paths, target, from_x, self.tools
             ):
@@ -228,9 +225,10 @@ class Comparison:
         job = self.required
         for cut in self.made.cuts:
             source, angle = Source(self.name, cut.line), f"{cut.angle:g}"
-            self.diagnostics.append(rules.CUT_EXTRA.at(source, angle=angle, x=f"{cut.x:g}"))
+            self.say(rules.CUT_EXTRA, source, angle=angle, x=f"{cut.x:g}")
         first, *others = job.parts
-        self.diagnostics += (rules.ONE_PART.at(part.source, mark=part.mark) for part in others)
+        for part in others:
+            self.say(rules.ONE_PART, part.source, mark=part.mark)
         ways = [first]
         if job.turn:
             ways = [part for part in orientations(first) if part.profile == self.profile]
@@ -249,11 +247,11 @@ class Comparison:
         faults.place(parts, ends)
         last = parts[-1]
         x = self.saw.x + faults.starts[-1] + last.length + ends[-1][1].kerf(self.saw) / 2
-        angle = f"{self.saw.zero_angle:g}"
-        # Behind a skew end at the end of the bar alone no cut is needed, and there it is not.
-        self.diagnostics += faults.diagnostics or [
-            rules.CUT_MISSING.at(last.source, angle=angle, x=f"{x:.6g}", end="end", mark=last.mark)
-        ]
+        self.diagnostics += faults.diagnostics
+        if not faults.diagnostics:
+            # Behind a skew end at the end of the bar alone no cut is needed, and there it is not.
+            place = {"angle": f"{self.saw.zero_angle:g}", "x": f"{x:.6g}", "end": "end"}
+            self.say(rules.CUT_MISSING, last.source, mark=last.mark, **place)
         return [
             LaidPart(part, i, ends[i], start, None)
             for i, (part, start) in enumerate(zip(parts, faults.starts, strict=True))

@@ -95,17 +95,9 @@ def ends_of(part: Part, saw: Saw) -> Ends:
     cuts, least = part.cuts, saw.min_mitre
     webs, flanges = (cuts.web_start, cuts.web_end), (cuts.flange_start, cuts.flange_end)
     if Contour in map(type, part.features):
-        if abs(webs[0]) < least or abs(webs[1]) < least:
-            webs = _instead(webs, _drawn(part, "v"), least)
-        if abs(flanges[0]) < least or abs(flanges[1]) < least:
-            seen = [_drawn(part, face) for face in ("u" if part.profile.code == "L" else "ou")]
-            agreed = (
-                seen[0][i] if all(abs(s[i] - seen[0][i]) <= ANGLE_TOLERANCE_DEG for s in seen)
-                else 0.0
-                for i in (0, 1)
-            )  # fmt: skip
-            start, end = agreed
-            flanges = _instead(flanges, (start, end), least)
+        webs = _with_drawn(webs, part, ("v",), least)
+        faces: tuple[Face, ...] = ("u",) if part.profile.code == "L" else ("o", "u")
+        flanges = _with_drawn(flanges, part, faces, least)
     ends = []
     for side, web, flange in ((-1, webs[0], flanges[0]), (1, webs[1], flanges[1])):
         web = web if abs(web) >= least else 0.0
@@ -120,11 +112,16 @@ def ends_of(part: Part, saw: Saw) -> Ends:
     return ends[0], ends[1]
 
 
-def _instead(
-    angles: tuple[float, float], drawn: tuple[float, float], least: float
+def _with_drawn(
+    angles: tuple[float, float], part: Part, faces: Sequence[Face], least: float
 ) -> tuple[float, float]:
-    """The header's angles, and what is drawn where they are 0."""
-    start, end = (a if abs(a) >= least else d for a, d in zip(angles, drawn, strict=True))
+    """The header's angles of start and end; where they are 0 those that the outlines of one or two
+    faces agree on."""
+    if min(map(abs, angles)) >= least:
+        return angles
+    drawn = zip(*(_drawn(part, face) for face in faces), strict=True)
+    agreed = (own[0] if max(own) - min(own) <= ANGLE_TOLERANCE_DEG else 0.0 for own in drawn)
+    start, end = (a if abs(a) >= least else d for a, d in zip(angles, agreed, strict=True))
     return start, end
 
 

@@ -148,11 +148,8 @@ def _once(part: Part, tools: ToolCatalogue) -> Iterator[tuple[int, Feature]]:
     for f, feature in enumerate(part.features):
         if f in gone:
             continue
-        if type(feature) is Slot:
-            yield f, from_behind(feature, part, tools)
-            continue
         if type(feature) is not Hole:
-            yield f, feature
+            yield f, from_behind(feature, part, tools) if type(feature) is Slot else feature
             continue
         hole = feature if feature.face in works else from_behind(feature, part, tools)
         # Most x are whole millimetres, in the middle of their own.
