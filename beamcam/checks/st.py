@@ -47,7 +47,7 @@ def unread(text: str, diagnostics: Sequence[Diagnostic]) -> list[TableOperation]
 def with_contours(
     diagnostics: Sequence[Diagnostic], operations: Sequence[TableOperation], part: Part,
     machine: Machine, skips: Collection[str],
-) -> list[Diagnostic]:  # fmt: skip
+) -> tuple[Diagnostic, ...]:  # fmt: skip
     """The messages; to those about an operation the contour nearest to its end is added."""
     from beamcam.checks.sheets.need import need_of, shift_of
     from beamcam.checks.sheets.toolpaths import Toolpaths
@@ -57,7 +57,7 @@ def with_contours(
     placed = list(diagnostics)
     which = [k for k, one in enumerate(placed) if one.source.line in ends]
     if torch is None or not which:
-        return placed
+        return tuple(placed)
     need = need_of(part, machine, torch, skips)
     shift, fine = shift_of(need, torch), torch.tolerance / 8
     toolpaths = {process: Toolpaths(curves, fine, shift) for process, curves in need.curves.items()}
@@ -66,7 +66,7 @@ def with_contours(
         _, way, process = min((*toolpaths[p].nearest_to(place), p) for p in toolpaths)
         contour = f", beside the contour of {need.source(process, way)}"
         placed[k] = replace(placed[k], message=placed[k].message + contour)
-    return placed
+    return tuple(placed)
 
 
 Place = tuple[float, float]
@@ -319,9 +319,8 @@ def verify_triggers(
     if job is None:
         if not parts:
             return tuple(diagnostics)
-        return tuple(
-            with_contours(diagnostics, unread(text, diagnostics), parts[0], machine, skips)
-        )
+        operations = unread(text, diagnostics)
+        return with_contours(diagnostics, operations, parts[0], machine, skips)
     execution = Execution(job, machine, rows_of(parts[0], torch) if parts else torch.rows, name)
     if parts and triggers.z is not None:
         execution.lie_on(thickness_of(parts[0], torch))
@@ -330,7 +329,7 @@ def verify_triggers(
     if not parts:
         return tuple(diagnostics)
     if errors_in(diagnostics):
-        return tuple(with_contours(diagnostics, job.operations, parts[0], machine, skips))
+        return with_contours(diagnostics, job.operations, parts[0], machine, skips)
     from beamcam.checks.polylines import compare_polylines
     from beamcam.checks.sheets.compare import with_told
     from beamcam.checks.sheets.shared_sheet import as_one

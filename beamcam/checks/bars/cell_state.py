@@ -13,7 +13,7 @@ from collections.abc import Callable
 from math import isnan, nan
 
 from beamcam.checks import rules
-from beamcam.checks.bars.magazine import Changed, Chosen, wrong_changes
+from beamcam.checks.bars.magazine import Changed, Chosen, change_faults
 from beamcam.checks.bars.stations import (
     NOWHERE,
     Choice,
@@ -214,37 +214,9 @@ class CellState:
         self.tools.append(Changed(self.line, None if spindle is None else int(spindle), size))
 
     def _end(self, switch: Switch, values: Values) -> None:
-        """At the end also which tools were chosen though no station held them, and idle stops."""
         self.check_rest("the end of the program")
-        if not self.dialect.changes:
-            return
-        spindles = self.machine.spindles
-        chosen = [one.tool for one in self.tools if isinstance(one, Chosen)]
-        has_stops = len(chosen) < len(self.tools)
-        if not has_stops and len(set(chosen)) <= min((s.stations for s in spindles), default=0):
-            return
-        for spindle in spindles:
-            for one in wrong_changes(self._tools_of(spindle.number), spindle.stations):
-                found = f"a stop for a tool of {getattr(one, 'diameter', None) or 0.0:g}"
-                expected = "a stroke behind it with such a tool that was not there before"
-                if isinstance(one, Chosen):
-                    found = f"a {one.tool[0]} {one.tool[1]:g} chosen"
-                    expected = (
-                        f"a stop before that puts it into one of the {spindle.stations} stations"
-                    )
-                self.line = one.line
-                self.say(rules.TOOL_CHANGE, found, expected, spindle=spindle.number)
-
-    def _tools_of(self, spindle: int) -> list[Chosen | Changed]:
-        """The tool selections of a spindle, alone or paired, and its stops."""
-        chosen = {
-            choice.number for choice in self.choices.values()
-            if any(station.number == spindle for station in choice.stations)
-        }  # fmt: skip
-        return [
-            one for one in self.tools
-            if one.spindle in (chosen if isinstance(one, Chosen) else (spindle, None))
-        ]  # fmt: skip
+        if self.dialect.changes:
+            self.diagnostics += change_faults(self.tools, self.machine, self.name)
 
     def _saw(self, switch: Switch, values: Values) -> None:
         self.check_rest("a cut")

@@ -250,9 +250,7 @@ def _rim(hole: Hole | Slot) -> list[Point]:
         steps = [2 * pi * k / CHORDS for k in range(CHORDS)]
         rim = [(hole.x + radius * cos(t), hole.y + radius * sin(t)) for t in steps]
         return [*rim, rim[0]]
-    box = Slot(
-        hole.face, hole.x, hole.y, 0.0, hole.length + hole.diameter, hole.height + hole.diameter,
-        hole.angle, hole.source,
-    )  # fmt: skip
+    length, height = hole.length + hole.diameter, hole.height + hole.diameter
+    box = replace(hole, diameter=0.0, length=length, height=height)
     a, b, c, d = slot_corners(box)
     return [a, b, d, c, a]

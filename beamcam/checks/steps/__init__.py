@@ -61,18 +61,20 @@ def verify_table(
 
         sheet = as_one(parts, machine, skips)
         part, machine = sheet.part, sheet.machine
-    table: Followed | Velocities
+    table: Any  # each takes rows of its own form
+    rows: Iterator[Any]
     if form == VELOCITIES:
         outline = OutlineCheck(part, machine, skips, sqrt(2.0) * ROUND, 0.0, name)
-        table = Velocities(machine, name, outline)
-        fault = _read(table.follow, table_rows(stream, stepper.step))
+        table, rows = Velocities(machine, name, outline), table_rows(stream, stepper.step)
     else:
         half, simplify = stepper.step * sqrt(0.5), stepper.step * SIMPLIFY
         outline = OutlineCheck(part, machine, skips, half, simplify, name)
-        table = Followed(machine, name, outline)
-        fault = _read(table.follow, _STEPS[form](stream, stepper))
-    if fault is not None:
-        return (*table.diagnostics, fault)
+        table, rows = Followed(machine, name, outline), _STEPS[form](stream, stepper)
+    try:
+        for row in rows:
+            table.follow(row)
+    except TableFault as fault:  # what cannot be read ends a table
+        return (*table.diagnostics, fault.diagnostic)
     table.finish()
     if errors_in(table.diagnostics):
         return (*table.diagnostics, *outline.diagnostics)
@@ -80,13 +82,3 @@ def verify_table(
         return (*table.diagnostics, *outline.compare())
     diagnostics = (*table.diagnostics, *sheet.diagnostics, *outline.compare())
     return with_told(diagnostics, head, parts, sheet.places, whole_machine, skips, name)
-
-
-def _read(follow: Callable[[Any], None], rows: Iterator[Any]) -> Diagnostic | None:
-    """Follow all rows; what cannot be read ends a table."""
-    try:
-        for row in rows:
-            follow(row)
-    except TableFault as fault:
-        return fault.diagnostic
-    return None
