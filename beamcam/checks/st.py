@@ -135,12 +135,6 @@ class Execution:
             found = f"the end at a height of {self.height:g} mm"
             self.say(rules.HEIGHT, found, f"{self.home:g} mm")
 
-    def lie_on(self, thickness: float) -> None:
-        """Report a thickness of the sheet in the program that is not the part's."""
-        if abs(self.job.thickness - thickness) > SLACK:
-            found, line = f"a sheet of {self.job.thickness:g} mm", self.job.thickness_line
-            self.say(rules.HEIGHT, found, f"{thickness:g} mm", line=line)
-
     def say(
         self, rule: Rule, found: str, expected: str, line: int | None = None, **values: object
     ) -> None:
@@ -323,7 +317,10 @@ def verify_triggers(
         return with_contours(diagnostics, operations, parts[0], machine, skips)
     execution = Execution(job, machine, rows_of(parts[0], torch) if parts else torch.rows, name)
     if parts and triggers.z is not None:
-        execution.lie_on(thickness_of(parts[0], torch))
+        thickness = thickness_of(parts[0], torch)
+        if abs(job.thickness - thickness) > SLACK:
+            found, line = f"a sheet of {job.thickness:g} mm", job.thickness_line
+            execution.say(rules.HEIGHT, found, f"{thickness:g} mm", line)
     execution.follow()
     diagnostics = [*trial(machine), *execution.diagnostics]
     if not parts:

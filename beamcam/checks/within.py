@@ -34,9 +34,11 @@ def needless(part: Part) -> frozenset[int]:
     ] if any(isinstance(one, Contour) for _, one in openings) else []  # fmt: skip
     voids: dict[tuple[Face, int, int], list[tuple[Opening, Box]]] = {}
     for _, one, box in boxes:
-        if not _is_void(one) or (isinstance(one, Contour) and any(
-            face == one.face and _in(piece, box) for face, piece in pieces
-        )):  # fmt: skip
+        if isinstance(one, Contour):
+            stays = any(face == one.face and _in(piece, box) for face, piece in pieces)
+        else:
+            stays = one.kind != "through" or one.depth is not None
+        if stays:  # something of the wall, in it
             continue
         if box[2] - box[0] > LARGEST or box[3] - box[1] > LARGEST:
             continue
@@ -56,11 +58,6 @@ def _is_opening(one: Any) -> bool:
     if isinstance(one, Contour):
         return one.kind == "inner" and one.process == "cut" and one.closed
     return isinstance(one, Hole | Slot) and one.kind in ("through", "blind", "countersink")
-
-
-def _is_void(one: Any) -> bool:
-    """Whether nothing of the wall stays in an opening."""
-    return isinstance(one, Contour) or (one.kind == "through" and one.depth is None)
 
 
 def _size(one: Any) -> object:

@@ -101,7 +101,12 @@ class Comparison:
             if texts is not None:
                 self.diagnostics += texts.check(p, one.part, one.ends, one.start)
             elif TextMark in map(type, one.part.features):
-                self._find_texts(p, one)
+                from beamcam.checks.bars.texts import texts_of
+
+                from_x = self.tools.drill.x + one.start
+                strokes, diagnostics = texts_of(one.part, one.ends, made.paths, from_x, self.tools)
+                self.required_paths += (RequiredPath(p, target, from_x) for target in strokes)
+                self.diagnostics += diagnostics
             self._require(p, one)
         done, shapes = self._check_holes(parts)
         if made.paths or self.required_paths:
@@ -184,17 +189,6 @@ class Comparison:
                 self.missing.add((p, target.feature))
             else:
                 self.required_paths.append(RequiredPath(p, target, from_x))
-
-    def _find_texts(self, p: int, one: LaidPart) -> None:
-        """Add the strokes of a part's texts, and what is wrong with their places."""
-        from beamcam.checks.bars.texts import texts_of
-
-        from_x = self.tools.drill.x + one.start
-        marking_paths, diagnostics = texts_of(
-            one.part, one.ends, self.made.paths, from_x, self.tools
-        )
-        self.required_paths += (RequiredPath(p, target, from_x) for target in marking_paths)
-        self.diagnostics += diagnostics
 
     def _targets_of(self, one: LaidPart) -> list[Target]:
         known = self.targets.get(id(one.part))

@@ -255,7 +255,13 @@ class OutlineCheck:
         }  # fmt: skip
         feeds = tuple([feed for feed, diagnostics in wrong.items() if not diagnostics])
         if not feeds:
-            self.diagnostics += wrong[self._feed_at(points[0], process)]
+            of_contour = self.feeds[process][0]  #: that is nearest to its start
+            if process in self.tracks:
+                nearest = self.tracks[process].toolpaths.nearest_to(points[0])[1]
+                own = self.torch.settings.get(self.need.looks[process][nearest])
+                if own is not None and own.speed is not None:
+                    of_contour = own.speed
+            self.diagnostics += wrong[of_contour]
         last = self.drawn[-1] if self.drawn else None
         both = [feed for feed in last.feeds_mm_min if feed in feeds] if last else []
         if last and both and seen.path and (seen.path, process) == (self._path, last.process):
@@ -265,15 +271,6 @@ class OutlineCheck:
             places = [(float(x), float(y)) for x, y in points]
             self.drawn.append(DrawnPath(process, places, feeds, seen.passes))
         self._path = seen.path
-
-    def _feed_at(self, place: Floats, process: TorchProcess) -> float:
-        """The speed of the contour nearest to a place, in mm/min."""
-        of_process = self.feeds[process][0]
-        if process not in self.tracks:
-            return of_process
-        nearest = self.tracks[process].toolpaths.nearest_to(place)[1]
-        own = self.torch.settings.get(self.need.looks[process][nearest])
-        return of_process if own is None or own.speed is None else own.speed
 
     def nearest(self, place: Floats) -> str:
         """The contour of the input that is nearest to a place, for the end of a message."""

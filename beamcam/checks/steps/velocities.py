@@ -99,7 +99,11 @@ class Velocities:
             self._draw(row)
         else:
             self._end_stroke()
-            self._traverse(row)
+            speed, required = hypot(*row.velocity), self.stepper.traverse_mm_s
+            too_slow = speed < required - SPEED_SLACK and not self._is_at_limit(row)
+            if too_slow or speed > required + SPEED_SLACK:
+                found, expected = f"{speed:g}", f"{required:g} mm/s"
+                self.say(rules.SPEED, row.line, found=found, process="traverse", expected=expected)
         self.here = row.end
 
     def _count(self, row: TableRow) -> None:
@@ -139,13 +143,6 @@ class Velocities:
     def _is_at_limit(self, row: TableRow) -> bool:
         """Whether a motor keeps the segment from being any faster."""
         return max(row.hz) >= (1.0 - BELOW_GREATEST) * self.stepper.max_hz
-
-    def _traverse(self, row: TableRow) -> None:
-        speed, required = hypot(*row.velocity), self.stepper.traverse_mm_s
-        too_slow = speed < required - SPEED_SLACK and not self._is_at_limit(row)
-        if too_slow or speed > required + SPEED_SLACK:
-            found, expected = f"{speed:g}", f"{required:g} mm/s"
-            self.say(rules.SPEED, row.line, found=found, process="traverse", expected=expected)
 
     # -- strokes ----------------------------------------------------------------------------
 
