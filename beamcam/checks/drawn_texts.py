@@ -6,9 +6,9 @@ be a text, or belong to a longer one: those places count that leave the fewest p
 text.
 """
 
-from collections.abc import Iterator, Sequence
-from itertools import islice, pairwise
-from math import cos, hypot, radians, sin
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import islice, pairwise, product
+from math import cos, dist, radians, sin
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -42,22 +42,29 @@ class RequiredText(Struct, frozen=True):
     def strokes(self, x: float, y: float, height: float) -> Iterator[tuple[Segment, ...]]:
         """The pieces of each of its strokes at a place."""
         pieces = iter(self.at(x, y, height))
-        for count in self.counts:
-            yield tuple(islice(pieces, count))
+        return (tuple(islice(pieces, count)) for count in self.counts)
 
 
-def wanted(feature: TextMark, marks: Marks) -> RequiredText:
+def text_to_letter(feature: TextMark, marks: Marks) -> RequiredText:
     """The strokes that a text requires."""
     text = spelled(feature.text, marks.replace).text
     share = body_share() if marks.height_of == "body" else 1.0
-    pieces = tuple(_turned(_in_a_row(text, marks.spacing), feature))
-    glyphs = (glyph_of(sign) for sign in text)
-    counts = tuple(len(s) - 1 for glyph in glyphs if glyph is not None for s in glyph.strokes)
-    return RequiredText(feature, text, feature.height * share, pieces, counts)
+    pieces: list[Segment] = []  # along a line, letter behind letter
+    counts: list[int] = []
+    begin = 0.0
+    for sign in text:
+        glyph = glyph_of(sign)
+        if glyph is None:
+            raise AssertionError(f"the font has no {sign!r}")
+        pieces += [((begin + a, b), (begin + c, d)) for (a, b), (c, d) in glyph.segments]
+        counts += [len(stroke) - 1 for stroke in glyph.strokes]
+        begin += marks.spacing * glyph.advance
+    turned = tuple(_turned(pieces, feature))
+    return RequiredText(feature, text, feature.height * share, turned, tuple(counts))
 
 
-def told(feature: TextMark, marks: Marks) -> RequiredText | None:
-    """What a stamp or printer has to be told of a text, in the box of its characters.
+def text_to_print(feature: TextMark, marks: Marks) -> RequiredText | None:
+    """A text as a stamp or printer letters it, in the box of its characters.
 
     None where it has no characters, no angle or no height for it.
     """
@@ -75,23 +82,11 @@ def told(feature: TextMark, marks: Marks) -> RequiredText | None:
         return None
     wide = len(spelling.text) * marks.pitch
     corners = ((0.0, 0.0), (wide, 0.0), (wide, 1.0), (0.0, 1.0), (0.0, 0.0))
-    pieces = tuple(_turned(iter([*pairwise(corners)]), feature))
+    pieces = tuple(_turned(pairwise(corners), feature))
     return RequiredText(feature, spelling.text, height, pieces)
 
 
-def _in_a_row(text: str, spacing: float) -> Iterator[Segment]:
-    """The pieces of a text along a line, letter behind letter."""
-    begin = 0.0
-    for sign in text:
-        glyph = glyph_of(sign)
-        if glyph is None:
-            raise AssertionError(f"the font has no {sign!r}")
-        for (a, b), (c, d) in glyph.segments:
-            yield (begin + a, b), (begin + c, d)
-        begin += spacing * glyph.advance
-
-
-def _turned(pieces: Iterator[Segment], feature: TextMark) -> Iterator[Segment]:
+def _turned(pieces: Iterable[Segment], feature: TextMark) -> Iterator[Segment]:
     """Pieces turned to the angle of a text; on faces that are seen mirrored they are mirrored."""
     up = -1.0 if feature.face in MIRRORED_FACES else 1.0
     c, s = cos(radians(feature.angle)), sin(radians(feature.angle))
@@ -123,19 +118,7 @@ class DrawnText(Struct, frozen=True):
     x: float
     y: float
     height: float  #: of a capital
-    pieces: tuple[Segment, ...]  #: as the font has them there
-    taken: tuple[int, ...]  #: of the drawn pieces, by their numbers
-
-
-class _Places(Struct, frozen=True):
-    """Where texts of one shape would stand, by the pieces that may be their longest."""
-
-    x: Floats
-    y: Floats
-    height: Floats
-
-    def where(self, these: "NDArray[np.bool_]") -> "_Places":
-        return _Places(self.x[these], self.y[these], self.height[these])
+    taken: tuple[int, ...] = ()  #: of the drawn pieces, by their numbers
 
 
 class DrawnPieces:
@@ -148,7 +131,7 @@ class DrawnPieces:
         for k, (a, b) in enumerate(pieces):
             self._by_middle.setdefault(self._cell(_middle(a, b)), []).append(k)
         cells = np.array([*self._by_middle], dtype=np.int64).reshape(-1, 2)
-        around = [(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1)]
+        around = [*product((-1, 0, 1), (-1, 0, 1))]
         self._near_pieces = np.unique(_number((cells[:, None] + around).reshape(-1, 2)))
 
     @staticmethod
@@ -159,9 +142,9 @@ class DrawnPieces:
         """The piece nearest to one between two points, whichever way round; None if none is."""
         x, y = self._cell(_middle(a, b))
         best, apart = None, near
-        for cell in ((x + i, y + j) for i in (-1, 0, 1) for j in (-1, 0, 1)):
-            for k in self._by_middle.get(cell, ()):
-                if (away := _piece_apart(self.pieces[k], a, b)) <= apart:
+        for i, j in product((-1, 0, 1), (-1, 0, 1)):
+            for k in self._by_middle.get((x + i, y + j), ()):
+                if (away := _ends_apart(self.pieces[k], a, b)) <= apart:
                     best, apart = k, away
         return best
 
@@ -171,26 +154,26 @@ class DrawnPieces:
         """Each place where all pieces of a text are drawn, in heights between two."""
         if not text.pieces or not self.pieces:
             return
-        anchor = max(text.pieces, key=_length)
+        anchor = max(text.pieces, key=lambda piece: dist(*piece))
         places = self._by_direction(anchor)
-        high = places.height
-        places = places.where((high >= min_height - EXACT) & (high <= max_height + EXACT))
+        high = places[:, 2]
+        places = places[(high >= min_height - EXACT) & (high <= max_height + EXACT)]
         for a, b in text.pieces:
-            if not len(places.x):
+            if not len(places):
                 return
-            x, y = _middle(a, b)
-            at = np.column_stack((places.x + places.height * x, places.y + places.height * y))
+            at = places[:, :2] + places[:, 2:] * _middle(a, b)
             cells = _number(np.rint(at).astype(np.int64))
             k = np.searchsorted(self._near_pieces, cells) % len(self._near_pieces)
-            places = places.where(self._near_pieces[k] == cells)
-        each = zip(places.x.tolist(), places.y.tolist(), places.height.tolist(), strict=True)
-        for x, y, height in each:
+            places = places[self._near_pieces[k] == cells]
+        for x, y, height in places.tolist():
             if (drawn := self._all(text, x, y, height, anchor)) is not None:
                 yield drawn
 
-    def _by_direction(self, anchor: Segment) -> "_Places":
+    def _by_direction(self, anchor: Segment) -> Floats:
+        """Where texts of one shape would stand, by the pieces that may be their longest: x, y and
+        height (n, 3)."""
         (ax, ay), (bx, by) = anchor
-        ux, uy, own = bx - ax, by - ay, _length(anchor)
+        ux, uy, own = bx - ax, by - ay, dist(*anchor)
         both = np.concatenate((self._ends, self._ends[:, ::-1])).reshape(2, -1, 2, 2)
         ends = both.swapaxes(0, 1).reshape(-1, 2, 2)  # each piece both ways round
         (vx, vy), (x, y) = (ends[:, 1] - ends[:, 0]).T, ends[:, 0].T
@@ -201,7 +184,7 @@ class DrawnPieces:
             & (abs(ux * vy - uy * vx) <= RATIO * length * own)
         )
         height = length[like] / own
-        return _Places(x[like] - height * ax, y[like] - height * ay, height)
+        return np.column_stack((x[like] - height * ax, y[like] - height * ay, height))
 
     def _all(
         self, text: RequiredText, x: float, y: float, height: float, anchor: Segment
@@ -212,21 +195,20 @@ class DrawnPieces:
         where all of them together have it they have to be near.
         """
         begin = _middle(*anchor)
-        share = 2 * self.near / _length(anchor)
+        share = 2 * self.near / dist(*anchor)
         taken = []
         for unit in text.pieces:
             a, b = placed(unit, x, y, height)
-            slack = self.near + share * _apart(begin, _middle(*unit))
+            slack = self.near + share * dist(begin, _middle(*unit))
             k = self.like(a, b, min(slack, MOST_OFF))
             if k is None:
                 return None
             taken.append(k)
         x, y, height = self._fitted(text, taken, (x, y, height))
-        pieces = text.at(x, y, height)
-        for k, (a, b) in zip(taken, pieces, strict=True):
-            if _piece_apart(self.pieces[k], a, b) > self.near:
+        for k, (a, b) in zip(taken, text.at(x, y, height), strict=True):
+            if _ends_apart(self.pieces[k], a, b) > self.near:
                 return None
-        return DrawnText(x, y, height, pieces, tuple(taken))
+        return DrawnText(x, y, height, tuple(taken))
 
     def _fitted(
         self, text: RequiredText, taken: Sequence[int], near: tuple[float, float, float]
@@ -235,7 +217,7 @@ class DrawnPieces:
         pairs: list[tuple[Point, Point]] = []
         for unit, (a, b), k in zip(text.pieces, text.at(*near), taken, strict=True):
             p, q = self.pieces[k]
-            if _apart(p, a) + _apart(q, b) > _apart(q, a) + _apart(p, b):
+            if dist(p, a) + dist(q, b) > dist(q, a) + dist(p, b):
                 p, q = q, p
             pairs += [(unit[0], p), (unit[1], q)]
         n = len(pairs)
@@ -252,7 +234,7 @@ def _number(cells: "NDArray[np.int64]") -> "NDArray[np.int64]":
     return cells[:, 0] * 2**31 + cells[:, 1]
 
 
-def is_where_wanted(text: RequiredText, drawn: DrawnText) -> bool:
+def is_in_place(text: RequiredText, drawn: DrawnText) -> bool:
     """Whether a text stands where the part has it, in its height."""
     apart = (drawn.x - text.feature.x, drawn.y - text.feature.y, drawn.height - text.height)
     return max(map(abs, apart)) <= EXACT
@@ -260,27 +242,22 @@ def is_where_wanted(text: RequiredText, drawn: DrawnText) -> bool:
 
 def covering(places: Sequence[frozenset[int]]) -> list[frozenset[int]]:
     """Of some sets of pieces those that are disjoint and leave the fewest pieces out."""
-    chosen: list[frozenset[int]] = []
-    for group in _touching(places):
-        chosen += _covering(sorted(group, key=lambda place: (-len(place), min(place))))
-    return chosen
-
-
-def _touching(places: Sequence[frozenset[int]]) -> Iterator[list[frozenset[int]]]:
-    """Groups of sets that meet one another by the pieces that they share."""
     of: dict[int, list[int]] = {}
     for k, place in enumerate(places):
         for piece in place:
             of.setdefault(piece, []).append(k)
+    chosen: list[frozenset[int]] = []
     left = dict.fromkeys(range(len(places)))
     while left:
-        group = [left.popitem()[0]]
+        group = [left.popitem()[0]]  # sets that meet one another by the pieces that they share
         for k in group:
             more = [j for piece in places[k] for j in of.pop(piece, ()) if j in left]
             for j in dict.fromkeys(more):
                 del left[j]
                 group.append(j)
-        yield [places[k] for k in group]
+        together = [places[k] for k in group]
+        chosen += _covering(sorted(together, key=lambda place: (-len(place), min(place))))
+    return chosen
 
 
 def _covering(places: Sequence[frozenset[int]]) -> list[frozenset[int]]:
@@ -312,15 +289,7 @@ def _middle(a: Point, b: Point) -> Point:
     return (a[0] + b[0]) / 2, (a[1] + b[1]) / 2
 
 
-def _apart(a: Point, b: Point) -> float:
-    return hypot(a[0] - b[0], a[1] - b[1])
-
-
-def _piece_apart(piece: Segment, a: Point, b: Point) -> float:
+def _ends_apart(piece: Segment, a: Point, b: Point) -> float:
     """How far the ends of a piece are from two points, in the better order."""
     p, q = piece
-    return min(max(_apart(p, a), _apart(q, b)), max(_apart(p, b), _apart(q, a)))
-
-
-def _length(piece: Segment) -> float:
-    return _apart(*piece)
+    return min(max(dist(p, a), dist(q, b)), max(dist(p, b), dist(q, a)))

@@ -1,5 +1,5 @@
-"""The programs of a job against what was asked for: the head of each, their pieces together, and
-what may be missing.
+"""The programs of a job against its request: the head of each, their pieces together, and what
+may be missing.
 
 The head of a program records how it was made and what it is:
 
@@ -14,17 +14,17 @@ The head of a program records how it was made and what it is:
 
 It is read whatever signs a controller has for comments, and written nowhere in this package. The
 lines follow each other, all between the signs of the first one; what stands elsewhere in a program
-is no head. A program whose head says otherwise than what was asked for, or than what the program
-does, is refused. Nothing in a head excuses a program but the kinds that may be left out, which
+is no head. A program whose head differs from the request, or from what the program does, is
+refused. Nothing in a head excuses a program but the kinds that may be left out, which
 `verify` takes from it where no others are named.
 
-Pieces are counted from the parts and quantities as they were asked for; which share of them a
-program holds is the planner's word, and is only believed where all shares together are the request.
+Pieces are counted from the parts and quantities of the request; which share of them a program
+holds is the planner's word, and is only believed where all shares together are the request.
 """
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import pairwise
 from typing import Any
 
@@ -42,7 +42,7 @@ VERSION = 2  #: newest form that is known
 STOCK_FORM = 2  #: the first form that says the stock and the parts
 MOST_BEFORE = 65_536  #: characters of a program before its head
 MOST_LINES = 20_000  #: of the head itself, more than the pieces of any program
-TOLD = 0.0011  #: mm that lengths in a head are rounded to, and as much for a second rounding
+ROUNDED = 0.0011  #: mm that lengths in a head are rounded to, and as much for a second rounding
 MAX_TEXT = 40  #: characters of a text in a head
 
 _MADE = re.compile(
@@ -53,10 +53,16 @@ _NUMBERED = re.compile(r"N[0-9]+\s+")
 _MM = r"(-?[0-9]{1,9}(?:\.[0-9]{1,6})?)"
 _ALLOWED = re.compile(r"ALLOWED TO BE LEFT OUT: ([a-z-]+(?:, [a-z-]+)*)")
 _LEFT_OUT = re.compile(r"LEFT OUT: ([0-9]{1,9} [a-z-]+(?:, [0-9]{1,9} [a-z-]+)*)")
-_MANUAL_WORK = re.compile(r"LEFT TO THE HAND: ([0-9]{1,9})")
-_PROGRAM = re.compile(r"PROGRAM ([0-9]{1,6}) OF ([0-9]{1,6})")
-_STOCK = re.compile(r"(SECTION|SHEET) (.*?)(?: GRADE (.*))?")
-_BAR = re.compile(rf"BAR {_MM}( AS NEEDED)?")
+#: What a line of a head states: the first of each form counts.
+_STATEMENTS: tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], dict[str, Any]]], ...] = (
+    (re.compile(r"LEFT TO THE HAND: ([0-9]{1,9})"), lambda m: {"manual_work": int(m[1])}),
+    (re.compile(r"PROGRAM ([0-9]{1,6}) OF ([0-9]{1,6})"),
+     lambda m: {"program": (int(m[1]), int(m[2]))}),
+    (re.compile(r"(?:SECTION|SHEET) (.*?)(?: GRADE (.*))?"),
+     lambda m: {"stock": m[1], "grade": m[2] or ""}),
+    (re.compile(rf"BAR {_MM}( AS NEEDED)?"),
+     lambda m: {"bar": float(m[1]), "as_needed": bool(m[2])}),
+)  # fmt: skip
 _PART = re.compile(r"PART ([0-9]{1,6}) ((?:AT|SIZE|MARK|DRAWING|ORDER) .*)")
 _FIGURES = re.compile(rf"AT {_MM}(?: LENGTH {_MM}| {_MM} SIZE {_MM} {_MM})(?: (.*))?")
 
@@ -122,21 +128,26 @@ def head_of(text: str) -> Head | None:
         elif match := _LEFT_OUT.fullmatch(line):
             counts = [int(one.split()[0]) for one in match[1].split(", ")]
             values["left_out"] = values.get("left_out", 0) + sum(counts)
-        elif match := _MANUAL_WORK.fullmatch(line):
-            values.setdefault("manual_work", int(match[1]))
-        elif match := _PROGRAM.fullmatch(line):
-            values.setdefault("program", (int(match[1]), int(match[2])))
-        elif match := _BAR.fullmatch(line):
-            if "bar" not in values:
-                values |= {"bar": float(match[1]), "as_needed": bool(match[2])}
-        elif match := _STOCK.fullmatch(line):
-            if "stock" not in values:
-                values |= {"stock": match[2], "grade": match[3] or ""}
         elif match := _PART.fullmatch(line):
             parts[match[1]] = f"{parts[match[1]]} {match[2]}" if match[1] in parts else match[2]
+        else:
+            for pattern, read in _STATEMENTS:
+                if match := pattern.fullmatch(line):
+                    values = read(match) | values
     in_order = [*parts] == [str(number) for number in range(1, len(parts) + 1)]
-    stated = tuple(map(_told_part, parts.values())) if in_order else ()
-    return Head(int(made[2]), made[3], made[4] or "", tuple(sorted(kinds)), parts=stated, **values)
+    stated = []
+    for value in parts.values() if in_order else ():
+        figures = _FIGURES.fullmatch(value)
+        if figures is None:  # without a place
+            stated.append(HeadPart((), (), value))
+            continue
+        x, length, y, long, wide, texts = figures.groups()
+        at = (float(x),) if y is None else (float(x), float(y))
+        size = (float(length),) if y is None else (float(long), float(wide))
+        stated.append(HeadPart(at, size, texts or ""))
+    return Head(
+        int(made[2]), made[3], made[4] or "", tuple(sorted(kinds)), parts=tuple(stated), **values
+    )
 
 
 def _lines(text: str, made: re.Match[str]) -> Iterator[str]:
@@ -157,17 +168,6 @@ def _lines(text: str, made: re.Match[str]) -> Iterator[str]:
         at = stop + 1
 
 
-def _told_part(value: str) -> HeadPart:
-    """A part of what its lines say; without a place where they say none that can be read."""
-    match = _FIGURES.fullmatch(value)
-    if match is None:
-        return HeadPart((), (), value)
-    x, length, y, long, wide, texts = match.groups()
-    if length is not None:
-        return HeadPart((float(x),), (float(length),), texts or "")
-    return HeadPart((float(x), float(y)), (float(long), float(wide)), texts or "")
-
-
 def head_faults(
     head: Head | None, job: Job, bar: float | None, left_out: int, manual_work: int
 ) -> Iterator[Diagnostic]:
@@ -181,29 +181,23 @@ def head_faults(
     if head is None:
         yield HEAD.at(source, found="no head", expected=f"one that allows {kinds}")
         return
-    told_bar = 0.0 if head.bar is None else head.bar
+    bars, lengths = ("no bar", "a bar"), ("a bar of one length", "a bar as needed")
+    form = "the form {} and the checksum {}"
     for found, expected in (
         (f"a head that allows {', '.join(head.allowed) or 'none'}", f"a head that allows {kinds}"),
         (f"{head.manual_work} left for manual work", f"{manual_work} left for manual work"),
         (f"{head.left_out} left out", f"{left_out} left out"),
         ("program {} of {}".format(*head.program), f"program {job.number} of {job.of}"),
-        (_form(head.version, head.checksum), _form(VERSION, machine.checksum)),
-        ("no bar" if head.bar is None else "a bar", "no bar" if bar is None else "a bar"),
-        (_needed(head.as_needed), _needed(bar is not None and job.bar is None)),
-    ):
+        (form.format(head.version, head.checksum or "none"),
+         form.format(VERSION, machine.checksum or "none")),
+        (bars[head.bar is not None], bars[bar is not None]),
+        (lengths[head.as_needed], lengths[bar is not None and job.bar is None]),
+    ):  # fmt: skip
         if found != expected:
             yield HEAD.at(source, found=found, expected=expected)
             return
-    if bar is not None and abs(told_bar - bar) > TOLD:
-        yield HEAD.at(source, found=f"a bar of {told_bar:.3f}", expected=f"{bar:.3f}")
-
-
-def _form(version: int, checksum: str) -> str:
-    return f"the form {version} and the checksum {checksum or 'none'}"
-
-
-def _needed(as_needed: bool) -> str:
-    return "a bar as needed" if as_needed else "a bar of one length"
+    if bar is not None and head.bar is not None and abs(head.bar - bar) > ROUNDED:
+        yield HEAD.at(source, found=f"a bar of {head.bar:.3f}", expected=f"{bar:.3f}")
 
 
 def head_remarks(head: Head | None, machine: Machine, name: str) -> Iterator[Diagnostic]:
@@ -213,17 +207,15 @@ def head_remarks(head: Head | None, machine: Machine, name: str) -> Iterator[Dia
     if head.version > VERSION:
         yield NEWER.at(Source(name), found=head.version, expected=VERSION)
     if head.checksum and machine.checksum and head.checksum != machine.checksum:
-        yield MACHINE_CHANGED.at(
-            Source(name), found=f"{head.machine} {head.checksum}",
-            expected=f"{machine.name} {machine.checksum}",
-        )  # fmt: skip
+        found, expected = f"{head.machine} {head.checksum}", f"{machine.name} {machine.checksum}"
+        yield MACHINE_CHANGED.at(Source(name), found=found, expected=expected)
 
 
 def other_bar(head: Head | None, bar: float | None, name: str) -> Iterator[Diagnostic]:
     """An error where the head names another bar than the user; a longer one than needed is none."""
     if head is None or head.bar is None or bar is None:
         return
-    if bar < head.bar - TOLD or (bar > head.bar + TOLD and not head.as_needed):
+    if bar < head.bar - ROUNDED or (bar > head.bar + ROUNDED and not head.as_needed):
         yield HEAD_BAR.at(Source(name), found=f"{head.bar:g}", expected=f"{bar:g}")
 
 
@@ -237,7 +229,7 @@ def stock_faults(
     if machine.saw is not None and machine.stock == "beam" and head.bar is None:
         yield HEAD.at(source, found="no bar", expected="the length of the bar")
     if sheet is not None:
-        if not head.stock.replace(".", "", 1).isdigit() or abs(float(head.stock) - sheet) > TOLD:
+        if not head.stock.replace(".", "", 1).isdigit() or abs(float(head.stock) - sheet) > ROUNDED:
             yield HEAD.at(source, found=f"a sheet of {head.stock or 'nothing'}", expected=sheet)
     elif head.stock != (of := _joined(part.profile.name or part.profile.code for part in parts)):
         yield HEAD_TEXT.at(source, found=f"the section {head.stock or 'none'}", expected=of)
@@ -267,11 +259,18 @@ def part_faults(
         return
     for number, (stated, (part, at)) in enumerate(zip(head.parts, lie, strict=True), 1):
         size = (part.length,) if len(at) == 1 else (part.length, part.profile.height)
-        if not (_near(stated.at, at, slack) and _near(stated.size, size, TOLD)):
-            found, expected = _lying(stated.at, stated.size), _lying(at, size)
+        if not (_near(stated.at, at, slack) and _near(stated.size, size, ROUNDED)):
+            found, expected = (
+                f"at {_shown(a, ' ')}, {_shown(b, ' x ')} mm" if a else "nowhere"
+                for a, b in ((stated.at, stated.size), (at, size))
+            )
             yield HEAD.at(source, found=f"part {number} {found}", expected=expected)
     stated_texts = [stated.texts for stated in head.parts]
-    expected_texts = [_texts_of(part) for part, _ in lie]
+    expected_texts = []
+    for part, _ in lie:
+        named = (("MARK", part.mark), ("DRAWING", part.drawing), ("ORDER", part.order))
+        texts = [f"{key} {outside_text(text)[:MAX_TEXT]}" for key, text in named if text]
+        expected_texts.append(" ".join(texts))
     if free:
         stated_texts, expected_texts = sorted(stated_texts), sorted(expected_texts)
     for one, expected in zip(stated_texts, expected_texts, strict=True):
@@ -280,21 +279,14 @@ def part_faults(
             yield HEAD_TEXT.at(source, found=found.strip(), expected=expected or "no name")
 
 
-def _near(stated: Sequence[float], found: Sequence[float], slack: float) -> bool:
-    return len(stated) == len(found) and all(
-        abs(a - b) <= slack + TOLD for a, b in zip(stated, found, strict=True)
+def _near(stated: Sequence[float], actual: Sequence[float], slack: float) -> bool:
+    return len(stated) == len(actual) and all(
+        abs(a - b) <= slack + ROUNDED for a, b in zip(stated, actual, strict=True)
     )
 
 
-def _lying(at: Sequence[float], size: Sequence[float]) -> str:
-    if not at:
-        return "nowhere"
-    return f"at {' '.join(f'{x:.3f}' for x in at)}, {' x '.join(f'{x:.3f}' for x in size)} mm"
-
-
-def _texts_of(part: Part) -> str:
-    named = (("MARK", part.mark), ("DRAWING", part.drawing), ("ORDER", part.order))
-    return " ".join(f"{key} {outside_text(text)[:MAX_TEXT]}" for key, text in named if text)
+def _shown(values: Sequence[float], between: str) -> str:
+    return between.join(f"{value:.3f}" for value in values)
 
 
 # --- pieces ---------------------------------------------------------------------------------------
@@ -319,51 +311,37 @@ def pieces_asked(request: Request) -> Counter[int]:
 def job_faults(request: Request, jobs: Sequence[Job]) -> tuple[Diagnostic, ...]:
     """What the programs of a request make too often or too seldom, in another order, or from a bar
     that is not in store."""
-    return (
-        *_count_faults(request, jobs), *_order_faults(request, jobs), *_bar_faults(request, jobs),
-    )  # fmt: skip
-
-
-def _count_faults(request: Request, jobs: Sequence[Job]) -> Iterator[Diagnostic]:
-    counts = pieces_asked(request)
+    counts, parts = pieces_asked(request), request.parts
+    diagnostics: list[Diagnostic] = []
     made = Counter(place for job in jobs for place in job.pieces)
     for place in sorted(counts.keys() | made.keys()):
         if made[place] != counts[place]:
-            known = 0 <= place < len(request.parts)
-            part = request.parts[place] if known else None
-            yield PIECES.at(
-                part.source if part else Source(request.name), found=made[place],
-                mark=(part.mark if part else "") or "a part", expected=counts[place],
-            )  # fmt: skip
-
-
-def _order_faults(request: Request, jobs: Sequence[Job]) -> Iterator[Diagnostic]:
+            part = parts[place] if 0 <= place < len(parts) else None
+            source, mark = (part.source, part.mark) if part else (Source(request.name), "")
+            diagnostics.append(
+                PIECES.at(source, found=made[place], mark=mark or "a part", expected=counts[place])
+            )
     for job in jobs:
         for before, after in pairwise(job.pieces):
             if after < before:
-                first, then = request.parts[before], request.parts[after]
-                yield PIECE_ORDER.at(then.source, found=then.mark, before=first.mark)
-
-
-def _bar_faults(request: Request, jobs: Sequence[Job]) -> Iterator[Diagnostic]:
-    stock, remnants = request.stock, [*request.remnants]
+                first, then = parts[before], parts[after]
+                diagnostics.append(PIECE_ORDER.at(then.source, found=then.mark, before=first.mark))
+    remnants = [*request.remnants]  # each is there once
     sawn = request.machine.saw is not None  # a part that comes in cut is a bar by itself
     for job in jobs:
-        if job.bar is None and not (stock and sawn):
+        bar = job.bar
+        if bar is None and not (request.stock and sawn):
             continue
-        once = None if job.bar is None else _of_length(remnants, job.bar)
-        if once is not None:
-            remnants.remove(once)  # which is there once
-        elif job.bar is None or _of_length(stock, job.bar) is None:
-            found = "any length" if job.bar is None else f"{job.bar:g} mm"
-            there = [*stock, *remnants]
-            expected = " or ".join(f"{length:g} mm" for length in there) or "one of any length"
-            yield STOCK_BAR.at(Source(request.name), found=found, expected=expected)
-
-
-def _of_length(there: Sequence[float], bar: float) -> float | None:
-    """The first of the lengths that a bar has; None if none is as long."""
-    return next((length for length in there if abs(bar - length) <= SLACK), None)
+        once = [one for one in remnants if bar is not None and abs(bar - one) <= SLACK]
+        if once:
+            remnants.remove(once[0])
+        elif bar is None or all(abs(bar - one) > SLACK for one in request.stock):
+            found = "any length" if bar is None else f"{bar:g} mm"
+            there = [*request.stock, *remnants]
+            lengths = " or ".join(f"{one:g} mm" for one in there) or "one of any length"
+            source = Source(request.name)
+            diagnostics.append(STOCK_BAR.at(source, found=found, expected=lengths))
+    return tuple(diagnostics)
 
 
 # --- missing --------------------------------------------------------------------------------------

@@ -26,7 +26,7 @@ class DrawnPath(Struct, frozen=True):
 
     process: TorchProcess
     points: Points
-    feeds_mm_min: tuple[float, ...]  #: the speeds asked of a sheet that it may be of
+    feeds_mm_min: tuple[float, ...]  #: the speeds of a sheet that it may be of
     passes: int = 1  #: how often, one after the other
 
 
@@ -75,10 +75,9 @@ def _strokes(
             last = count + int(moved.sum())
             feeds = way.feeds_mm_min
             row, *others = [replace(row_of[way.process], feed_mm_min=feed) for feed in feeds]
+            alike = tuple(others)
             each.append(
-                HeadStroke(
-                    number, row, "on", 0.0, count, last, passes=way.passes, alike=tuple(others)
-                )
+                HeadStroke(number, row, "on", 0.0, count, last, passes=way.passes, alike=alike)
             )
             count = last
     return Strokes(each, straight_moves(chains))
@@ -88,24 +87,21 @@ def _with_places(paths: "Sequence[Floats]", torch: Torch) -> "Sequence[Floats]":
     """Paths that lost points between which they lie straight, with places at both of their ends.
 
     Where such a path leaves its lead or comes back to its start it has no corner, and the
-    comparison looks for that where one way ends and the next begins.
+    comparison expects that where one way ends and the next begins.
     """
-    own = [look.overcut for look in torch.settings.values() if look.overcut is not None]
+    import numpy as np
+
+    own = [layer.overcut for layer in torch.settings.values() if layer.overcut is not None]
     over = max([torch.overcut, *own])
     leads = 0.0 if torch.lead == "none" else max(torch.lead_in, torch.lead_out)
     if not over + leads:
         return paths
     most, spacing = over + leads + 8 * torch.tolerance, SPACING * torch.tolerance
-    return [_dense_ends(path, most, spacing) for path in paths]
-
-
-def _dense_ends(path: "Floats", most: float, spacing: float) -> "Floats":
-    """A path with places so far apart on its first and its last stretch of `most` mm."""
-    import numpy as np
-
-    reached = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(path, axis=0).T))))
-    total = float(reached[-1])
-    at = np.arange(spacing, min(most, total / 2), spacing)
-    every = np.unique(np.concatenate((reached, at, total - at)))
-    found: Floats = np.column_stack([np.interp(every, reached, path[:, k]) for k in (0, 1)])
-    return found
+    denser: list[Floats] = []
+    for path in paths:
+        reached = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(path, axis=0).T))))
+        total = float(reached[-1])
+        at = np.arange(spacing, min(most, total / 2), spacing)
+        every = np.unique(np.concatenate((reached, at, total - at)))
+        denser.append(np.column_stack([np.interp(every, reached, path[:, k]) for k in (0, 1)]))
+    return denser

@@ -7,7 +7,7 @@ from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, Source, error
 from beamcam.model.description import description
-from beamcam.model.part import Feature, Part
+from beamcam.model.part import Part
 
 REST = error("verify-rest",
     "found {found} in the rest of the part; expected {expected}",
@@ -32,16 +32,15 @@ def rest_faults(part: Part, rest: Part, missing: Collection[int]) -> Iterator[Di
         return
     to_make = [f for k, f in enumerate(part.features) if k in missing]
     there = [*(part.made or ()), *(f for k, f in enumerate(part.features) if k not in missing)]
-    for found_ones, expected_text, how in (
+    for made, planned, how in (
         (rest.features, to_make, "to be made"), (rest.made, there, "as made")
     ):  # fmt: skip
-        have, want = Counter(map(_bare, found_ones)), Counter(map(_bare, expected_text))
+        # Wherever they stand in their files.
+        have, want = (
+            Counter(replace(feature, source=NOWHERE) for feature in features)
+            for features in (made, planned)
+        )
         for feature in have - want:
             yield REST.at(source, found=f"{description(feature)} {how}", expected="none")
         for feature in want - have:
             yield REST.at(source, found=f"nothing {how} for it", expected=description(feature))
-
-
-def _bare(feature: Feature) -> Feature:
-    """A feature wherever it stands in its file."""
-    return replace(feature, source=NOWHERE)

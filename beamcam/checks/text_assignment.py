@@ -1,4 +1,4 @@
-"""Which of the texts that a part wants each text is that a program draws or tells, and where.
+"""Which of a part's texts each text is that a program draws or prints, and where it stands.
 
 Where one may stand follows from the steel and the machine file; nothing is known of where it was
 planned.
@@ -22,7 +22,7 @@ from beamcam.checks.drawn_texts import (
     RequiredText,
     Segment,
     covering,
-    is_where_wanted,
+    is_in_place,
 )
 from beamcam.checks.rules import TEXT_MOVED
 from beamcam.errors import Diagnostic, error
@@ -108,24 +108,24 @@ def is_clear(
     )
 
 
-def judge(
-    text: RequiredText, found: DrawnText, steel: Steel, others: Sequence["Polygon"], marks: Marks,
-    sure: Steel | None = None,
+def _judge(
+    text: RequiredText, drawn: DrawnText, steel: Steel, others: Sequence["Polygon"], marks: Marks,
+    sure: Steel | None,
 ) -> Iterator[Diagnostic]:  # fmt: skip
     """What is wrong with the place of a text, or that it is another than the part's.
 
     `sure` is the steel to which what letters comes for sure, where that is not all of it.
     """
     feature = text.feature
-    box = box_of(text, found.x, found.y, found.height)
+    box = box_of(text, drawn.x, drawn.y, drawn.height)
     labels = {
-        "text": text.text, "x": f"{found.x:.1f}", "y": f"{found.y:.1f}",
-        "height": f"{found.height:.1f}",
+        "text": text.text, "x": f"{drawn.x:.1f}", "y": f"{drawn.y:.1f}",
+        "height": f"{drawn.height:.1f}",
     }  # fmt: skip
     if not is_clear(box, steel, others, marks.min_distance - EXACT):
         expected = f"it {marks.min_distance:g} mm clear of edges and holes, beside other texts"
         yield TEXT.at(feature.source, expected=expected, **labels)
-    elif is_where_wanted(text, found):
+    elif is_in_place(text, drawn):
         return
     elif feature.option == "z" or is_surely_clear(text, sure or steel, others, marks):
         expected = f"it at x {feature.x:g}, y {feature.y:g}, {text.height:g} mm high"
@@ -145,33 +145,31 @@ def is_surely_clear(
     return is_clear(box, steel, others, marks.min_distance + SURE, SURE)
 
 
-class Places:
-    """Where on a face texts that were not drawn might have been, between those that were."""
+def _can_stand(
+    text: RequiredText, steel: Steel, others: Sequence["Polygon"], marks: Marks,
+    rooms: dict[object, bool],
+) -> bool:  # fmt: skip
+    """Whether a text might have been drawn: where the part has it, or elsewhere.
 
-    def __init__(self, steel: Steel, others: Sequence["Polygon"], marks: Marks) -> None:
-        self._face = steel, others, marks
-        self._rooms: dict[object, bool] = {}  #: for texts of one shape the answer is the same
-
-    def has(self, text: RequiredText) -> bool:
-        """Whether a text might have been drawn: where the part has it, or elsewhere."""
-        marks = self._face[2]
-        if not text.pieces or text.height < marks.min_height:
-            return False
-        if is_surely_clear(text, *self._face):
-            return True
-        if text.feature.option == "z":
-            return False
-        shape = text.text, text.feature.angle, text.feature.face in MIRRORED_FACES
-        if shape not in self._rooms:
-            self._rooms[shape] = _has_room(text, *self._face)
-        return self._rooms[shape]
+    `rooms` holds the answers for texts of one shape, which are the same.
+    """
+    if not text.pieces or text.height < marks.min_height:
+        return False
+    if is_surely_clear(text, steel, others, marks):
+        return True
+    if text.feature.option == "z":
+        return False
+    shape = text.text, text.feature.angle, text.feature.face in MIRRORED_FACES
+    if shape not in rooms:
+        rooms[shape] = _has_room(text, steel, others, marks)
+    return rooms[shape]
 
 
 def _has_room(text: RequiredText, steel: Steel, others: Sequence["Polygon"], marks: Marks) -> bool:
-    """Whether there is room for the smallest box of a text, with something to spare.
+    """Whether there is surely room for the smallest box of a text.
 
     The middle of a box that is clear lies in the steel, and outside of what the box sweeps when it
-    is led along all edges (their Minkowski sum).
+    moves along all edges (their Minkowski sum).
     """
     import shapely
     from shapely.affinity import translate
@@ -199,48 +197,34 @@ NEVER = 1e13  #: mm that what cannot be the text counts as
 Options = Sequence[Sequence[DrawnText | None]]
 
 
-class TextPosition(Struct, frozen=True):
-    """Where a text stands, and what is wrong with that."""
-
-    x: float
-    y: float
-    height: float
-    diagnostics: tuple[Diagnostic, ...] = ()
-
-
-def _anything(text: RequiredText, drawn: DrawnText) -> bool:
-    return True
-
-
 def text_positions(
-    texts: Sequence[RequiredText], drawn: DrawnPieces, steel: Steel, sure: Steel | None,
-    marks: Marks, is_ours: Callable[[RequiredText, DrawnText], bool] = _anything,
-) -> Iterator[TextPosition | None]:  # fmt: skip
-    """Of each text of a face where a program draws it, or where the part has it if it has to.
+    texts: Sequence[RequiredText], drawn: Sequence[DrawnText | None], steel: Steel,
+    sure: Steel | None, marks: Marks,
+) -> Iterator[tuple[DrawnText, Sequence[Diagnostic]] | None]:  # fmt: skip
+    """Of each text of a face where a program draws it, or where the part has it if it has to, and
+    what is wrong with that.
 
     None where it is not drawn and can stand nowhere on the steel: it is left for manual work.
-    `sure` is the steel to which what letters comes for sure; see `found_texts` for `is_ours`.
+    `drawn` is where each is drawn, `sure` the steel to which what letters comes for sure.
     """
-    found = found_texts(texts, drawn, sure or steel, marks, is_ours)
     boxes = [
         None if one is None else box_of(text, one.x, one.y, one.height)
-        for text, one in zip(texts, found, strict=True)
+        for text, one in zip(texts, drawn, strict=True)
     ]
-    places = Places(sure or steel, [box for box in boxes if box is not None], marks)
-    for k, (text, one) in enumerate(zip(texts, found, strict=True)):
+    clear_of, rooms = [box for box in boxes if box is not None], dict[object, bool]()
+    for k, (text, one) in enumerate(zip(texts, drawn, strict=True)):
         others = [box for j, box in enumerate(boxes) if j != k and box is not None]
         if one is not None:
-            diagnostics = tuple(judge(text, one, steel, others, marks, sure))
-            yield TextPosition(one.x, one.y, one.height, diagnostics)
-        elif sure is not None and places.has(text):
-            yield TextPosition(text.feature.x, text.feature.y, text.height)
+            yield one, tuple(_judge(text, one, steel, others, marks, sure))
+        elif sure is not None and _can_stand(text, sure, clear_of, marks, rooms):
+            yield DrawnText(text.feature.x, text.feature.y, text.height), ()
         else:
             yield None
 
 
 def found_texts(
     texts: Sequence[RequiredText], drawn: DrawnPieces, steel: Steel, marks: Marks,
-    is_ours: Callable[[RequiredText, DrawnText], bool] = _anything,
+    is_ours: Callable[[RequiredText, DrawnText], bool] | None = None,
 ) -> list[DrawnText | None]:  # fmt: skip
     """Where a program draws each text of a face; None for those that it does not draw.
 
@@ -255,30 +239,29 @@ def found_texts(
             tallest[shape] = text
     readings: dict[frozenset[int], dict[int, DrawnText]] = {}
     for shape, text in tallest.items():
-        for found in drawn.all_of(text, marks.min_height, text.height):
-            if is_ours(text, found):
-                readings.setdefault(frozenset(found.taken), {}).setdefault(shape, found)
+        for one in drawn.all_of(text, marks.min_height, text.height):
+            if is_ours is None or is_ours(text, one):
+                readings.setdefault(frozenset(one.taken), {}).setdefault(shape, one)
     chosen = [readings[place] for place in covering([*readings])]
-    options = [
-        [_as_text(text, reading.get(shape)) for reading in chosen]
-        for shape, text in zip(shapes, texts, strict=True)
-    ]
+    options = []
+    for shape, text in zip(shapes, texts, strict=True):
+        row = [reading.get(shape) for reading in chosen]
+        highest = text.height + EXACT
+        options.append([one if one and one.height <= highest else None for one in row])
     return assigned(texts, options, steel, marks)
-
-
-def _as_text(text: RequiredText, drawn: DrawnText | None) -> DrawnText | None:
-    return drawn if drawn is not None and drawn.height <= text.height + EXACT else None
 
 
 def assigned(
     texts: Sequence[RequiredText], options: Options, steel: Steel, marks: Marks
 ) -> list[DrawnText | None]:
     """What each text is, no two the same; as many as can be have one."""
+    import shapely
+
     result: list[DrawnText | None] = [None] * len(texts)
     left, taken = [], set()
     for t, (text, row) in enumerate(zip(texts, options, strict=True)):
         own = (k for k, one in enumerate(row) if one is not None and k not in taken)
-        exact = next((k for k in own if is_where_wanted(text, row[k])), None)  # type: ignore[arg-type]
+        exact = next((k for k in own if is_in_place(text, row[k])), None)  # type: ignore[arg-type]
         if exact is None:
             left.append(t)
         else:
@@ -287,55 +270,35 @@ def assigned(
     places = [k for k in range(len(options[0]) if options else 0) if k not in taken]
     if not left or not places:
         return result
-    boxes = _boxes(texts, options)
+    boxes = []  #: of the texts that were found
+    for k in range(len(options[0])):
+        for text, row in zip(texts, options, strict=True):
+            if (drawn := row[k]) is not None:
+                boxes.append((k, box_of(text, drawn.x, drawn.y, drawn.height)))
+                break
     costs = np.full((len(left), len(places) + len(left)), LEFT)
     for line, t in enumerate(left):
-        forbidden = _obstacle(texts[t], boxes, steel, marks)
+        # What keeps the text from standing where the part has it: the number of a text if that
+        # alone does, which would itself be free to stand there; -1 of an edge or several texts.
+        forbidden: int | None = -1
+        own = box_of(texts[t], texts[t].feature.x, texts[t].feature.y, texts[t].height)
+        if is_clear(own, steel, (), marks.min_distance + SURE):
+            near = [k for k, box in boxes if shapely.distance(own, box) <= SURE]
+            forbidden = None if not near else near[0] if len(near) == 1 else -1
         for column, k in enumerate(places):
-            costs[line, column] = _cost(texts[t], options[t][k], forbidden in (None, k))
+            drawn, feature = options[t][k], texts[t].feature
+            if drawn is None:
+                costs[line, column] = NEVER
+                continue
+            is_too_high = drawn.height > texts[t].height + EXACT
+            is_wrong = forbidden in (None, k) or feature.option == "z" or is_too_high
+            way = hypot(drawn.x - feature.x, drawn.y - feature.y)
+            costs[line, column] = way + WRONG * is_wrong  # mm from where the part has it
         costs[line, len(places) :] += WRONG * (forbidden is None)
     for t, column in zip(left, cheapest(costs), strict=True):
         if column < len(places):
             result[t] = options[t][places[column]]
     return result
-
-
-def _cost(text: RequiredText, drawn: DrawnText | None, may_not_move: bool) -> float:
-    """mm from a text to where the part has it, and more where it may not stand there."""
-    if drawn is None:
-        return NEVER
-    wrong = may_not_move or text.feature.option == "z" or drawn.height > text.height + EXACT
-    return hypot(drawn.x - text.feature.x, drawn.y - text.feature.y) + WRONG * wrong
-
-
-def _boxes(texts: Sequence[RequiredText], options: Options) -> list["Polygon | None"]:
-    """The boxes of the texts that were found; None for one that can be no text."""
-    boxes: list[Polygon | None] = []
-    for k in range(len(options[0])):
-        each = zip(texts, (row[k] for row in options), strict=True)
-        one = next(((text, drawn) for text, drawn in each if drawn is not None), None)
-        boxes.append(None if one is None else box_of(one[0], one[1].x, one[1].y, one[1].height))
-    return boxes
-
-
-def _obstacle(
-    text: RequiredText, boxes: Sequence["Polygon | None"], steel: Steel, marks: Marks
-) -> int | None:
-    """What keeps a text from standing where the part has it; None if nothing does.
-
-    The number of a text if that alone does: it would itself be free to stand there. Below 0 where
-    an edge or several texts are in its way.
-    """
-    import shapely
-
-    feature = text.feature
-    own = box_of(text, feature.x, feature.y, text.height)
-    if not is_clear(own, steel, (), marks.min_distance + SURE):
-        return -1
-    near = [
-        k for k, box in enumerate(boxes) if box is not None and shapely.distance(own, box) <= SURE
-    ]
-    return None if not near else near[0] if len(near) == 1 else -1
 
 
 def cheapest(costs: Floats) -> list[int]:
@@ -368,5 +331,5 @@ def cheapest(costs: Floats) -> list[int]:
             previous = int(before[column])
             row_of[column] = begin if previous < 0 else row_of[previous]
             column = previous
-    found = {int(row): column for column, row in enumerate(row_of.tolist()) if row >= 0}
-    return [found[row] for row in range(rows)]
+    column_of = {int(row): column for column, row in enumerate(row_of.tolist()) if row >= 0}
+    return [column_of[row] for row in range(rows)]

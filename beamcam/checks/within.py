@@ -31,12 +31,12 @@ def needless(part: Part) -> frozenset[int]:
     ] if any(isinstance(one, Contour) for _, one in openings) else []  # fmt: skip
     voids: dict[tuple[Face, int, int], list[tuple[Opening, Box]]] = {}
     for _, one, box in boxes:
-        if not _is_void(one) or max(box[2] - box[0], box[3] - box[1]) > LARGEST:
-            continue
-        if isinstance(one, Contour) and any(
-            f == one.face and _in(piece, box) for f, piece in pieces
-        ):
-            continue
+        if isinstance(one, Contour):
+            stays = any(face == one.face and _in(piece, box) for face, piece in pieces)
+        else:
+            stays = one.kind != "through" or one.depth is not None
+        if stays or max(box[2] - box[0], box[3] - box[1]) > LARGEST:
+            continue  # something of the wall is in it, or it is in no sheet
         for x in range(int(box[0] // FAR), int(box[2] // FAR) + 1):
             for y in range(int(box[1] // FAR), int(box[3] // FAR) + 1):
                 voids.setdefault((one.face, x, y), []).append((one, box))
@@ -53,11 +53,6 @@ def _is_opening(one: Any) -> bool:
     if isinstance(one, Contour):
         return one.kind == "inner" and one.process == "cut" and one.closed
     return isinstance(one, Hole | Slot) and one.kind in ("through", "blind", "countersink")
-
-
-def _is_void(one: Any) -> bool:
-    """Whether nothing of the wall stays in an opening."""
-    return isinstance(one, Contour) or (one.kind == "through" and one.depth is None)
 
 
 def _size(one: Any) -> object:

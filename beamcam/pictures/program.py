@@ -87,7 +87,7 @@ def table_made(program: ReadProgram, done: "Simulated | None" = None) -> "TableM
 
 def bar_made(program: ReadProgram) -> "BarMade":
     """What a program for bars makes. Raises VerifyError for one that cannot be understood."""
-    from beamcam.checks.bars import run, section_said
+    from beamcam.checks.bars import run, section_stated
     from beamcam.controllers.dialect import ARC, SYNTAX, WORD
     from beamcam.pictures.bar_made import BarMade
 
@@ -98,6 +98,6 @@ def bar_made(program: ReadProgram) -> "BarMade":
     if any(d.code in not_understood for d in errors_in(done.diagnostics)):
         raise VerifyError(done.diagnostics)
     return BarMade(
-        done.made, profile or section_said(done.events, done.dialect, machine), machine,
+        done.made, profile or section_stated(done.events, done.dialect, machine), machine,
         program.name, program.sha256, program.bar, program.marks,
     )  # fmt: skip

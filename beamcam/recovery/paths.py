@@ -9,7 +9,6 @@ from msgspec.structs import replace
 
 from beamcam.checks.bars.paths import pocket_error
 from beamcam.checks.bars.stations import MachinedPath
-from beamcam.checks.bars.targets import RequiredPocket
 from beamcam.checks.bars.tools import ToolCatalogue
 from beamcam.errors import Source
 from beamcam.geometry.curves import Arc, Curve, Line, Point
@@ -35,7 +34,7 @@ def feature_of(
     through = not thickness or path.max_depth >= thickness - slack
     depth = None if through else plain(path.max_depth, slack, decimals)
     own, least = None, tools.drill.path_tolerance + 2 * slack
-    for pocket in _pockets(points, path, depth, slack, decimals):
+    for pocket in _pockets(points, path, depth, slack, decimals, source):
         error = pocket_error(pocket, path.points, path.diameter)
         if error <= least:
             own, least = pocket, error
@@ -46,14 +45,14 @@ def feature_of(
     kind: HoleKind = "through" if through else "blind"
     is_round = not own.length and not own.height
     if is_round and tools.mills_round(own.diameter, path.face):
-        return Hole(path.face, own.x, own.y, own.diameter, source, depth, kind)
-    sizes = own.diameter, own.length, own.height, own.angle
-    return Slot(path.face, own.x, own.y, *sizes, source, depth, kind)
+        return Hole(own.face, own.x, own.y, own.diameter, source, depth, kind)
+    return replace(own, kind=kind)
 
 
 def _pockets(
-    points: Sequence[Point], path: MachinedPath, depth: float | None, slack: float, decimals: int
-) -> Iterator[RequiredPocket]:
+    points: Sequence[Point], path: MachinedPath, depth: float | None, slack: float, decimals: int,
+    source: Source,
+) -> Iterator[Slot]:  # fmt: skip
     """Possible pockets of a mill's path: a circle, or rectangles with round corners.
 
     The path's hull is the pocket drawn in by the mill: a side of it is the pocket's direction, the
@@ -88,10 +87,7 @@ def _pockets(
             if height > length:
                 length, height, turned = height, length, angle - 90.0 if angle > 0 else angle + 90.0
             x, y = (plain(p, slack, decimals) for p in (c * u - s * v, s * u + c * v))
-            yield RequiredPocket(
-                0, path.face, x, y, length, height, turned, diameter, depth, "",
-                Hole(path.face, x, y, diameter, Source("")),
-            )  # fmt: skip
+            yield Slot(path.face, x, y, diameter, length, height, turned, source, depth)
 
 
 def _hull(points: Sequence[Point]) -> list[Point]:

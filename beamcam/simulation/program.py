@@ -130,7 +130,7 @@ def _triggers(text: str, machine: Machine, name: str) -> Simulated:
 
 def _steps(data: str | bytes, machine: Machine, name: str, style: str) -> Simulated:
     from beamcam.checks.steps import FORMS, VELOCITIES
-    from beamcam.checks.steps.velocities import stretches
+    from beamcam.checks.steps.velocities import table_rows
     from beamcam.controllers.step_table import (
         Stream,
         TableFault,
@@ -144,7 +144,7 @@ def _steps(data: str | bytes, machine: Machine, name: str, style: str) -> Simula
     stream = Stream((data.encode() if isinstance(data, str) else data,), name)
     try:
         if form == VELOCITIES:
-            return Simulated(velocity_trace(stretches(stream, stepper.step), machine), ())
+            return Simulated(velocity_trace(table_rows(stream, stepper.step), machine), ())
         rows = {".steps": text_rows, ".bin": binary_rows, ".h": header_rows}[form]
         return Simulated(step_trace(rows(stream, stepper), machine), ())
     except TableFault as fault:

@@ -3,35 +3,31 @@
     text -> events (controllers) -> machined features (cell) -> pieces of bar (pieces) -> compared
 
 Nothing of it comes from a plan: which piece of the bar is which part, how it lies, and what may be
-missing, the read-back finds out from the program, the parts, the machine and what was asked.
+missing, the read-back finds out from the program, the parts, the machine and the request.
 """
 
 from collections.abc import Collection, Sequence
+from functools import partial
 from math import hypot
 from operator import attrgetter
 
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.caches import BoundedCache, PerObject
+from beamcam.caches import PerObject, cached
 from beamcam.checks import rules
 from beamcam.checks.bars.cell import Cell
 from beamcam.checks.bars.compare import Comparison, RequiredParts
 from beamcam.checks.bars.machine_limits import bar_faults, bore_faults, reach_faults, size_faults
 from beamcam.checks.bars.magazine import Changed, Chosen, comment_faults, stop_comments
 from beamcam.checks.bars.orientations import orientations
-from beamcam.checks.bars.stations import (
-    Choice,
-    MachinedFeatures,
-    choices_of,
-    lip_length,
-)
+from beamcam.checks.bars.stations import Choice, MachinedFeatures, choices_of, lip_length
 from beamcam.checks.bars.tools import CuttingData, ToolCatalogue, place_faults
 from beamcam.checks.job import Head, head_of, part_faults, stock_faults
 from beamcam.controllers import cell_events
 from beamcam.controllers.dialect import Dialect, dialect_of
 from beamcam.controllers.events import BarEvent, Switch
-from beamcam.errors import Diagnostic, Source, VerifyError, errors_in
+from beamcam.errors import Diagnostic, Source, errors_in
 from beamcam.machine.machine import Machine, drill_of
 from beamcam.model.description import description
 from beamcam.model.part import Hole, Part, Profile, Slot
@@ -55,25 +51,12 @@ class _Known:
     """Values computed once for a machine and a section."""
 
     def __init__(self, machine: Machine) -> None:
-        self.machine = machine
         self.dialect = dialect_of(machine)
         self.tools = ToolCatalogue(machine, drill_of(machine))
         grades = {row.grade for row in self.tools.drill.cutting}
         self.depends_on_grade = self.dialect.feeds and len(grades) > 1
-        self._choices = BoundedCache[tuple[Profile | None, float], dict[int, Choice]](
-            "verify.stations"
-        )
-        self._data = BoundedCache[tuple[str, ...] | None, CuttingData]("verify.grades")
-
-    def choices(self, profile: Profile | None, lip: float = 0.0) -> dict[int, Choice]:
-        """The stations of each spindle number on a section with lips of a length."""
-        known, key = self._choices, (profile, lip)
-        return known.get(key) or known.keep(key, choices_of(self.machine, profile, lip))
-
-    def data(self, grades: tuple[str, ...] | None) -> CuttingData:
-        """The cutting data for steel of some grades."""
-        known, drill = self._data, self.tools.drill
-        return known.get(grades) or known.keep(grades, CuttingData(self.machine, drill, grades))
+        self.choices = cached("verify.stations")(partial(choices_of, machine))
+        self.data = cached("verify.grades")(partial(CuttingData, machine, self.tools.drill))
 
 
 _known_of = PerObject("verify.machines", _Known)
@@ -90,10 +73,10 @@ def run(
     known = _known_of(machine)
     events, diagnostics = cell_events(text, machine, name)
     if profile is None and known.dialect.section_fields:
-        profile = section_said(events, known.dialect, machine)
+        profile = section_stated(events, known.dialect, machine)
     done = run_of_events(events, machine, profile, name, grades, lip)
     diagnostics += done.diagnostics
-    if "station" in text.lower():  # of which operators are told at stops
+    if "station" in text.lower():  # which the comments at stops name
         diagnostics += comment_faults(stop_comments(text), done.tools, machine, name)
     return replace(done, diagnostics=tuple(diagnostics))
 
@@ -107,13 +90,14 @@ def run_of_events(
     choices = known.choices(profile, lip)
     cell = Cell(machine, known.dialect, choices, known.data(grades), name)
     made = cell.run(events)
-    unseen = tuple(sorted(cell.unseen))
     diagnostics = (*cell.diagnostics, *place_faults(made, machine, name))
-    tools = tuple(cell.tools)
-    return BarRun(made, tuple(events), diagnostics, known.dialect, choices, unseen, tools)
+    return BarRun(
+        made, tuple(events), diagnostics, known.dialect, choices, tuple(sorted(cell.unseen)),
+        tuple(cell.tools),
+    )  # fmt: skip
 
 
-def section_said(events: Sequence[BarEvent], dialect: Dialect, machine: Machine) -> Profile:
+def section_stated(events: Sequence[BarEvent], dialect: Dialect, machine: Machine) -> Profile:
     """The section as far as a program says it: what kind it is, and how high and wide.
 
     A number that may mean several kinds says none of them.
@@ -130,21 +114,13 @@ def section_said(events: Sequence[BarEvent], dialect: Dialect, machine: Machine)
     return Profile(code, "", height, width, 0.0, None)  # type: ignore[arg-type]
 
 
-def interpret(text: str, machine: Machine, name: str = "program") -> MachinedFeatures:
-    """The features that a program makes. Raises VerifyError if the program is faulty by itself."""
-    done = run(text, machine, None, name)
-    if errors_in(done.diagnostics):
-        raise VerifyError(done.diagnostics)
-    return done.made
-
-
 def verify(
     text: str, parts: Sequence[Part], machine: Machine, skips: Collection[str] = (),
     name: str = "program", order: str = "given", turn: bool = False, bar: float | None = None,
 ) -> tuple[Diagnostic, ...]:  # fmt: skip
     """All faults of a program, by itself and against the parts on its bar.
 
-    The parts are those that were asked for, in the order asked; `order` and `turn` say whether
+    The parts are those of the request, in its order; `order` and `turn` say whether
     they may lie in another one and turned, `skips` names the kinds of features that may be left
     out, `bar` is the bar's length. Nothing comes back for a program that makes exactly the parts.
     """
@@ -152,7 +128,7 @@ def verify(
     if not parts:
         alone = run(text, machine, None, name)
         # How large the section is, the program says itself.
-        section = section_said(alone.events, alone.dialect, machine)
+        section = section_stated(alone.events, alone.dialect, machine)
         large = (
             *size_faults(section, machine, name),
             *reach_faults(alone.made.cuts, section, machine, name),
@@ -165,7 +141,7 @@ def verify(
     profile, lip = parts[0].profile, max(map(lip_length, parts))
     done = run(text, machine, profile, name, grades, lip)
     if turn:
-        other = _lying_section(done.made, parts[0])
+        other = lying_section(done.made, parts[0])
         if other != profile:
             profile = other
             done = run(text, machine, profile, name, grades, lip)
@@ -183,7 +159,7 @@ def compared(
     """
     known = _known_of(machine)
     job = RequiredParts(parts, skips, order != "given", turn, bar)
-    comparison = Comparison(done.made, job, known.tools, profile, known.choices(profile), name)
+    comparison = Comparison(done.made, job, known.tools, profile, known.choices(profile, 0.0), name)
     diagnostics = (
         *comparison.run(),
         *bar_faults(comparison.laid, machine, comparison.saw, bar, name),
@@ -226,12 +202,7 @@ def unseen_faults(parts: Sequence[Part], machine: Machine) -> tuple[Diagnostic, 
     return tuple(faults)
 
 
-def section_of(text: str, machine: Machine, part: Part, turn: bool) -> Profile:
-    """The section of a part as it lies in a program, turned or as it was given."""
-    return _lying_section(run(text, machine, part.profile).made, part) if turn else part.profile
-
-
-def _lying_section(made: MachinedFeatures, part: Part) -> Profile:
+def lying_section(made: MachinedFeatures, part: Part) -> Profile:
     """The section of a part as it lies by what the program says of it."""
     sizes = dict(made.section)
     size = sizes.get("height"), sizes.get("width")

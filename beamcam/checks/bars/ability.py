@@ -9,8 +9,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from math import cos, radians, sin
 from operator import attrgetter
 
-from beamcam.checks.bars.holes import REACHES
-from beamcam.checks.bars.pieces import ends_of
+from beamcam.checks.bars.holes import reach_of
 from beamcam.checks.bars.stations import (
     Station,
     choices_of,
@@ -29,32 +28,15 @@ from beamcam.checks.bars.targets import (
     from_behind,
     is_same,
     slot_corners,
-    targets_of,
 )
 from beamcam.checks.bars.tools import ToolCatalogue
-from beamcam.machine.machine import Machine, drill_of, saw_of
-from beamcam.machine.stations import Spindle
+from beamcam.geometry.curves import Curve
+from beamcam.machine.machine import Machine
 from beamcam.model.part import Contour, Hole, Part, Slot
 
 FeatureRef = tuple[int, int]  #: index of the part, index of its feature
-#: A mill that is led round a hole is smaller than it by this at least.
+#: A mill that cuts round a hole is smaller than it by this at least.
 ROUND_SHARE = 0.98
-
-
-def skippable(
-    parts: Sequence[Part], machine: Machine, names: Collection[str]
-) -> frozenset[FeatureRef]:
-    """The features that may be left out under the names that `--allow-skips` takes.
-
-    Raises TypeError for a machine without saw and drill.
-    """
-    saw = saw_of(machine)
-    tools = ToolCatalogue(machine, drill_of(machine))
-    return frozenset(
-        (p, f)
-        for p, part in enumerate(parts)
-        for f in may_be_missing(part, targets_of(part, ends_of(part, saw), tools), tools, names)
-    )
 
 
 def may_be_missing(
@@ -62,17 +44,14 @@ def may_be_missing(
 ) -> frozenset[int]:
     """The features of a part, by their indices, that may be left out under some names."""
     left = {t.feature for t in targets if isinstance(t, Unmakeable) and t.name in names}
-    spindles: dict[str, Spindle] = {s.face: s for s in tools.machine.spindles}
     choices = choices_of(tools.machine, part.profile, lip_length(part))
     stations: dict[str, Station] = {
         s.face: choices[s.number].stations[0] for s in tools.machine.spindles
     }
     if "off-face" in names or "reach" in names:
         left |= {f for f, own in _ill_placed(part, tools, stations) if own in names}
-    if "axis" in names:
-        left |= {*_off_axis(part, targets, tools, spindles, stations)}
-    if "stroke" in names:
-        left |= {*_off_stroke(part, targets, tools, spindles, stations)}
+    if "axis" in names or "stroke" in names:
+        left |= {f for f, own in _out_of_reach(part, targets, tools, stations) if own in names}
     left |= {*repeats(left, part, tools)}
     if "countersink" in names:
         left |= {*_sinks(left, part, tools)}
@@ -119,12 +98,12 @@ def _ill_placed(
     """The features that lie where no tool comes, and what such a place is called."""
     for f, feature in enumerate(part.features):
         if isinstance(feature, Contour) and feature.process != "cut":
-            scribed = tools.works_on(feature.face, part) and any(tools.of("scribe", feature.face))
-            if scribed and (
-                in_stem(feature.curves, part.profile, feature.face)
-                or not _is_clear(feature, stations[feature.face])
-            ):
-                yield f, "reach"
+            face, curves = feature.face, feature.curves
+            if tools.works_on(face, part) and any(tools.of("scribe", face)):
+                own, (low, high) = stations[face], _least_and_greatest_y(curves)
+                is_clear = own.clear_from <= low and high <= own.clear_to
+                if in_stem(curves, part.profile, face) or not is_clear:
+                    yield f, "reach"
             continue
         if not isinstance(feature, Hole | Slot):
             continue
@@ -133,134 +112,92 @@ def _ill_placed(
             continue
         places = [(made.x, made.y), *(slot_corners(made) if isinstance(made, Slot) else ())]
         station = stations[made.face]
-        name = next((n for x, y in places if (n := _fault(x, y, made, part, station))), "")
-        if name:
-            yield f, name
+        size, radius = (part.length, part.profile.face_width(made.face)), made.diameter / 2
+        for x, y in places:
+            if not (0 <= x <= size[0] and 0 <= y <= size[1]):
+                yield f, "off-face"
+                break
+            if not (station.clear_from <= y - radius and y + radius <= station.clear_to):
+                yield f, "reach"
+                break
 
 
-def _fault(x: float, y: float, made: Hole | Slot, part: Part, station: Station) -> str:
-    """Faults in the position of a hole, or of one of a slot's corners."""
-    if not (0 <= x <= part.length and 0 <= y <= part.profile.face_width(made.face)):
-        return "off-face"
-    radius = made.diameter / 2
-    if not (station.clear_from <= y - radius and y + radius <= station.clear_to):
-        return "reach"
-    return ""
-
-
-def _is_clear(line: Contour, station: Station) -> bool:
-    """Whether a tool path along a line is clear of the flanges."""
-    boxes = [curve.bbox for curve in line.curves]
-    lowest, highest = min(box[1] for box in boxes), max(box[3] for box in boxes)
-    return station.clear_from <= lowest and highest <= station.clear_to
-
-
-def _off_stroke(
-    part: Part, targets: Sequence[Target], tools: ToolCatalogue, spindles: Mapping[str, Spindle],
-    stations: Mapping[str, Station],
-) -> Iterator[int]:  # fmt: skip
-    """The holes that a stroke which is the same for all of them does not make."""
-    slack = tools.machine.format.resolution
-    for target in targets:
-        if not isinstance(target, RequiredRound):
-            continue
-        face, kind = target.face, target.kind
-        bottom = spindles[face].stroke.bottom
-        values = stroke_values(tools.machine, part.profile, face) | {"y": target.y}
-        if bottom(values) != bottom(values | {"depth": 1.0}):
-            continue
-        reach = REACHES[kind.tool](kind, kind.own, wall_thickness(part.profile, face), tools)
-        depth = stations[face].tip_depth(bottom(values), target.y)
-        through = kind.hole.depth is None and kind.tool in ("drill", "tap")
-        if depth < reach.least - slack or (depth > reach.greatest + slack and not through):
-            yield target.feature
-
-
-def _off_axis(
-    part: Part, targets: Sequence[Target], tools: ToolCatalogue, spindles: Mapping[str, Spindle],
-    stations: Mapping[str, Station],
-) -> Iterator[int]:  # fmt: skip
-    """The features of which something that they need lies beyond an axis."""
+def _out_of_reach(
+    part: Part, targets: Sequence[Target], tools: ToolCatalogue, stations: Mapping[str, Station]
+) -> Iterator[tuple[int, str]]:
+    """The features of which something lies beyond an axis, and the holes that a stroke which is the
+    same for all of them does not make."""
+    machine = tools.machine
+    slack = machine.format.resolution
     for target in targets:
         if isinstance(target, Unmakeable):
             continue
-        if (
-            isinstance(target, RequiredRound)
-            and target.optional
-            and not _is_drilled(target, part, tools)
-        ):
-            continue
-        face = target.face
-        depth, tip = _depth_and_tip(target, wall_thickness(part.profile, face), tools)
-        values = stroke_values(tools.machine, part.profile, face) | {"depth": depth, "tip": tip}
-        for y in _places(target, tools):
-            if not is_within(values | {"y": y}, spindles[face], stations[face], tools.machine):
-                yield target.feature
+        station, thickness = stations[target.face], wall_thickness(part.profile, target.face)
+        values = stroke_values(machine, part.profile, target.face)
+        is_end = isinstance(target, RequiredRound) and target.optional
+        if not is_end or tools.drills_ends(part.features[target.feature], target.face):
+            depth, tip, ys = _tool_places(target, thickness, tools)
+            own = values | {"depth": depth, "tip": tip}
+            if not all(is_within(own | {"y": y}, station, machine) for y in ys):
+                yield target.feature, "axis"
+        if isinstance(target, RequiredRound):
+            kind, bottom = target.kind, station.spindle.stroke.bottom
+            values |= {"y": target.y}
+            if bottom(values) == bottom(values | {"depth": 1.0}):
+                reach = reach_of(kind, kind.own, thickness, tools)
+                depth = station.tip_depth(bottom(values), target.y)
+                through = kind.hole.depth is None and kind.tool in ("drill", "tap")
+                if depth < reach.least - slack or (depth > reach.greatest + slack and not through):
+                    yield target.feature, "stroke"
 
 
-def _is_drilled(end: RequiredRound, part: Part, tools: ToolCatalogue) -> bool:
-    """Whether the machine drills the end of a slot before it mills it."""
-    slot = part.features[end.feature]
-    return (
-        isinstance(slot, Slot)
-        and not slot.height
-        and tools.drill.slots == "drill-mill"
-        and bool(tools.fits("drill", slot.diameter, end.face))
-    )
-
-
-def _depth_and_tip(
+def _tool_places(
     target: RequiredRound | RequiredPocket | MarkingPath, thickness: float, tools: ToolCatalogue
-) -> tuple[float, float]:
-    """Depth of the full diameter, or of the point of another tool than a drill; and its tip."""
+) -> tuple[float, float, tuple[float, ...]]:
+    """Depth of the full diameter, or of the point of another tool than a drill; its tip; and its y,
+    of a path the least and the greatest."""
     if isinstance(target, MarkingPath):
-        return tools.drill.mark_depth, 0.0
+        return tools.drill.mark_depth, 0.0, _least_and_greatest_y(target.curves)
     through = thickness + tools.drill.breakthrough
     if isinstance(target, RequiredPocket):
-        return (through if target.depth is None else target.depth), 0.0
+        slot = target.slot
+        widest = slot.diameter + tools.drill.same_tool_tolerance
+        if isinstance(target.source, Hole):
+            widest = ROUND_SHARE * slot.diameter
+        sizes = [d for d in tools.sizes("mill", target.face) if d <= widest]
+        mill = max(sizes, default=slot.diameter)
+        angle = radians(slot.angle)
+        half = abs(sin(angle)) * slot.length / 2 + abs(cos(angle)) * slot.height / 2
+        half += max(0.0, (slot.diameter - mill) / 2)
+        depth = through if slot.depth is None else slot.depth
+        return depth, 0.0, (slot.y - half, slot.y + half)
     kind, hole = target.kind, target.kind.hole
     size = kind.own
     if target.optional:
         size = next(iter(tools.fits("drill", hole.diameter, target.face)), kind.own)
     tip = tools.tip("drill", size, hole.face) if kind.tool == "drill" else 0.0
     if kind.tool in ("drill", "tap") and hole.depth is None:
-        return through, tip
-    if kind.tool == "drill" and hole.depth is not None and hole.kind in THREADS:
+        depth = through
+    elif kind.tool == "drill" and hole.depth is not None and hole.kind in THREADS:
         tap = tools.tap(hole)
-        return hole.depth + (tools.drill.runout_pitches * tap[1] if tap else 0.0), tip
-    return REACHES[kind.tool](kind, size, thickness, tools).least - tip, tip
+        depth = hole.depth + (tools.drill.runout_pitches * tap[1] if tap else 0.0)
+    else:
+        depth = reach_of(kind, size, thickness, tools).least - tip
+    return depth, tip, (target.y,)
 
 
-def _places(
-    target: RequiredRound | RequiredPocket | MarkingPath, tools: ToolCatalogue
-) -> tuple[float, ...]:
-    """y of the tool; of a path its minimum and maximum."""
-    if isinstance(target, RequiredRound):
-        return (target.y,)
-    if isinstance(target, MarkingPath):
-        boxes = [curve.bbox for curve in target.curves]
-        return min(box[1] for box in boxes), max(box[3] for box in boxes)
-    is_round = isinstance(target.source, Hole)
-    widest = target.diameter + tools.drill.same_tool_tolerance
-    if is_round:
-        widest = ROUND_SHARE * target.diameter
-    sizes = [d for d in tools.sizes("mill", target.face) if d <= widest]
-    mill = max(sizes, default=target.diameter)
-    angle = radians(target.angle)
-    half = abs(sin(angle)) * target.length / 2 + abs(cos(angle)) * target.height / 2
-    half += max(0.0, (target.diameter - mill) / 2)
-    return target.y - half, target.y + half
+def _least_and_greatest_y(curves: Sequence[Curve]) -> tuple[float, float]:
+    boxes = [curve.bbox for curve in curves]
+    return min(box[1] for box in boxes), max(box[3] for box in boxes)
 
 
-def is_within(
-    values: dict[str, float], spindle: Spindle, station: Station, machine: Machine
-) -> bool:
+def is_within(values: dict[str, float], station: Station, machine: Machine) -> bool:
     """Whether the axes of a spindle come to all places of a stroke."""
-    stroke = spindle.stroke
+    across, stroke = station.spindle.across, station.spindle.stroke
     along = [stroke.retract(values), stroke.bottom(values)]
     if stroke.approach is not None:
         along.append(stroke.approach(values))
-    places = {station.across: [spindle.across.position(values)], station.stroke: along}
+    places = {station.across: [across.position(values)], station.stroke: along}
     return all(
         least <= round(place, machine.format.length_decimals) <= greatest
         for index, _, least, greatest in station.limits

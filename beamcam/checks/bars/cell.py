@@ -17,12 +17,12 @@ from beamcam.checks.bars.cell_state import AXES, CellState
 from beamcam.checks.bars.stations import (
     NOWHERE,
     Bore,
-    Choice,
+    Cut,
     MachinedFeatures,
     MachinedPath,
+    StampedText,
     Station,
     Tip,
-    made_in_order,
 )
 from beamcam.checks.bars.tools import EPSILON
 from beamcam.controllers.dialect import WORD
@@ -50,58 +50,69 @@ class Cell(CellState):
     def run(self, events: Iterable[BarEvent]) -> MachinedFeatures:
         """The features that the events make."""
         for event in events:
+            self.line = event.line
             _TAKES[type(event)](self, event)
-        return made_in_order(tuple(self.section.items()), self.order)
+        order = self.order
+        return MachinedFeatures(
+            tuple(self.section.items()),
+            tuple([one for one in order if type(one) is Cut]),
+            tuple([one for one in order if type(one) is Bore]),
+            tuple([one for one in order if type(one) is MachinedPath]),
+            tuple(order),
+            tuple([one for one in order if type(one) is StampedText]),
+        )
 
     def _compensate(self, event: Compensation) -> None:
         if event.side != "on":
-            self.say(WORD, event.line, found="compensation", expected="none, of strokes")
+            self.say(WORD, "compensation", "none, of strokes")
 
     def _pause(self, event: Pause) -> None:
         """A dwell: of a few seconds, and in the steel only where the machine's own cycle has it."""
         if not 0.0 <= event.seconds <= LONGEST_PAUSE_S:
-            expected = f"0 to {LONGEST_PAUSE_S:g} s"
-            self.say(WORD, event.line, found=f"a dwell of {event.seconds:g} s", expected=expected)
+            self.say(WORD, f"a dwell of {event.seconds:g} s", f"0 to {LONGEST_PAUSE_S:g} s")
         elif event.seconds and not self.limits.dwells and self.in_steel() is not None:
             expected = "the tool drawn back, no cycle of this machine dwells"
-            self.say(WORD, event.line, found="a dwell in the material", expected=expected)
+            self.say(WORD, "a dwell in the material", expected)
 
     def _accelerate(self, event: Acceleration) -> None:
         most = max((a.acceleration for a in self.machine.axes), default=inf)
         if not 0.0 < event.mm_s2 <= most:
             found = f"an acceleration of {event.mm_s2:g} mm/s2"
-            self.say(WORD, event.line, found=found, expected=f"one above 0, at most {most:g}")
+            self.say(WORD, found, f"one above 0, at most {most:g}")
 
     def _blend(self, event: Blending) -> None:
         """Corners that the controller may pass off the path, which is the end of any stroke."""
         most = self.machine.drill.path_tolerance if self.machine.drill else 0.0
         if event.distance > most:
             found = f"corners passed {event.distance:g} mm off"
-            self.say(WORD, event.line, found=found, expected=f"at most {most:g} mm, or none")
+            self.say(WORD, found, f"at most {most:g} mm, or none")
 
     def _move(self, move: Move[Place]) -> None:
-        line, start, end = move.line, move.start, move.end
+        start, end = move.start, move.end
         if move.curve is not None:
-            self.say(WORD, line, found="an arc", expected="straight strokes, the cell has no mill")
+            self.say(WORD, "an arc", "straight strokes, the cell has no mill")
             return
         x = end[0]
         moved = x != self.x and not isnan(x)
         if moved:
-            self._move_bar(x, move, self.cycle.along and self._in_work(move))
+            self._move_bar(x, self._follows_path(move))
         self.feed_mm_min = move.feed_mm_min
         if not move.rapid and move.feed_mm_min <= 0 and self.dialect.feeds:
-            self.say(rules.NO_FEED, line, found="move")
-        choice = self.choice
-        if choice is None:
+            self.say(rules.NO_FEED, "move")
+        if self.choice is None:
             if end[1:] != start[1:]:
-                self.say(rules.NO_SPINDLE, line, found="a move of Y or Z")
+                self.say(rules.NO_SPINDLE, "a move of Y or Z")
             return
-        stations = choice.stations
+        stations = self.choice.stations
         first = stations[0]
         across, stroke = end[first.across], end[first.stroke]
         if isnan(stroke) or isnan(across):
-            if end[first.stroke] != start[first.stroke] and not isnan(stroke):
-                self._stroke_from_nowhere(move.line, first, stroke)
+            # A tool that goes where steel may be before its place across is known.
+            is_new = end[first.stroke] != start[first.stroke] and not isnan(stroke)
+            if is_new and first.tip(first.across_0, stroke).beside > EPSILON:
+                axis, other = AXES[first.stroke], AXES[first.across]
+                found = f"{axis} at {stroke:g} with {other} unknown"
+                self.say(WORD, found, f"{other} before, or {axis} free of the bar")
             return
         before = self.at.get(first.number, NOWHERE)
         sideways = moved or across != before.across
@@ -111,60 +122,45 @@ class Cell(CellState):
             self.at[station.number] = station.tip(across, stroke)
             for index, axis, least, greatest in station.limits:
                 if not least <= end[index] <= greatest:
-                    self.beyond(line, axis, end[index], least, greatest)
+                    self.say_beyond(axis, end[index], least, greatest)
         # The controller starts from its last position, even if that was another spindle's.
         sideways = sideways or across != start[first.across]
-        if sideways and self._aside(move, first, before, moved):
+        if sideways and self._move_aside(move, first, before, moved):
             return
         for station in stations:
-            self._enter(move, station, choice, before.stroke)
+            self._enter(move, station, before.stroke)
 
-    def _stroke_from_nowhere(self, line: int, station: Station, stroke: float) -> None:
-        """A tool that goes where steel may be before it was said where it stands across."""
-        if station.tip(station.across_0, stroke).beside > EPSILON:
-            axis, across = AXES[station.stroke], AXES[station.across]
-            found = f"{axis} at {stroke:g} with {across} unknown"
-            self.say(
-                WORD, line, found=found, expected=f"{across} before, or {axis} free of the bar"
-            )
-
-    def _aside(self, move: Move[Place], first: Station, before: Tip, moved: bool) -> bool:
-        """A move along or across the bar; whether nothing is left to be looked at."""
+    def _move_aside(self, move: Move[Place], first: Station, before: Tip, moved: bool) -> bool:
+        """A move along or across the bar; whether nothing is left to be checked."""
         tip = self.at[first.number]
         if tip.beside > EPSILON or before.beside > EPSILON:
-            if before.beside > EPSILON and self._in_work(move):
-                self._lead(move, first, tip)
+            if before.beside > EPSILON and self._follows_path(move):
+                self._follow_path(move, first, tip)
                 return True
             letter = "X" if moved else AXES[first.across]
             at = before.stroke if before.beside > tip.beside else tip.stroke
-            self.sideways(move.line, f"a move of {letter}", first, at)
+            self.say_sideways(f"a move of {letter}", first, at)
             return True
         self.fed_from.clear()
-        gap = first.retract_clearance - self.limits.step
-        if move.rapid and (-tip.beside < gap or -before.beside < gap):
+        gap = first.retract_clearance
+        least = gap - self.limits.step
+        if move.rapid and (-tip.beside < least or -before.beside < least):
             nearest = tip.beside if isnan(before.beside) else max(tip.beside, before.beside)
-            self._too_close(move, first, -nearest)
+            self._say_too_close(first, -nearest, gap)
             return True
         return False
 
-    def _too_close(
-        self, move: Move[Place], station: Station, gap: float, inside: bool = False
-    ) -> None:
-        expected = station.approach_clearance if inside else station.retract_clearance
-        self.say(
-            rules.CLEARANCE, move.line, face=station.face, found=f"{round(gap, 3) + 0.0:.3f}",
-            expected=f"{expected:g}",
-        )  # fmt: skip
+    def _say_too_close(self, station: Station, gap: float, least: float) -> None:
+        found = f"{round(gap, 3) + 0.0:.3f}"
+        self.say(rules.CLEARANCE, found, f"{least:g}", face=station.face)
 
-    def _in_work(self, move: Move[Place]) -> bool:
-        """Whether the tool that is chosen may be led along a path, and is."""
-        if not self.cycle.along or move.rapid or self.choice is None:
-            return False
-        return self.in_steel() is not None
+    def _follows_path(self, move: Move[Place]) -> bool:
+        """Whether the tool that is chosen may follow a path in the material, and does."""
+        return self.cycle.along and not move.rapid and self.in_steel() is not None
 
-    def _lead(self, move: Move[Place], station: Station, tip: Tip) -> None:
-        """A tool led on in the material; the point that it went in at is the path's first."""
-        self._ready(move, station)
+    def _follow_path(self, move: Move[Place], station: Station, tip: Tip) -> None:
+        """A tool fed on in the material; the point that it went in at is the path's first."""
+        self._check_feed(move, station)
         point, depth = (move.end[0], tip.y), tip.depth
         last = self.order[-1] if self.order else None
         if type(last) is Bore and last.kind == self.cycle.kind:
@@ -183,19 +179,19 @@ class Cell(CellState):
             )
         self.peck = (self.x, tip.across)
 
-    def _ready(self, move: Move[Place], station: Station) -> None:
-        """Say what is missing for a feed into the material, and what is wrong with the feed."""
+    def _check_feed(self, move: Move[Place], station: Station) -> None:
+        """Report what is missing for a feed into the material, and what is wrong with the feed."""
         cycle = self.cycle
         if cycle.turns and not self.turning:
-            self.say(rules.SPINDLE_OFF, move.line, face=station.face)
+            self.say(rules.SPINDLE_OFF, face=station.face)
         elif self.turning != cycle.turns:
-            self.say(rules.TURN, move.line, found=self.turning, expected=cycle.turns)
+            self.say(rules.TURN, self.turning, cycle.turns)
         if cycle.cools and not self.cooling:
-            self.say(rules.COOLANT, move.line, found="a feed into the material", expected="on")
+            self.say(rules.COOLANT, "a feed into the material", "on")
         if not cycle.feeds:
             return
         if cycle.kind == "tap":
-            self._tap_feed(move, "in", self.pitch * self.speed_rpm or move.feed_mm_min)
+            self._check_tap_feed(move, "in", self.pitch * self.speed_rpm or move.feed_mm_min)
             self.tapped_mm_min = move.feed_mm_min
         run = self.data.run(cycle.kind, self.diameter, self.pitch)
         if run is None:
@@ -205,25 +201,25 @@ class Cell(CellState):
             # Slower turns with the same feed load each cutting edge more.
             most = min(most, run.most_per_turn * self.speed_rpm + 0.1)
         if not run.min_feed <= feed <= most:
-            self.say_feed(move.line, feed, self.tool, run.own_feed, most)
+            self.say_feed(feed, self.tool, run.own_feed, most)
 
-    def _move_bar(self, x: float, move: Move[Place], in_work: bool) -> None:
+    def _move_bar(self, x: float, follows_path: bool) -> None:
         name, least, greatest = self.limits.stop
         if not least <= x <= greatest:
-            self.beyond(move.line, name, x, least, greatest)
+            self.say_beyond(name, x, least, greatest)
         if self.limits.never_back and x < self.furthest - EPSILON:
-            self.say(rules.STOP_BACK, move.line, found=f"{x:g}", before=f"{self.furthest:g}")
+            self.say(rules.STOP_BACK, f"{x:g}", before=f"{self.furthest:g}")
         self.furthest = x if isnan(self.furthest) else max(x, self.furthest)
         self.x = x
-        if in_work:
+        if follows_path:
             return
         if self.turning:
-            self.say(rules.SPINDLE_ON, move.line, found="a move of the bar")
+            self.say(rules.SPINDLE_ON, "a move of the bar")
         if self.cooling:
-            self.say(rules.COOLANT, move.line, found="a move of the bar", expected="off")
+            self.say(rules.COOLANT, "a move of the bar", "off")
         self.peck = None
 
-    def _enter(self, move: Move[Place], station: Station, choice: Choice, before: float) -> None:
+    def _enter(self, move: Move[Place], station: Station, before: float) -> None:
         """One station's stroke axis on its way into the bar, or out of it."""
         tip = self.at[station.number]
         inward = not station.way * (before - tip.stroke) >= 0  # from nowhere counts too
@@ -233,7 +229,7 @@ class Cell(CellState):
                 self._draw_tap(move, station, tip, before)
             return
         if move.rapid:
-            self._approach(move, station, tip)
+            self._approach(station, tip)
             return
         if isnan(before):
             return
@@ -245,15 +241,13 @@ class Cell(CellState):
             self.unseen.add(station.face)
         if enters:
             self.fed_from.setdefault(station.number, before)
-            if self.limits.max_pecks:
-                self._check_peck(move, station, tip, before)
-            self._stroke(move, station, choice, tip, before)
+            most = self.limits.max_pecks.get(self.diameter)
+            if most is not None and self.cycle.kind == "drill":
+                self._check_peck(station, tip, before, most)
+            self._stroke(move, station, tip, before)
 
-    def _check_peck(self, move: Move[Place], station: Station, tip: Tip, before: float) -> None:
+    def _check_peck(self, station: Station, tip: Tip, before: float, most: float) -> None:
         """A drill fed deeper at once than its chips allow; before the steel it cuts nothing."""
-        most = self.limits.max_pecks.get(self.diameter) if self.cycle.kind == "drill" else None
-        if most is None:
-            return
         drilled = self._drilled(station, tip)
         start = drilled or station.tip_depth(before, tip.y)
         if station.surface_known:
@@ -262,34 +256,30 @@ class Cell(CellState):
             most += station.approach_clearance
         fed = tip.depth - self.fed_since.setdefault(station.number, start)
         if fed > most + self.limits.step:
-            self.say(
-                rules.PECK, move.line, what=self.tool, found=f"{fed:.3f}", expected=f"{most:g}"
-            )
+            self.say(rules.PECK, f"{fed:.3f}", f"{most:g}", what=self.tool)
 
     def _draw_tap(self, move: Move[Place], station: Station, tip: Tip, before: float) -> None:
         """Retract of a tap, which has to be screwed out as it was screwed in."""
         if station.tip_depth(before, tip.y) > max(tip.depth, 0.0) + EPSILON:
             back = _OTHER_WAY.get(self.cycle.turns, 0)
             if self.cycle.cools and not self.cooling:
-                self.say(rules.COOLANT, move.line, found="a tap drawn back", expected="on")
+                self.say(rules.COOLANT, "a tap drawn back", "on")
             if move.rapid or self.turning != back:
-                found = 0 if move.rapid else self.turning
-                self.say(rules.TURN, move.line, found=found, expected=back)
+                self.say(rules.TURN, 0 if move.rapid else self.turning, back)
             else:
-                self._tap_feed(move, "out", self.pitch * self.speed_rpm or self.tapped_mm_min)
+                out = self.pitch * self.speed_rpm or self.tapped_mm_min
+                self._check_tap_feed(move, "out", out)
 
-    def _tap_feed(self, move: Move[Place], way: str, expected: float) -> None:
+    def _check_tap_feed(self, move: Move[Place], way: str, feed: float) -> None:
         """A tap's feed, which is its pitch each turn; speeds are written as whole turns a minute.
 
         Where the program does not say the speed, the tap has to come out as it went in.
         """
-        if abs(move.feed_mm_min - expected) > WHOLE_TURN * self.pitch + ROUNDED_FEED:
-            self.say(
-                rules.TAP, move.line, pitch=f"{self.pitch:g}", way=way,
-                found=f"{move.feed_mm_min:.6g}", expected=f"{expected:.6g}",
-            )  # fmt: skip
+        if abs(move.feed_mm_min - feed) > WHOLE_TURN * self.pitch + ROUNDED_FEED:
+            found, expected = f"{move.feed_mm_min:.6g}", f"{feed:.6g}"
+            self.say(rules.TAP, found, expected, pitch=f"{self.pitch:g}", way=way)
 
-    def _approach(self, move: Move[Place], station: Station, tip: Tip) -> None:
+    def _approach(self, station: Station, tip: Tip) -> None:
         """A rapid towards the bar: to its clearance, or into what is drilled already."""
         depth, gap = tip.depth, station.approach_clearance
         if not station.surface_known:
@@ -300,22 +290,14 @@ class Cell(CellState):
         elif not station.clear_from <= tip.y <= station.clear_to:  # through the flange's edge
             depth, gap = tip.beside, station.retract_clearance
         drilled = self._drilled(station, tip)
+        # Where it was fed as deep at the same place just before, it may go in rapid again.
+        x, across, fed = self.fed_to.get(station.number, (nan, nan, nan))
+        was_fed = (x, across) == (self.x, tip.across) and depth <= fed
         if depth > drilled + EPSILON:
-            self.say(
-                rules.RAPID, move.line, axis=AXES[station.stroke],
-                found=f"{tip.stroke:g}", depth=f"{depth:.3f}",
-            )  # fmt: skip
-        elif (
-            not drilled
-            and -depth < gap - self.limits.step
-            and not self._was_fed(station, tip.across, depth)
-        ):
-            self._too_close(move, station, -depth, True)
-
-    def _was_fed(self, station: Station, across: float, depth: float) -> bool:
-        """Whether the tool was fed at least as deep at the same place just before."""
-        x, at, fed = self.fed_to.get(station.number, (nan, nan, nan))
-        return (x, at) == (self.x, across) and depth <= fed
+            axis, shown = AXES[station.stroke], f"{depth:.3f}"
+            self.say(rules.RAPID, f"{tip.stroke:g}", axis=axis, depth=shown)
+        elif not drilled and -depth < gap - self.limits.step and not was_fed:
+            self._say_too_close(station, -depth, station.approach_clearance)
 
     def _drilled(self, station: Station, tip: Tip) -> float:
         """Current depth of the hole under the tool."""
@@ -327,18 +309,16 @@ class Cell(CellState):
             default=0.0,
         )  # fmt: skip
 
-    def _stroke(
-        self, move: Move[Place], station: Station, choice: Choice, tip: Tip, before: float
-    ) -> None:
-        self._ready(move, station)
+    def _stroke(self, move: Move[Place], station: Station, tip: Tip, before: float) -> None:
+        self._check_feed(move, station)
         self.idle = False
         if self.cycle.feeds and not move.own_feed and move.feed_mm_min > 0:
-            self.say(rules.NO_FEED, move.line, found="stroke of " + self.tool)
-        self.describe_first(move.line)
+            self.say(rules.NO_FEED, "stroke of " + self.tool)
+        self.check_described()
         bore = Bore(
-            move.line, station.face, self.x, tip.y, self.diameter, tip.depth,
-            choice.number, move.feed_mm_min, tip.stroke, self.cycle.kind, self.turning, self.pitch,
-            self.speed_rpm, before,
+            self.line, station.face, self.x, tip.y, self.diameter, tip.depth,
+            self.choice.number if self.choice else 0, move.feed_mm_min, tip.stroke,
+            self.cycle.kind, self.turning, self.pitch, self.speed_rpm, before,
         )  # fmt: skip
         if self.peck == (self.x, tip.across):  # deeper in the same hole
             for index in range(len(self.order) - self.pecked, len(self.order)):

@@ -1,6 +1,6 @@
 """State of a saw and drilling cell, and the effect of its M words.
 
-    state        changed by                      asked when
+    state        changed by                      checked when
     spindle      the choosing word               Y or Z move: whose axes are they?
     turning      M03, M04, M05                   a feed goes into material; the bar moves
     cooling      M07, M08, M09                   likewise, if the machine's cycles cool
@@ -13,7 +13,7 @@ from collections.abc import Callable
 from math import isnan, nan
 
 from beamcam.checks import rules
-from beamcam.checks.bars.magazine import Changed, Chosen, wrong_changes
+from beamcam.checks.bars.magazine import Changed, Chosen, change_faults
 from beamcam.checks.bars.stations import (
     NOWHERE,
     Choice,
@@ -23,7 +23,6 @@ from beamcam.checks.bars.stations import (
     Thing,
     Tip,
     limits_of,
-    tilts_of,
 )
 from beamcam.checks.bars.tools import EPSILON, LEAST, CuttingData, limits_of_cell
 from beamcam.controllers.dialect import WORD, Cycle, Dialect, MWord, Role
@@ -32,8 +31,8 @@ from beamcam.errors import Diagnostic, Rule, Source
 from beamcam.machine.machine import Machine
 
 AXES = "XYZ"
+SQUARE_DEG = 0.05  #: off the square cut, as numbers of one decimal are rounded
 Values = dict[str, float]  #: parameters of a word by what they carry
-_NOTHING: Values = {}
 _NO_CYCLE = Cycle("drill", 0, False, False, False)
 
 
@@ -48,7 +47,7 @@ class CellState:
         self.data, self.limits = data, limits_of_cell(machine)
         self.diagnostics: list[Diagnostic] = []
         self.section: dict[str, float] = {}
-        self.unsaid = dialect.section_fields  #: what the program has not said of its bar yet
+        self.undescribed = dialect.section_fields  #: what the program has yet to say of its bar
         self.order: list[Thing] = []
         self.tools: list[Chosen | Changed] = []
         self.held: dict[tuple[int, float], tuple[str, float]] = {}  #: by spindle and station
@@ -69,55 +68,42 @@ class CellState:
         self.unseen: set[str] = set()  #: faces that were worked on without knowing where they lie
         self.peck: tuple[float, float] | None = None  #: X and across of the hole being drilled
         self.pecked = 0  #: how many bores the last stroke made
+        self.line = 0  #: that is executed
 
-    def say(self, rule: Rule, line: int, **values: object) -> None:
-        self.diagnostics.append(rule.at(Source(self.name, line), **values))
+    def say(self, rule: Rule, *found_expected: object, **values: object) -> None:
+        """Add a message about the line that is executed."""
+        shown = dict(zip(("found", "expected"), found_expected, strict=False))
+        self.diagnostics.append(rule.at(Source(self.name, self.line), **shown, **values))
 
     def switch(self, switch: Switch) -> None:
         word = self.dialect.m_words.get(switch.number)
         if word is None:
-            self.say(
-                WORD, switch.line, found=f"M{switch.number:02}",
-                expected=f"a word of this machine: {self.dialect.shown()}",
-            )  # fmt: skip
+            expected = f"a word of this machine: {self.dialect.shown()}"
+            self.say(WORD, f"M{switch.number:02}", expected)
             return
-        values = self._values(switch, word) if word.fields or switch.words else _NOTHING
+        values = self._values(switch, word) if word.fields or switch.words else {}
         if values is not None:
             _DOES[word.role](self, switch, values)
         elif word.role == "on":
             self.turning = switch.number
 
-    def _values(self, switch: Switch, word: MWord) -> dict[str, float] | None:
-        """The word's parameters by what they carry; None (and said) where one is missing."""
-        found = switch.words
-        values: dict[str, float] = {}
+    def _values(self, switch: Switch, word: MWord) -> Values | None:
+        """The word's parameters by what they carry; None, and a message, where one is missing."""
+        name, values = f"M{switch.number:02}", Values()
         for letter, field in word.fields:
-            value = found.get(letter)
+            value = switch.words.get(letter)
             if value is None:
-                shown = f"M{switch.number:02}"
-                self.say(
-                    WORD, switch.line, found=f"{shown} without {letter}",
-                    expected=f"{letter} with the {field}",
-                )  # fmt: skip
+                self.say(WORD, f"{name} without {letter}", f"{letter} with the {field}")
                 return None
             before = self.section.get(field, value)
             if before != value and not isnan(before):
-                self.say(
-                    rules.SECTION, switch.line, what=field, found=f"{value:g}",
-                    expected=f"{before:g}, as before",
-                )  # fmt: skip
+                self.say(rules.SECTION, f"{value:g}", f"{before:g}, as before", what=field)
             if values.setdefault(field, value) != value:
-                self.say(
-                    WORD, switch.line, found=f"{letter}{value:g} behind M{switch.number:02}",
-                    expected=f"{values[field]:g}, the {field} a second time",
-                )  # fmt: skip
-        if len(found) > len(word.fields):
-            known = {letter for letter, _ in word.fields}
-            for letter in found.keys() - known:
-                self.say(
-                    WORD, switch.line, found=f"{letter} behind M{switch.number:02}",
-                    expected="no such parameter",
-                )  # fmt: skip
+                expected = f"{values[field]:g}, the {field} a second time"
+                self.say(WORD, f"{letter}{value:g} behind {name}", expected)
+        if len(switch.words) > len(word.fields):
+            for letter in switch.words.keys() - {letter for letter, _ in word.fields}:
+                self.say(WORD, f"{letter} behind {name}", "no such parameter")
         return values
 
     def _cool(self, switch: Switch, values: Values) -> None:
@@ -125,26 +111,19 @@ class CellState:
 
     def _describe(self, switch: Switch, values: Values) -> None:
         self.section.update(values)
-        self.unsaid -= values.keys()
+        self.undescribed -= values.keys()
 
     def _set_pitch(self, switch: Switch, values: Values) -> None:
         self.pitch = values.get("pitch", self.pitch)
 
-    def _end(self, switch: Switch, values: Values) -> None:
-        self.at_rest(switch.line, "the end of the program")
-        self._check_magazines()
-
     def _start(self, switch: Switch, values: Values) -> None:
         """A spindle that starts, or reverses."""
         if self.choice is None:
-            self.say(rules.NO_SPINDLE, switch.line, found="a spindle that starts")
+            self.say(rules.NO_SPINDLE, "a spindle that starts")
         elif (
-            self.turning
-            and self.turning != switch.number
-            and self.cycle.kind != "tap"
-            and self.in_steel()
+            self.turning not in (0, switch.number) and self.cycle.kind != "tap" and self.in_steel()
         ):
-            self.say(rules.TURN, switch.line, found=switch.number, expected=self.cycle.turns)
+            self.say(rules.TURN, switch.number, self.cycle.turns)
         if not self.turning:
             self.idle = self.choice is not None
         self.turning = switch.number
@@ -155,10 +134,8 @@ class CellState:
         run = self.data.run(self.cycle.kind, self.diameter, self.pitch)
         most = drill.max_speed_rpm + 0.6 if run is None else run.most_speed
         if not drill.min_speed_rpm - 0.6 <= speed <= most:
-            self.say(
-                rules.SPEED, switch.line, found=f"{speed:g}", what=self.tool,
-                least=f"{drill.min_speed_rpm:g}", greatest=f"{most:.0f}",
-            )  # fmt: skip
+            limits = {"least": f"{drill.min_speed_rpm:g}", "greatest": f"{most:.0f}"}
+            self.say(rules.SPEED, f"{speed:g}", what=self.tool, **limits)
 
     @property
     def tool(self) -> str:
@@ -166,19 +143,15 @@ class CellState:
         return f"a {self.cycle.kind} {self.diameter:g}"
 
     def _stop(self, switch: Switch, values: Values) -> None:
-        line = switch.line
-        station = self.in_steel() if self.turning else None
-        if station is not None:
-            self.say(
-                rules.SPINDLE_STOPPED, line, face=station.face, axis=AXES[station.stroke],
-                at=f"{self.at[station.number].stroke:g}",
-            )  # fmt: skip
+        if self.turning and (station := self.in_steel()) is not None:
+            axis, at = AXES[station.stroke], f"{self.at[station.number].stroke:g}"
+            self.say(rules.SPINDLE_STOPPED, face=station.face, axis=axis, at=at)
         if self.turning and self.idle:
-            self.say(rules.SPINDLE_IDLE, line, what=self.tool)
+            self.say(rules.SPINDLE_IDLE, what=self.tool)
         self.turning, self.idle = 0, False
 
     def _choose(self, switch: Switch, values: Values) -> None:
-        self.at_rest(switch.line, "the choice of a spindle")
+        self.check_rest("the choice of a spindle")
         number = values.get("spindle", self.dialect.only_spindle)
         if number is None:
             number = nan
@@ -188,170 +161,127 @@ class CellState:
         self.cycle = self.dialect.m_words[switch.number].cycle or _NO_CYCLE
         self.pitch = values.get("pitch", 0.0)
         if "tool" in values:
-            self._take_numbered(switch.line, values)
+            self._choose_numbered(values)
         if self.choice is None:
             numbers = ", ".join(str(n) for n in self.choices)
-            self.say(WORD, switch.line, found=f"spindle {number:g}", expected=f"one of {numbers}")
+            self.say(WORD, f"spindle {number:g}", f"one of {numbers}")
             return
-        self.tools.append(Chosen(switch.line, self.choice.number, (self.cycle.kind, self.diameter)))
+        tool = self.cycle.kind, self.diameter
+        self.tools.append(Chosen(self.line, self.choice.number, tool))
         sizes = self.limits.tools.get(self.cycle.kind, ())
         if "diameter" in values and self.limits.tools and self.diameter not in sizes:
-            near = min(sizes, key=lambda d: abs(d - self.diameter), default=None)
-            expected = (
-                "and it has none of that kind" if near is None else f"the nearest is {near:g}"
-            )
-            self.say(rules.NO_TOOL, switch.line, found=self.tool, expected=expected)
-        if "station" in values:
-            self._take_station(switch.line, self.choice.stations[0].number, values["station"])
+            expected = "and it has none of that kind"
+            if sizes:
+                expected = f"the nearest is {min(sizes, key=lambda d: abs(d - self.diameter)):g}"
+            self.say(rules.NO_TOOL, self.tool, expected)
+        if "station" in values:  # one of the spindle's, with no other tool in it
+            station, spindle = values["station"], self.choice.stations[0].number
+            count = next((s.stations for s in self.machine.spindles if s.number == spindle), 1)
+            kind, size = self.held.setdefault((spindle, station), tool)
+            expected = f"the {kind} {size:g} that stands there"
+            if station not in range(1, count + 1):
+                expected = f"a station from 1 to {count}"
+            elif (kind, size) == tool:
+                return
+            self.say(WORD, f"{self.tool} in station {station:g}", expected)
 
-    def _take_station(self, line: int, spindle: int, station: float) -> None:
-        """The station that the tool is said to stand in: one of the spindle's, no other tool's."""
-        count = next((s.stations for s in self.machine.spindles if s.number == spindle), 1)
-        kind, size = self.held.setdefault((spindle, station), (self.cycle.kind, self.diameter))
-        expected = f"the {kind} {size:g} that stands there"
-        if station not in range(1, count + 1):
-            expected = f"a station from 1 to {count}"
-        elif (kind, size) == (self.cycle.kind, self.diameter):
-            return
-        self.say(WORD, line, found=f"{self.tool} in station {station:g}", expected=expected)
-
-    def _take_numbered(self, line: int, values: Values) -> None:
-        """The tool that a number means, which has to be of the size that is said beside it."""
-        tool = self.dialect.numbered.get(int(values["tool"]))
+    def _choose_numbered(self, values: Values) -> None:
+        """The tool that a number means, which has to be of the size that stands beside it."""
+        shown, tool = f"tool {values['tool']:g}", self.dialect.numbered.get(int(values["tool"]))
         if tool is None:
             known = ", ".join(map(str, sorted(self.dialect.numbered)))
-            self.say(WORD, line, found=f"tool {values['tool']:g}", expected=f"one of {known}")
+            self.say(WORD, shown, f"one of {known}")
             return
         kind, size = tool
         if "diameter" in values and self.diameter != size:
-            expected = f"{size:g}, the size of tool {values['tool']:g}"
-            self.say(WORD, line, found=f"diameter {self.diameter:g}", expected=expected)
+            self.say(WORD, f"diameter {self.diameter:g}", f"{size:g}, the size of {shown}")
         self.diameter, self.cycle = size, self.dialect.cycles.get(kind, _NO_CYCLE)
 
     def _change(self, switch: Switch, values: Values) -> None:
-        self.at_rest(switch.line, "a manual tool change")
+        self.check_rest("a manual tool change")
         spindle, diameter = values.get("spindle"), values.get("diameter")
-        size = None if diameter is None else self.dialect.size(diameter)
         known = [s.number for s in self.machine.spindles]
         if spindle is not None and spindle not in known:
             expected = f"one of {', '.join(map(str, known))}"
-            self.say(WORD, switch.line, found=f"a stop for spindle {spindle:g}", expected=expected)
+            self.say(WORD, f"a stop for spindle {spindle:g}", expected)
             return
         station = values.get("station")
         self.held = {
             (number, at): tool for (number, at), tool in self.held.items()
             if spindle not in (None, number) or station not in (None, at)
         }  # fmt: skip
-        self.tools.append(Changed(switch.line, None if spindle is None else int(spindle), size))
+        size = None if diameter is None else self.dialect.size(diameter)
+        self.tools.append(Changed(self.line, None if spindle is None else int(spindle), size))
 
-    def _check_magazines(self) -> None:
-        """Say which tools are chosen though no station can hold them by then, and idle stops."""
-        if not self.dialect.changes:
-            return
-        spindles = self.machine.spindles
-        chosen = [one.tool for one in self.tools if isinstance(one, Chosen)]
-        has_stops = len(chosen) < len(self.tools)
-        if not has_stops and len(set(chosen)) <= min((s.stations for s in spindles), default=0):
-            return
-        for spindle in spindles:
-            for one in wrong_changes(self._of_spindle(spindle.number), spindle.stations):
-                if isinstance(one, Chosen):
-                    kind, diameter = one.tool
-                    found = f"a {kind} {diameter:g} chosen"
-                    stations = f"one of the {spindle.stations} stations"
-                    expected = f"a stop before that puts it into {stations}"
-                else:
-                    found = f"a stop for a tool of {one.diameter or 0.0:g}"
-                    expected = "a stroke behind it with such a tool that was not there before"
-                self.say(
-                    rules.TOOL_CHANGE, one.line, found=found, spindle=spindle.number,
-                    expected=expected,
-                )  # fmt: skip
-
-    def _of_spindle(self, number: int) -> list[Chosen | Changed]:
-        """The tool selections of a spindle, alone or paired, and its stops."""
-        chosen = {
-            choice.number
-            for choice in self.choices.values()
-            if any(station.number == number for station in choice.stations)
-        }
-        return [
-            one
-            for one in self.tools
-            if (one.spindle in chosen if isinstance(one, Chosen) else one.spindle in (number, None))
-        ]
+    def _end(self, switch: Switch, values: Values) -> None:
+        self.check_rest("the end of the program")
+        if self.dialect.changes:
+            self.diagnostics += change_faults(self.tools, self.machine, self.name)
 
     def _saw(self, switch: Switch, values: Values) -> None:
-        self.at_rest(switch.line, "a cut")
-        self.describe_first(switch.line)
-        angle = values["angle"]
-        saw = self.machine.saw
-        name, least, greatest = limits_of(self.machine, "angle")
+        self.check_rest("a cut")
+        self.check_described()
+        angle, tilt, saw = values["angle"], values.get("tilt", 0.0), self.machine.saw
+        feed = values["feed"] * self.limits.per_minute if "feed" in values else self.feed_mm_min
         if saw is not None and "feed" in values:
-            feed, own = values["feed"] * self.limits.per_minute, saw.feed_mm_min
+            own = saw.feed_mm_min
             if not LEAST * own <= feed <= own + 0.1:
-                self.say_feed(switch.line, feed, "the saw", own, own + 0.1)
+                self.say_feed(feed, "the saw", own, own + 0.1)
+        name, least, greatest = limits_of(self.machine, "angle")
         if not least <= angle <= greatest:
-            self.beyond(switch.line, name, angle, least, greatest)
+            self.say_beyond(name, angle, least, greatest)
         if isnan(self.x):
-            self.say(WORD, switch.line, found="a cut", expected="an X before")
+            self.say(WORD, "a cut", "an X before")
             return
-        tilt = values.get("tilt", 0.0)
-        least, greatest = tilts_of(saw, angle) if saw is not None else (tilt, tilt)
+        least = greatest = 0.0 if saw is not None else tilt
+        if saw is not None and (saw.compound or abs(angle - saw.zero_angle) < SQUARE_DEG):
+            least, greatest = saw.min_tilt, saw.max_tilt
         if not least <= tilt <= greatest:
             name = f"the tilt of the blade, turned to {angle:g},"
-            self.beyond(switch.line, name, tilt, least, greatest)
-        feed = values["feed"] * self.limits.per_minute if "feed" in values else self.feed_mm_min
-        self.order.append(Cut(switch.line, self.x, angle, feed, tilt))
+            self.say_beyond(name, tilt, least, greatest)
+        self.order.append(Cut(self.line, self.x, angle, feed, tilt))
         self.peck = None
 
     def letter(self, event: Lettering) -> None:
         """A text sent to the unit at the bar's position; values not sent are the unit's own."""
-        self.at_rest(event.line, "a text")
-        self.describe_first(event.line)
-        marks = self.machine.marks
+        self.check_rest("a text")
+        self.check_described()
+        marks, values = self.machine.marks, event.values
         if isnan(self.x):
-            self.say(WORD, event.line, found="a text", expected="an X before")
+            self.say(WORD, "a text", "an X before")
             return
         numbers = {number: face for face, number in marks.faces.items()}
-        called = event.values.get("face", next(iter(numbers)))
+        called = values.get("face", next(iter(numbers)))
         face = numbers.get(int(called)) if called == called // 1 else None
         if face is None:
-            expected = "one of " + ", ".join(map(str, sorted(numbers)))
-            self.say(WORD, event.line, found=f"face {called:g}", expected=expected)
+            self.say(WORD, f"face {called:g}", "one of " + ", ".join(map(str, sorted(numbers))))
             return
-        height = event.values.get("height", marks.heights[0] if marks.heights else nan)
-        angle = event.values.get("angle", marks.angles[0])
+        height = values.get("height", marks.heights[0] if marks.heights else nan)
+        angle = values.get("angle", marks.angles[0])
         self.order.append(
-            StampedText(
-                event.line, face, event.kind, event.text, self.x, event.values["y"], height, angle
-            )
+            StampedText(self.line, face, event.kind, event.text, self.x, values["y"], height, angle)
         )
         self.peck = None
 
-    def say_feed(self, line: int, feed: float, what: str, own: float, most: float) -> None:
+    def say_feed(self, feed: float, what: str, own: float, most: float) -> None:
         """Report a feed beyond its limits; `own` is that of the cutting data; all in mm/min."""
         if feed > most:
-            self.say(rules.FEED_LIMIT, line, found=f"{feed:g}", what=what, expected=f"{most:.4g}")
+            self.say(rules.FEED_LIMIT, f"{feed:g}", f"{most:.4g}", what=what)
         elif feed > 0:
-            self.say(rules.FEED, line, found=f"{feed:g}", what=what, expected=f"{own:.4g}")
+            self.say(rules.FEED, f"{feed:g}", f"{own:.4g}", what=what)
         else:
-            self.say(rules.NO_FEED, line, found=f"feed for {what}")
+            self.say(rules.NO_FEED, f"feed for {what}")
 
-    def at_rest(self, line: int, what: str) -> None:
+    def check_rest(self, what: str) -> None:
         """Report what still runs before a spindle is selected, the saw cuts or the program ends."""
         if self.turning:
-            self.say(rules.SPINDLE_ON, line, found=what)
+            self.say(rules.SPINDLE_ON, what)
         if self.cooling:
-            self.say(rules.COOLANT, line, found=what, expected="off")
-        if self.choice is not None:
-            for station in self.choice.stations:
-                if self.is_in(station):
-                    self.sideways(line, what, station, self.at[station.number].stroke)
-
-    def is_in(self, station: Station) -> bool:
-        """Whether a station's tool is where material may be beside it."""
-        return self.at.get(station.number, NOWHERE).beside > EPSILON
+            self.say(rules.COOLANT, what, "off")
+        for station in self.choice.stations if self.choice is not None else ():
+            tip = self.at.get(station.number, NOWHERE)
+            if tip.beside > EPSILON:  # where material may be beside it
+                self.say_sideways(what, station, tip.stroke)
 
     def in_steel(self) -> Station | None:
         """The first station of the choice whose tool is in the material behind its face."""
@@ -364,23 +294,21 @@ class CellState:
                 return station
         return None
 
-    def describe_first(self, line: int) -> None:
-        """Say that the program works on a bar that it has not described."""
-        if self.unsaid:
-            names = ", ".join(sorted(self.unsaid))
-            self.say(rules.SECTION, line, what="no", found=names, expected=f"{names} before")
-            self.section.update(dict.fromkeys(self.unsaid, nan))
-            self.unsaid = frozenset()
+    def check_described(self) -> None:
+        """Report that the program works on a bar that it has not described."""
+        if self.undescribed:
+            names = ", ".join(sorted(self.undescribed))
+            self.say(rules.SECTION, names, f"{names} before", what="no")
+            self.section.update(dict.fromkeys(self.undescribed, nan))
+            self.undescribed = frozenset()
 
-    def beyond(self, line: int, axis: str, at: float, least: float, greatest: float) -> None:
-        self.say(
-            rules.LIMIT, line, axis=axis, found=f"{at:g}", least=f"{least:g}",
-            greatest=f"{greatest:g}",
-        )  # fmt: skip
+    def say_beyond(self, axis: str, at: float, least: float, greatest: float) -> None:
+        limits = {"least": f"{least:g}", "greatest": f"{greatest:g}"}
+        self.say(rules.LIMIT, f"{at:g}", axis=axis, **limits)
 
-    def sideways(self, line: int, what: str, station: Station, at: float) -> None:
+    def say_sideways(self, what: str, station: Station, at: float) -> None:
         axis = AXES[station.stroke]
-        self.say(rules.SIDEWAYS, line, found=what, face=station.face, axis=axis, at=f"{at:g}")
+        self.say(rules.SIDEWAYS, what, face=station.face, axis=axis, at=f"{at:g}")
 
 
 _DOES: dict[Role, Callable[[CellState, Switch, Values], None]] = {

@@ -3,24 +3,28 @@
 cuts -> pieces of bar -> parts;  holes, pockets and lines of each part -> what made them
 """
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Sequence
 from functools import cached_property
 from math import isnan
 from typing import TYPE_CHECKING
 
-from msgspec import Struct, field
+from msgspec import Struct
 
 from beamcam.checks import rules
 from beamcam.checks.bars.ability import FeatureRef, may_be_missing, repeats
 from beamcam.checks.bars.cuts import CutFaults
 from beamcam.checks.bars.holes import HoleCheck, RequiredHole
-from beamcam.checks.bars.machine_limits import reach_faults, section_faults, shape_of, steel_faults
+from beamcam.checks.bars.machine_limits import (
+    CornerCircles,
+    reach_faults,
+    section_faults,
+    shape_of,
+    steel_faults,
+)
 from beamcam.checks.bars.orientations import orientations
-from beamcam.checks.bars.paths import PathsAlong, RequiredPath, check_paths, entry_faults, is_led
+from beamcam.checks.bars.paths import PathsAlong, RequiredPath, check_paths, is_followed
 from beamcam.checks.bars.pieces import (
-    Candidate,
     LaidPart,
-    RequiredEnd,
     ends_of,
     lay_out,
     overlapping,
@@ -29,16 +33,10 @@ from beamcam.checks.bars.pieces import (
     wedge_cuts,
 )
 from beamcam.checks.bars.stations import Choice, MachinedFeatures
-from beamcam.checks.bars.targets import (
-    RequiredPocket,
-    RequiredRound,
-    Target,
-    Unmakeable,
-    targets_of,
-)
-from beamcam.checks.bars.tools import Done, ToolCatalogue, parting_faults
+from beamcam.checks.bars.targets import RequiredRound, Target, Unmakeable, targets_of
+from beamcam.checks.bars.tools import ToolCatalogue, Work, parting_faults
 from beamcam.checks.job import left_out, left_to_manual_work
-from beamcam.errors import Diagnostic, Source
+from beamcam.errors import Diagnostic, Rule, Source
 from beamcam.machine.machine import Machine, saw_of
 from beamcam.model.part import Part, Profile, TextMark
 
@@ -56,141 +54,156 @@ class RequiredParts(Struct, frozen=True):
     bar: float | None = None
 
 
-class _Required(Struct):
-    """What the parts on a bar require; features are a part and its feature, by their indices."""
-
-    holes: list[RequiredHole] = field(default_factory=list)
-    led: list[RequiredPath] = field(default_factory=list)
-    optional: set[FeatureRef] = field(default_factory=set)  #: that may be missing
-    missing: set[FeatureRef] = field(default_factory=set)  #: those that are
-
-
 class Comparison:
-    """Comparison of one program with the required parts; `said` holds its faults."""
+    """Comparison of one program with the required parts; `diagnostics` holds its faults."""
 
     def __init__(
-        self, made: MachinedFeatures, job: RequiredParts, tools: ToolCatalogue, profile: Profile,
-        choices: dict[int, Choice], name: str,
+        self, made: MachinedFeatures, required: RequiredParts, tools: ToolCatalogue,
+        profile: Profile, choices: dict[int, Choice], name: str,
     ) -> None:  # fmt: skip
-        self.made, self.asked, self.tools, self.saw = made, job, tools, saw_of(tools.machine)
+        self.made, self.required, self.tools = made, required, tools
         self.machine: Machine = tools.machine
-        self.profile, self.name = profile, name
+        self.saw, self.profile, self.name = saw_of(tools.machine), profile, name
         self.targets: dict[int, list[Target]] = {}
         self.holes = HoleCheck(made.bores, tools, profile, choices, name)
         self.cuts = planes(made.cuts, self.saw, profile)
-        self.laid: list[LaidPart] = []  #: the parts, once they are found
-        self.diagnostics: list[Diagnostic] = [
-            *_section(made, profile, self.machine, name),
-            *section_faults(profile, self.machine, name),
-            *reach_faults(made.cuts, profile, self.machine, name),
-        ]
+        self.laid: list[LaidPart] = []  #: the parts, once they are known
+        #: What the parts on the bar require; features are a part and its feature, by their indices.
+        self.required_holes: list[RequiredHole] = []
+        self.required_paths: list[RequiredPath] = []
+        self.optional: set[FeatureRef] = set()  #: that may be missing
+        self.missing: set[FeatureRef] = set()  #: those that are
+        self.diagnostics: list[Diagnostic] = []
+
+    def say(self, rule: Rule, source: Source, **values: object) -> None:
+        self.diagnostics.append(rule.at(source, **values))
 
     @cached_property
     def paths(self) -> PathsAlong:
-        """The paths along the bar, put in order where one is looked for."""
+        """The paths along the bar, put in order where one is searched."""
         return PathsAlong(self.made.paths)
 
     def run(self) -> tuple[Diagnostic, ...]:
         """All faults."""
+        made, machine, name = self.made, self.machine, self.name
+        self._check_section()
+        self.diagnostics += section_faults(self.profile, machine, name)
+        self.diagnostics += reach_faults(made.cuts, self.profile, machine, name)
         laid = self.laid = self._lay_out()
         parts = [one.part for one in laid]
-        required = _Required()
-        texts = self._told_texts()
+        texts: PrintedTexts | None = None
+        if machine.marks.is_told:  # by a stamp or printer; else strokes letter
+            from beamcam.checks.bars import texts as lettering
+
+            texts = lettering.PrintedTexts(made.texts, self.tools, name)
         for p, one in enumerate(laid):
-            self.diagnostics += left_to_manual_work(one.part, self.machine)
+            self.diagnostics += left_to_manual_work(one.part, machine)
             if texts is not None:
                 self.diagnostics += texts.check(p, one.part, one.ends, one.start)
             elif TextMark in map(type, one.part.features):
-                self._find_texts(p, one, required.led)
-            self._require(p, one, required)
-        # A hole at the end of a slot is one of the part before it is one that a mill goes into.
-        required_holes = sorted(required.holes, key=lambda hole: hole.target.optional)
-        unmade = self.holes.take(required_holes)
-        left = self._missed(unmade, required.optional)
-        self.diagnostics += self.holes.complain(left, parts)
-        needed = {(w.part, w.target.feature) for w in left}
-        gone = {(w.part, w.target.feature) for w in unmade if not w.target.optional}
-        self.diagnostics += self._left_out(parts, required.missing | (gone - needed))
-        done = [Done(w.part, self.holes.bores[i]) for i, w in self.holes.made.items()]
-        shapes = [(w.part, shape_of(w.target)) for w in self.holes.made.values()]
-        if self.made.paths or required.led:
-            paths = check_paths(
-                self.made.paths, required.led, parts, self.tools, self.profile, self.name
+                from beamcam.checks.bars.texts import texts_of
+
+                from_x = self.tools.drill.x + one.start
+                strokes, diagnostics = texts_of(one.part, one.ends, made.paths, from_x, self.tools)
+                self.required_paths += (RequiredPath(p, target, from_x) for target in strokes)
+                self.diagnostics += diagnostics
+            self._require(p, one)
+        done, shapes = self._check_holes(parts)
+        if made.paths or self.required_paths:
+            diagnostics, taken = check_paths(
+                made, self.required_paths, parts, self.tools, self.profile, name
             )
-            self.diagnostics += paths.diagnostics
-            done += (Done(led.part, path) for path, led in paths.taken)
-            milled = [(p, w.target) for p, w in paths.taken if isinstance(w.target, RequiredPocket)]
-            self.diagnostics += entry_faults(self.made, milled, self.tools, self.name)
-            shapes += ((led.part, shape_of(led.target)) for _, led in paths.taken)
+            self.diagnostics += diagnostics
+            done += ((required.part, path) for path, required in taken)
+            shapes += ((required.part, shape_of(required.target)) for _, required in taken)
         for p, one in enumerate(laid):
             own = {s.feature: s for q, s in shapes if q == p and s is not None}
-            self.diagnostics += steel_faults(tuple(own.values()), one.part, one.ends, self.machine)
+            self.diagnostics += steel_faults(tuple(own.values()), one.part, one.ends, machine)
         if texts is not None:
-            done += (Done(part, text) for part, text in texts.taken)
-        self.diagnostics += parting_faults(
-            self.made, laid, done, self.cuts, self.machine, self.profile, self.name
-        )
+            done += texts.taken
+        self.diagnostics += parting_faults(made, laid, done, self.cuts, machine, self.profile, name)
         if texts is not None:
             self.diagnostics += texts.extra()
         return tuple(self.diagnostics)
 
-    def _require(self, p: int, one: LaidPart, required: "_Required") -> None:
+    def _check_section(self) -> None:
+        """The program's data of the bar, compared with the parts' profile."""
+        profile = self.profile
+        expected = {
+            "height": profile.height, "width": profile.width,
+            "section": float(self.machine.sections.get(profile.code, -1)),
+        }  # fmt: skip
+        for what, value in self.made.section:
+            off = abs(value - expected[what])
+            if not isnan(value) and off > 0.75 * self.machine.format.resolution:
+                found, shown = f"{value:g}", f"{expected[what]:g}"
+                self.say(rules.SECTION, Source(self.name), what=what, found=found, expected=shown)
+
+    def _check_holes(
+        self, parts: Sequence[Part]
+    ) -> tuple[list[tuple[int, Work]], list[tuple[int, CornerCircles | None]]]:
+        """The work that makes holes, and their circles, each with its part; faults are reported."""
+        holes = self.holes
+        # A hole at the end of a slot is one of the part before it is one that a mill goes into.
+        unmade = holes.take(sorted(self.required_holes, key=lambda hole: hole.target.optional))
+        # A feature that may be missing is there wholly, or nothing of it is.
+        begun = {_feature(w) for w in holes.made.values() if not w.target.optional}
+        left = [w for w in unmade if _feature(w) not in self.optional or _feature(w) in begun]
+        self.diagnostics += holes.complain(left, parts)
+        gone = {_feature(w) for w in unmade if not w.target.optional}
+        self.missing |= gone - {_feature(w) for w in left}
+        for p in sorted({p for p, _ in self.missing}):
+            features = {f for q, f in self.missing if q == p}
+            twice = repeats(features, parts[p], self.tools)
+            self.diagnostics += left_out(parts[p], {*features, *twice})
+        done: list[tuple[int, Work]] = [(w.part, holes.bores[i]) for i, w in holes.made.items()]
+        return done, [(w.part, shape_of(w.target)) for w in holes.made.values()]
+
+    def _require(self, p: int, one: LaidPart) -> None:
         """Add what a part on the bar requires; what the machine cannot make is reported."""
-        targets = self._targets_of(one.part, one.ends)
-        may_lack: Collection[int] = ()
-        if self.asked.skips:
-            may_lack = may_be_missing(one.part, targets, self.tools, self.asked.skips)
-        required.optional |= {(p, f) for f in may_lack}
-        holes, from_x = required.holes, self.tools.drill.x + one.start
+        targets, skips, part = self._targets_of(one), self.required.skips, one.part
+        may_miss: Collection[int] = ()
+        if skips:
+            may_miss = may_be_missing(part, targets, self.tools, skips)
+        self.optional |= {(p, f) for f in may_miss}
+        from_x = self.tools.drill.x + one.start
         gone: set[int] = set()  #: slots that are left out, with the holes at their ends
         for target in targets:
             if isinstance(target, RequiredRound):
                 if not (target.optional and target.feature in gone):
-                    holes.append(RequiredHole(p, target, from_x + target.x))
+                    self.required_holes.append(RequiredHole(p, target, from_x + target.x))
             elif isinstance(target, Unmakeable):
-                if target.feature in may_lack:
-                    required.missing.add((p, target.feature))
+                source = target.source.source
+                if target.feature in may_miss:
+                    self.missing.add((p, target.feature))
+                elif target.place is None:
+                    self.say(rules.NOT_MADE, source, found=target.what, mark=part.mark)
                 else:
-                    self.diagnostics.append(_unmakeable(target, one.part))
-            elif target.feature in may_lack and not is_led(self.paths, target, from_x, self.tools):
+                    x, y = (f"{place:g}" for place in target.place)
+                    face = getattr(target.source, "face", "")
+                    self.say(rules.OUTLINE, source, face=face, mark=part.mark, x=x, y=y)
+            elif target.feature in may_miss and not is_followed(
+                self.paths, target, from_x, self.tools
+            ):
                 gone.add(target.feature)
-                required.missing.add((p, target.feature))
+                self.missing.add((p, target.feature))
             else:
-                required.led.append(RequiredPath(p, target, from_x))
+                self.required_paths.append(RequiredPath(p, target, from_x))
 
-    def _told_texts(self) -> "PrintedTexts | None":
-        """What a stamp or printer is told; None where strokes letter."""
-        if not self.machine.marks.is_told:
-            return None
-        from beamcam.checks.bars.texts import PrintedTexts
-
-        return PrintedTexts(self.made.texts, self.tools, self.name)
-
-    def _find_texts(self, p: int, one: LaidPart, led: list[RequiredPath]) -> None:
-        """Add the strokes of a part's texts, and what is wrong with their places."""
-        from beamcam.checks.bars.texts import texts_of
-
-        from_x = self.tools.drill.x + one.start
-        marking_paths, diagnostics = texts_of(
-            one.part, one.ends, self.made.paths, from_x, self.tools
-        )
-        led += (RequiredPath(p, target, from_x) for target in marking_paths)
-        self.diagnostics += diagnostics
-
-    def _targets_of(self, part: Part, ends: tuple[RequiredEnd, RequiredEnd]) -> list[Target]:
-        known = self.targets.get(id(part))
+    def _targets_of(self, one: LaidPart) -> list[Target]:
+        known = self.targets.get(id(one.part))
         if known is None:
-            known = self.targets[id(part)] = targets_of(part, ends, self.tools)
+            known = self.targets[id(one.part)] = targets_of(one.part, one.ends, self.tools)
         return known
 
     def _lay_out(self) -> list[LaidPart]:
         """The parts on the bar; faults of its cuts are reported."""
         if self.machine.saw is None:
             return self._come_cut()
-        job, saw = self.asked, self.saw
-        cuts = self.cuts
-        found = pieces(cuts, job.bar)
-        laid = lay_out(found, job.parts, self.machine, saw, job.free, job.turn, self._faults)
+        job, saw, cuts = self.required, self.saw, self.cuts
+        laid = lay_out(
+            pieces(cuts, job.bar), job.parts, self.machine, saw, job.free, job.turn, self._faults
+        )
         if len(laid) == len(job.parts):
             used = wedge_cuts(laid, cuts, self.machine, saw, job.bar)
             for one in laid:
@@ -203,23 +216,22 @@ class Comparison:
 
     def _come_cut(self) -> list[LaidPart]:
         """The parts on a line without a saw: the only one begins where the bar does."""
-        job = self.asked
+        job = self.required
         for cut in self.made.cuts:
-            source = Source(self.name, cut.line)
-            self.diagnostics.append(
-                rules.CUT_EXTRA.at(source, angle=f"{cut.angle:g}", x=f"{cut.x:g}")
-            )
-        for part in job.parts[1:]:
-            self.diagnostics.append(rules.ONE_PART.at(part.source, mark=part.mark))
-        first = job.parts[0]
-        ways = [part for part in orientations(first) if part.profile == self.profile]
-        meant = [Candidate(p, 0, ends_of(p, self.saw)) for p in (ways if job.turn else [first])]
-        best = min(meant, key=lambda candidate: self._faults(candidate, 0.0))
-        return [LaidPart(best.part, 0, best.ends, 0.0, None)]
+            source, angle = Source(self.name, cut.line), f"{cut.angle:g}"
+            self.say(rules.CUT_EXTRA, source, angle=angle, x=f"{cut.x:g}")
+        first, *others = job.parts
+        for part in others:
+            self.say(rules.ONE_PART, part.source, mark=part.mark)
+        ways = [first]
+        if job.turn:
+            ways = [part for part in orientations(first) if part.profile == self.profile]
+        meant = [LaidPart(part, 0, ends_of(part, self.saw), 0.0, None) for part in ways]
+        return [min(meant, key=self._faults)]
 
     def _complain_of_cuts(self, laid: Sequence[LaidPart]) -> list[LaidPart]:
         """The parts placed by the nearest cuts; faults of the cuts are reported."""
-        job = self.asked
+        job = self.required
         parts: list[Part] = list(job.parts)
         if job.free or job.turn:  # those that are found stay as they lie
             missing = {*range(len(parts))} - {one.given for one in laid}
@@ -229,82 +241,37 @@ class Comparison:
         faults.place(parts, ends)
         last = parts[-1]
         x = self.saw.x + faults.starts[-1] + last.length + ends[-1][1].kerf(self.saw) / 2
-        angle = f"{self.saw.zero_angle:g}"
-        # Behind a skew end at the end of the bar alone no cut is needed, and there it is not.
-        self.diagnostics += faults.diagnostics or [
-            rules.CUT_MISSING.at(last.source, angle=angle, x=f"{x:.6g}", end="end", mark=last.mark)
-        ]
+        self.diagnostics += faults.diagnostics
+        if not faults.diagnostics:
+            # Behind a skew end at the end of the bar alone no cut is needed, and there it is not.
+            place = {"angle": f"{self.saw.zero_angle:g}", "x": f"{x:.6g}", "end": "end"}
+            self.say(rules.CUT_MISSING, last.source, mark=last.mark, **place)
         return [
             LaidPart(part, i, ends[i], start, None)
             for i, (part, start) in enumerate(zip(parts, faults.starts, strict=True))
         ]
 
-    def _faults(self, candidate: Candidate, start: float) -> tuple[int, int]:
-        """Number of missing features of a part if it starts at a bar x.
+    def _faults(self, one: LaidPart) -> tuple[int, int]:
+        """Number of missing features of a part if it lies so.
 
         Of two ways with as many the one is meant in which more is made.
         """
-        from_x = self.tools.drill.x + start
-        part, tools = candidate.part, self.tools
-        targets = self._targets_of(part, candidate.ends)
-        may_lack = may_be_missing(part, targets, tools, self.asked.skips)
-        missing = [
-            t.feature
-            for t in targets
-            if isinstance(t, Unmakeable)
-            or (
-                not self.holes.is_made(RequiredHole(0, t, from_x + t.x))
-                if isinstance(t, RequiredRound)
-                else not is_led(self.paths, t, from_x, tools)
-            )
-            if not (isinstance(t, RequiredRound) and t.optional)
-        ]
-        return sum(f not in may_lack for f in missing), len(missing)
-
-    def _missed(
-        self, left: Sequence[RequiredHole], optional: Collection[tuple[int, int]]
-    ) -> list[RequiredHole]:
-        """The required holes that nothing makes.
-
-        A feature that may be missing is there wholly, or nothing of it is.
-        """
-        made = {
-            (w.part, w.target.feature) for w in self.holes.made.values() if not w.target.optional
-        }
-        return [
-            w for w in left if (key := (w.part, w.target.feature)) not in optional or key in made
-        ]
-
-    def _left_out(
-        self, parts: Sequence[Part], missing: Collection[tuple[int, int]]
-    ) -> Iterator[Diagnostic]:
-        """Remarks on features that are missing as allowed, whether written once or twice."""
-        for p in sorted({p for p, _ in missing}):
-            features = {f for q, f in missing if q == p}
-            yield from left_out(parts[p], {*features, *repeats(features, parts[p], self.tools)})
+        from_x, tools = self.tools.drill.x + one.start, self.tools
+        targets = self._targets_of(one)
+        may_miss = may_be_missing(one.part, targets, tools, self.required.skips)
+        missing = []
+        for target in targets:
+            if isinstance(target, RequiredRound):
+                required = RequiredHole(0, target, from_x + target.x)
+                is_made = target.optional or self.holes.right(required) is not None
+            else:
+                is_made = not isinstance(target, Unmakeable) and is_followed(
+                    self.paths, target, from_x, tools
+                )
+            if not is_made:
+                missing.append(target.feature)
+        return sum(f not in may_miss for f in missing), len(missing)
 
 
-def _section(
-    made: MachinedFeatures, profile: Profile, machine: Machine, name: str
-) -> Iterator[Diagnostic]:
-    """The program's data of the bar, compared with the parts' profile."""
-    expected = {
-        "height": profile.height,
-        "width": profile.width,
-        "section": float(machine.sections.get(profile.code, -1)),
-    }
-    for what, value in made.section:
-        if not isnan(value) and abs(value - expected[what]) > 0.75 * machine.format.resolution:
-            yield rules.SECTION.at(
-                Source(name), what=what, found=f"{value:g}", expected=f"{expected[what]:g}"
-            )
-
-
-def _unmakeable(unmakeable: Unmakeable, part: Part) -> Diagnostic:
-    if unmakeable.place is None:
-        return rules.NOT_MADE.at(unmakeable.source.source, found=unmakeable.what, mark=part.mark)
-    x, y = unmakeable.place
-    face = getattr(unmakeable.source, "face", "")
-    return rules.OUTLINE.at(
-        unmakeable.source.source, face=face, mark=part.mark, x=f"{x:g}", y=f"{y:g}"
-    )
+def _feature(required: RequiredHole) -> FeatureRef:
+    return required.part, required.target.feature

@@ -5,8 +5,8 @@ from itertools import pairwise
 from operator import attrgetter
 
 from beamcam.checks import rules
-from beamcam.checks.bars.pieces import OUTLINE_TOLERANCE, RequiredEnd
-from beamcam.checks.bars.stations import Cut
+from beamcam.checks.bars.pieces import OUTLINE_TOLERANCE, Ends, RequiredEnd
+from beamcam.checks.bars.stations import Cut, wall_between
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Line, Point
 from beamcam.machine.machine import Machine
@@ -14,9 +14,7 @@ from beamcam.machine.stations import Saw
 from beamcam.model.part import Contour, Face, Part, Profile
 
 
-def off_outline(
-    contour: Contour, part: Part, ends: tuple[RequiredEnd, RequiredEnd]
-) -> Point | None:
+def off_outline(contour: Contour, part: Part, ends: Ends) -> Point | None:
     """The first point of an outer contour off the sawn stock; None if there is none.
 
     Every point of it has to lie on a long edge or an end, and every corner of the sawn face has
@@ -55,21 +53,10 @@ def off_outline(
 
 def _span(end: RequiredEnd, face: Face, profile: Profile, q: float) -> tuple[float, float]:
     """Minimum and maximum x at which an end may be drawn on a face, at its coordinate q."""
-    if end.square:
-        return end.x_0 - OUTLINE_TOLERANCE, end.x_0 + OUTLINE_TOLERANCE
-    height, thick, web = profile.height, profile.flange_thickness, profile.web_thickness or 0.0
-    if face in ("o", "u"):
-        low = {"o": height - thick, "u": 0.0}[face]
-        if profile.code == "T":  # whose stem stands in the middle of its flange
-            low = (height - thick) / 2
-        surfaces = low, low + thick
-        xs = [end.x(y, q) for y in surfaces]
-    else:
-        middle = (profile.width - web) / 2 if profile.code == "I" else 0.0
-        if profile.code == "M" and face == "v":
-            middle = profile.width - web
-        whole = profile.code in ("SO", "RO", "RU")
-        xs = [end.x(q, z) for z in ((0.0, profile.width) if whole else (middle, middle + web))]
+    surfaces = wall_between(profile, face)
+    if profile.code in ("SO", "RO", "RU") and face in ("v", "h"):
+        surfaces = 0.0, profile.width
+    xs = end.at_wall(face, q, surfaces)
     return min(xs) - OUTLINE_TOLERANCE, max(xs) + OUTLINE_TOLERANCE
 
 
@@ -83,90 +70,62 @@ def _span(end: RequiredEnd, face: Face, profile: Profile, q: float) -> tuple[flo
 # its own and a square one behind it that removes the wedge. The blade is always on the waste side.
 
 
-_by_x = attrgetter("x", "line")
 COMMON_DEG = 0.01  #: ends that differ by no more may share a cut
 SQUARE = RequiredEnd(1, 0.0, 0.0, 0.0)
 NEAR = 60.0  #: mm; a cut this near to where it should be is taken for it, in the wrong place
 
 
 class CutFaults:
-    """Parts laid on the bar by the cuts that come nearest to theirs: `starts`, and what is wrong in
-    `said`."""
+    """Parts laid on the bar by the cuts that come nearest to theirs: `starts` and `diagnostics`."""
 
     def __init__(self, cuts: Sequence[Cut], machine: Machine, saw: Saw, name: str) -> None:
         self.machine, self.saw, self.name = machine, saw, name
-        self.left = sorted(cuts, key=_by_x)
+        self.left = sorted(cuts, key=attrgetter("x", "line"))
         self.tolerance = machine.format.resolution + 1e-6
         self.angle_tolerance = 0.5 * 10.0**-machine.format.angle_decimals + 1e-6
         self.starts: list[float] = []
         self.diagnostics: list[Diagnostic] = []
 
-    def place(self, parts: Sequence[Part], ends: Sequence[tuple[RequiredEnd, RequiredEnd]]) -> None:
+    def place(self, parts: Sequence[Part], ends: Sequence[Ends]) -> None:
         """Find every part's cuts, in the order given; what is left over is too much."""
+        saw = self.saw
         begin: float | None = None  #: where the cut before lets the next part begin
         shared = False  #: whether that cut made the next start, skew as it may be
-        for index, part in enumerate(parts):
+        for index, (part, (first, last)) in enumerate(zip(parts, ends, strict=True)):
             following = ends[index + 1][0] if index + 1 < len(parts) else None
-            begin, shared = self._place(part, ends[index], following, begin, shared)
-        for cut in self.left:
-            self.diagnostics.append(
-                rules.CUT_EXTRA.at(
-                    Source(self.name, cut.line), angle=_shown(cut.angle, cut.tilt), x=f"{cut.x:g}"
-                )
-            )
-
-    def _place(
-        self, part: Part, ends: tuple[RequiredEnd, RequiredEnd], following: RequiredEnd | None,
-        begin: float | None, shared: bool,
-    ) -> tuple[float, bool]:  # fmt: skip
-        """One part's cuts; where the next part begins, and whether its start is made already."""
-        first, last = ends
-        saw, height = self.saw, part.profile.height
-        start = begin
-        if start is None or not (first.square or shared):
-            start = self._start(part, ends, begin)
-            self._take(first, start + first.blade(saw, height), part)
-        self.starts.append(start)
-        end = start + part.length
-        if last.square:
-            return self._take_square(last, end + saw.kerf / 2, part), False
-        cut = self._take(last, start + last.blade(saw, height), part)
-        behind = self._behind_wedge(end, last, following)
-        at = next((x for x in behind if self._is_there(x, self._places(SQUARE))), None)
-        if at is None and cut is not None:
-            if following is None:
-                # The bar ends with the part, and its wedge falls off.
-                return cut.x - saw.x + saw.kerf / 2, False
-            if self._common(last, following):
-                return cut.x - saw.x - following.blade(saw, height), True
-        return self._take_square(SQUARE, behind[0] if at is None else at, part), False
-
-    def _behind_wedge(
-        self, end: float, last: RequiredEnd, following: RequiredEnd | None
-    ) -> list[float]:
-        """Where the square cut may stand that removes the wedge, the likeliest first.
-
-        It never stands before the middle of the mitre.
-        """
-        behind = [end + last.kerf(self.saw) / 2]
-        if following is not None and following.square:
-            # It makes the next start too, so it says where that is.
-            least = end + self.saw.kerf / 2 - self.tolerance
-            behind += [x for x in self._places(SQUARE) if x >= least][:1]
-        return behind
+            start, height = begin, part.profile.height
+            if start is None or not (first.square or shared):
+                start = self._start(part, ends[index], begin)
+                self._take(first, start + first.blade(saw, height), part)
+            self.starts.append(start)
+            end, shared = start + part.length, False
+            if last.square:
+                begin = self._take_square(last, end + saw.kerf / 2, part)
+                continue
+            cut = self._take(last, start + last.blade(saw, height), part)
+            # Where the square cut may stand that removes the wedge, the likeliest first: never
+            # before the middle of the mitre.
+            behind, squares = [end + last.kerf(saw) / 2], self._places(SQUARE)
+            if following is not None and following.square:
+                # It makes the next start too, so it says where that is.
+                behind += [x for x in squares if x >= end + saw.kerf / 2 - self.tolerance][:1]
+            at = next((x for x in behind if self._is_there(x, squares)), None)
+            if at is None and cut is not None:
+                if following is None:
+                    break  # the bar ends with the part, and its wedge falls off
+                apart = abs(last.web - following.web), abs(last.flange - following.flange)
+                if saw.common_cuts and max(apart) <= COMMON_DEG:
+                    begin, shared = cut.x - saw.x - following.blade(saw, height), True
+                    continue
+            begin = self._take_square(SQUARE, behind[0] if at is None else at, part)
+        for extra in self.left:
+            angle, source = _shown(extra.angle, extra.tilt), Source(self.name, extra.line)
+            self.diagnostics.append(rules.CUT_EXTRA.at(source, angle=angle, x=f"{extra.x:g}"))
 
     def _take_square(self, end: RequiredEnd, bar_x: float, part: Part) -> float:
         """Where the next part begins behind a square cut."""
         cut = self._take(end, bar_x, part)
         return (cut.x - self.saw.x if cut else bar_x) + self.saw.kerf / 2
-
-    def _common(self, end: RequiredEnd, start: RequiredEnd) -> bool:
-        """Whether one cut can make an end and the next start."""
-        return (
-            self.saw.common_cuts
-            and abs(end.web - start.web) <= COMMON_DEG
-            and abs(end.flange - start.flange) <= COMMON_DEG
-        )
 
     def _like(self, end: RequiredEnd, cuts: Sequence[Cut]) -> list[Cut]:
         """Those of the cuts that have an end's angles."""
@@ -181,53 +140,44 @@ class CutFaults:
     def _is_there(self, bar_x: float, places: Sequence[float]) -> bool:
         return any(abs(place - bar_x) <= self.tolerance for place in places)
 
-    def _start(
-        self, part: Part, ends: tuple[RequiredEnd, RequiredEnd], begin: float | None
-    ) -> float:
+    def _start(self, part: Part, ends: Ends, begin: float | None) -> float:
         """The start of a part: where its first cut fits one at its other end, if there is any."""
-        height = part.profile.height
-        at, reach = (e.blade(self.saw, height) for e in ends)
-        offsets = [x - at for x in self._places(ends[0])]
+        at, reach = (e.blade(self.saw, part.profile.height) for e in ends)
+        starts = [x - at for x in self._places(ends[0])]
         last = self._places(ends[1])
-        for start in offsets:
+        for start in starts:
             if self._is_there(start + reach, last):
                 return start
-        others = [place - reach for place in last]
-        near = begin
-        if near is None and self.machine.layout is not None:
-            near = self.machine.layout.front_trim
-        return min((*offsets, *others), key=lambda s: abs(s - (near or 0.0)), default=near or 0.0)
+        starts += [place - reach for place in last]
+        if begin is None:
+            begin = self.machine.layout.front_trim if self.machine.layout is not None else 0.0
+        return min(starts, key=lambda start: abs(start - begin), default=begin)
 
     def _take(self, end: RequiredEnd, bar_x: float, part: Part) -> Cut | None:
-        """The cut at `bar_x`, taken from those that are left; what is wrong with it is said."""
+        """The cut at `bar_x`, taken from those that are left; what is wrong with it is reported."""
         x = bar_x + self.saw.x
         here = [c for c in self.left if abs(c.x - x) <= self.tolerance]
         best = min(self._like(end, here), key=lambda c: abs(c.x - x), default=None)
         if best is None:
-            best, diagnostic = self._instead(end, x, here, part)
-            self.diagnostics.append(diagnostic)
-        if best is not None:
-            self.left.remove(best)
+            names = {"end": end.name, "mark": part.mark}
+            angle, tilt = end.saw_angles(self.saw)
+            near = [c for c in self._like(end, self.left) if abs(c.x - x) <= NEAR]
+            if here:
+                best = min(here, key=lambda c: abs(c.angle - angle))
+                found, expected = _shown(best.angle, best.tilt), _shown(angle, tilt)
+                rule = rules.CUT_ANGLE
+            elif near:
+                best = min(near, key=lambda c: abs(c.x - x))
+                rule, found, expected = rules.CUT_PLACE, f"{best.x:.6g}", f"{x:.6g}"
+            else:
+                source = part.cut_source("web" if end.web else "flange", end.name)
+                names |= {"angle": _shown(angle, tilt), "x": f"{x:.6g}"}
+                self.diagnostics.append(rules.CUT_MISSING.at(source, **names))
+                return None
+            source = Source(self.name, best.line)
+            self.diagnostics.append(rule.at(source, found=found, expected=expected, **names))
+        self.left.remove(best)
         return best
-
-    def _instead(
-        self, end: RequiredEnd, x: float, here: Sequence[Cut], part: Part
-    ) -> tuple[Cut | None, Diagnostic]:
-        """The cut that was meant for an end at machine `x`, and what is wrong with it."""
-        names = {"end": end.name, "mark": part.mark}
-        angle, tilt = end.saw_angles(self.saw)
-        if here:
-            best = min(here, key=lambda c: abs(c.angle - angle))
-            source, found = Source(self.name, best.line), _shown(best.angle, best.tilt)
-            expected = _shown(angle, tilt)
-            return best, rules.CUT_ANGLE.at(source, found=found, expected=expected, **names)
-        near = [c for c in self._like(end, self.left) if abs(c.x - x) <= NEAR]
-        if near:
-            best = min(near, key=lambda c: abs(c.x - x))
-            source, found = Source(self.name, best.line), f"{best.x:.6g}"
-            return best, rules.CUT_PLACE.at(source, found=found, expected=f"{x:.6g}", **names)
-        source = part.cut_source("web" if end.web else "flange", end.name)
-        return None, rules.CUT_MISSING.at(source, angle=_shown(angle, tilt), x=f"{x:.6g}", **names)
 
 
 def _shown(angle: float, tilt: float) -> str:

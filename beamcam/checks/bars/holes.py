@@ -14,7 +14,7 @@ punch         as deep as the part or the machine file says
 mill, scribe  through: beyond the far side; else at the depth
 """
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from math import floor, inf, radians, tan
 
 from msgspec import Struct
@@ -35,55 +35,30 @@ class DepthRange(Struct, frozen=True, gc=False):
     greatest: float
 
 
-def _drill(kind: RoundKind, diameter: float, thickness: float, tools: ToolCatalogue) -> DepthRange:
-    hole = kind.hole
-    tip = tools.tip("drill", diameter, hole.face)
-    if hole.depth is None:
-        return DepthRange(thickness + tip, thickness + tools.drill.breakthrough + tip)
-    if hole.kind in THREADS:
-        return DepthRange(hole.depth + tip, max(hole.depth + tip, thickness or inf))
-    return DepthRange(hole.depth + tip, hole.depth + tip)
-
-
-def _tap(kind: RoundKind, diameter: float, thickness: float, tools: ToolCatalogue) -> DepthRange:
-    if kind.hole.depth is None:
-        tip = tools.tip("tap", diameter, kind.hole.face)
-        return DepthRange(thickness, thickness + tools.drill.breakthrough + tip)
-    return DepthRange(kind.hole.depth, kind.hole.depth)
-
-
-def _sink(kind: RoundKind, diameter: float, thickness: float, tools: ToolCatalogue) -> DepthRange:
-    hole = kind.hole
-    cone = hole.angle or FLAT_DEG
-    if cone >= FLAT_DEG:
-        depth = hole.depth or 0.0
-        return DepthRange(depth, depth)
-    slope = tan(radians(cone) / 2)
-    alone = (hole.diameter - kind.pilot) / 2 / slope
-    deep = hole.depth or alone
-    if deep > alone + tools.drill.sink_tolerance:
-        point = deep + kind.pilot / 2 / slope
-    else:
-        point = hole.diameter / 2 / slope
-    return DepthRange(point, point)
-
-
-def _punch(kind: RoundKind, diameter: float, thickness: float, tools: ToolCatalogue) -> DepthRange:
-    depth = kind.hole.depth or tools.drill.punch_depth
-    return DepthRange(depth, depth)
-
-
-#: By the kind of tool.
-REACHES: dict[str, Callable[[RoundKind, float, float, ToolCatalogue], DepthRange]] = {
-    "drill": _drill, "tap": _tap, "countersink": _sink, "punch": _punch,
-}  # fmt: skip
-
-
-def path_reach(depth: float | None, thickness: float, tools: ToolCatalogue) -> DepthRange:
-    """Of a mill: through, or at a depth."""
-    if depth is None:
-        return DepthRange(thickness, thickness + tools.drill.breakthrough)
-    return DepthRange(depth, depth)
+def reach_of(
+    kind: RoundKind, diameter: float, thickness: float, tools: ToolCatalogue
+) -> DepthRange:
+    """Permitted depth of the tip of a tool of a diameter that leaves what is required."""
+    hole, depth = kind.hole, kind.hole.depth
+    if kind.tool in ("drill", "tap"):
+        tip = tools.tip(kind.tool, diameter, hole.face)
+        point = tip if kind.tool == "drill" else 0.0  # a tap cuts its thread from its tip on
+        if depth is None:
+            return DepthRange(thickness + point, thickness + tools.drill.breakthrough + tip)
+        least = most = depth + point
+        if kind.tool == "drill" and hole.kind in THREADS:
+            most = max(least, thickness or inf)
+        return DepthRange(least, most)
+    if kind.tool == "punch":
+        depth = depth or tools.drill.punch_depth
+    elif (cone := hole.angle or FLAT_DEG) < FLAT_DEG:
+        slope = tan(radians(cone) / 2)
+        alone = (hole.diameter - kind.pilot) / 2 / slope
+        deep = depth or alone
+        depth = hole.diameter / 2 / slope
+        if deep > alone + tools.drill.sink_tolerance:
+            depth = deep + kind.pilot / 2 / slope
+    return DepthRange(depth or 0.0, depth or 0.0)
 
 
 NOUNS = {"drill": "hole", "tap": "thread", "countersink": "countersink", "punch": "punch mark"}
@@ -105,17 +80,19 @@ class HoleCheck:
         self, bores: Sequence[Bore], tools: ToolCatalogue, profile: Profile,
         choices: dict[int, Choice], name: str,
     ) -> None:  # fmt: skip
-        self.tools, self.profile, self.name = tools, profile, name
+        self.bores, self.tools, self.profile, self.name = bores, tools, profile, name
         resolution = tools.machine.format.resolution
         self.merge = tools.drill.merge_tolerance
         #: A bore may be off by half a step, and so may the cut that its part starts at.
-        self.x_slack, self.y_slack = resolution + 1e-6, 0.75 * resolution + 1e-6
-        self.depth_slack = resolution + 1e-6
+        self.slack, self.y_slack = resolution + 1e-6, 0.75 * resolution + 1e-6
         self.stations = {s.face: s for choice in choices.values() for s in choice.stations}
         self.pockets: dict[tuple[str, str, int], list[int]] = {}
-        self.bores = bores
-        self.paired = _paired(bores)
+        self.paired: set[int] = set()  #: strokes of two spindles at once
+        before = 0
         for i, bore in enumerate(bores):
+            if bore.line == before:
+                self.paired |= {i - 1, i}
+            before = bore.line
             self.pockets.setdefault((bore.face, bore.kind, floor(bore.x)), []).append(i)
         self.made: dict[int, RequiredHole] = {}  #: by the bore's index
 
@@ -125,18 +102,14 @@ class HoleCheck:
         """Give each hole the bore that makes it rightly; those that are left come back."""
         left = []
         for required in required_holes:
-            best = self._right(required)
+            best = self.right(required)
             if best is None:
                 left.append(required)
             else:
                 self.made[best] = required
         return left
 
-    def is_made(self, required: RequiredHole) -> bool:
-        """Whether something makes a hole rightly."""
-        return self._right(required) is not None
-
-    def _right(self, required: RequiredHole) -> int | None:
+    def right(self, required: RequiredHole) -> int | None:
         """The bore that makes a hole rightly, of those not taken: the nearest in size."""
         near = [i for i in self._near(required) if self._is_right(required, self.bores[i])]
         if len(near) < 2:
@@ -147,7 +120,7 @@ class HoleCheck:
         """The bores at a hole's place that are not taken."""
         x, target = required.x, required.target
         kind = target.kind.tool
-        x_reach, y_reach = self.x_slack, self.y_slack
+        x_reach, y_reach = self.slack, self.y_slack
         loose = kind != "drill" or self.paired
         if loose:
             x_reach, y_reach = x_reach + self.merge, y_reach + self.merge
@@ -158,12 +131,8 @@ class HoleCheck:
                 off_x, off_y = abs(bore.x - x), abs(bore.y - target.y)
                 if i in self.made or off_x > x_reach or off_y > y_reach:
                     continue
-                if (
-                    not loose
-                    or kind != "drill"
-                    or i in self.paired
-                    or (off_x <= self.x_slack and off_y <= self.y_slack)
-                ):
+                in_place = off_x <= self.slack and off_y <= self.y_slack
+                if not loose or kind != "drill" or i in self.paired or in_place:
                     yield i
 
     def _is_right(self, required: RequiredHole, bore: Bore) -> bool:
@@ -174,39 +143,32 @@ class HoleCheck:
             return False
         if kind.tool != "drill" and self._wrong_tool(kind, bore):
             return False
-        reach = self._reach(kind, bore)
-        if bore.tip_depth < reach.least - self.depth_slack:
+        thickness = wall_thickness(self.profile, bore.face)
+        reach = reach_of(kind, diameter, thickness, self.tools)
+        if bore.tip_depth < reach.least - self.slack:
             return False
         return (
-            bore.tip_depth <= reach.greatest + self.depth_slack
-            or bore.tip_depth <= self.reach(kind, bore).greatest + self.depth_slack
+            bore.tip_depth <= reach.greatest + self.slack
+            or bore.tip_depth <= self._reach(kind, bore).greatest + self.slack
         )
 
     def _unlike(self, required: RequiredHole, bore: Bore) -> tuple[float, float]:
         off = abs(required.x - bore.x) + abs(required.target.y - bore.y)
         return round(abs(required.target.kind.own - bore.diameter), 6), round(off, 6)
 
-    def reach(self, kind: RoundKind, bore: Bore) -> DepthRange:
-        """Permitted depth of the tip in a hole; through holes as deep as the machine strokes."""
-        reach = self._reach(kind, bore)
-        if kind.hole.depth is None and kind.tool in ("drill", "tap"):
-            thickness = wall_thickness(self.profile, bore.face)
-            return DepthRange(reach.least, max(reach.greatest, self._stroke_end(bore, thickness)))
-        return reach
-
     def _reach(self, kind: RoundKind, bore: Bore) -> DepthRange:
-        return REACHES[kind.tool](
-            kind, bore.diameter, wall_thickness(self.profile, bore.face), self.tools
-        )
-
-    def _stroke_end(self, bore: Bore, thickness: float) -> float:
-        """Depth of the machine's own stroke, which may be fixed for all holes."""
-        machine = self.tools.machine
-        spindle = next(s for s in machine.spindles if s.face == bore.face)
-        values = stroke_values(machine, self.profile, bore.face)
-        tip = self.tools.tip(bore.kind, bore.diameter, bore.face)
-        values |= {"depth": thickness + self.tools.drill.breakthrough, "tip": tip, "y": bore.y}
-        return self.stations[bore.face].tip_depth(spindle.stroke.bottom(values), bore.y)
+        """Permitted depth of the tip in a hole; through holes as deep as the machine strokes."""
+        thickness, tools = wall_thickness(self.profile, bore.face), self.tools
+        reach = reach_of(kind, bore.diameter, thickness, tools)
+        if kind.hole.depth is not None or kind.tool not in ("drill", "tap"):
+            return reach
+        # The machine's own stroke may be the same for all holes.
+        station = self.stations[bore.face]
+        values = stroke_values(tools.machine, self.profile, bore.face)
+        tip = tools.tip(bore.kind, bore.diameter, bore.face)
+        values |= {"depth": thickness + tools.drill.breakthrough, "tip": tip, "y": bore.y}
+        own = station.tip_depth(station.spindle.stroke.bottom(values), bore.y)
+        return DepthRange(reach.least, max(reach.greatest, own))
 
     def _wrong_tool(self, kind: RoundKind, bore: Bore) -> str:
         """The required tap or countersink if the tool is wrong, else ""."""
@@ -226,25 +188,35 @@ class HoleCheck:
 
     def complain(self, left: Sequence[RequiredHole], parts: Sequence[Part]) -> Iterator[Diagnostic]:
         """Faults of the holes that are not made correctly, and bores that belong to no hole."""
-        yield from self._astray(parts)
-        astray: list[RequiredHole] = []
+        yield from self._off_their_place(parts)
+        far: list[RequiredHole] = []
         for required in left:
             if required.target.optional:
                 continue
             near = [*self._near(required)]
             if not near:
-                astray.append(required)
+                far.append(required)
                 continue
             best = min(near, key=lambda i: self._unlike(required, self.bores[i]))
             self.made[best] = required
             yield self._not_right(required, self.bores[best], parts)
-        for required in astray:
-            nearest = self._nearest(required)
-            if nearest is None:
-                yield self._missing(required, parts)
-            else:
+        for required in far:
+            x, target = required.x, required.target
+            # The bores of its face and tool that may have been meant for it.
+            meant = [
+                (abs(b.x - x) + abs(b.y - target.y), i)
+                for i, b in enumerate(self.bores)
+                if i not in self.made and b.face == target.face and b.kind == target.kind.tool
+                and abs(b.x - x) <= NEAR and abs(b.y - target.y) <= NEAR
+            ]  # fmt: skip
+            if meant:
+                nearest = min(meant)[1]
                 self.made[nearest] = required
                 yield self._elsewhere(required, self.bores[nearest], parts)
+            else:
+                described = self._described(required, parts)
+                source = target.kind.hole.source
+                yield rules.HOLE_MISSING.at(source, machine_x=f"{x:g}", **described)
         for i, bore in enumerate(self.bores):
             if i not in self.made:
                 yield rules.HOLE_EXTRA.at(
@@ -253,11 +225,12 @@ class HoleCheck:
                     face=bore.face, x=f"{bore.x:g}", y=f"{bore.y:g}",
                 )  # fmt: skip
 
-    def _astray(self, parts: Sequence[Part]) -> Iterator[Diagnostic]:
+    def _off_their_place(self, parts: Sequence[Part]) -> Iterator[Diagnostic]:
         """Bores that may stand off their hole by the merging tolerance, and stand off for nothing.
 
         A stroke of two spindles lies between its two holes, what follows a drill where that was.
         """
+        slack, y_slack = self.slack, self.y_slack
         drilled: set[tuple[str, float, float]] | None = None
         by_line: dict[int, list[RequiredHole]] = {}
         for i in self.paired:
@@ -265,10 +238,7 @@ class HoleCheck:
                 by_line.setdefault(self.bores[i].line, []).append(self.made[i])
         for i, required in list(self.made.items()):
             bore = self.bores[i]
-            if (
-                abs(bore.x - required.x) <= self.x_slack
-                and abs(bore.y - required.target.y) <= self.y_slack
-            ):
+            if abs(bore.x - required.x) <= slack and abs(bore.y - required.target.y) <= y_slack:
                 continue
             if bore.kind != "drill":
                 if drilled is None:
@@ -278,21 +248,10 @@ class HoleCheck:
             both = by_line.get(bore.line, [required])
             xs, ys = [w.x for w in both], [w.target.y for w in both]
             if not (
-                min(xs) - self.x_slack <= bore.x <= max(xs) + self.x_slack
-                and min(ys) - self.y_slack <= bore.y <= max(ys) + self.y_slack
+                min(xs) - slack <= bore.x <= max(xs) + slack
+                and min(ys) - y_slack <= bore.y <= max(ys) + y_slack
             ):
                 yield self._elsewhere(required, bore, parts)
-
-    def _nearest(self, required: RequiredHole) -> int | None:
-        """The bore of a hole's face and tool that may have been meant for it."""
-        target = required.target
-        near = [
-            (abs(b.x - required.x) + abs(b.y - target.y), i)
-            for i, b in enumerate(self.bores)
-            if i not in self.made and b.face == target.face and b.kind == target.kind.tool
-            and abs(b.x - required.x) <= NEAR and abs(b.y - target.y) <= NEAR
-        ]  # fmt: skip
-        return min(near)[1] if near else None
 
     def _described(self, required: RequiredHole, parts: Sequence[Part]) -> dict[str, object]:
         """Name of a hole in messages."""
@@ -315,18 +274,9 @@ class HoleCheck:
                 found = f"a tap of pitch {bore.pitch:g}"
         if expected:
             return rules.TOOL.at(source, found=found, expected=expected, **described)
-        reach = self.reach(kind, bore)
+        reach, depths = self._reach(kind, bore), (bore.tip_depth, bore.tip_depth)
         tip = self.tools.tip("drill", bore.diameter, bore.face) if bore.kind == "drill" else 0.0
-        return wrong_depth(
-            (bore.tip_depth, bore.tip_depth), reach, tip, self.depth_slack, source, described
-        )
-
-    def _missing(self, required: RequiredHole, parts: Sequence[Part]) -> Diagnostic:
-        return rules.HOLE_MISSING.at(
-            required.target.kind.hole.source,
-            machine_x=f"{required.x:g}",
-            **self._described(required, parts),
-        )
+        return wrong_depth(depths, reach, tip, self.slack, source, described)
 
     def _elsewhere(self, required: RequiredHole, bore: Bore, parts: Sequence[Part]) -> Diagnostic:
         return rules.HOLE_PLACE.at(
@@ -348,14 +298,3 @@ def wrong_depth(
     if reach.least == reach.greatest:
         expected = f"{reach.least - tip:.3f}"
     return rules.DEPTH.at(source, found=f"{found - tip:.3f}", expected=expected, **described)
-
-
-def _paired(bores: Sequence[Bore]) -> frozenset[int]:
-    """The indices of bores that are strokes of two spindles at once."""
-    paired: list[int] = []
-    before = None
-    for i, bore in enumerate(bores):
-        if before is not None and bore.line == before.line:
-            paired += (i - 1, i)
-        before = bore
-    return frozenset(paired)

@@ -11,8 +11,8 @@ from math import dist, hypot, inf
 from msgspec import Struct
 
 from beamcam.checks import rules
-from beamcam.checks.bars.pieces import LaidPart, RequiredEnd
-from beamcam.checks.bars.stations import Cut, MachinedFeatures, MachinedPath, lip_length
+from beamcam.checks.bars.pieces import Ends, LaidPart
+from beamcam.checks.bars.stations import Cut, MachinedFeatures, lip_length, wall_between
 from beamcam.checks.bars.targets import (
     PLAIN_KINDS,
     THREADS,
@@ -25,7 +25,7 @@ from beamcam.checks.bars.tools import EPSILON
 from beamcam.errors import Diagnostic, Source
 from beamcam.machine.machine import Layout, Machine
 from beamcam.machine.stations import Saw
-from beamcam.model.part import Face, Hole, Part, Profile, Slot
+from beamcam.model.part import Face, Hole, Part, Profile
 from beamcam.model.section import walls_beside
 
 TANGENT = 0.011  #: mm; holes are given to 0.01, so that those which touch may be off by it
@@ -40,27 +40,29 @@ class CornerCircles(Struct, frozen=True, gc=False):
     centres: tuple[tuple[float, float], ...]
     radius: float
     through: bool
+    source: Source
     hole: Hole | None  #: None of a slot
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """Least and greatest y."""
+        ys = [y for _, y in self.centres]
+        return min(ys) - self.radius, max(ys) + self.radius
 
 
 def shape_of(target: Target) -> CornerCircles | None:
     """The circles of what was made; None of a line, and of a slot's end, which is in the slot."""
     if isinstance(target, RequiredPocket):
-        source = target.source
-        if isinstance(source, Slot):
-            centres, hole = tuple(slot_corners(source)), None
-        else:
-            centres, hole = ((target.x, target.y),), source
-        return CornerCircles(
-            target.feature, target.face, target.what, centres, target.diameter / 2,
-            target.depth is None, hole,
-        )  # fmt: skip
-    if not isinstance(target, RequiredRound) or target.optional:
+        source, what, centres = target.source, target.what, tuple(slot_corners(target.slot))
+        through = source.depth is None
+    elif isinstance(target, RequiredRound) and not target.optional:
+        source, what, centres = target.kind.hole, target.kind.what, ((target.x, target.y),)
+        through = source.depth is None and source.kind in ("through", *THREADS)
+    else:
         return None
-    hole = target.kind.hole
     return CornerCircles(
-        target.feature, target.face, target.kind.what, ((target.x, target.y),), hole.diameter / 2,
-        hole.depth is None and hole.kind in ("through", *THREADS), hole,
+        target.feature, target.face, what, centres, source.diameter / 2, through, source.source,
+        source if isinstance(source, Hole) else None,
     )  # fmt: skip
 
 
@@ -81,10 +83,9 @@ def size_faults(profile: Profile, machine: Machine, name: str) -> Iterator[Diagn
             continue
         most = station.max_height, station.max_width
         if profile.height > most[0] or profile.width > most[1]:
-            yield rules.STOCK.at(
-                Source(name), found=f"{profile.height:g} x {profile.width:g} mm",
-                expected=f"at most {most[0]:g} x {most[1]:g} mm (height x width) at the {what}",
-            )  # fmt: skip
+            found = f"{profile.height:g} x {profile.width:g} mm"
+            expected = f"at most {most[0]:g} x {most[1]:g} mm (height x width) at the {what}"
+            yield rules.STOCK.at(Source(name), found=found, expected=expected)
 
 
 def reach_faults(
@@ -108,25 +109,26 @@ def reach_faults(
 
 
 def steel_faults(
-    shapes: Sequence[CornerCircles],
-    part: Part,
-    ends: tuple[RequiredEnd, RequiredEnd],
-    machine: Machine,
+    shapes: Sequence[CornerCircles], part: Part, ends: Ends, machine: Machine
 ) -> Iterator[Diagnostic]:
     """Holes and slots of a part, made as it has them, that have no steel all round."""
     step = machine.format.resolution + TANGENT
+    profile, lip = part.profile, lip_length(part)
     for shape in shapes:
-        found = (
-            _beyond_end(shape, part.profile, ends, step)
-            or _beyond_edge(shape, part.profile, step)
-            or _in_a_wall(shape, part.profile, step)
-        )
+        face, (low, high) = shape.face, shape.span
+        found = _beyond_end(shape, profile, ends, step) or _beyond_edge(shape, profile, step)
+        # A wall that the tool would run into: behind the face, or before it beside a sunk one.
+        if not found and (shape.through or profile.face_depth(face)):
+            for wall in walls_beside(profile, face):
+                if high > wall.least + step and low < wall.greatest - step:
+                    found = f"in the wall from y {wall.least:g} to {wall.greatest:g}"
+                    break
         if found:
-            yield _said(shape, part, found, "steel all round it")
-        elif found := _behind_a_lip(shape, part, step):
-            yield _said(shape, part, found, "room for the tool")
+            yield _no_steel(shape, part.mark, found, "steel all round it")
+        elif face == "v" and lip and (low < lip - step or high > profile.height - lip + step):
+            yield _no_steel(shape, part.mark, f"behind a lip of {lip:.3g} mm", "room for the tool")
     for one, other in _overlapping(shapes, machine, step):
-        yield _said(other, part, *_apart(one, other))
+        yield _no_steel(other, part.mark, *_apart(one, other))
 
 
 def bore_faults(
@@ -140,11 +142,11 @@ def bore_faults(
     step = machine.format.resolution + TANGENT
     shapes = [
         CornerCircles(
-            k, bore.face, f"hole of {bore.diameter:g}", ((bore.x, bore.y),),
-            bore.diameter / 2, False,
-            Hole(bore.face, bore.x, bore.y, bore.diameter, Source(name, bore.line)),
+            k, bore.face, f"hole of {bore.diameter:g}", ((bore.x, bore.y),), bore.diameter / 2,
+            False, source, Hole(bore.face, bore.x, bore.y, bore.diameter, source),
         )
         for k, bore in enumerate(made.bores) if bore.kind == "drill"
+        for source in [Source(name, bore.line)]
     ]  # fmt: skip
     for shape in shapes:
         found = section.face_width(shape.face) and _beyond_edge(shape, section, step)
@@ -153,10 +155,18 @@ def bore_faults(
             if abs(shape.centres[0][1] - middle) < shape.radius - step and not found:
                 found = f"over the wall at y {middle:g}"
         if found:
-            yield _of_bar(shape, found, "steel all round it")
+            yield _no_steel(shape, "the bar", found, "steel all round it")
     for one, other in _overlapping(shapes, machine, step):
-        if not any(_joins(path, (one, other), step) for path in made.paths):
-            yield _of_bar(other, *_apart(one, other))
+        # What a path that comes by both their middles joins is a slot.
+        if not any(
+            all(
+                hole.face == path.face
+                and min(dist(point, hole.centres[0]) for point in path.points) <= hole.radius + step
+                for hole in (one, other)
+            )
+            for path in made.paths
+        ):
+            yield _no_steel(other, "the bar", *_apart(one, other))
 
 
 def _overlapping(
@@ -181,20 +191,10 @@ def _apart(one: CornerCircles, other: CornerCircles) -> tuple[str, str]:
     return f"{apart:.3g} mm from the {one.what}", expected
 
 
-def _joins(path: MachinedPath, holes: Iterable[CornerCircles], step: float) -> bool:
-    """Whether a path comes by the middles of holes."""
-    return all(
-        hole.face == path.face
-        and min(dist(point, hole.centres[0]) for point in path.points) <= hole.radius + step
-        for hole in holes
-    )
-
-
-def _of_bar(shape: CornerCircles, found: str, expected: str) -> Diagnostic:
+def _no_steel(shape: CornerCircles, mark: str, found: str, expected: str) -> Diagnostic:
     x, y = shape.centres[0]
-    source = shape.hole.source if shape.hole is not None else Source("")
     return rules.HOLE_STEEL.at(
-        source, what=shape.what, face=shape.face, mark="the bar", x=f"{x:g}", y=f"{y:g}",
+        shape.source, what=shape.what, face=shape.face, mark=mark, x=f"{x:g}", y=f"{y:g}",
         found=found, expected=expected,
     )  # fmt: skip
 
@@ -218,27 +218,14 @@ def _side_by_side(shapes: Sequence[CornerCircles]) -> Iterator[tuple[CornerCircl
     return ((shapes[k], shapes[i]) for k, i in sorted(pairs))
 
 
-def _beyond_end(
-    shape: CornerCircles, profile: Profile, ends: tuple[RequiredEnd, RequiredEnd], step: float
-) -> str:
+def _beyond_end(shape: CornerCircles, profile: Profile, ends: Ends, step: float) -> str:
     """By how much the circles reach beyond an end of the part, on either side of their wall."""
-    height, width = profile.height, profile.width
-    flange, web = profile.flange_thickness, profile.web_thickness or 0.0
-    on_web = shape.face in ("v", "h")
-    middle = (width - web) / 2 if profile.code == "I" else 0.0
-    if profile.code == "M" and shape.face == "v":
-        middle = width - web
-    if on_web:
-        surfaces: tuple[float, float] = (middle, middle + web)
-    elif profile.code == "T":  # its stem stands in the middle of its flange
-        surfaces = height / 2 - flange / 2, height / 2 + flange / 2
-    else:
-        surfaces = (height - flange, height) if shape.face == "o" else (0.0, flange)
+    on_web, wall = shape.face in ("v", "h"), wall_between(profile, shape.face)
     for end in ends:
         slant = hypot(1.0, end.tan_web if on_web else end.tan_flange)
-        for surface in surfaces:
+        for side in (0, 1):
             for x, y in shape.centres:
-                limit = end.x(y, surface) if on_web else end.x(surface, y)
+                limit = end.at_wall(shape.face, y, wall)[side]
                 left = -end.side * (x - limit) / slant - shape.radius
                 if left < -step:
                     return f"{-left:.3g} mm beyond the {end.name} of the part"
@@ -247,52 +234,20 @@ def _beyond_end(
 
 def _beyond_edge(shape: CornerCircles, profile: Profile, step: float) -> str:
     """By how much the circles reach beyond an edge of their face."""
-    width = profile.face_width(shape.face)
-    out = max(max(-(y - shape.radius), y + shape.radius - width) for _, y in shape.centres)
+    low, high = shape.span
+    out = max(-low, high - profile.face_width(shape.face))
     return f"{out:.3g} mm beyond the edge of the face" if out > step else ""
-
-
-def _in_a_wall(shape: CornerCircles, profile: Profile, step: float) -> str:
-    """The wall that a tool would run into: behind the face, or before it beside a sunk one."""
-    if not shape.through and not profile.face_depth(shape.face):
-        return ""
-    low = min(y for _, y in shape.centres) - shape.radius
-    high = max(y for _, y in shape.centres) + shape.radius
-    for wall in walls_beside(profile, shape.face):
-        if high > wall.least + step and low < wall.greatest - step:
-            return f"in the wall from y {wall.least:g} to {wall.greatest:g}"
-    return ""
-
-
-def _behind_a_lip(shape: CornerCircles, part: Part, step: float) -> str:
-    """That a lip of the section stands before a hole in its web."""
-    lip = lip_length(part)
-    if shape.face != "v" or not lip:
-        return ""
-    low = min(y for _, y in shape.centres) - shape.radius
-    high = max(y for _, y in shape.centres) + shape.radius
-    inside = low >= lip - step and high <= part.profile.height - lip + step
-    return "" if inside else f"behind a lip of {lip:.3g} mm"
 
 
 def _is_one_work(one: Hole, other: Hole) -> bool:
     """Whether two holes about one middle are a sink, a thread or a stepped hole."""
-    narrow, wide = sorted((one, other), key=lambda hole: hole.diameter)
+    small, large = sorted((one, other), key=lambda hole: hole.diameter)
     if "countersink" in (one.kind, other.kind) or "mark" in (one.kind, other.kind):
         return True
-    if wide.kind in THREADS:
-        return narrow.kind in PLAIN_KINDS
-    deeper = wide.depth is not None and (narrow.depth is None or narrow.depth > wide.depth)
-    return deeper and narrow.diameter < wide.diameter
-
-
-def _said(shape: CornerCircles, part: Part, found: str, expected: str) -> Diagnostic:
-    x, y = shape.centres[0]
-    source = part.features[shape.feature].source
-    return rules.HOLE_STEEL.at(
-        source, what=shape.what, face=shape.face, mark=part.mark, x=f"{x:g}", y=f"{y:g}",
-        found=found, expected=expected,
-    )  # fmt: skip
+    if large.kind in THREADS:
+        return small.kind in PLAIN_KINDS
+    deeper = large.depth is not None and (small.depth is None or small.depth > large.depth)
+    return deeper and small.diameter < large.diameter
 
 
 # --- bar limits -----------------------------------------------------------------------------------
@@ -310,7 +265,7 @@ def bar_faults(
 
     `bar` is the length of the bar. On a line without a saw the part is the bar.
     """
-    layout = machine.layout
+    layout, source = machine.layout, Source(name)
     if layout is None or not laid:
         return
     if machine.saw is None:
@@ -318,41 +273,29 @@ def bar_faults(
         return
     # Places of parts are worked out from figures that are rounded.
     slack = machine.format.resolution + EPSILON
-    yield from _short_parts([one.part for one in laid], layout)
+    for part in {id(one.part): one.part for one in laid}.values():  # each once
+        if part.length < layout.min_part - EPSILON:
+            found, expected = f"{part.length:.3f}", f"{layout.min_part:g}"
+            yield rules.PART_SHORT.at(part.source, mark=part.mark, found=found, expected=expected)
     first = min(laid, key=lambda one: one.start)
     if first.start < layout.front_trim - slack:
-        yield rules.BAR_START.at(
-            Source(name), mark=first.part.mark, found=f"{first.start:.3f}",
-            expected=f"{layout.front_trim:g}",
-        )  # fmt: skip
+        found, expected = f"{first.start:.3f}", f"{layout.front_trim:g}"
+        yield rules.BAR_START.at(source, mark=first.part.mark, found=found, expected=expected)
     trim = layout.end_trim + layout.dead_zone
     ends = max(one.start + one.part.length + one.ends[1].kerf(saw) for one in laid)
     if bar is None:
         yield from _size_faults(ends + trim, 0.0, layout, slack, name)
         if trim:
-            yield rules.BAR_NEEDED.at(Source(name), found=f"{ends + trim:.3f}", trim=f"{trim:g}")
+            yield rules.BAR_NEEDED.at(source, found=f"{ends + trim:.3f}", trim=f"{trim:g}")
         return
     yield from _size_faults(bar, layout.min_bar, layout, EPSILON, name)
     if ends > bar - trim + slack:
-        yield rules.BAR_END.at(
-            Source(name), found=f"{ends:.3f}", expected=f"{bar - trim:.3f}", trim=f"{trim:g}"
-        )
+        found, expected = f"{ends:.3f}", f"{bar - trim:.3f}"
+        yield rules.BAR_END.at(source, found=found, expected=expected, trim=f"{trim:g}")
     last = max(laid, key=lambda one: one.start)
     if bar - last.start < layout.min_bar_left - slack:
-        yield rules.BAR_LEFT.at(
-            Source(name), found=f"{bar - last.start:.3f}", mark=last.part.mark,
-            expected=f"{layout.min_bar_left:g}",
-        )  # fmt: skip
-
-
-def _short_parts(parts: Sequence[Part], layout: Layout) -> Iterator[Diagnostic]:
-    """Parts that the machine cannot hand out, each once."""
-    for part in {id(one): one for one in parts}.values():
-        if part.length < layout.min_part - EPSILON:
-            yield rules.PART_SHORT.at(
-                part.source, mark=part.mark, found=f"{part.length:.3f}",
-                expected=f"{layout.min_part:g}",
-            )  # fmt: skip
+        found, expected = f"{bar - last.start:.3f}", f"{layout.min_bar_left:g}"
+        yield rules.BAR_LEFT.at(source, found=found, mark=last.part.mark, expected=expected)
 
 
 def _size_faults(

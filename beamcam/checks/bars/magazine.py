@@ -1,4 +1,4 @@
-"""The tools in the stations of spindles: changed at stops, and what operators are told of them.
+"""The tools in the stations of spindles: changed at stops, and the comments for the operator.
 
 What is put in before the program starts is not written down; it is taken to be the tools that the
 program needs first. At each stop a tool comes in, for one that is needed last of all: if even so
@@ -34,7 +34,37 @@ class Changed(Struct, frozen=True, gc=False):
     diameter: float | None
 
 
-def wrong_changes(own: Sequence[Chosen | Changed], stations: int) -> Iterator[Chosen | Changed]:
+def change_faults(
+    tools: Sequence[Chosen | Changed], machine: Machine, name: str
+) -> Iterator[Diagnostic]:
+    """Tools that are chosen though no station can hold them by then, and idle stops."""
+    chosen = [one.tool for one in tools if isinstance(one, Chosen)]
+    fewest = min((s.stations for s in machine.spindles), default=0)
+    if len(chosen) == len(tools) and len(set(chosen)) <= fewest:
+        return
+    for spindle in machine.spindles:
+        for one in _wrong_changes(_own(tools, spindle, machine), spindle.stations):
+            if isinstance(one, Chosen):
+                found, stations = f"a {_shown(one.tool)} chosen", spindle.stations
+                expected = f"a stop before that puts it into one of the {stations} stations"
+            else:
+                found = f"a stop for a tool of {one.diameter or 0.0:g}"
+                expected = "a stroke behind it with such a tool that was not there before"
+            yield rules.TOOL_CHANGE.at(
+                Source(name, one.line), found=found, spindle=spindle.number, expected=expected
+            )
+
+
+def _own(
+    tools: Sequence[Chosen | Changed], spindle: Spindle, machine: Machine
+) -> list[Chosen | Changed]:
+    """The tool selections of a spindle, alone or paired, and the stops for it or for any."""
+    numbers = {p.number for p in machine.pairs if spindle.face in p.faces} | {spindle.number}
+    stops = (spindle.number, None)
+    return [one for one in tools if one.spindle in (numbers if isinstance(one, Chosen) else stops)]
+
+
+def _wrong_changes(own: Sequence[Chosen | Changed], stations: int) -> Iterator[Chosen | Changed]:
     """Selections of tools that cannot be in a spindle's stations yet, and stops without need.
 
     `own` are the tools that the spindle is commanded to take and the stops for them,
@@ -43,44 +73,27 @@ def wrong_changes(own: Sequence[Chosen | Changed], stations: int) -> Iterator[Ch
     loaded: set[Tool] = set()
     started = False  #: whether all stations have had their first tool
     for at, one in enumerate(own):
+        is_full = started or len(loaded) >= stations
         if isinstance(one, Chosen):
             if one.tool in loaded:
                 continue
-            if started or len(loaded) >= stations:
+            new: Tool | None = one.tool
+            if is_full:
                 yield one
-                started = True
-                _make_room(loaded, own[at:], stations)
-            loaded.add(one.tool)
-            continue
-        new = _meant(one, own[at:], loaded)
+        else:  # it brings the next tool that is needed and not there
+            later = (o.tool for o in own[at:] if isinstance(o, Chosen) and o.tool not in loaded)
+            size = one.diameter
+            new = next((t for t in later if size is None or abs(t[1] - size) < 0.001), None)
         if new is None:
             if one.spindle is not None:
                 yield one
             continue
-        started = started or len(loaded) >= stations
-        _make_room(loaded, own[at:], stations)
+        started = is_full
+        if len(loaded) >= stations:  # what is needed last of all goes out
+            uses = [o.tool for o in own[at:] if isinstance(o, Chosen)]
+            last = len(uses)
+            loaded.discard(max(sorted(loaded), key=lambda t: uses.index(t) if t in uses else last))
         loaded.add(new)
-
-
-def _meant(change: Changed, rest: Sequence[Chosen | Changed], loaded: set[Tool]) -> Tool | None:
-    """The tool that a stop brings: the next one that is needed and not there."""
-    for one in rest:
-        if isinstance(one, Changed) or one.tool in loaded:
-            continue
-        if change.diameter is None or abs(one.tool[1] - change.diameter) < 0.001:
-            return one.tool
-    return None
-
-
-def _make_room(loaded: set[Tool], rest: Sequence[Chosen | Changed], stations: int) -> None:
-    """Take out what is needed last of all, if every station is taken."""
-    if len(loaded) < stations:
-        return
-    next_use: dict[Tool, int] = {}
-    for at, one in enumerate(rest):
-        if isinstance(one, Chosen):
-            next_use.setdefault(one.tool, at)
-    loaded.discard(max(sorted(loaded), key=lambda tool: next_use.get(tool, len(rest))))
 
 
 # --- stop comments --------------------------------------------------------------------------------
@@ -103,7 +116,7 @@ _STOP = re.compile(
 
 
 class StopComment(Struct, frozen=True):
-    """What the operator is told to do."""
+    """What the operator has to do at a stop."""
 
     line: int
     spindle: str  #: its name
@@ -153,30 +166,25 @@ def _of_spindle(
     spindle: Spindle, comments: dict[int, StopComment], tools: Sequence[Chosen | Changed],
     machine: Machine, name: str,
 ) -> Iterator[Diagnostic]:  # fmt: skip
-    """Faults of what is said of the stations of one spindle."""
-    numbers = {p.number for p in machine.pairs if spindle.face in p.faces} | {spindle.number}
+    """Faults of the comments about the stations of one spindle."""
+    own = _own(tools, spindle, machine)
     stations: dict[int, Tool] = {}
     held: set[Tool] = set()  #: that the program worked with, or that were put in
     gone: dict[Tool, StopComment] = {}
-    for index, one in enumerate(tools):
+    for index, one in enumerate(own):
         if isinstance(one, Chosen):
-            if one.spindle in numbers:
-                if one.tool in gone:
-                    said_before = gone[one.tool]
-                    yield rules.STOP_COMMENT.at(
-                        Source(name, one.line), found=f"a {_shown(one.tool)} chosen",
-                        expected=f"another tool, line {said_before.line} says '{said_before}'",
-                    )  # fmt: skip
-                held.add(one.tool)
+            if (before := gone.get(one.tool)) is not None:
+                found = f"a {_shown(one.tool)} chosen"
+                expected = f"another tool, line {before.line} says '{before}'"
+                source = Source(name, one.line)
+                yield rules.STOP_COMMENT.at(source, found=found, expected=expected)
+            held.add(one.tool)
             continue
         comment = comments.get(one.line)
-        is_of = one.spindle == spindle.number
-        if one.spindle is None:
-            is_of = comment is not None and comment.spindle == spindle.name.lower()
-        if comment is None or not is_of:
+        if comment is None or (one.spindle is None and comment.spindle != spindle.name.lower()):
             continue
         new, old = comment.new, comment.old
-        later = [t.tool for t in tools[index:] if isinstance(t, Chosen) and t.spindle in numbers]
+        later = [t.tool for t in own[index:] if isinstance(t, Chosen)]
         if comment.spindle != spindle.name.lower():
             yield _wrong(comment, f"a stop for spindle {spindle.number}", spindle.name, name)
         if one.diameter is not None and abs(one.diameter - new[1]) > 0.0006:

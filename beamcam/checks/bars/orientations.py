@@ -39,17 +39,12 @@ NORMALS: dict[Face, Vector] = {
 _FACES = {normal: face for face, normal in NORMALS.items()}
 
 
-def rotations() -> Iterator[Rotation]:
-    """The eight rotations that map the bar's axis to itself."""
-    for swap, y, z in product((False, True), (1.0, -1.0), (1.0, -1.0)):
-        x = y * z * (-1.0 if swap else 1.0)  # so that the determinant is +1
-        if swap:
-            yield (x, 0.0, 0.0), (0.0, 0.0, y), (0.0, z, 0.0)
-        else:
-            yield (x, 0.0, 0.0), (0.0, y, 0.0), (0.0, 0.0, z)
-
-
-ROTATIONS = tuple(rotations())
+#: The eight rotations that map the bar's axis to itself; X is such that the determinant is +1.
+ROTATIONS: tuple[Rotation, ...] = tuple(
+    ((-y * z, 0.0, 0.0), (0.0, 0.0, y), (0.0, z, 0.0)) if swap
+    else ((y * z, 0.0, 0.0), (0.0, y, 0.0), (0.0, 0.0, z))
+    for swap, y, z in product((False, True), (1.0, -1.0), (1.0, -1.0))
+)  # fmt: skip
 
 
 def orientations(part: Part) -> Iterator[Part]:
@@ -81,25 +76,16 @@ def _lies_alike(profile: Profile, rotation: Rotation) -> bool:
 
 def rotated(part: Part, rotation: Rotation) -> Part:
     """The part after a rotation; bends and cambers, which no bar's program makes, as they are."""
-    return replace(
-        part,
-        profile=_profile(part.profile, rotation),
-        cuts=_cuts(part.cuts, rotation),
-        features=tuple(_feature(f, part, rotation) for f in part.features),
-    )
-
-
-def _profile(profile: Profile, rotation: Rotation) -> Profile:
-    if rotation[1][1] != 0.0:
-        return profile
-    web = profile.web_thickness
-    return replace(
-        profile,
-        height=profile.width,
-        width=profile.height,
-        flange_thickness=profile.flange_thickness if web is None else web,
-        web_thickness=None if web is None else profile.flange_thickness,
-    )
+    profile = part.profile
+    if rotation[1][1] == 0.0:  # height and width change places
+        web, flange = profile.web_thickness, profile.flange_thickness
+        profile = replace(
+            profile, height=profile.width, width=profile.height,
+            flange_thickness=flange if web is None else web,
+            web_thickness=None if web is None else flange,
+        )  # fmt: skip
+    features = tuple(_feature(f, part, rotation) for f in part.features)
+    return replace(part, profile=profile, cuts=_cuts(part.cuts, rotation), features=features)
 
 
 def _cuts(cuts: EndCuts, rotation: Rotation) -> EndCuts:
@@ -124,9 +110,8 @@ def _feature(feature: Feature, part: Part, rotation: Rotation) -> Feature:
         return feature
     face, matrix = _map(feature.face, part, rotation)
     if isinstance(feature, Contour):
-        return replace(
-            feature, face=face, curves=tuple(c.transformed(matrix) for c in feature.curves)
-        )
+        curves = tuple(c.transformed(matrix) for c in feature.curves)
+        return replace(feature, face=face, curves=curves)
     x, y = mapped(matrix, (feature.x, feature.y))
     if isinstance(feature, Hole):
         return replace(feature, face=face, x=x, y=y)

@@ -49,13 +49,13 @@ _OF_ALL = (
     Owner(("text",), ("{string}", "{y}", "{height}", "{angle}", "{face}"),
         ("verify-text", "verify-word")),
     Owner(("codes: none",), (), (), "the machine's file says that it does nothing"),
+    Owner(("G0", "G1"), (), (*_MADE, *_ON_THE_WAY), "names no place, or where it is already"),
+    Owner(("G0", "G1"), ("X", "Y", "Z"), (*_MADE, *_ON_THE_WAY),
+        "goes where nothing is in the way and nothing is made"),
 )  # fmt: skip
 
 _CODESYS = (
     *_OF_ALL,
-    Owner(("G0", "G1"), (), (*_MADE, *_ON_THE_WAY), "names no place, or where it is already"),
-    Owner(("G0", "G1"), ("X", "Y", "Z"), (*_MADE, *_ON_THE_WAY),
-        "goes where nothing is in the way and nothing is made"),
     Owner(("G0", "G1"), ("F",), ("verify-feed*", "verify-no-feed"),
         "each stroke has its own"),
     Owner(("G1",), ("E", "E-"), ("verify-word",), "no more than the axes' own"),
@@ -89,9 +89,6 @@ _CODESYS = (
 
 _LINUXCNC = (
     *_OF_ALL,
-    Owner(("G0", "G1"), (), (*_MADE, *_ON_THE_WAY), "names no place, or where it is already"),
-    Owner(("G0", "G1"), ("X", "Y", "Z"), (*_MADE, *_ON_THE_WAY),
-        "goes where nothing is in the way and nothing is made"),
     Owner(("F",), (), ("verify-feed*", "verify-no-feed"),
         "each stroke has its own"),
     Owner(("G2", "G3"), (), ("verify-arc", "verify-word")),

@@ -13,7 +13,7 @@ from math import ceil, cos, dist, hypot, pi, radians, sin, sqrt
 from msgspec import Struct
 
 from beamcam.checks import rules
-from beamcam.checks.bars.holes import NEAR, DepthRange, path_reach, wrong_depth
+from beamcam.checks.bars.holes import NEAR, DepthRange, wrong_depth
 from beamcam.checks.bars.stations import (
     Bore,
     MachinedFeatures,
@@ -32,7 +32,7 @@ FLAT = 0.001  #: mm between a line and the chords that it is measured by
 MOST_CHORDS = 4096
 
 
-def pocket_error(pocket: RequiredPocket, path: Sequence[Point], mill: float) -> float:
+def pocket_error(pocket: Slot, path: Sequence[Point], mill: float) -> float:
     """Deviation of the pocket that a path makes, in mm, on the part's x and y.
 
     The greater of what is cut beyond the outline and what of it is left standing.
@@ -44,17 +44,13 @@ def pocket_error(pocket: RequiredPocket, path: Sequence[Point], mill: float) -> 
     ]
     half_x, half_y = pocket.length / 2, pocket.height / 2
     radius, cutter = pocket.diameter / 2, mill / 2
-    beyond = max(_from_core(p, half_x, half_y) for p in own) + cutter - radius
+    # From the rectangle of the corner circles' centres.
+    off = max(hypot(max(abs(x) - half_x, 0.0), max(abs(y) - half_y, 0.0)) for x, y in own)
     left = max(
         distance_to(p, own) - cutter
         for p in _to_clear(half_x, half_y, radius, cutter, pocket.depth is not None)
     )
-    return max(beyond, left, 0.0)
-
-
-def _from_core(point: Point, half_x: float, half_y: float) -> float:
-    """Distance from the rectangle of the corner circles' centres; 0 inside."""
-    return hypot(max(abs(point[0]) - half_x, 0.0), max(abs(point[1]) - half_y, 0.0))
+    return max(off + cutter - radius, left, 0.0)
 
 
 def _to_clear(
@@ -98,7 +94,8 @@ def line_error(curves: Sequence[Curve], path: Sequence[Point]) -> float:
     for curve in curves:
         drawn += _points(curve)[1:]
     off = max(distance_to(p, path) for p in drawn)
-    back = max(distance_to(p, drawn) for p in _between(path))
+    middles = [((a[0] + b[0]) / 2, (a[1] + b[1]) / 2) for a, b in pairwise(path)]
+    back = max(distance_to(p, drawn) for p in (*path, *middles))
     (a, b), (c, d) = (drawn[0], drawn[-1]), (path[0], path[-1])
     ends = min(max(dist(a, c), dist(b, d)), max(dist(a, d), dist(b, c)))
     return max(off, back, ends)
@@ -114,13 +111,6 @@ def _points(curve: Curve) -> list[Point]:
         if count >= MOST_CHORDS or all(distance_to(m, chord) <= FLAT for m, chord in pairs):
             return points
         count *= 2
-
-
-def _between(path: Sequence[Point]) -> Iterator[Point]:
-    for a, b in pairwise(path):
-        yield a
-        yield (a[0] + b[0]) / 2, (a[1] + b[1]) / 2
-    yield path[-1]
 
 
 def distance_to(point: Point, path: Sequence[Point]) -> float:
@@ -160,13 +150,6 @@ class RequiredPath(Struct, frozen=True, gc=False):
     from_x: float  #: machine X of the part's x 0
 
 
-class CheckedPaths(Struct, frozen=True):
-    """What was found of the paths of a program."""
-
-    diagnostics: tuple[Diagnostic, ...]
-    taken: tuple[tuple[MachinedPath, RequiredPath], ...]  #: each path with what it is taken for
-
-
 class PathsAlong:
     """Paths in order of their middles along the bar, so that each is compared with a few others."""
 
@@ -194,12 +177,15 @@ class PathsAlong:
 
 
 def check_paths(
-    paths: Sequence[MachinedPath], required_paths: Sequence[RequiredPath], parts: Sequence[Part],
+    made: MachinedFeatures, required_paths: Sequence[RequiredPath], parts: Sequence[Part],
     tools: ToolCatalogue, profile: Profile, name: str,
-) -> CheckedPaths:  # fmt: skip
-    """Faults of the paths: each pocket and line once, by the path that fits it best."""
+) -> tuple[list[Diagnostic], list[tuple[MachinedPath, RequiredPath]]]:  # fmt: skip
+    """Faults of the paths: each pocket and line once, by the path that fits it best.
+
+    Also each path with what it is taken for.
+    """
     allowed = _allowed(tools)
-    left, diagnostics = PathsAlong(paths), list[Diagnostic]()
+    left, diagnostics = PathsAlong(made.paths), list[Diagnostic]()
     taken: list[tuple[MachinedPath, RequiredPath]] = []
     for required in required_paths:
         target, mark = required.target, parts[required.part].mark
@@ -229,10 +215,11 @@ def check_paths(
         diagnostics.append(rules.PATH_EXTRA.at(
             Source(name, path.line), kind=path.kind, face=path.face, x=f"{x:g}", y=f"{y:g}"
         ))  # fmt: skip
-    return CheckedPaths(tuple(diagnostics), tuple(taken))
+    diagnostics += _entry_faults(made, taken, tools, name)
+    return diagnostics, taken
 
 
-def is_led(
+def is_followed(
     paths: PathsAlong, target: RequiredPocket | MarkingPath, from_x: float, tools: ToolCatalogue
 ) -> bool:
     """Whether there is a path that makes a pocket or line."""
@@ -250,7 +237,7 @@ def _off(path: MachinedPath, required: RequiredPath) -> float:
     """Deviation of the pocket or line that a path makes."""
     points = [(x - required.from_x, y) for x, y in path.points]
     if isinstance(required.target, RequiredPocket):
-        return pocket_error(required.target, points, path.diameter)
+        return pocket_error(required.target.slot, points, path.diameter)
     return line_error(required.target.curves, points)
 
 
@@ -259,43 +246,28 @@ def _meant(paths: PathsAlong, required: RequiredPath, allowed: float) -> Machine
 
     The nearest come first, of those about one middle the one of its size.
     """
-    kind = "mill" if isinstance(required.target, RequiredPocket) else "scribe"
-    target = required.target
-    own = _box_of(target)
-    near = [
-        (apart, unlike, path.line, path)
-        for path, box in paths.near(required.from_x + own[0])
-        if path.kind == kind and path.face == target.face
-        for apart, unlike in [_apart(box, path.diameter, target, own, required.from_x)]
-        if apart <= NEAR
-    ]
-    near.sort(key=lambda n: (n[0] + n[1], n[2]))
-    if len(near) > 1:
-        right = (n[3] for n in near if _off(n[3], required) <= allowed)
-        return next(right, near[0][3])
-    return near[0][3] if near else None
-
-
-def _apart(
-    box: Box, mill: float, target: RequiredPocket | MarkingPath, own: Box, from_x: float
-) -> tuple[float, float]:
-    """How far the middles of a path and of what it may be meant for are apart, and their sizes."""
-    own_x, own_y, own_width, own_height = own
-    round_about = target.diameter - mill if isinstance(target, RequiredPocket) else 0.0
-    x, y, width, height = box
-    apart = abs(x - from_x - own_x) + abs(y - own_y)
-    unlike = abs(width - own_width - round_about) + abs(height - own_height - round_about)
-    return apart, unlike
-
-
-def _box_of(target: RequiredPocket | MarkingPath) -> Box:
-    """The middle of a line or a pocket on its part, and its size; of a pocket that of the core."""
+    target, from_x = required.target, required.from_x
     if isinstance(target, RequiredPocket):
-        c, s = abs(cos(radians(target.angle))), abs(sin(radians(target.angle)))
-        width, height = target.length, target.height
-        return target.x, target.y, c * width + s * height, s * width + c * height
-    boxes = [curve.bbox for curve in target.curves]
-    return _box([(b[0], b[1]) for b in boxes] + [(b[2], b[3]) for b in boxes])
+        kind, slot, diameter = "mill", target.slot, target.slot.diameter
+        c, s = abs(cos(radians(slot.angle))), abs(sin(radians(slot.angle)))
+        x, y, width = slot.x, slot.y, c * slot.length + s * slot.height
+        height = s * slot.length + c * slot.height
+    else:
+        kind, diameter, boxes = "scribe", 0.0, [curve.bbox for curve in target.curves]
+        ends = [(b[0], b[1]) for b in boxes] + [(b[2], b[3]) for b in boxes]
+        x, y, width, height = _box(ends)
+    near = []
+    for path, box in paths.near(from_x + x):
+        apart = abs(box[0] - from_x - x) + abs(box[1] - y)
+        if path.kind == kind and path.face == target.face and apart <= NEAR:
+            beyond = diameter - path.diameter if kind == "mill" else 0.0
+            unlike = abs(box[2] - width - beyond) + abs(box[3] - height - beyond)
+            near.append((apart + unlike, path.line, path))
+    near.sort(key=lambda n: n[:2])
+    if len(near) > 1:
+        right = (path for _, _, path in near if _off(path, required) <= allowed)
+        return next(right, near[0][2])
+    return near[0][2] if near else None
 
 
 def _box(points: Sequence[tuple[float, float]]) -> Box:
@@ -310,7 +282,14 @@ def _tool_and_depth(
     profile: Profile, source: Source,
 ) -> Iterator[Diagnostic]:  # fmt: skip
     """Faults of the tool and the depth of a path."""
-    x, y = (target.x, target.y) if isinstance(target, RequiredPocket) else target.curves[0].start
+    if isinstance(target, RequiredPocket):
+        (x, y), depth = (target.slot.x, target.slot.y), target.slot.depth
+        thickness = wall_thickness(profile, target.face)
+        reach = DepthRange(thickness, thickness + tools.drill.breakthrough)
+    else:
+        (x, y), depth = target.curves[0].start, tools.drill.mark_depth
+    if depth is not None:
+        reach = DepthRange(depth, depth)
     described: dict[str, object] = {
         "what": target.what, "face": target.face, "mark": mark, "x": f"{x:g}", "y": f"{y:g}",
     }  # fmt: skip
@@ -320,10 +299,6 @@ def _tool_and_depth(
         found = f"a {path.kind} {path.diameter:g}"
         yield rules.TOOL.at(source, found=found, expected=f"one of {shown}", **described)
         return
-    if isinstance(target, RequiredPocket):
-        reach = path_reach(target.depth, wall_thickness(profile, target.face), tools)
-    else:
-        reach = DepthRange(tools.drill.mark_depth, tools.drill.mark_depth)
     slack = tools.machine.format.resolution + 1e-6
     depths = path.min_depth, path.max_depth
     if depths[0] < reach.least - slack or depths[1] > reach.greatest + slack:
@@ -333,16 +308,15 @@ def _tool_and_depth(
 # --- entries --------------------------------------------------------------------------------------
 
 
-def entry_faults(
-    made: MachinedFeatures,
-    milled: Iterable[tuple[MachinedPath, RequiredPocket]],
-    catalogue: ToolCatalogue,
-    name: str,
-) -> Iterator[Diagnostic]:
+def _entry_faults(
+    made: MachinedFeatures, taken: Iterable[tuple[MachinedPath, RequiredPath]],
+    tools: ToolCatalogue, name: str,
+) -> Iterator[Diagnostic]:  # fmt: skip
     """Slots whose mill goes down into the full steel, where the machine drills their ends."""
-    slack = 2 * catalogue.machine.format.resolution + 1e-6
-    for path, target in milled:
-        if not _is_drilled_first(target, catalogue):
+    slack = 2 * tools.machine.format.resolution + 1e-6
+    for path, required in taken:
+        target = required.target
+        if isinstance(target, MarkingPath) or not tools.drills_ends(target.source, target.face):
             continue
         before = made.order[: made.order.index(path)]
         free = path.diameter / 2 - slack
@@ -352,14 +326,3 @@ def entry_faults(
             for bore in before
         ):  # fmt: skip
             yield too_early(path, "into the full steel", "the hole at its end first", name)
-
-
-def _is_drilled_first(target: RequiredPocket, catalogue: ToolCatalogue) -> bool:
-    """Whether the machine's file has the ends of a slot drilled before it is milled."""
-    slot = target.source
-    return (
-        isinstance(slot, Slot)
-        and not slot.height
-        and catalogue.drill.slots == "drill-mill"
-        and bool(catalogue.fits("drill", slot.diameter, target.face))
-    )

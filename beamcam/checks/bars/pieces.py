@@ -19,12 +19,7 @@ from beamcam.checks.bars.stations import Cut
 from beamcam.geometry.curves import Line
 from beamcam.machine.machine import Machine
 from beamcam.machine.stations import Saw
-from beamcam.model.part import (
-    Contour,
-    Face,
-    Part,
-    Profile,
-)
+from beamcam.model.part import Contour, Face, Part, Profile
 from beamcam.model.section import corners
 
 # --- part ends ------------------------------------------------------------------------------------
@@ -64,6 +59,12 @@ class RequiredEnd(Struct, frozen=True, gc=False):
     def x(self, y: float, z: float = 0.0) -> float:
         return self.x_0 - y * self.tan_web - z * self.tan_flange
 
+    def at_wall(self, face: Face, q: float, wall: tuple[float, float]) -> tuple[float, float]:
+        """x at which it leaves both surfaces of the wall behind a face, at the face's y `q`."""
+        if face in ("o", "u"):
+            return self.x(wall[0], q), self.x(wall[1], q)
+        return self.x(q, wall[0]), self.x(q, wall[1])
+
     def kerf(self, saw: Saw) -> float:
         """Length of bar that its cut takes: the blade's thickness, along the bar if it is so."""
         if self.square or saw.kerf_along != "normal":
@@ -86,22 +87,17 @@ class RequiredEnd(Struct, frozen=True, gc=False):
         return saw.zero_angle + saw.angle_sign * self.web, saw.tilt_sign * tilt + 0.0
 
 
-def ends_of(part: Part, saw: Saw) -> tuple[RequiredEnd, RequiredEnd]:
+Ends = tuple[RequiredEnd, RequiredEnd]  #: start and end
+
+
+def ends_of(part: Part, saw: Saw) -> Ends:
     """Start and end of a part: by the header's angles, by the outlines where they are 0."""
     cuts, least = part.cuts, saw.min_mitre
     webs, flanges = (cuts.web_start, cuts.web_end), (cuts.flange_start, cuts.flange_end)
     if Contour in map(type, part.features):
-        if abs(webs[0]) < least or abs(webs[1]) < least:
-            webs = _instead(webs, _drawn(part, "v"), least)
-        if abs(flanges[0]) < least or abs(flanges[1]) < least:
-            seen = [_drawn(part, face) for face in ("u" if part.profile.code == "L" else "ou")]
-            agreed = (
-                seen[0][i] if all(abs(s[i] - seen[0][i]) <= ANGLE_TOLERANCE_DEG for s in seen)
-                else 0.0
-                for i in (0, 1)
-            )  # fmt: skip
-            start, end = agreed
-            flanges = _instead(flanges, (start, end), least)
+        webs = _with_drawn(webs, part, ("v",), least)
+        faces: tuple[Face, ...] = ("u",) if part.profile.code == "L" else ("o", "u")
+        flanges = _with_drawn(flanges, part, faces, least)
     ends = []
     for side, web, flange in ((-1, webs[0], flanges[0]), (1, webs[1], flanges[1])):
         web = web if abs(web) >= least else 0.0
@@ -116,11 +112,16 @@ def ends_of(part: Part, saw: Saw) -> tuple[RequiredEnd, RequiredEnd]:
     return ends[0], ends[1]
 
 
-def _instead(
-    angles: tuple[float, float], drawn: tuple[float, float], least: float
+def _with_drawn(
+    angles: tuple[float, float], part: Part, faces: Sequence[Face], least: float
 ) -> tuple[float, float]:
-    """The header's angles, and what is drawn where they are 0."""
-    start, end = (a if abs(a) >= least else d for a, d in zip(angles, drawn, strict=True))
+    """The header's angles of start and end; where they are 0 those that the outlines of one or two
+    faces agree on."""
+    if min(map(abs, angles)) >= least:
+        return angles
+    drawn = zip(*(_drawn(part, face) for face in faces), strict=True)
+    agreed = (own[0] if max(own) - min(own) <= ANGLE_TOLERANCE_DEG else 0.0 for own in drawn)
+    start, end = (a if abs(a) >= least else d for a, d in zip(angles, agreed, strict=True))
     return start, end
 
 
@@ -181,9 +182,23 @@ class SawnPiece(Struct, frozen=True, gc=False):
 
 
 def planes(cuts: Sequence[Cut], saw: Saw, profile: Profile) -> list[CutPlane]:
-    """The planes of the cuts in their order along the bar, by the middle of the section."""
+    """The planes of the cuts in their order along the bar, by the middle of the section.
+
+    A blade turned by w and then tilted by t has the normal (cos t cos w, cos t sin w, sin t),
+    which is along (1, tan w, tan f), so tan f = tan t / cos w.
+    """
+    planes = []
+    for cut in cuts:
+        at, web = cut.x - saw.x, saw.angle_sign * (cut.angle - saw.zero_angle) + 0.0
+        tan_web, tan_flange, kerf = 0.0, 0.0, saw.kerf
+        if web or cut.tilt:
+            tan_web = tan(radians(web))
+            tan_flange = tan(radians(saw.tilt_sign * cut.tilt)) / cos(radians(web))
+            if saw.kerf_along == "normal":
+                kerf *= hypot(1.0, tan_web, tan_flange)
+        flange = degrees(atan(tan_flange))
+        planes.append(CutPlane(cut, web, flange, at, tan_web, tan_flange, kerf / 2))
     rise = (-0.5 if saw.pivot == "o" else 0.5) * profile.height
-    planes = [_plane(cut, saw) for cut in cuts]
     planes.sort(key=lambda p: (p.along(rise, profile.width / 2), p.cut.line))
     return planes
 
@@ -210,22 +225,6 @@ def overlapping(cuts: Sequence[CutPlane]) -> bool:
     )
 
 
-def _plane(cut: Cut, saw: Saw) -> CutPlane:
-    """The plane of a cut.
-
-    A blade turned by w and then tilted by t has the normal (cos t cos w, cos t sin w, sin t),
-    which is along (1, tan w, tan f), so tan f = tan t / cos w.
-    """
-    at = cut.x - saw.x
-    web = saw.angle_sign * (cut.angle - saw.zero_angle)
-    if not web and not cut.tilt:
-        return CutPlane(cut, 0.0, 0.0, at, 0.0, 0.0, saw.kerf / 2)
-    tan_web = tan(radians(web))
-    tan_flange = tan(radians(saw.tilt_sign * cut.tilt)) / cos(radians(web))
-    kerf = saw.kerf * hypot(1.0, tan_web, tan_flange) if saw.kerf_along == "normal" else saw.kerf
-    return CutPlane(cut, web, degrees(atan(tan_flange)), at, tan_web, tan_flange, kerf / 2)
-
-
 # --- layout ---------------------------------------------------------------------------------------
 
 # Which part each piece of the bar is: by its ends, and where those do not tell, by what is in it.
@@ -234,28 +233,18 @@ def _plane(cut: Cut, saw: Saw) -> CutPlane:
 # piece is the part that fits it best; turned ones may stand in any of their eight ways.
 
 
-class Candidate(Struct, frozen=True, gc=False):
-    """A possible orientation of a part on the bar."""
+class LaidPart(Struct, frozen=True, gc=False):
+    """A part on the bar."""
 
     part: Part
     given: int  #: index among the required parts
-    ends: tuple[RequiredEnd, RequiredEnd]
-
-
-class LaidPart(Struct, frozen=True, gc=False):
-    """A part found on the bar."""
-
-    part: Part
-    given: int
-    ends: tuple[RequiredEnd, RequiredEnd]
+    ends: Ends
     start: float  #: bar x of its x 0
     piece: SawnPiece | None  #: None where its ends are not as they should be
 
 
-#: By the identity of a part: how it may lie, each way with its ends.
-Ways = dict[int, list[tuple[Part, tuple[RequiredEnd, RequiredEnd]]]]
-#: How unlike a part is to what is there if it starts at a bar x.
-Faults = Callable[[Candidate, float], tuple[int, int]]
+#: How unlike a part is to what is there, if it lies so.
+Faults = Callable[[LaidPart], tuple[int, int]]
 
 
 def lay_out(
@@ -266,59 +255,39 @@ def lay_out(
 
     Those of which no piece has the ends are missing. `free` leaves the order to the program.
     """
-    ways: Ways = {}
-    waiting = [_candidates(part, i, saw, turn, ways) for i, part in enumerate(parts)]
+    ways: dict[int, list[tuple[Part, Ends]]] = {}  #: by the identity of a part, how it may lie
+    for part in parts:
+        if id(part) not in ways:
+            turned = orientations(part) if turn else [part]
+            ways[id(part)] = [(way, ends_of(way, saw)) for way in turned]
+    waiting = [*range(len(parts))]
     laid: list[LaidPart] = []
     for piece in pieces:
-        if not waiting:
-            break
-        choices = waiting if free else waiting[:1]
-        fitting = [
-            (candidate, start)
-            for candidate in _distinct(choices)
-            if (start := start_of(piece, candidate, machine, saw)) is not None
-        ]
-        if not fitting:
-            continue
-        best = fitting[0]
-        if len(fitting) > 1:
-            best = min(fitting, key=lambda one: faults(one[0], one[1]))
-        candidate, start = best
-        laid.append(LaidPart(candidate.part, candidate.given, candidate.ends, start, piece))
-        waiting = [c for c in waiting if c[0].given != candidate.given]
+        choices: dict[int, int] = {}  #: each part that waits, several times or once
+        for given in waiting if free else waiting[:1]:
+            choices.setdefault(id(parts[given]), given)
+        fitting = []
+        for identity, given in choices.items():
+            for part, ends in ways[identity]:
+                start = _start_of(piece, part, ends, machine, saw)
+                if start is not None:
+                    fitting.append(LaidPart(part, given, ends, start, piece))
+        if fitting:
+            laid.append(min(fitting, key=faults) if len(fitting) > 1 else fitting[0])
+            waiting.remove(laid[-1].given)
     return laid
 
 
-def _candidates(part: Part, given: int, saw: Saw, turn: bool, known: Ways) -> list[Candidate]:
-    """The possible orientations of a part."""
-    if id(part) not in known:
-        ways = orientations(part) if turn else [part]
-        known[id(part)] = [(way, ends_of(way, saw)) for way in ways]
-    return [Candidate(way, given, ends) for way, ends in known[id(part)]]
-
-
-def _distinct(choices: Sequence[Sequence[Candidate]]) -> list[Candidate]:
-    """The candidates, each part that is there several times once."""
-    seen: set[int] = set()
-    kept = []
-    for ways in choices:
-        for way in ways:
-            if id(way.part) not in seen:
-                seen.add(id(way.part))
-                kept.append(way)
-    return kept
-
-
-def start_of(piece: SawnPiece, candidate: Candidate, machine: Machine, saw: Saw) -> float | None:
+def _start_of(piece: SawnPiece, part: Part, ends: Ends, machine: Machine, saw: Saw) -> float | None:
     """Bar x at which a part starts that has a piece's ends; None if it has others."""
-    first, last = candidate.ends
+    first, last = ends
     if not (is_of(piece.start, first, machine, saw) and is_of(piece.end, last, machine, saw)):
         return None
-    height = candidate.part.profile.height
+    height = part.profile.height
     start = piece.start.at_pivot - first.blade(saw, height)
     by_end = piece.end.at_pivot - last.blade(saw, height)
     if not piece.end.cut.line:
-        by_end = piece.end.at_pivot - candidate.part.length
+        by_end = piece.end.at_pivot - part.length
     return start if abs(start - by_end) <= machine.format.resolution + 1e-6 else None
 
 
@@ -357,8 +326,11 @@ def wedge_cuts(
                 numbers.add(start.cut.line)
                 continue
         x = one.start + one.part.length + one.ends[1].kerf(saw) / 2
-        if at >= len(cuts) and following is None and _ends_with(bar, x, one, machine, saw):
-            continue
+        if at >= len(cuts) and following is None:
+            # Nothing of the bar is left behind its last cut; of one of unknown length it may be.
+            behind = x + one.ends[1].kerf(saw) / 2 + machine.format.resolution
+            if bar is None or bar <= behind:
+                continue
         square = RequiredEnd(1, 0.0, 0.0, 0.0)
         if at >= len(cuts) or not is_of(cuts[at], square, machine, saw):
             return None
@@ -366,8 +338,3 @@ def wedge_cuts(
             return None
         numbers.add(cuts[at].cut.line)
     return numbers
-
-
-def _ends_with(bar: float | None, x: float, last: LaidPart, machine: Machine, saw: Saw) -> bool:
-    """Whether nothing of a bar is left behind its last cut; of one of unknown length it may be."""
-    return bar is None or bar <= x + last.ends[1].kerf(saw) / 2 + machine.format.resolution

@@ -8,14 +8,13 @@ The operations of the whole program are counted in what it makes: cuts, strokes 
 two spindles that drill at once are one.
 """
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Sequence
 from math import isnan
 
 from msgspec.structs import replace
 
-from beamcam.checks.bars import BarRun, compared, run, run_of_events, section_of
+from beamcam.checks.bars import BarRun, compared, lying_section, run, run_of_events
 from beamcam.checks.bars.magazine import comment_faults, stop_comments
-from beamcam.checks.bars.stations import MachinedFeatures
 from beamcam.checks.rules import NO_OPERATION, STOP_COMMENT, TOOL_CHANGE, WORK_ORDER
 from beamcam.controllers import cell_events
 from beamcam.controllers.dialect import Dialect
@@ -28,11 +27,6 @@ from beamcam.model.part import Part
 _BEGINS = ("choose", "saw", "change", "end")
 
 
-def operation_lines(made: MachinedFeatures) -> tuple[int, ...]:
-    """The line of each operation of a program, in its order."""
-    return tuple(dict.fromkeys(one.line for one in made.order))
-
-
 def verify_remainder(
     whole: str, rest: str, first: int, parts: Sequence[Part], machine: Machine,
     skips: Collection[str] = (), name: str = "program", whole_name: str = "whole program",
@@ -40,36 +34,42 @@ def verify_remainder(
 ) -> tuple[Diagnostic, ...]:  # fmt: skip
     """All faults of the remainder from operation `first` on of a whole program.
 
-    It is read by itself, as nothing in it may count on what was said before, and behind the
+    It is read by itself, as nothing in it may count on what came before, and behind the
     operations that were done, which together have to make the parts.
     """
     grades = tuple(dict.fromkeys(part.grade for part in parts))
-    profile = section_of(whole, machine, parts[0], turn)
+    profile = parts[0].profile
+    if turn:
+        profile = lying_section(run(whole, machine, profile).made, parts[0])
     begun = run(whole, machine, profile, whole_name, grades)
-    lines = operation_lines(begun.made)
+    lines = [*dict.fromkeys(one.line for one in begun.made.order)]  #: of each operation
     if not 2 <= first <= len(lines):
         return (NO_OPERATION.at(Source(whole_name), found=first, expected=len(lines)),)
     alone = run(rest, machine, profile, name, grades)
     # Which tools are in their stations, and what was drilled, it cannot know by itself.
     behind = TOOL_CHANGE.code, WORK_ORDER.code, STOP_COMMENT.code
-    said = [one for one in alone.diagnostics if one.code not in behind]
-    done = tuple(_done(begun, lines[first - 2]))
+    diagnostics = [one for one in alone.diagnostics if one.code not in behind]
+    done = _done(begun, lines[first - 2])
     after = whole.count("\n") + 1
     moved = [replace(e, line=e.line + after) for e in cell_events(rest, machine, name)[0]]
     both = run_of_events([*done, *moved], machine, profile, name, grades)
-    told_stops = [c for c in stop_comments(whole) if c.line <= done[-1].line]
-    told_stops += (replace(c, line=c.line + after) for c in stop_comments(rest))
-    diagnostics = (
-        *both.diagnostics, *comment_faults(told_stops, both.tools, machine, name),
+    comments = [c for c in stop_comments(whole) if c.line <= done[-1].line]
+    comments += (replace(c, line=c.line + after) for c in stop_comments(rest))
+    keys = {(one.code, one.source.line, one.values) for one in diagnostics}
+    for one in (
+        *both.diagnostics, *comment_faults(comments, both.tools, machine, name),
         *compared(both, parts, machine, profile, skips, name, order, turn, bar),
-    )  # fmt: skip
-    keys = {(one.code, one.source.line, one.values) for one in said}
-    placed = (_placed(one, after, name, whole_name) for one in diagnostics)
-    said += [one for one in placed if (one.code, one.source.line, one.values) not in keys]
-    return tuple(said)
+    ):  # fmt: skip
+        line, placed = one.source.line, one
+        if one.source.file == name and line is not None:  # of the whole program, or the remainder
+            at = Source(whole_name, line) if line <= after else Source(name, line - after)
+            placed = replace(one, source=at)
+        if (placed.code, placed.source.line, placed.values) not in keys:
+            diagnostics.append(placed)
+    return tuple(diagnostics)
 
 
-def _done(whole: BarRun, last: int) -> Iterator[BarEvent]:
+def _done(whole: BarRun, last: int) -> Sequence[BarEvent]:
     """The events up to the end of the operation that works on a line.
 
     It ends where another begins: with the choice of a spindle or a stop, before a cut or a text
@@ -77,11 +77,14 @@ def _done(whole: BarRun, last: int) -> Iterator[BarEvent]:
     """
     events, dialect = whole.events, whole.dialect
     at = next(k for k, event in enumerate(events) if event.line == last)
-    end = next(k for k in range(at + 1, len(events)) if _begins(events[k], last, dialect))
+    end = next(
+        k for k in range(at + 1, len(events)) if events[k].line > last
+        and (isinstance(events[k], Lettering) or _role(events[k], dialect) in _BEGINS)
+    )  # fmt: skip
     if isinstance(events[end], Lettering) or _role(events[end], dialect) == "saw":
         while end > at + 1 and _leads_to_it(events[end - 1], last, dialect):
             end -= 1
-    yield from events[:end]
+    return events[:end]
 
 
 def _leads_to_it(event: BarEvent, last: int, dialect: Dialect) -> bool:
@@ -95,22 +98,8 @@ def _leads_to_it(event: BarEvent, last: int, dialect: Dialect) -> bool:
     return isinstance(event, Switch) and _role(event, dialect) in ("", "other")
 
 
-def _begins(event: BarEvent, last: int, dialect: Dialect) -> bool:
-    begins = isinstance(event, Lettering) or _role(event, dialect) in _BEGINS
-    return begins and event.line > last
-
-
 def _role(event: BarEvent, dialect: Dialect) -> str:
     if not isinstance(event, Switch):
         return ""
     word = dialect.m_words.get(event.number)
     return word.role if word else ""
-
-
-def _placed(diagnostic: Diagnostic, after: int, name: str, whole_name: str) -> Diagnostic:
-    """A message at its line of the remainder, or of the whole program."""
-    line = diagnostic.source.line
-    if diagnostic.source.file != name or line is None:
-        return diagnostic
-    source = Source(whole_name, line) if line <= after else Source(name, line - after)
-    return replace(diagnostic, source=source)

@@ -18,7 +18,7 @@ from msgspec import Struct
 
 from beamcam.geometry.curves import Curve
 from beamcam.machine.machine import Machine
-from beamcam.machine.stations import FORMULA_NAMES, Saw, Spindle
+from beamcam.machine.stations import FORMULA_NAMES, Spindle
 from beamcam.model.part import Face, Part, Profile
 
 # --- walls ----------------------------------------------------------------------------------------
@@ -47,18 +47,18 @@ def wall_thickness(profile: Profile, face: Face) -> float:
     return profile.web_thickness or 0.0
 
 
-def recess(profile: Profile, face: Face) -> float:
-    """How far a face lies behind the outermost steel on its side, mm."""
-    width, wall = profile.width, profile.web_thickness or 0.0
-    match profile.code, face:
-        case "I", "v" | "h":
-            return width - (width + wall) / 2
-        case "U" | "C" | "L" | "T", "v":
-            return width - wall
-        case "T", "o" | "u":
-            return profile.height - (profile.height + profile.flange_thickness) / 2
-        case _:
-            return 0.0
+def wall_between(profile: Profile, face: Face) -> tuple[float, float]:
+    """Between which z of the section (y behind o and u) the wall behind a face lies, mm."""
+    height, flange = profile.height, profile.flange_thickness
+    width, web = profile.width, profile.web_thickness or 0.0
+    if face in ("o", "u"):
+        low = height - flange if face == "o" else 0.0
+        low = (height - flange) / 2 if profile.code == "T" else low
+        return low, low + flange
+    low = (width - web) / 2 if profile.code == "I" else 0.0
+    if profile.code == "M" and face == "v":
+        low = width - web
+    return low, low + web
 
 
 def lip_length(part: Part) -> float:
@@ -93,7 +93,6 @@ def in_stem(curves: Sequence[Curve], profile: Profile, face: Face) -> bool:
     return min(ys) < middle + half and max(ys) > middle - half
 
 
-SQUARE_DEG = 0.05  #: off the square cut, as numbers of one decimal are rounded
 WEBBED = ("I", "U", "C", "L", "T")  #: sections whose web lies behind their flanges
 _AXIS_INDEX = {"X": 0, "Y": 1, "Z": 2}
 
@@ -112,9 +111,10 @@ NOWHERE = Tip(nan, nan, nan, nan, nan)  #: before the first move
 
 
 class Station(Struct, frozen=True):
-    """One spindle over a section."""
+    """A spindle over a section."""
 
-    number: int
+    spindle: Spindle
+    number: int  #: of the spindle
     face: str
     across: int  #: index of its axis in X, Y, Z
     stroke: int
@@ -124,7 +124,7 @@ class Station(Struct, frozen=True):
     surface_per_y: float  #: and how much farther for each mm of y
     face_depth: float  #: distance of the outermost material on that side from the face
     way: float  #: +1 if the stroke axis counts into the material, or -1
-    thickness: float  #: of the material behind the face; 0 if not known
+
     surface_known: bool  #: whether the section is known far enough to say where the face lies
     retract_clearance: float  #: clearance that the machine keeps beside the bar
     approach_clearance: float  #: and before the face, where the feed begins
@@ -165,66 +165,61 @@ def choices_of(machine: Machine, profile: Profile | None, lip: float = 0.0) -> d
     return choices
 
 
-def stroke_values(machine: Machine, profile: Profile | None, face: str) -> dict[str, float]:
+def stroke_values(machine: Machine, profile: Profile | None, face: Face) -> dict[str, float]:
     """The names that the machine's formulas may use, for a face of a section."""
     values = dict.fromkeys(FORMULA_NAMES, 0.0)
     values["clearance"] = machine.drill.clearance if machine.drill else 0.0
     if profile is not None:
+        height, width, (low, high) = profile.height, profile.width, wall_between(profile, face)
         values |= {
-            "height": profile.height, "width": profile.width,
-            "flange_thickness": profile.flange_thickness,
+            "height": height, "width": width, "flange_thickness": profile.flange_thickness,
             "web_thickness": profile.web_thickness or 0.0,
-            "thickness": wall_thickness(profile, face), "face_depth": recess(profile, face),
+            "thickness": wall_thickness(profile, face),
         }  # fmt: skip
+        if profile.code in WEBBED:  # how far the face lies behind the outermost steel on its side
+            behind = {"v": width - high, "h": low, "o": height - high, "u": low}
+            values["face_depth"] = behind[face]
     return values
 
 
 def _station(spindle: Spindle, machine: Machine, profile: Profile | None, lip: float) -> Station:
-    values = stroke_values(machine, profile, spindle.face)
+    values, face = stroke_values(machine, profile, spindle.face), spindle.face
     across_0 = spindle.across.position(values)
     per_y = spindle.across.position({**values, "y": 1.0}) - across_0
-    bottom = spindle.stroke.bottom
+    bottom, retract = spindle.stroke.bottom, spindle.stroke.retract(values)
     shallow, deeper = bottom(values), bottom({**values, "depth": 1.0})
-    surface_per_y = 0.0
+    face_depth, surface_per_y = values["face_depth"], 0.0
     if deeper != shallow:
         way = 1.0 if deeper > shallow else -1.0
         surface = shallow
         surface_per_y = bottom({**values, "y": 1.0}) - shallow
     else:
-        way = 1.0 if shallow >= spindle.stroke.retract(values) else -1.0
-        surface = way * values["face_depth"]
-    clear_from, clear_to = -inf, inf
-    if profile is not None and values["face_depth"] > 0 and profile.code in ("I", "U", "C", "L"):
-        clear_from = max(profile.flange_thickness, lip)
-        clear_to = inf if profile.code == "L" else profile.height - clear_from
-    if profile is not None and profile.code == "T" and spindle.face in ("o", "u"):
-        clear_from = profile.web_thickness or 0.0
-    across, stroke = _AXIS_INDEX[spindle.across.axis], _AXIS_INDEX[spindle.stroke.axis]
-    start, near = spindle.stroke.retract(values), spindle.stroke.approach
-    face_depth = values["face_depth"]
-    retract_clearance = -(way * (start - surface) + face_depth)
-    approach_clearance = (
-        retract_clearance + face_depth if near is None else -way * (near(values) - surface)
-    )
+        way = 1.0 if shallow >= retract else -1.0
+        surface = way * face_depth
+    clear_from, clear_to, surface_known = -inf, inf, False
+    if profile is not None:
+        if face_depth > 0 and profile.code in ("I", "U", "C", "L"):
+            clear_from = max(profile.flange_thickness, lip)
+            clear_to = inf if profile.code == "L" else profile.height - clear_from
+        elif profile.code == "T" and face in ("o", "u"):
+            clear_from = profile.web_thickness or 0.0
+        # A face before a web lies where the section says only if that says the web's thickness.
+        before_web = face in ("v", "h") and profile.code in WEBBED
+        surface_known = profile.web_thickness is not None or not (profile.code == "T" or before_web)
+    retract_clearance = -(way * (retract - surface) + face_depth)
+    approach_clearance = retract_clearance + face_depth
+    if spindle.stroke.approach is not None:
+        approach_clearance = -way * (spindle.stroke.approach(values) - surface)
     limits = tuple(
         (_AXIS_INDEX[a.moves], a.name, *a.limits)
         for a in machine.axes
         if a.spindle == spindle.number and a.moves in _AXIS_INDEX
     )
     return Station(
-        spindle.number, spindle.face, across, stroke, across_0, per_y, surface, surface_per_y,
-        face_depth, way, values["thickness"], _surface_known(profile, spindle.face),
-        retract_clearance, approach_clearance, clear_from, clear_to, limits,
+        spindle, spindle.number, face, _AXIS_INDEX[spindle.across.axis],
+        _AXIS_INDEX[spindle.stroke.axis], across_0, per_y, surface, surface_per_y, face_depth, way,
+        surface_known, retract_clearance, approach_clearance, clear_from, clear_to, limits,
     )  # fmt: skip
-
-
-def _surface_known(profile: Profile | None, face: str) -> bool:
-    """Whether a face lies where the section says: before a web, only if its thickness is known."""
-    if profile is None:
-        return False
-    return profile.web_thickness is not None or not (
-        profile.code == "T" or (face in ("v", "h") and profile.code in WEBBED)
-    )
 
 
 def limits_of(machine: Machine, moves: str) -> tuple[str, float, float]:
@@ -240,13 +235,6 @@ def limits_of(machine: Machine, moves: str) -> tuple[str, float, float]:
     if moves == "angle" and machine.saw is not None:
         return name, max(least, machine.saw.min_angle), min(greatest, machine.saw.max_angle)
     return name, least, greatest
-
-
-def tilts_of(saw: Saw, angle: float) -> tuple[float, float]:
-    """Minimum and maximum tilt of the blade at an angle; none off the square cut, if not both."""
-    if saw.compound or abs(angle - saw.zero_angle) < SQUARE_DEG:
-        return saw.min_tilt, saw.max_tilt
-    return 0.0, 0.0
 
 
 # --- machined features ----------------------------------------------------------------------------
@@ -284,7 +272,7 @@ class Bore(Struct, frozen=True, gc=False):
 
 
 class MachinedPath(Struct, frozen=True, gc=False):
-    """A path that a tool was led along in the material."""
+    """A path that a tool followed in the material."""
 
     line: int  #: of its first point
     face: str
@@ -298,7 +286,7 @@ class MachinedPath(Struct, frozen=True, gc=False):
 
 
 class StampedText(Struct, frozen=True, gc=False):
-    """A text that a stamp or printer was told."""
+    """A text that a stamp or printer letters."""
 
     line: int
     face: str
@@ -322,17 +310,3 @@ class MachinedFeatures(Struct, frozen=True):
     paths: tuple[MachinedPath, ...]
     order: tuple[Thing, ...]  #: all of them, as they follow one another
     texts: tuple[StampedText, ...] = ()
-
-
-def made_in_order(
-    section: tuple[tuple[str, float], ...], order: Sequence[Thing]
-) -> MachinedFeatures:
-    """All that is in `order`, and each kind by itself."""
-    return MachinedFeatures(
-        section,
-        tuple([o for o in order if type(o) is Cut]),
-        tuple([o for o in order if type(o) is Bore]),
-        tuple([o for o in order if type(o) is MachinedPath]),
-        tuple(order),
-        tuple([o for o in order if type(o) is StampedText]),
-    )

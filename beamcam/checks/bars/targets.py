@@ -13,14 +13,14 @@ What nothing of the machine makes is a `Unmakeable`.
 """
 
 from collections.abc import Iterator
-from math import cos, floor, hypot, radians, sin, tan
+from math import cos, floor, hypot, inf, radians, sin, tan
 from typing import TypeVar
 
 from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.checks.bars.cuts import off_outline
-from beamcam.checks.bars.pieces import ANGLE_TOLERANCE_DEG, RequiredEnd
+from beamcam.checks.bars.pieces import ANGLE_TOLERANCE_DEG, Ends
 from beamcam.checks.bars.stations import wall_thickness
 from beamcam.checks.bars.tools import ToolCatalogue
 from beamcam.checks.job import is_manual_work
@@ -74,23 +74,17 @@ class RequiredRound(Struct, frozen=True, gc=False):
 
 
 class RequiredPocket(Struct, frozen=True, gc=False):
-    """A hole or slot that a mill is led round in: a rectangle with round corners."""
+    """A hole or slot that a mill goes round in: a rectangle with round corners."""
 
     feature: int
     face: Face
-    x: float  #: of the centre, on the part
-    y: float
-    length: float  #: between the corner circles' centres, along the angle
-    height: float  #: and across
-    angle: float  #: degrees
-    diameter: float  #: of the corner circles
-    depth: float | None
+    slot: Slot  #: the same as `source`; of a hole one without length
     what: str
     source: Hole | Slot
 
 
 class MarkingPath(Struct, frozen=True, gc=False):
-    """A line that a scribe is led along."""
+    """A line that a scribe follows."""
 
     feature: int
     face: Face
@@ -112,20 +106,22 @@ class Unmakeable(Struct, frozen=True, gc=False):
 Target = RequiredRound | RequiredPocket | MarkingPath | Unmakeable
 
 
-def targets_of(
-    part: Part, ends: tuple[RequiredEnd, RequiredEnd], tools: ToolCatalogue
-) -> list[Target]:
+def targets_of(part: Part, ends: Ends, tools: ToolCatalogue) -> list[Target]:
     """Requirements of every feature of a part; duplicate holes count once."""
-    kinds: dict[tuple[object, ...], tuple[RoundKind, ...] | None] = {}
+    kinds: dict[tuple[object, ...], RoundKind | None] = {}
     targets: list[Target] = []
     for f, feature in _once(part, tools):
         if type(feature) is Hole and feature.kind in PLAIN_KINDS:
-            key = feature.face, feature.diameter, feature.depth
-            known = kinds.get(key, ())
-            if known == ():
-                known = kinds[key] = _drilled(feature, part, tools)
-            if known:
-                targets.append(RequiredRound(f, feature.x, feature.y, feature.face, known[0]))
+            face, diameter = feature.face, feature.diameter
+            key = face, diameter, feature.depth
+            if key not in kinds:
+                kinds[key] = None
+                fitting, limits = tools.fits("drill", diameter, face), tools.fit(diameter)
+                if fitting and limits is not None and tools.works_on(face, part):
+                    what = f"hole {diameter:g}"
+                    kinds[key] = RoundKind("drill", what, *limits, fitting[0], feature)
+            if (kind := kinds[key]) is not None:
+                targets.append(RequiredRound(f, feature.x, feature.y, face, kind))
                 continue
         targets += _targets(f, feature, part, ends, tools)
     return targets
@@ -152,11 +148,8 @@ def _once(part: Part, tools: ToolCatalogue) -> Iterator[tuple[int, Feature]]:
     for f, feature in enumerate(part.features):
         if f in gone:
             continue
-        if type(feature) is Slot:
-            yield f, from_behind(feature, part, tools)
-            continue
         if type(feature) is not Hole:
-            yield f, feature
+            yield f, from_behind(feature, part, tools) if type(feature) is Slot else feature
             continue
         hole = feature if feature.face in works else from_behind(feature, part, tools)
         # Most x are whole millimetres, in the middle of their own.
@@ -183,7 +176,7 @@ def _targets(
     f: int,
     feature: Feature,
     part: Part,
-    ends: tuple[RequiredEnd, RequiredEnd],
+    ends: Ends,
     tools: ToolCatalogue,
 ) -> Iterator[Target]:
     if is_manual_work(feature, tools.machine):
@@ -214,35 +207,27 @@ def _targets(
         case Bend():
             yield Unmakeable(f, "the bend", "other", feature)
         case EndPlane():
-            if not _is_end(feature, part, ends) and _cuts(feature, part, ends):
+            if _takes_more(feature, part, ends):
                 yield Unmakeable(f, "the end plane", "other", feature)
         case Camber():
             yield Unmakeable(f, "the camber", "other", feature)
 
 
-def _is_end(plane: EndPlane, part: Part, ends: tuple[RequiredEnd, RequiredEnd]) -> bool:
-    """Whether a plane states an end once more that the part's angles and length give."""
-    end = ends[plane.normal[0] > 0]
-    return all(
-        abs(plane.x(y, z) - end.x(y, z)) <= PLANE_TOLERANCE
-        for y, z in corners(part.profile, part.section)
-    )
-
-
-def _cuts(plane: EndPlane, part: Part, ends: tuple[RequiredEnd, RequiredEnd]) -> bool:
-    """Whether some corner of a part stands out before a plane."""
+def _takes_more(plane: EndPlane, part: Part, ends: Ends) -> bool:
+    """Whether a plane takes off steel that the ends leave, by the part's angles and length."""
+    places, end = corners(part.profile, part.section), ends[plane.normal[0] > 0]
+    if all(abs(plane.x(y, z) - end.x(y, z)) <= PLANE_TOLERANCE for y, z in places):
+        return False
     (px, py, pz), (a, b, c) = plane.point, plane.normal
     within = PLANE_TOLERANCE * hypot(a, b, c)
     return any(
         a * (end.x(y, z) - px) + b * (y - py) + c * (z - pz) > within
         for end in ends
-        for y, z in corners(part.profile, part.section)
+        for y, z in places
     )
 
 
-def _unsawn_bevel(
-    contour: Contour, ends: tuple[RequiredEnd, RequiredEnd], least_deg: float
-) -> bool:
+def _unsawn_bevel(contour: Contour, ends: Ends, least_deg: float) -> bool:
     """Whether a contour has a weld preparation that no skew end of the part makes.
 
     Below the least angle that a saw is turned by it is a rounding error of the file.
@@ -255,17 +240,6 @@ def _unsawn_bevel(
     )
 
 
-def _drilled(hole: Hole, part: Part, tools: ToolCatalogue) -> tuple[RoundKind, ...] | None:
-    """The drilled hole that a plain hole requires; None if no drill makes it."""
-    if not tools.works_on(hole.face, part):
-        return None
-    fitting = tools.fits("drill", hole.diameter, hole.face)
-    limits = tools.fit(hole.diameter)
-    if not fitting or limits is None:
-        return None
-    return (RoundKind("drill", f"hole {hole.diameter:g}", *limits, fitting[0], hole),)
-
-
 def _hole(f: int, hole: Hole, part: Part, tools: ToolCatalogue) -> Iterator[Target]:
     size = f"{hole.diameter:g}"
     if not tools.works_on(hole.face, part):
@@ -273,10 +247,10 @@ def _hole(f: int, hole: Hole, part: Part, tools: ToolCatalogue) -> Iterator[Targ
     elif hole.kind in PLAIN_KINDS:
         # Drilled ones are known by now.
         if tools.mills_round(hole.diameter, hole.face):
-            yield RequiredPocket(
-                f, hole.face, hole.x, hole.y, 0.0, 0.0, 0.0, hole.diameter, hole.depth,
-                f"hole {size}", hole,
-            )  # fmt: skip
+            slot = Slot(
+                hole.face, hole.x, hole.y, hole.diameter, 0.0, 0.0, 0.0, hole.source, hole.depth
+            )
+            yield RequiredPocket(f, hole.face, slot, f"hole {size}", hole)
         else:
             yield Unmakeable(f, f"the hole {size}", "tool", hole)
     elif hole.kind in THREADS:
@@ -285,7 +259,7 @@ def _hole(f: int, hole: Hole, part: Part, tools: ToolCatalogue) -> Iterator[Targ
         yield from _countersink(f, hole, part, tools)
     elif any(tools.of("punch", hole.face)):
         own = next(iter(tools.sizes("punch", hole.face)), 0.0)
-        kind = RoundKind("punch", "punch mark", 0.0, float("inf"), own, hole)
+        kind = RoundKind("punch", "punch mark", 0.0, inf, own, hole)
         yield RequiredRound(f, hole.x, hole.y, hole.face, kind)
     else:
         yield Unmakeable(f, "the punch mark", "mark", hole)
@@ -299,9 +273,12 @@ def _thread(f: int, hole: Hole, part: Part, tools: ToolCatalogue) -> Iterator[Ta
         yield Unmakeable(f, f"the {name}", "tool", hole)
         return
     size, pitch, before = tap
-    if _too_deep(hole, part, pitch, drills[0], tools):
-        yield Unmakeable(f, f"the {name}", "thread-depth", hole)
-        return
+    thickness = wall_thickness(part.profile, hole.face)
+    if hole.depth is not None and thickness:
+        runout = tools.drill.runout_pitches * pitch + tools.tip("drill", drills[0], hole.face)
+        if hole.depth + runout > thickness + 1e-9:  # the drill would come out on the other side
+            yield Unmakeable(f, f"the {name}", "thread-depth", hole)
+            return
     least, most = tools.fit(before) or (before, before)
     place = (f, hole.x, hole.y, hole.face)
     yield RequiredRound(
@@ -310,45 +287,29 @@ def _thread(f: int, hole: Hole, part: Part, tools: ToolCatalogue) -> Iterator[Ta
     yield RequiredRound(*place, RoundKind("tap", name, size, size, size, hole, pitch))
 
 
-def _too_deep(hole: Hole, part: Part, pitch: float, drill: float, tools: ToolCatalogue) -> bool:
-    """Whether the drill before a blind thread would come out on the other side."""
-    thickness = wall_thickness(part.profile, hole.face)
-    if hole.depth is None or not thickness:
-        return False
-    reach = hole.depth + tools.drill.runout_pitches * pitch + tools.tip("drill", drill, hole.face)
-    return reach > thickness + 1e-9
-
-
 def _countersink(f: int, sink: Hole, part: Part, tools: ToolCatalogue) -> Iterator[Target]:
-    name = f"countersink {sink.diameter:g}"
-    pilot = _pilot(sink, part, tools)
+    name, diameter = f"countersink {sink.diameter:g}", sink.diameter
+    cone, pilot, reason = sink.angle or FLAT_DEG, _pilot(sink, part, tools), ""
+    least, most = tools.fit(diameter) or (diameter, diameter)
     if pilot is None:
-        yield Unmakeable(f, f"the {name}", "countersink", sink)
-        return
-    reason, limits = _sink_tools(sink, pilot, tools)
-    if reason:
+        reason = "countersink"
+    elif cone < FLAT_DEG:
+        alone = (diameter - pilot) / 2 / tan(radians(cone) / 2)
+        deep = sink.depth or alone
+        if deep < alone - tools.drill.sink_tolerance:
+            reason = "sink-depth"
+        elif deep <= alone + tools.drill.sink_tolerance:  # its rim lies on the surface
+            least, most = diameter - 1e-6, inf
+    elif not sink.depth:
+        reason = "tool"
+    sizes = [d for t in tools.of("countersink", sink.face) if t.point_deg == cone for d in t.sizes]
+    if not reason and not any(least <= d <= most for d in sizes):
+        reason = "tool"
+    if pilot is None or reason:
         yield Unmakeable(f, f"the {name}", reason, sink)
         return
-    kind = RoundKind("countersink", name, *limits, sink.diameter, sink, pilot=pilot)
+    kind = RoundKind("countersink", name, least, most, diameter, sink, pilot=pilot)
     yield RequiredRound(f, sink.x, sink.y, sink.face, kind)
-
-
-def _sink_tools(sink: Hole, pilot: float, tools: ToolCatalogue) -> tuple[str, tuple[float, float]]:
-    """What a countersink lacks, "" if nothing, and the diameters of the tools that make it."""
-    cone = sink.angle or FLAT_DEG
-    limits = tools.fit(sink.diameter) or (sink.diameter, sink.diameter)
-    sizes = [d for t in tools.of("countersink", sink.face) if t.point_deg == cone for d in t.sizes]
-    exact = any(limits[0] <= d <= limits[1] for d in sizes)
-    if cone >= FLAT_DEG:
-        return ("" if exact and sink.depth else "tool"), limits
-    alone = (sink.diameter - pilot) / 2 / tan(radians(cone) / 2)
-    deep = sink.depth or alone
-    if deep < alone - tools.drill.sink_tolerance:
-        return "sink-depth", limits
-    if deep > alone + tools.drill.sink_tolerance:  # its rim lies below the surface
-        return ("" if exact else "tool"), limits
-    wide = sink.diameter - 1e-6, float("inf")
-    return ("" if any(d >= wide[0] for d in sizes) else "tool"), wide
 
 
 def _pilot(sink: Hole, part: Part, tools: ToolCatalogue) -> float | None:
@@ -378,10 +339,7 @@ def _slot(f: int, slot: Slot, part: Part, tools: ToolCatalogue) -> Iterator[Targ
     if not tools.works_on(slot.face, part):
         yield Unmakeable(f, f"the {what}", "face", slot)
         return
-    yield RequiredPocket(
-        f, slot.face, slot.x, slot.y, slot.length, slot.height, slot.angle, slot.diameter,
-        slot.depth, what, slot,
-    )  # fmt: skip
+    yield RequiredPocket(f, slot.face, slot, what, slot)
     _, most = tools.fit(slot.diameter) or (0.0, slot.diameter)
     for x, y in slot_corners(slot):
         end = Hole(slot.face, x, y, slot.diameter, slot.source, slot.depth)

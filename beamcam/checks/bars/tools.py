@@ -22,7 +22,7 @@ from beamcam.checks.bars.stations import (
 from beamcam.errors import Diagnostic, Source
 from beamcam.machine.machine import Machine
 from beamcam.machine.stations import FLAT_DEG, Cutting, Drill, ToolSet
-from beamcam.model.part import Face, Hole, Part, Profile
+from beamcam.model.part import Face, Feature, Hole, Part, Profile, Slot
 from beamcam.model.section import NO_PLATE
 
 # --- shop -----------------------------------------------------------------------------------------
@@ -102,6 +102,12 @@ class ToolCatalogue:
         largest = max((t.largest_hole for t in self.of("mill", face)), default=0.0)
         return max(self.sizes("drill", face), default=0.0) < diameter <= largest
 
+    def drills_ends(self, slot: Feature, face: Face) -> bool:
+        """Whether the ends of a slot are drilled before it is milled; a rectangle's are not."""
+        if not isinstance(slot, Slot) or slot.height or self.drill.slots != "drill-mill":
+            return False
+        return bool(self.fits("drill", slot.diameter, face))
+
     def works_on(self, face: Face, part: Part) -> bool:
         """Whether a spindle works on a face of a part."""
         return face in self.faces and face not in NO_PLATE.get(part.profile.code, ())
@@ -128,8 +134,7 @@ class CuttingRange(Struct, frozen=True, gc=False):
     min_feed: float  #: mm/min; below it a warning
     own_feed: float  #: of the data, the fastest
     most_feed: float
-    own_speed: float  #: rpm
-    most_speed: float
+    most_speed: float  #: rpm
     most_per_turn: float  #: mm
 
 
@@ -142,29 +147,23 @@ class CuttingData:
 
     def _run(self, kind: str, diameter: float, pitch: float) -> CuttingRange | None:
         """Permitted speed and feed of a tool; None without cutting data for its kind."""
-        figures = [self._of(row, kind, diameter, pitch) for row in self._rows(kind, diameter)]
-        if not figures:
+        drill, turns, feeds, per_turns = self._drill, [], [], []
+        for row in self._rows(kind, diameter):
+            if kind in STANDING_TOOLS:
+                turns.append(0.0)
+                feeds.append(min(1000 * row.speed_m_min, drill.max_feed_mm_min))
+                per_turns.append(inf)
+                continue
+            rpm = 1000 * row.speed_m_min / (pi * diameter)
+            turns.append(max(drill.min_speed_rpm, min(drill.max_speed_rpm, rpm)))
+            per_turns.append(pitch if kind == "tap" else row.feed_per_turn)
+            feeds.append(min(turns[-1] * per_turns[-1], drill.max_feed_mm_min))
+        if not feeds:
             return None
-        drill = self._drill
-        feeds = [feed for _, feed, _ in figures]
-        speed = max(speed for speed, _, _ in figures)
         return CuttingRange(
             LEAST * min(feeds), max(feeds), min(MOST * max(feeds), drill.max_feed_mm_min) + 0.1,
-            speed, min(MOST * speed, drill.max_speed_rpm) + 0.6,
-            MOST * max(per_turn for _, _, per_turn in figures),
+            min(MOST * max(turns), drill.max_speed_rpm) + 0.6, MOST * max(per_turns),
         )  # fmt: skip
-
-    def _of(
-        self, row: Cutting, kind: str, diameter: float, pitch: float
-    ) -> tuple[float, float, float]:
-        """Speed in rpm, feed in mm/min and feed per turn of a row."""
-        drill = self._drill
-        if kind in STANDING_TOOLS:
-            return 0.0, min(1000 * row.speed_m_min, drill.max_feed_mm_min), inf
-        turns = 1000 * row.speed_m_min / (pi * diameter)
-        turns = max(drill.min_speed_rpm, min(drill.max_speed_rpm, turns))
-        per_turn = pitch if kind == "tap" else row.feed_per_turn
-        return turns, min(turns * per_turn, drill.max_feed_mm_min), per_turn
 
     def _rows(self, kind: str, diameter: float) -> list[Cutting]:
         """The rows that may be meant for a tool."""
@@ -174,7 +173,7 @@ class CuttingData:
         materials = {
             t.tool_material for t in self._machine.tools if t.kind == kind and diameter in t.sizes
         } or {"hss"}
-        found = []
+        meant = []
         for material in sorted(materials):
             fitting = [
                 row
@@ -182,16 +181,16 @@ class CuttingData:
                 if diameter <= row.up_to and row.tool_material in ("*", material)
             ]
             if self._grades is None:
-                found += fitting or rows[-1:]
+                meant += fitting or rows[-1:]
                 continue
             for grade in self._grades:
-                found += [row for row in fitting if _names(row, grade)][:1] or rows[-1:]
-        return found
-
-
-def _names(row: Cutting, grade: str) -> bool:
-    """Whether one of a row's patterns, set off by |, is that of a grade, in any case."""
-    return any(fnmatchcase(grade.upper(), p.strip()) for p in row.grade.upper().split("|"))
+                # One of a row's patterns, set off by |, has to be that of the grade, in any case.
+                patterns = [(row, row.grade.upper().split("|")) for row in fitting]
+                meant += [
+                    row for row, own in patterns
+                    if any(fnmatchcase(grade.upper(), pattern.strip()) for pattern in own)
+                ][:1] or rows[-1:]  # fmt: skip
+        return meant
 
 
 # --- cell limits ----------------------------------------------------------------------------------
@@ -218,32 +217,25 @@ class CellLimits(Struct, frozen=True):
 def _limits(machine: Machine) -> CellLimits:
     form, layout, words = machine.format, machine.layout, machine.words
     templates = (getattr(words, name) for name in words.__struct_fields__)
+    sizes: dict[str, set[float]] = {}
+    pecks: dict[float, float] = {}  #: where a size has a limit
+    for tools in machine.tools:
+        sizes.setdefault(tools.kind, set()).update(tools.sizes)
+        for size in tools.sizes if tools.kind == "drill" else ():
+            pecks[size] = max(pecks.get(size, 0.0), tools.max_peck or inf)
     return CellLimits(
-        _max_pecks(machine),
+        {size: peck for size, peck in pecks.items() if peck < inf},
         limits_of(machine, "X"),
         layout is not None and layout.order == "saw-drill",
         form.resolution + EPSILON,
         60.0 if form.feed_unit == "mm/s" else 1.0,
-        {
-            kind: tuple(sorted({d for t in machine.tools if t.kind == kind for d in t.sizes}))
-            for kind in {tools.kind for tools in machine.tools}
-        },
+        {kind: tuple(sorted(own)) for kind, own in sizes.items()},
         "drill-cycle-dwell" in machine.codes.values()
         or any(_DWELL.search("\n".join(t)) for t in templates if isinstance(t, tuple)),
     )
 
 
 limits_of_cell = PerObject("verify.cells", _limits)
-
-
-def _max_pecks(machine: Machine) -> dict[float, float]:
-    """How deep a drill of each size may be fed at once, where its size has a limit."""
-    pecks: dict[float, float] = {}
-    for tools in machine.tools:
-        if tools.kind == "drill":
-            for size in tools.sizes:
-                pecks[size] = max(pecks.get(size, 0.0), tools.max_peck or inf)
-    return {size: peck for size, peck in pecks.items() if peck < inf}
 
 
 # --- order of work --------------------------------------------------------------------------------
@@ -255,18 +247,12 @@ def _max_pecks(machine: Machine) -> dict[float, float]:
 #     entry -> mill        where slots are drilled first the mill goes down into a hole (`paths`)
 #     work  -> cut         where the drills come first a part is lost to them once it is cut off
 #
-# An arrow is asked about wherever its right side stands in the program. That what stands on its
-# left is there at all, in its size and place, is asked elsewhere.
+# An arrow is checked wherever its right side stands in the program. That what stands on its left is
+# there at all, in its size and place, is checked elsewhere.
 
 
 NOUNS = {"drill": "hole", "tap": "thread", "punch": "punch mark", "mill": "slot", "scribe": "line"}
-
-
-class Done(Struct, frozen=True, gc=False):
-    """Work that was found to be of a part on the bar."""
-
-    part: int
-    work: Bore | MachinedPath | StampedText
+Work = Bore | MachinedPath | StampedText
 
 
 def place_faults(made: MachinedFeatures, machine: Machine, name: str) -> Iterator[Diagnostic]:
@@ -283,47 +269,40 @@ def place_faults(made: MachinedFeatures, machine: Machine, name: str) -> Iterato
 
 
 def parting_faults(
-    made: MachinedFeatures, laid: Sequence[LaidPart], done: Iterable[Done],
+    made: MachinedFeatures, laid: Sequence[LaidPart], done: Iterable[tuple[int, Work]],
     cuts: Sequence[CutPlane], machine: Machine, profile: Profile, name: str,
 ) -> Iterator[Diagnostic]:  # fmt: skip
-    """Work on a part that is cut off already, where the bar comes to the drills before the saw."""
+    """Work on a part that is cut off already, where the bar comes to the drills before the saw.
+
+    `done` is what was found to be of a part on the bar, by the part's number.
+    """
     if machine.layout is None or machine.layout.order != "drill-saw":
         return
     place: dict[int, int] = {}  #: line of some work -> its place in the order of work
     for index, work in enumerate(made.order):
         place.setdefault(work.line, index)
     freed = [None if one.piece is None else one.piece.end.cut.line for one in laid]
-    for one in sorted(done, key=lambda one: one.work.line):
-        cut = freed[one.part]
-        if cut and place[one.work.line] > place[cut]:
-            yield _cut_off(one.work, cut, name)
+    for part, work in sorted(done, key=lambda one: one[1].line):
+        cut = freed[part]
+        if cut and place[work.line] > place[cut]:
+            yield _cut_off(work, cut, name)
     rise = (-1.0 if machine.saw is not None and machine.saw.pivot == "o" else 1.0) * profile.height
-    spans = {cut.cut.line: _span(cut, rise, profile.width) for cut in cuts}
     reached: tuple[float, int] | None = None  #: how far the bar is cut off, and by which line
-    for line, (least, greatest) in sorted(spans.items(), key=lambda span: place[span[0]]):
-        if reached is not None and greatest < reached[0]:
-            cut_off = next(cut.cut for cut in cuts if cut.cut.line == line)
-            yield _cut_off(cut_off, reached[1], name)
-        elif reached is None or least > reached[0]:
-            reached = least, line
-
-
-def _span(cut: CutPlane, rise: float, width: float) -> tuple[float, float]:
-    """Between which bar x a cut lies."""
-    xs = [cut.along(y, z) for y in (0.0, rise) for z in (0.0, width)]
-    return min(xs), max(xs)
+    by_line = {plane.cut.line: plane for plane in cuts}
+    for plane in sorted(by_line.values(), key=lambda plane: place[plane.cut.line]):
+        xs = [plane.along(y, z) for y in (0.0, rise) for z in (0.0, profile.width)]
+        if reached is not None and max(xs) < reached[0]:
+            yield _cut_off(plane.cut, reached[1], name)
+        elif reached is None or min(xs) > reached[0]:
+            reached = min(xs), plane.cut.line
 
 
 def _is_hole_of(work: Bore, other: Thing, near: float) -> bool:
     """Whether a tap or countersink goes into what was made before."""
     if isinstance(other, Bore):
-        return (
-            other.kind in ("drill", "tap")
-            and other.kind != work.kind
-            and other.face == work.face
-            and abs(other.x - work.x) <= near
-            and abs(other.y - work.y) <= near
-        )
+        is_other_tool = other.kind in ("drill", "tap") and other.kind != work.kind
+        apart = max(abs(other.x - work.x), abs(other.y - work.y))
+        return is_other_tool and other.face == work.face and apart <= near
     if work.kind == "tap" or not isinstance(other, MachinedPath) or other.face != work.face:
         return False
     xs, ys = [x for x, _ in other.points], [y for _, y in other.points]

@@ -11,7 +11,7 @@ import numpy as np
 import shapely
 
 from beamcam.checks import text_assignment
-from beamcam.checks.drawn_texts import EXACT, NEAR, DrawnPieces, RequiredText, wanted
+from beamcam.checks.drawn_texts import EXACT, NEAR, DrawnPieces, RequiredText, text_to_letter
 from beamcam.checks.job import is_manual_work, manual_work
 from beamcam.checks.sheets import rules
 from beamcam.checks.sheets.need import Need, shift_of
@@ -37,7 +37,8 @@ def add_texts(need: Need, part: Part, machine: Machine, torch: Torch, strokes: S
     it is left for manual work.
     """
     required = [
-        (index, wanted(feature, machine.marks)) for index, feature in enumerate(part.features)
+        (index, text_to_letter(feature, machine.marks))
+        for index, feature in enumerate(part.features)
         if isinstance(feature, TextMark) and policy_on(feature, machine.marks) == "make"
         and not is_manual_work(feature, machine)
     ]  # fmt: skip
@@ -62,14 +63,17 @@ def add_texts(need: Need, part: Part, machine: Machine, torch: Torch, strokes: S
         return
     drawn = DrawnPieces(pieces, max(NEAR, torch.tolerance))
     ours = {index: text for index, text in required if text.feature.face in FACES}
-    positions = text_assignment.text_positions([*ours.values()], drawn, steel, steel, machine.marks)
+    texts = [*ours.values()]
+    found = text_assignment.found_texts(texts, drawn, steel, machine.marks)
+    positions = text_assignment.text_positions(texts, found, steel, steel, machine.marks)
     position_of = dict(zip(ours, positions, strict=True))
     for index, text in required:
-        at = position_of.get(index)
-        if at is None:
+        one = position_of.get(index)
+        if one is None:
             need.diagnostics.append(manual_work(text.feature, part, machine))
         else:
-            need.diagnostics += at.diagnostics
+            at, diagnostics = one
+            need.diagnostics += diagnostics
             _need(need, process, index, text, (at.x, at.y, at.height))
 
 

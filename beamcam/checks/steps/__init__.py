@@ -1,9 +1,9 @@
-"""Tables for stepping motors read back: steps one by one, or velocities stretch by stretch.
+"""Tables for stepping motors read back: steps one by one, or the velocities of segments.
 
 Written from docs/step-tables.md and the machine file; nothing is shared with motion or emitters.
 
     .steps .bin .h  -> rows -> motors followed (follow, pace) -> strokes
-    .csv            -> stretches, each by itself (velocities) -> strokes -> compared (outline)
+    .csv            -> segments, each by itself (velocities) -> strokes -> compared (outline)
 
 All goes block by block, so that a table of any length takes the memory of its drawing.
 """
@@ -14,7 +14,7 @@ from typing import Any
 
 from beamcam.checks.steps.follow import Followed
 from beamcam.checks.steps.outline import OutlineCheck
-from beamcam.checks.steps.velocities import ROUND, Velocities, stretches
+from beamcam.checks.steps.velocities import ROUND, Velocities, table_rows
 from beamcam.controllers.step_table import (
     Rows,
     Stream,
@@ -48,45 +48,37 @@ def verify_table(
 
     `form` is the suffix of its file, one of `FORMS`; `pieces` are its bytes in any cut; `head` is
     the text whose head has to say where sound parts lie, if one has to. Without parts it is
-    looked at by itself. Raises ValueError for another form.
+    checked by itself. Raises ValueError for another form.
     """
     stepper = machine.needed(machine.stepper, "stepping motors")
     if form not in FORMS:
         raise ValueError(f"found a table of form {form!r}; expected one of {', '.join(FORMS)}")
     stream = Stream(pieces, name)
-    part, sheet, asked = None, None, machine
+    part, sheet, whole_machine = None, None, machine
     if parts:
         from beamcam.checks.sheets.compare import with_head_faults
         from beamcam.checks.sheets.required_layout import as_one
 
         sheet = as_one(parts, machine, skips)
         part, machine = sheet.part, sheet.machine
-    table: Followed | Velocities
+    table: Any  # each takes rows of its own form
+    rows: Iterator[Any]
     if form == VELOCITIES:
         outline = OutlineCheck(part, machine, skips, sqrt(2.0) * ROUND, 0.0, name)
-        table = Velocities(machine, name, outline)
-        fault = _read(table.follow, stretches(stream, stepper.step))
+        table, rows = Velocities(machine, name, outline), table_rows(stream, stepper.step)
     else:
         half, simplify = stepper.step * sqrt(0.5), stepper.step * SIMPLIFY
         outline = OutlineCheck(part, machine, skips, half, simplify, name)
-        table = Followed(machine, name, outline)
-        fault = _read(table.follow, _STEPS[form](stream, stepper))
-    if fault is not None:
-        return (*table.diagnostics, fault)
+        table, rows = Followed(machine, name, outline), _STEPS[form](stream, stepper)
+    try:
+        for row in rows:
+            table.follow(row)
+    except TableFault as fault:  # what cannot be read ends a table
+        return (*table.diagnostics, fault.diagnostic)
     table.finish()
     if errors_in(table.diagnostics):
         return (*table.diagnostics, *outline.diagnostics)
     if sheet is None:
         return (*table.diagnostics, *outline.compare())
     diagnostics = (*table.diagnostics, *sheet.diagnostics, *outline.compare())
-    return with_head_faults(diagnostics, head, parts, sheet.places, asked, skips, name)
-
-
-def _read(follow: Callable[[Any], None], rows: Iterator[Any]) -> Diagnostic | None:
-    """Follow all rows; what cannot be read ends a table."""
-    try:
-        for row in rows:
-            follow(row)
-    except TableFault as fault:
-        return fault.diagnostic
-    return None
+    return with_head_faults(diagnostics, head, parts, sheet.places, whole_machine, skips, name)

@@ -1,6 +1,6 @@
 """The motors followed from the first row of a step table to its last."""
 
-from collections.abc import Iterable
+from collections.abc import Callable
 from hashlib import blake2b
 from itertools import pairwise
 from math import sqrt
@@ -8,11 +8,10 @@ from math import sqrt
 import numpy as np
 
 from beamcam.checks.steps import rules
-from beamcam.checks.steps.outline import OutlineCheck
-from beamcam.checks.steps.speeds import Observed, Rest, Seen, StrokeTimes
+from beamcam.checks.steps.outline import Observed, OutlineCheck, Rest, Seen, StrokeTimes
 from beamcam.controllers import step_table
 from beamcam.controllers.step_table import Rows
-from beamcam.errors import Diagnostic, Source, add_few
+from beamcam.errors import Diagnostic, Rule, Source, add_few
 from beamcam.geometry.array_types import Counts, Floats
 from beamcam.machine.machine import Machine
 from beamcam.machine.tables import Stepper
@@ -151,21 +150,12 @@ class StepRates:
 
     def times(self, end_us: int) -> StrokeTimes:
         """The times of a stroke whose tool is switched off then."""
-        stayed_s = max(0, end_us - self._last_us) / 1e6 if self._moved_us is not None else 0.0
-        rests = self._rests
-        return StrokeTimes(self.waited_s, self.lasted_s, stayed_s, rests.stood, rests.longest)
-
-    @property
-    def waited_s(self) -> float:
-        """Dwell of the head at the start of the stroke."""
-        if self._begin_us is None or self._moved_us is None:
-            return 0.0
-        return (self._moved_us - self._begin_us) / 1e6
-
-    @property
-    def lasted_s(self) -> float:
-        """Time for which the head was moving."""
-        return (self._last_us - (self._moved_us or 0)) / 1e6
+        rests, waited_s, stayed_s = self._rests, 0.0, 0.0
+        if self._begin_us is not None and self._moved_us is not None:
+            waited_s = (self._moved_us - self._begin_us) / 1e6
+            stayed_s = max(0, end_us - self._last_us) / 1e6
+        lasted_s = (self._last_us - (self._moved_us or 0)) / 1e6
+        return StrokeTimes(waited_s, lasted_s, stayed_s, rests.stood, rests.longest)
 
 
 class Swerve:
@@ -215,9 +205,9 @@ class Swerve:
 class _Motor:
     """One motor: its position, and the time of its last step."""
 
-    def __init__(self, name: str, stepper: Stepper) -> None:
+    def __init__(self, name: str, stepper: Stepper, say: Callable[..., None]) -> None:
         forward = [int(word, 2) for word in stepper.sequence]
-        self.name, self.sequence = name, " ".join(stepper.sequence)
+        self.name, self.sequence, self.say = name, " ".join(stepper.sequence), say
         self.phase = np.zeros(4, dtype=np.int64)
         self.phase[forward] = np.arange(4)
         self.sign = -1 if name in stepper.reversed_axes else 1
@@ -226,35 +216,26 @@ class _Motor:
         self.last_us = -(10**12)
         self.min_us = int(1e6 / stepper.max_hz)
 
-    def follow(self, rows: Rows, words: Counts, name: str) -> tuple[Counts, list[Diagnostic]]:
-        """The places behind each row, and what is wrong with the steps."""
-        diagnostics = []
+    def follow(self, rows: Rows, words: Counts) -> Counts:
+        """The places behind each row; what is wrong with the steps is reported."""
         turn = np.diff(self.phase[words], prepend=self.phase[self.last_word]) & 3
         if (turn == 2).any():
             k = int(np.argmax(turn == 2))
-            before = int(words[k - 1]) if k else self.last_word
-            diagnostics.append(
-                rules.WORD.at(
-                    Source(name, rows.first + k), found=f"{int(words[k]):02b}", axis=self.name,
-                    before=f"{before:02b}", sequence=self.sequence,
-                )
-            )  # fmt: skip
+            before, row = int(words[k - 1]) if k else self.last_word, rows.first + k
+            labels = {"axis": self.name, "before": f"{before:02b}", "sequence": self.sequence}
+            self.say(rules.WORD, row, found=f"{int(words[k]):02b}", **labels)
         moves = np.where(turn == 3, -1, turn) * self.sign
         places: Counts = self.place + np.cumsum(moves)
         steps = np.flatnonzero(turn)
         if len(steps):
             apart = np.diff(rows.time_us[steps], prepend=self.last_us)
-            if int(apart.min()) < self.min_us:
-                k = int(np.argmin(apart))
-                diagnostics.append(
-                    rules.FREQUENCY.at(
-                        Source(name, rows.first + int(steps[k])), axis=self.name,
-                        found=int(apart[k]), expected=self.min_us,
-                    )
-                )  # fmt: skip
+            k = int(np.argmin(apart))
+            if apart[k] < self.min_us:
+                found, row = int(apart[k]), rows.first + int(steps[k])
+                self.say(rules.FREQUENCY, row, axis=self.name, found=found, expected=self.min_us)
             self.last_us = int(rows.time_us[steps[-1]])
         self.last_word, self.place = int(words[-1]), int(places[-1])
-        return places, diagnostics
+        return places
 
 
 class Followed:
@@ -265,7 +246,7 @@ class Followed:
         self.torch = machine.needed(machine.torch, "torch")
         self.name = name
         self.outline = outline
-        self.motors = (_Motor("X", self.stepper), _Motor("Y", self.stepper))
+        self.motors = [_Motor(axis, self.stepper, self.say) for axis in "XY"]
         self.diagnostics: list[Diagnostic] = []
         self.swerve = Swerve(self.stepper)
         self.pace: StepRates | None = None  #: of the stroke that is being made
@@ -276,34 +257,32 @@ class Followed:
         self.here: Counts = np.zeros(2, dtype=np.int64)
         self.begun = False
 
-    def say(self, diagnostics: Iterable[Diagnostic]) -> None:
-        """Note what is wrong, a few of each kind."""
-        for one in diagnostics:
-            add_few(self.diagnostics, one)
+    def say(self, rule: Rule, row: int | None, **values: object) -> None:
+        """Add a message, a few of each kind."""
+        add_few(self.diagnostics, rule.at(Source(self.name, row), **values))
 
     def follow(self, rows: Rows) -> None:
         """Take some rows."""
-        source = Source(self.name, rows.first)
         if not self.begun and (rows.laser[0] or rows.time_us[0]):
             found = f"the laser {'on' if rows.laser[0] else 'off'} at {rows.time_us[0]} us"
             expected = "the first row at 0 us with the laser off"
-            self.say([rules.LASER.at(source, found=found, expected=expected)])
+            self.say(rules.LASER, rows.first, found=found, expected=expected)
         self.begun = True
         back = np.flatnonzero(np.diff(rows.time_us, prepend=self.clock_us) < 0)
         if len(back):
-            source = Source(self.name, rows.first + int(back[0]))
-            found = "a time before the last one"
-            self.say([rules.TIME.at(source, found=found, expected="a later one")])
-        places = []
-        for motor, words in zip(self.motors, (rows.x, rows.y), strict=True):
-            at, diagnostics = motor.follow(rows, words, self.name)
-            places.append(at)
-            self.say(diagnostics)
-        at_xy = np.stack(places, axis=1)
-        self._strokes(rows, at_xy)
-        self._area(rows, at_xy)
-        self.swerve.follow(rows.time_us, at_xy)
-        self.clock_us, self.here = int(rows.time_us[-1]), at_xy[-1]
+            row = rows.first + int(back[0])
+            self.say(rules.TIME, row, found="a time before the last one", expected="a later one")
+        x, y = self.motors
+        places = np.stack((x.follow(rows, rows.x), y.follow(rows, rows.y)), axis=1)
+        self._strokes(rows, places)
+        limits = np.array([self.torch.length, self.torch.width]) / self.stepper.step + 1
+        outside = ((places < -1) | (places > limits)).any(axis=1)
+        if outside.any():
+            k = int(np.argmax(outside))
+            expected = f"it between 0, 0 and {self.torch.length:g}, {self.torch.width:g}"
+            self._say_place(places[k], expected, rows.first + k)
+        self.swerve.follow(rows.time_us, places)
+        self.clock_us, self.here = int(rows.time_us[-1]), places[-1]
 
     def _strokes(self, rows: Rows, places: Counts) -> None:
         """Cut the rows where the laser is switched, and show the outline where it is on."""
@@ -311,9 +290,8 @@ class Followed:
         start = np.concatenate((self.here[None], places[:-1]))
         moved = np.flatnonzero((places[changes] != start[changes]).any(axis=1))
         if len(moved):
-            source = Source(self.name, rows.first + int(changes[moved[0]]))
-            found = "a step in the row that switches the laser"
-            self.say([rules.LASER.at(source, found=found, expected="the head at rest")])
+            found, row = "a step in the row that switches the laser", int(changes[moved[0]])
+            self.say(rules.LASER, rows.first + row, found=found, expected="the head at rest")
         switched = set(changes.tolist())
         for a, b in pairwise((0, *changes.tolist(), len(rows.laser))):
             if a in switched and not rows.laser[a]:
@@ -338,26 +316,17 @@ class Followed:
             self.outline.end(Observed(fastest, times=self.pace.times(end_us), path=path))
         self.pace = None
 
-    def _area(self, rows: Rows, places: Counts) -> None:
-        limits = np.array([self.torch.length, self.torch.width]) / self.stepper.step + 1
-        outside = ((places < -1) | (places > limits)).any(axis=1)
-        if outside.any():
-            k = int(np.argmax(outside))
-            expected = f"it between 0, 0 and {self.torch.length:g}, {self.torch.width:g}"
-            self._say_place(places[k], expected, rows.first + k)
-
     def _say_place(self, place: Counts, expected: str, line: int | None = None) -> None:
         x, y = (f"{v * self.stepper.step:.2f}" for v in place.tolist())
-        self.say([rules.PLACE.at(Source(self.name, line), x=x, y=y, expected=expected)])
+        self.say(rules.PLACE, line, x=x, y=y, expected=expected)
 
     def finish(self) -> None:
         """Checks at the end of the table."""
-        end = Source(self.name)
         if not self.begun:
-            self.say([step_table.ROW.at(end, found="no rows", expected="a row at least")])
+            self.say(step_table.ROW, None, found="no rows", expected="a row at least")
         if self.laser:
             self._end_stroke(self.clock_us)
-            self.say([rules.LASER.at(end, found="the laser on at the end", expected="it off")])
+            self.say(rules.LASER, None, found="the laser on at the end", expected="it off")
         if self.here.any():
             self._say_place(self.here, "it in the corner at the end")
         self.swerve.finish(self.clock_us, self.here)
@@ -365,9 +334,9 @@ class Followed:
         for axis, over in zip("XY", self.swerve.beyond(), strict=True):
             if over is not None:
                 mm_s2, place = over
-                x, y = place.tolist()
-                diagnostic = rules.ACCELERATION.at(
-                    end, axis=axis, found=f"{mm_s2:.0f}", x=f"{x:.2f}", y=f"{y:.2f}",
-                    expected=f"{greatest:g} mm/s2{self.outline.nearest(place)}",
+                x, y = (f"{v:.2f}" for v in place.tolist())
+                expected = f"{greatest:g} mm/s2{self.outline.nearest(place)}"
+                self.say(
+                    rules.ACCELERATION, None, axis=axis, found=f"{mm_s2:.0f}", x=x, y=y,
+                    expected=expected,
                 )  # fmt: skip
-                self.say([diagnostic])

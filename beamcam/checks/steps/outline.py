@@ -2,29 +2,23 @@
 
 from collections.abc import Collection, Iterator
 from math import cbrt, sqrt
+from typing import NamedTuple
 
 import numpy as np
 import shapely
 from msgspec.structs import replace
 
 from beamcam.checks.polylines import DrawnPath, compare_polylines
-from beamcam.checks.sheets.asked_sheet import rows_of
+from beamcam.checks.sheets.asked_sheet import rows_of, rows_on
 from beamcam.checks.sheets.marks import text_process
 from beamcam.checks.sheets.need import Need, need_of, shift_of
 from beamcam.checks.sheets.toolpaths import Toolpaths
 from beamcam.checks.sheets.work import widest_joint
 from beamcam.checks.steps import rules
-from beamcam.checks.steps.speeds import (
-    Observed,
-    ProcessData,
-    StrokeTimes,
-    process_data,
-    with_speeds,
-)
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.array_types import Floats
 from beamcam.machine.machine import Machine
-from beamcam.machine.torch import Torch, TorchProcess
+from beamcam.machine.torch import TorchProcess
 from beamcam.model.part import Part
 
 CORNER = 3.0  #: half kerfs that a path may be off a corner that it goes around
@@ -36,17 +30,38 @@ COARSE = 2.0  #: steps by which stairs of steps are smoothed for their length
 BELOW_GREATEST = 0.02
 
 
-def beside(process: TorchProcess, part: Part, torch: Torch) -> float:
-    """Permitted distance of a path from its curves: compensated kerf and leads.
+class Seen(NamedTuple):
+    """A speed, and the line that it was seen at."""
 
-    That is for telling strokes apart; what they leave of the part is compared as a whole.
-    """
-    if process != "cut":
-        return 0.0
-    rows = rows_of(part, torch) if torch.kerf_by == "offset" else ()
-    kerf = max((row.kerf for row in rows if row.process == process), default=0.0)
-    leads = 0.0 if torch.lead == "none" else max(torch.lead_in, torch.lead_out)
-    return CORNER * kerf / 2 + leads
+    mm_s: float
+    line: int
+
+
+class Rest(NamedTuple):
+    """A time without a step of either motor, and its place in steps."""
+
+    seconds: float
+    place: tuple[int, int]
+
+
+class StrokeTimes(NamedTuple):
+    """How long a stroke takes, and where it rests."""
+
+    waited_s: float  #: before the head moves
+    lasted_s: float  #: under way
+    stayed_s: float = 0.0  #: behind its last step
+    stood: Rest | None = None  #: the longest time without a step at a steady speed
+    longest: Rest | None = None  #: the longest time without a step
+
+
+class Observed(NamedTuple):
+    """The speeds of the head in a stroke, and its times, as far as they are known."""
+
+    fastest: Seen
+    slowest: Seen | None = None
+    times: StrokeTimes | None = None
+    passes: int = 1
+    path: bytes = b""  #: the same of strokes whose places are the same, one by one
 
 
 class _StrokeDeviation:
@@ -60,21 +75,17 @@ class _StrokeDeviation:
         self.away = dict.fromkeys(processes, 0.0)
         self.worst: dict[TorchProcess, tuple[float, float]] = {}
         self.pieces: list[Floats] = []
-        self._last: Floats = np.zeros((0, 2))  #: the place that was passed last
+        self.last: Floats = np.zeros((0, 2))  #: the place that was passed last
 
     def middles(self, points: Floats) -> Floats:
         """The first place of a stroke, and the middles of its steps: stairs become straight."""
-        places = np.concatenate((self._last, points))
+        places = np.concatenate((self.last, points))
         moved = np.append(True, (places[1:] != places[:-1]).any(axis=1))
         places = places[moved]
-        begins = places[: 1 - len(self._last)]
-        self._last = places[-1:]
+        begins = places[: 1 - len(self.last)]
+        self.last = places[-1:]
         times: Floats = np.concatenate((begins, (places[1:] + places[:-1]) / 2))
         return times
-
-    def points(self) -> Floats:
-        """The path, from the first place to the last."""
-        return np.concatenate((*self.pieces, self._last))
 
     def measure(self, process: TorchProcess, track: "_Track", points: Floats) -> None:
         """How far points are off the curves of a process, unless some were too far before.
@@ -98,7 +109,7 @@ class _Track:
     """The curves of a process, and the band in which a path may be.
 
     The ends and corners of the band are cut straight, so that nothing in it is farther off than
-    `most`. To look whether a point is in it takes a fiftieth of measuring how far it is off.
+    `most`. To check whether a point is in it takes a fiftieth of measuring how far it is off.
     """
 
     def __init__(self, toolpaths: Toolpaths, most: float, fine: float) -> None:
@@ -112,7 +123,7 @@ class _Track:
 
 
 class OutlineCheck:
-    """The strokes of a table against the curves of a part; without one they are not looked at.
+    """The strokes of a table against the curves of a part; without one they are not compared.
 
     `rounding` is what a table may be off its path by: half a step along both axes, or the decimals
     of a velocity table. Paths of single steps are simplified by `simplify`.
@@ -123,7 +134,8 @@ class OutlineCheck:
         simplify: float, name: str,
     ) -> None:  # fmt: skip
         torch = machine.needed(machine.torch, "torch")
-        self.torch = torch if part is None else with_speeds(part, torch)
+        #: with the rows for the part's sheet, and with no other sheet's
+        self.torch = torch if part is None else replace(torch, rows=tuple(rows_on(part, torch)))
         self.part, self.machine = part, replace(machine, torch=self.torch)
         self.skips, self.name = skips, name
         self.rounding, self.simplify = rounding, simplify
@@ -135,23 +147,37 @@ class OutlineCheck:
             row.passes > 1 for row in rows_of(part, self.torch)
         )
         self.tracks: dict[TorchProcess, _Track] = {}
-        self.process_data: dict[TorchProcess, ProcessData] = {}
+        self.feeds: dict[TorchProcess, list[float]] = {}  #: mm/min; then of colours and layers
+        self.pierce_s: dict[TorchProcess, float] = {}
         self.need = Need()
         self._stroke: _StrokeDeviation | None = None
         #: the process of texts, whose strokes are found when all are known; None without texts
         self.letters: TorchProcess | None = None
-        if part is not None:
-            if any(part.texts) and machine.marks.text == "make" and machine.marks.unit != "none":
-                self.letters = text_process(machine)
-            need = self.need = need_of(part, self.machine, self.torch, skips)
-            shift = shift_of(need, self.torch)
-            self.process_data = process_data(part, self.torch)
-            fine = self.torch.tolerance / 8
-            for process, curves in need.curves.items():
-                toolpaths = Toolpaths(list(curves), fine).moved(shift)
-                most = rounding + self.torch.tolerance + beside(process, part, self.torch)
-                most += widest_joint(toolpaths, self.torch.gap)
-                self.tracks[process] = _Track(toolpaths, most, fine)
+        if part is None:
+            return
+        torch = self.torch
+        if any(part.texts) and machine.marks.text == "make" and machine.marks.unit != "none":
+            self.letters = text_process(machine)
+        rows = rows_of(part, torch)
+        for row in rows:
+            self.pierce_s.setdefault(row.process, row.pierce_s)
+            feeds = self.feeds.setdefault(row.process, [])
+            if row.feed_mm_min not in feeds:
+                feeds.append(row.feed_mm_min)
+        need = self.need = need_of(part, self.machine, torch, skips)
+        shift, fine = shift_of(need, torch), torch.tolerance / 8
+        for process, curves in need.curves.items():
+            toolpaths = Toolpaths(list(curves), fine).moved(shift)
+            # How far a path may be from its curves: that is for telling strokes apart; what they
+            # leave of the part is compared as a whole.
+            reach = 0.0
+            if process == "cut":
+                kerfs = [row.kerf for row in rows if row.process == process]
+                kerf = max(kerfs, default=0.0) if torch.kerf_by == "offset" else 0.0
+                leads = 0.0 if torch.lead == "none" else max(torch.lead_in, torch.lead_out)
+                reach = CORNER * kerf / 2 + leads
+            most = rounding + torch.tolerance + reach + widest_joint(toolpaths, torch.gap)
+            self.tracks[process] = _Track(toolpaths, most, fine)
 
     def begin(self, line: int) -> None:
         """The laser is switched on."""
@@ -194,27 +220,26 @@ class OutlineCheck:
         )  # fmt: skip
         if self.letters and (process is None or stroke.away[process] > self.tracks[process].most):
             process = self.letters
-        points = stroke.points()
+        points = np.concatenate((*stroke.pieces, stroke.last))
         source = Source(self.name, stroke.line)
         if (points == points[0]).all():
             found = f"the laser on and the head at rest{self._beside(points[0], process)}"
-            expected = "a stroke"
-            self.diagnostics.append(rules.LASER.at(source, found=found, expected=expected))
+            diagnostic = rules.LASER.at(source, found=found, expected="a stroke")
         elif process is None:
             diagnostic = rules.PLACE.at(source, x="any", y="any", expected="the laser off")
-            self.diagnostics.append(diagnostic)
         elif process != self.letters and stroke.away[process] > (most := self.tracks[process].most):
-            x, y = (f"{v:.2f}" for v in stroke.worst[process])
-            off = f"{stroke.away[process]:.4f}"
-            expected = f"it within {most:.4f} mm of the path, not {off} mm off it"
-            expected += self._beside(np.array(stroke.worst[process]), process)
-            self.diagnostics.append(rules.PLACE.at(source, x=x, y=y, expected=expected))
-        elif process not in self.process_data:
+            worst = stroke.worst[process]
+            x, y = (f"{v:.2f}" for v in worst)
+            off, beside = f"{stroke.away[process]:.4f}", self._beside(np.array(worst), process)
+            expected = f"it within {most:.4f} mm of the path, not {off} mm off it{beside}"
+            diagnostic = rules.PLACE.at(source, x=x, y=y, expected=expected)
+        elif process not in self.feeds:
             found, expected = f"{seen.fastest.mm_s:.2f}", "a sheet that the machine has a speed for"
             diagnostic = rules.SPEED.at(source, found=found, process=process, expected=expected)
-            self.diagnostics.append(diagnostic)
         else:
             self._add(process, source, seen, points)
+            return
+        self.diagnostics.append(diagnostic)
 
     def _add(self, process: TorchProcess, source: Source, seen: Observed, points: Floats) -> None:
         """A stroke with the speeds that it may be of, and what is wrong with its times.
@@ -226,11 +251,17 @@ class OutlineCheck:
         wrong = {
             feed: [*self._speeds(process, feed, seen, points[0]),
                    *self._pace(process, feed, source, seen, points)]
-            for feed in self.process_data[process].feeds
+            for feed in self.feeds[process]
         }  # fmt: skip
         feeds = tuple([feed for feed, diagnostics in wrong.items() if not diagnostics])
         if not feeds:
-            self.diagnostics += wrong[self._asked(process, points[0])]
+            of_contour = self.feeds[process][0]  #: that is nearest to its start
+            if process in self.tracks:
+                nearest = self.tracks[process].toolpaths.nearest_to(points[0])[1]
+                own = self.torch.settings.get(self.need.looks[process][nearest])
+                if own is not None and own.speed is not None:
+                    of_contour = own.speed
+            self.diagnostics += wrong[of_contour]
         last = self.drawn[-1] if self.drawn else None
         both = [feed for feed in last.feeds_mm_min if feed in feeds] if last else []
         if last and both and seen.path and (seen.path, process) == (self._path, last.process):
@@ -241,17 +272,8 @@ class OutlineCheck:
             self.drawn.append(DrawnPath(process, places, feeds, seen.passes))
         self._path = seen.path
 
-    def _asked(self, process: TorchProcess, place: Floats) -> float:
-        """The speed that is asked of the contour nearest to a place, in mm/min."""
-        of_process = self.process_data[process].feeds[0]
-        if process not in self.tracks:
-            return of_process
-        nearest = self.tracks[process].toolpaths.nearest_to(place)[1]
-        own = self.torch.settings.get(self.need.looks[process][nearest])
-        return of_process if own is None or own.speed is None else own.speed
-
     def nearest(self, place: Floats) -> str:
-        """The contour of the input that is nearest to a place, to be said behind a message."""
+        """The contour of the input that is nearest to a place, for the end of a message."""
         if not self.tracks:
             return ""
         process = min(self.tracks, key=lambda p: self.tracks[p].toolpaths.nearest_to(place)[0])
@@ -287,24 +309,23 @@ class OutlineCheck:
 
         The first step of a ramp, and the last one, take their time; in a corner both do.
         """
-        pierce_s = self.process_data[process].pierce_s
+        pierce_s = self.pierce_s[process]
         stepper = self.machine.needed(self.machine.stepper, "stepping motors")
         way = sqrt(2.0) * stepper.step
-        slowest = min(self.process_data[process].feeds) / SECONDS_PER_MINUTE
+        slowest = min(self.feeds[process]) / SECONDS_PER_MINUTE
         ramp_s = cbrt(6 * way / stepper.jerk) + sqrt(2 * way / stepper.acceleration)
         ramp_s += way / slowest
-        here, behind = points[0], points[-1]
         rests = [
             (times.waited_s, pierce_s - 1e-6, pierce_s + ramp_s, f"{pierce_s:g} s",
-             "behind the start of the laser", here),
-            (times.stayed_s, 0.0, ramp_s, "it off at once", "behind the last step", behind),
+             "behind the start of the laser", points[0]),
+            (times.stayed_s, 0.0, ramp_s, "it off at once", "behind the last step", points[-1]),
         ]  # fmt: skip
-        if times.longest is not None:
-            place = np.array(times.longest.place) * stepper.step
-            rests.append((times.longest.seconds, 0.0, 2 * ramp_s, "none", "in a stroke", place))
-        if times.stood is not None:
-            place = np.array(times.stood.place) * stepper.step
-            rests.append((times.stood.seconds, 0.0, 0.0, "none", "at a steady speed", place))
+        for rest, most, where in (
+            (times.longest, 2 * ramp_s, "in a stroke"), (times.stood, 0.0, "at a steady speed")
+        ):  # fmt: skip
+            if rest is not None:
+                place = np.array(rest.place) * stepper.step
+                rests.append((rest.seconds, 0.0, most, "none", where, place))
         for seconds, least, most, expected, where, place in rests:
             if not least <= seconds <= most:
                 yield rules.LASER.at(
@@ -348,7 +369,6 @@ def simple(points: Floats, slack: float) -> Floats:
     """The corners of a path, which miss none of its points by more than `slack`."""
     if len(points) < 2:
         return points
-    found: Floats = shapely.get_coordinates(
-        shapely.LineString(points).simplify(slack, preserve_topology=False)
-    )
-    return found
+    line = shapely.LineString(points).simplify(slack, preserve_topology=False)
+    corners: Floats = shapely.get_coordinates(line)
+    return corners

@@ -28,7 +28,7 @@ SPEED = error("steps-speed",
     "A laser that is too fast does not get through, one that is too slow burns the edge.")
 VELOCITY = error("steps-velocity",
     "found {found}; expected {expected}",
-    "The velocity of a stretch leads from its start to its end, and the motors follow it.")
+    "The velocity of a segment leads from its start to its end, and the motors follow it.")
 COUNT = error("steps-count",
     "found {found} steps of {axis} up to {place}; expected {expected}",
     "Steps that are missing or too many stay for all that comes behind.")

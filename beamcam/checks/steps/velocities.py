@@ -1,11 +1,11 @@
-"""Velocity tables read back: one row a stretch, by itself and against the part.
+"""Velocity tables read back: one row a segment of motion, by itself and against the part.
 
-A row says the same thing three times: where the stretch ends, the velocity along it, and the steps
+A row says the same thing three times: where its segment ends, the velocity along it, and the steps
 and frequency of each motor. All have to agree with one another and with the machine.
 """
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from math import hypot, inf, sqrt
 from typing import NamedTuple
 
@@ -13,8 +13,7 @@ import numpy as np
 import shapely
 
 from beamcam.checks.steps import rules
-from beamcam.checks.steps.outline import BELOW_GREATEST, SPEED_SLACK, OutlineCheck
-from beamcam.checks.steps.speeds import Observed, Seen
+from beamcam.checks.steps.outline import BELOW_GREATEST, SPEED_SLACK, Observed, OutlineCheck, Seen
 from beamcam.controllers import step_table
 from beamcam.controllers.step_table import Stream, shown
 from beamcam.errors import Diagnostic, Rule, Source, add_few
@@ -23,8 +22,8 @@ from beamcam.machine.machine import Machine
 COLUMNS = "x,y,velocity_x,velocity_y,laser,steps_x,steps_y,hz_x,hz_y"
 #: Half of the last decimal of lengths and velocities, and of frequencies.
 ROUND, ROUND_HZ = 0.5e-4, 0.5e-2
-SPACING = 0.25  #: of the points of a stretch that are looked at
-BLOCK = 4096  #: stretches that are looked at together
+SPACING = 0.25  #: of the points of a segment that are compared
+BLOCK = 4096  #: segments that are compared together
 NOTHING_FAST, NOTHING_SLOW = Seen(0.0, 0), Seen(inf, 0)
 _NUMBER = rb"(-?\d{1,9}(?:\.\d+)?)"
 _ROW = re.compile(
@@ -33,7 +32,7 @@ _ROW = re.compile(
 
 
 class TableRow(NamedTuple):
-    """A row, and where its stretch begins."""
+    """A row, and where its segment begins."""
 
     line: int
     start: tuple[float, float]
@@ -48,7 +47,7 @@ class TableRow(NamedTuple):
         return self.end[0] - self.start[0], self.end[1] - self.start[1]
 
 
-def stretches(stream: Stream, step: float) -> Iterator[TableRow]:
+def table_rows(stream: Stream, step: float) -> Iterator[TableRow]:
     """The rows of a velocity table, from the corner on. Raises TableFault."""
     stream.take_head("velocities", COLUMNS, step)
     here = (0.0, 0.0)
@@ -67,19 +66,6 @@ def stretches(stream: Stream, step: float) -> Iterator[TableRow]:
         here = end
 
 
-def _rounds(rows: Sequence[TableRow]) -> int:
-    """How often a stroke goes the same round: a pass that begins where one ends has no row between.
-
-    Of a contour that is followed twice the rows are those of one round, twice.
-    """
-    ends = [(row.end, row.velocity) for row in rows]
-    begin = rows[0].start
-    for k in range(1, len(rows) // 2 + 1):
-        if len(rows) % k == 0 and rows[k - 1].end == begin and ends == ends[:k] * (len(rows) // k):
-            return len(rows) // k
-    return 1
-
-
 class Velocities:
     """A velocity table that is followed row by row; its strokes go to an outline."""
 
@@ -92,7 +78,7 @@ class Velocities:
         self.steps = [0, 0]
         self.here = (0.0, 0.0)
         self.rows = 0
-        self._stretches: list[TableRow] = []  #: of a stroke, not looked at yet
+        self._segments: list[TableRow] = []  #: of a stroke, not drawn yet
         self._seen: tuple[Seen, Seen] | None = None  #: fastest and slowest of a stroke
 
     def say(self, rule: Rule, line: int | None, **values: object) -> None:
@@ -113,7 +99,11 @@ class Velocities:
             self._draw(row)
         else:
             self._end_stroke()
-            self._traverse(row)
+            speed, required = hypot(*row.velocity), self.stepper.traverse_mm_s
+            too_slow = speed < required - SPEED_SLACK and not self._is_at_limit(row)
+            if too_slow or speed > required + SPEED_SLACK:
+                found, expected = f"{speed:g}", f"{required:g} mm/s"
+                self.say(rules.SPEED, row.line, found=found, process="traverse", expected=expected)
         self.here = row.end
 
     def _count(self, row: TableRow) -> None:
@@ -122,16 +112,13 @@ class Velocities:
             self.steps[k] += row.steps[k]
             steps = row.end[k] / self.stepper.step
             if abs(self.steps[k] - steps) > 0.5 + ROUND / self.stepper.step:
-                expected = f"{row.steps[k] + round(steps) - self.steps[k]}"
-                place = f"X {row.end[0]:g}, Y {row.end[1]:g}"
-                self.say(
-                    rules.COUNT, row.line, found=row.steps[k], axis=axis, place=place,
-                    expected=expected,
-                )  # fmt: skip
+                found, expected = row.steps[k], f"{row.steps[k] + round(steps) - self.steps[k]}"
+                labels = {"axis": axis, "place": f"X {row.end[0]:g}, Y {row.end[1]:g}"}
+                self.say(rules.COUNT, row.line, found=found, expected=expected, **labels)
                 self.steps[k] = round(steps)
 
     def _direction(self, row: TableRow) -> None:
-        """The velocity leads along the stretch; both are rounded."""
+        """The velocity leads along the segment; both are rounded."""
         (dx, dy), (vx, vy) = row.way, row.velocity
         length, speed = hypot(dx, dy), hypot(vx, vy)
         if length <= 2 * sqrt(2.0) * ROUND and speed > 0.0:
@@ -154,15 +141,8 @@ class Velocities:
                 self.say(rules.VELOCITY, row.line, found=found, expected=expected)
 
     def _is_at_limit(self, row: TableRow) -> bool:
-        """Whether a motor keeps the stretch from being any faster."""
+        """Whether a motor keeps the segment from being any faster."""
         return max(row.hz) >= (1.0 - BELOW_GREATEST) * self.stepper.max_hz
-
-    def _traverse(self, row: TableRow) -> None:
-        speed, wanted = hypot(*row.velocity), self.stepper.traverse_mm_s
-        too_slow = speed < wanted - SPEED_SLACK and not self._is_at_limit(row)
-        if too_slow or speed > wanted + SPEED_SLACK:
-            found, expected = f"{speed:g}", f"{wanted:g} mm/s"
-            self.say(rules.SPEED, row.line, found=found, process="traverse", expected=expected)
 
     # -- strokes ----------------------------------------------------------------------------
 
@@ -173,30 +153,37 @@ class Velocities:
         seen = Seen(hypot(*row.velocity), row.line)
         slowest = slowest if self._is_at_limit(row) else min(slowest, seen)
         self._seen = max(fastest, seen), slowest
-        self._stretches.append(row)
-        if len(self._stretches) >= BLOCK and not self.outline.counts_passes:
-            self._look()
+        self._segments.append(row)
+        if len(self._segments) >= BLOCK and not self.outline.counts_passes:
+            self._draw_segments()
 
-    def _look(self) -> None:
-        if self._stretches:
-            corners = np.array([self._stretches[0].start, *(row.end for row in self._stretches)])
-            self.outline.draw(
-                shapely.get_coordinates(shapely.segmentize(shapely.LineString(corners), SPACING)),
-                corners,
-            )
-            self._stretches = []
+    def _draw_segments(self) -> None:
+        if self._segments:
+            corners = np.array([self._segments[0].start, *(row.end for row in self._segments)])
+            line = shapely.segmentize(shapely.LineString(corners), SPACING)
+            self.outline.draw(shapely.get_coordinates(line), corners)
+            self._segments = []
 
     def _end_stroke(self) -> None:
-        if self._seen is not None:
-            seen = Observed(*self._seen)
-            if self.outline.counts_passes:
-                passes = _rounds(self._stretches)
-                rows = self._stretches = self._stretches[: len(self._stretches) // passes]
-                path = repr((rows[0].start, [(row.end, row.velocity) for row in rows]))
-                seen = seen._replace(path=path.encode(), passes=passes)
-            self._look()
-            self.outline.end(seen)
-            self._seen = None
+        if self._seen is None:
+            return
+        seen = Observed(*self._seen)
+        if self.outline.counts_passes:
+            # A pass that begins where one ends has no row between them: of a contour that is
+            # followed twice the rows are those of one round, twice.
+            rows, begin = self._segments, self._segments[0].start
+            ends, count = [(row.end, row.velocity) for row in rows], len(rows)
+            once = next(
+                k for k in range(1, count + 1) if k == count or (
+                    count % k == 0 and rows[k - 1].end == begin and ends == ends[:k] * (count // k)
+                )
+            )  # fmt: skip
+            self._segments = rows[:once]
+            path = repr((begin, ends[:once])).encode()
+            seen = seen._replace(path=path, passes=count // once)
+        self._draw_segments()
+        self.outline.end(seen)
+        self._seen = None
 
     def finish(self) -> None:
         """Checks at the end of the table."""

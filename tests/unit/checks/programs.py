@@ -1,14 +1,42 @@
 """Programs written by hand for one small part, so that no emitter has a say in these tests."""
 
-from beamcam.checks.bars import verify
-from beamcam.errors import Source
+from collections.abc import Collection, Sequence
+
+from beamcam.checks.bars import run, verify
+from beamcam.checks.bars.ability import FeatureRef, may_be_missing
+from beamcam.checks.bars.pieces import ends_of
+from beamcam.checks.bars.stations import MachinedFeatures
+from beamcam.checks.bars.targets import targets_of
+from beamcam.checks.bars.tools import ToolCatalogue
+from beamcam.errors import Source, VerifyError, errors_in
 from beamcam.machine import Machine, load
+from beamcam.machine.machine import drill_of, saw_of
 from beamcam.model.part import EndCuts, Hole, Part, Profile
 
 BEAM = load("beamline")
 ANNEX = load("beamline-annex")
 IPE200 = Profile("I", "IPE200", 200.0, 100.0, 8.5, 5.6, 12.0)
 SOURCE = Source("P1.nc1", 1)
+
+
+def interpret(text: str, machine: Machine, name: str = "program") -> MachinedFeatures:
+    """The features that a program makes. Raises VerifyError if it is faulty by itself."""
+    done = run(text, machine, None, name)
+    if errors_in(done.diagnostics):
+        raise VerifyError(done.diagnostics)
+    return done.made
+
+
+def skippable(
+    parts: Sequence[Part], machine: Machine, names: Collection[str]
+) -> frozenset[FeatureRef]:
+    """The features that may be left out under the names that `--allow-skips` takes."""
+    saw, tools = saw_of(machine), ToolCatalogue(machine, drill_of(machine))
+    return frozenset(
+        (p, f)
+        for p, part in enumerate(parts)
+        for f in may_be_missing(part, targets_of(part, ends_of(part, saw), tools), tools, names)
+    )
 
 
 def hole(

@@ -4,10 +4,10 @@ from itertools import pairwise
 
 import pytest
 
-from beamcam.checks.bars import interpret
 from beamcam.checks.bars.stations import Bore, Cut
 from beamcam.machine import load
 from tests.conftest import BEAM_CELL
+from tests.unit.checks.programs import interpret
 
 FILE = BEAM_CELL / "annex-a.gcode"
 pytestmark = pytest.mark.third_party

@@ -6,13 +6,14 @@ from pathlib import Path
 import pytest
 from msgspec.structs import astuple
 
-from beamcam.checks.bars import interpret, verify
+from beamcam.checks.bars import verify
 from beamcam.errors import Severity, VerifyError
 from beamcam.machine import load
 from beamcam.machine.machine import Machine
 from beamcam.pipeline import RefusedProgram, post, read_file
 from tests.conftest import SAMPLES
 from tests.linuxcnc_cell import HEADER, linuxcnc_cell
+from tests.unit.checks.programs import interpret
 
 CELL = linuxcnc_cell()
 

@@ -5,7 +5,6 @@ import re
 import pytest
 
 from beamcam.checks.bars import run
-from beamcam.checks.bars.remainder import operation_lines
 from beamcam.machine import load
 from beamcam.model.request import Request
 from beamcam.pipeline import post, whole_job
@@ -28,7 +27,7 @@ def test_operations_are_counted_as_they_were_planned(machine: str) -> None:
     loaded = load(machine)
     posted = post(PARTS, loaded)
     made = run(posted.text, loaded, PARTS[0].profile).made
-    assert len(operation_lines(made)) == len(posted.plan.operations)
+    assert len({one.line for one in made.order}) == len(posted.plan.operations)
 
 
 def test_an_operation_that_the_whole_program_has_not() -> None:

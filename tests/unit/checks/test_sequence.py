@@ -11,11 +11,12 @@ from functools import cache
 import pytest
 from msgspec.structs import replace
 
-from beamcam.checks.bars import interpret, verify
+from beamcam.checks.bars import verify
 from beamcam.machine import load
 from beamcam.pipeline import post
 from benchmarks.liars import PROFILES, parts
 from tests.runs import call
+from tests.unit.checks.programs import interpret
 
 PUSHER = load("beamline-pusher")
 PARTS = parts("beamline-pusher", PROFILES[0])

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import event, given, settings
 from hypothesis import strategies as st
 
-from beamcam.checks.bars.ability import repeats, skippable
+from beamcam.checks.bars.ability import repeats
 from beamcam.checks.bars.targets import is_same
 from beamcam.checks.bars.tools import ToolCatalogue
 from beamcam.errors import PlanError, Source
@@ -15,6 +15,7 @@ from beamcam.model.part import Contour, EndCuts, Face, Hole, Part, Profile, Slot
 from beamcam.pipeline import post
 from beamcam.planning.beam import plan_bar
 from tests.conftest import examples
+from tests.unit.checks.programs import skippable
 from tests.unit.planning.shop import BEAM, hole, part
 
 SOURCE = Source("p.nc1", 20)

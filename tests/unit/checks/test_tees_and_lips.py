@@ -7,7 +7,6 @@ import pytest
 from msgspec.structs import replace
 
 from beamcam.checks.bars import verify
-from beamcam.checks.bars.ability import skippable
 from beamcam.errors import Diagnostic, PlanError, errors_in
 from beamcam.geometry.curves import Line
 from beamcam.machine import load
@@ -16,6 +15,7 @@ from beamcam.model.plan import DrillOp
 from beamcam.model.request import Request
 from beamcam.pipeline import post
 from beamcam.solid.opinion import solid_faults
+from tests.unit.checks.programs import skippable
 from tests.unit.planning.shop import SOURCE, part
 from tests.unit.planning.test_rules import LINE
 

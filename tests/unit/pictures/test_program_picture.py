@@ -11,7 +11,6 @@ from xml.etree.ElementTree import Element
 import pytest
 from msgspec.structs import replace
 
-from beamcam.checks.bars import interpret
 from beamcam.checks.bars.stations import Bore, MachinedPath
 from beamcam.errors import VerifyError
 from beamcam.machine import Machine, load
@@ -22,6 +21,7 @@ from beamcam.pictures.program import ReadProgram, bar_made, program_scene
 from beamcam.pipeline import post, read_file
 from beamcam.simulation.program import simulate_program
 from tests.conftest import SAMPLES
+from tests.unit.checks.programs import interpret
 from tests.unit.pictures.drawings import Drawing, corners
 
 ANNEX = [SAMPLES / "dstv" / f"{name}.nc1" for name in ("channel", "tie", "channel")]

@@ -6,7 +6,6 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from beamcam.checks.bars import verify
-from beamcam.checks.bars.ability import skippable
 from beamcam.errors import PlanError
 from beamcam.geometry.curves import Arc, Line
 from beamcam.machine import load
@@ -18,6 +17,7 @@ from beamcam.pipeline import post
 from beamcam.planning.axis_limits import fixed_faces
 from beamcam.planning.beam import plan_bar, plan_oriented
 from tests.conftest import examples
+from tests.unit.checks.programs import skippable
 from tests.unit.planning.shop import ANGLE, BEAM, SOURCE, TUBE, hole, part, pusher
 
 MACHINES = tuple(map(load, ("beamline-pusher", "beamline-pusher", "beamline", "beamline-annex")))
