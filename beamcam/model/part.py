@@ -18,7 +18,7 @@ from msgspec.structs import replace
 from beamcam.conversion import Keys
 from beamcam.errors import Source
 from beamcam.geometry.curves import Arc, Curve, Line
-from beamcam.geometry.plane import MAX_COORDINATE, Box, Point
+from beamcam.geometry.plane import MAX_COORDINATE, Box, Point, unit_vector
 
 Face = str
 FACES = ("v", "o", "u", "h")
@@ -114,6 +114,11 @@ class Hole(Struct, frozen=True):
     angle: float | None = None  #: cone of a countersink in degrees; None is a flat counterbore
     edge: str = ""  #: reference letter of x: the edge rolling tolerance is measured from
 
+    @property
+    def centres(self) -> tuple[Point, ...]:
+        """Its centre, as `Slot.centres`."""
+        return ((self.x, self.y),)
+
 
 class Slot(Struct, frozen=True):
     """A slotted or rectangular hole with round corners."""
@@ -129,6 +134,15 @@ class Slot(Struct, frozen=True):
     depth: float | None = None  #: None is through
     kind: HoleKind = "through"
     edge: str = ""
+
+    @property
+    def centres(self) -> tuple[Point, ...]:
+        """Centres of the corner circles: two, or four of a rectangle."""
+        c, s = unit_vector(self.angle)
+        halves = dict.fromkeys(
+            (k * self.length / 2, m * self.height / 2) for k in (-1, 1) for m in (-1, 1)
+        )
+        return tuple((self.x + c * a - s * b, self.y + s * a + c * b) for a, b in halves)
 
 
 class Bevel(Keys, frozen=True):

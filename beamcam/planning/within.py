@@ -17,7 +17,7 @@ from msgspec import Struct
 
 from beamcam.errors import Diagnostic, note, warning
 from beamcam.geometry.curves import signed_area
-from beamcam.geometry.plane import Box, Point, join_boxes
+from beamcam.geometry.plane import Box, join_boxes
 from beamcam.model.description import description
 from beamcam.model.part import Contour, Face, Hole, Part, Slot
 
@@ -156,20 +156,13 @@ def _lies_in(small: _Opening, large: _Opening) -> bool:
         return bool(_polygon(other).buffer(OVER).covers(_polygon(one)))
     along, across, radius = _sizes(other)
     c, s = cos(radians(_turn(other))), sin(radians(_turn(other)))
-    for x, y in _corners(one):
+    for x, y in one.centres:
         dx, dy = x - other.x, y - other.y
         u, v = abs(c * dx + s * dy) - along, abs(c * dy - s * dx) - across
         off = hypot(max(u, 0.0), max(v, 0.0)) + min(max(u, v), 0.0)
         if off + one.diameter / 2 > radius + OVER:
             return False
     return True
-
-
-def _corners(one: Hole | Slot) -> Iterator[Point]:
-    """The centres of the discs at its corners."""
-    (u, v, _), turn = _sizes(one), radians(_turn(one))
-    for a, b in product((u, -u), (v, -v)):
-        yield one.x + cos(turn) * a - sin(turn) * b, one.y + sin(turn) * a + cos(turn) * b
 
 
 def _polygon(one: Hole | Slot | Contour) -> Any:
@@ -180,4 +173,4 @@ def _polygon(one: Hole | Slot | Contour) -> Any:
 
     if isinstance(one, Contour):
         return make_valid(outlines([one.curves], CHORD)[0])
-    return MultiPoint([*_corners(one)]).convex_hull.buffer(one.diameter / 2, quad_segs=64)
+    return MultiPoint(one.centres).convex_hull.buffer(one.diameter / 2, quad_segs=64)

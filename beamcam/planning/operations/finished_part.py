@@ -23,7 +23,7 @@ Across the part a wall ends at a free edge or at another wall, which may have a 
 
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from math import atan2, degrees, hypot, inf, radians, tan
 from operator import attrgetter
 from typing import Literal
@@ -79,7 +79,12 @@ def ends_of(part: Part, saw: Saw) -> tuple[Ends, tuple[Diagnostic, ...]]:
     header = ((cuts.web_start, cuts.web_end), (cuts.flange_start, cuts.flange_end))
     drawn: tuple[tuple[float, float] | None, ...] = (None, None)
     if Contour in map(type, part.features):
-        drawn = (_drawn_angles(part, "v"), _drawn_flange_angles(part))
+        flanges = ("u",) if part.profile.code == "L" else ("o", "u")
+        first, *others = (_drawn_angles(part, face) for face in flanges)
+        # One flange alone that is drawn skew is a preparation of that flange and no saw cut.
+        if first is not None and not all(_are_near(first, other) for other in others):
+            first = None
+        drawn = (_drawn_angles(part, "v"), first)
     elif header == ((0.0, 0.0), (0.0, 0.0)):
         return (SawnEnd("start", kerf=saw.kerf), SawnEnd("end", x0=part.length, kerf=saw.kerf)), ()
     remarks: list[Diagnostic] = []
@@ -123,18 +128,9 @@ def _agreed(
     return angles[0], angles[1]
 
 
-def _drawn_flange_angles(part: Part) -> tuple[float, float] | None:
-    """Flange angles that the contours of all flanges agree on; None where they do not.
-
-    One flange alone that is drawn skew is a preparation of that flange and no saw cut.
-    """
-    faces = ("u",) if part.profile.code == "L" else ("o", "u")
-    seen = [_drawn_angles(part, face) for face in faces]
-    first, last = seen[0], seen[-1]
-    if first is None or last is None:
-        return None
-    apart = max(abs(a - b) for a, b in zip(first, last, strict=True))
-    return first if apart <= ANGLE_TOLERANCE_DEG else None
+def _are_near(angles: tuple[float, float], others: tuple[float, float] | None) -> bool:
+    pairs = zip(angles, others or (inf, inf), strict=True)
+    return all(abs(a - b) <= ANGLE_TOLERANCE_DEG for a, b in pairs)
 
 
 def _drawn_angles(part: Part, face: str) -> tuple[float, float] | None:
@@ -260,11 +256,7 @@ class FinishedPart:
 
     def __init__(self, part: Part, ends: Ends, machine: Machine, drill: Drill) -> None:
         self.part, self._ends, self._drill, self._machine = part, ends, drill, machine
-        self._borders: dict[Face, tuple[Border, ...]] = {}
-
-    def across(self, face: Face) -> FaceEdges:
-        """Walls and edges across the part on a face."""
-        return _across(self.part.profile, face)
+        self._borders: dict[Face, list[Border]] = {}
 
     def steel(self, face: Face, points: Sequence[Point]) -> tuple[float, str]:
         """Steel between points and the nearest border of their wall, and which border that is.
@@ -273,8 +265,8 @@ class FinishedPart:
         """
         borders = self._borders.get(face)
         if borders is None:
-            found = _borders(self.across(face), self._ends, face, self.part.profile)
-            borders = self._borders[face] = tuple(sorted(found, key=attrgetter("name")))
+            own = _borders(self._ends, face, self.part.profile)
+            borders = self._borders[face] = sorted(own, key=attrgetter("name"))
         nearest, name = inf, ""
         for border in borders:
             for x, y in points:
@@ -292,26 +284,28 @@ class FinishedPart:
         nearest, place = self.steel(shape.face, middles)
         left = nearest - radius
         if left < -TOLERANCE:
-            return [_said(OFF_PART, shape, out=f"{-left:.3g}", where=place)]
+            return [_message(OFF_PART, shape, out=f"{-left:.3g}", where=place)]
         diagnostics: list[Diagnostic] = []
         ys = [y for _, y in middles]
         low, high = min(ys) - radius, max(ys) + radius
-        for wall in self.across(shape.face).walls:
+        for wall in face_edges(self.part.profile, shape.face).walls:
             apart = wall.apart(low, high)
             if apart < drill.min_fillet_distance - TOLERANCE:
                 diagnostics.append(self._beside(shape, low, high, wall, apart))
         if shape.kind != "mark" and left < drill.min_edge_distance - TOLERANCE:
             apart_mm, expected = f"{max(left, 0.0):.3g}", f"{drill.min_edge_distance:g}"
             diagnostics.append(
-                _said(NEAR_EDGE, shape, apart=apart_mm, where=place, expected=expected)
+                _message(NEAR_EDGE, shape, apart=apart_mm, where=place, expected=expected)
             )
         if shape.depth is not None:
             deep, thickness = f"{shape.depth:g}", self.part.profile.thickness(shape.face)
             step = self._machine.format.resolution
             if shape.depth < step and shape.kind != "mark":
-                diagnostics.append(_said(SHALLOW, shape, found=deep, expected=f"{step:g}"))
+                diagnostics.append(_message(SHALLOW, shape, found=deep, expected=f"{step:g}"))
             if shape.depth > thickness + TOLERANCE > TOLERANCE:
-                diagnostics.append(_said(BLIND_DEPTH, shape, found=deep, expected=f"{thickness:g}"))
+                diagnostics.append(
+                    _message(BLIND_DEPTH, shape, found=deep, expected=f"{thickness:g}")
+                )
         return diagnostics
 
     def _beside(
@@ -319,7 +313,7 @@ class FinishedPart:
     ) -> Diagnostic:
         """The remark on a hole that is too near another wall, or in it."""
         if high > wall.least + TOLERANCE and low < wall.greatest - TOLERANCE:
-            return _said(WALL, shape, least=f"{wall.least:g}", greatest=f"{wall.greatest:g}")
+            return _message(WALL, shape, least=f"{wall.least:g}", greatest=f"{wall.greatest:g}")
         high_mm = wall.fillet_height(-apart)
         profile = self.part.profile
         limit, because = self._drill.clearance, "the clearance of the rapid approach"
@@ -330,15 +324,15 @@ class FinishedPart:
         if is_outside or (is_stem and deeper < limit):
             limit, because = deeper, "the breakthrough behind the wall"
         if high_mm > limit and shape.kind != "mark":
-            return _said(
+            return _message(
                 FILLET, shape, found=f"{high_mm:.3g}", expected=f"{limit:g}", because=because
             )
-        found = f"{-apart:.3g} mm into" if apart < 0 else f"{apart:.3g} mm from"
+        place = f"{-apart:.3g} mm into" if apart < 0 else f"{apart:.3g} mm from"
         expected = f"{self._drill.min_fillet_distance:g}"
-        return _said(NEAR_FILLET, shape, found=f"{found} the root fillet", expected=expected)
+        return _message(NEAR_FILLET, shape, found=f"{place} the root fillet", expected=expected)
 
 
-def _said(rule: Rule, shape: Hole | Slot, **values: str) -> Diagnostic:
+def _message(rule: Rule, shape: Hole | Slot, **values: str) -> Diagnostic:
     """A message about a hole or slot."""
     return rule.at(
         shape.source, what=named(shape), x=f"{shape.x:g}", y=f"{shape.y:g}", face=shape.face,
@@ -347,16 +341,17 @@ def _said(rule: Rule, shape: Hole | Slot, **values: str) -> Diagnostic:
 
 
 @cached("planning.walls")
-def _across(profile: Profile, face: Face) -> FaceEdges:
-    """Walls and edges on a face."""
+def face_edges(profile: Profile, face: Face) -> FaceEdges:
+    """Walls and edges across the part on a face."""
     return FaceEdges(
         profile.face_width(face), walls_beside(profile, face), free_edges(profile, face),
         f"the edge of face {face}",
     )  # fmt: skip
 
 
-def _borders(across: FaceEdges, ends: Ends, face: Face, profile: Profile) -> Iterator[Border]:
+def _borders(ends: Ends, face: Face, profile: Profile) -> Iterable[Border]:
     """The ends of the wall behind a face, each where it takes most, and its free edges."""
+    across = face_edges(profile, face)
     start, end = (wall_end(each, face, profile) for each in ends)
     slant = hypot(1.0, start.slope)
     yield Border(-start.greatest / slant, 1 / slant, start.slope / slant, "the start of the part")

@@ -65,7 +65,6 @@ REASONS = {
     "merge-pair": "the same hole on both flanges: both spindles at once",
     "from-behind": "through the one plate that the face behind shares",
 }
-_NO_REASONS: tuple[str, ...] = ()
 SUNK = ("through", "blind", "thread", "left-thread")  #: kinds of holes that a sink stands on
 
 
@@ -99,8 +98,8 @@ def drop_duplicates(holes: Group, tolerance: float) -> tuple[Group, dict[int, Pl
         for placed in sorted(run, key=itemgetter(1)):
             x, f, hole = placed
             column, row = floor(x / width), floor(hole.y / width)
-            near = [cell for i in _NEAR for j in _NEAR if (cell := kept.get((column + i, row + j)))]
-            like = [p for cell in near for p in cell if _is_same(p[2], hole, limit)]
+            cells = [kept.get((column + i, row + j), ()) for i in _NEAR for j in _NEAR]
+            like = [p for cell in cells for p in cell if _is_same(p[2], hole, limit)]
             if like:
                 repeats[f] = min(like, key=itemgetter(1))
             else:
@@ -146,12 +145,12 @@ def merge_pairs(holes: Group, partners: Mapping[Face, Face], drill: Drill) -> It
             if f in taken:
                 continue
             face = partners.get(hole.face)
-            found = None if face is None else _partner(run, i, face, taken, drill)
-            if found is None:
+            partner = None if face is None else _partner(run, i, face, taken, drill)
+            if partner is None:
                 yield (placed,)
             else:
-                taken.add(found[1])
-                yield (placed, found) if hole.face < found[2].face else (found, placed)
+                taken.add(partner[1])
+                yield (placed, partner) if hole.face < partner[2].face else (partner, placed)
 
 
 def _partner(
@@ -188,7 +187,7 @@ def _refusals(hole: Hole, planner: PartPlanner) -> Iterable[Diagnostic]:
     off = refuse_place(hole, hole.x, hole.y, planner.part, planner.reached[hole.face])
     if off is not None:
         return (off,)
-    return planner.finished.judge(hole, ((hole.x, hole.y),))
+    return planner.finished.judge(hole, hole.centres)
 
 
 #: The faces that a pair of spindles drills at once, each with the other one.
@@ -204,7 +203,15 @@ def _steps(holes: Sequence[tuple[int, Hole]], planner: PartPlanner) -> list[Foun
     kept, repeats = drop_duplicates(placed, drill.duplicate_tolerance)
     if diagnostics := list(refuse_many_pairs(kept, drill)):
         return [*diagnostics]
-    steps: list[Found] = [*_repeats(repeats, planner)]
+    steps: list[Found] = []
+    for f, (_, like, first) in repeats.items():
+        hole = planner.part.features[f]
+        assert isinstance(hole, Hole)
+        diagnostic = DUPLICATE.at(
+            hole.source, found=f"{hole.diameter:g}", face=hole.face, x=f"{hole.x:g}",
+            y=f"{hole.y:g}", first=first.source,
+        )  # fmt: skip
+        steps += [Settled(f, "duplicate", DUPLICATE.code, like), (f, diagnostic)]
     sinks: list[Group] = []
     is_tee = planner.part.profile.code == "T"  # o and u are one plate there: the tips would meet
     partners = {} if is_tee else partner_faces(planner.machine)
@@ -220,18 +227,6 @@ def _steps(holes: Sequence[tuple[int, Hole]], planner: PartPlanner) -> list[Foun
     return steps
 
 
-def _repeats(repeats: dict[int, Placed], planner: PartPlanner) -> Iterator[Found]:
-    """Outcomes of duplicate holes."""
-    for f, (_, like, first) in repeats.items():
-        hole = planner.part.features[f]
-        yield Settled(f, "duplicate", DUPLICATE.code, like)
-        if isinstance(hole, Hole):
-            yield f, DUPLICATE.at(
-                hole.source, found=f"{hole.diameter:g}", face=hole.face, x=f"{hole.x:g}",
-                y=f"{hole.y:g}", first=first.source,
-            )  # fmt: skip
-
-
 def _make(
     group: Group, planner: PartPlanner, pilot: float | None = None, place: Point | None = None
 ) -> list[Found]:
@@ -240,7 +235,7 @@ def _make(
     `pilot` is the diameter of the hole that a countersink sinks, and `place` where that stands.
     """
     x, f, hole = group[0]
-    y, why = hole.y, _NO_REASONS
+    y, why = hole.y, tuple[str, ...]()
     features: tuple[int, ...] = (f,)
     faces: tuple[Face, ...] = (hole.face,)
     diameters: tuple[float, ...] = (hole.diameter,)
@@ -267,7 +262,11 @@ def _make(
         return [(f, toolings.rule.at(hole.source, **values))]
     steps = []
     for tooling in toolings:
-        path = _ring(x, y, tooling, planner) if tooling.ring else ()
+        path: tuple[Point, ...] = ()
+        if tooling.ring:
+            mill, tolerance = tooling.tools[0].diameter, planner.library.drill.path_tolerance
+            is_blind = tooling.depth is not None
+            path = pocket_path((x, y), (0.0, 0.0), 0.0, tooling.ring, mill, tolerance, is_blind)
         steps.append(WorkingStep(x, y, tooling, features, hole.source, path))
     if len(group) == 2 and any(refuse_steps(planner.part.features, steps, planner.travel)):
         return _one_by_one(group, planner, pilot, place)
@@ -282,12 +281,6 @@ def _one_by_one(
 ) -> list[Found]:
     """The steps of two holes that one stroke of both spindles does not make."""
     return [step for one in group for step in _make((one,), planner, pilot, place)]
-
-
-def _ring(x: float, y: float, tooling: Tooling, planner: PartPlanner) -> tuple[Point, ...]:
-    mill, tolerance = tooling.tools[0].diameter, planner.library.drill.path_tolerance
-    is_blind = tooling.depth is not None
-    return pocket_path((x, y), (0.0, 0.0), 0.0, tooling.ring, mill, tolerance, is_blind)
 
 
 def _judge_points(group: Group, tooling: Tooling, thickness: float) -> Iterator[Found]:
@@ -312,22 +305,19 @@ def _pilots(holes: Group, drill: Drill) -> dict[int, Placed]:
     for x, f, sink in holes:
         if sink.kind != "countersink":
             continue
-        begin, end = (
-            bisect_left(along, x - limit - ROUNDING),
-            bisect_right(along, x + limit + ROUNDING),
-        )
+        begin = bisect_left(along, x - limit - ROUNDING)
+        end = bisect_right(along, x + limit + ROUNDING)
         below = [
-            (hole.diameter, other_f, placed)
+            placed
             for placed in holes[begin:end]
-            for _, other_f, hole in (placed,)
+            for hole in (placed[2],)
             if hole.kind in SUNK
             and hole.face == sink.face
-            and abs(hole.x - sink.x) <= limit
-            and abs(hole.y - sink.y) <= limit
+            and max(abs(hole.x - sink.x), abs(hole.y - sink.y)) <= limit
             and hole.diameter < sink.diameter
         ]
         if below:
-            pilots[f] = max(below)[2]
+            pilots[f] = max(below, key=lambda placed: (placed[2].diameter, placed[1]))
     return pilots
 
 

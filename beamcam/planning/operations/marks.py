@@ -9,6 +9,8 @@ from collections.abc import Iterator, Sequence
 from math import dist
 from typing import TYPE_CHECKING
 
+from msgspec.structs import replace
+
 from beamcam.errors import Diagnostic, warning
 from beamcam.geometry.curves import Curve, Line, Point
 from beamcam.machine.stations import FLAT_DEG, Tool
@@ -17,9 +19,9 @@ from beamcam.model.plan import StampedLetters
 from beamcam.model.section import NO_PLATE, OTHER_SIDE
 from beamcam.planning.axis_limits import within_axes
 from beamcam.planning.left_out import FACE
-from beamcam.planning.operations.finished_part import TOLERANCE, wall_end
+from beamcam.planning.operations.finished_part import TOLERANCE, face_edges, wall_end
 from beamcam.planning.operations.part_planner import IN_THE_WAY, PartPlanner, WorkKind
-from beamcam.planning.operations.slot import MIN_RADIUS, slot_ends, without_repeats
+from beamcam.planning.operations.slot import MIN_RADIUS, without_repeats
 from beamcam.planning.operations.tools import Found, Settled, Tooling, WorkingStep
 from beamcam.planning.rules import MARK, no_unit
 
@@ -78,6 +80,12 @@ def _length(line: Contour) -> str:
     return f"{sum(curve.length for curve in line.curves):g} mm of line"
 
 
+def _scribing(face: Face, planner: PartPlanner, reason: str) -> Tooling:
+    faces, library = (face,), planner.library
+    scribes = library.of_kind("scribe", faces)[:1]
+    return Tooling(planner.number(faces), scribes, faces, library.drill.mark_depth, (reason,))
+
+
 def _line_needs(line: Contour, planner: PartPlanner) -> Diagnostic | None:
     if can_scribe(line.face, planner):
         return None
@@ -90,7 +98,7 @@ def _line_refusals(line: Contour, planner: PartPlanner) -> Iterator[Diagnostic]:
     ys = [y for curve in line.curves for y in curve.bbox[1::2]]
     least, greatest, wall = reach.least, reach.greatest, reach.wall
     if planner.part.profile.code == "T" and line.face == "v":
-        (stem,) = planner.finished.across("v").walls
+        (stem,) = face_edges(planner.part.profile, "v").walls
         least, greatest, wall = reach.least, stem.least, "stem"
         if max(ys) > stem.greatest:
             least, greatest = stem.greatest, reach.greatest
@@ -104,17 +112,13 @@ def _line_refusals(line: Contour, planner: PartPlanner) -> Iterator[Diagnostic]:
 
 def _line_steps(lines: Sequence[tuple[int, Contour]], planner: PartPlanner) -> Iterator[Found]:
     """Each line scribed, from that end of it that comes first along the bar."""
-    drill = planner.library.drill
     for f, line in lines:
-        path = line_points(line.curves, drill.path_tolerance)
+        path = line_points(line.curves, planner.library.drill.path_tolerance)
         if path[-1][0] < path[0][0]:
             path = path[::-1]
-        faces = (line.face,)
-        scribes = planner.library.of_kind("scribe", faces)[:1]
-        number = planner.number(faces)
-        tooling = Tooling(number, scribes, faces, drill.mark_depth, ("scribe-line",))
+        tooling = _scribing(line.face, planner, "scribe-line")
         yield WorkingStep(*path[0], tooling, (f,), line.source, path)
-        across = planner.finished.across(line.face)
+        across = face_edges(planner.part.profile, line.face)
         left, place = min(
             planner.finished.steel(line.face, path),
             (min(min(y, across.width - y) for _, y in path), across.edge),
@@ -138,28 +142,21 @@ def _text_steps(texts: Sequence[tuple[int, TextMark]], planner: PartPlanner) -> 
     by_face: dict[Face, list[tuple[int, TextMark]]] = defaultdict(list)
     for f, text in texts:
         by_face[text.face].append((f, text))
+    marks, missing = planner.machine.marks, NO_PLATE.get(planner.part.profile.code, ())
     for face, group in by_face.items():
-        room = _room(face, planner) if _comes_to(face, planner) else None
+        has_unit = face in marks.faces and face not in missing
+        letters = has_unit if marks.is_told else can_scribe(face, planner)
+        room = _room(face, planner) if letters else None
         for f, text in group:
-            lettered = FACE if room is None else place_text(text, planner.machine.marks, room)
+            lettered = FACE if room is None else place_text(text, marks, room)
             if isinstance(lettered, str):
                 yield Settled(f, "listed", lettered)
                 continue
             if isinstance(lettered, Diagnostic):
                 yield f, lettered
                 break
-            yield from (
-                (f, diagnostic) for diagnostic in remarks(text, lettered, planner.machine.marks)
-            )
+            yield from ((f, diagnostic) for diagnostic in remarks(text, lettered, marks))
             yield from _steps_of(f, text, lettered, planner)
-
-
-def _comes_to(face: Face, planner: PartPlanner) -> bool:
-    """Whether what letters comes to a face."""
-    if not planner.machine.marks.is_told:
-        return can_scribe(face, planner)
-    missing = NO_PLATE.get(planner.part.profile.code, ())
-    return face in planner.machine.marks.faces and face not in missing
 
 
 def _steps_of(
@@ -172,17 +169,9 @@ def _steps_of(
         stamped = StampedLetters(lettered.text, lettered.height, lettered.angle)
         yield WorkingStep(lettered.x, lettered.y, how, (f,), text.source, text=stamped)
         return
-    how = _tooling(text.face, planner)
+    how = _scribing(text.face, planner, "letter")
     for stroke in lettered.strokes:
         yield WorkingStep(*stroke[0], how, (f,), text.source, stroke)
-
-
-def _tooling(face: Face, planner: PartPlanner) -> Tooling:
-    faces = (face,)
-    scribes = planner.library.of_kind("scribe", faces)[:1]
-    return Tooling(
-        planner.number(faces), scribes, faces, planner.library.drill.mark_depth, ("letter",)
-    )
 
 
 def _room(face: Face, planner: PartPlanner) -> "Room | None":
@@ -191,7 +180,7 @@ def _room(face: Face, planner: PartPlanner) -> "Room | None":
 
     low, high = _between_walls(face, planner)
     if not planner.machine.marks.is_told:
-        bounds = within_axes(_tooling(face, planner), (low, high), planner.travel)
+        bounds = within_axes(_scribing(face, planner, "letter"), (low, high), planner.travel)
         if bounds is None:
             return None
         low, high = bounds
@@ -211,11 +200,11 @@ def _room(face: Face, planner: PartPlanner) -> "Room | None":
 
 def _between_walls(face: Face, planner: PartPlanner) -> tuple[float, float]:
     """The y of a face between edges, fillets and what is in the tool's way."""
-    across = planner.finished.across(face)
+    profile = planner.part.profile
+    across = face_edges(profile, face)
     low, high = 0.0, across.width
     if face in planner.reached:
         low, high = max(low, planner.reached[face].least), min(high, planner.reached[face].greatest)
-    profile = planner.part.profile
     if profile.code == "M":  # closed: its walls stand behind the face, beyond round corners
         low, high = low + profile.radius, high - profile.radius
     elif profile.face_depth(face):
@@ -229,34 +218,23 @@ def _between_walls(face: Face, planner: PartPlanner) -> tuple[float, float]:
 
 def _remove_obstacles(room: "Room", face: Face, planner: PartPlanner) -> None:
     """Take the stem of a T, and holes and slots, from the steel of a face."""
-    code = planner.part.profile.code
-    if code == "T" and face == "v":
-        for wall in planner.finished.across(face).walls:
-            room.remove(
-                box_corners(room.box[0], wall.least - wall.radius, room.box[2],
-                            wall.greatest + wall.radius)
-            )  # fmt: skip
-    behind = OTHER_SIDE.get(code, {}).get(face)
+    profile = planner.part.profile
+    if profile.code == "T" and face == "v":
+        (x0, _, x1, _), (stem,) = room.box, face_edges(profile, face).walls
+        low, high = stem.least - stem.radius, stem.greatest + stem.radius
+        room.remove([(x0, low), (x1, low), (x1, high), (x0, high)])
+    behind = OTHER_SIDE.get(profile.code, {}).get(face)
     for feature in planner.part.features:
         if isinstance(feature, (Hole, Slot)) and feature.face in (face, behind):
-            centres = slot_ends(feature) if isinstance(feature, Slot) else ((feature.x, feature.y),)
-            for centre in centres:
+            for centre in feature.centres:
                 room.drill(centre, feature.diameter / 2)
-            if isinstance(feature, Slot):
-                room.remove(_around(feature))
-
-
-def box_corners(x0: float, y0: float, x1: float, y1: float) -> list[tuple[float, float]]:
-    """The corners of a box along the axes."""
-    return [(x0, y0), (x1, y0), (x1, y1), (x0, y1)]
-
-
-def _around(slot: Slot) -> list[tuple[float, float]]:
-    """The corners of the box around a slot, along its angle."""
-    half_x, half_y = (slot.length + slot.diameter) / 2, (slot.height + slot.diameter) / 2
-    box = Slot(slot.face, slot.x, slot.y, 0.0, 2 * half_x, 2 * half_y, slot.angle, slot.source)
-    a, b, c, d = slot_ends(box)
-    return [a, b, d, c]
+            if isinstance(feature, Slot):  # the box around it, along its angle
+                length, height = (
+                    feature.length + feature.diameter,
+                    feature.height + feature.diameter,
+                )
+                a, b, c, d = replace(feature, length=length, height=height).centres
+                room.remove([a, b, d, c])
 
 
 # What the machine cannot letter is left for manual work: it lacks nothing.

@@ -9,7 +9,8 @@ near; which of them is taken is settled over the whole bar (`planning.beam`):
     hole 27.00    the same two                            one drill for both holes
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
+from itertools import repeat
 from math import radians, tan
 from typing import Literal, cast
 
@@ -50,20 +51,24 @@ class ToolLibrary:
         self.drill = drill
         self._sets = sets
         # One object for each tool, so that tools can be told apart by identity.
-        self._tools = [(tools, tuple(_tools(tools))) for tools in sets]
+        self._tools = [
+            (t, [Tool(t.kind, size, t.point_deg, pitch, t.hand, t.tool_material, t.max_peck)
+                 for size, pitch in zip(t.sizes, t.pitches or repeat(0.0), strict=False)])
+            for t in sets
+        ]  # fmt: skip
         self._drills: BoundedCache[object, Tools] = BoundedCache("planning.drills")
         #: for `operations.hole_tools`
         self.toolings: BoundedCache[object, object] = BoundedCache("planning.toolings")
 
     def of_kind(self, kind: ToolKind, faces: tuple[Face, ...]) -> Tools:
         """All tools of a kind that the spindles of all of `faces` take, by diameter."""
-        found = (
+        tools = (
             tool
             for tools, members in self._tools
             if tools.kind == kind and set(faces) <= set(tools.faces)
             for tool in members
         )
-        return tuple(sorted(found, key=lambda t: (t.diameter, t.point_deg, t.pitch, t.hand)))
+        return tuple(sorted(tools, key=lambda t: (t.diameter, t.point_deg, t.pitch, t.hand)))
 
     def drills(self, diameters: tuple[float, ...], faces: tuple[Face, ...]) -> Tools:
         """The drills for holes of all of `diameters` on all of `faces`; none if nothing fits."""
@@ -78,16 +83,11 @@ class ToolLibrary:
 
     def fitting(self, diameters: tuple[float, ...], faces: tuple[Face, ...]) -> Tools:
         """All drills within the tolerance of every one of `diameters`."""
-        fits = [fit_of(diameter, self.drill) for diameter in diameters]
-        if None in fits:
-            return ()
+        fits = [(diameter, fit_of(diameter, self.drill)) for diameter in diameters]
         return tuple(
             tool
             for tool in self.of_kind("drill", faces)
-            if all(
-                fit is not None and is_within(tool.diameter - diameter, fit)
-                for diameter, fit in zip(diameters, fits, strict=True)
-            )
+            if all(fit and is_within(tool.diameter - diameter, fit) for diameter, fit in fits)
         )
 
     def sinks(
@@ -99,11 +99,8 @@ class ToolLibrary:
         below the surface or a flat counterbore only with a tool that fits the diameter.
         """
         fit = fit_of(diameter, self.drill)
-        cones = [
-            t
-            for t in self.of_kind("countersink", faces)
-            if abs(t.point_deg - point_deg) <= ROUNDING
-        ]
+        sinks = self.of_kind("countersink", faces)
+        cones = [t for t in sinks if abs(t.point_deg - point_deg) <= ROUNDING]
         if whole:
             fitting = [t for t in cones if fit and is_within(t.diameter - diameter, fit)]
             return nearest(tuple(fitting), (diameter,), self.drill.same_tool_tolerance)
@@ -122,11 +119,9 @@ class ToolLibrary:
         """Diameter of the drill before a tap."""
         return next(
             before
-            for tools in self._sets
-            if tools.kind == "tap" and tools.hand == tap.hand
-            for size, before, pitch in zip(
-                tools.sizes, tools.pre_drills, tools.pitches, strict=True
-            )
+            for t in self._sets
+            if t.kind == "tap" and t.hand == tap.hand
+            for size, before, pitch in zip(t.sizes, t.pre_drills, t.pitches, strict=True)
             if size == tap.diameter and pitch == tap.pitch
         )
 
@@ -151,15 +146,6 @@ class ToolLibrary:
 library_of: PerObject[Machine, ToolLibrary] = PerObject(
     "planning.library", lambda machine: ToolLibrary(machine.tools, drill_of(machine))
 )
-
-
-def _tools(tools: ToolSet) -> Iterable[Tool]:
-    pitches = tools.pitches or (0.0,) * len(tools.sizes)
-    for diameter, pitch in zip(tools.sizes, pitches, strict=True):
-        yield Tool(
-            tools.kind, diameter, tools.point_deg, pitch, tools.hand, tools.tool_material,
-            tools.max_peck,
-        )  # fmt: skip
 
 
 def fit_of(diameter: float, drill: Drill) -> Fit | None:
@@ -248,26 +234,16 @@ def toolings_of(library: ToolLibrary, hole: HoleWork) -> tuple[Tooling, ...] | R
     """The tools that make a hole, in order; or why there are none."""
     known = library.toolings.get(hole)
     if known is None:
-        known = library.toolings.keep(hole, _toolings(library, hole))
+        known = library.toolings.keep(hole, _MAKERS[hole.kind](library, hole))
     return cast("tuple[Tooling, ...] | Refusal", known)
 
 
-def _toolings(library: ToolLibrary, hole: HoleWork) -> tuple[Tooling, ...] | Refusal:
-    match hole.kind:
-        case "through" | "blind":
-            return _plain(library, hole)
-        case "thread" | "left-thread":
-            return _thread(library, hole)
-        case "countersink":
-            return _sink(library, hole)
-        case "mark":
-            punches = library.of_kind("punch", hole.faces)
-            if not punches:
-                why = no_unit("punch")
-                return Refusal(MARK, {"found": "a centre punch", "face": hole.faces[0], "why": why})
-            return (
-                _step(hole, punches[:1], hole.depth or library.drill.punch_depth, "punch-mark"),
-            )
+def _mark(library: ToolLibrary, hole: HoleWork) -> tuple[Tooling, ...] | Refusal:
+    punches = library.of_kind("punch", hole.faces)[:1]
+    if not punches:
+        why = no_unit("punch")
+        return Refusal(MARK, {"found": "a centre punch", "face": hole.faces[0], "why": why})
+    return (_step(hole, punches, hole.depth or library.drill.punch_depth, "punch-mark"),)
 
 
 def _step(hole: HoleWork, tools: Tools, depth: float | None, reason: str) -> Tooling:
@@ -334,6 +310,12 @@ def _sink(library: ToolLibrary, hole: HoleWork) -> tuple[Tooling, ...] | Refusal
     return (_step(hole, tools, point, reason),) if tools else _no_tool(library, hole)
 
 
+_MAKERS = {
+    "through": _plain, "blind": _plain, "thread": _thread, "left-thread": _thread,
+    "countersink": _sink, "mark": _mark,
+}  # fmt: skip
+
+
 def _no_tool(library: ToolLibrary, hole: HoleWork) -> Refusal:
     values = {
         "kind": hole.kind, "found": f"{max(hole.diameters):g}", "face": hole.faces[0],
@@ -352,10 +334,12 @@ def _nearest_tools(library: ToolLibrary, hole: HoleWork) -> str:
         sinks = sorted({t.diameter for t in library.of_kind("countersink", faces)})
         shown = ", ".join(f"{d:g}" for d in sinks)
         return f"one that the countersinks {shown} make" if sinks else "none, it has no countersink"
-    near = sorted((abs(t.diameter - diameter), t.diameter) for t in library.of_kind("drill", faces))
-    if not near:
+    sizes = sorted(
+        (t.diameter for t in library.of_kind("drill", faces)), key=lambda d: abs(d - diameter)
+    )
+    if not sizes:
         return "none, the machine has no drill"
-    shown = " or ".join(f"{d:g}" for _, d in near[:2])
+    shown = " or ".join(f"{d:g}" for d in sizes[:2])
     fit = fit_of(diameter, library.drill)
     if fit is None:
         return f"a hole near a drill of {shown}"

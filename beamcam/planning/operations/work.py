@@ -7,7 +7,7 @@ ends, as far as a saw makes them
      -> refused, or left out where that is allowed
 """
 
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from math import atan, cos, degrees, pi, radians, sqrt, tan
 
 from msgspec import Struct
@@ -39,7 +39,7 @@ from beamcam.planning.within import within_larger
 
 
 KINDS = (HOLE, SLOT, LINE, CONTOUR, TEXT, OTHER)
-REASONS = {code: said for kind in KINDS for code, said in kind.reasons.items()}
+REASONS = {code: text for kind in KINDS for code, text in kind.reasons.items()}
 KIND_OF = {
     Hole: HOLE, Slot: SLOT, Contour: CONTOUR, TextMark: TEXT,
     Bend: OTHER, EndPlane: OTHER, Camber: OTHER,
@@ -113,18 +113,15 @@ def works_on(
     refusals = [diagnostic for work in works.values() for diagnostic in work.refusals]
     if refusals:
         raise PlanError(refusals)
-    return [works[id(part)] for part in parts], [*_remarks(works.values(), parts)]
-
-
-def _remarks(works: Iterable[PartWork], parts: Sequence[Part]) -> Iterator[Diagnostic]:
-    """Remarks on each part, once."""
-    for work in works:
+    remarks: list[Diagnostic] = []
+    for work in works.values():
         part = work.part
-        yield from work.remarks
+        remarks += work.remarks
         if part.quantity > 1:
             count = sum(one is part or one == part for one in parts)
             if part.quantity > count:
-                yield rules.QUANTITY.at(part.source, found=part.quantity, made=count)
+                remarks.append(rules.QUANTITY.at(part.source, found=part.quantity, made=count))
+    return [works[id(part)] for part in parts], remarks
 
 
 def _work_on(part: Part, line: BarLine, skips: Collection[str]) -> PartWork:
@@ -136,16 +133,24 @@ def _work_on(part: Part, line: BarLine, skips: Collection[str]) -> PartWork:
     planner = PartPlanner(part, ends, line)
     of_ends: list[Diagnostic] = []
     for end in ends:
-        if not end.is_square and (lacking := _refuse_cut(end, _turning_saw(line), part)):
-            of_ends.append(lacking)
+        if not end.is_square and (refusal := _refuse_cut(end, _turning_saw(line), part)):
+            of_ends.append(refusal)
     of_ends += _judge_ends(ends, part, line.saw)
     _put_features(planner)
     for kind in KINDS:
         if accepted := planner.accepted[kind.name]:
             planner.take(kind.steps(accepted, planner))
-    planner.refuse(refuse_steps(planner.part.features, planner.steps, planner.travel))
-    planner.refuse_repeats()
-    refused = planner.refused
+    # What no axis comes to outweighs all that was refused before, and drops the steps.
+    refused, steps = planner.refused, planner.steps
+    beyond = dict(refuse_steps(part.features, steps, planner.travel))
+    if beyond:
+        refused |= beyond
+        steps = [step for step in steps if beyond.keys().isdisjoint(step.features)]
+    for f, each in [*planner.settled.items()]:  # the repeats of refused features are refused too
+        if each.like in refused:
+            refused[f] = refused[each.like]
+        if f in refused:
+            del planner.settled[f]
     skipped = {
         f: diagnostic
         for f, diagnostic in refused.items()
@@ -155,10 +160,10 @@ def _work_on(part: Part, line: BarLine, skips: Collection[str]) -> PartWork:
     diagnostics = [
         *remarks,
         *(diagnostic for diagnostic in of_ends if diagnostic not in refusals),
-        *planner.remarks,
+        *(diagnostic for f, diagnostic in planner.remarks if f not in refused),
     ]
     return PartWork(
-        part, ends, tuple(refusals), tuple(diagnostics), tuple(planner.steps),
+        part, ends, tuple(refusals), tuple(diagnostics), tuple(steps),
         tuple(planner.settled.values()), skipped,
     )  # fmt: skip
 
@@ -166,32 +171,25 @@ def _work_on(part: Part, line: BarLine, skips: Collection[str]) -> PartWork:
 def _put_features(planner: PartPlanner) -> None:
     """Put each feature that can be made to those of its kind, and refuse the others."""
     marks, within = planner.line.machine.marks, within_larger(planner.part)
-    for f, given in enumerate(planner.part.features):
+    for f, own in enumerate(planner.part.features):
         if f in within:
             planner.settled[f] = Settled(f, "duplicate", within[f].code)
-            planner.told.append((f, within[f]))
+            planner.remarks.append((f, within[f]))
             continue
-        if policy_on(given, marks) is not None and not _is_made(f, given, planner):
-            continue
-        kind, feature = kind_of(given), planner.on_reached_face(f, given)
-        lacking = kind.needs(feature, planner)
-        if lacking is not None:
-            planner.refused[f] = lacking
+        refusal = None
+        if policy_on(own, marks) is not None:
+            why, refusal = listed_by(own, marks), refuse_mark(own, marks)
+            if why is not None:
+                planner.settled[f] = Settled(f, "listed", why)
+                continue
+        kind, feature = kind_of(own), planner.on_reached_face(f, own)
+        refusal = refusal or kind.needs(feature, planner)
+        if refusal is not None:
+            planner.refused[f] = refusal
             continue
         planner.take([(f, diagnostic) for diagnostic in kind.refusals(feature, planner)])
         if f not in planner.refused:
             planner.accepted[kind.name].append((f, feature))
-
-
-def _is_made(f: int, mark: Feature, planner: PartPlanner) -> bool:
-    """Whether a mark is work of the machine; one that is not is listed, or refused."""
-    marks = planner.line.machine.marks
-    why, diagnostic = listed_by(mark, marks), refuse_mark(mark, marks)
-    if why is not None:
-        planner.settled[f] = Settled(f, "listed", why)
-    elif diagnostic is not None:
-        planner.refused[f] = diagnostic
-    return why is None and diagnostic is None
 
 
 # --- ends -----------------------------------------------------------------------------------------
