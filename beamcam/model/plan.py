@@ -10,7 +10,7 @@ from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Curve, Point
 from beamcam.machine.stations import Tool
 from beamcam.machine.torch import TorchRow
-from beamcam.model.part import Face, Part, Profile
+from beamcam.model.part import Face, Feature, Part, Profile
 
 SKELETON = "skeleton"  #: source of the cuts through what is left of a sheet
 HATCH = "hatch"  #: source of the lines of a hatch
@@ -181,11 +181,20 @@ def unfinished(outcomes: Iterable[Outcome]) -> list[Outcome]:
     return [outcome for outcome in outcomes if outcome.how in NOT_MADE or outcome.left]
 
 
-class Plan(Struct, frozen=True):
-    """The work of one bar, in order."""
+class OfPieces(Struct, frozen=True):
+    """A plan of parts that lie on a bar or a sheet."""
 
     profile: Profile
     pieces: tuple[Piece, ...]
+
+    def feature(self, ref: FeatureRef) -> Feature:
+        """A feature of one of the pieces."""
+        return self.pieces[ref[0]].part.features[ref[1]]
+
+
+class Plan(OfPieces, frozen=True):
+    """The work of one bar, in order."""
+
     bar: Bar
     operations: tuple[Operation, ...]
     outcomes: tuple[Outcome, ...]  #: one for every feature of every piece
@@ -234,11 +243,9 @@ class ContourOp(Struct, frozen=True, gc=False):
         return (last.lead_out or last.curves)[-1].end
 
 
-class SheetPlan(Struct, frozen=True):
-    """The work on one sheet, in order."""
+class SheetPlan(OfPieces, frozen=True):
+    """The work on one sheet, in order; of one piece, or of those that share it."""
 
-    profile: Profile
-    pieces: tuple[Piece, ...]  #: one, or those that share the sheet
     shift: Point  #: machine coordinates of the drawing's x 0, y 0; each piece has its place
     thickness: float
     operations: tuple[ContourOp, ...]
@@ -278,11 +285,9 @@ class CopeCut(Struct, frozen=True, gc=False):
     lip: bool = False  #: whether it takes the lip below a flange
 
 
-class CopePlan(Struct, frozen=True):
+class CopePlan(OfPieces, frozen=True):
     """The work on one part that is cut from a bar by a torch going round it, in order."""
 
-    profile: Profile
-    pieces: tuple[Piece, ...]  #: one
     bar: float  #: length that the part needs
     operations: tuple[CopeCut, ...]
     outcomes: tuple[Outcome, ...]  #: one for every feature
@@ -305,10 +310,8 @@ def named_skips(words: Iterable[str]) -> tuple[str, ...]:
 
 def left_out_sources(plan: AnyPlan) -> Iterator[Source]:
     """Source of each feature that was left out because `--allow-skips` names its kind."""
-    for outcome in unfinished(plan.outcomes):
-        if outcome.is_left_out:
-            piece, index = outcome.feature
-            yield plan.pieces[piece].part.features[index].source
+    left = unfinished(plan.outcomes)
+    return (plan.feature(one.feature).source for one in left if one.is_left_out)
 
 
 def left_out_kinds(plan: AnyPlan) -> Counter[str]:
@@ -319,10 +322,8 @@ def left_out_kinds(plan: AnyPlan) -> Counter[str]:
 
 def manual_work_sources(plan: AnyPlan) -> Iterator[Source]:
     """Source of each mark that is left for manual work."""
-    for outcome in unfinished(plan.outcomes):
-        if outcome.manual_work:
-            piece, index = outcome.feature
-            yield plan.pieces[piece].part.features[index].source
+    left = unfinished(plan.outcomes)
+    return (plan.feature(one.feature).source for one in left if one.manual_work)
 
 
 class StockUse(Struct, frozen=True):

@@ -116,17 +116,16 @@ def _chosen_tools(toolings: Mapping[int, Tooling]) -> dict[int, tuple[Tool, tupl
         settled = settle(how.tools for how in toolings.values())
     chosen = {}
     for key, how in toolings.items():
-        tool = how.tools[0] if len(how.tools) == 1 else settled[how.tools]
-        reasons = (_drill_reason(tool, how), *how.reasons) if how.diameter else how.reasons
+        tool, reasons = how.tools[0], how.reasons
+        if len(how.tools) > 1:
+            tool = settled[how.tools]
+        if how.diameter:
+            why = "drill-nearest" if tool == how.tools[0] else "drill-twin"
+            if abs(tool.diameter - how.diameter) <= ROUNDING:
+                why = "drill-exact"
+            reasons = (why, *reasons)
         chosen[key] = tool, reasons
     return chosen
-
-
-def _drill_reason(tool: Tool, how: Tooling) -> str:
-    """Why a plain hole gets this drill."""
-    if abs(tool.diameter - how.diameter) <= ROUNDING:
-        return "drill-exact"
-    return "drill-nearest" if tool == how.tools[0] else "drill-twin"
 
 
 LEDGER_TOLERANCE = 0.001  #: mm
@@ -144,7 +143,11 @@ def plan_bar(
     """
     line = line_of(machine)
     refuse_stock(parts, line)
-    _check_features(parts)
+    most, total = InForce.limits.features, 0
+    for part in parts:
+        total += len(part.features)
+        if total > most:
+            raise LimitError(FEATURES.at(part.source, found=total, expected=most))
     works, remarks = works_on(parts, line, skips)
     laid = lay(works, line, order, bar)
     remarks += laid.remarks
@@ -170,15 +173,6 @@ def plan_bar(
 
 
 _feature = attrgetter("feature")
-
-
-def _check_features(parts: Iterable[Part]) -> None:
-    """Raises LimitError for the part with which a bar has more features than the limits allow."""
-    most, total = InForce.limits.features, 0
-    for part in parts:
-        total += len(part.features)
-        if total > most:
-            raise LimitError(FEATURES.at(part.source, found=total, expected=most))
 
 
 def _outcomes(works: Sequence[PartWork], operations: Sequence[WorkOp]) -> list[Outcome]:
@@ -232,7 +226,6 @@ def plan_oriented(
     except PlanError as error:
         if is_too_short(error.diagnostics):
             raise
-
         raise PlanError([*error.diagnostics, *turns_that_help(parts, machine, skips)]) from error
 
 
@@ -317,20 +310,16 @@ def _tried(
     same = next((t for t in made if alike(t.part, lying)), None)
     if same is not None:
         return Trial(turn, lying, None, f"no different from {same.turn.name!r}")
+    bar = part.length + BAR_BEHIND  # more behind the part, as behind all but the last of a bar
+    if machine.layout is not None and machine.layout.max_bar is not None:
+        bar = min(bar, machine.layout.max_bar)
     try:
-        plan = plan_bar([lying], machine, _trial_bar(lying, machine), skips)
+        plan = plan_bar([lying], machine, bar, skips)
     except PlanError as error:
         first = errors_in(error.diagnostics)[0]
         return Trial(turn, lying, None, f"{first.code}: {first.message}", first.code)
     skipped = sum(outcome.how == "skipped" for outcome in plan.outcomes)
     return Trial(turn, lying, work_time(plan, machine).total_s + SKIP_WEIGHT_S * skipped, "")
-
-
-def _trial_bar(part: Part, machine: Machine) -> float:
-    """Length of a bar with more behind the part, as behind all but the last of a bar."""
-    ample = part.length + BAR_BEHIND
-    most = None if machine.layout is None else machine.layout.max_bar
-    return ample if most is None else min(ample, most)
 
 
 def _choose_turns(

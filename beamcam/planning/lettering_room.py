@@ -6,7 +6,7 @@ up where the box at its middle lies deeper in obstacles than the corners of the 
 
 from collections.abc import Callable, Iterator, Sequence
 from heapq import heappop, heappush
-from itertools import pairwise
+from itertools import pairwise, product
 from math import acos, ceil, dist, hypot, inf, pi
 from typing import TYPE_CHECKING
 
@@ -186,11 +186,12 @@ class Room:
         be looked at.
         """
         low_x, low_y, high_x, high_y = self.box
-        wide, high = _extent(box_at(*start))
-        if wide > high_x - low_x or high > high_y - low_y:
+        xs, ys = zip(*box_at(*start).corners, strict=True)
+        if max(xs) - min(xs) > high_x - low_x or max(ys) - min(ys) > high_y - low_y:
             return None
         seen = self._seen.setdefault(shape, {})
         half = max(high_x - low_x, high_y - low_y) / 2
+        #: How far each is from `start`, its middle, half its side.
         squares = [(0.0, (low_x + high_x) / 2, (low_y + high_y) / 2, half)]
         best, place = inf, None
         while squares and squares[0][0] < best:
@@ -203,8 +204,10 @@ class Room:
                 best, place = way, (x, y)
             if half <= FINEST or clear + half * hypot(1.0, 1.0) + STEP < distance:
                 continue
-            for square in _quarters(x, y, half / 2, start):
-                heappush(squares, square)
+            half /= 2
+            for mx, my in product((x - half, x + half), (y - half, y + half)):
+                a, b = max(abs(mx - start[0]) - half, 0.0), max(abs(my - start[1]) - half, 0.0)
+                heappush(squares, (hypot(a, b), mx, my, half))
         return place
 
     def _look(self, box: Placed, distance: float) -> float:
@@ -213,22 +216,6 @@ class Room:
         texts = 0 if self._texts is None else self._texts.shape[1]
         self.squares -= 1.0 + texts / CROWD
         return self.clearance(box, distance, min(BESIDE, distance))
-
-
-def _quarters(
-    x: float, y: float, half: float, start: Point
-) -> Iterator[tuple[float, float, float, float]]:
-    """The four squares of a square: how far each is from `start`, its middle, half its side."""
-    for dx in (-half, half):
-        for dy in (-half, half):
-            a, b = max(abs(x + dx - start[0]) - half, 0.0), max(abs(y + dy - start[1]) - half, 0.0)
-            yield hypot(a, b), x + dx, y + dy, half
-
-
-def _extent(box: Placed) -> tuple[float, float]:
-    """The extent of a box in x and y."""
-    xs, ys = zip(*box.corners, strict=True)
-    return max(xs) - min(xs), max(ys) - min(ys)
 
 
 class _Edges:

@@ -10,7 +10,6 @@ from collections.abc import Iterable, Iterator
 from pathlib import PurePath
 from typing import TypedDict
 
-from beamcam.errors import Source
 from beamcam.geometry.curves import circle_of, slot_of
 from beamcam.model.part import Bend, Camber, Contour, Feature, Hole, Part, Slot, TextMark
 from beamcam.model.plan import AnyPlan, Plan
@@ -90,10 +89,13 @@ def _is_code(why: str) -> bool:
 
 def _manual_row(part: Part, feature: Feature, why: str) -> ManualRow:
     """Kind and position of a mark."""
+    source = feature.source
+    words = PurePath(source.file).name, source.line, source.where  # whatever folder it lies in
+    place = ":".join(str(word) for word in words if word is not None)
     row: ManualRow = {
         "mark": part.mark, "profile": part.profile.name, "pieces": 1, "kind": "", "text": "",
         "face": getattr(feature, "face", ""), "x": 0.0, "y": 0.0, "angle": 0.0, "height": 0.0,
-        "path": "", "why": why, "source": _source_name(feature.source),
+        "path": "", "why": why, "source": place,
         "size": "", "land": 0.0, "length": 0.0,
     }  # fmt: skip
     is_cut = isinstance(feature, Contour) and feature.process == "cut"
@@ -134,12 +136,6 @@ def _manual_row(part: Part, feature: Feature, why: str) -> ManualRow:
 
 def _path(corners: Iterable[tuple[float, float]]) -> str:
     return "; ".join(f"{_rounded(x)} {_rounded(y)}" for x, y in corners)
-
-
-def _source_name(source: Source) -> str:
-    """The place in the input, whatever folder that lies in."""
-    words = (PurePath(source.file).name, source.line, source.where)
-    return ":".join(str(word) for word in words if word is not None)
 
 
 def _rounded(value: float) -> str:

@@ -39,7 +39,6 @@ from beamcam.planning.contours.join import Joined, join, nest
 from beamcam.planning.contours.operations import operations_of
 from beamcam.planning.contours.order import PLAIN, refuse_order
 from beamcam.planning.contours.outline import (
-    Opening,
     Shape,
     cross_at,
     off_plate,
@@ -72,7 +71,7 @@ def plan_sheet(parts: Sequence[Part], machine: Machine, skips: Collection[str] =
     torch = machine.needed(machine.torch, "torch")
     _refuse_stock(parts, machine, torch)
     own = {id(part): part for part in parts}
-    if off := [said for part in own.values() for said in off_plate(part, torch.tolerance)]:
+    if off := [one for part in own.values() for one in off_plate(part, torch.tolerance)]:
         raise PlanError(off)
     if len(parts) > 1:
         return _plan_of_several(parts, machine, torch, skips)
@@ -123,8 +122,9 @@ def _refuse_work(
     machine: Machine, torch: Torch,
 ) -> None:  # fmt: skip
     """Raises PlanError for what the machine cannot make of the curves, and where there are none."""
-    refusals = [*assigned.refusals, *_refuse_settings(assigned.wanted, torch, machine)]
-    refusals += _refuse_overcuts(assigned.wanted, torch) if torch.settings else ()
+    refusals = [*assigned.refusals]
+    if torch.settings:
+        refusals += _refuse_settings(assigned.wanted, torch, machine)
     spots: set[TorchProcess] = {"spot"} if assigned.spots else set()
     refusals += material.refusals(processes | spots)
     if machine.triggers is not None and machine.triggers.z is not None:
@@ -137,32 +137,22 @@ def _refuse_work(
 
 def _refuse_settings(
     curves: Iterable[AssignedCurve], torch: Torch, machine: Machine
-) -> list[Diagnostic]:
-    """An error for each colour or layer in use with a power that the machine cannot follow."""
-    if not torch.settings:
-        return []
+) -> Iterator[Diagnostic]:
+    """An error for each colour or layer in use with a power that the machine cannot follow, or
+    with an overcut that is not cut."""
     first = {(w.look, w.process): w for w in reversed(list(curves)) if w.look}
-    return [
-        rules.LOOK_SETTING.at(w.source, key=f"map.{look}.power", found=f"{power:g}", why=why)
-        for (look, process), w in sorted(first.items())
-        if (power := torch.settings[look].power) is not None
-        and (why := _why_no_power(machine, process))
-    ]
-
-
-def _why_no_power(machine: Machine, process: str) -> str | None:
-    """Why a machine cannot run a process at a power; None if it can."""
-    if machine.controller in TABLE_CONTROLLERS:
-        return f"the tool of {machine.name} is on or off"
-    words = getattr(machine.words, f"{process}_on")
-    if any("{power}" in line for line in words):
-        return None
-    return f"words.{process}_on of {machine.name} has no {{power}}"
-
-
-def _refuse_overcuts(curves: Iterable[AssignedCurve], torch: Torch) -> Iterator[Diagnostic]:
-    """An error for each colour or layer with an overcut that is not cut."""
-    for look, process, w in {(w.look, w.process): (w.look, w.process, w) for w in curves}.values():
+    for look, process in sorted(first):
+        source, power = first[look, process].source, torch.settings[look].power
+        if power is None:
+            continue
+        key, found = f"map.{look}.power", f"{power:g}"
+        if machine.controller in TABLE_CONTROLLERS:
+            why = f"the tool of {machine.name} is on or off"
+            yield rules.LOOK_SETTING.at(source, key=key, found=found, why=why)
+        elif not any("{power}" in line for line in getattr(machine.words, f"{process}_on")):
+            why = f"words.{process}_on of {machine.name} has no {{power}}"
+            yield rules.LOOK_SETTING.at(source, key=key, found=found, why=why)
+    for (look, process), w in {(w.look, w.process): w for w in curves}.items():
         if process != "cut" and torch.settings.get(look, PLAIN).overcut is not None:
             yield rules.LOOK_OVERCUT.at(w.source, key=look, found=process)
 
@@ -211,12 +201,10 @@ def _refuse_stock(parts: Sequence[Part], machine: Machine, torch: Torch) -> None
         raise PlanError(rules.SHEETS.at(Source(machine.name), found=0))
     for part in parts:
         if part.profile.code not in SHEET_CODES:
-            raise PlanError(
-                bar_rules.STOCK.at(
-                    part.source, found=part.profile.code, machine=machine.name,
-                    expected=", ".join(SHEET_CODES),
-                )
-            )  # fmt: skip
+            raise PlanError(bar_rules.STOCK.at(
+                part.source, found=part.profile.code, machine=machine.name,
+                expected=", ".join(SHEET_CODES),
+            ))  # fmt: skip
         if is_unrolled(part.profile) and not torch.unrolled:
             raise PlanError(bar_rules.UNROLLED.at(
                 part.source, found=part.profile.name,
@@ -282,25 +270,25 @@ def _outcomes(
     made = {feature: op.row.process for op in operations for _, feature in op.features}
     stands = joined.repeats.resolved(made) if joined.repeats.stands else {}
     for index in range(len(part.features)):
-        why = assigned.listed.get(index)
+        ref, why = (0, index), assigned.listed.get(index)
         if why == BEVEL and index in made:  # cut as it stands, its edges square
-            yield Outcome((0, index), "made", made[index], why)
+            yield Outcome(ref, "made", made[index], why)
         elif why is not None:
-            yield Outcome((0, index), "listed", why)
+            yield Outcome(ref, "listed", why)
         elif index in made:
-            yield Outcome((0, index), "made", made[index])
+            yield Outcome(ref, "made", made[index])
         elif index in assigned.within:
-            yield Outcome((0, index), "duplicate", assigned.within[index].code)
+            yield Outcome(ref, "duplicate", assigned.within[index].code)
         elif index in assigned.filled:
-            yield Outcome((0, index), "made", assigned.filled[index])
+            yield Outcome(ref, "made", assigned.filled[index])
         elif index in assigned.stated:
-            yield Outcome((0, index), "made", "cut")
+            yield Outcome(ref, "made", "cut")
         elif index in assigned.skipped:
-            yield Outcome((0, index), "skipped", assigned.skipped[index])
+            yield Outcome(ref, "skipped", assigned.skipped[index])
         elif index in stands:
-            yield Outcome((0, index), "duplicate", rules.OVERLAP.code)
+            yield Outcome(ref, "duplicate", rules.OVERLAP.code)
         elif index in joined.small:
-            yield Outcome((0, index), "skipped", rules.TINY.code)
+            yield Outcome(ref, "skipped", rules.TINY.code)
 
 
 def _balance(plan: SheetPlan) -> None:
@@ -346,28 +334,20 @@ def drill_small_openings(
                     for centre in opening.centres for line in cross_at(centre, torch.cross)
                 )  # fmt: skip
             continue
-        diagnostic = _too_small(shape.source, opening, least, thickness)
+        if len(opening.centres) > 1:
+            diagnostic = bar_rules.SLOT.at(
+                shape.source, found=f"{opening.length:.4g} x {opening.width:.4g}", face="v",
+                expected=f"one at least {least:g} wide in a sheet of {thickness:g} mm",
+            )  # fmt: skip
+        else:
+            diagnostic = bar_rules.NO_TOOL.at(
+                shape.source, kind="through", found=f"{opening.width:.4g}", face="v",
+                expected=f"at least {least:g} in a sheet of {thickness:g} mm",
+            )  # fmt: skip
         if diagnostic.code.removeprefix("plan-") in skips:
             assigned.skipped.update(dict.fromkeys(shape.features, diagnostic.code))
         else:
             assigned.refusals.append(diagnostic)
-    return _without(shapes, small), crosses
-
-
-def _too_small(source: Source, opening: Opening, least: float, thickness: float) -> Diagnostic:
-    if len(opening.centres) > 1:
-        return bar_rules.SLOT.at(
-            source, found=f"{opening.length:.4g} x {opening.width:.4g}", face="v",
-            expected=f"one at least {least:g} wide in a sheet of {thickness:g} mm",
-        )  # fmt: skip
-    return bar_rules.NO_TOOL.at(
-        source, kind="through", found=f"{opening.width:.4g}", face="v",
-        expected=f"at least {least:g} in a sheet of {thickness:g} mm",
-    )  # fmt: skip
-
-
-def _without(shapes: Sequence[Shape], some: Collection[int]) -> list[Shape]:
-    """The shapes but for some, each parent by its new index."""
-    left = [k for k in range(len(shapes)) if k not in some]
+    left = [k for k in range(len(shapes)) if k not in small]
     place = {k: number for number, k in enumerate(left)}
-    return [replace(shapes[k], parent=place.get(shapes[k].parent, -1)) for k in left]
+    return [replace(shapes[k], parent=place.get(shapes[k].parent, -1)) for k in left], crosses

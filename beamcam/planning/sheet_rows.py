@@ -75,18 +75,16 @@ def laid_out(parts: Sequence[Part], machine: Machine, skips: Collection[str]) ->
     places = places_of(parts, machine, skips)
     if len(places) < len(parts):
         size = f"{torch.length:g} x {torch.width:g}"
+        first_out = parts[len(places)].source
         raise PlanError(
-            rules.SHEET_FULL.at(
-                parts[len(places)].source, found=len(parts), fits=len(places), size=size
-            )
+            rules.SHEET_FULL.at(first_out, found=len(parts), fits=len(places), size=size)
         )
     features: list[Feature] = []
     origins: list[FeatureOf] = []
     for k, (part, place) in enumerate(zip(parts, places, strict=True)):
-        own: list[tuple[int, Feature]] = [
-            *enumerate(part.features),
-            *_outline(part),
-        ]
+        own: list[tuple[int, Feature]] = [*enumerate(part.features)]
+        if curves := outline_of(part):  # of a plate that has no contour of its own
+            own.append((OUTLINE, Contour("v", "outer", curves, part.source)))
         origins += [(k, index) for index, _ in own]
         features += [moved_feature(feature, place) for _, feature in own]
     if torch.skeleton_cuts:
@@ -140,12 +138,6 @@ def sheet_shares(request: Request, pieces: Sequence[int]) -> tuple[tuple[int, ..
         shares.append(tuple(pieces[at : at + count]))
         at += count
     return tuple(shares)
-
-
-def _outline(part: Part) -> list[tuple[int, Feature]]:
-    """The rectangle of a plate that has no contour of its own, as a contour."""
-    curves = outline_of(part)
-    return [(OUTLINE, Contour("v", "outer", curves, part.source))] if curves else []
 
 
 def _sheet_of(part: Part, torch: Torch) -> tuple[float, str]:

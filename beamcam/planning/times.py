@@ -53,6 +53,11 @@ class TemplateLine(Struct, frozen=True):
     names: Mapping[str, str]  #: letter, and the placeholder in its braces
     fixed: Mapping[str, float]  #: letter and number
 
+    def words(self, values: Mapping[str, float]) -> dict[str, float]:
+        """The letters and their numbers, where placeholders have `values`."""
+        stated = {letter: values[name] for letter, name in self.names.items() if name in values}
+        return {**self.fixed, **stated}
+
 
 def blocks_of(template: Sequence[str]) -> tuple[TemplateLine, ...]:
     """The lines of a template, taken apart."""
@@ -112,18 +117,25 @@ class _CellClock:
         self._grades = [piece.part.grade for piece in pieces]
         self._strokes = StrokeGeometry(profile, machine)
         self._words: dict[str, tuple[TemplateLine, ...]] = {}
-        self._cycles = _cycles_of(machine)
-        self._back_to_near = _draws_back_to_near(machine)
+        #: The canned cycle that each G word of the machine's controller stands for.
+        self._cycles = {
+            int(code[1:]): _CYCLES[meaning]
+            for code, meaning in machine.codes.items()
+            if meaning in _CYCLES
+        }
+        #: Whether the header says that cycles draw back no further than R (G99 of RS274).
+        self._back_to_near = False
+        if machine.controller == "linuxcnc":
+            self._cycles = {number: number for number in DRILLING}
+            self._back_to_near = re.findall(r"\bG9[89]\b", header)[-1:] == ["G99"]
         self._place = {"X": nan, "Y": nan, "Z": nan}
         self._rapid, self._feed_mm_min = True, 0.0
 
     def seconds(self, op: Operation) -> float:
         """Time of the next operation."""
         if isinstance(op, SawOp):
-            values = {
-                "x": op.x, "angle": op.angle, "tilt": op.tilt, "feed": self._saw.feed_mm_min,
-            }  # fmt: skip
-            return self._run("saw", values)
+            feed = self._saw.feed_mm_min
+            return self._run("saw", {"x": op.x, "angle": op.angle, "tilt": op.tilt, "feed": feed})
         if isinstance(op, TextOp):
             template = getattr(self._machine.words, op.tool.kind)
             before = blocks_of([line for line in template if "{string}" not in line])
@@ -170,9 +182,7 @@ class _CellClock:
             self._rapid = block.number == 0
         if "feed" in stated:
             self._feed_mm_min = stated["feed"]
-        words = dict(block.fixed) | {
-            letter: values[name] for letter, name in block.names.items() if name in values
-        }
+        words = block.words(values)
         return self._go({letter: words[letter] for letter in "XYZ" if letter in words})
 
     def _go(self, to: Mapping[str, float]) -> float:
@@ -184,9 +194,7 @@ class _CellClock:
     def _drilled(self, block: TemplateLine, values: Mapping[str, float]) -> float:
         """Time of a canned cycle."""
         cycle = self._cycles[block.number]
-        words = dict(block.fixed) | {
-            letter: values[name] for letter, name in block.names.items() if name in values
-        }
+        words = block.words(values)
         self._feed_mm_min = words.get("F", self._feed_mm_min)
         at = self._place["X"], self._place["Y"], self._place["Z"]
         place = words.get("X", at[0]), words.get("Y", at[1])
@@ -217,20 +225,3 @@ class _CellClock:
         if block.number in _RUNS:
             return self._cell.switch(_RUNS[block.number])
         return 0.0
-
-
-def _cycles_of(machine: Machine) -> dict[int, int]:
-    """The canned cycle that each G word of the machine's controller stands for."""
-    if machine.controller == "linuxcnc":
-        return {number: number for number in DRILLING}
-    return {
-        int(code[1:]): _CYCLES[meaning]
-        for code, meaning in machine.codes.items()
-        if meaning in _CYCLES
-    }
-
-
-def _draws_back_to_near(machine: Machine) -> bool:
-    """Whether the header says that cycles draw back no further than R (G99 of RS274)."""
-    words = re.findall(r"\bG9[89]\b", " ".join(machine.words.header))
-    return machine.controller == "linuxcnc" and words[-1:] == ["G99"]
