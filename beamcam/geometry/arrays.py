@@ -36,6 +36,12 @@ def rows(values: Sequence[Sequence[float]], width: int) -> Floats:
     return found.reshape(-1, width)
 
 
+def numbered(counts: Counts) -> tuple[Counts, Counts]:
+    """For runs of so many: the run of each member, and its number in it from 0."""
+    owner = np.repeat(np.arange(len(counts)), counts)
+    return owner, np.arange(len(owner)) - (np.cumsum(counts) - counts)[owner]
+
+
 #: Lines and arcs first, behind them the free curves.
 _KINDS: tuple[type[Curve], ...] = (Line, Arc, EllipseArc, Bezier, BSpline, NewtonCurve)
 

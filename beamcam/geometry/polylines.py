@@ -14,7 +14,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from beamcam.geometry.array_types import Counts, Floats
-from beamcam.geometry.arrays import CurveTable, cubics_of
+from beamcam.geometry.arrays import CurveTable, cubics_of, numbered
 from beamcam.geometry.conics import arc_by_points
 from beamcam.geometry.curves import Arc, Bezier, BSpline, Curve, EllipseArc, Line, NewtonCurve
 from beamcam.geometry.plane import Point
@@ -133,14 +133,8 @@ def _cubic_steps(control: Floats, tolerance: float) -> Counts:
     return cubic_steps
 
 
-def _within(steps: Counts) -> tuple[Counts, Counts]:
-    """For runs of so many: the run of each member, and its number in it from 0."""
-    owner = np.repeat(np.arange(len(steps)), steps)
-    return owner, np.arange(len(owner)) - (np.cumsum(steps) - steps)[owner]
-
-
 def _draw_arcs(points: Floats, begins: Counts, arcs: Floats, steps: Counts) -> None:
-    owner, number = _within(steps + 1)
+    owner, number = numbered(steps + 1)
     turn = np.radians(arcs[owner, 3] + arcs[owner, 4] * (number / steps[owner]))
     at = begins[owner] + number
     points[at, 0] = arcs[owner, 0] + arcs[owner, 2] * np.cos(turn)
@@ -156,7 +150,7 @@ def _draw_cubics(
     before = np.cumsum(steps) - steps
     first = np.concatenate(([True], owners[1:] != owners[:-1]))
     base = np.maximum.accumulate(np.where(first, before, 0))
-    piece, number = _within(steps)
+    piece, number = numbered(steps)
     t = (number / steps[piece])[:, None]
     s = 1 - t
     p = control[piece]

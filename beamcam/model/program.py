@@ -352,7 +352,7 @@ class TriggerTable(Struct, frozen=True):
 
 # --- steps ----------------------------------------------------------------------------------------
 
-# Tables for stepping motors: stretches with their velocities, and single steps.
+# Tables for stepping motors: segments with their velocities, and single steps.
 
 
 LASER_BIT = 4  #: of a row's bits; 0 and 1 are the word of X, 2 and 3 that of Y
@@ -366,7 +366,7 @@ class StepRows(NamedTuple):
 
 
 class VelocityRow(NamedTuple):
-    """A stretch on which the velocity is a smooth function: one row of a velocity table."""
+    """A segment on which the velocity is a smooth function: one row of a velocity table."""
 
     x: float  #: end point
     y: float
@@ -382,7 +382,7 @@ class VelocityRow(NamedTuple):
 class StepTable(Struct, frozen=True):
     """A job for two stepping motors, from the shielded corner and back to it.
 
-    `rows` and `stretches` compute again what they give, piece by piece, so that a table of any
+    `rows` and `segments` compute again what they give, piece by piece, so that a table of any
     length takes no memory.
     """
 
@@ -390,5 +390,5 @@ class StepTable(Struct, frozen=True):
     step: float  #: travel of one step, mm
     sequence: tuple[str, ...]  #: words of forward steps
     rows: Callable[[], Iterator[StepRows]]
-    stretches: Callable[[], Iterator[VelocityRow]]
+    segments: Callable[[], Iterator[VelocityRow]]
     remarks: tuple[str, ...] = ()  #: for the operator

@@ -15,7 +15,7 @@ from msgspec import Struct
 from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.geometry.arrays import CurveTable, table_of, unit_vectors
 from beamcam.geometry.curves import Arc, Bezier, Curve, EllipseArc, Line
-from beamcam.geometry.plane import Point, cross
+from beamcam.geometry.plane import Point, cross, dot
 from beamcam.model.program import ArcFeed, EllipseFeed, Feed, Movement, ParabolaFeed
 
 #: A number as near to the middle of two steps, in steps, is rounded by its exact decimals.
@@ -180,12 +180,7 @@ class _Arcs(Struct, frozen=True):
             np.concatenate((self.owner, self.owner)),
             np.concatenate((self.begin, turned)),
             np.concatenate((first, second)),
-            np.concatenate(
-                (
-                    np.column_stack((self.ends[:, :2], middle)),
-                    np.column_stack((middle, self.ends[:, 2:])),
-                )
-            ),
+            np.block([[self.ends[:, :2], middle], [middle, self.ends[:, 2:]]]),
         )
 
 
@@ -198,13 +193,13 @@ def _as_written(arcs: _Arcs, numbers: Numbers) -> tuple[Floats, Flags, Flags]:
     """The way (n, 2) from each start to the centre; which arcs are written, and which are lines."""
     radius, sweep = arcs.arcs[:, 2], np.abs(arcs.arcs[:, 4])
     sagitta = radius * (1 - np.cos(np.radians(sweep) / 2))
-    narrow = ~arcs.is_wide()
-    flat = narrow & (sagitta < numbers.step / 2)
-    good = narrow & ~flat & (numbers.min_radius <= radius) & (radius <= numbers.max_radius)
+    short = ~arcs.is_wide()
+    flat = short & (sagitta < numbers.step / 2)
+    good = short & ~flat & (numbers.min_radius <= radius) & (radius <= numbers.max_radius)
     offset = np.zeros((len(radius), 2))
     which = np.flatnonzero(good)
     offset[which], good[which] = _centres(arcs.arcs[which], arcs.ends[which], numbers)
-    return offset, good, flat | (narrow & ~good & (sagitta <= numbers.tolerance))
+    return offset, good, flat | (short & ~good & (sagitta <= numbers.tolerance))
 
 
 def _centres(arcs: Floats, ends: Floats, numbers: Numbers) -> tuple[Floats, Flags]:
@@ -294,9 +289,7 @@ def _quarters(ellipse: EllipseArc) -> Iterator[EllipseArc]:
 def _written_ellipse(
     start: Point, end: Point, piece: EllipseArc, numbers: Numbers
 ) -> EllipseFeed | None:
-    d = numbers.decimals
-    i = round(piece.centre[0] - start[0], d) + 0.0
-    j = round(piece.centre[1] - start[1], d) + 0.0
+    i, j = numbers.at((piece.centre[0] - start[0], piece.centre[1] - start[1]))
     angle = round(degrees(atan2(piece.axis[1], piece.axis[0])), numbers.angle_decimals) + 0.0
     ratio = round(piece.ratio, 6)
     centre = (start[0] + i, start[1] + j)
@@ -334,8 +327,7 @@ def parabola_feed(start: Point, curve: Bezier, numbers: Numbers) -> list[Movemen
     chord = (x2 - x0, y2 - y0)
     if abs(cross(chord, (vertex[0] - x0, vertex[1] - y0))) < numbers.step / 2 * hypot(*chord):
         return [Feed(*end)]
-    d = numbers.decimals
-    i, j = round(vertex[0] - start[0], d) + 0.0, round(vertex[1] - start[1], d) + 0.0
+    i, j = numbers.at((vertex[0] - start[0], vertex[1] - start[1]))
     drawn = (end[0] - start[0], end[1] - start[1])
     if abs(cross(drawn, (i, j))) < numbers.step / 4 * hypot(*drawn):
         return [Feed(*end)]  # rounding took the vertex onto the chord, where no parabola has it
@@ -350,10 +342,7 @@ def is_parabola(curve: Bezier) -> bool:
     """
     if curve.degree != 2 or curve.weights is not None or curve.start == curve.end:
         return False
-    chord = Line(curve.start, curve.end)
-    along = (curve.points[1][0] - chord.start[0], curve.points[1][1] - chord.start[1])
-    share = (
-        along[0] * (chord.end[0] - chord.start[0]) + along[1] * (chord.end[1] - chord.start[1])
-    ) / chord.length**2
-    flat = abs(cross(along, (chord.end[0] - chord.start[0], chord.end[1] - chord.start[1])))
-    return 0.0 <= share <= 1.0 or flat > 1e-6 * chord.length**2
+    (x0, y0), (x1, y1), (x2, y2) = curve.points
+    leg, chord = (x1 - x0, y1 - y0), (x2 - x0, y2 - y0)
+    size = hypot(*chord) ** 2
+    return 0.0 <= dot(leg, chord) / size <= 1.0 or abs(cross(leg, chord)) > 1e-6 * size

@@ -150,9 +150,9 @@ class _Torch:
                 if self._at != corner:
                     yield self._to(corner, True)
                 yield from self._turned(corner, step)
-        wanted = self._outside(face, place)
-        if wanted != self._at:
-            yield self._to(wanted, True)
+        outside = self._outside(face, place)
+        if outside != self._at:
+            yield self._to(outside, True)
 
     def _outside(self, face: Face, place: Place) -> Place:
         """Where the torch stands over a place, outside of the bar's box."""

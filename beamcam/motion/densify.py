@@ -18,6 +18,7 @@ import numpy as np
 from msgspec import Struct, field
 
 from beamcam.geometry.array_types import Counts, Floats
+from beamcam.geometry.arrays import numbered
 from beamcam.geometry.bezier import Bezier
 from beamcam.geometry.curves import Arc, Curve, EllipseArc, Line, bezier_pieces
 from beamcam.geometry.plane import Point, distance
@@ -113,7 +114,8 @@ def _draw_arcs(points: Floats, begins: Counts, arcs: list[tuple[int, ArcSpan]]) 
             [(np.radians(a.start_deg), np.radians(a.sweep_deg) / a.steps,
               a.centre[0], a.u[0], a.v[0], a.centre[1], a.u[1], a.v[1]) for _, a in short]
         ).T  # fmt: skip
-        which, index = _numbered(steps)
+        which, index = numbered(steps)
+        index += 1
         start, step, cx, ux, vx, cy, uy, vy = (row[which] for row in table)
         angle = start + step * index
         c, s = np.cos(angle), np.sin(angle)
@@ -147,13 +149,6 @@ def _draw_long_arc(block: Floats, span: ArcSpan) -> None:
         block[:, i] = grid.reshape(-1)[:n]
 
 
-def _numbered(steps: Counts) -> tuple[Counts, Counts]:
-    """For spans of so many steps: the span and the number, from 1, of each of their points."""
-    which = np.repeat(np.arange(len(steps)), steps)
-    before = np.cumsum(steps) - steps
-    return which, np.arange(1, len(which) + 1) - before[which]
-
-
 def _draw_free(
     points: Floats, begins: Counts, control: Floats, steps: Counts, degree: int, weighted: bool
 ) -> None:
@@ -165,10 +160,13 @@ def _draw_free(
     origin = control[:, :1, :2] / control[:, :1, 2:]
     about = control.copy()
     about[..., :2] -= origin * control[..., 2:]
-    powers = np.einsum("pi,mic->pcm", _to_powers(degree), about)
-    for low, high in _batches(steps):
-        which, index = _numbered(steps[low:high])
-        which += low
+    n = range(degree + 1)  # from Bernstein coefficients to those of 1, t, t^2, ...
+    to_powers = [[(-1.0) ** (p - i) * comb(degree, p) * comb(p, i) for i in n] for p in n]
+    powers = np.einsum("pi,mic->pcm", np.array(to_powers), about)
+    cuts = (np.flatnonzero(np.diff(np.cumsum(steps) // CHUNK)) + 1).tolist()
+    for low, high in itertools.pairwise((0, *cuts, len(steps)) if len(steps) else ()):
+        which, index = numbered(steps[low:high])
+        which, index = which + low, index + 1
         t = index / steps[which]
         at = begins[which] + index
         scale = 1.0 / _horner(powers[:, 2, which], t) if weighted else 1.0
@@ -185,21 +183,6 @@ def _horner(coefficients: Floats, t: Floats) -> Floats:
         total *= t
     total += coefficients[0]
     return total
-
-
-def _batches(steps: Counts) -> list[tuple[int, int]]:
-    """Ranges of spans with about `CHUNK` points together; none for no spans."""
-    if not len(steps):
-        return []
-    reach = np.cumsum(steps) // CHUNK
-    edges = [0, *(np.flatnonzero(np.diff(reach)) + 1).tolist(), len(steps)]
-    return list(itertools.pairwise(edges))
-
-
-def _to_powers(degree: int) -> Floats:
-    """Matrix from Bernstein coefficients to those of 1, t, t^2, ..."""
-    n = range(degree + 1)
-    return np.array([[(-1.0) ** (p - i) * comb(degree, p) * comb(p, i) for i in n] for p in n])
 
 
 class DensifyRules(Struct, frozen=True):

@@ -1,4 +1,4 @@
-"""Speeds that the axes of a table can follow: along lines and curves, ramps, stretches of a path.
+"""Speeds that the axes of a table can follow: along lines and curves, ramps, sections of a path.
 
 A controller that is given accelerations takes the feed for granted: it turns the head on the
 smallest arc as fast as commanded. So the feed is lowered where a move asks for too much:
@@ -87,7 +87,7 @@ def min_radius(here: Point, move: ArcFeed | ParabolaFeed | EllipseFeed) -> float
 
 # --- jerk ramps -----------------------------------------------------------------------------------
 
-# Jerk-limited ramps for many stretches at once.
+# Jerk-limited ramps for many sections at once.
 #
 # A ramp changes the speed by `change` from and to acceleration 0. It takes change / a + a / j, or
 # 2 sqrt(change / j) where it is too small to reach the acceleration a, and it is symmetric: the
@@ -140,7 +140,7 @@ def ramp_seconds(change: Floats, acceleration: Floats, jerk: Floats) -> Floats:
 def peak_rises(
     way: Floats, low: Floats, high: Floats, cap: Floats, acceleration: Floats, jerk: Floats
 ) -> Floats:
-    """How far the peaks of stretches lie above their higher end speeds, at most cap - high.
+    """How far the peaks of sections lie above their higher end speeds, at most cap - high.
 
     Halves the root of the rise, of which the way is a smooth function, to neighbouring floats.
     """
@@ -203,12 +203,12 @@ def ramp_phases(
     return durations, starts, np.column_stack((held, zero, -held))
 
 
-# --- stretches ------------------------------------------------------------------------------------
+# --- sections ------------------------------------------------------------------------------------
 
-# Segments of a path joined to stretches that are passed with one rise and one fall of speed.
+# Segments of a path joined to sections that are passed with one rise and one fall of speed.
 #
-# At the joints of stretches the acceleration is 0, so a ramp cannot reach across them. A curve
-# that was cut in short chords would therefore never gain speed if every chord were a stretch of
+# At the joints of sections the acceleration is 0, so a ramp cannot reach across them. A curve
+# that was cut in short chords would therefore never gain speed if every chord were a section of
 # its own:
 #
 #     speed limit   ____      ____________      The limits of segments and of the junctions
@@ -224,7 +224,7 @@ WORTH_RISE = 0.1
 #: Limits nearer to each other than this share are one.
 SAME_SPEED = 1e-3
 
-#: Short steps of a stair are one stretch while their limits lie within this ratio.
+#: Short steps of a stair are one section while their limits lie within this ratio.
 STAIR_RATIO = 1.25
 
 
@@ -240,7 +240,7 @@ class SpeedSection(Struct, gc=False):
 
 
 def _is_worth(tower: SpeedSection, foot: float) -> bool:
-    """Whether a stretch is long enough to rise above `foot` and come down again."""
+    """Whether a section is long enough to rise above `foot` and come down again."""
     gain = tower.limit - foot
     if gain <= SAME_SPEED * foot:
         return False
@@ -259,9 +259,9 @@ def _absorb(into: SpeedSection, other: SpeedSection) -> None:
 def join_segments(
     lengths: Floats, limits: Floats, junctions: Floats, accelerations: Floats, jerks: Floats
 ) -> list[SpeedSection]:
-    """The stretches of a path with n segments and n + 1 junctions, its ends included.
+    """The sections of a path with n segments and n + 1 junctions, its ends included.
 
-    Stretches without length are junctions whose limit stands for itself. Each segment is looked
+    Sections without length are junctions whose limit stands for itself. Each segment is looked
     at a bounded number of times on average: a level tower is never looked at again.
     """
     count = len(junctions)
@@ -292,7 +292,7 @@ def _in_turns(junctions: Floats, segments: Floats) -> Floats:
 
 
 def _add(skyline: list[SpeedSection], new: SpeedSection) -> None:
-    """Puts a stretch at the end, after levelling towers that it leaves too narrow."""
+    """Puts a section at the end, after levelling towers that it leaves too narrow."""
     while len(skyline) > 1 and skyline[-1].limit > new.limit:
         before, tower = skyline[-2], skyline[-1]
         if before.limit >= tower.limit or _is_worth(tower, max(before.limit, new.limit)):
@@ -323,17 +323,17 @@ def _join_stairs(skyline: list[SpeedSection]) -> list[SpeedSection]:
     return speed_sections
 
 
-def joint_speeds(stretches: list[SpeedSection]) -> tuple[list[SpeedSection], list[float]]:
-    """The stretches that have a length, and the speeds at their n + 1 joints."""
+def joint_speeds(sections: list[SpeedSection]) -> tuple[list[SpeedSection], list[float]]:
+    """The sections that have a length, and the speeds at their n + 1 joints."""
     moving: list[SpeedSection] = []
     speeds: list[float] = []
-    limit = stretches[0].limit
-    for stretch in stretches:
-        limit = min(limit, stretch.limit)
-        if stretch.length > 0.0:
-            moving.append(stretch)
+    limit = sections[0].limit
+    for section in sections:
+        limit = min(limit, section.limit)
+        if section.length > 0.0:
+            moving.append(section)
             speeds.append(limit)
-            limit = stretch.limit
+            limit = section.limit
     speeds.append(limit)
     for k in range(len(moving) - 1, -1, -1):
         s = moving[k]

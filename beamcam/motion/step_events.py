@@ -170,10 +170,10 @@ class _Axis:
             of = np.repeat(np.flatnonzero(ramps), counts[ramps])
             way = first[of] + (k - before[of]) * pitch[of]
             times[k] = clock.ramp_us(way, phase[of]) + 0.5
-        found = times.astype(np.int64)
-        found <<= TIME_BIT
-        found |= np.repeat(np.where(sign > 0, self.forward, self.back), counts)
-        return found, before[1:][sign[1:] != sign[:-1]] - 1
+        steps = times.astype(np.int64)
+        steps <<= TIME_BIT
+        steps |= np.repeat(np.where(sign > 0, self.forward, self.back), counts)
+        return steps, before[1:][sign[1:] != sign[:-1]] - 1
 
     def _without_turns(self, steps: Counts, turns: Counts) -> Counts:
         """Without pairs of steps forth and back that come too near to each other.

@@ -64,10 +64,10 @@ def ways(plan: SheetPlan, machine: Machine) -> list[Way]:
     return ways
 
 
-def stretches(job: list[Way], step: float, max_mm_s: float) -> Iterator[VelocityRow]:
-    """A row for each stretch; the steps of all rows add up to the way from corner to corner.
+def segments(job: list[Way], step: float, max_mm_s: float) -> Iterator[VelocityRow]:
+    """A row for each segment; the steps of all rows add up to the way from corner to corner.
 
-    `max_mm_s` is what an axis can do; a stretch that asks for more is slower.
+    `max_mm_s` is what an axis can do; a segment that asks for more is slower.
     """
     count = [0, 0]
     for way in job:
@@ -98,7 +98,7 @@ def step_table(plan: SheetPlan, machine: Machine, job: str) -> StepTable:
     planned: list[PlannedPath] = []  # with the first run through the rows
     return StepTable(
         job, stepper.step, stepper.sequence, partial(step_rows, paths, stepper, planned),
-        partial(stretches, paths, stepper.step, max_speed(stepper)),
+        partial(segments, paths, stepper.step, max_speed(stepper)),
     )  # fmt: skip
 
 

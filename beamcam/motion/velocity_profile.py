@@ -45,20 +45,11 @@ class VelocityProfile(Struct, frozen=True):
     start_velocity: float
     end_velocity: float
 
-    def position(self, t_s: ArrayLike) -> Floats:
-        """Way made at times `t_s`, an array of their shape; exact at both ends."""
-        return self.sample(t_s)[0]
-
-    def velocity(self, t_s: ArrayLike) -> Floats:
-        """Velocity at times `t_s`, an array of their shape; exact at both ends."""
-        return self.sample(t_s)[1]
-
-    def acceleration(self, t_s: ArrayLike) -> Floats:
-        """Acceleration at times `t_s`; where it jumps, that after the jump."""
-        return self.sample(t_s)[2]
-
     def sample(self, t_s: ArrayLike) -> tuple[Floats, Floats, Floats]:
-        """Position, velocity and acceleration at times `t_s`, three arrays of their shape."""
+        """Position, velocity and acceleration at times `t_s`, three arrays of their shape.
+
+        Exact at both ends; where the acceleration jumps, that after the jump.
+        """
         t = np.asarray(t_s, dtype=np.float64)
         before, after = t <= 0.0, t >= self.duration_s
         x, v, a = self.distance + 0.0 * t, self.end_velocity + 0.0 * t, 0.0 * t

@@ -154,7 +154,7 @@ def test_rows_are_the_steps_one_by_one(
 
 def test_velocities_add_up_and_follow_their_formula() -> None:
     made = table("two-tangents")
-    rows = list(made.stretches())
+    rows = list(made.segments())
     assert (sum(s.steps_x for s in rows), sum(s.steps_y for s in rows)) == (0, 0)
     cut = [s for s in rows if s.laser]
     expected = feed_of(TORCH, 4.0) / 60
