@@ -11,6 +11,7 @@ import numpy as np
 
 from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.geometry.curves import Arc, Line
+from beamcam.geometry.free_lengths import halved
 
 #: Drawing programs draw no wider arc than this by one cubic.
 WIDEST_KNOWN_DEG = 95.0
@@ -116,7 +117,7 @@ def fit_cubics(control: Floats, tolerance: float) -> LinesAndArcs:
         curves.append(_strokes(number, at + half, joint, end, bends[good, 1]))
         rest = ~(flat | good)
         owner, begin, size = owner[rest], begin[rest], size[rest] / 2
-        control = np.concatenate(_halved(control[rest]))
+        control = np.concatenate(halved(control[rest]))
         owner, size = np.concatenate((owner, owner)), np.concatenate((size, size))
         begin = np.concatenate((begin, begin + size[: len(begin)]))
     return LinesAndArcs(
@@ -162,14 +163,6 @@ def _is_flat(control: Floats, tolerance: float) -> Flags:
         away = np.abs(unit[:, 0] * rest[:, 1] - unit[:, 1] * rest[:, 0])
         flat &= (away <= tolerance) & (along >= -tolerance) & (along <= size + tolerance)
     return flat
-
-
-def _halved(control: Floats) -> tuple[Floats, Floats]:
-    a, b, c, d = (control[:, k] for k in range(4))
-    ab, bc, cd = (a + b) / 2, (b + c) / 2, (c + d) / 2
-    abc, bcd = (ab + bc) / 2, (bc + cd) / 2
-    middle = (abc + bcd) / 2
-    return np.stack((a, ab, abc, middle), axis=1), np.stack((middle, bcd, cd, d), axis=1)
 
 
 def _tangents(control: Floats) -> tuple[Floats, Floats]:

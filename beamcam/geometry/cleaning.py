@@ -38,7 +38,7 @@ class Cleaned(Struct, frozen=True):
 def remove_repetitions(
     curves: Sequence[Curve], tolerance: float, others: Sequence[Curve] = ()
 ) -> Cleaned:
-    """Curves without duplicates, and with overlapping stretches of one line or circle merged.
+    """Curves without duplicates, and with overlapping parts of one line or circle merged.
 
     Curves are duplicates if they are of one kind and five points along them are no farther
     apart than `tolerance`, in either direction. Stretches overlap if they share more than the
@@ -129,7 +129,7 @@ class _Ends:
 
 
 def uncovered(curve: Curve, covers: Sequence[Curve], tolerance: float) -> tuple[Curve, ...]:
-    """The stretches of a curve that lie on none of the others, in its order and direction.
+    """The parts of a curve that lie on none of the others, in its order and direction.
 
     Lines are looked for on lines and arcs on circles no farther off than `tolerance`, other
     curves as a whole only. What is left and no longer than the tolerance is nothing.
@@ -146,18 +146,14 @@ def uncovered(curve: Curve, covers: Sequence[Curve], tolerance: float) -> tuple[
             taken += _shared_arc(curve, cover, tolerance)
     if not taken:
         return (curve,)
-    curves = []
+    curves: list[Curve] = []
     at = 0.0
     for low, high in (*sorted(taken), (1.0, 1.0)):
         if (low - at) * curve.length > tolerance:
-            curves.append(_stretch(curve, at, low))
+            part = curve if low >= 1.0 else curve.split(low)[0]
+            curves.append(part if at <= 0.0 else part.split(at / min(low, 1.0))[1])
         at = max(at, high)
     return tuple(curves)
-
-
-def _stretch(curve: Curve, low: float, high: float) -> Curve:
-    rest = curve if high >= 1.0 else curve.split(high)[0]
-    return rest if low <= 0.0 else rest.split(low / min(high, 1.0))[1]
 
 
 def _shared_line(line: Line, cover: Line, tolerance: float) -> list[tuple[float, float]]:

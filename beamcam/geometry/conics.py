@@ -54,7 +54,7 @@ class Line(Struct, frozen=True, gc=False):
         return normalized((self.end[0] - self.start[0], self.end[1] - self.start[1]))
 
     def split(self, t: float) -> "tuple[Line, Line]":
-        """The stretches before and after parameter `t`."""
+        """The parts before and after parameter `t`."""
         middle = self.point(t)
         return Line(self.start, middle), Line(middle, self.end)
 
@@ -107,7 +107,7 @@ class Arc(Struct, frozen=True, gc=False):
         return (-y, x) if self.sweep_deg > 0 else (y, -x)
 
     def split(self, t: float) -> "tuple[Arc, Arc]":
-        """The stretches before and after parameter `t`."""
+        """The parts before and after parameter `t`."""
         first = t * self.sweep_deg
         return (
             replace(self, sweep_deg=first),
@@ -214,7 +214,7 @@ class EllipseArc(Struct, frozen=True, gc=False):
         return tuple(sorted(angles))
 
     def split(self, t: float) -> "tuple[EllipseArc, EllipseArc]":
-        """The stretches before and after parameter `t`."""
+        """The parts before and after parameter `t`."""
         first = t * self.sweep_deg
         return (
             replace(self, sweep_deg=first),

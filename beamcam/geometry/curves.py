@@ -144,7 +144,7 @@ class BSpline(Struct, frozen=True, gc=False):
         return piece.tangent(local)
 
     def split(self, t: float) -> "tuple[BSpline, BSpline]":
-        """The stretches before and after parameter `t`; they share the point there.
+        """The parts before and after parameter `t`; they share the point there.
 
         de Boor's algorithm makes that point; the sides of its triangle are the control points next
         to it. Raises ValueError at the ends: a spline cannot be a point.

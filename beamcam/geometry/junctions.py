@@ -22,29 +22,29 @@ class Resolved(Struct, frozen=True):
 
 
 def resolve(
-    crowds: Sequence[Sequence[int]], partner: list[int], is_small: Callable[[int], bool]
+    nodes: Sequence[Sequence[int]], partner: list[int], is_small: Callable[[int], bool]
 ) -> Resolved:
-    """The joints of ends that meet in crowds; links are numbered as `chains` has them.
+    """The joints of ends that meet in nodes; links are numbered as `chains` has them.
 
     `partner` is what each end meets so far, -1 for nothing; the joints are put into it.
     `is_small` says whether the chain from an end on is no larger than the tolerance: if it leads
     back, it is not a ring, and nothing.
     """
-    work = _Work(crowds, partner, is_small)
-    which: Iterable[int] = range(len(crowds))
+    work = _Work(nodes, partner, is_small)
+    which: Iterable[int] = range(len(nodes))
     while which:
         which = work.close_rings(which) | work.prune(which)
-    return Resolved(work.joins, [(crowd, work.is_ringed(crowd)) for crowd in work.left if crowd])
+    return Resolved(work.joins, [(node, work.is_ringed(node)) for node in work.left if node])
 
 
 class _Work:
     def __init__(
-        self, crowds: Sequence[Sequence[int]], partner: list[int], is_small: Callable[[int], bool]
+        self, nodes: Sequence[Sequence[int]], partner: list[int], is_small: Callable[[int], bool]
     ) -> None:
         self._partner = partner
         self._is_small = is_small
-        self._place = {end: n for n, crowd in enumerate(crowds) for end in crowd}
-        self.left = [list(crowd) for crowd in crowds]
+        self._place = {end: n for n, node in enumerate(nodes) for end in node}
+        self.left = [list(node) for node in nodes]
         self.joins: list[tuple[int, int]] = []
         self._far = {end: self._last(end) for end in self._place}
 
@@ -77,9 +77,9 @@ class _Work:
                 changed |= self._keep(n, kept[n])
         return changed
 
-    def is_ringed(self, crowd: Sequence[int]) -> bool:
+    def is_ringed(self, node: Sequence[int]) -> bool:
         """Whether any of those that stop leads somewhere."""
-        return not all(map(self._is_dead, crowd))
+        return not all(map(self._is_dead, node))
 
     def _is_dead(self, end: int) -> bool:
         """Whether a chain leads to nowhere."""

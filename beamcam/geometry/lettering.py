@@ -66,11 +66,6 @@ def _font(name: str) -> _Font:
     return msgspec.json.decode(data, type=_Font)
 
 
-def font_notice() -> str:
-    """The font's attribution, as its licence requires."""
-    return _font("hershey").source
-
-
 def body_share() -> float:
     """Height of a capital as a share of the body height."""
     font = _font("hershey")
@@ -81,31 +76,23 @@ def body_share() -> float:
 def glyph_of(sign: str) -> Glyph | None:
     """The glyph of one character; None where the font has none, and it cannot be put together."""
     font = _font("hershey")
-    glyph = _raw(sign, font)
-    if glyph is None:
-        return None
-    advance, strokes = glyph
-    scale = 1.0 / font.capital
-    scaled = tuple(tuple((x * scale, y * scale) for x, y in stroke) for stroke in strokes)
-    return Glyph(advance * scale, scaled)
-
-
-def _raw(sign: str, font: _Font) -> tuple[float, Strokes] | None:
-    """Advance and strokes of a character in the font's units."""
     known = font.own.get(sign) or font.glyphs.get(sign)
-    if known is not None:
-        return known
-    apart = normalize("NFD", sign)
-    base, marks = apart[0], apart[1:]
-    if not marks or any(mark not in font.above and mark not in font.below for mark in marks):
-        return None
-    if base in "ij" and any(mark in font.above for mark in marks):
-        base = {"i": "ı", "j": "ȷ"}[base]  # the accent takes the place of the dot
-    known = font.own.get(base) or font.glyphs.get(base)
+    marks = ""
+    if known is None:
+        apart = normalize("NFD", sign)
+        base, marks = apart[0], apart[1:]
+        if not marks or any(mark not in font.above and mark not in font.below for mark in marks):
+            return None
+        if base in "ij" and any(mark in font.above for mark in marks):
+            base = {"i": "ı", "j": "ȷ"}[base]  # the accent takes the place of the dot
+        known = font.own.get(base) or font.glyphs.get(base)
     if known is None:
         return None
     advance, strokes = known
-    return advance, (*strokes, *_accents(strokes, marks, font))
+    strokes = (*strokes, *_accents(strokes, marks, font)) if marks else strokes
+    scale = 1.0 / font.capital
+    scaled = tuple(tuple((x * scale, y * scale) for x, y in stroke) for stroke in strokes)
+    return Glyph(advance * scale, scaled)
 
 
 def _accents(strokes: Strokes, marks: str, font: _Font) -> Iterator[tuple[Point, ...]]:
@@ -141,7 +128,10 @@ def spelled(text: str, replace: Mapping[str, str]) -> Spelling:
         plain = font.same.get(sign, sign)
         other = replace.get(sign, "")
         if not other or not _has(other):
-            other = plain if _has(plain) else _by_others(sign, font)
+            # By those that it stands for, as a ligature does, or by its name in brackets.
+            others = "".join(font.same.get(each, each) for each in normalize("NFKC", sign))
+            shown = f"[{name(sign, f'U+{ord(sign):04X}')}]"
+            other = plain if _has(plain) else others if _has(others) else shown
         if other != plain:
             replaced[sign] = other
         words.append(other)
@@ -181,9 +171,3 @@ def _ways_to_write(sign: str, replace: Mapping[str, str]) -> Iterator[str]:
 
 def _has(text: str) -> bool:
     return all(glyph_of(sign) is not None for sign in text)
-
-
-def _by_others(sign: str, font: _Font) -> str:
-    """A character by those that it stands for, as a ligature does, or by its name in brackets."""
-    others = "".join(font.same.get(each, each) for each in normalize("NFKC", sign))
-    return others if _has(others) else f"[{name(sign, f'U+{ord(sign):04X}')}]"

@@ -70,17 +70,11 @@ class StrokeGeometry:
 
     def places(self, op: SpindleOp, y: float) -> tuple[YZ, YZ, YZ]:
         """Y and Z of an operation's stroke: free of the section, near, and at the bottom."""
-        stroke, axes = self(op, y), self.axes(op)
-        return (
-            _yz(axes, stroke.across, stroke.retract),
-            _yz(axes, stroke.across, stroke.approach),
-            _yz(axes, stroke.across, stroke.bottom),
-        )
-
-
-def _yz(axes: tuple[Axis, Axis], across: float, along: float) -> YZ:
-    at = {axes[0]: across, axes[1]: along}
-    return at["Y"], at["Z"]
+        stroke, (across, along) = self(op, y), self.axes(op)
+        heights = stroke.retract, stroke.approach, stroke.bottom
+        places = [{across: stroke.across, along: height} for height in heights]
+        free, near, bottom = ((at["Y"], at["Z"]) for at in places)
+        return free, near, bottom
 
 
 def formula_values(profile: Profile, face: Face, drill: Drill) -> dict[str, float]:

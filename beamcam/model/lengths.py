@@ -110,20 +110,14 @@ def _overlap_of_lines(lines: Sequence[Line]) -> float:
     for index, line in enumerate(lines):
         if line.length <= SAME_PLACE:
             continue
-        direction = _direction(line)
-        normal = (-direction[1], direction[0])
-        placed.append(((dot(line.start, normal), direction[0] * span, direction[1] * span), index))
+        x, y = line.tangent(0.0)
+        if x < -1e-9 or (abs(x) <= 1e-9 and y < 0):  # the same for both ways of drawing it
+            x, y = -x, -y
+        direction, normal = (x, y), (-y, x)
+        placed.append(((dot(line.start, normal), x * span, y * span), index))
         low, high = sorted((dot(line.start, direction), dot(line.end, direction)))
         along[index] = (low, high)
     return sum(_overlap([along[i] for i in group]) for group in _clusters(placed))
-
-
-def _direction(line: Line) -> Point:
-    """Unit vector along a line, one of the two: the same for both ways of drawing it."""
-    x, y = line.tangent(0.0)
-    if x < -1e-9 or (abs(x) <= 1e-9 and y < 0):
-        return -x, -y
-    return x, y
 
 
 def _overlap_of_arcs(arcs: Sequence[Arc]) -> float:

@@ -277,20 +277,6 @@ class Measures(Struct, frozen=True):
     lettered: tuple[tuple[str, int], ...] = ()  #: layers whose texts are marked, and how many
     dashed: tuple[Dashed, ...] = ()
 
-    @property
-    def filled_length(self) -> float:
-        """Length of `filled`."""
-        from beamcam.model.lengths import total_length
-
-        return total_length(self.filled)
-
-    @property
-    def hidden_length(self) -> float:
-        """Length of `hidden`."""
-        from beamcam.model.lengths import total_length
-
-        return total_length(self.hidden)
-
 
 class Part(Struct, frozen=True):
     """A piece mark, its stock and its features, in the order of the file."""
@@ -385,18 +371,13 @@ def part_data(parts: Sequence[Part]) -> dict[str, str]:
 
     The date of the job is not among them: see `posts.Job`.
     """
-    return {
-        "mark": _joined(part.mark for part in parts),
-        "name": _joined(PurePath(part.source.file).stem for part in parts),
-        "profile": _joined(part.profile.name for part in parts),
-        "grade": _joined(part.grade for part in parts),
-        "length": _joined(f"{part.length:g}" for part in parts),
-        "quantity": _joined(str(part.quantity) for part in parts),
-        "order": _joined(part.order for part in parts),
-        "drawing": _joined(part.drawing for part in parts),
-        "phase": _joined(part.phase for part in parts),
-    }
-
-
-def _joined(texts: Iterable[str]) -> str:
-    return "+".join(dict.fromkeys(texts))
+    data = [
+        {
+            "mark": part.mark, "name": PurePath(part.source.file).stem,
+            "profile": part.profile.name, "grade": part.grade, "length": f"{part.length:g}",
+            "quantity": str(part.quantity), "order": part.order, "drawing": part.drawing,
+            "phase": part.phase,
+        }
+        for part in parts
+    ]  # fmt: skip
+    return {key: "+".join(dict.fromkeys(one[key] for one in data)) for key in data[0]}

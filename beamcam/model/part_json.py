@@ -126,8 +126,8 @@ def _sums(part: Part) -> Json:
         "bbox": None if box is None else list(box),
         "path_length": sum(total_length(on_face) for on_face in curves.values()),
         "duplicate_length": sum(duplicate_length(on_face) for on_face in curves.values()),
-        "filled_length": measures.filled_length,
-        "hidden_length": measures.hidden_length,
+        "filled_length": total_length(measures.filled),
+        "hidden_length": total_length(measures.hidden),
         "not_cut": dict(measures.not_cut),
     }
 

@@ -40,7 +40,7 @@ class Piece(Struct, frozen=True):
 
 
 class Bar(Struct, frozen=True):
-    """The account of a bar: its stretches add up to its length, `nested` taken off."""
+    """The account of a bar: its lengths add up to its own, `nested` taken off."""
 
     length: float
     front_trim: float
@@ -57,7 +57,7 @@ class Bar(Struct, frozen=True):
 
     @property
     def total(self) -> float:
-        """The sum of the stretches."""
+        """The sum of the lengths."""
         return (
             self.front_trim + self.parts + self.kerfs - self.nested + self.remnant + self.end_trim
         )
@@ -270,7 +270,7 @@ class CopeCut(Struct, frozen=True, gc=False):
     face: Face  #: that the torch looks at
     #: x of the part and y of the face where the torch points at, from where it pierces
     path: tuple[Point, ...]
-    lead: int  #: how many of its stretches lead to the contour
+    lead: int  #: how many of its segments lead to the contour
     thickness: float  #: that it cuts through along the torch, roots with their flange
     row: TorchRow
     features: tuple[FeatureRef, ...]

@@ -250,9 +250,9 @@ def marked(parts: Iterable[Part], source: MarkFrom) -> tuple[Part, ...]:
     """
     if source == "mark":
         return tuple(parts)
-    found: Callable[[Part], str] = {
+    mark_of: Callable[[Part], str] = {
         "drawing": lambda part: part.drawing,
         "file": lambda part: PurePath(part.source.file.replace("\\", "/")).stem,
         "position": lambda part: part.phase,
     }[source]
-    return tuple(replace(part, mark=found(part) or part.mark) for part in parts)
+    return tuple(replace(part, mark=mark_of(part) or part.mark) for part in parts)

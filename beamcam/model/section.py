@@ -239,7 +239,10 @@ def single_contours(part: Part) -> list[Contour]:
 
 
 def section_area(profile: Profile, outline: tuple[SectionPoint, ...] = ()) -> float | None:
-    """mm2 of a section by its figures; None for a C without its lips, an SO without its outline."""
+    """mm2 of a section by its figures; None for a C without its lips, an SO without its outline.
+
+    Of an SO whose edges are round it is not known either.
+    """
     h, b, r = profile.height, profile.width, profile.radius
     flange, web = profile.flange_thickness, profile.web_thickness or 0.0
     match profile.code:
@@ -264,8 +267,13 @@ def section_area(profile: Profile, outline: tuple[SectionPoint, ...] = ()) -> fl
             return pi * (h - wall) * wall if wall else None
         case "RU":
             return pi * h * h / 4
-        case "SO":
-            return _outline_area(outline)
+        case "SO" if len(outline) > 2 and not any(point.radius for point in outline):
+            total = 0.0
+            for side, sign in (("+", 1), ("-", -1)):
+                ring = [(p.y, p.z) for p in outline if p.side == side]
+                pairs = zip(ring, ring[1:] + ring[:1], strict=True)
+                total += sign * abs(sum(y0 * z1 - y1 * z0 for (y0, z0), (y1, z1) in pairs)) / 2
+            return total
     return None
 
 
@@ -291,18 +299,6 @@ def lip_of(part: Part) -> float:
     lip = (girth + corners - profile.height - 2 * profile.width + 4 * wall) / 2
     least, greatest = (share * profile.width for share in LIP_SHARES)
     return lip if least <= lip <= profile.height / 2 else greatest
-
-
-def _outline_area(outline: tuple[SectionPoint, ...]) -> float | None:
-    """mm2 within the corners of a special section; None where its edges are round or missing."""
-    if len(outline) < 3 or any(point.radius for point in outline):
-        return None
-    total = 0.0
-    for side, sign in (("+", 1), ("-", -1)):
-        ring = [(p.y, p.z) for p in outline if p.side == side]
-        pairs = zip(ring, ring[1:] + ring[:1], strict=True)
-        total += sign * abs(sum(y0 * z1 - y1 * z0 for (y0, z0), (y1, z1) in pairs)) / 2
-    return total
 
 
 # --- catalogue ------------------------------------------------------------------------------------

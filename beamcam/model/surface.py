@@ -56,17 +56,6 @@ class Patch(Struct, frozen=True):
         y, z = self.normal(u)
         return degrees(atan2(-y, z)) + 0.0
 
-    def u_of(self, y: float, z: float) -> float:
-        """The u of a place (Y, Z) on the patch, or of that on it which is nearest across it.
-
-        Round a whole tube u is that from 0 to the circumference.
-        """
-        if not self.radius:
-            (oy, oz), (dy, dz) = self.origin, self.along
-            return (y - oy) * dy + (z - oz) * dz
-        turn = atan2(z - self.origin[1], self.origin[0] - y) - self.first_rad
-        return (turn % (2 * pi)) * self.radius
-
 
 def surface_of(profile: Profile) -> tuple[Patch, ...]:
     """The patches of a section that a torch can look at; none of a section without such walls.

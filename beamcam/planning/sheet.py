@@ -21,7 +21,7 @@ from beamcam.geometry.polylines import refit_runs
 from beamcam.machine.machine import Machine
 from beamcam.machine.tables import TABLE_CONTROLLERS
 from beamcam.machine.torch import Torch, TorchProcess
-from beamcam.model.part import Hole, Part, Slot
+from beamcam.model.part import Hole, Measures, Part, Slot
 from beamcam.model.plan import ContourOp, Outcome, Piece, SheetPlan
 from beamcam.model.rounds import is_unrolled
 from beamcam.planning import rules as bar_rules
@@ -252,14 +252,18 @@ def _plan_of_several(
 
 def _nothing(part: Part, assigned: Assigned, small: int, gap: float) -> Diagnostic:
     """Why a drawing gives no work; `small` features are too small."""
+    from beamcam.model.lengths import total_length
+
     out = len(assigned.skipped) + len(assigned.listed)
     texts = [f"{out} features left out"] if out else []
     if small:
         texts.append(f"{small} curves no larger than {gap:g} mm")
-    if part.measures is not None and part.measures.filled:
-        texts.append(f"{part.measures.filled_length:.1f} mm round filled shapes without a stroke")
-    if part.measures is not None and part.measures.hidden:
-        texts.append(f"{part.measures.hidden_length:.1f} mm on hidden layers")
+    measures = part.measures or Measures()
+    if measures.filled:
+        length = total_length(measures.filled)
+        texts.append(f"{length:.1f} mm round filled shapes without a stroke")
+    if measures.hidden:
+        texts.append(f"{total_length(measures.hidden):.1f} mm on hidden layers")
     return rules.NOTHING.at(part.source, found=", ".join(texts) or "the sheet is empty")
 
 
