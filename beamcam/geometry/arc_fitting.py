@@ -68,7 +68,6 @@ class _Fit(Struct, frozen=True):
 
 
 def _fits(free: Sequence[Curve], tolerance: float) -> list[_Fit]:
-    """The replacement of each free curve."""
     control, owner, others = cubics_of(free)
     more: list[Cubic] = []
     more_owner: list[int] = []

@@ -69,7 +69,6 @@ class CurveTable:
         return which
 
     def _of(self, kind: type[Curve]) -> Iterator[Any]:
-        """The curves of a kind."""
         return compress(self.curves, (self._kinds == _KINDS.index(kind)).tolist())
 
     @cached_property
@@ -301,11 +300,6 @@ def _collinear(ends: NDArray[np.float64]) -> tuple[Counts, Counts]:
     shared = np.minimum(np.maximum(*along), lengths[long]) - np.maximum(np.minimum(*along), 0.0)
     same = (np.maximum(*away) <= SAME_PLACE) & (shared > SAME_PLACE)
     return long[same], short[same]
-
-
-# --- cubics ---------------------------------------------------------------------------------------
-
-# Free curves as cubics without weights, splines with equally many control points together.
 
 
 def cubics_of(curves: Sequence[Curve]) -> tuple[Floats, Counts, list[int]]:

@@ -265,11 +265,6 @@ def _find_gaps(chains: list[Chain], tolerance: float) -> tuple[Gap, ...]:
     return tuple(gaps)
 
 
-# --- joints ---------------------------------------------------------------------------------------
-
-# Joints of a chain: ends of curves brought together where they nearly meet.
-
-
 #: An end is moved aside by no more than this, in mm, as the curve would lie elsewhere; an end of a
 #: line no farther than a share of its length. Other gaps are bridged.
 MOST_MOVED = 0.005

@@ -242,7 +242,6 @@ def _between(a: Homogeneous, b: Homogeneous, u: float, low: float, high: float) 
 
 
 def _spline(degree: int, points: Sequence[Homogeneous], knots: Sequence[float]) -> BSpline:
-    """The spline of points (w x, w y, w)."""
     weights = tuple([w for _, _, w in points])
     plain = all(w == 1.0 for w in weights)
     control = tuple([(x / w, y / w) for x, y, w in points])

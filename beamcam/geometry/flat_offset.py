@@ -67,11 +67,6 @@ def _moved(ring: NDArray[np.float64], amount: float, quarter: int, tolerance: fl
     return whole.union(band) if amount > 0.0 else whole.difference(band)
 
 
-# --- refit ----------------------------------------------------------------------------------------
-
-# Lines and arcs found again in the corners of a polygon.
-
-
 #: So many corners, at least, make an arc.
 MIN_CORNERS = 5
 

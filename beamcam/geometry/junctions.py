@@ -82,7 +82,6 @@ class _Work:
         return not all(map(self._is_dead, node))
 
     def _is_dead(self, end: int) -> bool:
-        """Whether a chain leads to nowhere."""
         return self._far[end] not in self._place
 
     def _keep(self, n: int, rest: list[int]) -> set[int]:

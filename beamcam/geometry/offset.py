@@ -134,7 +134,6 @@ def _right_ones(
 
 
 def _are_simple(rings: Sequence[tuple[Curve, ...]], tolerance: float) -> list[bool]:
-    """Which closed chains do not cross or touch themselves."""
     import shapely
 
     if not rings:

@@ -133,7 +133,6 @@ def _carrier(curve: Line | Arc, middle: Point, size: float) -> _Carrier:
 
 
 def _same(a: _Carrier, b: _Carrier, slack: float = NEAR) -> bool:
-    """Whether two are one circle."""
     if isinstance(a, _Straight) or isinstance(b, _Straight):
         return False
     return distance(a.centre, b.centre) <= slack and abs(a.radius - b.radius) <= slack
@@ -311,7 +310,6 @@ def _roots(a: float, b: float, c: float) -> tuple[float, ...]:
 
 
 def _off(circle: Circle, carrier: _Carrier) -> float:
-    """How far a circle is from touching."""
     if isinstance(carrier, _Straight):
         return abs(abs(dot(carrier.normal, circle.centre) - carrier.offset) - circle.radius)
     apart = distance(circle.centre, carrier.centre)
@@ -319,11 +317,7 @@ def _off(circle: Circle, carrier: _Carrier) -> float:
     return min(abs(apart - outside), abs(apart - inside))
 
 
-# --- what is left ---------------------------------------------------------------------------------
-
-
 def _why_none(carriers: Sequence[_Carrier], radius: float | None) -> str:
-    """Why no circle touches."""
     lines = [c for c in carriers if isinstance(c, _Straight)]
     if len(lines) == len(carriers) and all(_parallel(lines[0], line) for line in lines[1:]):
         return "parallel lines, between which no circle" + (

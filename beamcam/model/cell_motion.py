@@ -195,9 +195,6 @@ def move_seconds(distance: float, velocity: float, acceleration: float, jerk: fl
     return ramp(velocity / way, acceleration / way, jerk / way).duration_s if way else 0.0
 
 
-# --- times ----------------------------------------------------------------------------------------
-
-
 Positions = tuple[float, ...]  #: in the order of the machine's axes
 SECONDS_PER_MINUTE = 60.0
 
@@ -316,7 +313,6 @@ class CellMotion:
         return Leg(seconds, self.positions, self.positions)
 
     def _travel(self, end: list[float], speed: float = inf) -> Leg:
-        """The leg from here to `end`, at most at `speed` shares of the way per second."""
         acceleration, jerk = inf, inf
         for axis, a, b in zip(self.machine.axes, self.positions, end, strict=True):
             if a != b:

@@ -15,8 +15,6 @@ from beamcam.caches import cached
 from beamcam.machine.torch import OTHERS
 from beamcam.model.part import Contour, Dashed, Process
 
-# --- colour names ---------------------------------------------------------------------------------
-
 # The colour names of CSS: 148 names, as "#rrggbb".
 #
 # Source: CSS Color Module Level 4, section 6.1 "Named Colors".

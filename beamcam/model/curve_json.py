@@ -188,7 +188,6 @@ def _way(form: FunctionForm, tolerance: float, place: JsonPlace) -> Approximatio
 
 
 def _arithmetic(text: str, variable: str, place: JsonPlace) -> str:
-    """An expression, which is arithmetic of the variable."""
     try:
         compile_expression(text, (variable,))
     except ValueError as error:

@@ -47,7 +47,6 @@ def not_filled(part: Part, torch: Torch) -> Iterator[tuple[str, str]]:
 
 
 def _hatched_looks(part: Part, torch: Torch) -> dict[str, list[Contour]]:
-    """The contours of each key of the table of colours that has a hatch."""
     by_look: dict[str, list[Contour]] = {}
     if not any(own.hatch for own in torch.settings.values()):
         return by_look

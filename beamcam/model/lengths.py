@@ -44,8 +44,6 @@ def total_length(curves: Iterable[Curve]) -> float:
     )
 
 
-# --- what lies twice ------------------------------------------------------------------------------
-
 _Cell = tuple[int, ...]
 
 

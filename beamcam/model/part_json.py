@@ -132,11 +132,6 @@ def _sums(part: Part) -> Json:
     }
 
 
-# --- part schema ----------------------------------------------------------------------------------
-
-# The JSON schema of a part in its JSON form, for editors and for programs that write parts.
-
-
 def part_schema() -> Schema:
     """JSON schema of the format `beamcam/part/1`."""
     schema = schema_of(PartForm)

@@ -347,11 +347,6 @@ def stock_used(plan: AnyPlan, bar: float | None) -> StockUse | None:
     return None
 
 
-# --- work time ------------------------------------------------------------------------------------
-
-# Work time of a plan.
-
-
 class WorkTime(Struct, frozen=True):
     """Seconds of each operation in order of work, and of what is between and after them."""
 

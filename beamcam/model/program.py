@@ -291,8 +291,6 @@ class Program(Struct, frozen=True):
     about: Mapping[str, str] = {}
 
 
-# --- triggers -------------------------------------------------------------------------------------
-
 # A chain of operations, each started by the arrival of the one before it.
 #
 # Lengths are mm in machine coordinates, counted from where homing ends.
@@ -348,11 +346,6 @@ class TriggerTable(Struct, frozen=True):
     operations: tuple[TriggerOp, ...]
     remarks: tuple[str, ...] = ()  #: for the operator
     thickness: float = 0.0  #: of the sheet, for a table that lifts its torch
-
-
-# --- steps ----------------------------------------------------------------------------------------
-
-# Tables for stepping motors: segments with their velocities, and single steps.
 
 
 LASER_BIT = 4  #: of a row's bits; 0 and 1 are the word of X, 2 and 3 that of Y

@@ -209,11 +209,6 @@ class Options(Struct, frozen=True):
     apart: bool = False  #: the kernel builds in another process, which ends when its time is up
 
 
-# --- marks ----------------------------------------------------------------------------------------
-
-# Marks: what a part is called by, and which of a machine's policies a feature falls under.
-
-
 MarkFrom = Literal["mark", "drawing", "file", "position"]
 MARKS_FROM: tuple[MarkFrom, ...] = ("mark", "drawing", "file", "position")
 MarkKind = Literal["text", "points", "contours"]

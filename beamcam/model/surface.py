@@ -114,9 +114,6 @@ def patch_of(patches: tuple[Patch, ...], face: Face) -> Patch | None:
     return next((patch for patch in patches if patch.name == face), None)
 
 
-# --- once round -----------------------------------------------------------------------------------
-
-
 class SurfacePatch(Struct, frozen=True):
     """A patch of a tube on the way round it."""
 

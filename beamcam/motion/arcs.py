@@ -185,7 +185,6 @@ class _Arcs(Struct, frozen=True):
 
 
 def _points(arcs: Floats, angles_deg: Floats) -> Floats:
-    """Points of arcs (n, 5) at angles."""
     return arcs[:, :2] + arcs[:, 2:3] * unit_vectors(angles_deg)
 
 

@@ -29,10 +29,6 @@ from beamcam.model.program import (
 )
 from beamcam.plain_text import outside_text
 
-# --- stations -------------------------------------------------------------------------------------
-
-# The station of a spindle that holds a tool, operation by operation.
-
 
 def stations_of(plan: Plan, machine: Machine) -> Iterator[int]:
     """For each operation the station of its first spindle, from 1; 0 for one without a tool.

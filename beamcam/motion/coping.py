@@ -204,7 +204,6 @@ class _Torch:
 
 
 def _name_of(cut: CopeCut) -> str:
-    """What a program calls a cut of a wall."""
     through = ", through the root" if cut.root else ", through the lip" if cut.lip else ""
     what = f"{NAMES[cut.kind]} on face {cut.face}{through}"
     if cut.bevel and cut.kind == "notch":

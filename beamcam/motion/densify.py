@@ -24,11 +24,6 @@ from beamcam.geometry.curves import Arc, Curve, EllipseArc, Line, bezier_pieces
 from beamcam.geometry.plane import Point, distance
 from beamcam.motion.spans import ArcSpan, bend_bounds, divided, parts_for, span_arc, step_counts
 
-# --- rounding -------------------------------------------------------------------------------------
-
-# Points truncated to the decimals of a text.
-
-
 #: Coordinates this share of a count below a whole count are that count when truncated: 0.29 is
 #: a hair less than 0.29 in binary and shall not become 0.289.
 TRUNCATION_SLACK = 1e-6
@@ -49,8 +44,6 @@ def worst_truncation(counts: int) -> float:
     """The farthest that a point of the plane can be moved by it."""
     return sqrt(2) / counts if counts else 0.0
 
-
-# --- span points ----------------------------------------------------------------------------------
 
 # Points of spans, many at a time.
 #
@@ -302,7 +295,6 @@ def _span_free(
 
 
 def _finish(points: Floats, steps: Counts, rules: DensifyRules, deviation: float) -> Densified:
-    """Drops steps of no length, lowers speeds by the cycle rule."""
     lengths = np.hypot(*np.diff(points, axis=0).T)
     span = np.repeat(np.arange(len(steps)), steps) if rules.cycle_s > 0.0 else lengths
     if np.min(lengths) == 0.0:

@@ -32,10 +32,6 @@ from beamcam.motion.speeds import (
 )
 from beamcam.motion.velocity_profile import AxisLimits
 
-# --- planned --------------------------------------------------------------------------------------
-
-# A path with its motion: phases of constant jerk, each within one segment.
-
 
 class PlannedPath(Struct, frozen=True):
     """The motion along a path, as arrays. A phase has constant jerk and lies in one segment."""

@@ -268,7 +268,6 @@ def paced(
 def _feeds(
     start: Point, moves: Sequence[Movement], feed_mm_s: float, limits: PathLimits
 ) -> Iterator[float]:
-    """The speed of each move, at most what is asked."""
     worth = feed_mm_s * (1.0 - WORTH_LOWERING)
     calm = calm_radius(feed_mm_s, limits)
     unbounded = feed_mm_s <= limits.speed_mm_s

@@ -254,11 +254,6 @@ def curve_of(here: Point, move: ParabolaFeed | EllipseFeed) -> Bezier | EllipseA
     return EllipseArc(centre, (major * c, major * s), move.ratio, first, sweep)
 
 
-# --- the torch up and down ------------------------------------------------------------------------
-
-# Times of a torch that the program moves up and down, each move from rest to rest by itself.
-
-
 class LiftTimes:
     """The height of a torch while its program runs, and how long its moves take.
 

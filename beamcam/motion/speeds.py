@@ -19,10 +19,6 @@ from beamcam.machine.machine import PathLimits
 from beamcam.model import cell_motion
 from beamcam.model.program import ArcFeed, EllipseFeed, ParabolaFeed
 
-# --- bending --------------------------------------------------------------------------------------
-
-# Minimum radii of curves, which limit the speed along them.
-
 
 def min_radius_of_parabola(start: Point, vertex: Point, end: Point) -> float:
     """Minimum radius of the parabola whose tangent at `vertex` is parallel to its chord.

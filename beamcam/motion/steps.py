@@ -24,11 +24,6 @@ from beamcam.motion.sheet_times import by_operation
 from beamcam.motion.step_events import MICROSECONDS, MOVE_BITS, MOVES, TIME_BIT, events
 from beamcam.motion.velocity_profile import AxisLimits
 
-# --- velocity table -------------------------------------------------------------------------------
-
-# Toolpaths of a stepper table: points with a speed, laser on or off, from corner to corner.
-
-
 HOME = (0.0, 0.0)
 SAME_POINT = 1e-9  #: mm; there is no way to a place that is no farther
 SECONDS_PER_MINUTE = 60.0

@@ -133,9 +133,6 @@ class _Way:
         ]
 
 
-# --- run time -------------------------------------------------------------------------------------
-
-
 HeadPlace = tuple[float, float, float]  #: X, Y, and the height over the sheet
 
 CYCLE_SLACK = 1e-9

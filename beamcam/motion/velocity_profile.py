@@ -179,7 +179,6 @@ def fastest_profile(distance: float, limits: AxisLimits) -> VelocityProfile:
 
 
 def _there(distance: float, ramp_s: float, cruise_s: float, jerk_percent: float) -> VelocityProfile:
-    """A ramp, a cruise and the mirrored ramp."""
     velocity = distance / (ramp_s + cruise_s)
     pieces = [
         *ramp_pieces(velocity, ramp_s, jerk_percent),

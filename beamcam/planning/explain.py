@@ -94,7 +94,6 @@ def _what_and_where(op: Operation) -> tuple[str, str]:
 
 
 def _place_code(op: Operation, previous: Operation | None) -> str:
-    """Why an operation stands behind the one before it."""
     if previous is None or isinstance(op, SawOp) or isinstance(previous, SawOp):
         return "place-x"
     if abs(op.x - previous.x) > 1e-9:

@@ -204,7 +204,6 @@ def _not_cut(plan: SheetPlan, torch: Torch) -> Iterator[Diagnostic]:
 
 
 def _boxes_cut(plan: SheetPlan) -> list[Box]:
-    """The boxes of the closed contours that are cut, as they are drawn."""
     boxes_cut = []
     for op in plan.operations:
         if op.closed and op.row.process == "cut":

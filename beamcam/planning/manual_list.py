@@ -88,7 +88,6 @@ def _is_code(why: str) -> bool:
 
 
 def _manual_row(part: Part, feature: Feature, why: str) -> ManualRow:
-    """Kind and position of a mark."""
     source = feature.source
     words = PurePath(source.file).name, source.line, source.where  # whatever folder it lies in
     place = ":".join(str(word) for word in words if word is not None)

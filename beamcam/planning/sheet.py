@@ -169,7 +169,6 @@ def _spots(part: Part, assigned: Assigned) -> list[Shape]:
 
 
 def _with_arcs(shapes: Sequence[Shape], torch: Torch) -> list[Shape]:
-    """Contours with arcs and lines for their runs of short chords."""
     fits = refit_runs([shape.curves for shape in shapes], torch.tolerance * CHORDS_SHARE)
     return [
         shape if len(curves) == len(shape.curves) else replace(shape, curves=curves)
@@ -270,7 +269,6 @@ def _nothing(part: Part, assigned: Assigned, small: int, gap: float) -> Diagnost
 def _outcomes(
     part: Part, assigned: Assigned, joined: Joined, operations: Sequence[ContourOp]
 ) -> Iterator[Outcome]:
-    """The outcome of each feature, in order."""
     made = {feature: op.row.process for op in operations for _, feature in op.features}
     stands = joined.repeats.resolved(made) if joined.repeats.stands else {}
     for index in range(len(part.features)):
@@ -300,11 +298,6 @@ def _balance(plan: SheetPlan) -> None:
     features = plan.pieces[0].part.features
     if [o.feature for o in plan.outcomes] != [(0, f) for f in range(len(features))]:
         raise AssertionError("the ledger of the plan does not balance")
-
-
-# --- small openings -------------------------------------------------------------------------------
-
-# Round openings and slots of drawings that are too small for the torch.
 
 
 def drill_small_openings(

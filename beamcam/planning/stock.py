@@ -230,7 +230,6 @@ def _put(
 def _shortest(
     bar: _Begun, chosen: Sequence[_Sort], layout: Layout, saw: Saw, store: Sequence[float]
 ) -> StockBar:
-    """The shortest bar in store that holds the pieces."""
     parts, ends = [sort.part for sort in chosen], [sort.ends for sort in chosen]
     if bar.row is None:
         raise AssertionError("a bar without parts")

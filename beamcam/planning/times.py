@@ -156,7 +156,6 @@ class _CellClock:
         return total + self._run(f"{kind}_end", values, kind)
 
     def _places(self, op: SpindleOp, x: float, y: float) -> dict[str, float]:
-        """Names of a stroke's positions in templates."""
         start, near, bottom = self._strokes.places(op, y)
         return {
             "x": x, "y": start[0], "z": start[1], "near_y": near[0], "near_z": near[1],
@@ -164,7 +163,6 @@ class _CellClock:
         }  # fmt: skip
 
     def _run(self, name: str, values: Mapping[str, float], kind: str = "") -> float:
-        """Time of the blocks of a template."""
         blocks = self._words.get(name)
         if blocks is None:
             blocks = self._words[name] = blocks_of(getattr(self._machine.words, name))
@@ -192,7 +190,6 @@ class _CellClock:
         return self._cell.move(to, way, None if self._rapid else self._feed_mm_min).duration_s
 
     def _drilled(self, block: TemplateLine, values: Mapping[str, float]) -> float:
-        """Time of a canned cycle."""
         cycle = self._cycles[block.number]
         words = block.words(values)
         self._feed_mm_min = words.get("F", self._feed_mm_min)

@@ -166,7 +166,6 @@ def _lies_in(small: _Opening, large: _Opening) -> bool:
 
 
 def _polygon(one: Hole | Slot | Contour) -> Any:
-    """A polygon of shapely."""
     from shapely import MultiPoint, make_valid
 
     from beamcam.planning.contours.outline import outlines

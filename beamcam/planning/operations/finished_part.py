@@ -333,7 +333,6 @@ class FinishedPart:
 
 
 def _message(rule: Rule, shape: Hole | Slot, **values: str) -> Diagnostic:
-    """A message about a hole or slot."""
     return rule.at(
         shape.source, what=named(shape), x=f"{shape.x:g}", y=f"{shape.y:g}", face=shape.face,
         **values,

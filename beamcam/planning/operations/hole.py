@@ -68,8 +68,6 @@ REASONS = {
 SUNK = ("through", "blind", "thread", "left-thread")  #: kinds of holes that a sink stands on
 
 
-# --- merging --------------------------------------------------------------------------------------
-
 # Duplicate holes, and flange holes that two spindles drill in one stroke.
 #
 # Two holes of one face that are the same in every figure are one hole that was written twice; it

@@ -133,9 +133,6 @@ LINE = WorkKind(
 )  # fmt: skip
 
 
-# --- texts ----------------------------------------------------------------------------------------
-
-
 def _text_steps(texts: Sequence[tuple[int, TextMark]], planner: PartPlanner) -> Iterator[Found]:
     from beamcam.planning.lettering import place_text, remarks
 

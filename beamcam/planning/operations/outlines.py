@@ -38,7 +38,6 @@ def _cut_out(contour: Contour, _: PartPlanner) -> Diagnostic | None:
 
 
 def _unsawn(contour: Contour, planner: PartPlanner) -> Iterator[Diagnostic]:
-    """Parts of the contour that the saw cuts do not produce."""
     corner = leaves_stock(contour, planner.part, planner.ends)
     if corner is not None:
         x, y = corner

@@ -333,15 +333,6 @@ class PartPlanner:
         return (each for each in self.accepted["hole"] if each[0] not in self.settled)
 
 
-# --- kind -----------------------------------------------------------------------------------------
-
-# The interface of a kind of work on a bar.
-#
-# Each is a `WorkKind` at the end of its section in a module of this package, and a row of
-# `work.KINDS`. Messages that are errors refuse a feature, by the first of them; it may then be left
-# out if its code is allowed by name.
-
-
 Numbered = tuple[int, Any]  #: index of a feature, and the feature
 
 
@@ -351,7 +342,11 @@ def nothing(*_: Any) -> Iterator[Any]:
 
 
 class WorkKind(Struct, frozen=True):
-    """One kind of work."""
+    """The interface of a kind of work on a bar: a row of `work.KINDS`.
+
+    Messages that are errors refuse a feature, by the first of them; it may then be left out if its
+    code is allowed by name.
+    """
 
     name: str
     #: What the machine lacks for a feature; None if it has everything.

@@ -162,7 +162,6 @@ def _edges(corners: tuple[Point, ...]) -> list[tuple[Point, Point]]:
 
 
 def _from_core(shape: Hole | Slot, at: Point) -> float:
-    """Distance of a point from the core of a shape; 0 inside."""
     dx, dy = at[0] - shape.x, at[1] - shape.y
     if isinstance(shape, Hole):
         return hypot(dx, dy)
@@ -172,16 +171,12 @@ def _from_core(shape: Hole | Slot, at: Point) -> float:
 
 
 def _cross(one: tuple[Point, Point], other: tuple[Point, Point]) -> bool:
-    """Whether two straight lines cross, their ends not counted."""
 
     def side(a: Point, b: Point, p: Point) -> float:
         return (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0])
 
     (a, b), (c, d) = one, other
     return side(a, b, c) * side(a, b, d) < 0 and side(c, d, a) * side(c, d, b) < 0
-
-
-# --- path of the mill ----------------------------------------------------------------------------
 
 
 def pocket_path(

@@ -347,11 +347,6 @@ def _nearest_tools(library: ToolLibrary, hole: HoleWork) -> str:
     return f"a drill of {limits} (drill.fits); the nearest are {shown}"
 
 
-# --- working steps --------------------------------------------------------------------------------
-
-# Work at a place of a part, by a spindle or by what letters; other outcomes of a feature.
-
-
 class WorkingStep(Struct, frozen=True):
     """One operation of a spindle, at its place on the part (the workingstep of ISO 14649)."""
 

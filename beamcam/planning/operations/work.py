@@ -33,12 +33,7 @@ from beamcam.planning.operations.slot import SLOT
 from beamcam.planning.operations.tools import Settled, WorkingStep
 from beamcam.planning.within import within_larger
 
-# --- kinds ----------------------------------------------------------------------------------------
-
-# The kinds of work on a bar, in the order in which a part gets their steps.
-
-
-KINDS = (HOLE, SLOT, LINE, CONTOUR, TEXT, OTHER)
+KINDS = (HOLE, SLOT, LINE, CONTOUR, TEXT, OTHER)  #: a part gets their steps in this order
 REASONS = {code: text for kind in KINDS for code, text in kind.reasons.items()}
 KIND_OF = {
     Hole: HOLE, Slot: SLOT, Contour: CONTOUR, TextMark: TEXT,
@@ -194,8 +189,6 @@ def _put_features(planner: PartPlanner) -> None:
 
 # --- ends -----------------------------------------------------------------------------------------
 
-# Whether the saw makes the ends of a part, which is said of the part alone.
-
 
 SAW_ANGLE = error("plan-saw-angle",
     "found a cut of {found} degrees at the {end}; expected one from {least} to {greatest}, as far "
@@ -308,8 +301,6 @@ def saw_angles(end: SawnEnd, saw: Saw) -> tuple[float, float]:
 
 
 # --- rounds ---------------------------------------------------------------------------------------
-
-# Plates that are sawn as pipes, and what no side of a round shows.
 
 
 PIPE = note("plan-pipe",
