@@ -71,7 +71,7 @@ CACHES = {
     "planning.partner_faces": Bound(16, "each part asks which spindles of a machine work in pairs"),
     "planning.remarks": Bound(256, _OF_A_BUILDING),
     "planning.strokes": Bound(1024, _OF_A_BUILDING),
-    "planning.walls": Bound(256, _OF_A_BUILDING),
+    "sections.walls": Bound(256, _OF_A_BUILDING),
     "simotion.runtime": Bound(16, "the text is the same for every job of a machine"),
     "simotion.trial": Bound(16, "the text is run once with simulated axes, 50 ms"),
     "simotion.block": Bound(64, "the blocks of a runtime are compiled once, some milliseconds"),

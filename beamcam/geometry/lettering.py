@@ -89,29 +89,19 @@ def glyph_of(sign: str) -> Glyph | None:
     if known is None:
         return None
     advance, strokes = known
-    strokes = (*strokes, *_accents(strokes, marks, font)) if marks else strokes
+    if marks:  # the accents, over its middle and under it
+        xs = [x for stroke in strokes for x, _ in stroke]
+        top = max(y for stroke in strokes for _, y in stroke)
+        middle = (min(xs) + max(xs)) / 2
+        foot = (font.small if top <= font.small else max(top, font.capital)) + GAP
+        for mark in marks:
+            above = mark in font.above
+            accent, y = (font.above[mark], foot) if above else (font.below[mark], 0.0)
+            foot += STACKED if above else 0.0
+            strokes = (*strokes, *(tuple((middle + a, y + b) for a, b in one) for one in accent))
     scale = 1.0 / font.capital
     scaled = tuple(tuple((x * scale, y * scale) for x, y in stroke) for stroke in strokes)
     return Glyph(advance * scale, scaled)
-
-
-def _accents(strokes: Strokes, marks: str, font: _Font) -> Iterator[tuple[Point, ...]]:
-    """The accents of a letter, over its middle and under it."""
-    xs = [x for stroke in strokes for x, _ in stroke]
-    top = max(y for stroke in strokes for _, y in stroke)
-    middle = (min(xs) + max(xs)) / 2
-    foot = (font.small if top <= font.small else max(top, font.capital)) + GAP
-    for mark in marks:
-        if mark in font.above:
-            yield from _moved(font.above[mark], middle, foot)
-            foot += STACKED
-        else:
-            yield from _moved(font.below[mark], middle, 0.0)
-
-
-def _moved(strokes: Strokes, x: float, y: float) -> Iterator[tuple[Point, ...]]:
-    for stroke in strokes:
-        yield tuple((x + a, y + b) for a, b in stroke)
 
 
 def spelled(text: str, replace: Mapping[str, str]) -> Spelling:

@@ -113,7 +113,12 @@ def polylines(curves: Sequence[Curve], tolerance: float) -> Polylines:
     begins = np.concatenate(([0], np.cumsum(count)))
     points = np.empty((int(begins[-1]), 2))
     points[begins[lines]], points[begins[lines] + 1] = table.lines[:, :2], table.lines[:, 2:]
-    _draw_arcs(points, begins[arcs], table.arcs, arc_steps)
+    owner, number = numbered(arc_steps + 1)
+    turn = np.radians(table.arcs[owner, 3] + table.arcs[owner, 4] * (number / arc_steps[owner]))
+    centre, radius = table.arcs[owner, :2], table.arcs[owner, 2]
+    at = begins[arcs][owner] + number
+    points[at, 0] = centre[:, 0] + radius * np.cos(turn)
+    points[at, 1] = centre[:, 1] + radius * np.sin(turn)
     _draw_cubics(points, begins, cubic_owner, control, cubic_steps)
     for k, some in zip(odd, others, strict=True):
         points[begins[free[k]] : begins[free[k] + 1]] = some
@@ -130,14 +135,6 @@ def chords_of(curve: Curve, tolerance: float, least: int = 8) -> int:
             break
         count *= 2
     return count
-
-
-def _draw_arcs(points: Floats, begins: Counts, arcs: Floats, steps: Counts) -> None:
-    owner, number = numbered(steps + 1)
-    turn = np.radians(arcs[owner, 3] + arcs[owner, 4] * (number / steps[owner]))
-    at = begins[owner] + number
-    points[at, 0] = arcs[owner, 0] + arcs[owner, 2] * np.cos(turn)
-    points[at, 1] = arcs[owner, 1] + arcs[owner, 2] * np.sin(turn)
 
 
 def _draw_cubics(

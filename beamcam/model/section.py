@@ -54,6 +54,7 @@ class Wall(Struct, frozen=True):
         return self.radius - sqrt(self.radius * self.radius - reached * reached)
 
 
+@cached("sections.walls")
 def walls_beside(profile: Profile, face: Face) -> tuple[Wall, ...]:
     """The walls that stand on the wall behind a face, along rising y; none of other sections."""
     code, radius = profile.code, profile.radius

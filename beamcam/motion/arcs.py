@@ -216,27 +216,18 @@ def _centres(arcs: Floats, ends: Floats, numbers: Numbers) -> tuple[Floats, Flag
     along = step / chord[:, None]
     across = (side * height)[:, None] * np.column_stack((-along[:, 1], along[:, 0]))
     offset = numbers.rounded(step / 2 + across)
-    return offset, reaches & _is_same_arc(arcs, ends, along, offset, numbers)
-
-
-def _is_same_arc(
-    arcs: Floats, ends: Floats, along: Floats, offset: Floats, numbers: Numbers
-) -> Flags:
-    """Which arcs a controller takes for what they are."""
+    # Which arcs a controller takes for what they are.
     start, end = ends[:, :2], ends[:, 2:]
     centre = start + offset
     near, far = np.hypot(*offset.T), np.hypot(*(end - centre).T)
-    same: Flags = np.abs(near - far) <= numbers.arc_limit
-    same &= near >= numbers.min_radius
-    beside = np.abs(np.sum((centre - (start + end) / 2) * along, axis=1))
-    same &= beside <= BISECTOR_SHARE * near
-    side = np.where(arcs[:, 4] > 0, 1.0, -1.0)
+    same = reaches & (np.abs(near - far) <= numbers.arc_limit) & (near >= numbers.min_radius)
+    aside = np.abs(np.sum((centre - (start + end) / 2) * along, axis=1))
+    same &= aside <= BISECTOR_SHARE * near
     first, last = (np.arctan2(p[:, 1], p[:, 0]) for p in (start - centre, end - centre))
     half_rad = first + side * (side * (last - first) % (2 * np.pi)) / 2
     middle = centre + near[:, None] * np.column_stack((np.cos(half_rad), np.sin(half_rad)))
     drawn = _points(arcs, arcs[:, 3] + 0.5 * arcs[:, 4])
-    same &= np.hypot(*(middle - drawn).T) <= 3 * numbers.step
-    return same
+    return offset, same & (np.hypot(*(middle - drawn).T) <= 3 * numbers.step)
 
 
 # --- curve words ----------------------------------------------------------------------------------

@@ -276,7 +276,18 @@ def join_segments(
     )
     skyline: list[SpeedSection] = []
     for section in level:
-        _add(skyline, SpeedSection(*section))
+        new = SpeedSection(*section)
+        # Level the towers that it leaves too narrow.
+        while len(skyline) > 1 and skyline[-1].limit > new.limit:
+            before, tower = skyline[-2], skyline[-1]
+            if before.limit >= tower.limit or _is_worth(tower, max(before.limit, new.limit)):
+                break
+            skyline.pop()
+            _absorb(before if before.limit >= new.limit else new, tower)
+        if skyline and skyline[-1].limit == new.limit:
+            _absorb(skyline[-1], new)
+        else:
+            skyline.append(new)
     return _join_stairs(skyline)
 
 
@@ -285,20 +296,6 @@ def _in_turns(junctions: Floats, segments: Floats) -> Floats:
     both = np.empty(len(junctions) + len(segments))
     both[::2], both[1::2] = junctions, segments
     return both
-
-
-def _add(skyline: list[SpeedSection], new: SpeedSection) -> None:
-    """Puts a section at the end, after levelling towers that it leaves too narrow."""
-    while len(skyline) > 1 and skyline[-1].limit > new.limit:
-        before, tower = skyline[-2], skyline[-1]
-        if before.limit >= tower.limit or _is_worth(tower, max(before.limit, new.limit)):
-            break
-        skyline.pop()
-        _absorb(before if before.limit >= new.limit else new, tower)
-    if skyline and skyline[-1].limit == new.limit:
-        _absorb(skyline[-1], new)
-    else:
-        skyline.append(new)
 
 
 def _join_stairs(skyline: list[SpeedSection]) -> list[SpeedSection]:

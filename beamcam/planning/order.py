@@ -189,7 +189,16 @@ def _cheapest(stations: Collection[Station], times: Times) -> list[Setup]:
                 for (bit, setup, holding), needed in zip(setups, waiting, strict=True):
                     if done & bit or needed & ~done:
                         continue
-                    after = _step(path, done | bit, setup, holding, times)
+                    (seconds, changes), spindle, held = path.cost, setup[1], path.held
+                    changes += path.last is not None and setup != path.last
+                    if spindle != path.spindle:
+                        seconds += times.spindle_change_s
+                    if not holding <= held:
+                        seconds += times.tool_change_s
+                        faces = {face for face, _ in holding}
+                        held = holding.union([pair for pair in held if pair[0] not in faces])
+                    cost = seconds, changes
+                    after = _Path(cost, done | bit, spindle, held, setup, path)
                     key = after.done, after.spindle, after.held
                     known = cheapest.get(key)
                     if known is None or after.cost < known.cost:
@@ -203,21 +212,6 @@ def _cheapest(stations: Collection[Station], times: Times) -> list[Setup]:
         order.append(at.last)
         at = at.before
     return order[::-1]
-
-
-def _step(path: _Path, done: int, setup: Setup, holding: Held, times: Times) -> _Path:
-    """The path with one more setup; `done` are those at its X then."""
-    seconds, changes = path.cost
-    spindle, held = setup[1], path.held
-    if setup != path.last and path.last is not None:
-        changes += 1
-    if spindle != path.spindle:
-        seconds += times.spindle_change_s
-    if not holding <= held:
-        seconds += times.tool_change_s
-        faces = {face for face, _ in holding}
-        held = holding.union([pair for pair in held if pair[0] not in faces])
-    return _Path((seconds, changes), done, spindle, held, setup, path)
 
 
 def _prerequisites(station: Station) -> list[int]:

@@ -23,14 +23,13 @@ Across the part a wall ends at a free edge or at another wall, which may have a 
 
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from math import atan2, degrees, hypot, inf, radians, tan
 from operator import attrgetter
 from typing import Literal
 
 from msgspec import Struct
 
-from beamcam.caches import cached
 from beamcam.errors import Diagnostic, PlanError, Rule, error, warning
 from beamcam.geometry.curves import Line
 from beamcam.geometry.plane import Point
@@ -233,15 +232,6 @@ SHALLOW = error("plan-blind-shallow",
 TOLERANCE = 0.01  #: mm; files round to it, so a hole that is as near is tangent
 
 
-class FaceEdges(Struct, frozen=True):
-    """Walls and edges across the part on one face."""
-
-    width: float
-    walls: tuple[Wall, ...]
-    free: tuple[bool, bool]  #: whether the wall ends at y 0, and at its width
-    edge: str  #: in messages
-
-
 class Border(Struct, frozen=True, gc=False):
     """A straight line at which the wall behind a face ends."""
 
@@ -265,8 +255,21 @@ class FinishedPart:
         """
         borders = self._borders.get(face)
         if borders is None:
-            own = _borders(self._ends, face, self.part.profile)
-            borders = self._borders[face] = sorted(own, key=attrgetter("name"))
+            # The ends of the wall behind the face, each where it takes most, and its free edges.
+            profile = self.part.profile
+            start, end = (wall_end(each, face, profile) for each in self._ends)
+            a, b = hypot(1.0, start.slope), hypot(1.0, end.slope)
+            borders = [
+                Border(-start.greatest / a, 1 / a, start.slope / a, "the start of the part"),
+                Border(end.least / b, -1 / b, -end.slope / b, "the end of the part"),
+            ]
+            at_low, at_width = free_edges(profile, face)
+            if at_low:
+                borders.append(Border(0.0, 0.0, 1.0, f"the edge of face {face}"))
+            if at_width:
+                width = profile.face_width(face)
+                borders.append(Border(width, 0.0, -1.0, f"the edge of face {face}"))
+            borders = self._borders[face] = sorted(borders, key=attrgetter("name"))
         nearest, name = inf, ""
         for border in borders:
             for x, y in points:
@@ -275,20 +278,17 @@ class FinishedPart:
                     nearest, name = steel, border.name
         return nearest, name
 
-    def judge(self, shape: Hole | Slot, middles: Sequence[Point]) -> list[Diagnostic]:
-        """Errors and remarks on a hole or slot, errors first.
-
-        `middles` are those of its corner circles, of a hole its own.
-        """
+    def judge(self, shape: Hole | Slot) -> list[Diagnostic]:
+        """Errors and remarks on a hole or slot, errors first."""
         radius, drill = shape.diameter / 2, self._drill
-        nearest, place = self.steel(shape.face, middles)
+        nearest, place = self.steel(shape.face, shape.centres)
         left = nearest - radius
         if left < -TOLERANCE:
             return [_message(OFF_PART, shape, out=f"{-left:.3g}", where=place)]
         diagnostics: list[Diagnostic] = []
-        ys = [y for _, y in middles]
+        ys = [y for _, y in shape.centres]
         low, high = min(ys) - radius, max(ys) + radius
-        for wall in face_edges(self.part.profile, shape.face).walls:
+        for wall in walls_beside(self.part.profile, shape.face):
             apart = wall.apart(low, high)
             if apart < drill.min_fillet_distance - TOLERANCE:
                 diagnostics.append(self._beside(shape, low, high, wall, apart))
@@ -337,26 +337,3 @@ def _message(rule: Rule, shape: Hole | Slot, **values: str) -> Diagnostic:
         shape.source, what=named(shape), x=f"{shape.x:g}", y=f"{shape.y:g}", face=shape.face,
         **values,
     )  # fmt: skip
-
-
-@cached("planning.walls")
-def face_edges(profile: Profile, face: Face) -> FaceEdges:
-    """Walls and edges across the part on a face."""
-    return FaceEdges(
-        profile.face_width(face), walls_beside(profile, face), free_edges(profile, face),
-        f"the edge of face {face}",
-    )  # fmt: skip
-
-
-def _borders(ends: Ends, face: Face, profile: Profile) -> Iterable[Border]:
-    """The ends of the wall behind a face, each where it takes most, and its free edges."""
-    across = face_edges(profile, face)
-    start, end = (wall_end(each, face, profile) for each in ends)
-    slant = hypot(1.0, start.slope)
-    yield Border(-start.greatest / slant, 1 / slant, start.slope / slant, "the start of the part")
-    slant = hypot(1.0, end.slope)
-    yield Border(end.least / slant, -1 / slant, -end.slope / slant, "the end of the part")
-    if across.free[0]:
-        yield Border(0.0, 0.0, 1.0, across.edge)
-    if across.free[1]:
-        yield Border(across.width, 0.0, -1.0, across.edge)

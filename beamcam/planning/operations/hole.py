@@ -185,7 +185,7 @@ def _refusals(hole: Hole, planner: PartPlanner) -> Iterable[Diagnostic]:
     off = refuse_place(hole, hole.x, hole.y, planner.part, planner.reached[hole.face])
     if off is not None:
         return (off,)
-    return planner.finished.judge(hole, hole.centres)
+    return planner.finished.judge(hole)
 
 
 #: The faces that a pair of spindles drills at once, each with the other one.

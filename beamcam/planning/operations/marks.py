@@ -16,17 +16,16 @@ from beamcam.geometry.curves import Curve, Line, Point
 from beamcam.machine.stations import FLAT_DEG, Tool
 from beamcam.model.part import Contour, Face, Hole, Slot, TextMark
 from beamcam.model.plan import StampedLetters
-from beamcam.model.section import NO_PLATE, OTHER_SIDE
+from beamcam.model.section import NO_PLATE, OTHER_SIDE, walls_beside
 from beamcam.planning.axis_limits import within_axes
 from beamcam.planning.left_out import FACE
-from beamcam.planning.operations.finished_part import TOLERANCE, face_edges, wall_end
+from beamcam.planning.operations.finished_part import TOLERANCE, wall_end
 from beamcam.planning.operations.part_planner import IN_THE_WAY, PartPlanner, WorkKind
 from beamcam.planning.operations.slot import MIN_RADIUS, without_repeats
 from beamcam.planning.operations.tools import Found, Settled, Tooling, WorkingStep
 from beamcam.planning.rules import MARK, no_unit
 
 if TYPE_CHECKING:
-    from beamcam.planning.lettering import Lettered
     from beamcam.planning.lettering_room import Room
 
 
@@ -98,7 +97,7 @@ def _line_refusals(line: Contour, planner: PartPlanner) -> Iterator[Diagnostic]:
     ys = [y for curve in line.curves for y in curve.bbox[1::2]]
     least, greatest, wall = reach.least, reach.greatest, reach.wall
     if planner.part.profile.code == "T" and line.face == "v":
-        (stem,) = face_edges(planner.part.profile, "v").walls
+        (stem,) = walls_beside(planner.part.profile, "v")
         least, greatest, wall = reach.least, stem.least, "stem"
         if max(ys) > stem.greatest:
             least, greatest = stem.greatest, reach.greatest
@@ -118,10 +117,10 @@ def _line_steps(lines: Sequence[tuple[int, Contour]], planner: PartPlanner) -> I
             path = path[::-1]
         tooling = _scribing(line.face, planner, "scribe-line")
         yield WorkingStep(*path[0], tooling, (f,), line.source, path)
-        across = face_edges(planner.part.profile, line.face)
+        width = planner.part.profile.face_width(line.face)
         left, place = min(
             planner.finished.steel(line.face, path),
-            (min(min(y, across.width - y) for _, y in path), across.edge),
+            (min(min(y, width - y) for _, y in path), f"the edge of face {line.face}"),
         )
         if left < -TOLERANCE:
             yield f, LINE_BEYOND.at(line.source, face=line.face, out=f"{-left:.3g}", where=place)
@@ -153,22 +152,15 @@ def _text_steps(texts: Sequence[tuple[int, TextMark]], planner: PartPlanner) -> 
                 yield f, lettered
                 break
             yield from ((f, diagnostic) for diagnostic in remarks(text, lettered, marks))
-            yield from _steps_of(f, text, lettered, planner)
-
-
-def _steps_of(
-    f: int, text: TextMark, lettered: "Lettered", planner: PartPlanner
-) -> Iterator[WorkingStep]:
-    marks = planner.machine.marks
-    if marks.unit == "stamp" or marks.unit == "printer":
-        unit = Tool(marks.unit, lettered.height, FLAT_DEG)
-        how = Tooling(marks.faces[text.face], (unit,), (text.face,), None, ("tell",))
-        stamped = StampedLetters(lettered.text, lettered.height, lettered.angle)
-        yield WorkingStep(lettered.x, lettered.y, how, (f,), text.source, text=stamped)
-        return
-    how = _scribing(text.face, planner, "letter")
-    for stroke in lettered.strokes:
-        yield WorkingStep(*stroke[0], how, (f,), text.source, stroke)
+            if marks.unit == "stamp" or marks.unit == "printer":
+                unit = Tool(marks.unit, lettered.height, FLAT_DEG)
+                how = Tooling(marks.faces[face], (unit,), (face,), None, ("tell",))
+                stamped = StampedLetters(lettered.text, lettered.height, lettered.angle)
+                yield WorkingStep(lettered.x, lettered.y, how, (f,), text.source, text=stamped)
+                continue
+            how = _scribing(face, planner, "letter")
+            for stroke in lettered.strokes:
+                yield WorkingStep(*stroke[0], how, (f,), text.source, stroke)
 
 
 def _room(face: Face, planner: PartPlanner) -> "Room | None":
@@ -198,14 +190,13 @@ def _room(face: Face, planner: PartPlanner) -> "Room | None":
 def _between_walls(face: Face, planner: PartPlanner) -> tuple[float, float]:
     """The y of a face between edges, fillets and what is in the tool's way."""
     profile = planner.part.profile
-    across = face_edges(profile, face)
-    low, high = 0.0, across.width
+    low, high = 0.0, profile.face_width(face)
     if face in planner.reached:
         low, high = max(low, planner.reached[face].least), min(high, planner.reached[face].greatest)
     if profile.code == "M":  # closed: its walls stand behind the face, beyond round corners
         low, high = low + profile.radius, high - profile.radius
     elif profile.face_depth(face):
-        for wall in across.walls:
+        for wall in walls_beside(profile, face):
             if wall.least <= low:
                 low = max(low, wall.greatest + wall.radius)
             if wall.greatest >= high:
@@ -217,7 +208,7 @@ def _remove_obstacles(room: "Room", face: Face, planner: PartPlanner) -> None:
     """Take the stem of a T, and holes and slots, from the steel of a face."""
     profile = planner.part.profile
     if profile.code == "T" and face == "v":
-        (x0, _, x1, _), (stem,) = room.box, face_edges(profile, face).walls
+        (x0, _, x1, _), (stem,) = room.box, walls_beside(profile, face)
         low, high = stem.least - stem.radius, stem.greatest + stem.radius
         room.remove([(x0, low), (x1, low), (x1, high), (x0, high)])
     behind = OTHER_SIDE.get(profile.code, {}).get(face)

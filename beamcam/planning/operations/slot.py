@@ -72,7 +72,7 @@ def _refusals(slot: Slot, planner: PartPlanner) -> list[Diagnostic]:
     part, reach, places = planner.part, planner.reached[slot.face], slot.centres
     refusals = (refuse_place(slot, x, y, part, reach) for x, y in ((slot.x, slot.y), *places))
     off = next((d for d in refusals if d is not None), None)
-    return planner.finished.judge(slot, places) if off is None else [off]
+    return planner.finished.judge(slot) if off is None else [off]
 
 
 def _steps(slots: Sequence[tuple[int, Slot]], planner: PartPlanner) -> Iterator[Found]:
