@@ -104,7 +104,26 @@ def _fits(free: Sequence[Curve], tolerance: float) -> list[_Fit]:
 def _as_cubics(curve: Curve, tolerance: float) -> list[Cubic]:
     """A free curve as control points of cubics; rational ones and others within a tolerance."""
     if isinstance(curve, EllipseArc):
-        return _ellipse_cubics(curve)
+        count = max(1, ceil(abs(curve.sweep_deg) / ELLIPSE_STEP_DEG))
+        step = radians(curve.sweep_deg) / count
+        handle = 4 / 3 * tan(step / 4)
+        (cx, cy), (ax, ay), ratio = curve.centre, curve.axis, curve.ratio
+
+        def at(u: float, v: float) -> Point:
+            return cx + u * ax - ratio * v * ay, cy + u * ay + ratio * v * ax
+
+        ellipse_cubics: list[Cubic] = []
+        for k in range(count):
+            a, b = radians(curve.start_deg) + k * step, radians(curve.start_deg) + (k + 1) * step
+            ellipse_cubics.append(
+                (
+                    curve.start if k == 0 else at(cos(a), sin(a)),
+                    at(cos(a) - handle * sin(a), sin(a) + handle * cos(a)),
+                    at(cos(b) + handle * sin(b), sin(b) - handle * cos(b)),
+                    curve.end if k == count - 1 else at(cos(b), sin(b)),
+                )
+            )
+        return ellipse_cubics
     assert not isinstance(curve, Line | Arc)
     cubics: list[Cubic] = []
     for piece in bezier_pieces(curve):
@@ -151,30 +170,6 @@ def _followed(curve: Bezier, tolerance: float) -> list[Cubic]:
 
     follow(0.0, 1.0, MAX_HALVINGS)
     return cubics
-
-
-def _ellipse_cubics(ellipse: EllipseArc) -> list[Cubic]:
-    """An ellipse as cubics: those of a circle, handles 4/3 tan(step / 4), stretched."""
-    count = max(1, ceil(abs(ellipse.sweep_deg) / ELLIPSE_STEP_DEG))
-    step = radians(ellipse.sweep_deg) / count
-    handle = 4 / 3 * tan(step / 4)
-    (cx, cy), (ax, ay), ratio = ellipse.centre, ellipse.axis, ellipse.ratio
-
-    def at(u: float, v: float) -> Point:
-        return cx + u * ax - ratio * v * ay, cy + u * ay + ratio * v * ax
-
-    ellipse_cubics: list[Cubic] = []
-    for k in range(count):
-        a, b = radians(ellipse.start_deg) + k * step, radians(ellipse.start_deg) + (k + 1) * step
-        ellipse_cubics.append(
-            (
-                ellipse.start if k == 0 else at(cos(a), sin(a)),
-                at(cos(a) - handle * sin(a), sin(a) + handle * cos(a)),
-                at(cos(b) + handle * sin(b), sin(b) - handle * cos(b)),
-                ellipse.end if k == count - 1 else at(cos(b), sin(b)),
-            )
-        )
-    return ellipse_cubics
 
 
 _Run = Sequence[tuple[Arc, Cubic]]  #: arcs that follow one another, each for a cubic

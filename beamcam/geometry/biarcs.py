@@ -165,24 +165,6 @@ def _is_flat(control: Floats, tolerance: float) -> Flags:
     return flat
 
 
-def _tangents(control: Floats) -> tuple[Floats, Floats]:
-    """Directions at both ends: towards the first control point that is another one."""
-    reach = np.max(np.abs(control - control[:, :1]), axis=(1, 2)) * 1e-9
-
-    def direction(order: tuple[int, int, int, int]) -> Floats:
-        tangents = np.zeros((len(control), 2))
-        open_rows = np.ones(len(control), dtype=bool)
-        for k in order[1:]:
-            step = control[:, k] - control[:, order[0]]
-            size = np.hypot(step[:, 0], step[:, 1])
-            take = open_rows & (size > reach)
-            tangents[take] = step[take] / size[take][:, None]
-            open_rows &= ~take
-        return tangents
-
-    return direction((0, 1, 2, 3)), -direction((3, 2, 1, 0))
-
-
 def _dot(a: Floats, b: Floats) -> Floats:
     """The scalar product of vectors; numpy takes far longer to sum over an axis of two."""
     return a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1]
@@ -199,7 +181,20 @@ def _biarcs(control: Floats, tolerance: float) -> tuple[Flags, Floats, Floats]:
     d = v.v / (v.t + sqrt((v.t)^2 + q v.v)). Source: Bolton, "Biarc curves", 1975.
     """
     start, end = control[:, 0], control[:, 3]
-    t0, t1 = _tangents(control)
+    reach = np.max(np.abs(control - control[:, :1]), axis=(1, 2)) * 1e-9
+
+    def direction(order: tuple[int, int, int, int]) -> Floats:
+        tangents = np.zeros((len(control), 2))
+        open_rows = np.ones(len(control), dtype=bool)
+        for k in order[1:]:
+            step = control[:, k] - control[:, order[0]]
+            size = np.hypot(step[:, 0], step[:, 1])
+            take = open_rows & (size > reach)
+            tangents[take] = step[take] / size[take][:, None]
+            open_rows &= ~take
+        return tangents
+
+    t0, t1 = direction((0, 1, 2, 3)), -direction((3, 2, 1, 0))
     v = end - start
     vv, vt = _dot(v, v), _dot(v, t0 + t1)
     q = 2 * (1 - _dot(t0, t1))

@@ -141,7 +141,19 @@ def _joined_within(
         return [], ()
     outer = CurveTable([curve for link in links for curve in (link.curves[0], link.curves[-1])])
     points = np.column_stack((outer.ends[0::2, :2], outer.ends[1::2, 2:])).reshape(-1, 2)
-    near = _without_wide(_meetings(points, tolerance * SLACK), points, tolerance)
+    # Of ends that meet one another over a long way only those that are written alike meet.
+    near = _meetings(points, tolerance * SLACK)
+    partner, moved, nodes = near.partner, set(near.apart), []
+    for node in near.nodes:
+        if hypot(*np.ptp(points[node], axis=0)) <= WIDEST_PLACE * tolerance * SLACK:
+            nodes.append(node)
+            continue
+        own = _meetings(points[node], min(tolerance, WRITTEN_SAME))
+        for k, other in enumerate(own.partner):
+            partner[node[k]] = node[other] if other >= 0 else -1
+        moved.update(node[k] for k in own.apart)
+        nodes += [[node[k] for k in some] for some in own.nodes]
+    near = _Meetings(partner, frozenset(moved), nodes)
     partner = near.partner
 
     def is_small(end: int) -> bool:
@@ -185,21 +197,6 @@ def _meetings(points: Floats, tolerance: float) -> _Meetings:
     pairs = zip(first[~alone].tolist(), second[~alone].tolist(), strict=True)
     nodes = sorted(map(sorted, groups_of(pairs)))
     return _Meetings(partner.tolist(), apart, nodes)
-
-
-def _without_wide(near: _Meetings, points: Floats, tolerance: float) -> _Meetings:
-    """The meetings, but of ends that meet one another over a long way only those written alike."""
-    partner, apart, nodes = near.partner, set(near.apart), []
-    for node in near.nodes:
-        if hypot(*np.ptp(points[node], axis=0)) <= WIDEST_PLACE * tolerance * SLACK:
-            nodes.append(node)
-            continue
-        own = _meetings(points[node], min(tolerance, WRITTEN_SAME))
-        for k, other in enumerate(own.partner):
-            partner[node[k]] = node[other] if other >= 0 else -1
-        apart.update(node[k] for k in own.apart)
-        nodes += [[node[k] for k in some] for some in own.nodes]
-    return _Meetings(partner, frozenset(apart), nodes)
 
 
 def _linked(links: Sequence[Chain], meetings: _Meetings) -> list[Chain]:

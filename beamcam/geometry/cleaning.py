@@ -236,50 +236,42 @@ def _same_circle(a: Curve, b: Curve, tolerance: float) -> bool:
 def _merged(a: Curve, b: Curve, tolerance: float) -> Curve | None:
     """The curve over both, with the direction of `a`; None if they do not overlap."""
     if isinstance(a, Line) and isinstance(b, Line):
-        return _merged_lines(a, b, tolerance)
-    if isinstance(a, Arc) and isinstance(b, Arc) and _same_circle(a, b, tolerance):
-        return _merged_arcs(a, b, tolerance)
-    return None
-
-
-def _merged_lines(a: Line, b: Line, tolerance: float) -> Line | None:
-    long, short = (a, b) if a.length >= b.length else (b, a)
-    if long.length <= tolerance:
-        return None
-    ux, uy = long.tangent(0.0)
-
-    def along(p: Point) -> float:
-        return dot((ux, uy), (p[0] - long.start[0], p[1] - long.start[1]))
-
-    for p in (short.start, short.end):
-        if abs(cross((ux, uy), (p[0] - long.start[0], p[1] - long.start[1]))) > tolerance:
+        long, short = (a, b) if a.length >= b.length else (b, a)
+        if long.length <= tolerance:
             return None
-    low, high = sorted((along(short.start), along(short.end)))
-    shared = min(high, long.length) - max(low, 0.0)
-    if shared <= tolerance:
-        return None
-    ends = sorted([*((along(p), p) for p in (a.start, a.end, b.start, b.end))])
-    first, last = ends[0][1], ends[-1][1]
-    forward = along(a.end) > along(a.start)
-    return Line(first, last) if forward else Line(last, first)
+        ux, uy = long.tangent(0.0)
 
+        def along(p: Point) -> float:
+            return dot((ux, uy), (p[0] - long.start[0], p[1] - long.start[1]))
 
-def _merged_arcs(a: Arc, b: Arc, tolerance: float) -> Arc | None:
-    forward = a.sweep_deg > 0
-    one, two = (arc if arc.sweep_deg > 0 else arc.reversed() for arc in (a, b))
-    slack_deg = degrees(tolerance / a.radius)
-    low, high = one.start_deg, one.start_deg + one.sweep_deg
-    start = one.start_deg + (two.start_deg - one.start_deg) % 360.0
-    is_merged = False
-    # The second arc as it lies from the start of the first on, and a turn before.
-    for begin in (start - 360.0, start):
-        shared = min(high, begin + two.sweep_deg) - max(low, begin)
-        if shared > slack_deg:
-            low, high = min(low, begin), max(high, begin + two.sweep_deg)
-            is_merged = True
-    if not is_merged:
-        return None
-    joined = replace(one, start_deg=low, sweep_deg=high - low)
-    if high - low >= 360.0 - slack_deg:
-        joined = replace(one, sweep_deg=360.0)
-    return joined if forward else joined.reversed()
+        for p in (short.start, short.end):
+            if abs(cross((ux, uy), (p[0] - long.start[0], p[1] - long.start[1]))) > tolerance:
+                return None
+        low, high = sorted((along(short.start), along(short.end)))
+        shared = min(high, long.length) - max(low, 0.0)
+        if shared <= tolerance:
+            return None
+        ends = sorted([*((along(p), p) for p in (a.start, a.end, b.start, b.end))])
+        first, last = ends[0][1], ends[-1][1]
+        forward = along(a.end) > along(a.start)
+        return Line(first, last) if forward else Line(last, first)
+    if isinstance(a, Arc) and isinstance(b, Arc) and _same_circle(a, b, tolerance):
+        forward = a.sweep_deg > 0
+        one, two = (arc if arc.sweep_deg > 0 else arc.reversed() for arc in (a, b))
+        slack_deg = degrees(tolerance / a.radius)
+        low, high = one.start_deg, one.start_deg + one.sweep_deg
+        start = one.start_deg + (two.start_deg - one.start_deg) % 360.0
+        is_merged = False
+        # The second arc as it lies from the start of the first on, and a turn before.
+        for begin in (start - 360.0, start):
+            shared = min(high, begin + two.sweep_deg) - max(low, begin)
+            if shared > slack_deg:
+                low, high = min(low, begin), max(high, begin + two.sweep_deg)
+                is_merged = True
+        if not is_merged:
+            return None
+        joined = replace(one, start_deg=low, sweep_deg=high - low)
+        if high - low >= 360.0 - slack_deg:
+            joined = replace(one, sweep_deg=360.0)
+        return joined if forward else joined.reversed()
+    return None

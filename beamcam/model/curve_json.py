@@ -19,7 +19,7 @@ from msgspec import Struct
 
 from beamcam.conversion import FUNCTIONS, Fault, compile_expression, converted, shown
 from beamcam.errors import Diagnostic, ReadError, Rule, Source, error
-from beamcam.geometry.approximation import Approximation, curves_of_function, curves_of_way
+from beamcam.geometry.approximation import curves_of_function, curves_of_way
 from beamcam.geometry.curves import (
     Arc,
     Bezier,
@@ -151,7 +151,19 @@ def curves_of_function_form(form: FunctionForm, place: JsonPlace) -> tuple[Curve
     tolerance = FUNCTION_TOLERANCE if form.tolerance is None else form.tolerance
     try:
         if form.t is not None:
-            fit = _way(form, tolerance, place)
+            if form.x is None:
+                raise place.at("x").fault(JSON_KEY_MISSING, key="x", expected="x of t")
+            for key, end in (("from", form.low), ("to", form.high)):
+                if end is not None:
+                    raise place.at(key).fault(
+                        JSON_KEY_UNKNOWN, key=key, expected="x, y, t, tolerance", nearest="t"
+                    )
+            x, y = _arithmetic(form.x, "t", place.at("x")), _arithmetic(form.y, "t", place.at("y"))
+            both = form.t or ()
+            if len(both) != 2:
+                raise place.at("t").wrong(f"{len(both)} values", "two ends [from, to]")
+            low, high = (_number(end, place.at("t", k)) for k, end in enumerate(both))
+            fit = curves_of_way(x, y, low, high, tolerance)
         elif form.x is not None:
             raise place.at("t").fault(JSON_KEY_MISSING, key="t", expected="both ends of a way")
         else:
@@ -169,22 +181,6 @@ def curves_of_function_form(form: FunctionForm, place: JsonPlace) -> tuple[Curve
             JSON_EXPRESSION, found=error, expected="a smooth curve from end to end"
         ) from None
     return fit.curves
-
-
-def _way(form: FunctionForm, tolerance: float, place: JsonPlace) -> Approximation:
-    if form.x is None:
-        raise place.at("x").fault(JSON_KEY_MISSING, key="x", expected="x of t")
-    for key, end in (("from", form.low), ("to", form.high)):
-        if end is not None:
-            raise place.at(key).fault(
-                JSON_KEY_UNKNOWN, key=key, expected="x, y, t, tolerance", nearest="t"
-            )
-    x, y = _arithmetic(form.x, "t", place.at("x")), _arithmetic(form.y, "t", place.at("y"))
-    ends = form.t or ()
-    if len(ends) != 2:
-        raise place.at("t").wrong(f"{len(ends)} values", "two ends [from, to]")
-    low, high = (_number(end, place.at("t", k)) for k, end in enumerate(ends))
-    return curves_of_way(x, y, low, high, tolerance)
 
 
 def _arithmetic(text: str, variable: str, place: JsonPlace) -> str:

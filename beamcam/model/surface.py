@@ -74,7 +74,22 @@ def surface_of(profile: Profile) -> tuple[Patch, ...]:
         case "C":
             front, back = b, b - web
         case "M":
-            return _tube(h, b, min(r, h / 2, b / 2), flange, web)
+            r = min(r, h / 2, b / 2)
+            walls = (
+                Patch("u", r, b - r, flange, (0.0, 0.0), (0.0, 1.0), (-1.0, 0.0)),
+                Patch("v", r, h - r, web, (0.0, b), (1.0, 0.0), (0.0, 1.0)),
+                Patch("o", r, b - r, flange, (h, 0.0), (0.0, 1.0), (1.0, 0.0)),
+                Patch("h", r, h - r, web, (0.0, 0.0), (1.0, 0.0), (0.0, -1.0)),
+            )
+            if not r:
+                return walls
+            arc, wall = r * pi / 2, min(flange, web)
+            middles = {"u-v": (r, b - r), "v-o": (h - r, b - r), "o-h": (h - r, r), "h-u": (r, r)}
+            corners = tuple(
+                Patch(name, 0.0, arc, wall, middle, radius=r, first_rad=k * pi / 2)
+                for k, (name, middle) in enumerate(middles.items())
+            )
+            return tuple(patch for pair in zip(walls, corners, strict=True) for patch in pair)
         case "RO" | "RU":
             wall = (flange or web) if profile.code == "RO" else h / 2
             return (Patch("v", 0.0, pi * h, wall, (h / 2, h / 2), radius=h / 2),)
@@ -88,25 +103,6 @@ def surface_of(profile: Profile) -> tuple[Patch, ...]:
     if profile.code not in ("L", "T"):
         faces.append(Patch("o", 0.0, b, flange, (h, 0.0), (0.0, 1.0), (1.0, 0.0)))
     return tuple(faces)
-
-
-def _tube(h: float, b: float, r: float, flange: float, web: float) -> tuple[Patch, ...]:
-    """The four walls of a rectangular tube, and its round corners where it has them."""
-    walls = (
-        Patch("u", r, b - r, flange, (0.0, 0.0), (0.0, 1.0), (-1.0, 0.0)),
-        Patch("v", r, h - r, web, (0.0, b), (1.0, 0.0), (0.0, 1.0)),
-        Patch("o", r, b - r, flange, (h, 0.0), (0.0, 1.0), (1.0, 0.0)),
-        Patch("h", r, h - r, web, (0.0, 0.0), (1.0, 0.0), (0.0, -1.0)),
-    )
-    if not r:
-        return walls
-    arc, wall = r * pi / 2, min(flange, web)
-    middles = {"u-v": (r, b - r), "v-o": (h - r, b - r), "o-h": (h - r, r), "h-u": (r, r)}
-    corners = tuple(
-        Patch(name, 0.0, arc, wall, middle, radius=r, first_rad=k * pi / 2)
-        for k, (name, middle) in enumerate(middles.items())
-    )
-    return tuple(patch for pair in zip(walls, corners, strict=True) for patch in pair)
 
 
 def patch_of(patches: tuple[Patch, ...], face: Face) -> Patch | None:

@@ -131,7 +131,15 @@ def _moves(
             break
         if splits == MAX_SPLITS:
             raise AssertionError("an arc that halving does not make flat")
-        offset, good, straight = _as_written(pending, numbers)
+        radius, sweep = pending.arcs[:, 2], np.abs(pending.arcs[:, 4])
+        sagitta = radius * (1 - np.cos(np.radians(sweep) / 2))
+        short = ~pending.is_wide()
+        is_flat = short & (sagitta < numbers.step / 2)
+        good = short & ~is_flat & (numbers.min_radius <= radius) & (radius <= numbers.max_radius)
+        offset = np.zeros((len(radius), 2))
+        which = np.flatnonzero(good)
+        offset[which], good[which] = _centres(pending.arcs[which], pending.ends[which], numbers)
+        straight = is_flat | (short & ~good & (sagitta <= numbers.tolerance))
         chords = pending.take(straight)
         flat.append((chords.owner, chords.begin, chords.ends[:, 2:]))
         done = pending.take(good)
@@ -186,19 +194,6 @@ class _Arcs(Struct, frozen=True):
 
 def _points(arcs: Floats, angles_deg: Floats) -> Floats:
     return arcs[:, :2] + arcs[:, 2:3] * unit_vectors(angles_deg)
-
-
-def _as_written(arcs: _Arcs, numbers: Numbers) -> tuple[Floats, Flags, Flags]:
-    """The way (n, 2) from each start to the centre; which arcs are written, and which are lines."""
-    radius, sweep = arcs.arcs[:, 2], np.abs(arcs.arcs[:, 4])
-    sagitta = radius * (1 - np.cos(np.radians(sweep) / 2))
-    short = ~arcs.is_wide()
-    flat = short & (sagitta < numbers.step / 2)
-    good = short & ~flat & (numbers.min_radius <= radius) & (radius <= numbers.max_radius)
-    offset = np.zeros((len(radius), 2))
-    which = np.flatnonzero(good)
-    offset[which], good[which] = _centres(arcs.arcs[which], arcs.ends[which], numbers)
-    return offset, good, flat | (short & ~good & (sagitta <= numbers.tolerance))
 
 
 def _centres(arcs: Floats, ends: Floats, numbers: Numbers) -> tuple[Floats, Flags]:

@@ -78,7 +78,24 @@ def draw(start: tuple[float, float], spans: Spans) -> Floats:
         starts = np.concatenate([begins[k] + np.cumsum(n) - n for k, _, n, _ in pieces])
         control = np.concatenate([c for _, c, _, _ in pieces])
         steps = np.concatenate([n for _, _, n, _ in pieces])
-        _draw_free(points, starts, control, steps, degree, weighted)
+        # By Horner's scheme in powers of the parameter. Powers are safe here: the control points of
+        # a span lie close together, and are taken from its start.
+        origin = control[:, :1, :2] / control[:, :1, 2:]
+        about = control.copy()
+        about[..., :2] -= origin * control[..., 2:]
+        n = range(degree + 1)  # from Bernstein coefficients to those of 1, t, t^2, ...
+        to_powers = [[(-1.0) ** (p - i) * comb(degree, p) * comb(p, i) for i in n] for p in n]
+        powers = np.einsum("pi,mic->pcm", np.array(to_powers), about)
+        cuts = (np.flatnonzero(np.diff(np.cumsum(steps) // CHUNK)) + 1).tolist()
+        for low, high in itertools.pairwise((0, *cuts, len(steps)) if len(steps) else ()):
+            which, index = numbered(steps[low:high])
+            which, index = which + low, index + 1
+            t = index / steps[which]
+            at = starts[which] + index
+            scale = 1.0 / _horner(powers[:, 2, which], t) if weighted else 1.0
+            for i in (0, 1):
+                points[at, i] = _horner(powers[:, i, which], t) * scale + origin[which, 0, i]
+        points[starts + steps] = control[:, -1, :2] / control[:, -1, 2:]
         # Dividing by a weight costs a bit; the ends of the curves are exact.
         points[[ends[k] for k, *_ in pieces]] = [end for *_, end in pieces]
     return points
@@ -140,32 +157,6 @@ def _draw_long_arc(block: Floats, span: ArcSpan) -> None:
         grid += (span.v[i] * cb - span.u[i] * sb) * s
         grid += span.centre[i]
         block[:, i] = grid.reshape(-1)[:n]
-
-
-def _draw_free(
-    points: Floats, begins: Counts, control: Floats, steps: Counts, degree: int, weighted: bool
-) -> None:
-    """Draws spans of Bezier curves (m, d + 1, 3), by Horner's scheme in powers of the parameter.
-
-    Powers are safe here: the control points of a span lie close together, and are taken from
-    its start.
-    """
-    origin = control[:, :1, :2] / control[:, :1, 2:]
-    about = control.copy()
-    about[..., :2] -= origin * control[..., 2:]
-    n = range(degree + 1)  # from Bernstein coefficients to those of 1, t, t^2, ...
-    to_powers = [[(-1.0) ** (p - i) * comb(degree, p) * comb(p, i) for i in n] for p in n]
-    powers = np.einsum("pi,mic->pcm", np.array(to_powers), about)
-    cuts = (np.flatnonzero(np.diff(np.cumsum(steps) // CHUNK)) + 1).tolist()
-    for low, high in itertools.pairwise((0, *cuts, len(steps)) if len(steps) else ()):
-        which, index = numbered(steps[low:high])
-        which, index = which + low, index + 1
-        t = index / steps[which]
-        at = begins[which] + index
-        scale = 1.0 / _horner(powers[:, 2, which], t) if weighted else 1.0
-        for i in (0, 1):
-            points[at, i] = _horner(powers[:, i, which], t) * scale + origin[which, 0, i]
-    points[begins + steps] = control[:, -1, :2] / control[:, -1, 2:]
 
 
 def _horner(coefficients: Floats, t: Floats) -> Floats:
@@ -269,29 +260,23 @@ def _collect_spans(path: Sequence[Curve], tolerance: float) -> Spans:
                     free[kind].append((len(spans.steps), piece))
                     spans.steps.append([])
     for kind, pieces in free.items():
-        _span_free(kind, pieces, tolerance, spans)
+        # Cuts free curves of one degree in spans, all of them at once.
+        control = np.array([piece.homogeneous for _, piece in pieces])
+        bend, smooth = bend_bounds(control)
+        parts = parts_for(step_counts(bend, smooth, tolerance), smooth)
+        for count in np.unique(parts).tolist():
+            mine = np.flatnonzero(parts == count)
+            fine = divided(control[mine], count)
+            bend, smooth = bend_bounds(fine)
+            steps = step_counts(bend, smooth, tolerance)
+            spans.deviation = max(spans.deviation, float(np.max(bend / (8 * steps**2))))
+            shaped = fine.reshape(len(mine), count, kind[0] + 1, 3)
+            for row, which in enumerate(mine.tolist()):
+                number, piece = pieces[which]
+                n = steps[row * count : (row + 1) * count]
+                spans.steps[number] = n.tolist()
+                spans.free[kind].append((number, shaped[row], n, piece.end))
     return spans
-
-
-def _span_free(
-    kind: tuple[int, bool], pieces: list[tuple[int, Bezier]], tolerance: float, spans: Spans
-) -> None:
-    """Cuts free curves of one degree in spans, all of them at once."""
-    control = np.array([piece.homogeneous for _, piece in pieces])
-    bend, smooth = bend_bounds(control)
-    parts = parts_for(step_counts(bend, smooth, tolerance), smooth)
-    for count in np.unique(parts).tolist():
-        mine = np.flatnonzero(parts == count)
-        fine = divided(control[mine], count)
-        bend, smooth = bend_bounds(fine)
-        steps = step_counts(bend, smooth, tolerance)
-        spans.deviation = max(spans.deviation, float(np.max(bend / (8 * steps**2))))
-        shaped = fine.reshape(len(mine), count, kind[0] + 1, 3)
-        for row, which in enumerate(mine.tolist()):
-            number, piece = pieces[which]
-            n = steps[row * count : (row + 1) * count]
-            spans.steps[number] = n.tolist()
-            spans.free[kind].append((number, shaped[row], n, piece.end))
 
 
 def _finish(points: Floats, steps: Counts, rules: DensifyRules, deviation: float) -> Densified:

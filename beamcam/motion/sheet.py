@@ -73,7 +73,17 @@ def near_corners(curves: Sequence[Curve], row: TorchRow) -> tuple[list[Curve], l
         return list(curves), [False] * len(curves)
     lengths = [curve.length for curve in chain]
     begins = [0.0, *accumulate(lengths)]
-    corners = _corners(chain, lengths, begins, row.corner_angle)
+    # Where a chain turns by more than an angle, at once or over curves shorter than `SHORT`.
+    angle = row.corner_angle
+    corners: list[float] = []
+    before = None
+    for k, curve in enumerate(chain):
+        if before is not None:
+            turn = dot(chain[before].tangent(1.0), curve.tangent(0.0))
+            if degrees(acos(max(-1.0, min(1.0, turn)))) > angle:
+                corners.append(begins[before + 1])
+        if before is None or lengths[k] >= SHORT:
+            before = k
     reach = row.corner_distance
     cuts = sorted(place + side * reach for place in corners for side in (-1.0, 1.0))
     parts: list[Curve] = []
@@ -93,22 +103,6 @@ def near_corners(curves: Sequence[Curve], row: TorchRow) -> tuple[list[Curve], l
             if cut == length:
                 break
     return parts, near
-
-
-def _corners(
-    chain: Sequence[Curve], lengths: Sequence[float], begins: Sequence[float], angle: float
-) -> list[float]:
-    """Where a chain turns by more than an angle, at once or over curves shorter than `SHORT`."""
-    corners: list[float] = []
-    before = None
-    for k, curve in enumerate(chain):
-        if before is not None:
-            turn = dot(chain[before].tangent(1.0), curve.tangent(0.0))
-            if degrees(acos(max(-1.0, min(1.0, turn)))) > angle:
-                corners.append(begins[before + 1])
-        if before is None or lengths[k] >= SHORT:
-            before = k
-    return corners
 
 
 class WrittenPass(NamedTuple):
@@ -328,25 +322,25 @@ class Pen:
 
         All of them are fitted together, since a drawing has thousands.
         """
-        each = [[s for part in chain for s in self._groups(part)] for chain in chains]
-        free = [curves for chain in each for has_word, curves in chain if not has_word]
-        if not free:
-            return [[c for _, curves in chain for c in curves] for chain in each]
-        from beamcam.geometry.arc_fitting import fit_chains
+        each: list[list[tuple[bool, Sequence[Curve]]]] = []
+        for chain in chains:
+            groups: list[tuple[bool, Sequence[Curve]]] = []
+            for part in chain:
+                if _ALWAYS_WRITTEN.issuperset(map(type, part)):
+                    groups.append((True, part))
+                else:
+                    groups += ((word, [*some]) for word, some in groupby(part, self._has_word))
+            each.append(groups)
+        free = [curves for groups in each for has_word, curves in groups if not has_word]
+        fits: Iterator[Sequence[Curve]] = iter(())
+        if free:
+            from beamcam.geometry.arc_fitting import fit_chains
 
-        fits = iter(fit_chains(free, self._fit))
+            fits = iter(fit_chains(free, self._fit))
         return [
-            [c for has_word, curves in chain for c in (curves if has_word else next(fits))]
-            for chain in each
+            [c for has_word, curves in groups for c in (curves if has_word else next(fits))]
+            for groups in each
         ]
-
-    def _groups(self, chain: Sequence[Curve]) -> list[tuple[bool, Sequence[Curve]]]:
-        """A part in groups of curves, each with whether the controller may have words for it."""
-        if not chain:
-            return []
-        if _ALWAYS_WRITTEN.issuperset(map(type, chain)):
-            return [(True, chain)]
-        return [(has_word, tuple(group)) for has_word, group in groupby(chain, self._has_word)]
 
     def _has_word(self, curve: Curve) -> bool:
         """Whether the controller may be able to follow a curve as it is."""

@@ -288,18 +288,7 @@ def join_segments(
             _absorb(skyline[-1], new)
         else:
             skyline.append(new)
-    return _join_stairs(skyline)
-
-
-def _in_turns(junctions: Floats, segments: Floats) -> Floats:
-    """Numbers of n + 1 junctions and of the n segments between them, in turns."""
-    both = np.empty(len(junctions) + len(segments))
-    both[::2], both[1::2] = junctions, segments
-    return both
-
-
-def _join_stairs(skyline: list[SpeedSection]) -> list[SpeedSection]:
-    """Joins neighbours too short for a rise of their own while their limits are near."""
+    # Joins neighbours too short for a rise of their own while their limits are near.
     speed_sections: list[SpeedSection] = []
     lowest = highest = 0.0
     for new in skyline:
@@ -314,6 +303,13 @@ def _join_stairs(skyline: list[SpeedSection]) -> list[SpeedSection]:
         speed_sections.append(new)
         lowest, highest = (new.limit, new.limit) if is_short else (0.0, 0.0)
     return speed_sections
+
+
+def _in_turns(junctions: Floats, segments: Floats) -> Floats:
+    """Numbers of n + 1 junctions and of the n segments between them, in turns."""
+    both = np.empty(len(junctions) + len(segments))
+    both[::2], both[1::2] = junctions, segments
+    return both
 
 
 def joint_speeds(sections: list[SpeedSection]) -> tuple[list[SpeedSection], list[float]]:

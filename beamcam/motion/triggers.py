@@ -110,27 +110,24 @@ class _Way:
                 pairs = zip(ends, middles, strict=True)
                 ops = [ArcTravel(*a, *m, self.speed_mm_s, self.source) for a, m in pairs]
             else:
-                ops = self._chords(curve)
+                # Chords by the chord rule and the cycle rule; the end is met exactly.
+                from beamcam.motion.densify import DensifyRules, densify
+
+                rules = DensifyRules(
+                    self.tolerance, 10**self.decimals, self.speed_mm_s, self.triggers.cycle_s,
+                    self.triggers.cycles_per_chord,
+                )  # fmt: skip
+                path = densify((curve,), rules)
+                self.slowest = min(self.slowest, float(path.speeds_mm_s.min(initial=self.slowest)))
+                points = path.points.tolist()[1:]
+                ops = [
+                    Travel(x + 0.0, y + 0.0, speed, self.source)
+                    for (x, y), speed in zip(points, path.speeds_mm_s.tolist(), strict=True)
+                ]
             for op in ops:
                 if (op.x, op.y) != here:
                     yield op
                     here = op.x, op.y
-
-    def _chords(self, curve: Curve) -> list[Travel]:
-        """Chords by the chord rule and the cycle rule; the end is met exactly."""
-        from beamcam.motion.densify import DensifyRules, densify
-
-        rules = DensifyRules(
-            self.tolerance, 10**self.decimals, self.speed_mm_s, self.triggers.cycle_s,
-            self.triggers.cycles_per_chord,
-        )  # fmt: skip
-        path = densify((curve,), rules)
-        self.slowest = min(self.slowest, float(path.speeds_mm_s.min(initial=self.slowest)))
-        points = path.points.tolist()[1:]
-        return [
-            Travel(x + 0.0, y + 0.0, speed, self.source)
-            for (x, y), speed in zip(points, path.speeds_mm_s.tolist(), strict=True)
-        ]
 
 
 HeadPlace = tuple[float, float, float]  #: X, Y, and the height over the sheet

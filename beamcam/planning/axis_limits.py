@@ -95,7 +95,30 @@ def refuse_steps(
                     expected=_range(beyond.axis),
                 )  # fmt: skip
     if fixed_faces(travel.machine):
-        yield from _refuse_strokes(features, steps, travel)
+        # Drills and taps may go on behind the far side, other tools as far as the breakthrough.
+        faces = fixed_faces(travel.machine)
+        resolution = travel.machine.format.resolution
+        for step in steps:
+            how, tool = step.tooling, step.tooling.tools[0]
+            for face in faces.intersection(how.faces) if step.text is None else ():
+                op = DrillOp(step.x, 0, tool, (face,), step.y, how.depth, (), (), _TRIAL)
+                stroke = travel.strokes(op, op.y)
+                way = 1.0 if stroke.bottom >= stroke.retract else -1.0
+                reach = way * stroke.bottom - travel.profile.face_depth(face)
+                tip = tool.tip if tool.kind == "drill" else 0.0
+                least = tip + (travel.profile.thickness(face) if op.depth is None else op.depth)
+                greatest = least
+                if op.depth is None:
+                    goes_on = tool.kind in ("drill", "tap")
+                    greatest += inf if goes_on else drill_of(travel.machine).breakthrough
+                if least - resolution <= reach <= greatest + resolution:
+                    continue
+                expected = f"{least:.3f}" if least == greatest else f"at least {least:.3f}"
+                for f in step.features:
+                    yield f, STROKE.at(
+                        features[f].source, what=named(features[f]), face=face,
+                        found=f"{reach:.3f}", expected=expected,
+                    )  # fmt: skip
 
 
 def within_axes(
@@ -180,35 +203,3 @@ fixed_faces: PerObject[Machine, frozenset[Face]] = PerObject(
         s.face for s in machine.spindles if not _DEPTH.search(s.stroke.bottom)
     ),
 )
-
-
-def _refuse_strokes(
-    features: Sequence[Feature], steps: Sequence[WorkingStep], travel: SpindleTravel
-) -> Iterator[Said]:
-    """The features of steps that a fixed stroke does not make, and why.
-
-    Drills and taps may go on behind the far side, other tools as far as the breakthrough.
-    """
-    faces = fixed_faces(travel.machine)
-    resolution = travel.machine.format.resolution
-    for step in steps:
-        how, tool = step.tooling, step.tooling.tools[0]
-        for face in faces.intersection(how.faces) if step.text is None else ():
-            op = DrillOp(step.x, 0, tool, (face,), step.y, how.depth, (), (), _TRIAL)
-            stroke = travel.strokes(op, op.y)
-            way = 1.0 if stroke.bottom >= stroke.retract else -1.0
-            reach = way * stroke.bottom - travel.profile.face_depth(face)
-            tip = tool.tip if tool.kind == "drill" else 0.0
-            least = tip + (travel.profile.thickness(face) if op.depth is None else op.depth)
-            greatest = least
-            if op.depth is None:
-                goes_on = tool.kind in ("drill", "tap")
-                greatest += inf if goes_on else drill_of(travel.machine).breakthrough
-            if least - resolution <= reach <= greatest + resolution:
-                continue
-            expected = f"{least:.3f}" if least == greatest else f"at least {least:.3f}"
-            for f in step.features:
-                yield f, STROKE.at(
-                    features[f].source, what=named(features[f]), face=face, found=f"{reach:.3f}",
-                    expected=expected,
-                )  # fmt: skip

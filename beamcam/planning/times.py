@@ -171,10 +171,32 @@ class _CellClock:
     def _block(self, block: TemplateLine, values: Mapping[str, float], kind: str) -> float:
         stated = {name: values[name] for name in block.names.values() if name in values}
         if block.command == "M":
-            return self._switch(block, stated, values, kind)
+            if "angle" in stated:
+                legs = self._cell.cut(stated["angle"], stated.get("tilt", 0.0), stated.get("feed"))
+                return sum(leg.duration_s for leg, _ in legs)
+            if "spindle" in stated or "tool" in stated:
+                # A number of a tool says its size, and stands alone where there is one spindle.
+                known = values if "tool" in stated else stated
+                return self._cell.choose(int(values["spindle"]), kind, known.get("diameter", 0.0))
+            if block.number in _RUNS:
+                return self._cell.switch(_RUNS[block.number])
+            return 0.0
         if block.command == "G":
             if block.number in self._cycles:
-                return self._drilled(block, values)
+                cycle = self._cycles[block.number]
+                words = block.words(values)
+                self._feed_mm_min = words.get("F", self._feed_mm_min)
+                at = self._place["X"], self._place["Y"], self._place["Z"]
+                place = words.get("X", at[0]), words.get("Y", at[1])
+                near, bottom = words["R"], words["Z"]
+                clear = clear_place(at[2], near, bottom, self._back_to_near)
+                seconds = words.get("P", 0.0) if cycle == DRILL_AND_DWELL else 0.0
+                peck = words.get("Q", 0.0)
+                for rapid, end in cycle_moves(at, place, bottom, near, clear, at[2], cycle, peck):
+                    self._rapid = rapid
+                    to = {letter: v for letter, v in zip("XYZ", end, strict=True) if not isnan(v)}
+                    seconds += self._go(to)
+                return seconds
             if block.number not in (0, 1):
                 return 0.0
             self._rapid = block.number == 0
@@ -188,37 +210,3 @@ class _CellClock:
         way = hypot(*(d for d in gone if not isnan(d)))
         self._place |= to
         return self._cell.move(to, way, None if self._rapid else self._feed_mm_min).duration_s
-
-    def _drilled(self, block: TemplateLine, values: Mapping[str, float]) -> float:
-        cycle = self._cycles[block.number]
-        words = block.words(values)
-        self._feed_mm_min = words.get("F", self._feed_mm_min)
-        at = self._place["X"], self._place["Y"], self._place["Z"]
-        place = words.get("X", at[0]), words.get("Y", at[1])
-        near, bottom = words["R"], words["Z"]
-        clear = clear_place(at[2], near, bottom, self._back_to_near)
-        seconds = words.get("P", 0.0) if cycle == DRILL_AND_DWELL else 0.0
-        peck = words.get("Q", 0.0)
-        for rapid, end in cycle_moves(at, place, bottom, near, clear, at[2], cycle, peck):
-            self._rapid = rapid
-            to = {letter: v for letter, v in zip("XYZ", end, strict=True) if not isnan(v)}
-            seconds += self._go(to)
-        return seconds
-
-    def _switch(
-        self,
-        block: TemplateLine,
-        stated: Mapping[str, float],
-        values: Mapping[str, float],
-        kind: str,
-    ) -> float:
-        if "angle" in stated:
-            legs = self._cell.cut(stated["angle"], stated.get("tilt", 0.0), stated.get("feed"))
-            return sum(leg.duration_s for leg, _ in legs)
-        if "spindle" in stated or "tool" in stated:
-            # A number of a tool says its size, and stands alone where there is one spindle.
-            known = values if "tool" in stated else stated
-            return self._cell.choose(int(values["spindle"]), kind, known.get("diameter", 0.0))
-        if block.number in _RUNS:
-            return self._cell.switch(_RUNS[block.number])
-        return 0.0

@@ -218,8 +218,24 @@ def _steps(holes: Sequence[tuple[int, Hole]], planner: PartPlanner) -> list[Foun
             sinks.append(group)
         else:
             steps += _make(group, planner)
-    if sinks:
-        steps += _sinks(sinks, _pilots(kept, drill), steps, planner)
+    # A sink stands on its hole, wherever a merge has put that one; those of a pair are made one by
+    # one if their holes differ in size or place.
+    pilots = _pilots(kept, drill) if sinks else {}
+    places = {
+        f: (step.x, step.y)
+        for step in (steps if sinks else ())
+        if isinstance(step, WorkingStep)
+        for f in step.features
+    }
+    for group in sinks:
+        below = [pilots.get(f) for _, f, _ in group]
+        at = [places.get(p[1]) if p else None for p in below]
+        sizes = [p[2].diameter if p and a else None for p, a in zip(below, at, strict=True)]
+        if len(set(zip(sizes, at, strict=True))) == 1:
+            steps += _make(group, planner, sizes[0], at[0])
+            continue
+        for one, size, place in zip(group, sizes, at, strict=True):
+            steps += _make((one,), planner, size, place)
     steps += refuse_too_near(kept, planner.machine.format.resolution, drill)
     steps += judge_pairs(kept, drill)
     return steps
@@ -317,27 +333,6 @@ def _pilots(holes: Group, drill: Drill) -> dict[int, Placed]:
         if below:
             pilots[f] = max(below, key=lambda placed: (placed[2].diameter, placed[1]))
     return pilots
-
-
-def _sinks(
-    sinks: Iterable[Group], pilots: dict[int, Placed], made: Iterable[Found], planner: PartPlanner
-) -> Iterator[Found]:
-    """The steps of countersinks; of a pair one by one if their holes differ in size or place.
-
-    A sink stands on its hole, wherever a merge has put that one; `made` holds the steps of holes.
-    """
-    places = {
-        f: (step.x, step.y) for step in made if isinstance(step, WorkingStep) for f in step.features
-    }
-    for group in sinks:
-        holes = [pilots.get(f) for _, f, _ in group]
-        at = [places.get(p[1]) if p else None for p in holes]
-        sizes = [p[2].diameter if p and a else None for p, a in zip(holes, at, strict=True)]
-        if len(set(zip(sizes, at, strict=True))) == 1:
-            yield from _make(group, planner, sizes[0], at[0])
-        else:
-            for placed, size, place in zip(group, sizes, at, strict=True):
-                yield from _make((placed,), planner, size, place)
 
 
 HOLE = WorkKind("hole", _needs, _refusals, _steps, REASONS)

@@ -167,28 +167,7 @@ def _room(face: Face, planner: PartPlanner) -> "Room | None":
     """Room for a text on a face, within the axes' travel; None where there is none."""
     from beamcam.planning.lettering_room import Room
 
-    low, high = _between_walls(face, planner)
-    if not planner.machine.marks.is_told:
-        bounds = within_axes(_scribing(face, planner, "letter"), (low, high), planner.travel)
-        if bounds is None:
-            return None
-        low, high = bounds
-    start, end = (wall_end(each, face, planner.part.profile) for each in planner.ends)
-    outline = [
-        (start.greatest - low * start.slope, low),
-        (end.least - low * end.slope, low),
-        (end.least - high * end.slope, high),
-        (start.greatest - high * start.slope, high),
-    ]
-    xs = [x for x, _ in outline]
-    room = Room((min(xs), low, max(xs), high))
-    room.bound(outline)
-    _remove_obstacles(room, face, planner)
-    return room
-
-
-def _between_walls(face: Face, planner: PartPlanner) -> tuple[float, float]:
-    """The y of a face between edges, fillets and what is in the tool's way."""
+    # The y of a face between edges, fillets and what is in the tool's way.
     profile = planner.part.profile
     low, high = 0.0, profile.face_width(face)
     if face in planner.reached:
@@ -201,12 +180,22 @@ def _between_walls(face: Face, planner: PartPlanner) -> tuple[float, float]:
                 low = max(low, wall.greatest + wall.radius)
             if wall.greatest >= high:
                 high = min(high, wall.least - wall.radius)
-    return low, high
-
-
-def _remove_obstacles(room: "Room", face: Face, planner: PartPlanner) -> None:
-    """Take the stem of a T, and holes and slots, from the steel of a face."""
-    profile = planner.part.profile
+    if not planner.machine.marks.is_told:
+        bounds = within_axes(_scribing(face, planner, "letter"), (low, high), planner.travel)
+        if bounds is None:
+            return None
+        low, high = bounds
+    start, end = (wall_end(each, face, profile) for each in planner.ends)
+    outline = [
+        (start.greatest - low * start.slope, low),
+        (end.least - low * end.slope, low),
+        (end.least - high * end.slope, high),
+        (start.greatest - high * start.slope, high),
+    ]
+    xs = [x for x, _ in outline]
+    room = Room((min(xs), low, max(xs), high))
+    room.bound(outline)
+    # Take the stem of a T, and holes and slots, from the steel.
     if profile.code == "T" and face == "v":
         (x0, _, x1, _), (stem,) = room.box, walls_beside(profile, face)
         low, high = stem.least - stem.radius, stem.greatest + stem.radius
@@ -217,12 +206,11 @@ def _remove_obstacles(room: "Room", face: Face, planner: PartPlanner) -> None:
             for centre in feature.centres:
                 room.drill(centre, feature.diameter / 2)
             if isinstance(feature, Slot):  # the box around it, along its angle
-                length, height = (
-                    feature.length + feature.diameter,
-                    feature.height + feature.diameter,
-                )
-                a, b, c, d = replace(feature, length=length, height=height).centres
+                size = feature.diameter
+                box = replace(feature, length=feature.length + size, height=feature.height + size)
+                a, b, c, d = box.centres
                 room.remove([a, b, d, c])
+    return room
 
 
 # What the machine cannot letter is left for manual work: it lacks nothing.
