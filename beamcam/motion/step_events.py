@@ -69,21 +69,7 @@ class _Clock:
         self.lengths = np.append(self.starts[1:], total) - self.starts
         self.start_us = path.phase_start_s * MICROSECONDS
         self.lasts_s = path.phase_duration_s
-        self._speeds(path)
         # Where the speed is steady; elsewhere how it rises, braking looked at backwards.
-        v, a, j, d = (
-            path.phase_velocity, path.phase_acceleration, path.phase_jerk, path.phase_duration_s,
-        )  # fmt: skip
-        self.steady = (np.abs(a) * d <= 1e-9 * v) & (np.abs(j) * d * d <= 1e-9 * v)
-        self.pace_us = MICROSECONDS / np.where(self.steady, v, 1.0)  #: for a mm
-        end_v, end_a = v + d * (a + d * j / 2), a + d * j
-        self.backwards = ~self.steady & (end_v < v)
-        self.v = np.maximum(0.0, np.where(self.backwards, end_v, v))
-        self.a = np.maximum(0.0, np.where(self.backwards, -end_a, a))
-        self.j = j
-
-    def _speeds(self, path: PlannedPath) -> None:
-        """Where the speed is steady; elsewhere how it rises, braking looked at backwards."""
         v, a, j, d = (
             path.phase_velocity, path.phase_acceleration, path.phase_jerk, path.phase_duration_s,
         )  # fmt: skip

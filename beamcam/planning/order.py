@@ -315,7 +315,6 @@ def cutting_remarks(
             diagnostics = known.keep(key, own)
         for diagnostic in diagnostics:
             yield replace(diagnostic, source=sources[grade])
-    yield from _size_remarks(pieces, operations, machine.drill)
     # A note for each diameter that is drilled over or under, at the first such hole.
     drill = machine.drill
     seen: set[tuple[float, int]] = set()
@@ -330,28 +329,6 @@ def cutting_remarks(
             if size in seen or abs(off) <= drill.same_tool_tolerance + 1e-9:
                 continue
             seen.add(size)
-            yield rules.DRILL_SIZE.at(
-                hole.source, found=f"{hole.diameter:g}", size=f"{op.tool.diameter:g}",
-                off=f"{abs(off):.3g}", way="over" if off > 0 else "under",
-            )  # fmt: skip
-
-
-def _size_remarks(
-    pieces: Sequence[Piece], operations: Sequence[WorkOp], drill: Drill
-) -> Iterator[Diagnostic]:
-    """A note for each diameter that is drilled over or under, at the first such hole."""
-    seen: set[tuple[float, int]] = set()
-    for op in operations:
-        if op.tool.kind != "drill":
-            continue
-        for p, f in op.features:
-            hole = pieces[p].part.features[f]
-            if not isinstance(hole, Hole) or hole.kind not in ("through", "blind"):
-                continue
-            key, off = (hole.diameter, id(op.tool)), op.tool.diameter - hole.diameter
-            if key in seen or abs(off) <= drill.same_tool_tolerance + 1e-9:
-                continue
-            seen.add(key)
             yield rules.DRILL_SIZE.at(
                 hole.source, found=f"{hole.diameter:g}", size=f"{op.tool.diameter:g}",
                 off=f"{abs(off):.3g}", way="over" if off > 0 else "under",
