@@ -102,7 +102,18 @@ def fit_cubics(control: Floats, tolerance: float) -> LinesAndArcs:
     for halving in range(MAX_HALVINGS + 1):
         if not len(control):
             break
-        flat = _is_flat(control, tolerance / 8)
+        # Which cubics lie within the tolerance of their chord, controls between its ends.
+        reach = tolerance / 8
+        chord = control[:, 3] - control[:, 0]
+        long = np.hypot(chord[:, 0], chord[:, 1])
+        safe = np.where(long > 0.0, long, 1.0)
+        unit = chord / safe[:, None]
+        flat = np.ones(len(control), dtype=bool)
+        for k in (1, 2):
+            leg = control[:, k] - control[:, 0]
+            along = _dot(unit, leg)
+            away = np.abs(unit[:, 0] * leg[:, 1] - unit[:, 1] * leg[:, 0])
+            flat &= (away <= reach) & (along >= -reach) & (along <= long + reach)
         if halving == MAX_HALVINGS:
             flat[:] = True
         good, joints, bends = _biarcs(control, tolerance)
@@ -148,21 +159,6 @@ def _strokes(
         cubic, begin, np.hstack((start, end)), centre, np.where(bent, side, 0.0),
         np.zeros(len(cubic), dtype=bool),
     )  # fmt: skip
-
-
-def _is_flat(control: Floats, tolerance: float) -> Flags:
-    """Which cubics lie within the tolerance of their chord, controls between its ends."""
-    chord = control[:, 3] - control[:, 0]
-    size = np.hypot(chord[:, 0], chord[:, 1])
-    safe = np.where(size > 0.0, size, 1.0)
-    unit = chord / safe[:, None]
-    flat = np.ones(len(control), dtype=bool)
-    for k in (1, 2):
-        rest = control[:, k] - control[:, 0]
-        along = _dot(unit, rest)
-        away = np.abs(unit[:, 0] * rest[:, 1] - unit[:, 1] * rest[:, 0])
-        flat &= (away <= tolerance) & (along >= -tolerance) & (along <= size + tolerance)
-    return flat
 
 
 def _dot(a: Floats, b: Floats) -> Floats:

@@ -1,8 +1,9 @@
 """Curves that a drawing holds twice: removed, so that no torch passes a place twice."""
 
 from collections import defaultdict
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from enum import Enum
+from itertools import product
 from math import degrees, floor
 
 from msgspec import Struct
@@ -110,22 +111,16 @@ class _Ends:
 
     def lost(self, joined: Curve, a: Curve, b: Curve) -> set[int]:
         """The curves that end where `joined`, made of two curves, lacks an end of theirs."""
-        kept = (joined.start, joined.end)
+        kept, near = (joined.start, joined.end), (-1, 0, 1)
         return {
             name
-            for curve in (a, b)
-            for point in (curve.start, curve.end)
+            for point in (a.start, a.end, b.start, b.end)
             if min(distance(point, end) for end in kept) > self._tolerance
-            for name in self._at(point)
+            for column, row in (self._cell(point),)
+            for i, k in product(near, near)
+            for name, end in self._cells.get((column + i, row + k), ())
+            if distance(point, end) <= self._tolerance
         }
-
-    def _at(self, point: Point) -> Iterator[int]:
-        column, row = self._cell(point)
-        for i in (-1, 0, 1):
-            for k in (-1, 0, 1):
-                for name, end in self._cells.get((column + i, row + k), ()):
-                    if distance(point, end) <= self._tolerance:
-                        yield name
 
 
 def uncovered(curve: Curve, covers: Sequence[Curve], tolerance: float) -> tuple[Curve, ...]:

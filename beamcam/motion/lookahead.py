@@ -20,7 +20,7 @@ from math import cos, radians, sqrt
 
 import numpy as np
 from msgspec import Struct
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from beamcam.geometry.array_types import Counts, Floats
 from beamcam.motion.speeds import (
@@ -197,7 +197,24 @@ def plan_speeds(points: ArrayLike, speed_mm_s: ArrayLike, rules: LookAheadRules)
         for name in ("velocity", "acceleration", "jerk")
     )
     limits = np.minimum(feeds, velocity)
-    junctions, curved = _junction_limits(lengths, along, rules)
+    turn = along[1:] - along[:-1]
+    size = np.sqrt(np.einsum("ij,ij->i", turn, turn))
+    cosine = np.clip(np.einsum("ij,ij->i", along[1:], along[:-1]), -1.0, 1.0)
+    straight = size < 1e-9
+    ways = np.where(straight[:, None], 1.0, turn / np.where(straight, 1.0, size)[:, None])
+    across = _along(ways, [axis.acceleration for axis in rules.axes])
+    jerk_across = _along(ways, [axis.jerk for axis in rules.axes])
+    # Half of the angle between the segments: its sine is cos(turn / 2), its cosine size / 2.
+    half_sine, half_cosine = np.sqrt((1.0 + cosine) / 2), np.where(straight, 1.0, size / 2)
+    short = np.minimum(lengths[1:], lengths[:-1])
+    # 1 - sin = cos^2 / (1 + sin), without the loss of digits of nearly straight junctions.
+    corner = across * rules.deviation * half_sine * (1.0 + half_sine) / half_cosine**2
+    spread = 0.5 * short * half_sine / half_cosine * across * ACROSS_SHARE
+    squared = np.minimum(corner, spread)
+    # Speed v turns the path by size / short in each mm: its jerk is v^3 (size / short)^2.
+    by_jerk = np.cbrt(jerk_across * (short / (2 * half_cosine)) ** 2)
+    junctions = np.where(straight, np.inf, np.minimum(np.sqrt(squared), by_jerk))
+    curved = ~straight & (cosine > CURVE_TURN_COS)
     curving = np.concatenate(([False], curved)) | np.concatenate((curved, [False]))
     acceleration = np.where(curving, ALONG_SHARE * acceleration, acceleration)
     ends = np.concatenate(([0.0], junctions, [0.0]))
@@ -212,27 +229,3 @@ def _along(directions: Floats, axes: Sequence[float]) -> Floats:
     with np.errstate(divide="ignore"):
         points: Floats = np.min(np.asarray(axes) / np.abs(directions), axis=1)
     return points
-
-
-def _junction_limits(
-    lengths: Floats, along: Floats, rules: LookAheadRules
-) -> tuple[Floats, NDArray[np.bool_]]:
-    """Greatest speeds at the n - 1 inner junctions, and which of them belong to a curve."""
-    turn = along[1:] - along[:-1]
-    size = np.sqrt(np.einsum("ij,ij->i", turn, turn))
-    cosine = np.clip(np.einsum("ij,ij->i", along[1:], along[:-1]), -1.0, 1.0)
-    straight = size < 1e-9
-    ways = np.where(straight[:, None], 1.0, turn / np.where(straight, 1.0, size)[:, None])
-    across = _along(ways, [axis.acceleration for axis in rules.axes])
-    jerk = _along(ways, [axis.jerk for axis in rules.axes])
-    # Half of the angle between the segments: its sine is cos(turn / 2), its cosine size / 2.
-    half_sine, half_cosine = np.sqrt((1.0 + cosine) / 2), np.where(straight, 1.0, size / 2)
-    short = np.minimum(lengths[1:], lengths[:-1])
-    # 1 - sin = cos^2 / (1 + sin), without the loss of digits of nearly straight junctions.
-    corner = across * rules.deviation * half_sine * (1.0 + half_sine) / half_cosine**2
-    spread = 0.5 * short * half_sine / half_cosine * across * ACROSS_SHARE
-    squared = np.minimum(corner, spread)
-    # Speed v turns the path by size / short in each mm: its jerk is v^3 (size / short)^2.
-    by_jerk = np.cbrt(jerk * (short / (2 * half_cosine)) ** 2)
-    limit = np.where(straight, np.inf, np.minimum(np.sqrt(squared), by_jerk))
-    return limit, ~straight & (cosine > CURVE_TURN_COS)

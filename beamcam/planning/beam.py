@@ -266,7 +266,17 @@ def plan_turned(
     parts: Sequence[Part], machine: Machine, bar: float | None, skips: Collection[str], order: Order
 ) -> Plan:
     """The plan of a bar whose parts lie as is best. Raises PlanError as `plan_bar` does."""
-    choices = _choose_turns(parts, machine, skips)
+    trials = {id(part): tuple(try_turns(part, machine, skips)) for part in parts}
+    # A bar lies one way for all of them: if the best turns would set it on its web for one part and
+    # on its flange for another, all lie as given or all are set on the other side.
+    for allowed in ((False, True), (False,), (True,)):
+        best = {id(p): _choose(p, [t for t in trials[id(p)] if t.turn.swap in allowed])
+                for p in parts}  # fmt: skip
+        choices = [c for p in parts if (c := best[id(p)]) is not None]
+        if len(choices) == len(parts) and len({c.part.profile for c in choices}) == 1:
+            break
+    else:
+        choices = [Orientation(part, AS_GIVEN, ()) for part in parts]
     plan = plan_bar([c.part for c in choices], machine, bar, skips, order)
     pieces = tuple(replace(piece, turn=choices[piece.given].turn) for piece in plan.pieces)
     remarks = dict.fromkeys(diagnostic for c in choices for diagnostic in c.remarks)
@@ -320,25 +330,6 @@ def _tried(
         return Trial(turn, lying, None, f"{first.code}: {first.message}", first.code)
     skipped = sum(outcome.how == "skipped" for outcome in plan.outcomes)
     return Trial(turn, lying, work_time(plan, machine).total_s + SKIP_WEIGHT_S * skipped, "")
-
-
-def _choose_turns(
-    parts: Sequence[Part], machine: Machine, skips: Collection[str]
-) -> tuple[Orientation, ...]:
-    """The orientation of each part on one bar.
-
-    A bar lies one way for all of them: if the best turns would set it on its web for one part and
-    on its flange for another, all lie as given or all are set on the other side.
-    """
-    trials = {id(part): tuple(try_turns(part, machine, skips)) for part in parts}
-    for allowed in ((False, True), (False,), (True,)):
-        choices = {id(p): _choose(p, [t for t in trials[id(p)] if t.turn.swap in allowed])
-                   for p in parts}  # fmt: skip
-        made = [choices[id(p)] for p in parts]
-        orientations = [c for c in made if c is not None]
-        if len(orientations) == len(made) and len({c.part.profile for c in orientations}) == 1:
-            return tuple(orientations)
-    return tuple(Orientation(part, AS_GIVEN, ()) for part in parts)
 
 
 def _choose(part: Part, trials: Sequence[Trial]) -> Orientation | None:

@@ -16,18 +16,7 @@ from beamcam.geometry.lettering import body_share, glyph_of, spelled, spelled_wi
 from beamcam.geometry.plane import Box, Point, box_around
 from beamcam.machine.stations import Marks
 from beamcam.model.part import MIRRORED_FACES, TextMark
-from beamcam.planning.left_out import (
-    ANGLE,
-    BLANK,
-    CHARACTERS,
-    HEIGHT,
-    NO_ROOM,
-    TEXT_HEIGHT,
-    TEXT_MOVED,
-    TEXT_SEARCH,
-    TEXT_SIGN,
-    TOO_SMALL,
-)
+from beamcam.planning import left_out
 from beamcam.planning.lettering_room import BESIDE, MOST_SQUARES, STEP, Exhausted, Placed, Room
 
 SHRINK = 0.8  #: from one height that is tried to the next
@@ -86,13 +75,13 @@ def place_text(feature: TextMark, marks: Marks, room: Room) -> Lettered | str | 
     flat = Lettered(text, 0.0, 0.0, 1.0, 0.0, False, marks.spacing, NO_BOX)
     points = [point for stroke in flat.strokes for point in stroke]
     if not points:
-        return BLANK
+        return left_out.BLANK
     lettered = Lettered(
         text, feature.x, feature.y, height, feature.angle, feature.face in MIRRORED_FACES,
         marks.spacing, box_around(points),
     )  # fmt: skip
     if height < marks.min_height:
-        return TOO_SMALL
+        return left_out.TOO_SMALL
     return _put(lettered, feature, _smaller(lettered, marks, room), marks, room)
 
 
@@ -100,17 +89,17 @@ def _place_told(feature: TextMark, marks: Marks, room: Room) -> Lettered | str |
     """The text as a stamp or printer sets it: a row of characters, each as high as the row."""
     spelling = spelled_with(feature.text, marks.replace, marks.characters)
     if spelling is None:
-        return CHARACTERS
+        return left_out.CHARACTERS
     if not spelling.text.strip():
-        return BLANK
+        return left_out.BLANK
     angle = next((a for a in marks.angles if (a - feature.angle) % 360.0 in (0.0, 360.0)), None)
     if angle is None:
-        return ANGLE
+        return left_out.ANGLE
     if not marks.heights and feature.height < marks.min_height:
-        return TOO_SMALL
+        return left_out.TOO_SMALL
     heights = [own_height(feature.height, marks)]
     if feature.option == "z" and heights[0] != feature.height:
-        return HEIGHT
+        return left_out.HEIGHT
     if marks.heights:
         heights += sorted((h for h in marks.heights if h < heights[0]), reverse=True)
     lettered = Lettered(
@@ -137,11 +126,11 @@ def _put(
         try:
             placed = None if feature.option == "z" else next(filter(None, each), None)
         except Exhausted:
-            return TEXT_SEARCH.at(
+            return left_out.TEXT_SEARCH.at(
                 feature.source, text=lettered.text, face=feature.face, most=MOST_SQUARES
             )
     if placed is None:
-        return NO_ROOM
+        return left_out.NO_ROOM
     room.take(_box(placed))
     return placed
 
@@ -154,15 +143,17 @@ def remarks(feature: TextMark, lettered: Lettered, marks: Marks) -> Iterator[Dia
     else:
         spelling, has = spelled(feature.text, marks.replace), "the font"
     for sign, other in spelling.replaced if spelling else ():
-        yield TEXT_SIGN.at(feature.source, sign=sign, text=feature.text, other=other, has=has)
+        yield left_out.TEXT_SIGN.at(
+            feature.source, sign=sign, text=feature.text, other=other, has=has
+        )
     share = body_share() if marks.height_of == "body" and not marks.is_told else 1.0
     height = feature.height * share
     if marks.is_told and height != (own := own_height(height, marks)):
         values = {"text": lettered.text, "found": f"{height:g}", "height": f"{own:g}"}
-        yield TEXT_HEIGHT.at(feature.source, **values)
+        yield left_out.TEXT_HEIGHT.at(feature.source, **values)
         height = own
     if (lettered.x, lettered.y, lettered.height) != (feature.x, feature.y, height):
-        yield TEXT_MOVED.at(
+        yield left_out.TEXT_MOVED.at(
             feature.source, text=lettered.text, x=f"{lettered.x:.1f}", y=f"{lettered.y:.1f}",
             height=f"{lettered.height:.1f}", distance=f"{marks.min_distance:g}",
             wanted_x=f"{feature.x:g}", wanted_y=f"{feature.y:g}", wanted_height=f"{height:g}",

@@ -54,7 +54,7 @@ from msgspec.structs import replace
 from beamcam.caches import BoundedCache, PerObject
 from beamcam.errors import Diagnostic, Source
 from beamcam.machine.machine import Machine, Times
-from beamcam.machine.stations import Drill, Spindle, Tool, cutting_row, is_unnamed, turns_of
+from beamcam.machine.stations import Drill, Tool, cutting_row, is_unnamed, turns_of
 from beamcam.model.part import Face, Hole
 from beamcam.model.plan import (
     DrillOp,
@@ -234,29 +234,27 @@ def _prerequisites(station: Station) -> list[int]:
 
 def tool_loads(operations: Sequence[Operation], machine: Machine) -> tuple[ToolLoad, ...]:
     """Every load, those before the work first and the others in the order of work."""
-    loads = [load for s in machine.spindles for load in _loads_of(operations, s)]
+    loads: list[ToolLoad] = []
+    for spindle in machine.spindles:
+        needs = [
+            (index, op.tool)
+            for index, op in enumerate(operations)
+            if isinstance(op, (DrillOp, PathOp)) and spindle.face in op.faces
+        ]
+        held: list[Tool] = []
+        for at, (index, tool) in enumerate(needs):
+            if tool in held:
+                continue
+            before, station, out = 0, len(held), None
+            if len(held) < spindle.stations:
+                held.append(tool)
+            else:
+                later = [t for _, t in needs[at:]]
+                again = [later.index(t) if t in later else len(later) for t in held]
+                before, station = index, again.index(max(again))
+                out, held[station] = held[station], tool
+            loads.append(ToolLoad(before, spindle.name, station + 1, tool, out, spindle.number))
     return tuple(sorted(loads, key=lambda load: (load.out is not None, load.before)))
-
-
-def _loads_of(operations: Sequence[Operation], spindle: Spindle) -> Iterator[ToolLoad]:
-    needs = [
-        (index, op.tool)
-        for index, op in enumerate(operations)
-        if isinstance(op, (DrillOp, PathOp)) and spindle.face in op.faces
-    ]
-    stations: list[Tool] = []
-    for at, (index, tool) in enumerate(needs):
-        if tool in stations:
-            continue
-        if len(stations) < spindle.stations:
-            stations.append(tool)
-            yield ToolLoad(0, spindle.name, len(stations), tool, None, spindle.number)
-            continue
-        later = [t for _, t in needs[at:]]
-        again = [later.index(t) if t in later else len(later) for t in stations]
-        station = again.index(max(again))
-        yield ToolLoad(index, spindle.name, station + 1, tool, stations[station], spindle.number)
-        stations[station] = tool
 
 
 def reloads(

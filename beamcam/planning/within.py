@@ -1,4 +1,4 @@
-"""Openings that lie wholly in a larger one of their face, and so take no steel.
+"""What takes no steel: openings within a larger one of their face, and planes beyond an end.
 
  _________________     A drill in the larger opening would run in air, and a torch would fire into
 |    _________    |    what falls out of it. Nothing is missing from the part without the smaller
@@ -8,7 +8,7 @@
 """
 
 from collections import defaultdict
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from itertools import product
 from math import cos, floor, hypot, pi, radians, sin
 from typing import Any
@@ -19,7 +19,7 @@ from beamcam.errors import Diagnostic, note, warning
 from beamcam.geometry.curves import signed_area
 from beamcam.geometry.plane import Box, join_boxes
 from beamcam.model.description import description
-from beamcam.model.part import Contour, Face, Hole, Part, Slot
+from beamcam.model.part import Contour, EndPlane, Face, Hole, Part, Slot
 
 WITHIN = warning("plan-within",
     "found {what}, which lies wholly within the {other} of {first} and takes no steel; it is not "
@@ -173,3 +173,30 @@ def _polygon(one: Hole | Slot | Contour) -> Any:
     if isinstance(one, Contour):
         return make_valid(outlines([one.curves], CHORD)[0])
     return MultiPoint(one.centres).convex_hull.buffer(one.diameter / 2, quad_segs=64)
+
+
+# --- end planes (SC) ------------------------------------------------------------------------------
+
+
+NOTHING_TAKEN = note("plan-plane-nothing",
+    "found an end plane that takes nothing of the part; it is no cut of its own",
+    "It states an end once more that length, header or outline give, or it lies beyond "
+    "it.")  # fmt: skip
+INSIDE = 0.1  #: mm that a plane may lie inside of the end that it states once more
+
+Place = tuple[float, float, float]
+
+
+def takes_nothing(plane: EndPlane, outermost: Iterable[Place]) -> bool:
+    """Whether the outermost places of a part, x, y and z of its section, all lie behind a plane."""
+    (px, py, pz), (a, b, c) = plane.point, plane.normal
+    most = INSIDE * hypot(a, b, c)
+    return all(a * (x - px) + b * (y - py) + c * (z - pz) <= most for x, y, z in outermost)
+
+
+def idle_planes(part: Part, outermost: Iterable[Place]) -> Iterator[tuple[int, Diagnostic]]:
+    """The planes of a part that take nothing, by their indices, and a note on each."""
+    places = tuple(outermost)
+    for index, feature in enumerate(part.features):
+        if isinstance(feature, EndPlane) and takes_nothing(feature, places):
+            yield index, NOTHING_TAKEN.at(feature.source)

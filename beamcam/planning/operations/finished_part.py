@@ -81,7 +81,8 @@ def ends_of(part: Part, saw: Saw) -> tuple[Ends, tuple[Diagnostic, ...]]:
         flanges = ("u",) if part.profile.code == "L" else ("o", "u")
         first, *others = (_drawn_angles(part, face) for face in flanges)
         # One flange alone that is drawn skew is a preparation of that flange and no saw cut.
-        if first is not None and not all(_are_near(first, other) for other in others):
+        off = [abs(a - b) for one in others for a, b in zip(first or (), one or (), strict=False)]
+        if None in others or max(off, default=0.0) > ANGLE_TOLERANCE_DEG:
             first = None
         drawn = (_drawn_angles(part, "v"), first)
     elif header == ((0.0, 0.0), (0.0, 0.0)):
@@ -125,11 +126,6 @@ def _agreed(
             )
         angles.append(angle if abs(angle) >= min_mitre else 0.0)
     return angles[0], angles[1]
-
-
-def _are_near(angles: tuple[float, float], others: tuple[float, float] | None) -> bool:
-    pairs = zip(angles, others or (inf, inf), strict=True)
-    return all(abs(a - b) <= ANGLE_TOLERANCE_DEG for a, b in pairs)
 
 
 def _drawn_angles(part: Part, face: str) -> tuple[float, float] | None:

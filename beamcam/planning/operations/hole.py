@@ -37,7 +37,6 @@ from beamcam.planning.operations.tools import (
     Found,
     HoleWork,
     Settled,
-    Tooling,
     WorkingStep,
     toolings_of,
 )
@@ -285,8 +284,17 @@ def _make(
     if len(group) == 2 and any(refuse_steps(planner.part.features, steps, planner.travel)):
         return _one_by_one(group, planner, pilot, place)
     made: list[Found] = [*steps]
-    if hole.depth is not None:
-        made += _judge_points(group, toolings[0], thickness)
+    drill = toolings[0].tools[0]
+    for _, f, hole in group if drill.kind == "drill" and thickness > 0 else ():
+        out = (hole.depth or 0.0) + drill.tip - thickness
+        if hole.depth is None or hole.kind != "blind" or hole.depth > thickness + TOLERANCE:
+            continue
+        if out > TOLERANCE:  # the point comes through
+            diagnostic = BLIND_POINT.at(
+                hole.source, what=named(hole), found=f"{hole.depth:g}", x=f"{hole.x:g}",
+                y=f"{hole.y:g}", face=hole.face, out=f"{out:.3g}", expected=f"{thickness:g}",
+            )  # fmt: skip
+            made.append((f, diagnostic))
     return made
 
 
@@ -295,20 +303,6 @@ def _one_by_one(
 ) -> list[Found]:
     """The steps of two holes that one stroke of both spindles does not make."""
     return [step for one in group for step in _make((one,), planner, pilot, place)]
-
-
-def _judge_points(group: Group, tooling: Tooling, thickness: float) -> Iterator[Found]:
-    """Warnings where the point of a blind hole's drill comes through."""
-    drill = tooling.tools[0]
-    for _, f, hole in group:
-        if hole.depth is None or hole.kind != "blind" or drill.kind != "drill" or thickness <= 0:
-            continue
-        out = hole.depth + drill.tip - thickness
-        if out > TOLERANCE and hole.depth <= thickness + TOLERANCE:
-            yield f, BLIND_POINT.at(
-                hole.source, what=named(hole), found=f"{hole.depth:g}", x=f"{hole.x:g}",
-                y=f"{hole.y:g}", face=hole.face, out=f"{out:.3g}", expected=f"{thickness:g}",
-            )  # fmt: skip
 
 
 def _pilots(holes: Group, drill: Drill) -> dict[int, Placed]:

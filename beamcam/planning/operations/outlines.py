@@ -11,11 +11,11 @@ from beamcam.geometry.plane import Point, join_boxes
 from beamcam.model.part import Bend, Camber, Contour, EndPlane, Part
 from beamcam.model.section import corners
 from beamcam.planning import rules
-from beamcam.planning.end_planes import NOTHING_TAKEN, takes_nothing
 from beamcam.planning.operations.finished_part import CONTOUR_TOLERANCE, Ends, wall_end
 from beamcam.planning.operations.part_planner import Numbered, PartPlanner, WorkKind
 from beamcam.planning.operations.tools import Found, Settled
 from beamcam.planning.rules import BEVEL, BEVEL_NOISE
+from beamcam.planning.within import NOTHING_TAKEN, takes_nothing
 
 COPE = error("plan-cope",
     "found a contour on face {face} that leaves the straight stock at x {x}, y {y}; expected "
