@@ -38,7 +38,6 @@ CACHES = {
     "readers.module": Bound(16, "the module of a format is imported once"),
     "batch.shop": Bound(4, "a worker thaws its machines once, so that what is known of them stays"),
     "sections.table": Bound(1, "a table of 1,300 sections is read from its file"),
-    "sections.by_code": Bound(1, "the same table by code of profile"),
     "sections.name": Bound(4096, "each member of a model asks for the name of its section"),
     "dstv.sections": Bound(256, "the parts of a job share sections; all asks of one hash it once"),
     "ifc.parser": Bound(1, "ifcopenshell is loaded where a model is opened"),

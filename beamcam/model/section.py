@@ -10,9 +10,9 @@ ___|___        |________         |____       |________|     |
 
 import json
 import re
-from bisect import bisect_left, bisect_right
 from collections.abc import Sequence
 from math import acos, ceil, cos, hypot, pi, radians, sin, sqrt
+from operator import itemgetter
 
 from msgspec import Struct
 
@@ -329,19 +329,6 @@ def sections() -> dict[str, tuple[ProfileCode, Sizes]]:
     }
 
 
-@cached("sections.by_code")
-def _by_code() -> dict[str, tuple[tuple[Sizes, str], ...]]:
-    """Measures and name of the sections of each code, ascending by height; as given if equal."""
-    grouped: dict[str, list[tuple[Sizes, str]]] = {}
-    for name, (code, sizes) in sections().items():
-        grouped.setdefault(code, []).append((sizes, name))
-    return {code: tuple(sorted(rows, key=_height)) for code, rows in grouped.items()}
-
-
-def _height(row: tuple[Sizes, str]) -> float:
-    return row[0][0]
-
-
 def plain_name(name: str) -> str:
     """A section's name in one spelling: HE 200 B, HEB-200 and heb200 are HEB200."""
     text = name.upper().replace(",", ".").replace("*", "X").replace("×", "X")
@@ -358,13 +345,12 @@ def measures_of(name: str) -> tuple[ProfileCode, Sizes] | None:
 @cached("sections.name")
 def name_of(profile: Profile) -> str | None:
     """The catalogue's name of a section with these measures, the nearest within the tolerance."""
-    rows = _by_code().get(profile.code, ())
-    # Twice as far up and down as a section may be, so that no rounding decides.
-    first = bisect_left(rows, profile.height - 2 * TOLERANCE, key=_height)
-    last = bisect_right(rows, profile.height + 2 * TOLERANCE, key=_height)
-    off = [(difference(profile, sizes), name) for sizes, name in rows[first:last]]
-    near = [row for row in off if row[0] <= TOLERANCE]
-    return min(near, key=lambda row: row[0])[1] if near else None
+    near = [
+        (off, sizes[0], name)
+        for name, (code, sizes) in sections().items()
+        if code == profile.code and (off := difference(profile, sizes)) <= TOLERANCE
+    ]
+    return min(near, key=itemgetter(0, 1))[2] if near else None
 
 
 def difference(profile: Profile, sizes: Sizes) -> float:

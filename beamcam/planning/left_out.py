@@ -237,16 +237,11 @@ def _look_named(layer: str | None, colour: str | None) -> str:
 
 def curves_by_key(parts: Iterable[Part], table: Iterable[str]) -> Counter[str]:
     """Number of curves and texts of the parts that each key of the map matches."""
-    keys = tuple(table)
-    known: dict[tuple[str | None, str | None], str | None] = {}
-    counts: Counter[str] = Counter()
+    keys, counts = tuple(table), Counter[str]()
     for part in parts:
         for feature in part.features:
             if isinstance(feature, Contour):
-                look = feature.layer, feature.colour
-                if look not in known:
-                    known[look] = key_of(feature, keys)
-                key = known[look]
+                key = key_of(feature, keys)
                 if key is not None:
                     counts[key] += len(feature.curves)
         for layer, count in part.measures.lettered if part.measures is not None else ():

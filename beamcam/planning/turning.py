@@ -18,7 +18,7 @@ from math import isclose
 from typing import TypeVar
 
 from msgspec import Struct
-from msgspec.structs import replace
+from msgspec.structs import asdict, replace
 
 from beamcam.geometry.curves import Matrix
 from beamcam.geometry.plane import mapped
@@ -150,30 +150,21 @@ def _figures(part: Part) -> list[float | str]:
 
 
 def _row(feature: Feature) -> list[float | str]:
-    match feature:
-        case Hole():
-            depth = -1.0 if feature.depth is None else feature.depth
-            return ["hole", feature.face, feature.kind, feature.x, feature.y, feature.diameter,
-                    depth, feature.angle or 0.0]  # fmt: skip
-        case Slot():
-            depth = -1.0 if feature.depth is None else feature.depth
-            half_turn = 90.0 if feature.length == feature.height else 180.0
-            return ["slot", feature.face, feature.kind, feature.x, feature.y, feature.diameter,
-                    depth, feature.length, feature.height, feature.angle % half_turn]  # fmt: skip
-        case Contour():
-            points = sorted(c.point(t) for c in feature.curves for t in (0.0, 0.5))
-            flat = [value for point in points for value in point]
-            bevels = sorted(v for b in feature.bevels for v in (b.angle, b.land))
-            return ["contour", feature.face, feature.kind, feature.process, *flat, *bevels]
-        case TextMark():
-            return ["text", feature.face, feature.text, feature.x, feature.y,
-                    feature.angle % 360.0, feature.height]  # fmt: skip
-        case Bend():
-            return ["bend", *feature.start, *feature.end, feature.angle, feature.radius or 0.0]
-        case EndPlane():
-            return ["plane", *feature.point, *feature.normal]
-        case Camber():
-            return ["camber", feature.face, feature.x, feature.y]
+    row: list[float | str] = [type(feature).__name__]
+    if isinstance(feature, Contour):
+        points = sorted(c.point(t) for c in feature.curves for t in (0.0, 0.5))
+        bevels = sorted(v for b in feature.bevels for v in (b.angle, b.land))
+        row += feature.face, feature.kind, feature.process
+        return [*row, *(value for point in points for value in point), *bevels]
+    turn = 360.0
+    if isinstance(feature, Slot):
+        turn = 90.0 if feature.length == feature.height else 180.0
+    for name, value in asdict(feature).items():
+        if name == "angle" and not isinstance(feature, Bend):
+            row.append((value or 0.0) % turn)
+        elif name not in ("source", "edge", "option"):
+            row += value if isinstance(value, tuple) else [-1.0 if value is None else value]
+    return row
 
 
 Value = TypeVar("Value", float, int)
