@@ -46,14 +46,12 @@ class _Work:
         self._place = {end: n for n, node in enumerate(nodes) for end in node}
         self.left = [list(node) for node in nodes]
         self.joins: list[tuple[int, int]] = []
-        self._far = {end: self._last(end) for end in self._place}
-
-    def _last(self, end: int) -> int:
-        """The end of the chain that begins with an end."""
-        at = end ^ 1
-        while self._partner[at] >= 0:
-            at = self._partner[at] ^ 1
-        return at
+        self._far: dict[int, int] = {}  #: of an end that of the chain which begins with it
+        for end in self._place:
+            at = end ^ 1
+            while partner[at] >= 0:
+                at = partner[at] ^ 1
+            self._far[end] = at
 
     def close_rings(self, which: Iterable[int]) -> set[int]:
         """Closes the chains that lead back to their place; the places that this changes."""

@@ -231,7 +231,8 @@ class CellMotion:
         self._strokes = {s.number: s.stroke.axis for s in machine.spindles}
 
     def move(self, to: Mapping[str, float], way: float, feed_mm_min: float | None) -> Leg:
-        """A move of the axes that the letters of `to` move now; None is rapid.
+        """A move of the axes that the letters of `to` move now: X its own, Y and Z those of the
+        chosen spindles. A feed of None is rapid.
 
         `way` is the length that the feed counts along. Without a feed above 0 a stroke into
         the steel runs at that of the tool's data for any steel, and other moves as fast as they
@@ -239,8 +240,10 @@ class CellMotion:
         """
         end = list(self.positions)
         for letter, value in to.items():
-            for index in self._axes(letter):
-                end[index] = value
+            own = (None, letter) in self._index
+            for number in (None,) if own else self._chosen:
+                if (number, letter) in self._index:
+                    end[self._index[number, letter]] = value
         if feed_mm_min is not None and not 0.0 < feed_mm_min < inf:
             feed_mm_min = self._own_feed(end)
         slow = feed_mm_min is not None and way > 0.0
@@ -299,15 +302,6 @@ class CellMotion:
         feed = feed_mm_min if feed_mm_min and 0.0 < feed_mm_min < inf else saw.feed_mm_min
         yield self._travel(down, feed / SECONDS_PER_MINUTE / depth), True
         yield self._travel(list(up)), False
-
-    def _axes(self, letter: str) -> Iterator[int]:
-        """The axes that a letter moves now: X its own, Y and Z those of the chosen spindles."""
-        if (None, letter) in self._index:
-            yield self._index[None, letter]
-            return
-        for number in self._chosen:
-            if (number, letter) in self._index:
-                yield self._index[number, letter]
 
     def _stand(self, seconds: float) -> Leg:
         return Leg(seconds, self.positions, self.positions)

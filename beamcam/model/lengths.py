@@ -57,7 +57,23 @@ def duplicate_length(curves: Iterable[Curve]) -> float:
     lines = [curve for curve in every if isinstance(curve, Line)]
     arcs = [curve for curve in every if isinstance(curve, Arc)]
     others = [curve for curve in every if not isinstance(curve, Line | Arc)]
-    total = _overlap_of_lines(lines)
+    # Lines of one carrier have one direction and one distance from the origin. A direction is known
+    # to `SAME_PLACE` over the length of the line, so that it is compared as the distances of the
+    # carrier from two far points of the drawing instead of an angle.
+    span = max((abs(v) for line in lines for p in (line.start, line.end) for v in p), default=0.0)
+    placed = []
+    along: dict[int, tuple[float, float]] = {}
+    for index, line in enumerate(lines):
+        if line.length <= SAME_PLACE:
+            continue
+        x, y = line.tangent(0.0)
+        if x < -1e-9 or (abs(x) <= 1e-9 and y < 0):  # the same for both ways of drawing it
+            x, y = -x, -y
+        direction, normal = (x, y), (-y, x)
+        placed.append(((dot(line.start, normal), x * span, y * span), index))
+        low, high = sorted((dot(line.start, direction), dot(line.end, direction)))
+        along[index] = (low, high)
+    total = sum(_overlap([along[i] for i in group]) for group in _clusters(placed))
     round_ = 0.0
     for group in _clusters([((*arc.centre, arc.radius), index) for index, arc in enumerate(arcs)]):
         spans: list[tuple[float, float]] = []
@@ -113,28 +129,6 @@ def _overlap(spans: Sequence[tuple[float, float]]) -> float:
         surplus += max(0.0, min(high, reach) - low)
         reach = max(reach, high)
     return surplus
-
-
-def _overlap_of_lines(lines: Sequence[Line]) -> float:
-    """Lines of one carrier have one direction and one distance from the origin.
-
-    A direction is known to `SAME_PLACE` over the length of the line, so that it is compared as
-    the distances of the carrier from two far points of the drawing instead of an angle.
-    """
-    span = max((abs(v) for line in lines for p in (line.start, line.end) for v in p), default=0.0)
-    placed = []
-    along: dict[int, tuple[float, float]] = {}
-    for index, line in enumerate(lines):
-        if line.length <= SAME_PLACE:
-            continue
-        x, y = line.tangent(0.0)
-        if x < -1e-9 or (abs(x) <= 1e-9 and y < 0):  # the same for both ways of drawing it
-            x, y = -x, -y
-        direction, normal = (x, y), (-y, x)
-        placed.append(((dot(line.start, normal), x * span, y * span), index))
-        low, high = sorted((dot(line.start, direction), dot(line.end, direction)))
-        along[index] = (low, high)
-    return sum(_overlap([along[i] for i in group]) for group in _clusters(placed))
 
 
 def _signature(curve: Curve) -> tuple[float, ...]:

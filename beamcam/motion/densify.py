@@ -225,7 +225,23 @@ def densify(path: Sequence[Curve], rules: DensifyRules) -> Densified:
     points = truncated(exact, rules.counts)
     moved = float(np.max(np.hypot(*(points - exact).T))) if rules.counts else 0.0
     steps = np.array([n for own in spans.steps for n in own])
-    return _finish(points, steps, rules, float(spans.deviation + moved + gap + blur))
+    # Steps of no length are dropped, speeds lowered by the cycle rule.
+    deviation = float(spans.deviation + moved + gap + blur)
+    lengths = np.hypot(*np.diff(points, axis=0).T)
+    span = np.repeat(np.arange(len(steps)), steps) if rules.cycle_s > 0.0 else lengths
+    if np.min(lengths) == 0.0:
+        kept = lengths > 0.0
+        points = points[np.concatenate(([True], kept))]
+        lengths, span = lengths[kept], span[kept]
+    speeds = np.full(len(lengths), rules.speed_mm_s)
+    if rules.cycle_s > 0.0 and len(lengths):
+        starts = np.concatenate(([0], np.flatnonzero(np.diff(span)) + 1))
+        least = np.minimum.reduceat(lengths, starts)
+        allowed = np.minimum(rules.speed_mm_s, least / (rules.cycles_per_chord * rules.cycle_s))
+        speeds = np.repeat(allowed, np.diff(np.concatenate((starts, [len(lengths)]))))
+    points.setflags(write=False)
+    speeds.setflags(write=False)
+    return Densified(points, speeds, deviation)
 
 
 def _reach(curve: Curve) -> float:
@@ -277,21 +293,3 @@ def _collect_spans(path: Sequence[Curve], tolerance: float) -> Spans:
                 spans.steps[number] = n.tolist()
                 spans.free[kind].append((number, shaped[row], n, piece.end))
     return spans
-
-
-def _finish(points: Floats, steps: Counts, rules: DensifyRules, deviation: float) -> Densified:
-    lengths = np.hypot(*np.diff(points, axis=0).T)
-    span = np.repeat(np.arange(len(steps)), steps) if rules.cycle_s > 0.0 else lengths
-    if np.min(lengths) == 0.0:
-        kept = lengths > 0.0
-        points = points[np.concatenate(([True], kept))]
-        lengths, span = lengths[kept], span[kept]
-    speeds = np.full(len(lengths), rules.speed_mm_s)
-    if rules.cycle_s > 0.0 and len(lengths):
-        starts = np.concatenate(([0], np.flatnonzero(np.diff(span)) + 1))
-        least = np.minimum.reduceat(lengths, starts)
-        allowed = np.minimum(rules.speed_mm_s, least / (rules.cycles_per_chord * rules.cycle_s))
-        speeds = np.repeat(allowed, np.diff(np.concatenate((starts, [len(lengths)]))))
-    points.setflags(write=False)
-    speeds.setflags(write=False)
-    return Densified(points, speeds, deviation)

@@ -207,19 +207,13 @@ def step_time(plan: SheetPlan, machine: Machine) -> WorkTime:
 
     Each way is planned by the look-ahead, from rest to rest, as for the rows themselves.
     """
-    return by_operation(plan, _way_passes(plan, machine))
-
-
-def _way_passes(plan: SheetPlan, machine: Machine) -> Iterator[float]:
-    """Seconds of each pass with the way to it, and of the return home."""
     stepper = machine.needed(machine.stepper, "stepping motors")
     rest_us = int(2 * MICROSECONDS / stepper.max_hz) + 1
-    microseconds = 0
+    passes_us = [0]
     for way in ways(plan, machine):
         waits = round(way.wait_s * MICROSECONDS) if way.laser else 0
         moves = ceil(plan_way(way, stepper).duration_s * MICROSECONDS)
-        microseconds += waits + moves + 2 * rest_us
+        passes_us[-1] += waits + moves + 2 * rest_us
         if way.laser:
-            yield microseconds / MICROSECONDS
-            microseconds = 0
-    yield microseconds / MICROSECONDS
+            passes_us.append(0)
+    return by_operation(plan, (one / MICROSECONDS for one in passes_us))

@@ -141,21 +141,14 @@ def trigger_time(plan: SheetPlan, table: TriggerTable, machine: Machine) -> Work
     Each operation runs from rest to rest; the next begins in the cycle behind the one that sees
     its arrival. Homing is not included, as its start position is unknown.
     """
-    return by_operation(
-        plan, _table_passes(table, machine.needed(machine.triggers, "trigger program"))
-    )
-
-
-def _table_passes(table: TriggerTable, triggers: Triggers) -> Iterator[float]:
-    """Seconds of each pass with the traverse to it, and of the return home."""
-    here, seconds = (0.0, 0.0, triggers.home_over(table.thickness)), 0.0
+    triggers = machine.needed(machine.triggers, "trigger program")
+    here, passes = (0.0, 0.0, triggers.home_over(table.thickness)), [0.0]
     for op in table.operations:
-        seconds += operation_seconds(op, here, triggers)
+        passes[-1] += operation_seconds(op, here, triggers)
         here = place_behind(op, here)
         if isinstance(op, SwitchTool) and not op.on:
-            yield seconds
-            seconds = 0.0
-    yield seconds
+            passes.append(0.0)
+    return by_operation(plan, iter(passes))
 
 
 def length_through(start: Point, middle: Point, end: Point) -> float:

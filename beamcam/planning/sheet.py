@@ -7,7 +7,7 @@ Until the work is put in order all coordinates are those of the drawing, so that
 """
 
 from collections import Counter
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from math import prod
 from typing import cast
 
@@ -29,7 +29,6 @@ from beamcam.planning.contours import rules
 from beamcam.planning.contours.assign_process import (
     OUTLINE,
     Assigned,
-    AssignedCurve,
     assign_processes,
     min_hole,
     spot,
@@ -113,7 +112,8 @@ def plan_sheet(parts: Sequence[Part], machine: Machine, skips: Collection[str] =
         part.profile, (piece,), shift, material.thickness, operations, outcomes, tuple(remarks),
         min_bevel=torch.min_bevel,
     )  # fmt: skip
-    _balance(plan)
+    if [outcome.feature for outcome in outcomes] != [(0, f) for f in range(len(part.features))]:
+        raise AssertionError("the ledger of the plan does not balance")
     return plan
 
 
@@ -124,7 +124,23 @@ def _refuse_work(
     """Raises PlanError for what the machine cannot make of the curves, and where there are none."""
     refusals = [*assigned.refusals]
     if torch.settings:
-        refusals += _refuse_settings(assigned.wanted, torch, machine)
+        # A power that the machine cannot follow, and an overcut of what is not cut, of each colour
+        # or layer in use.
+        curves = assigned.wanted
+        first = {(w.look, w.process): w for w in reversed(curves) if w.look}
+        for look, process in sorted(first):
+            source, power = first[look, process].source, torch.settings[look].power
+            why = None
+            if machine.controller in TABLE_CONTROLLERS:
+                why = f"the tool of {machine.name} is on or off"
+            elif not any("{power}" in line for line in getattr(machine.words, f"{process}_on")):
+                why = f"words.{process}_on of {machine.name} has no {{power}}"
+            if power is not None and why is not None:
+                key, found = f"map.{look}.power", f"{power:g}"
+                refusals.append(rules.LOOK_SETTING.at(source, key=key, found=found, why=why))
+        for (look, process), w in {(w.look, w.process): w for w in curves}.items():
+            if process != "cut" and torch.settings.get(look, PLAIN).overcut is not None:
+                refusals.append(rules.LOOK_OVERCUT.at(w.source, key=look, found=process))
     spots: set[TorchProcess] = {"spot"} if assigned.spots else set()
     refusals += material.refusals(processes | spots)
     if machine.triggers is not None and machine.triggers.z is not None:
@@ -133,28 +149,6 @@ def _refuse_work(
         raise PlanError(refusals)
     if not assigned.wanted:
         raise PlanError(_nothing(part, assigned, 0, torch.gap))
-
-
-def _refuse_settings(
-    curves: Iterable[AssignedCurve], torch: Torch, machine: Machine
-) -> Iterator[Diagnostic]:
-    """An error for each colour or layer in use with a power that the machine cannot follow, or
-    with an overcut that is not cut."""
-    first = {(w.look, w.process): w for w in reversed(list(curves)) if w.look}
-    for look, process in sorted(first):
-        source, power = first[look, process].source, torch.settings[look].power
-        if power is None:
-            continue
-        key, found = f"map.{look}.power", f"{power:g}"
-        if machine.controller in TABLE_CONTROLLERS:
-            why = f"the tool of {machine.name} is on or off"
-            yield rules.LOOK_SETTING.at(source, key=key, found=found, why=why)
-        elif not any("{power}" in line for line in getattr(machine.words, f"{process}_on")):
-            why = f"words.{process}_on of {machine.name} has no {{power}}"
-            yield rules.LOOK_SETTING.at(source, key=key, found=found, why=why)
-    for (look, process), w in {(w.look, w.process): w for w in curves}.items():
-        if process != "cut" and torch.settings.get(look, PLAIN).overcut is not None:
-            yield rules.LOOK_OVERCUT.at(w.source, key=look, found=process)
 
 
 def _spots(part: Part, assigned: Assigned) -> list[Shape]:
@@ -291,13 +285,6 @@ def _outcomes(
             yield Outcome(ref, "duplicate", rules.OVERLAP.code)
         elif index in joined.small:
             yield Outcome(ref, "skipped", rules.TINY.code)
-
-
-def _balance(plan: SheetPlan) -> None:
-    """Raise AssertionError unless every feature has exactly one outcome."""
-    features = plan.pieces[0].part.features
-    if [o.feature for o in plan.outcomes] != [(0, f) for f in range(len(features))]:
-        raise AssertionError("the ledger of the plan does not balance")
 
 
 def drill_small_openings(
