@@ -134,7 +134,7 @@ class CurveTable:
 
 
 def _fixed(array: Floats) -> Floats:
-    """The array, which nobody writes to from now on."""
+    """The array, read-only from now on."""
     array.setflags(write=False)
     return array
 

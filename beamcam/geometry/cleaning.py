@@ -110,7 +110,7 @@ class _Ends:
                 cell.remove((name, point))
 
     def lost(self, joined: Curve, a: Curve, b: Curve) -> set[int]:
-        """The curves that end where `joined`, made of two curves, lacks an end of theirs."""
+        """The curves that end where `joined`, made of two curves, has no end there."""
         kept, near = (joined.start, joined.end), (-1, 0, 1)
         return {
             name

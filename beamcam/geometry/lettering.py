@@ -108,8 +108,8 @@ def spelled(text: str, replace: Mapping[str, str]) -> Spelling:
     """A text in characters of the font.
 
     A character that it has not is written as `replace` says, else by those that it stands for, else
-    by its name in brackets; all that is told. Signs that look the same, such as dashes, are written
-    as the one that there is.
+    by its name in brackets; the result says which. Signs that look the same, such as dashes, are
+    written as the one that there is.
     """
     font = _font("hershey")
     words: list[str] = []
@@ -132,7 +132,7 @@ def spelled_with(text: str, replace: Mapping[str, str], characters: str) -> Spel
     """A text in the characters of a stamp or printer; None where they do not do.
 
     A character that it has not is written as `replace` says, else as a capital, without accents, by
-    those that it stands for, or by its name; all that is told.
+    those that it stands for, or by its name; all that is reported.
     """
     has = set(characters).issuperset
     words: list[str] = []

@@ -69,12 +69,12 @@ class StrokeGeometry:
         )
 
     def places(self, op: SpindleOp, y: float) -> tuple[YZ, YZ, YZ]:
-        """Y and Z of an operation's stroke: free of the section, near, and at the bottom."""
+        """Y and Z of an operation's stroke: retracted, approached and at the bottom."""
         stroke, (across, along) = self(op, y), self.axes(op)
         heights = stroke.retract, stroke.approach, stroke.bottom
         places = [{across: stroke.across, along: height} for height in heights]
-        free, near, bottom = ((at["Y"], at["Z"]) for at in places)
-        return free, near, bottom
+        retract, approach, bottom = ((at["Y"], at["Z"]) for at in places)
+        return retract, approach, bottom
 
 
 def formula_values(profile: Profile, face: Face, drill: Drill) -> dict[str, float]:

@@ -91,7 +91,7 @@ class DrillOp(Struct, frozen=True, gc=False):
 
 
 class PathOp(Struct, frozen=True):
-    """A tool led along a path: a slot or a large hole milled, a line scribed."""
+    """A tool that follows a path: a slot or a large hole milled, a line scribed."""
 
     x: float  #: machine X of the first point
     spindle: int
@@ -110,7 +110,7 @@ class PathOp(Struct, frozen=True):
 
 
 class StampedLetters(Struct, frozen=True):
-    """A text as a stamp or printer is told it."""
+    """A text as a stamp or printer gets it."""
 
     text: str
     height: float
@@ -118,7 +118,7 @@ class StampedLetters(Struct, frozen=True):
 
 
 class TextOp(Struct, frozen=True):
-    """A text that a stamp or printer is told."""
+    """A text that a stamp or printer letters."""
 
     x: float  #: machine X
     spindle: int  #: what the program calls the unit on that face
@@ -252,7 +252,7 @@ class SheetPlan(OfPieces, frozen=True):
     outcomes: tuple[Outcome, ...]  #: one for every feature
     remarks: tuple[Diagnostic, ...] = ()
     reloads: tuple[ToolLoad, ...] = ()  #: changed manually during the work, in its order
-    notes: tuple[str, ...] = ()  #: for whoever stands at the machine
+    notes: tuple[str, ...] = ()  #: for the operator
     min_bevel: float = 0.0  #: degrees; a smaller bevel counts as square
 
 

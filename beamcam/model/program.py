@@ -118,7 +118,7 @@ class ChangeTool(Struct, frozen=True):
 
 
 class Comment(Struct, frozen=True):
-    """A text for whoever reads the program at the machine."""
+    """A text for the operator."""
 
     text: str
 

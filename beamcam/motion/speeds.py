@@ -209,9 +209,9 @@ def ramp_phases(
 #
 #     speed limit   ____      ____________      The limits of segments and of the junctions
 #                  |    |_ _ |            |     between them are a skyline. A tower that is too
-#                  |      | |             |     narrow to be climbed is levelled with its higher
+#                  |      | |             |     short to be climbed  is levelled with its higher
 #               ___|      |_|             |__   neighbour; small steps in one direction are taken
-#                    narrow    worth it         together.
+#                    too short worth it         together.
 
 
 #: A tower is worth climbing if the speed rises by this share of its foot in half its width.
@@ -277,7 +277,7 @@ def join_segments(
     skyline: list[SpeedSection] = []
     for section in level:
         new = SpeedSection(*section)
-        # Level the towers that it leaves too narrow.
+        # Level the towers that it leaves too short.
         while len(skyline) > 1 and skyline[-1].limit > new.limit:
             before, tower = skyline[-2], skyline[-1]
             if before.limit >= tower.limit or _is_worth(tower, max(before.limit, new.limit)):

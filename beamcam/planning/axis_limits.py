@@ -1,8 +1,8 @@
 """Positions out of the axes' travel, by `min` and `max` of `[[axes]]`.
 
-    across the bar and along a stroke    follow from section, hole and tool: asked of each part
-    the saw's rotation                   follows from the end of a part: asked of each part
-    X, the stop or the pusher            follows from where the part lies: asked of the whole bar
+    across the bar and along a stroke    follow from section, hole and tool: checked for each part
+    the saw's rotation                   follows from the end of a part: checked for each part
+    X, the stop or the pusher            follows from where the part lies: checked for the whole bar
 
 An axis stands at the number that is written, so places are rounded before they are compared.
 

@@ -185,12 +185,9 @@ def _outcomes(works: Sequence[PartWork], operations: Sequence[WorkOp]) -> list[O
             how = "merged"
     outcomes = list(made.values())
     for p, work in enumerate(works):
-        outcomes += [
-            Outcome((p, f), "skipped", diagnostic.code) for f, diagnostic in work.skipped.items()
-        ]
-        outcomes += [Outcome((p, each.feature), each.how, each.by) for each in work.settled]
-    outcomes.sort(key=_feature)
-    return outcomes
+        outcomes += (Outcome((p, f), "skipped", d.code) for f, d in work.skipped.items())
+        outcomes += (Outcome((p, each.feature), each.how, each.by) for each in work.settled)
+    return sorted(outcomes, key=_feature)
 
 
 def _balance(plan: Plan, machine: Machine) -> None:

@@ -101,7 +101,7 @@ MANUAL_WORK = warning("plan-by-hand",
     "mark.")  # fmt: skip
 
 
-def told(plan: AnyPlan) -> Iterator[Diagnostic]:
+def unfinished_remarks(plan: AnyPlan) -> Iterator[Diagnostic]:
     """A warning for each feature that was left out, or is left for manual work.
 
     A part that is on the bar several times is reported once.
@@ -215,7 +215,7 @@ def _boxes_cut(plan: SheetPlan) -> list[Box]:
 
 
 def _is_settled(lines: Contour | Dashed, torch: Torch) -> bool:
-    """Whether somebody has said what lines of a look are for, and not custom alone."""
+    """Whether a key says what lines of a look are for, and not custom alone."""
     key = key_of(lines, torch.colours)
     by_layer = lines.layer is not None and (key or "").casefold() == lines.layer.casefold()
     return by_layer or key in torch.settled

@@ -1,6 +1,6 @@
 """Room for texts on a face: how clear a box is of edges, holes and other texts, or would be.
 
-The search goes by squares over the face, the nearest to the wanted place first: a square is given
+The search goes by squares over the face, the nearest to its own place first: a square is given
 up where the box at its middle lies deeper in obstacles than the corners of the square are away.
 """
 
@@ -32,7 +32,7 @@ BETWEEN = 0.1  #: mm from the box of one text to that of another, both where the
 BESIDE = 1.0  #: mm from other texts to one that is moved, if so much is kept from edges
 TEXTS_OF_A_SQUARE = 256  #: texts beside which a square takes as much effort again
 SEEN = 1 / 32  #: of the effort for a square is that for one which was looked at before
-CIRCLES = 4  #: in a box on each side of its middle, by which it is told how deep it lies
+CIRCLES = 4  #: in a box on each side of its middle, that show how deep it lies
 
 
 class Exhausted(Exception):

@@ -307,9 +307,9 @@ def _exact(saves: Sequence[Sequence[float]]) -> list[int]:
                 if mask >> after & 1:
                     continue
                 key = mask | 1 << after, after
-                found = (cost - saves[last][after], (*path, after))
-                if key not in best or found < best[key]:
-                    best[key] = found
+                saved = (cost - saves[last][after], (*path, after))
+                if key not in best or saved < best[key]:
+                    best[key] = saved
     full = (1 << count) - 1
     return list(min(best[full, last] for last in range(count))[1])
 

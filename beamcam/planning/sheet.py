@@ -1,7 +1,7 @@
 """The plan of a sheet on a cutting table.
 
 part -> what each curve is for -> joined, what lies twice taken away -> nothing crosses -> nested
-     -> half a kerf off -> in order -> begun, led into, bridged -> a ledger of every feature
+     -> half a kerf off -> in order -> begun, with lead-ins and bridges -> a ledger of every feature
 
 Until the work is put in order all coordinates are those of the drawing, so that messages are too.
 """

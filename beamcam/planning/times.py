@@ -124,10 +124,10 @@ class _CellClock:
             if meaning in _CYCLES
         }
         #: Whether the header says that cycles draw back no further than R (G99 of RS274).
-        self._back_to_near = False
+        self._back_to_approach = False
         if machine.controller == "linuxcnc":
             self._cycles = {number: number for number in DRILLING}
-            self._back_to_near = re.findall(r"\bG9[89]\b", header)[-1:] == ["G99"]
+            self._back_to_approach = re.findall(r"\bG9[89]\b", header)[-1:] == ["G99"]
         self._place = {"X": nan, "Y": nan, "Z": nan}
         self._rapid, self._feed_mm_min = True, 0.0
 
@@ -156,9 +156,9 @@ class _CellClock:
         return total + self._run(f"{kind}_end", values, kind)
 
     def _places(self, op: SpindleOp, x: float, y: float) -> dict[str, float]:
-        start, near, bottom = self._strokes.places(op, y)
+        retract, approach, bottom = self._strokes.places(op, y)
         return {
-            "x": x, "y": start[0], "z": start[1], "near_y": near[0], "near_z": near[1],
+            "x": x, "y": retract[0], "z": retract[1], "near_y": approach[0], "near_z": approach[1],
             "bottom_y": bottom[0], "bottom_z": bottom[1],
         }  # fmt: skip
 
@@ -188,11 +188,13 @@ class _CellClock:
                 self._feed_mm_min = words.get("F", self._feed_mm_min)
                 at = self._place["X"], self._place["Y"], self._place["Z"]
                 place = words.get("X", at[0]), words.get("Y", at[1])
-                near, bottom = words["R"], words["Z"]
-                clear = clear_place(at[2], near, bottom, self._back_to_near)
+                approach, bottom = words["R"], words["Z"]
+                clear = clear_place(at[2], approach, bottom, self._back_to_approach)
                 seconds = words.get("P", 0.0) if cycle == DRILL_AND_DWELL else 0.0
                 peck = words.get("Q", 0.0)
-                for rapid, end in cycle_moves(at, place, bottom, near, clear, at[2], cycle, peck):
+                for rapid, end in cycle_moves(
+                    at, place, bottom, approach, clear, at[2], cycle, peck
+                ):
                     self._rapid = rapid
                     to = {letter: v for letter, v in zip("XYZ", end, strict=True) if not isnan(v)}
                     seconds += self._go(to)

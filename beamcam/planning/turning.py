@@ -226,7 +226,7 @@ class _Mapper:
         )
 
     def angles(self, four: tuple[Value, Value, Value, Value]) -> tuple[Value, Value, Value, Value]:
-        """What is said of the cuts of web and flange, at start and end, in its order then."""
+        """Values of web and flange, at start and end, in the order that they have then."""
         if self._turn.reverse_x:
             four = (four[1], four[0], four[3], four[2])
         return (four[2], four[3], four[0], four[1]) if self._turn.swap else four

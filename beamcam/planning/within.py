@@ -2,7 +2,7 @@
 
  _________________     A drill in the larger opening would run in air, and a torch would fire into
 |    _________    |    what falls out of it. Nothing is missing from the part without the smaller
-|   |  o      |   |    one; but a number of the file is most often wrong, so that it is told, and
+|   |  o      |   |    one; but a number of the file is most often wrong: it gets a warning, and it
 |   |_________|   |    has a row on the list of manual work.
 |_________________|
 """
@@ -52,15 +52,15 @@ class _Opening(Struct, frozen=True):
 
 def within_larger(part: Part) -> dict[int, Diagnostic]:
     """By their indices the openings that lie in larger ones that go through, and a warning each."""
-    found: dict[int, Diagnostic] = {}
+    warnings: dict[int, Diagnostic] = {}
     for small, large in _pairs([*_openings(part)]):
-        if small.index in found or not _lies_in(small, large):
+        if small.index in warnings or not _lies_in(small, large):
             continue
         one, other = small.feature, large.feature
-        found[small.index] = WITHIN.at(
+        warnings[small.index] = WITHIN.at(
             one.source, what=description(one), other=description(other), first=other.source
         )
-    return found
+    return warnings
 
 
 def overlapping(part: Part, within: Collection[int]) -> Iterator[Diagnostic]:

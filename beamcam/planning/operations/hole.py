@@ -119,9 +119,8 @@ def _is_same(a: Hole, b: Hole, limit: float) -> bool:
 
 def alike(a: Hole, b: Hole, limit: float) -> bool:
     """Whether two holes are the same but for face and place."""
-    if a.depth is None or b.depth is None:
-        deep = a.depth is b.depth
-    else:
+    deep = a.depth is b.depth
+    if a.depth is not None and b.depth is not None:
         deep = abs(a.depth - b.depth) <= limit
     same = a.kind == b.kind and (a.angle or 0.0) == (b.angle or 0.0)
     return deep and same and abs(a.diameter - b.diameter) <= limit

@@ -1,4 +1,4 @@
-"""Marks that are lines and texts: a scribe is led along them; a stamp or printer is told a text.
+"""Marks that are lines and texts: a scribe follows them; a stamp or printer gets a text.
 
 A text is lettered where it is clear of holes, edges and ends. One without room, or out of reach, is
 left for manual work.
@@ -213,13 +213,9 @@ def _room(face: Face, planner: PartPlanner) -> "Room | None":
     return room
 
 
-# What the machine cannot letter is left for manual work: it lacks nothing.
-TEXT = WorkKind(
-    "text",
-    lambda *_: None,
-    steps=_text_steps,
-    reasons={
-        "letter": "a text lettered by strokes",
-        "tell": "a text that the machine's stamp or printer can letter",
-    },
-)
+# What the machine cannot letter is left for manual work.
+TEXT_REASONS = {
+    "letter": "a text lettered by strokes",
+    "tell": "a text that the machine's stamp or printer can letter",
+}
+TEXT = WorkKind("text", lambda *_: None, steps=_text_steps, reasons=TEXT_REASONS)

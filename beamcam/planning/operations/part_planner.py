@@ -349,7 +349,7 @@ class WorkKind(Struct, frozen=True):
     """
 
     name: str
-    #: What the machine lacks for a feature; None if it has everything.
+    #: What the machine does not have for a feature; None if it has everything.
     needs: Callable[[Any, PartPlanner], Diagnostic | None]
     #: What is wrong with the place of a feature on the finished part, or odd.
     refusals: Callable[[Any, PartPlanner], Iterable[Diagnostic]] = nothing

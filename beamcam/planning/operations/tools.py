@@ -44,7 +44,7 @@ class Tooling(Struct, frozen=True):
 
 
 class ToolLibrary:
-    """The tools of a machine by kind and face. It keeps what it was asked, and is otherwise
+    """The tools of a machine by kind and face. It keeps its answers, and is otherwise
     immutable; `library_of` gives the same one for the same machine."""
 
     def __init__(self, sets: tuple[ToolSet, ...], drill: Drill) -> None:
@@ -75,10 +75,8 @@ class ToolLibrary:
         key = diameters, faces
         known = self._drills.get(key)
         if known is None:
-            fitting = self.fitting(diameters, faces)
-            known = self._drills.keep(
-                key, nearest(fitting, diameters, self.drill.same_tool_tolerance)
-            )
+            fitting, twin = self.fitting(diameters, faces), self.drill.same_tool_tolerance
+            known = self._drills.keep(key, nearest(fitting, diameters, twin))
         return known
 
     def fitting(self, diameters: tuple[float, ...], faces: tuple[Face, ...]) -> Tools:
@@ -108,12 +106,9 @@ class ToolLibrary:
 
     def taps(self, diameter: float, left: bool, faces: tuple[Face, ...]) -> Tools:
         """The tap of a nominal diameter."""
-        hand = "left" if left else "right"
-        return tuple(
-            tap
-            for tap in self.of_kind("tap", faces)
-            if tap.hand == hand and abs(tap.diameter - diameter) <= self.drill.same_tool_tolerance
-        )[:1]
+        hand, off = "left" if left else "right", self.drill.same_tool_tolerance
+        taps = (tap for tap in self.of_kind("tap", faces) if tap.hand == hand)
+        return tuple(tap for tap in taps if abs(tap.diameter - diameter) <= off)[:1]
 
     def pre_drill(self, tap: Tool) -> float:
         """Diameter of the drill before a tap."""
@@ -127,14 +122,12 @@ class ToolLibrary:
 
     def ring_mill(self, diameter: float, faces: tuple[Face, ...]) -> Tools:
         """The largest mill that may make a hole of `diameter` as a circle."""
-        largest = max(
-            (t.largest_hole for t in self._sets if t.kind == "mill" and set(faces) <= set(t.faces)),
-            default=0.0,
-        )
-        if diameter > largest:
+        mills = (t for t in self._sets if t.kind == "mill" and set(faces) <= set(t.faces))
+        if diameter > max((t.largest_hole for t in mills), default=0.0):
             return ()
-        fitting = (t for t in self.of_kind("mill", faces) if t.diameter <= MILL_ROOM * diameter)
-        return tuple(fitting)[-1:]
+        return tuple(t for t in self.of_kind("mill", faces) if t.diameter <= MILL_ROOM * diameter)[
+            -1:
+        ]
 
     def slot_mill(self, diameter: float, faces: tuple[Face, ...]) -> Tools:
         """The largest mill that is no wider than a slot."""
@@ -179,7 +172,7 @@ def nearest(fitting: Tools, diameters: tuple[float, ...], twin: float) -> Tools:
 
 # The steps of a hole: drill, drill and tap, sink, punch, or mill round.
 #
-#     through, blind    one drill of a fitting diameter; larger than any drill: a mill led round
+#     through, blind    one drill of a fitting diameter; a larger one a mill along a circle
 #     thread            the drill before the tap, deeper by the tap's run-out, and the tap
 #     countersink       its own row in DSTV, beside the row of the hole that it sinks
 #     mark              a centre punch
@@ -356,7 +349,7 @@ class WorkingStep(Struct, frozen=True):
     features: tuple[int, ...]  #: those of the part that it makes
     source: Source
     path: tuple[Point, ...] = ()  #: x on the part and y on the face; () for a stroke
-    text: StampedLetters | None = None  #: that a stamp or printer is told
+    text: StampedLetters | None = None  #: for a stamp or printer
 
 
 class Settled(Struct, frozen=True):

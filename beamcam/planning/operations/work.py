@@ -317,7 +317,7 @@ LEFT_OUT_AS = "cutout"  #: name of what is not seen square for --allow-skips
 PLANE_ENDS = "one as wide as the round, of two plane ends that lean in the view of v alone"
 
 
-def told_of_round(
+def round_remarks(
     given: Part, machine: Machine, skips: Collection[str] = ()
 ) -> Iterator[Diagnostic]:
     """That a plate is sawn as a pipe, and errors for what spindles and saw cannot make of it.
