@@ -230,8 +230,7 @@ def _off_circle(u: Floats, tangent: Floats, bend: Floats) -> Floats:
     a = tangent[:, None, 0] * u[..., 1] - tangent[:, None, 1] * u[..., 0]
     s = _dot(u, u)
     k = bend[:, None]
-    off_circle: Floats = (k * s - 2 * a) / (1 + np.sqrt(np.maximum(0.0, 1 - 2 * a * k + k * k * s)))
-    return off_circle
+    return np.asarray((k * s - 2 * a) / (1 + np.sqrt(np.maximum(0.0, 1 - 2 * a * k + k * k * s))))
 
 
 def _singles(control: Floats, tolerance: float) -> tuple[Flags, Floats, Floats]:

@@ -156,8 +156,7 @@ def _moves(
 
 
 def _is_move(ends: Floats) -> Flags:
-    is_move: Flags = (ends[:, :2] != ends[:, 2:]).any(axis=1)
-    return is_move
+    return np.asarray((ends[:, :2] != ends[:, 2:]).any(axis=1))
 
 
 class _Arcs(Struct, frozen=True):

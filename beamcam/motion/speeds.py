@@ -59,16 +59,15 @@ def calm_radius(speed_mm_s: float, limits: PathLimits) -> float:
 def straight_mm_s(steps: Floats, limits: PathLimits) -> Floats:
     """The maximum speeds at which the axes can follow lines by their steps (n, 2) in X and Y."""
     along = np.abs(steps) / np.maximum(np.hypot(steps[:, 0], steps[:, 1]), TINY)[:, None]
-    speeds: Floats = np.min((limits.speed_x_mm_s, limits.speed_y_mm_s) / np.maximum(along, TINY), 1)
-    return speeds
+    axes = (limits.speed_x_mm_s, limits.speed_y_mm_s)
+    return np.asarray(np.min(axes / np.maximum(along, TINY), axis=1))
 
 
 def turning_mm_s(radii: Floats, limits: PathLimits) -> Floats:
     """The maximum speeds around radii; the inverse of `calm_radius`."""
     by_jerk = np.cbrt(limits.jerk_mm_s3 * radii * radii)
     by_acceleration = np.sqrt(limits.across_mm_s2 * radii)
-    speeds: Floats = np.minimum(limits.speed_mm_s, np.minimum(by_acceleration, by_jerk))
-    return speeds
+    return np.asarray(np.minimum(limits.speed_mm_s, np.minimum(by_acceleration, by_jerk)))
 
 
 def min_radius(here: Point, move: ArcFeed | ParabolaFeed | EllipseFeed) -> float:
@@ -175,8 +174,7 @@ def stretch_seconds(
     peak = high + peak_rises(way, low, high, cap, acceleration, jerk)
     up, down = (ramp_seconds(peak - end, acceleration, jerk) for end in (first, last))
     cruise = np.maximum(0.0, way - (peak + first) / 2 * up - (peak + last) / 2 * down)
-    seconds: Floats = up + down + cruise / np.where(peak > 0.0, peak, 1.0)
-    return seconds
+    return np.asarray(up + down + cruise / np.where(peak > 0.0, peak, 1.0))
 
 
 def ramp_phases(
