@@ -14,7 +14,7 @@ from msgspec.structs import replace
 
 from beamcam.budget import FEATURES, InForce, LimitError
 from beamcam.errors import Diagnostic, PlanError, errors_in
-from beamcam.machine.machine import Machine, text_x
+from beamcam.machine.machine import Machine, drill_of, text_x
 from beamcam.machine.stations import Tool
 from beamcam.model.part import Part
 from beamcam.model.plan import (
@@ -33,7 +33,6 @@ from beamcam.model.plan import (
 from beamcam.planning import rules
 from beamcam.planning.axis_limits import refuse_bar
 from beamcam.planning.nesting import LaidParts, cuts_of, lay
-from beamcam.planning.operations.part_planner import BarLine, line_of
 from beamcam.planning.operations.tools import ROUNDING, Tooling, Tools
 from beamcam.planning.operations.work import PartWork, refuse_stock, works_on
 from beamcam.planning.order import cutting_remarks, reloads, sort_along_x
@@ -42,22 +41,22 @@ from beamcam.planning.times import work_time
 from beamcam.planning.turning import TURNS, Turn, alike, lies, turned
 
 
-def bar_operations(laid: LaidParts, line: BarLine) -> tuple[list[SawOp], list[WorkOp]]:
+def bar_operations(laid: LaidParts, machine: Machine) -> tuple[list[SawOp], list[WorkOp]]:
     """The cuts of a line with a saw, and the operations on features, piece by piece."""
-    strokes = [*_spindle_operations(laid.pieces, laid.works, line)]
-    if line.machine.saw is None:
+    strokes = [*_spindle_operations(laid.pieces, laid.works, machine)]
+    if machine.saw is None:
         return [], strokes
     ends = [work.ends for work in laid.works]
-    return [*cuts_of(laid.pieces, ends, laid.shared, line.saw, laid.bar)], strokes
+    return [*cuts_of(laid.pieces, ends, laid.shared, machine.saw, laid.bar)], strokes
 
 
 def _spindle_operations(
-    pieces: Sequence[Piece], works: Sequence[PartWork], line: BarLine
+    pieces: Sequence[Piece], works: Sequence[PartWork], machine: Machine
 ) -> Iterator[WorkOp]:
     """One operation on features for each step at machine X, piece by piece."""
     chosen = _chosen_tools({id(s.tooling): s.tooling for work in works for s in work.steps})
     for index, (piece, work) in enumerate(zip(pieces, works, strict=True)):
-        offset = line.drill.x + piece.start
+        offset = drill_of(machine).x + piece.start
         for step in work.steps:
             how = step.tooling
             tool, reasons = chosen[id(how)]
@@ -66,7 +65,7 @@ def _spindle_operations(
                 features = tuple([(index, f) for f in step.features])
             if step.text is not None:
                 yield TextOp(
-                    piece.start + step.x + text_x(line.machine), how.spindle, tool, how.faces,
+                    piece.start + step.x + text_x(machine), how.spindle, tool, how.faces,
                     step.y, step.text, features, reasons, step.source,
                 )  # fmt: skip
             elif step.path:
@@ -141,18 +140,17 @@ def plan_bar(
     are given or as they nest best. Raises PlanError with everything that the machine cannot make,
     and LimitError; nothing is left out that is not in the plan's outcomes.
     """
-    line = line_of(machine)
-    refuse_stock(parts, line)
+    refuse_stock(parts, machine)
     most, total = InForce.limits.features, 0
     for part in parts:
         total += len(part.features)
         if total > most:
             raise LimitError(FEATURES.at(part.source, found=total, expected=most))
-    works, remarks = works_on(parts, line, skips)
-    laid = lay(works, line, order, bar)
+    works, remarks = works_on(parts, machine, skips)
+    laid = lay(works, machine, order, bar)
     remarks += laid.remarks
     pieces, source = laid.pieces, laid.pieces[0].part.source
-    cuts, strokes = bar_operations(laid, line)
+    cuts, strokes = bar_operations(laid, machine)
     if not (cuts or strokes):
         raise PlanError(rules.NO_WORK.at(source, machine=machine.name))
     refusals = [*refuse_bar([*cuts, *strokes], pieces, machine)]

@@ -33,13 +33,12 @@ from typing import Literal
 from msgspec import Struct
 
 from beamcam.errors import Diagnostic, PlanError, Rule, Source
-from beamcam.machine.machine import Layout
+from beamcam.machine.machine import Layout, Machine, saw_of
 from beamcam.machine.stations import Saw
 from beamcam.model.part import Part, Profile
 from beamcam.model.plan import Bar, Order, Piece, SawOp
 from beamcam.planning import rules
 from beamcam.planning.operations.finished_part import Ends, SawnEnd
-from beamcam.planning.operations.part_planner import BarLine
 from beamcam.planning.operations.work import PartWork, saw_angles
 
 EXACT_ORDER = 9  #: parts whose best order is searched for among all
@@ -75,7 +74,9 @@ class LaidParts(Struct, frozen=True):
     remarks: tuple[Diagnostic, ...]
 
 
-def lay(works: Sequence[PartWork], line: BarLine, order: Order, length: float | None) -> LaidParts:
+def lay(
+    works: Sequence[PartWork], machine: Machine, order: Order, length: float | None
+) -> LaidParts:
     """The parts laid on a bar of `length`, as they are given or as they nest best.
 
     Raises PlanError as `lay_on_bar` and, for a line without a saw, `lay_cut_part` do.
@@ -83,14 +84,17 @@ def lay(works: Sequence[PartWork], line: BarLine, order: Order, length: float | 
     given = list(range(len(works)))
     remarks: tuple[Diagnostic, ...] = ()
     if order == "best" and len(works) > 1:
-        given, remarks = best_order([w.part for w in works], [w.ends for w in works], line.saw)
+        given, remarks = best_order(
+            [w.part for w in works], [w.ends for w in works], saw_of(machine)
+        )
         works = [works[i] for i in given]
     parts = [work.part for work in works]
-    if line.machine.saw is None:
-        laid, diagnostics = lay_cut_part(parts, line)
+    if machine.saw is None:
+        laid, diagnostics = lay_cut_part(parts, machine)
     else:
         ends = [work.ends for work in works]
-        laid, diagnostics = lay_on_bar(parts, ends, line.layout, line.saw, length)
+        layout = machine.needed(machine.layout, "layout")
+        laid, diagnostics = lay_on_bar(parts, ends, layout, machine.saw, length)
     pieces = tuple(map(Piece, parts, laid.starts, given))
     return LaidParts(pieces, tuple(works), laid.shared, laid.bar, remarks + diagnostics)
 
@@ -124,12 +128,14 @@ def lay_on_bar(
     return BarLayout(tuple(starts), tuple(shared), bar), remarks
 
 
-def lay_cut_part(parts: Sequence[Part], line: BarLine) -> tuple[BarLayout, tuple[Diagnostic, ...]]:
+def lay_cut_part(
+    parts: Sequence[Part], machine: Machine
+) -> tuple[BarLayout, tuple[Diagnostic, ...]]:
     """The only part, which comes in cut and is a bar by itself; and a remark.
 
     Raises PlanError for several parts, and for one that the machine cannot hold.
     """
-    layout, machine = line.layout, line.machine
+    layout = machine.needed(machine.layout, "layout")
     first = parts[0]
     if len(parts) > 1:
         raise PlanError(rules.NO_SAW.at(first.source, found=len(parts), machine=machine.name))

@@ -20,7 +20,6 @@ from beamcam.model.part import EndCuts, EndPlane, Hole, Part, Profile
 from beamcam.pipeline import post
 from beamcam.planning.coping.ends import outermost
 from beamcam.planning.coping.walls import laid
-from beamcam.planning.operations.part_planner import line_of
 from beamcam.planning.operations.work import works_on
 from beamcam.planning.within import idle_planes
 from beamcam.solid.part_solid import part_solid
@@ -70,7 +69,7 @@ def test_the_same_planes_take_nothing_for_all(
     assert bool([*plane_faults(lies, section, skew_ends(lies, section), ())]) == takes
     if code == "I":  # what the line takes
         try:
-            works_on([part], line_of(LINE), ())
+            works_on([part], LINE, ())
             refused = False
         except PlanError:
             refused = True

@@ -33,8 +33,8 @@ from msgspec import Struct
 from beamcam.errors import Diagnostic, PlanError, Rule, error, warning
 from beamcam.geometry.curves import Line
 from beamcam.geometry.plane import Point
-from beamcam.machine.machine import Machine
-from beamcam.machine.stations import Drill, Saw
+from beamcam.machine.machine import Machine, drill_of
+from beamcam.machine.stations import Saw
 from beamcam.model.description import named
 from beamcam.model.part import Contour, Face, Hole, Part, Profile, Slot
 from beamcam.model.section import Wall, corners, free_edges, walls_beside
@@ -240,8 +240,9 @@ class Border(Struct, frozen=True, gc=False):
 class FinishedPart:
     """The part after its end cuts, as far as it limits holes."""
 
-    def __init__(self, part: Part, ends: Ends, machine: Machine, drill: Drill) -> None:
-        self.part, self._ends, self._drill, self._machine = part, ends, drill, machine
+    def __init__(self, part: Part, ends: Ends, machine: Machine) -> None:
+        self.part, self._ends, self._drill = part, ends, drill_of(machine)
+        self._machine = machine
         self._borders: dict[Face, list[Border]] = {}
 
     def steel(self, face: Face, points: Sequence[Point]) -> tuple[float, str]:

@@ -8,6 +8,7 @@ from collections.abc import Iterator, Sequence
 from beamcam.errors import Diagnostic, error
 from beamcam.geometry.curves import Line
 from beamcam.geometry.plane import Point, join_boxes
+from beamcam.machine.machine import saw_of
 from beamcam.model.part import Bend, Camber, Contour, EndPlane, Part
 from beamcam.model.section import corners
 from beamcam.planning import rules
@@ -42,7 +43,7 @@ def _unsawn(contour: Contour, planner: PartPlanner) -> Iterator[Diagnostic]:
     if corner is not None:
         x, y = corner
         yield COPE.at(contour.source, face=contour.face, x=f"{x:g}", y=f"{y:g}")
-    least = planner.line.saw.min_mitre
+    least = saw_of(planner.machine).min_mitre
     noise = [abs(bevel.angle) for bevel in contour.bevels if abs(bevel.angle) < least]
     if noise:
         yield BEVEL_NOISE.at(

@@ -11,8 +11,8 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, Severity, error, note, warning
-from beamcam.machine.machine import Layout, Machine, drill_of, saw_of
-from beamcam.machine.stations import Drill, Saw
+from beamcam.machine.machine import Machine
+from beamcam.machine.stations import Drill
 from beamcam.model.description import named
 from beamcam.model.part import Face, Feature, Hole, Part, Slot
 from beamcam.model.section import NO_PLATE, OTHER_SIDE, lip_of
@@ -22,7 +22,6 @@ from beamcam.planning.operations.tools import (
     Found,
     Said,
     Settled,
-    ToolLibrary,
     WorkingStep,
     library_of,
 )
@@ -249,22 +248,6 @@ def refuse_too_near(holes: Group, resolution: float, drill: Drill) -> Iterator[S
             seen.append(hole)
 
 
-class BarLine(Struct, frozen=True):
-    """The machine data used in planning a bar."""
-
-    machine: Machine
-    saw: Saw
-    drill: Drill
-    layout: Layout
-    library: ToolLibrary
-
-
-def line_of(machine: Machine) -> BarLine:
-    """The line of a machine. Raises TypeError if it has no layout."""
-    layout = machine.needed(machine.layout, "layout")
-    return BarLine(machine, saw_of(machine), drill_of(machine), layout, library_of(machine))
-
-
 FROM_BEHIND = note("plan-from-behind",
     "found {what} at x {x}, y {y} on face {face}; it is made from face {other}",
     "A through hole is the same from either side of its wall, and no spindle reaches that "
@@ -279,12 +262,12 @@ ANGLE_FACE = warning("plan-angle-face",
 class PartPlanner:
     """The one thing of planning that changes while it is looked at: the account of a part."""
 
-    def __init__(self, part: Part, ends: Ends, line: BarLine) -> None:
-        self.part, self.ends, self.line = part, ends, line
-        self.machine, self.library = line.machine, line.library
-        self.finished = FinishedPart(part, ends, line.machine, line.drill)
-        self.reached = reached_on(line.machine, part)
-        self.travel = travel_on(line.machine, part.profile)
+    def __init__(self, part: Part, ends: Ends, machine: Machine) -> None:
+        self.part, self.ends, self.machine = part, ends, machine
+        self.library = library_of(machine)
+        self.finished = FinishedPart(part, ends, machine)
+        self.reached = reached_on(machine, part)
+        self.travel = travel_on(machine, part.profile)
         #: Features that can be made, by kind of work, each on the face that it is made from.
         self.accepted: defaultdict[str, list[tuple[int, Any]]] = defaultdict(list)
         self.behind: set[int] = set()  #: features that are made from the other side of their wall

@@ -14,7 +14,7 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, PlanError, Source, error, errors_in, note
-from beamcam.machine.machine import Machine
+from beamcam.machine.machine import Machine, drill_of, saw_of
 from beamcam.machine.stations import Saw, SawSection
 from beamcam.model.description import description
 from beamcam.model.part import Bend, Camber, Contour, EndPlane, Feature, Hole, Part, Slot, TextMark
@@ -28,7 +28,7 @@ from beamcam.planning.operations.finished_part import SQUARE, Ends, SawnEnd, end
 from beamcam.planning.operations.hole import HOLE
 from beamcam.planning.operations.marks import LINE, TEXT
 from beamcam.planning.operations.outlines import CONTOUR, OTHER
-from beamcam.planning.operations.part_planner import BarLine, PartPlanner, WorkKind
+from beamcam.planning.operations.part_planner import PartPlanner, WorkKind
 from beamcam.planning.operations.slot import SLOT
 from beamcam.planning.operations.tools import Settled, WorkingStep
 from beamcam.planning.within import within_larger
@@ -59,9 +59,9 @@ class PartWork(Struct, frozen=True):
     skipped: Mapping[int, Diagnostic] = {}  #: features left out by permission, and why
 
 
-def refuse_stock(parts: Sequence[Part], line: BarLine) -> None:
+def refuse_stock(parts: Sequence[Part], machine: Machine) -> None:
     """Raises PlanError for sections that the machine does not take, or that differ on one bar."""
-    machine, layout = line.machine, line.layout
+    layout = machine.needed(machine.layout, "layout")
     if not parts:
         raise PlanError(rules.NO_PARTS.at(Source(machine.name)))
     refusals: list[Diagnostic] = []
@@ -84,7 +84,7 @@ def refuse_stock(parts: Sequence[Part], line: BarLine) -> None:
         fault = section_fault(mine)
         if fault is not None:
             refusals.append(rules.SECTION_SHAPE.at(part.source, found=fault, code=mine.code))
-    stations = (("saw", line.saw), ("drill", line.drill))
+    stations = (("saw", saw_of(machine)), ("drill", drill_of(machine)))
     for part in parts:
         height, width = part.profile.height, part.profile.width
         for station, size in stations:
@@ -98,13 +98,13 @@ def refuse_stock(parts: Sequence[Part], line: BarLine) -> None:
 
 
 def works_on(
-    parts: Sequence[Part], line: BarLine, skips: Collection[str]
+    parts: Sequence[Part], machine: Machine, skips: Collection[str]
 ) -> tuple[list[PartWork], list[Diagnostic]]:
     """The work of each part, and remarks. Raises PlanError with all that cannot be made."""
     works: dict[int, PartWork] = {}
     for part in parts:
         if id(part) not in works:
-            works[id(part)] = _work_on(part, line, skips)
+            works[id(part)] = _work_on(part, machine, skips)
     refusals = [diagnostic for work in works.values() for diagnostic in work.refusals]
     if refusals:
         raise PlanError(refusals)
@@ -119,18 +119,18 @@ def works_on(
     return [works[id(part)] for part in parts], remarks
 
 
-def _work_on(part: Part, line: BarLine, skips: Collection[str]) -> PartWork:
+def _work_on(part: Part, machine: Machine, skips: Collection[str]) -> PartWork:
     """The work of `part` in its orientation; refusals are in the result, and not raised."""
     try:
-        ends, remarks = ends_of(part, line.saw)
+        ends, remarks = ends_of(part, saw_of(machine))
     except PlanError as error:
         return PartWork(part, SQUARE, error.diagnostics)
-    planner = PartPlanner(part, ends, line)
+    planner = PartPlanner(part, ends, machine)
     of_ends: list[Diagnostic] = []
     for end in ends:
-        if not end.is_square and (refusal := _refuse_cut(end, _turning_saw(line), part)):
+        if not end.is_square and (refusal := _refuse_cut(end, _turning_saw(machine), part)):
             of_ends.append(refusal)
-    of_ends += _judge_ends(ends, part, line.saw)
+    of_ends += _judge_ends(ends, part, saw_of(machine))
     _put_features(planner)
     for kind in KINDS:
         if accepted := planner.accepted[kind.name]:
@@ -165,7 +165,7 @@ def _work_on(part: Part, line: BarLine, skips: Collection[str]) -> PartWork:
 
 def _put_features(planner: PartPlanner) -> None:
     """Put each feature that can be made to those of its kind, and refuse the others."""
-    marks, within = planner.line.machine.marks, within_larger(planner.part)
+    marks, within = planner.machine.marks, within_larger(planner.part)
     for f, own in enumerate(planner.part.features):
         if f in within:
             planner.settled[f] = Settled(f, "duplicate", within[f].code)
@@ -241,10 +241,10 @@ def _refuse_cut(end: SawnEnd, saw: Saw, part: Part) -> Diagnostic | None:
     return None
 
 
-def _turning_saw(line: BarLine) -> Saw:
+def _turning_saw(machine: Machine) -> Saw:
     """The saw with those of its angles that its axis turns to."""
-    saw = line.saw
-    for axis in line.machine.axes:
+    saw = saw_of(machine)
+    for axis in machine.axes:
         if axis.moves == "angle" and axis.spindle is None:
             least, greatest = axis.limits
             if least > saw.min_angle or greatest < saw.max_angle:
