@@ -214,14 +214,29 @@ def plan_oriented(
 
     Raises PlanError as `plan_bar` does; without `turn`, with the turn that would help.
     """
-    if turn:
-        return plan_turned(parts, machine, bar, skips, order)
-    try:
-        return plan_bar(parts, machine, bar, skips, order)
-    except PlanError as error:
-        if is_too_short(error.diagnostics):
-            raise
-        raise PlanError([*error.diagnostics, *turns_that_help(parts, machine, skips)]) from error
+    if not turn:
+        try:
+            return plan_bar(parts, machine, bar, skips, order)
+        except PlanError as error:
+            if is_too_short(error.diagnostics):
+                raise
+            helping = turns_that_help(parts, machine, skips)
+            raise PlanError([*error.diagnostics, *helping]) from error
+    trials = {id(part): tuple(try_turns(part, machine, skips)) for part in parts}
+    # A bar lies one way for all of them: if the best turns would set it on its web for one part and
+    # on its flange for another, all lie as given or all are set on the other side.
+    for allowed in ((False, True), (False,), (True,)):
+        best = {id(p): _choose(p, [t for t in trials[id(p)] if t.turn.swap in allowed])
+                for p in parts}  # fmt: skip
+        choices = [c for p in parts if (c := best[id(p)]) is not None]
+        if len(choices) == len(parts) and len({c.part.profile for c in choices}) == 1:
+            break
+    else:
+        choices = [Orientation(part, AS_GIVEN, ()) for part in parts]
+    plan = plan_bar([c.part for c in choices], machine, bar, skips, order)
+    pieces = tuple(replace(piece, turn=choices[piece.given].turn) for piece in plan.pieces)
+    remarks = dict.fromkeys(diagnostic for c in choices for diagnostic in c.remarks)
+    return replace(plan, pieces=pieces, remarks=(*remarks, *plan.remarks))
 
 
 # --- turn choice ----------------------------------------------------------------------------------
@@ -255,27 +270,6 @@ class Orientation(Struct, frozen=True):
     part: Part
     turn: str
     remarks: tuple[Diagnostic, ...]
-
-
-def plan_turned(
-    parts: Sequence[Part], machine: Machine, bar: float | None, skips: Collection[str], order: Order
-) -> Plan:
-    """The plan of a bar whose parts lie as is best. Raises PlanError as `plan_bar` does."""
-    trials = {id(part): tuple(try_turns(part, machine, skips)) for part in parts}
-    # A bar lies one way for all of them: if the best turns would set it on its web for one part and
-    # on its flange for another, all lie as given or all are set on the other side.
-    for allowed in ((False, True), (False,), (True,)):
-        best = {id(p): _choose(p, [t for t in trials[id(p)] if t.turn.swap in allowed])
-                for p in parts}  # fmt: skip
-        choices = [c for p in parts if (c := best[id(p)]) is not None]
-        if len(choices) == len(parts) and len({c.part.profile for c in choices}) == 1:
-            break
-    else:
-        choices = [Orientation(part, AS_GIVEN, ()) for part in parts]
-    plan = plan_bar([c.part for c in choices], machine, bar, skips, order)
-    pieces = tuple(replace(piece, turn=choices[piece.given].turn) for piece in plan.pieces)
-    remarks = dict.fromkeys(diagnostic for c in choices for diagnostic in c.remarks)
-    return replace(plan, pieces=pieces, remarks=(*remarks, *plan.remarks))
 
 
 def turns_that_help(
