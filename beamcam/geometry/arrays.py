@@ -104,9 +104,8 @@ class CurveTable:
         hulls[self.where(Arc)] = np.hstack((centre - radius, centre + radius))
         if free := self.free():
             control = {Bezier: attrgetter("points"), BSpline: attrgetter("control")}
-            for k in free:
-                points = control.get(type(curve := self.curves[k]))
-                hulls[k] = curve.bbox if points is None else box_around(points(curve))
+            some = [(control.get(type(self.curves[k])), self.curves[k]) for k in free]
+            hulls[free] = [box_around(of(one)) if of else one.bbox for of, one in some]
         return _fixed(hulls)
 
     @cached_property

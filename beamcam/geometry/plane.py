@@ -98,7 +98,8 @@ def join_boxes(boxes: list[Box]) -> Box | None:
 
 def box_around(points: Sequence[Point]) -> Box:
     """The bounding box of one or more points."""
-    xs, ys = zip(*points, strict=True)
+    xs = [p[0] for p in points]
+    ys = [p[1] for p in points]
     return min(xs), min(ys), max(xs), max(ys)
 
 
