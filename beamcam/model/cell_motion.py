@@ -71,10 +71,10 @@ class StrokeGeometry:
     def places(self, op: SpindleOp, y: float) -> tuple[YZ, YZ, YZ]:
         """Y and Z of an operation's stroke: retracted, approached and at the bottom."""
         stroke, (across, along) = self(op, y), self.axes(op)
-        heights = stroke.retract, stroke.approach, stroke.bottom
-        places = [{across: stroke.across, along: height} for height in heights]
-        retract, approach, bottom = ((at["Y"], at["Z"]) for at in places)
-        return retract, approach, bottom
+        y, retract, approach, bottom = stroke.across, stroke.retract, stroke.approach, stroke.bottom
+        if (across, along) == ("Y", "Z"):
+            return (y, retract), (y, approach), (y, bottom)
+        return (retract, y), (approach, y), (bottom, y)
 
 
 def formula_values(profile: Profile, face: Face, drill: Drill) -> dict[str, float]:

@@ -80,8 +80,8 @@ def refuse_steps(
             continue  # no spindle's axis takes part
         how = step.tooling
         # Of a path both sides, since every formula is a straight line in y.
-        ys = [y for _, y in step.path]
-        for y in (min(ys), max(ys)) if ys else (step.y,):
+        ys = [y for _, y in step.path] if step.path else (step.y,)
+        for y in (min(ys), max(ys)) if step.path else ys:
             key = how.faces, how.tools, how.depth, y
             beyond = known.get(key, _UNKNOWN)
             if beyond is _UNKNOWN:

@@ -278,12 +278,13 @@ class FinishedPart:
     def judge(self, shape: Hole | Slot) -> list[Diagnostic]:
         """Errors and remarks on a hole or slot, errors first."""
         radius, drill = shape.diameter / 2, self._drill
-        nearest, place = self.steel(shape.face, shape.centres)
+        centres = shape.centres
+        nearest, place = self.steel(shape.face, centres)
         left = nearest - radius
         if left < -TOLERANCE:
             return [_message(OFF_PART, shape, out=f"{-left:.3g}", where=place)]
         diagnostics: list[Diagnostic] = []
-        ys = [y for _, y in shape.centres]
+        ys = [y for _, y in centres]
         low, high = min(ys) - radius, max(ys) + radius
         for wall in walls_beside(self.part.profile, shape.face):
             apart = wall.apart(low, high)

@@ -284,7 +284,8 @@ def _make(
         return _one_by_one(group, planner, pilot, place)
     made: list[Found] = [*steps]
     drill = toolings[0].tools[0]
-    for _, f, hole in group if drill.kind == "drill" and thickness > 0 else ():
+    is_blind = hole.depth is not None and drill.kind == "drill" and thickness > 0
+    for _, f, hole in group if is_blind else ():
         out = (hole.depth or 0.0) + drill.tip - thickness
         if hole.depth is None or hole.kind != "blind" or hole.depth > thickness + TOLERANCE:
             continue

@@ -232,8 +232,10 @@ def refuse_too_near(holes: Group, resolution: float, drill: Drill) -> Iterator[S
         return  # what is as near as that is one hole, and there once
     limit = 2 * resolution + ROUNDING
     for run in runs(holes, limit):
+        if len(run) == 1:
+            continue
         seen: list[Hole] = []
-        for _, f, hole in sorted(run, key=itemgetter(1)) if len(run) > 1 else ():
+        for _, f, hole in sorted(run, key=itemgetter(1)):
             for first in seen:
                 off = max(abs(first.x - hole.x), abs(first.y - hole.y))
                 alike = (first.face, first.diameter) == (hole.face, hole.diameter)
