@@ -33,7 +33,7 @@ from beamcam.model.plan import (
 )
 from beamcam.model.program import Program
 from beamcam.model.request import Job, Request, Share, pieces_of
-from beamcam.planning.left_out import LEFT_OUT, MANUAL_WORK, map_remarks, told
+from beamcam.planning.left_out import LEFT_OUT, MANUAL_WORK, map_remarks, unfinished_remarks
 from beamcam.planning.rules import is_too_short
 from beamcam.posts import (
     Planned,
@@ -352,7 +352,7 @@ def remarks_on(plan: AnyPlan, machine: Machine, strict: bool) -> tuple[Diagnosti
     """All that is said of a plan. Raises StrictError under `strict` if there is a warning."""
     remarks = plan.remarks
     if unfinished(plan.outcomes):
-        remarks += tuple(told(plan))
+        remarks += tuple(unfinished_remarks(plan))
     if isinstance(plan, SheetPlan) and machine.torch is not None:
         remarks += tuple(map_remarks(plan, machine.torch))
     if strict:

@@ -73,13 +73,13 @@ def bar_post() -> Post:
     from beamcam.emitters import gcode
     from beamcam.motion.beam import beam_program
     from beamcam.planning.beam import plan_oriented
-    from beamcam.planning.operations.work import told_of_round
+    from beamcam.planning.operations.work import round_remarks
 
     def plan(job: Job) -> Plan:
         w = job.request
         _refuse_begun(job)
         given = [w.parts[place] for place in dict.fromkeys(job.pieces)]
-        remarks = tuple(one for part in given for one in told_of_round(part, w.machine, w.skips))
+        remarks = tuple(one for part in given for one in round_remarks(part, w.machine, w.skips))
         if errors_in(remarks):
             raise PlanError(remarks)
         plan = plan_oriented(job.parts, w.machine, job.bar, w.skips, w.order, w.turn)

@@ -23,8 +23,7 @@ from beamcam.machine import load
 from beamcam.model.program import StepRows, StepTable
 from beamcam.motion import steps
 from beamcam.motion.densify import DensifyRules, densify
-from beamcam.motion.step_events import events
-from beamcam.motion.steps import Way
+from beamcam.motion.steps import Way, events
 
 ROUNDS = 15
 

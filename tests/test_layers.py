@@ -215,7 +215,7 @@ def test_each_pass_of_the_plan_of_a_bar_is_one_call_of_another_room() -> None:
         room_of[c.func.id] for c in calls if isinstance(c.func, ast.Name) and c.func.id in room_of
     ]
     passes = [one for one, _ in groupby(passes)]
-    rooms = set(passes) - {"operations.part_planner"}  # the machine's stations, not the parts
+    rooms = set(passes)
     assert len(passes) == len(set(passes))
     assert rooms == {
         "operations.work", "nesting", "axis_limits", "order",

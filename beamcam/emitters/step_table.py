@@ -96,7 +96,7 @@ def as_velocities(table: StepTable) -> Iterator[bytes]:
     head += [f"# {comment_text(remark)}" for remark in table.remarks]
     head.append("x,y,velocity_x,velocity_y,laser,steps_x,steps_y,hz_x,hz_y")
     lines = head
-    for s in table.stretches():
+    for s in table.segments():
         lines.append(
             f"{number(s.x, 4)},{number(s.y, 4)},{number(s.velocity_x, 4)},"
             f"{number(s.velocity_y, 4)},{int(s.laser)},{s.steps_x},{s.steps_y},"

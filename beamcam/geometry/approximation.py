@@ -70,14 +70,14 @@ def _value_of(text: str, name: str) -> Callable[[float], float]:
 
     def value(at: float) -> float:
         try:
-            found = expression({name: at})
+            number = expression({name: at})
         except (ArithmeticError, ValueError) as error:
             raise ValueError(f"{text!r} has no value at {name} = {at:g}: {error}") from error
-        if not isfinite(found):
-            raise ValueError(f"{text!r} has no value at {name} = {at:g}: {found}")
-        if abs(found) > MAX_COORDINATE:
-            raise ValueError(f"{text!r} is {found:g} at {name} = {at:g}, beyond every part")
-        return found
+        if not isfinite(number):
+            raise ValueError(f"{text!r} has no value at {name} = {at:g}: {number}")
+        if abs(number) > MAX_COORDINATE:
+            raise ValueError(f"{text!r} is {number:g} at {name} = {at:g}, beyond every part")
+        return number
 
     return value
 
@@ -94,7 +94,13 @@ def _followed(
     waiting = [(low, high, MAX_HALVINGS)]
     while waiting:
         low, high, halvings = waiting.pop()
-        curve, off = _curve_over(point, low, high, tolerance, shape)
+        places = [low + (high - low) * k / (NODES - 1) for k in range(NODES - 1)] + [high]
+        nodes = tuple(map(point, places))
+        curve: Curve = Line(nodes[0], nodes[-1])
+        off = _distance(point, curve, low, high)
+        if off > tolerance / 2 * 1e-3:  # else a line is as good
+            curve = shape(nodes)
+            off = _distance(point, curve, low, high)
         if isinstance(curve, Line) and curve.start == curve.end:
             raise ValueError(f"{text} stands still near {name} = {low:g}; expected a way")
         if off <= tolerance / 2:
@@ -110,21 +116,6 @@ def _followed(
                 "expected fewer swings or a greater tolerance"
             )
     return Approximation(tuple(c for c, _ in pieces), max(d for _, d in pieces))
-
-
-def _curve_over(
-    point: Callable[[float], Point], low: float, high: float, tolerance: float,
-    shape: Callable[[tuple[Point, ...]], Curve],
-) -> tuple[Curve, float]:  # fmt: skip
-    """The curve through the nodes of a stretch, a line where that is as good, and its distance."""
-    places = [low + (high - low) * k / (NODES - 1) for k in range(NODES - 1)] + [high]
-    nodes = tuple(map(point, places))
-    line = Line(nodes[0], nodes[-1])
-    off = _distance(point, line, low, high)
-    if off <= tolerance / 2 * 1e-3:
-        return line, off
-    curve = shape(nodes)
-    return curve, _distance(point, curve, low, high)
 
 
 def _distance(point: Callable[[float], Point], curve: Curve, low: float, high: float) -> float:

@@ -40,19 +40,22 @@ def fit_chains(chains: Sequence[Sequence[Curve]], tolerance: float) -> list[tupl
     """
     if not tolerance > 0.0:
         raise ValueError(f"tolerance must be above 0, found {tolerance:g}")
-    chains = [[half for curve in chain for half in _open_halves(curve)] for chain in chains]
+    # A Bezier curve that ends where it begins in two: it may go out and back on one line.
+    chains = [
+        [
+            half
+            for one in chain
+            for half in (
+                one.split(0.5) if isinstance(one, Bezier) and one.start == one.end else (one,)
+            )
+        ]
+        for chain in chains
+    ]
     free = [c for chain in chains for c in chain if not isinstance(c, Line | Arc)]
     if not free:
         return [tuple(chain) for chain in chains]  # type: ignore[arg-type]
     fits = iter(_fits(free, tolerance))
     return [_assembled(chain, fits, tolerance) for chain in chains]
-
-
-def _open_halves(curve: Curve) -> tuple[Curve, ...]:
-    """A Bezier curve that ends where it begins in two: it may go out and back on one line."""
-    if isinstance(curve, Bezier) and curve.start == curve.end:
-        return curve.split(0.5)
-    return (curve,)
 
 
 class _Fit(Struct, frozen=True):
@@ -65,7 +68,6 @@ class _Fit(Struct, frozen=True):
 
 
 def _fits(free: Sequence[Curve], tolerance: float) -> list[_Fit]:
-    """The replacement of each free curve."""
     control, owner, others = cubics_of(free)
     more: list[Cubic] = []
     more_owner: list[int] = []
@@ -102,7 +104,26 @@ def _fits(free: Sequence[Curve], tolerance: float) -> list[_Fit]:
 def _as_cubics(curve: Curve, tolerance: float) -> list[Cubic]:
     """A free curve as control points of cubics; rational ones and others within a tolerance."""
     if isinstance(curve, EllipseArc):
-        return _ellipse_cubics(curve)
+        count = max(1, ceil(abs(curve.sweep_deg) / ELLIPSE_STEP_DEG))
+        step = radians(curve.sweep_deg) / count
+        handle = 4 / 3 * tan(step / 4)
+        (cx, cy), (ax, ay), ratio = curve.centre, curve.axis, curve.ratio
+
+        def at(u: float, v: float) -> Point:
+            return cx + u * ax - ratio * v * ay, cy + u * ay + ratio * v * ax
+
+        ellipse_cubics: list[Cubic] = []
+        for k in range(count):
+            a, b = radians(curve.start_deg) + k * step, radians(curve.start_deg) + (k + 1) * step
+            ellipse_cubics.append(
+                (
+                    curve.start if k == 0 else at(cos(a), sin(a)),
+                    at(cos(a) - handle * sin(a), sin(a) + handle * cos(a)),
+                    at(cos(b) + handle * sin(b), sin(b) - handle * cos(b)),
+                    curve.end if k == count - 1 else at(cos(b), sin(b)),
+                )
+            )
+        return ellipse_cubics
     assert not isinstance(curve, Line | Arc)
     cubics: list[Cubic] = []
     for piece in bezier_pieces(curve):
@@ -111,8 +132,13 @@ def _as_cubics(curve: Curve, tolerance: float) -> list[Cubic]:
         elif piece.degree == 1:
             (start, end) = piece.points
             cubics.append((start, start, end, end))
+        elif piece.degree == 3:
+            cubics.append(piece.points)
         else:
-            cubics.append(piece.points if piece.degree == 3 else _raised(piece))
+            (x0, y0), (x1, y1), (x2, y2) = piece.points
+            first = x0 + 2 * (x1 - x0) / 3, y0 + 2 * (y1 - y0) / 3
+            second = x2 + 2 * (x1 - x2) / 3, y2 + 2 * (y1 - y2) / 3
+            cubics.append(((x0, y0), first, second, (x2, y2)))
     return cubics
 
 
@@ -144,41 +170,6 @@ def _followed(curve: Bezier, tolerance: float) -> list[Cubic]:
 
     follow(0.0, 1.0, MAX_HALVINGS)
     return cubics
-
-
-def _raised(curve: Bezier) -> Sequence[Point]:
-    """The control points of a parabola as a cubic."""
-    (x0, y0), (x1, y1), (x2, y2) = curve.points
-    return (
-        (x0, y0),
-        (x0 + 2 * (x1 - x0) / 3, y0 + 2 * (y1 - y0) / 3),
-        (x2 + 2 * (x1 - x2) / 3, y2 + 2 * (y1 - y2) / 3),
-        (x2, y2),
-    )
-
-
-def _ellipse_cubics(ellipse: EllipseArc) -> list[Cubic]:
-    """An ellipse as cubics: those of a circle, handles 4/3 tan(step / 4), stretched."""
-    count = max(1, ceil(abs(ellipse.sweep_deg) / ELLIPSE_STEP_DEG))
-    step = radians(ellipse.sweep_deg) / count
-    handle = 4 / 3 * tan(step / 4)
-    (cx, cy), (ax, ay), ratio = ellipse.centre, ellipse.axis, ellipse.ratio
-
-    def at(u: float, v: float) -> Point:
-        return cx + u * ax - ratio * v * ay, cy + u * ay + ratio * v * ax
-
-    ellipse_cubics: list[Cubic] = []
-    for k in range(count):
-        a, b = radians(ellipse.start_deg) + k * step, radians(ellipse.start_deg) + (k + 1) * step
-        ellipse_cubics.append(
-            (
-                ellipse.start if k == 0 else at(cos(a), sin(a)),
-                at(cos(a) - handle * sin(a), sin(a) + handle * cos(a)),
-                at(cos(b) + handle * sin(b), sin(b) - handle * cos(b)),
-                ellipse.end if k == count - 1 else at(cos(b), sin(b)),
-            )
-        )
-    return ellipse_cubics
 
 
 _Run = Sequence[tuple[Arc, Cubic]]  #: arcs that follow one another, each for a cubic

@@ -8,6 +8,7 @@ from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from functools import cached_property
 from itertools import chain, compress
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -32,8 +33,14 @@ from beamcam.geometry.plane import Box, Point, box_around, join_boxes
 def rows(values: Sequence[Sequence[float]], width: int) -> Floats:
     """Rows of `width` numbers as an array (n, width)."""
     numbers = chain.from_iterable(values)
-    found: Floats = np.fromiter(numbers, dtype=np.float64, count=len(values) * width)
-    return found.reshape(-1, width)
+    table: Floats = np.fromiter(numbers, dtype=np.float64, count=len(values) * width)
+    return table.reshape(-1, width)
+
+
+def numbered(counts: Counts) -> tuple[Counts, Counts]:
+    """For runs of so many: the run of each member, and its number in it from 0."""
+    owner = np.repeat(np.arange(len(counts)), counts)
+    return owner, np.arange(len(owner)) - (np.cumsum(counts) - counts)[owner]
 
 
 #: Lines and arcs first, behind them the free curves.
@@ -62,7 +69,6 @@ class CurveTable:
         return which
 
     def _of(self, kind: type[Curve]) -> Iterator[Any]:
-        """The curves of a kind."""
         return compress(self.curves, (self._kinds == _KINDS.index(kind)).tolist())
 
     @cached_property
@@ -97,7 +103,9 @@ class CurveTable:
         centre, radius = self.arcs[:, :2], self.arcs[:, 2:3]
         hulls[self.where(Arc)] = np.hstack((centre - radius, centre + radius))
         if free := self.free():
-            hulls[free] = [_hull(self.curves[k]) for k in free]
+            control = {Bezier: attrgetter("points"), BSpline: attrgetter("control")}
+            some = [(control.get(type(self.curves[k])), self.curves[k]) for k in free]
+            hulls[free] = [box_around(of(one)) if of else one.bbox for of, one in some]
         return _fixed(hulls)
 
     @cached_property
@@ -125,7 +133,7 @@ class CurveTable:
 
 
 def _fixed(array: Floats) -> Floats:
-    """The array, which nobody writes to from now on."""
+    """The array, read-only from now on."""
     array.setflags(write=False)
     return array
 
@@ -169,15 +177,6 @@ def unit_vectors(angles_deg: Floats) -> Floats:
     x = np.choose(quarter, (c, -s, -c, s))
     y = np.choose(quarter, (s, c, -s, -c))
     return np.column_stack((x, y))
-
-
-def _hull(curve: Curve) -> Box:
-    match curve:
-        case Bezier():
-            return box_around(curve.points)
-        case BSpline():
-            return box_around(curve.control)
-    return curve.bbox
 
 
 # --- what is near or equal ------------------------------------------------------------------------
@@ -257,10 +256,11 @@ def overlapping(curves: CurveTable, processes: Sequence[str]) -> list[tuple[int,
     Lines have to be collinear, arcs on one circle, and other curves to have the same ends.
     """
     lines, arcs, others = curves.where(Line), curves.where(Arc), np.array(curves.free(), dtype=int)
-    ends = curves.ends[others]
+    ends, circles = curves.ends[others], np.array(near_pairs(curves.arcs[:, :2], SAME_PLACE))
+    radii = curves.arcs[circles, 2]
     pairs = [
         lines[np.array(_collinear(curves.lines))],
-        arcs[np.array(_concentric(curves.arcs))],
+        arcs[circles[:, np.abs(radii[0] - radii[1]) <= SAME_PLACE]],
         others[np.array(near_pairs((ends[:, :2] + ends[:, 2:]) / 2, SAME_PLACE))],
     ]
     first, second = np.sort(np.concatenate(pairs, axis=1), axis=0)
@@ -269,13 +269,6 @@ def overlapping(curves: CurveTable, processes: Sequence[str]) -> list[tuple[int,
     alike = np.flatnonzero(process[first] == process[second])
     alike = alike[np.lexsort((second[alike], first[alike]))]
     return list(zip(first[alike].tolist(), second[alike].tolist(), strict=True))
-
-
-def _concentric(arcs: NDArray[np.float64]) -> tuple[Counts, Counts]:
-    """Pairs of arcs (n, 5) on one circle."""
-    a, b = near_pairs(arcs[:, :2], SAME_PLACE)
-    near = np.abs(arcs[a, 2] - arcs[b, 2]) <= SAME_PLACE
-    return a[near], b[near]
 
 
 def _collinear(ends: NDArray[np.float64]) -> tuple[Counts, Counts]:
@@ -308,11 +301,6 @@ def _collinear(ends: NDArray[np.float64]) -> tuple[Counts, Counts]:
     return long[same], short[same]
 
 
-# --- cubics ---------------------------------------------------------------------------------------
-
-# Free curves as cubics without weights, splines with equally many control points together.
-
-
 def cubics_of(curves: Sequence[Curve]) -> tuple[Floats, Counts, list[int]]:
     """The control points (n, 4, 2) of all cubics without weights, and the curve of each (n,).
 
@@ -333,9 +321,9 @@ def cubics_of(curves: Sequence[Curve]) -> tuple[Floats, Counts, list[int]]:
             plain.append(k)
             points += piece.points
     alike = [([curves[k] for k in some], some) for some in splines.values()]
-    found = [_spline_cubics(*some) for some in alike]  # type: ignore[arg-type]
-    control = np.concatenate([rows(points, 2).reshape(-1, 4, 2), *(part for part, _ in found)])
-    owners = np.concatenate([np.array(plain, dtype=np.int64), *(owner for _, owner in found)])
+    cubics = [_spline_cubics(*some) for some in alike]  # type: ignore[arg-type]
+    control = np.concatenate([rows(points, 2).reshape(-1, 4, 2), *(part for part, _ in cubics)])
+    owners = np.concatenate([np.array(plain, dtype=np.int64), *(owner for _, owner in cubics)])
     order = np.argsort(owners, kind="stable")
     return control[order], owners[order], others
 

@@ -224,7 +224,7 @@ class Bezier(Struct, frozen=True, gc=False):
         return _extremes(self)
 
     def split(self, t: float) -> "tuple[Bezier, Bezier]":
-        """The stretches before and after parameter `t`; they share the point there."""
+        """The parts before and after parameter `t`; they share the point there."""
         sides = [halves(c, t) for c in zip(*self.homogeneous, strict=True)]
         left = from_homogeneous(tuple(zip(*(side[0] for side in sides), strict=True)))
         right = from_homogeneous(tuple(zip(*(side[1] for side in sides), strict=True)))

@@ -11,6 +11,7 @@ import numpy as np
 
 from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.geometry.curves import Arc, Line
+from beamcam.geometry.free_lengths import halved
 
 #: Drawing programs draw no wider arc than this by one cubic.
 WIDEST_KNOWN_DEG = 95.0
@@ -101,7 +102,18 @@ def fit_cubics(control: Floats, tolerance: float) -> LinesAndArcs:
     for halving in range(MAX_HALVINGS + 1):
         if not len(control):
             break
-        flat = _is_flat(control, tolerance / 8)
+        # Which cubics lie within the tolerance of their chord, controls between its ends.
+        reach = tolerance / 8
+        chord = control[:, 3] - control[:, 0]
+        long = np.hypot(chord[:, 0], chord[:, 1])
+        safe = np.where(long > 0.0, long, 1.0)
+        unit = chord / safe[:, None]
+        flat = np.ones(len(control), dtype=bool)
+        for k in (1, 2):
+            leg = control[:, k] - control[:, 0]
+            along = _dot(unit, leg)
+            away = np.abs(unit[:, 0] * leg[:, 1] - unit[:, 1] * leg[:, 0])
+            flat &= (away <= reach) & (along >= -reach) & (along <= long + reach)
         if halving == MAX_HALVINGS:
             flat[:] = True
         good, joints, bends = _biarcs(control, tolerance)
@@ -116,7 +128,7 @@ def fit_cubics(control: Floats, tolerance: float) -> LinesAndArcs:
         curves.append(_strokes(number, at + half, joint, end, bends[good, 1]))
         rest = ~(flat | good)
         owner, begin, size = owner[rest], begin[rest], size[rest] / 2
-        control = np.concatenate(_halved(control[rest]))
+        control = np.concatenate(halved(control[rest]))
         owner, size = np.concatenate((owner, owner)), np.concatenate((size, size))
         begin = np.concatenate((begin, begin + size[: len(begin)]))
     return LinesAndArcs(
@@ -149,47 +161,6 @@ def _strokes(
     )  # fmt: skip
 
 
-def _is_flat(control: Floats, tolerance: float) -> Flags:
-    """Which cubics lie within the tolerance of their chord, controls between its ends."""
-    chord = control[:, 3] - control[:, 0]
-    size = np.hypot(chord[:, 0], chord[:, 1])
-    safe = np.where(size > 0.0, size, 1.0)
-    unit = chord / safe[:, None]
-    flat = np.ones(len(control), dtype=bool)
-    for k in (1, 2):
-        rest = control[:, k] - control[:, 0]
-        along = _dot(unit, rest)
-        away = np.abs(unit[:, 0] * rest[:, 1] - unit[:, 1] * rest[:, 0])
-        flat &= (away <= tolerance) & (along >= -tolerance) & (along <= size + tolerance)
-    return flat
-
-
-def _halved(control: Floats) -> tuple[Floats, Floats]:
-    a, b, c, d = (control[:, k] for k in range(4))
-    ab, bc, cd = (a + b) / 2, (b + c) / 2, (c + d) / 2
-    abc, bcd = (ab + bc) / 2, (bc + cd) / 2
-    middle = (abc + bcd) / 2
-    return np.stack((a, ab, abc, middle), axis=1), np.stack((middle, bcd, cd, d), axis=1)
-
-
-def _tangents(control: Floats) -> tuple[Floats, Floats]:
-    """Directions at both ends: towards the first control point that is another one."""
-    reach = np.max(np.abs(control - control[:, :1]), axis=(1, 2)) * 1e-9
-
-    def direction(order: tuple[int, int, int, int]) -> Floats:
-        tangents = np.zeros((len(control), 2))
-        open_rows = np.ones(len(control), dtype=bool)
-        for k in order[1:]:
-            step = control[:, k] - control[:, order[0]]
-            size = np.hypot(step[:, 0], step[:, 1])
-            take = open_rows & (size > reach)
-            tangents[take] = step[take] / size[take][:, None]
-            open_rows &= ~take
-        return tangents
-
-    return direction((0, 1, 2, 3)), -direction((3, 2, 1, 0))
-
-
 def _dot(a: Floats, b: Floats) -> Floats:
     """The scalar product of vectors; numpy takes far longer to sum over an axis of two."""
     return a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1]
@@ -206,7 +177,20 @@ def _biarcs(control: Floats, tolerance: float) -> tuple[Flags, Floats, Floats]:
     d = v.v / (v.t + sqrt((v.t)^2 + q v.v)). Source: Bolton, "Biarc curves", 1975.
     """
     start, end = control[:, 0], control[:, 3]
-    t0, t1 = _tangents(control)
+    reach = np.max(np.abs(control - control[:, :1]), axis=(1, 2)) * 1e-9
+
+    def direction(order: tuple[int, int, int, int]) -> Floats:
+        tangents = np.zeros((len(control), 2))
+        open_rows = np.ones(len(control), dtype=bool)
+        for k in order[1:]:
+            step = control[:, k] - control[:, order[0]]
+            size = np.hypot(step[:, 0], step[:, 1])
+            take = open_rows & (size > reach)
+            tangents[take] = step[take] / size[take][:, None]
+            open_rows &= ~take
+        return tangents
+
+    t0, t1 = direction((0, 1, 2, 3)), -direction((3, 2, 1, 0))
     v = end - start
     vv, vt = _dot(v, v), _dot(v, t0 + t1)
     q = 2 * (1 - _dot(t0, t1))
@@ -246,8 +230,7 @@ def _off_circle(u: Floats, tangent: Floats, bend: Floats) -> Floats:
     a = tangent[:, None, 0] * u[..., 1] - tangent[:, None, 1] * u[..., 0]
     s = _dot(u, u)
     k = bend[:, None]
-    off_circle: Floats = (k * s - 2 * a) / (1 + np.sqrt(np.maximum(0.0, 1 - 2 * a * k + k * k * s)))
-    return off_circle
+    return np.asarray((k * s - 2 * a) / (1 + np.sqrt(np.maximum(0.0, 1 - 2 * a * k + k * k * s))))
 
 
 def _singles(control: Floats, tolerance: float) -> tuple[Flags, Floats, Floats]:

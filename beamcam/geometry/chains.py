@@ -115,18 +115,17 @@ def join_curves(curves: Sequence[Curve], tolerance: float, ends: Floats | None =
     whole, junctions = _joined_within([link for link in linked if not link.closed], tolerance)
     chains += whole
     chains.sort(key=lambda chain: min(m for m in chain.members if m >= 0))
-    small = [_is_small(chain, tolerance) for chain in chains]
+    reach = tolerance * SLACK
+    small = [
+        distance(chain.curves[0].start, chain.curves[-1].start) <= reach
+        and _size(chain.curves) <= reach
+        for chain in chains
+    ]
     kept = [chain for chain, is_small in zip(chains, small, strict=True) if not is_small]
     dropped = [c.members for c, is_small in zip(chains, small, strict=True) if is_small]
     lost = {m for members in dropped for m in members if m >= 0}
     lost.update(np.flatnonzero(point).tolist())
     return Chains(tuple(kept), junctions, _find_gaps(kept, tolerance), tuple(sorted(lost)))
-
-
-def _is_small(chain: Chain, tolerance: float) -> bool:
-    if distance(chain.curves[0].start, chain.curves[-1].start) > tolerance * SLACK:
-        return False
-    return _size(chain.curves) <= tolerance * SLACK
 
 
 def _size(curves: Iterable[Curve]) -> float:
@@ -142,30 +141,35 @@ def _joined_within(
         return [], ()
     outer = CurveTable([curve for link in links for curve in (link.curves[0], link.curves[-1])])
     points = np.column_stack((outer.ends[0::2, :2], outer.ends[1::2, 2:])).reshape(-1, 2)
-    near = _without_wide(_meetings(points, tolerance * SLACK), points, tolerance)
+    # Of ends that meet one another over a long way only those that are written alike meet.
+    near = _meetings(points, tolerance * SLACK)
+    partner, moved, nodes = near.partner, set(near.apart), []
+    for node in near.nodes:
+        if hypot(*np.ptp(points[node], axis=0)) <= WIDEST_PLACE * tolerance * SLACK:
+            nodes.append(node)
+            continue
+        own = _meetings(points[node], min(tolerance, WRITTEN_SAME))
+        for k, other in enumerate(own.partner):
+            partner[node[k]] = node[other] if other >= 0 else -1
+        moved.update(node[k] for k in own.apart)
+        nodes += [[node[k] for k in some] for some in own.nodes]
+    near = _Meetings(partner, frozenset(moved), nodes)
     partner = near.partner
 
     def is_small(end: int) -> bool:
         walked = (curve for e in _follow(end, partner) for curve in links[e // 2].curves)
         return _size(walked) <= tolerance
 
-    resolved = resolve(near.crowds, partner, is_small) if near.crowds else Resolved([], [])
+    resolved = resolve(near.nodes, partner, is_small) if near.nodes else Resolved([], [])
     apart = near.apart.union(end for pair in resolved.joins for end in pair)
     chains = _linked(links, _Meetings(partner, apart, []))
-    junctions = tuple(
-        Junction(
-            _end_point(links, crowd[0]),
-            tuple(sorted({links[e // 2].members[-1 if e % 2 else 0] for e in crowd})),
-            in_ring,
-        )
-        for crowd, in_ring in resolved.left
-    )
-    return chains, junctions
-
-
-def _end_point(links: Sequence[Chain], end: int) -> Point:
-    link = links[end // 2]
-    return link.curves[-1].end if end % 2 else link.curves[0].start
+    junctions = []
+    for node, in_ring in resolved.left:
+        members = {links[e // 2].members[-1 if e % 2 else 0] for e in node}
+        curves = links[node[0] // 2].curves
+        point = curves[-1].end if node[0] % 2 else curves[0].start
+        junctions.append(Junction(point, tuple(sorted(members)), in_ring))
+    return chains, tuple(junctions)
 
 
 class _Meetings(Struct, frozen=True):
@@ -173,7 +177,7 @@ class _Meetings(Struct, frozen=True):
 
     partner: list[int]  #: of each end the one that it meets, -1 for none
     apart: frozenset[int]  #: ends that have to be moved to their partner, both of each pair
-    crowds: list[list[int]]  #: three ends or more that meet, by their first
+    nodes: list[list[int]]  #: three ends or more that meet, by their first
 
 
 def _meetings(points: Floats, tolerance: float) -> _Meetings:
@@ -191,23 +195,8 @@ def _meetings(points: Floats, tolerance: float) -> _Meetings:
     moved = np.hypot(*(points[a] - points[b]).T) > SAME_POINT / 2
     apart = frozenset(np.concatenate((a[moved], b[moved])).tolist())
     pairs = zip(first[~alone].tolist(), second[~alone].tolist(), strict=True)
-    crowds = sorted(map(sorted, groups_of(pairs)))
-    return _Meetings(partner.tolist(), apart, crowds)
-
-
-def _without_wide(near: _Meetings, points: Floats, tolerance: float) -> _Meetings:
-    """The meetings, but of ends that meet one another over a long way only those written alike."""
-    partner, apart, crowds = near.partner, set(near.apart), []
-    for crowd in near.crowds:
-        if hypot(*np.ptp(points[crowd], axis=0)) <= WIDEST_PLACE * tolerance * SLACK:
-            crowds.append(crowd)
-            continue
-        own = _meetings(points[crowd], min(tolerance, WRITTEN_SAME))
-        for k, other in enumerate(own.partner):
-            partner[crowd[k]] = crowd[other] if other >= 0 else -1
-        apart.update(crowd[k] for k in own.apart)
-        crowds += [[crowd[k] for k in some] for some in own.crowds]
-    return _Meetings(partner, frozenset(apart), crowds)
+    nodes = sorted(map(sorted, groups_of(pairs)))
+    return _Meetings(partner.tolist(), apart, nodes)
 
 
 def _linked(links: Sequence[Chain], meetings: _Meetings) -> list[Chain]:
@@ -273,11 +262,6 @@ def _find_gaps(chains: list[Chain], tolerance: float) -> tuple[Gap, ...]:
     return tuple(gaps)
 
 
-# --- joints ---------------------------------------------------------------------------------------
-
-# Joints of a chain: ends of curves brought together where they nearly meet.
-
-
 #: An end is moved aside by no more than this, in mm, as the curve would lie elsewhere; an end of a
 #: line no farther than a share of its length. Other gaps are bridged.
 MOST_MOVED = 0.005
@@ -306,12 +290,12 @@ def joined(
             parts[k] = replace(parts[k], end=corner)
             parts[following] = replace(parts[following], start=corner)
             continue
-        moved_start = _with_start(parts[following], a) if following != k else None
+        moved_start = _with_end(parts[following].reversed(), a) if following != k else None
         moved_end = _with_end(parts[k], b)
         if moved_end is not None:
             parts[k] = moved_end
         elif moved_start is not None:
-            parts[following] = moved_start
+            parts[following] = moved_start.reversed()
         else:
             bridges[k] = Line(a, b)
     curves: list[Curve] = []
@@ -353,9 +337,3 @@ def _with_end(curve: Curve, point: Point) -> Curve | None:
             return replace(curve, points=(*curve.points[:-1], point))
         case _:
             return None
-
-
-def _with_start(curve: Curve, point: Point) -> Curve | None:
-    """The curve with its start at a point; None if it would lie elsewhere."""
-    moved = _with_end(curve.reversed(), point)
-    return None if moved is None else moved.reversed()

@@ -1,8 +1,9 @@
 """Curves that a drawing holds twice: removed, so that no torch passes a place twice."""
 
 from collections import defaultdict
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from enum import Enum
+from itertools import product
 from math import degrees, floor
 
 from msgspec import Struct
@@ -38,7 +39,7 @@ class Cleaned(Struct, frozen=True):
 def remove_repetitions(
     curves: Sequence[Curve], tolerance: float, others: Sequence[Curve] = ()
 ) -> Cleaned:
-    """Curves without duplicates, and with overlapping stretches of one line or circle merged.
+    """Curves without duplicates, and with overlapping parts of one line or circle merged.
 
     Curves are duplicates if they are of one kind and five points along them are no farther
     apart than `tolerance`, in either direction. Stretches overlap if they share more than the
@@ -109,27 +110,21 @@ class _Ends:
                 cell.remove((name, point))
 
     def lost(self, joined: Curve, a: Curve, b: Curve) -> set[int]:
-        """The curves that end where `joined`, made of two curves, lacks an end of theirs."""
-        kept = (joined.start, joined.end)
+        """The curves that end where `joined`, made of two curves, has no end there."""
+        kept, near = (joined.start, joined.end), (-1, 0, 1)
         return {
             name
-            for curve in (a, b)
-            for point in (curve.start, curve.end)
+            for point in (a.start, a.end, b.start, b.end)
             if min(distance(point, end) for end in kept) > self._tolerance
-            for name in self._at(point)
+            for column, row in (self._cell(point),)
+            for i, k in product(near, near)
+            for name, end in self._cells.get((column + i, row + k), ())
+            if distance(point, end) <= self._tolerance
         }
-
-    def _at(self, point: Point) -> Iterator[int]:
-        column, row = self._cell(point)
-        for i in (-1, 0, 1):
-            for k in (-1, 0, 1):
-                for name, end in self._cells.get((column + i, row + k), ()):
-                    if distance(point, end) <= self._tolerance:
-                        yield name
 
 
 def uncovered(curve: Curve, covers: Sequence[Curve], tolerance: float) -> tuple[Curve, ...]:
-    """The stretches of a curve that lie on none of the others, in its order and direction.
+    """The parts of a curve that lie on none of the others, in its order and direction.
 
     Lines are looked for on lines and arcs on circles no farther off than `tolerance`, other
     curves as a whole only. What is left and no longer than the tolerance is nothing.
@@ -146,18 +141,14 @@ def uncovered(curve: Curve, covers: Sequence[Curve], tolerance: float) -> tuple[
             taken += _shared_arc(curve, cover, tolerance)
     if not taken:
         return (curve,)
-    curves = []
+    curves: list[Curve] = []
     at = 0.0
     for low, high in (*sorted(taken), (1.0, 1.0)):
         if (low - at) * curve.length > tolerance:
-            curves.append(_stretch(curve, at, low))
+            part = curve if low >= 1.0 else curve.split(low)[0]
+            curves.append(part if at <= 0.0 else part.split(at / min(low, 1.0))[1])
         at = max(at, high)
     return tuple(curves)
-
-
-def _stretch(curve: Curve, low: float, high: float) -> Curve:
-    rest = curve if high >= 1.0 else curve.split(high)[0]
-    return rest if low <= 0.0 else rest.split(low / min(high, 1.0))[1]
 
 
 def _shared_line(line: Line, cover: Line, tolerance: float) -> list[tuple[float, float]]:
@@ -240,50 +231,42 @@ def _same_circle(a: Curve, b: Curve, tolerance: float) -> bool:
 def _merged(a: Curve, b: Curve, tolerance: float) -> Curve | None:
     """The curve over both, with the direction of `a`; None if they do not overlap."""
     if isinstance(a, Line) and isinstance(b, Line):
-        return _merged_lines(a, b, tolerance)
-    if isinstance(a, Arc) and isinstance(b, Arc) and _same_circle(a, b, tolerance):
-        return _merged_arcs(a, b, tolerance)
-    return None
-
-
-def _merged_lines(a: Line, b: Line, tolerance: float) -> Line | None:
-    long, short = (a, b) if a.length >= b.length else (b, a)
-    if long.length <= tolerance:
-        return None
-    ux, uy = long.tangent(0.0)
-
-    def along(p: Point) -> float:
-        return dot((ux, uy), (p[0] - long.start[0], p[1] - long.start[1]))
-
-    for p in (short.start, short.end):
-        if abs(cross((ux, uy), (p[0] - long.start[0], p[1] - long.start[1]))) > tolerance:
+        long, short = (a, b) if a.length >= b.length else (b, a)
+        if long.length <= tolerance:
             return None
-    low, high = sorted((along(short.start), along(short.end)))
-    shared = min(high, long.length) - max(low, 0.0)
-    if shared <= tolerance:
-        return None
-    ends = sorted([*((along(p), p) for p in (a.start, a.end, b.start, b.end))])
-    first, last = ends[0][1], ends[-1][1]
-    forward = along(a.end) > along(a.start)
-    return Line(first, last) if forward else Line(last, first)
+        ux, uy = long.tangent(0.0)
 
+        def along(p: Point) -> float:
+            return dot((ux, uy), (p[0] - long.start[0], p[1] - long.start[1]))
 
-def _merged_arcs(a: Arc, b: Arc, tolerance: float) -> Arc | None:
-    forward = a.sweep_deg > 0
-    one, two = (arc if arc.sweep_deg > 0 else arc.reversed() for arc in (a, b))
-    slack_deg = degrees(tolerance / a.radius)
-    low, high = one.start_deg, one.start_deg + one.sweep_deg
-    start = one.start_deg + (two.start_deg - one.start_deg) % 360.0
-    is_merged = False
-    # The second arc as it lies from the start of the first on, and a turn before.
-    for begin in (start - 360.0, start):
-        shared = min(high, begin + two.sweep_deg) - max(low, begin)
-        if shared > slack_deg:
-            low, high = min(low, begin), max(high, begin + two.sweep_deg)
-            is_merged = True
-    if not is_merged:
-        return None
-    joined = replace(one, start_deg=low, sweep_deg=high - low)
-    if high - low >= 360.0 - slack_deg:
-        joined = replace(one, sweep_deg=360.0)
-    return joined if forward else joined.reversed()
+        for p in (short.start, short.end):
+            if abs(cross((ux, uy), (p[0] - long.start[0], p[1] - long.start[1]))) > tolerance:
+                return None
+        low, high = sorted((along(short.start), along(short.end)))
+        shared = min(high, long.length) - max(low, 0.0)
+        if shared <= tolerance:
+            return None
+        ends = sorted([*((along(p), p) for p in (a.start, a.end, b.start, b.end))])
+        first, last = ends[0][1], ends[-1][1]
+        forward = along(a.end) > along(a.start)
+        return Line(first, last) if forward else Line(last, first)
+    if isinstance(a, Arc) and isinstance(b, Arc) and _same_circle(a, b, tolerance):
+        forward = a.sweep_deg > 0
+        one, two = (arc if arc.sweep_deg > 0 else arc.reversed() for arc in (a, b))
+        slack_deg = degrees(tolerance / a.radius)
+        low, high = one.start_deg, one.start_deg + one.sweep_deg
+        start = one.start_deg + (two.start_deg - one.start_deg) % 360.0
+        is_merged = False
+        # The second arc as it lies from the start of the first on, and a turn before.
+        for begin in (start - 360.0, start):
+            shared = min(high, begin + two.sweep_deg) - max(low, begin)
+            if shared > slack_deg:
+                low, high = min(low, begin), max(high, begin + two.sweep_deg)
+                is_merged = True
+        if not is_merged:
+            return None
+        joined = replace(one, start_deg=low, sweep_deg=high - low)
+        if high - low >= 360.0 - slack_deg:
+            joined = replace(one, sweep_deg=360.0)
+        return joined if forward else joined.reversed()
+    return None

@@ -8,6 +8,7 @@ through them: the garbage collector need not walk over the tens of thousands tha
 """
 
 from math import atan2, ceil, degrees, floor, hypot, radians, sin, sqrt
+from typing import Self
 
 from msgspec import Struct
 from msgspec.structs import replace
@@ -54,7 +55,7 @@ class Line(Struct, frozen=True, gc=False):
         return normalized((self.end[0] - self.start[0], self.end[1] - self.start[1]))
 
     def split(self, t: float) -> "tuple[Line, Line]":
-        """The stretches before and after parameter `t`."""
+        """The parts before and after parameter `t`."""
         middle = self.point(t)
         return Line(self.start, middle), Line(middle, self.end)
 
@@ -65,13 +66,15 @@ class Line(Struct, frozen=True, gc=False):
         return Line(mapped(matrix, self.start), mapped(matrix, self.end))
 
 
-class Arc(Struct, frozen=True, gc=False):
-    """A stretch of a circle; a sweep of 360 or -360 is the whole of it."""
+class _Swept:
+    """What arcs of circles and of ellipses share: a sweep from a start, in degrees."""
 
-    centre: Point
-    radius: float
+    __slots__ = ()
     start_deg: float
-    sweep_deg: float  #: positive counter-clockwise
+    sweep_deg: float
+
+    def _at(self, angle_deg: float) -> Point:
+        raise NotImplementedError
 
     @property
     def start(self) -> Point:
@@ -79,9 +82,34 @@ class Arc(Struct, frozen=True, gc=False):
 
     @property
     def end(self) -> Point:
-        if abs(self.sweep_deg) == 360.0:
-            return self.start
-        return self._at(self.start_deg + self.sweep_deg)
+        whole = abs(self.sweep_deg) == 360.0
+        return self._at(self.start_deg if whole else self.start_deg + self.sweep_deg)
+
+    def point(self, t: float) -> Point:
+        """The point at parameter `t`; 0 and 1 give the ends exactly."""
+        return self.end if t == 1.0 else self._at(self.start_deg + t * self.sweep_deg)
+
+    def split(self, t: float) -> tuple[Self, Self]:
+        """The parts before and after parameter `t`."""
+        first = t * self.sweep_deg
+        rest = self.sweep_deg - first
+        return (
+            replace(self, sweep_deg=first),  # type: ignore[type-var]
+            replace(self, start_deg=self.start_deg + first, sweep_deg=rest),  # type: ignore[type-var]
+        )
+
+    def reversed(self) -> Self:
+        end_deg = self.start_deg + self.sweep_deg
+        return replace(self, start_deg=end_deg, sweep_deg=-self.sweep_deg)  # type: ignore[type-var]
+
+
+class Arc(_Swept, Struct, frozen=True, gc=False):
+    """A stretch of a circle; a sweep of 360 or -360 is the whole of it."""
+
+    centre: Point
+    radius: float
+    start_deg: float
+    sweep_deg: float  #: positive counter-clockwise
 
     def _at(self, angle_deg: float) -> Point:
         x, y = unit_vector(angle_deg)
@@ -97,25 +125,10 @@ class Arc(Struct, frozen=True, gc=False):
         quadrants = _quadrants(self.start_deg, self.sweep_deg)
         return box_around([self.start, self.end, *(self._at(a) for a in quadrants)])
 
-    def point(self, t: float) -> Point:
-        """The point at parameter `t`; 0 and 1 give the ends exactly."""
-        return self.end if t == 1.0 else self._at(self.start_deg + t * self.sweep_deg)
-
     def tangent(self, t: float) -> Point:
         """Direction of travel, length 1."""
         x, y = unit_vector(self.start_deg + t * self.sweep_deg)
         return (-y, x) if self.sweep_deg > 0 else (y, -x)
-
-    def split(self, t: float) -> "tuple[Arc, Arc]":
-        """The stretches before and after parameter `t`."""
-        first = t * self.sweep_deg
-        return (
-            replace(self, sweep_deg=first),
-            replace(self, start_deg=self.start_deg + first, sweep_deg=self.sweep_deg - first),
-        )
-
-    def reversed(self) -> "Arc":
-        return replace(self, start_deg=self.start_deg + self.sweep_deg, sweep_deg=-self.sweep_deg)
 
     def transformed(self, matrix: Matrix) -> "Arc | EllipseArc":
         """The image: an `Arc` if circles stay circles under `matrix`, else an `EllipseArc`."""
@@ -133,7 +146,7 @@ class Arc(Struct, frozen=True, gc=False):
         )
 
 
-class EllipseArc(Struct, frozen=True, gc=False):
+class EllipseArc(_Swept, Struct, frozen=True, gc=False):
     """A stretch of an ellipse; a sweep of 360 or -360 is the whole of it.
 
     Point at eccentric angle p: centre + cos(p) axis + ratio sin(p) axis turned left.
@@ -144,16 +157,6 @@ class EllipseArc(Struct, frozen=True, gc=False):
     ratio: float  #: minor / major axis, above 0, at most 1
     start_deg: float  #: eccentric angle, counter-clockwise from the major axis
     sweep_deg: float  #: positive counter-clockwise
-
-    @property
-    def start(self) -> Point:
-        return self._at(self.start_deg)
-
-    @property
-    def end(self) -> Point:
-        if abs(self.sweep_deg) == 360.0:
-            return self.start
-        return self._at(self.start_deg + self.sweep_deg)
 
     @property
     def major(self) -> float:
@@ -192,10 +195,6 @@ class EllipseArc(Struct, frozen=True, gc=False):
         """Least box around the arc."""
         return box_around([self.start, self.end, *(self.point(t) for t in self.extremes())])
 
-    def point(self, t: float) -> Point:
-        """The point at parameter `t`; 0 and 1 give the ends exactly."""
-        return self.end if t == 1.0 else self._at(self.start_deg + t * self.sweep_deg)
-
     def tangent(self, t: float) -> Point:
         """Direction of travel, length 1."""
         return normalized(self._derivative(t))
@@ -212,17 +211,6 @@ class EllipseArc(Struct, frozen=True, gc=False):
             for multiple in _quadrants(shift, self.sweep_deg, inside=True, every=180.0)
         }
         return tuple(sorted(angles))
-
-    def split(self, t: float) -> "tuple[EllipseArc, EllipseArc]":
-        """The stretches before and after parameter `t`."""
-        first = t * self.sweep_deg
-        return (
-            replace(self, sweep_deg=first),
-            replace(self, start_deg=self.start_deg + first, sweep_deg=self.sweep_deg - first),
-        )
-
-    def reversed(self) -> "EllipseArc":
-        return replace(self, start_deg=self.start_deg + self.sweep_deg, sweep_deg=-self.sweep_deg)
 
     def transformed(self, matrix: Matrix) -> "EllipseArc":
         """The image under `matrix`. Raises ValueError if that flattens the plane."""

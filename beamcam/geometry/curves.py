@@ -144,7 +144,7 @@ class BSpline(Struct, frozen=True, gc=False):
         return piece.tangent(local)
 
     def split(self, t: float) -> "tuple[BSpline, BSpline]":
-        """The stretches before and after parameter `t`; they share the point there.
+        """The parts before and after parameter `t`; they share the point there.
 
         de Boor's algorithm makes that point; the sides of its triangle are the control points next
         to it. Raises ValueError at the ends: a spline cannot be a point.
@@ -242,7 +242,6 @@ def _between(a: Homogeneous, b: Homogeneous, u: float, low: float, high: float) 
 
 
 def _spline(degree: int, points: Sequence[Homogeneous], knots: Sequence[float]) -> BSpline:
-    """The spline of points (w x, w y, w)."""
     weights = tuple([w for _, _, w in points])
     plain = all(w == 1.0 for w in weights)
     control = tuple([(x / w, y / w) for x, y, w in points])

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from beamcam.geometry.conics import arc_by_points
 from beamcam.geometry.curves import Arc, Curve, Line, signed_area
 from beamcam.geometry.plane import Point, cross, distance, dot
-from beamcam.geometry.polylines import longest_arc, longest_line, points_at
+from beamcam.geometry.polylines import chords_of, longest_arc, longest_line, points_at
 
 
 def flat_offset(
@@ -25,7 +25,11 @@ def flat_offset(
     They are lines and arcs within `tolerance`, and run as the chain does, holes the other way.
     Corners that open are rounded: a mitre would close places where there is room.
     """
-    ring = np.concatenate([_flat(curve, tolerance / 8) for curve in curves])
+    drawn = []
+    for curve in curves:
+        chords = 1 if isinstance(curve, Line) else chords_of(curve, tolerance / 8)
+        drawn.append(points_at(curve, np.linspace(0.0, 1.0, chords + 1))[:-1])
+    ring = np.concatenate(drawn)
     quarter = max(8, int(90 / max(1.0, degrees(2 * sqrt(tolerance / 4 / abs(amount))))))
     moved = _moved(ring, amount, quarter, tolerance)
     parts = [p for p in getattr(moved, "geoms", [moved]) if p.area > tolerance * tolerance]
@@ -63,25 +67,6 @@ def _moved(ring: NDArray[np.float64], amount: float, quarter: int, tolerance: fl
     return whole.union(band) if amount > 0.0 else whole.difference(band)
 
 
-def _flat(curve: Curve, tolerance: float) -> NDArray[np.float64]:
-    """Points of a curve without its end; chords within `tolerance`, measured by doubling."""
-    count = 1
-    if not isinstance(curve, Line):
-        count = 8
-        while count < 4096:
-            fine = points_at(curve, np.linspace(0.0, 1.0, 2 * count + 1))
-            sag = fine[1::2] - (fine[:-1:2] + fine[2::2]) / 2
-            if np.max(np.hypot(sag[:, 0], sag[:, 1])) <= tolerance:
-                break
-            count *= 2
-    return points_at(curve, np.linspace(0.0, 1.0, count + 1))[:-1]
-
-
-# --- refit ----------------------------------------------------------------------------------------
-
-# Lines and arcs found again in the corners of a polygon.
-
-
 #: So many corners, at least, make an arc.
 MIN_CORNERS = 5
 
@@ -97,7 +82,15 @@ def refit_ring(points: Sequence[Point], tolerance: float) -> tuple[Line | Arc, .
     with the sharpest turn, so that an arc is not cut in two where it needs not be.
     """
     count = len(points)
-    start = max(range(count), key=lambda k: (_turn(points, k), -k))
+
+    def turn(k: int) -> float:
+        """1 - cosine of the turn at a corner."""
+        a, b, c = points[k - 1], points[k], points[(k + 1) % count]
+        u, v = (b[0] - a[0], b[1] - a[1]), (c[0] - b[0], c[1] - b[1])
+        size = hypot(*u) * hypot(*v)
+        return 1.0 - dot(u, v) / size if size else 0.0
+
+    start = max(range(count), key=lambda k: (turn(k), -k))
     ring = [points[(start + k) % count] for k in range(count)] + [points[start]]
     curves: list[Line | Arc] = []
     at = 0
@@ -110,14 +103,6 @@ def refit_ring(points: Sequence[Point], tolerance: float) -> tuple[Line | Arc, .
             curves.append(arc)
         at = reach
     return tuple(curves)
-
-
-def _turn(points: Sequence[Point], k: int) -> float:
-    """1 - cosine of the turn at a corner."""
-    a, b, c = points[k - 1], points[k], points[(k + 1) % len(points)]
-    u, v = (b[0] - a[0], b[1] - a[1]), (c[0] - b[0], c[1] - b[1])
-    size = hypot(*u) * hypot(*v)
-    return 1.0 - dot(u, v) / size if size else 0.0
 
 
 def _arc_over(points: list[Point], tolerance: float) -> Arc | None:

@@ -30,7 +30,7 @@ def bezier_length(curves: Sequence[Sequence[Homogeneous]]) -> float:
         whole = _gauss_lengths(rows, (nodes + 1) / 2, weights / 2)
         total = 0.0
         for _ in range(_MOST_HALVINGS):
-            left, right = _halved(rows)
+            left, right = halved(rows)
             first = _gauss_lengths(left, (nodes + 1) / 2, weights / 2)
             second = _gauss_lengths(right, (nodes + 1) / 2, weights / 2)
             done = np.abs(first + second - whole) <= RELATIVE_ERROR * (first + second)
@@ -59,7 +59,7 @@ def _gauss_lengths(rows: Floats, t: Floats, weights: Floats) -> Floats:
     return lengths
 
 
-def _halved(rows: Floats) -> tuple[Floats, Floats]:
+def halved(rows: Floats) -> tuple[Floats, Floats]:
     """Both halves of each curve, by de Casteljau."""
     left, right = np.empty_like(rows), np.empty_like(rows)
     row = rows

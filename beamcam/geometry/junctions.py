@@ -22,38 +22,36 @@ class Resolved(Struct, frozen=True):
 
 
 def resolve(
-    crowds: Sequence[Sequence[int]], partner: list[int], is_small: Callable[[int], bool]
+    nodes: Sequence[Sequence[int]], partner: list[int], is_small: Callable[[int], bool]
 ) -> Resolved:
-    """The joints of ends that meet in crowds; links are numbered as `chains` has them.
+    """The joints of ends that meet in nodes; links are numbered as `chains` has them.
 
     `partner` is what each end meets so far, -1 for nothing; the joints are put into it.
     `is_small` says whether the chain from an end on is no larger than the tolerance: if it leads
     back, it is not a ring, and nothing.
     """
-    work = _Work(crowds, partner, is_small)
-    which: Iterable[int] = range(len(crowds))
+    work = _Work(nodes, partner, is_small)
+    which: Iterable[int] = range(len(nodes))
     while which:
         which = work.close_rings(which) | work.prune(which)
-    return Resolved(work.joins, [(crowd, work.is_ringed(crowd)) for crowd in work.left if crowd])
+    return Resolved(work.joins, [(node, work.is_ringed(node)) for node in work.left if node])
 
 
 class _Work:
     def __init__(
-        self, crowds: Sequence[Sequence[int]], partner: list[int], is_small: Callable[[int], bool]
+        self, nodes: Sequence[Sequence[int]], partner: list[int], is_small: Callable[[int], bool]
     ) -> None:
         self._partner = partner
         self._is_small = is_small
-        self._place = {end: n for n, crowd in enumerate(crowds) for end in crowd}
-        self.left = [list(crowd) for crowd in crowds]
+        self._place = {end: n for n, node in enumerate(nodes) for end in node}
+        self.left = [list(node) for node in nodes]
         self.joins: list[tuple[int, int]] = []
-        self._far = {end: self._last(end) for end in self._place}
-
-    def _last(self, end: int) -> int:
-        """The end of the chain that begins with an end."""
-        at = end ^ 1
-        while self._partner[at] >= 0:
-            at = self._partner[at] ^ 1
-        return at
+        self._far: dict[int, int] = {}  #: of an end that of the chain which begins with it
+        for end in self._place:
+            at = end ^ 1
+            while partner[at] >= 0:
+                at = partner[at] ^ 1
+            self._far[end] = at
 
     def close_rings(self, which: Iterable[int]) -> set[int]:
         """Closes the chains that lead back to their place; the places that this changes."""
@@ -77,12 +75,11 @@ class _Work:
                 changed |= self._keep(n, kept[n])
         return changed
 
-    def is_ringed(self, crowd: Sequence[int]) -> bool:
+    def is_ringed(self, node: Sequence[int]) -> bool:
         """Whether any of those that stop leads somewhere."""
-        return not all(map(self._is_dead, crowd))
+        return not all(map(self._is_dead, node))
 
     def _is_dead(self, end: int) -> bool:
-        """Whether a chain leads to nowhere."""
         return self._far[end] not in self._place
 
     def _keep(self, n: int, rest: list[int]) -> set[int]:

@@ -65,11 +65,6 @@ def _font(name: str) -> _Font:
     return msgspec.json.decode(data, type=_Font)
 
 
-def font_notice() -> str:
-    """The font's attribution, as its licence requires."""
-    return _font("hershey").source
-
-
 def body_share() -> float:
     """Height of a capital as a share of the body height."""
     font = _font("hershey")
@@ -80,58 +75,40 @@ def body_share() -> float:
 def glyph_of(sign: str) -> Glyph | None:
     """The glyph of one character; None where the font has none, and it cannot be put together."""
     font = _font("hershey")
-    glyph = _raw(sign, font)
-    if glyph is None:
-        return None
-    advance, strokes = glyph
-    scale = 1.0 / font.capital
-    scaled = tuple(tuple((x * scale, y * scale) for x, y in stroke) for stroke in strokes)
-    return Glyph(advance * scale, scaled)
-
-
-def _raw(sign: str, font: _Font) -> tuple[float, Strokes] | None:
-    """Advance and strokes of a character in the font's units."""
     known = font.own.get(sign) or font.glyphs.get(sign)
-    if known is not None:
-        return known
-    apart = normalize("NFD", sign)
-    base, marks = apart[0], apart[1:]
-    if not marks or any(mark not in font.above and mark not in font.below for mark in marks):
-        return None
-    if base in "ij" and any(mark in font.above for mark in marks):
-        base = {"i": "ı", "j": "ȷ"}[base]  # the accent takes the place of the dot
-    known = font.own.get(base) or font.glyphs.get(base)
+    marks = ""
+    if known is None:
+        apart = normalize("NFD", sign)
+        base, marks = apart[0], apart[1:]
+        if not marks or any(mark not in font.above and mark not in font.below for mark in marks):
+            return None
+        if base in "ij" and any(mark in font.above for mark in marks):
+            base = {"i": "ı", "j": "ȷ"}[base]  # the accent takes the place of the dot
+        known = font.own.get(base) or font.glyphs.get(base)
     if known is None:
         return None
     advance, strokes = known
-    return advance, (*strokes, *_accents(strokes, marks, font))
-
-
-def _accents(strokes: Strokes, marks: str, font: _Font) -> Iterator[tuple[Point, ...]]:
-    """The accents of a letter, over its middle and under it."""
-    xs = [x for stroke in strokes for x, _ in stroke]
-    top = max(y for stroke in strokes for _, y in stroke)
-    middle = (min(xs) + max(xs)) / 2
-    foot = (font.small if top <= font.small else max(top, font.capital)) + GAP
-    for mark in marks:
-        if mark in font.above:
-            yield from _moved(font.above[mark], middle, foot)
-            foot += STACKED
-        else:
-            yield from _moved(font.below[mark], middle, 0.0)
-
-
-def _moved(strokes: Strokes, x: float, y: float) -> Iterator[tuple[Point, ...]]:
-    for stroke in strokes:
-        yield tuple((x + a, y + b) for a, b in stroke)
+    if marks:  # the accents, over its middle and under it
+        xs = [x for stroke in strokes for x, _ in stroke]
+        top = max(y for stroke in strokes for _, y in stroke)
+        middle = (min(xs) + max(xs)) / 2
+        foot = (font.small if top <= font.small else max(top, font.capital)) + GAP
+        for mark in marks:
+            above = mark in font.above
+            accent, y = (font.above[mark], foot) if above else (font.below[mark], 0.0)
+            foot += STACKED if above else 0.0
+            strokes = (*strokes, *(tuple((middle + a, y + b) for a, b in one) for one in accent))
+    scale = 1.0 / font.capital
+    scaled = tuple(tuple((x * scale, y * scale) for x, y in stroke) for stroke in strokes)
+    return Glyph(advance * scale, scaled)
 
 
 def spelled(text: str, replace: Mapping[str, str]) -> Spelling:
     """A text in characters of the font.
 
     A character that it has not is written as `replace` says, else by those that it stands for, else
-    by its name in brackets; all that is told. Signs that look the same, such as dashes, are written
-    as the one that there is.
+    by its name in brackets; the result says which. Signs that look the same, such as dashes, are
+    written as the one that there is.
     """
     font = _font("hershey")
     words: list[str] = []
@@ -140,7 +117,10 @@ def spelled(text: str, replace: Mapping[str, str]) -> Spelling:
         plain = font.same.get(sign, sign)
         other = replace.get(sign, "")
         if not other or not _has(other):
-            other = plain if _has(plain) else _by_others(sign, font)
+            # By those that it stands for, as a ligature does, or by its name in brackets.
+            others = "".join(font.same.get(each, each) for each in normalize("NFKC", sign))
+            shown = f"[{name(sign, f'U+{ord(sign):04X}')}]"
+            other = plain if _has(plain) else others if _has(others) else shown
         if other != plain:
             replaced[sign] = other
         words.append(other)
@@ -151,7 +131,7 @@ def spelled_with(text: str, replace: Mapping[str, str], characters: str) -> Spel
     """A text in the characters of a stamp or printer; None where they do not do.
 
     A character that it has not is written as `replace` says, else as a capital, without accents, by
-    those that it stands for, or by its name; all that is told.
+    those that it stands for, or by its name; all that is reported.
     """
     has = set(characters).issuperset
     words: list[str] = []
@@ -180,9 +160,3 @@ def _ways_to_write(sign: str, replace: Mapping[str, str]) -> Iterator[str]:
 
 def _has(text: str) -> bool:
     return all(glyph_of(sign) is not None for sign in text)
-
-
-def _by_others(sign: str, font: _Font) -> str:
-    """A character by those that it stands for, as a ligature does, or by its name in brackets."""
-    others = "".join(font.same.get(each, each) for each in normalize("NFKC", sign))
-    return others if _has(others) else f"[{name(sign, f'U+{ord(sign):04X}')}]"

@@ -119,7 +119,7 @@ class NewtonCurve(Struct, frozen=True):
         return self.as_bezier().extremes()
 
     def split(self, t: float) -> tuple[Bezier, Bezier]:
-        """The stretches before and after parameter `t`, in Bezier form."""
+        """The parts before and after parameter `t`, in Bezier form."""
         return self.as_bezier().split(t)
 
     def reversed(self) -> "NewtonCurve":
@@ -208,25 +208,17 @@ def find_oscillation(curve: NewtonCurve) -> Oscillation | None:
     turns = [(t, curve.point(t)) for t in curve.extremes()]
     low_x, low_y, high_x, high_y = box_around(curve.nodes)
     size = max(high_x - low_x, high_y - low_y)
-    overshoot, near = _max_overshoot(curve, turns)
+    overshoot, near, parameters = 0.0, curve.start, curve.parameters
+    for t, point in turns:
+        k = max(i for i, u in enumerate(parameters) if u <= t)
+        for i in (0, 1):
+            low, high = sorted((curve.nodes[k][i], curve.nodes[k + 1][i]))
+            excess = max(low - point[i], point[i] - high)
+            if excess > overshoot:
+                overshoot, near = excess, point
     of_nodes = sum(_count_turns([node[i] for node in curve.nodes]) for i in (0, 1))
     least = 1e-9 if len(turns) > of_nodes else CALM_SHARE
     return Oscillation(len(curve.nodes), overshoot, near) if overshoot > least * size else None
-
-
-def _max_overshoot(curve: NewtonCurve, turns: Sequence[tuple[float, Point]]) -> tuple[float, Point]:
-    """How far a curve leaves the band between two neighbouring nodes, and where."""
-    parameters = curve.parameters
-    worst, where = 0.0, curve.start
-    for t, point in turns:
-        k = max(i for i, u in enumerate(parameters) if u <= t)
-        a, b = curve.nodes[k], curve.nodes[k + 1]
-        for i in (0, 1):
-            low, high = sorted((a[i], b[i]))
-            excess = max(low - point[i], point[i] - high)
-            if excess > worst:
-                worst, where = excess, point
-    return worst, where
 
 
 def node_error(curve: NewtonCurve) -> float:

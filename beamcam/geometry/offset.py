@@ -44,7 +44,7 @@ Ring = tuple[Line | Arc, ...]
 #: the offset.
 MITRE_LIMIT = 2.5
 DEFAULT_TOLERANCE = 0.005  #: mm that the flattened form may be off where it replaces the exact one
-#: Rings are looked at as polygons so near to them, as a share of the tolerance: two stretches
+#: Rings are looked at as polygons so near to them, as a share of the tolerance: two parts
 #: that cross unseen lie too near to the chain by twice that at most.
 LOOK_SHARE = 1 / 20
 
@@ -111,12 +111,12 @@ def offset_chains(
 
 
 def _right_ones(
-    asked: Sequence[int], rings: Sequence[Ring | None], areas: NDArray[np.float64],
+    numbers: Sequence[int], rings: Sequence[Ring | None], areas: NDArray[np.float64],
     rights: NDArray[np.float64], tolerance: float,
 ) -> dict[int, Offset]:  # fmt: skip
-    """The rings that are right, by the chains (of all `areas`) that were `asked` for: they are
-    simple, run as the chains do, and grew or shrank as they should."""
-    made = [(k, ring) for k, ring in zip(asked, rings, strict=True) if ring is not None]
+    """The rings that are right, by the `numbers` of their chains among all: they are simple, run
+    as the chains do, and grew or shrank as they should."""
+    made = [(k, ring) for k, ring in zip(numbers, rings, strict=True) if ring is not None]
     which, candidates = [k for k, _ in made], [ring for _, ring in made]
     before, after = areas[which], signed_areas(candidates)
     grows = np.abs(after) > np.abs(before)
@@ -134,7 +134,6 @@ def _right_ones(
 
 
 def _are_simple(rings: Sequence[tuple[Curve, ...]], tolerance: float) -> list[bool]:
-    """Which closed chains do not cross or touch themselves."""
     import shapely
 
     if not rings:
@@ -331,10 +330,12 @@ def _cornered(
     # The mitre of two lines stands out by 1 / cos(turn / 2) of the move.
     blunt = (1 + along) * mitre_limit**2 >= 2
     before = moved.ends.copy()
-    joints = {
-        i: _joint(before[i], before[j], corners[i], right[i])
-        for i, j in zip(*(v[opens & ~(straight & blunt)].tolist() for v in (k, n)), strict=True)
-    }
+    joints: dict[int, Arc] = {}
+    for i, j in zip(*(v[opens & ~(straight & blunt)].tolist() for v in (k, n)), strict=True):
+        (x0, y0), (x1, y1), (x, y) = (
+            p.tolist() for p in (before[i, 2:], before[j, :2], corners[i])
+        )
+        joints[i] = arc_between((x0, y0), (x1, y1), (x, y), float(right[i]))
     meet = straight & (~opens | blunt)
     i, j = k[meet], n[meet]
     gap = before[j, :2] - before[i, :2]
@@ -354,12 +355,6 @@ def _cornered(
     return joints, pieces
 
 
-def _joint(before: Floats, after: Floats, corner: Floats, right: float) -> Arc:
-    """The arc about a corner from the end of one curve to the start of the next."""
-    (x0, y0), (x1, y1), (x, y) = before[2:].tolist(), after[:2].tolist(), corner.tolist()
-    return arc_between((x0, y0), (x1, y1), (x, y), float(right))
-
-
 def _cut_arcs(
     moved: _Moved, before: Floats, corners: Floats, closing: Sequence[tuple[int, int]]
 ) -> dict[int, Line | Arc]:
@@ -377,7 +372,7 @@ def _cut_arcs(
         moved.ends[i, 2:] = point
         moved.ends[j, :2] = point
         touched |= {i, j}
-    found: dict[int, Line | Arc] = {}
+    cut: dict[int, Line | Arc] = {}
     for k in sorted(touched):
         if not moved.is_line[k]:
             x0, y0, x1, y1 = moved.ends[k].tolist()
@@ -386,8 +381,8 @@ def _cut_arcs(
             if piece is None:
                 moved.bad[k] = True
             else:
-                found[k] = piece
-    return found
+                cut[k] = piece
+    return cut
 
 
 def _record(is_line: bool, ends: Sequence[float], arc: Sequence[float]) -> Line | Arc:

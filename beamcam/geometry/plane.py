@@ -146,11 +146,6 @@ def integrate(
     return refine(low, high, estimate, MAX_HALVINGS)
 
 
-# --- groups ---------------------------------------------------------------------------------------
-
-# Groups of what hangs together by pairs.
-
-
 Member = TypeVar("Member", bound=Hashable)
 
 

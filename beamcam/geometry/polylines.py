@@ -8,13 +8,12 @@ import itertools
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import repeat
-from math import ceil
 from typing import Any, TypeVar
 
 import numpy as np
 
 from beamcam.geometry.array_types import Counts, Floats
-from beamcam.geometry.arrays import CurveTable, cubics_of
+from beamcam.geometry.arrays import CurveTable, cubics_of, numbered
 from beamcam.geometry.conics import arc_by_points
 from beamcam.geometry.curves import Arc, Bezier, BSpline, Curve, EllipseArc, Line, NewtonCurve
 from beamcam.geometry.plane import Point
@@ -43,7 +42,13 @@ def points_at(curve: Curve, t: Floats) -> Floats:
         case Bezier():
             points = bezier_points(curve, t)
         case BSpline():
-            points = _spline_points(curve, t)
+            pieces, breaks = curve.pieces(), np.asarray(curve.breaks())
+            which = np.clip(np.searchsorted(breaks, t, side="right") - 1, 0, len(pieces) - 1)
+            points = np.empty((len(t), 2))
+            for k, piece in enumerate(pieces):
+                mine = which == k
+                local = (t[mine] - breaks[k]) / (breaks[k + 1] - breaks[k])
+                points[mine] = bezier_points(piece, local)
         case NewtonCurve():
             points = bezier_points(curve.as_bezier(), t)
     points[t == 0.0] = curve.start
@@ -59,17 +64,6 @@ def bezier_points(curve: Bezier, t: Floats) -> Floats:
         rows = [a + t * (b - a) for a, b in itertools.pairwise(rows)]
     x, y, w = rows[0]
     return np.column_stack((x / w, y / w))
-
-
-def _spline_points(spline: BSpline, t: Floats) -> Floats:
-    pieces, breaks = spline.pieces(), np.asarray(spline.breaks())
-    which = np.clip(np.searchsorted(breaks, t, side="right") - 1, 0, len(pieces) - 1)
-    points = np.empty((len(t), 2))
-    for k, piece in enumerate(pieces):
-        mine = which == k
-        local = (t[mine] - breaks[k]) / (breaks[k + 1] - breaks[k])
-        points[mine] = bezier_points(piece, local)
-    return points
 
 
 LARGEST_STEP_RAD = 0.8  #: of an arc, whatever the tolerance
@@ -97,54 +91,50 @@ def polylines(curves: Sequence[Curve], tolerance: float) -> Polylines:
     lines, arcs, free = table.where(Line), table.where(Arc), table.free()
     control, owner, odd = cubics_of([curves[k] for k in free])
     cubic_owner = np.array(free, dtype=np.int64)[owner]
-    others = [(free[k], _one(curves[free[k]], tolerance)) for k in odd]
+    others = []
+    for curve in (curves[free[k]] for k in odd):
+        pieces = len(curve.pieces()) if isinstance(curve, BSpline) else 1
+        chords = chords_of(curve, tolerance, 8 * pieces)
+        others.append(points_at(curve, np.linspace(0.0, 1.0, 2 * chords + 1)))
     count = np.zeros(len(curves), dtype=np.int64)
-    arc_steps = _arc_steps(table.arcs, tolerance)
-    cubic_steps = _cubic_steps(control, tolerance)
+    step = 2 * np.arccos(np.clip(1 - tolerance / table.arcs[:, 2], -1.0, 1.0))
+    turns = np.abs(np.radians(table.arcs[:, 4])) / np.clip(step, 1e-6, LARGEST_STEP_RAD)
+    arc_steps = np.maximum(np.ceil(turns).astype(np.int64), 1)
+    bend = control[:, :-2] - 2 * control[:, 1:-1] + control[:, 2:]
+    size = np.sqrt(np.max(np.sum(bend * bend, axis=2), axis=1, initial=0.0))
+    cubic_steps = np.ceil(np.sqrt(0.75 * size / tolerance)).astype(np.int64)
+    cubic_steps = np.clip(cubic_steps, 1, MOST_STEPS)
     count[lines] = 2
     count[arcs] = arc_steps + 1
     np.add.at(count, cubic_owner, cubic_steps)
     count[cubic_owner] += 1  # the end, once for each curve
-    for k, points in others:
-        count[k] = len(points)
+    for k, some in zip(odd, others, strict=True):
+        count[free[k]] = len(some)
     begins = np.concatenate(([0], np.cumsum(count)))
-    found = np.empty((int(begins[-1]), 2))
-    found[begins[lines]], found[begins[lines] + 1] = table.lines[:, :2], table.lines[:, 2:]
-    _draw_arcs(found, begins[arcs], table.arcs, arc_steps)
-    _draw_cubics(found, begins, cubic_owner, control, cubic_steps)
-    for k, points in others:
-        found[begins[k] : begins[k + 1]] = points
-    return Polylines(found, begins)
+    points = np.empty((int(begins[-1]), 2))
+    points[begins[lines]], points[begins[lines] + 1] = table.lines[:, :2], table.lines[:, 2:]
+    owner, number = numbered(arc_steps + 1)
+    turn = np.radians(table.arcs[owner, 3] + table.arcs[owner, 4] * (number / arc_steps[owner]))
+    centre, radius = table.arcs[owner, :2], table.arcs[owner, 2]
+    at = begins[arcs][owner] + number
+    points[at, 0] = centre[:, 0] + radius * np.cos(turn)
+    points[at, 1] = centre[:, 1] + radius * np.sin(turn)
+    _draw_cubics(points, begins, cubic_owner, control, cubic_steps)
+    for k, some in zip(odd, others, strict=True):
+        points[begins[free[k]] : begins[free[k] + 1]] = some
+    return Polylines(points, begins)
 
 
-def _arc_steps(arcs: Floats, tolerance: float) -> Counts:
-    share = np.clip(1 - tolerance / arcs[:, 2], -1.0, 1.0)
-    step = np.clip(2 * np.arccos(share), 1e-6, LARGEST_STEP_RAD)
-    turns = np.ceil(np.abs(np.radians(arcs[:, 4])) / step).astype(np.int64)
-    arc_steps: Counts = np.maximum(turns, 1)
-    return arc_steps
-
-
-def _cubic_steps(control: Floats, tolerance: float) -> Counts:
-    bend = control[:, :-2] - 2 * control[:, 1:-1] + control[:, 2:]
-    size = np.sqrt(np.max(np.sum(bend * bend, axis=2), axis=1, initial=0.0))
-    steps = np.ceil(np.sqrt(0.75 * size / tolerance)).astype(np.int64)
-    cubic_steps: Counts = np.clip(steps, 1, MOST_STEPS)
-    return cubic_steps
-
-
-def _within(steps: Counts) -> tuple[Counts, Counts]:
-    """For runs of so many: the run of each member, and its number in it from 0."""
-    owner = np.repeat(np.arange(len(steps)), steps)
-    return owner, np.arange(len(owner)) - (np.cumsum(steps) - steps)[owner]
-
-
-def _draw_arcs(points: Floats, begins: Counts, arcs: Floats, steps: Counts) -> None:
-    owner, number = _within(steps + 1)
-    turn = np.radians(arcs[owner, 3] + arcs[owner, 4] * (number / steps[owner]))
-    at = begins[owner] + number
-    points[at, 0] = arcs[owner, 0] + arcs[owner, 2] * np.cos(turn)
-    points[at, 1] = arcs[owner, 1] + arcs[owner, 2] * np.sin(turn)
+def chords_of(curve: Curve, tolerance: float, least: int = 8) -> int:
+    """Twice as many chords of a curve until the sagitta of none is above the tolerance."""
+    count = least
+    while count < MOST_STEPS:
+        fine = points_at(curve, np.linspace(0.0, 1.0, 2 * count + 1))
+        sag = fine[1::2] - (fine[:-1:2] + fine[2::2]) / 2
+        if np.max(np.hypot(sag[:, 0], sag[:, 1])) <= tolerance:
+            break
+        count *= 2
+    return count
 
 
 def _draw_cubics(
@@ -156,7 +146,7 @@ def _draw_cubics(
     before = np.cumsum(steps) - steps
     first = np.concatenate(([True], owners[1:] != owners[:-1]))
     base = np.maximum.accumulate(np.where(first, before, 0))
-    piece, number = _within(steps)
+    piece, number = numbered(steps)
     t = (number / steps[piece])[:, None]
     s = 1 - t
     p = control[piece]
@@ -166,18 +156,6 @@ def _draw_cubics(
     )
     last = np.concatenate((first[1:], [True]))
     points[begins[owners[last] + 1] - 1] = control[last, 3]
-
-
-def _one(curve: Curve, tolerance: float) -> Floats:
-    """Points of any curve, twice as many until the sagitta of no chord is above the tolerance."""
-    pieces = len(curve.pieces()) if isinstance(curve, BSpline) else 1
-    count = 8 * ceil(pieces)
-    while True:
-        points = points_at(curve, np.linspace(0.0, 1.0, 2 * count + 1))
-        sag = points[1::2] - (points[:-1:2] + points[2::2]) / 2
-        if np.max(np.hypot(sag[:, 0], sag[:, 1])) <= tolerance or count >= MOST_STEPS:
-            return points
-        count *= 2
 
 
 # --- chords to curves -----------------------------------------------------------------------------
@@ -215,8 +193,8 @@ def refit_runs(chains: Sequence[Sequence[Curve]], tolerance: float) -> list[tupl
     fits = iter(map(_refit, runs, drawn, kept_chords(drawn, tolerance), repeat(tolerance)))
     refitted: list[tuple[Curve, ...]] = []
     for chain, own in zip(chains, pieces, strict=True):
-        found = [curve for piece in own for curve in (next(fits) if _is_run(piece) else piece)]
-        refitted.append(tuple(chain) if len(found) == len(chain) else tuple(found))
+        curves = [curve for piece in own for curve in (next(fits) if _is_run(piece) else piece)]
+        refitted.append(tuple(chain) if len(curves) == len(chain) else tuple(curves))
     return refitted
 
 
@@ -225,9 +203,11 @@ def _pieces(curves: Sequence[Curve]) -> Iterator[list[Any]]:
     run: list[Line] = []
     for curve in curves:
         short = curve if isinstance(curve, Line) and curve.length <= LONGEST else None
-        if run and (short is None or not _goes_on(run[-1], short)):
-            yield run
-            run = []
+        if run:
+            (x0, y0), (x1, y1) = run[-1].end, curve.start
+            if short is None or max(abs(x1 - x0), abs(y1 - y0)) > SAME_POINT:
+                yield run
+                run = []
         if short is None:
             yield [curve]
         else:
@@ -258,11 +238,6 @@ def arcs_and_lines(points: Sequence[Point], tolerance: float) -> list[Line | Arc
             curves.append(arc)
         at = reach
     return curves
-
-
-def _goes_on(before: Line, line: Line) -> bool:
-    (x0, y0), (x1, y1) = before.end, line.start
-    return abs(x1 - x0) <= SAME_POINT and abs(y1 - y0) <= SAME_POINT
 
 
 def _refit(

@@ -13,7 +13,7 @@ third condition at most twice (problem of Apollonius: at most eight circles). Th
 where the three curves touch each other at one point, and only there.
 """
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from itertools import combinations, product
 from math import hypot, inf, sqrt
 
@@ -65,25 +65,40 @@ def tangent_circles(
     if len(curves) != expected:
         with_ = "without a radius" if radius is None else "with a radius"
         raise NoTangentCircle(f"{len(curves)} curves {with_}, where there have to be {expected}")
-    points = [at for curve in curves for at in _points(curve)]
+    points: list[Point] = []
+    for curve in curves:
+        if isinstance(curve, Line):
+            points += (curve.start, curve.end)
+        else:
+            (x, y), r = curve.centre, curve.radius
+            points += ((x - r, y - r), (x + r, y + r))
     x0, y0, x1, y1 = box_around(points)
     middle, size = ((x0 + x1) / 2, (y0 + y1) / 2), max(x1 - x0, y1 - y0, radius or 0.0)
     if size == 0.0:
         raise NoTangentCircle("curves without a length")
     carriers = [_carrier(curve, middle, size) for curve in curves]
-    _refuse_twins(carriers)
+    for a, b in combinations(carriers, 2):
+        if isinstance(a, _Straight) and isinstance(b, _Straight):
+            if _parallel(a, b) and abs(_gap(a, b)) <= NEAR:
+                raise NoTangentCircle("the same line twice, which endlessly many circles touch")
+        elif _same(a, b):
+            raise NoTangentCircle("the same circle twice, which endlessly many circles touch")
     if radius is None:
         circles = list(_of_three(carriers))
     else:
         circles = list(_of_two(carriers[0], carriers[1], radius / size))
-    kept = _distinct(
-        circle
-        for circle in circles
-        if NEAR < circle.radius < MAX_RADIUS and not any(_same(circle, c) for c in carriers)
-    )
+    kept: list[Circle] = []
+    for circle in circles:
+        slack = NEAR * max(1.0, circle.radius)
+        if (
+            NEAR < circle.radius < MAX_RADIUS
+            and not any(_same(circle, c) for c in carriers)
+            and not any(_same(circle, one, slack) for one in kept)
+        ):
+            kept.append(circle)
     if not kept:
         raise NoTangentCircle(_why_none(carriers, radius))
-    (x, y) = middle
+    x, y = middle
     whole = (
         Circle((x + size * c.centre[0], y + size * c.centre[1]), radius or size * c.radius)
         for c in kept
@@ -99,14 +114,6 @@ def nearest_circle(circles: Sequence[Circle], point: Point) -> Circle | None:
         if second - first <= NEAR * max(second, ranked[0].radius, ranked[1].radius):
             return None
     return ranked[0]
-
-
-def _points(curve: Line | Arc) -> tuple[Point, ...]:
-    """Points around what is touched."""
-    if isinstance(curve, Line):
-        return curve.start, curve.end
-    (x, y), r = curve.centre, curve.radius
-    return (x - r, y - r), (x + r, y + r)
 
 
 def _carrier(curve: Line | Arc, middle: Point, size: float) -> _Carrier:
@@ -125,17 +132,7 @@ def _carrier(curve: Line | Arc, middle: Point, size: float) -> _Carrier:
     return _Straight(normal, (dot(normal, start) + dot(normal, end)) / 2)
 
 
-def _refuse_twins(carriers: Sequence[_Carrier]) -> None:
-    for a, b in combinations(carriers, 2):
-        if isinstance(a, _Straight) and isinstance(b, _Straight):
-            if _parallel(a, b) and abs(_gap(a, b)) <= NEAR:
-                raise NoTangentCircle("the same line twice, which endlessly many circles touch")
-        elif _same(a, b):
-            raise NoTangentCircle("the same circle twice, which endlessly many circles touch")
-
-
 def _same(a: _Carrier, b: _Carrier, slack: float = NEAR) -> bool:
-    """Whether two are one circle."""
     if isinstance(a, _Straight) or isinstance(b, _Straight):
         return False
     return distance(a.centre, b.centre) <= slack and abs(a.radius - b.radius) <= slack
@@ -158,13 +155,6 @@ def _concentric(a: _Carrier, b: _Carrier) -> bool:
 
 
 def _of_two(a: _Carrier, b: _Carrier, radius: float) -> Iterator[Circle]:
-    _refuse_bands(a, b, radius)
-    for s, t in product((1.0, -1.0), repeat=2):
-        for centre in _crossings(_beside(a, s * radius), _beside(b, t * radius)):
-            yield Circle(centre, radius)
-
-
-def _refuse_bands(a: _Carrier, b: _Carrier, radius: float) -> None:
     """Raises NoTangentCircle where circles of that radius roll between two curves."""
     if isinstance(a, _Straight) and isinstance(b, _Straight):
         if _parallel(a, b) and abs(abs(_gap(a, b)) - 2 * radius) <= NEAR:
@@ -173,6 +163,9 @@ def _refuse_bands(a: _Carrier, b: _Carrier, radius: float) -> None:
         for reach in (abs(a.radius - b.radius), a.radius + b.radius):
             if abs(reach - 2 * radius) <= NEAR:
                 raise NoTangentCircle("concentric circles with endlessly many between them")
+    for s, t in product((1.0, -1.0), repeat=2):
+        for centre in _crossings(_beside(a, s * radius), _beside(b, t * radius)):
+            yield Circle(centre, radius)
 
 
 def _beside(carrier: _Carrier, by: float) -> _Carrier:
@@ -256,7 +249,14 @@ def _solved(rows: list[_Row]) -> Iterator[tuple[float, float, float]]:
     normal = _cross3(planes[0], planes[1])
     length = hypot(*normal)
     if length <= NEAR * hypot(*planes[0][1:4]) * hypot(*planes[1][1:4]):
-        _refuse_pencil(planes[0], planes[1])
+        # Two parallel planes that are one: all circles of a pencil touch.
+        p, q = planes
+        size = sum(a * b for a, b in zip(p[1:4], q[1:4], strict=True))
+        square = sum(a * a for a in p[1:4])
+        if square and abs(q[4] - size / square * p[4]) <= NEAR:
+            raise NoTangentCircle(
+                "curves that touch at one point, where endlessly many touch them all"
+            )
         return
     at, along = _common_line(planes[0], planes[1], normal)
     along = (along[0] / length, along[1] / length, along[2] / length)
@@ -309,16 +309,7 @@ def _roots(a: float, b: float, c: float) -> tuple[float, ...]:
     return tuple(t for t in (q / a if a else inf, c / q if q else inf) if abs(t) < MAX_RADIUS)
 
 
-def _refuse_pencil(p: _Row, q: _Row) -> None:
-    """Raises NoTangentCircle if two parallel planes are one: all circles of a pencil touch."""
-    size = sum(a * b for a, b in zip(p[1:4], q[1:4], strict=True))
-    square = sum(a * a for a in p[1:4])
-    if square and abs(q[4] - size / square * p[4]) <= NEAR:
-        raise NoTangentCircle("curves that touch at one point, where endlessly many touch them all")
-
-
 def _off(circle: Circle, carrier: _Carrier) -> float:
-    """How far a circle is from touching."""
     if isinstance(carrier, _Straight):
         return abs(abs(dot(carrier.normal, circle.centre) - carrier.offset) - circle.radius)
     apart = distance(circle.centre, carrier.centre)
@@ -326,20 +317,7 @@ def _off(circle: Circle, carrier: _Carrier) -> float:
     return min(abs(apart - outside), abs(apart - inside))
 
 
-# --- what is left ---------------------------------------------------------------------------------
-
-
-def _distinct(circles: Iterable[Circle]) -> list[Circle]:
-    kept: list[Circle] = []
-    for circle in circles:
-        slack = NEAR * max(1.0, circle.radius)
-        if not any(_same(circle, one, slack) for one in kept):
-            kept.append(circle)
-    return kept
-
-
 def _why_none(carriers: Sequence[_Carrier], radius: float | None) -> str:
-    """Why no circle touches."""
     lines = [c for c in carriers if isinstance(c, _Straight)]
     if len(lines) == len(carriers) and all(_parallel(lines[0], line) for line in lines[1:]):
         return "parallel lines, between which no circle" + (

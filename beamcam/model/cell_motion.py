@@ -69,18 +69,12 @@ class StrokeGeometry:
         )
 
     def places(self, op: SpindleOp, y: float) -> tuple[YZ, YZ, YZ]:
-        """Y and Z of an operation's stroke: free of the section, near, and at the bottom."""
-        stroke, axes = self(op, y), self.axes(op)
-        return (
-            _yz(axes, stroke.across, stroke.retract),
-            _yz(axes, stroke.across, stroke.approach),
-            _yz(axes, stroke.across, stroke.bottom),
-        )
-
-
-def _yz(axes: tuple[Axis, Axis], across: float, along: float) -> YZ:
-    at = {axes[0]: across, axes[1]: along}
-    return at["Y"], at["Z"]
+        """Y and Z of an operation's stroke: retracted, approached and at the bottom."""
+        stroke, (across, along) = self(op, y), self.axes(op)
+        y, retract, approach, bottom = stroke.across, stroke.retract, stroke.approach, stroke.bottom
+        if (across, along) == ("Y", "Z"):
+            return (y, retract), (y, approach), (y, bottom)
+        return (retract, y), (approach, y), (bottom, y)
 
 
 def formula_values(profile: Profile, face: Face, drill: Drill) -> dict[str, float]:
@@ -201,9 +195,6 @@ def move_seconds(distance: float, velocity: float, acceleration: float, jerk: fl
     return ramp(velocity / way, acceleration / way, jerk / way).duration_s if way else 0.0
 
 
-# --- times ----------------------------------------------------------------------------------------
-
-
 Positions = tuple[float, ...]  #: in the order of the machine's axes
 SECONDS_PER_MINUTE = 60.0
 
@@ -240,7 +231,8 @@ class CellMotion:
         self._strokes = {s.number: s.stroke.axis for s in machine.spindles}
 
     def move(self, to: Mapping[str, float], way: float, feed_mm_min: float | None) -> Leg:
-        """A move of the axes that the letters of `to` move now; None is rapid.
+        """A move of the axes that the letters of `to` move now: X its own, Y and Z those of the
+        chosen spindles. A feed of None is rapid.
 
         `way` is the length that the feed counts along. Without a feed above 0 a stroke into
         the steel runs at that of the tool's data for any steel, and other moves as fast as they
@@ -248,8 +240,10 @@ class CellMotion:
         """
         end = list(self.positions)
         for letter, value in to.items():
-            for index in self._axes(letter):
-                end[index] = value
+            own = (None, letter) in self._index
+            for number in (None,) if own else self._chosen:
+                if (number, letter) in self._index:
+                    end[self._index[number, letter]] = value
         if feed_mm_min is not None and not 0.0 < feed_mm_min < inf:
             feed_mm_min = self._own_feed(end)
         slow = feed_mm_min is not None and way > 0.0
@@ -309,20 +303,10 @@ class CellMotion:
         yield self._travel(down, feed / SECONDS_PER_MINUTE / depth), True
         yield self._travel(list(up)), False
 
-    def _axes(self, letter: str) -> Iterator[int]:
-        """The axes that a letter moves now: X its own, Y and Z those of the chosen spindles."""
-        if (None, letter) in self._index:
-            yield self._index[None, letter]
-            return
-        for number in self._chosen:
-            if (number, letter) in self._index:
-                yield self._index[number, letter]
-
     def _stand(self, seconds: float) -> Leg:
         return Leg(seconds, self.positions, self.positions)
 
     def _travel(self, end: list[float], speed: float = inf) -> Leg:
-        """The leg from here to `end`, at most at `speed` shares of the way per second."""
         acceleration, jerk = inf, inf
         for axis, a, b in zip(self.machine.axes, self.positions, end, strict=True):
             if a != b:

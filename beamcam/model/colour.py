@@ -15,8 +15,6 @@ from beamcam.caches import cached
 from beamcam.machine.torch import OTHERS
 from beamcam.model.part import Contour, Dashed, Process
 
-# --- colour names ---------------------------------------------------------------------------------
-
 # The colour names of CSS: 148 names, as "#rrggbb".
 #
 # Source: CSS Color Module Level 4, section 6.1 "Named Colors".
@@ -96,13 +94,14 @@ def parse_colour(text: str) -> str:
         return NAMES[word.lower()]
     kind, numbers = _numbers(word)
     if kind == "rgb" and len(numbers) >= 3:
-        return _hex(tuple(_channel(c) for c in numbers[:3]))
+        shares = ((c, 100) if c.endswith("%") else (c, 255) for c in numbers[:3])
+        return _hex([min(max(float(c.removesuffix("%")) / whole, 0.0), 1.0) for c, whole in shares])
     if kind == "hsl" and len(numbers) >= 3 and (angle := _ANGLE.match(numbers[0])):
         hue = float(angle[1]) * _DEGREES[angle[2].lower()] / 360.0
         saturation, lightness = (
             min(max(float(c.rstrip("%")) / 100, 0.0), 1.0) for c in numbers[1:3]
         )
-        return _hex(tuple(round(c, 9) for c in hls_to_rgb(hue % 1.0, lightness, saturation)))
+        return _hex([round(c, 9) for c in hls_to_rgb(hue % 1.0, lightness, saturation)])
     raise ValueError(f"found {text!r}, expected #RRGGBB, rgb(r, g, b) or the name of a colour")
 
 
@@ -126,12 +125,7 @@ def _numbers(word: str) -> tuple[str, list[str]]:
     return match[1].lower(), [c for c in re.split(r"[\s,/]+", match[2].strip()) if c]
 
 
-def _channel(text: str) -> float:
-    share = float(text[:-1]) / 100 if text.endswith("%") else float(text) / 255
-    return min(max(share, 0.0), 1.0)
-
-
-def _hex(channels: tuple[float, ...]) -> str:
+def _hex(channels: list[float]) -> str:
     return "#" + "".join(f"{round(c * 255):02x}" for c in channels)
 
 
@@ -139,11 +133,6 @@ def channels_of(colour: str) -> tuple[float, float, float]:
     """Red, green and blue of "#rrggbb", each in [0, 1]."""
     red, green, blue = (int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5))
     return red, green, blue
-
-
-def chroma(colour: str) -> float:
-    """Maximum minus minimum channel: 0 for a grey, 1 for a pure colour."""
-    return max(channels_of(colour)) - min(channels_of(colour))
 
 
 def hue_deg(colour: str) -> float:
@@ -168,7 +157,8 @@ def hue_distance_deg(first: str, second: str) -> float:
 
 def _shade(colour: str) -> str:
     """How a colour is compared: by "hue", "black", "grey" or "white", or "pale": not at all."""
-    span, value = chroma(colour), max(channels_of(colour))
+    channels = channels_of(colour)
+    value, span = max(channels), max(channels) - min(channels)  # 0 for a grey
     if span >= HUE_CHROMA:
         return "hue"
     if span >= GREY_CHROMA:
@@ -225,15 +215,12 @@ def _key_of(layer: str | None, colour: str | None, table: tuple[str, ...]) -> st
         for key in named:
             if key.casefold() == name:
                 return key
-    found = None
+    nearest = None
     if colour is not None:
-        found = nearest_colour(colour, [key for key in named if _is_colour(key)])
-    return OTHERS if found is None and OTHERS in table else found
-
-
-def _is_colour(key: str) -> bool:
-    try:
-        parse_colour(key)
-    except ValueError:
-        return False
-    return True
+        colours = []
+        for key in named:
+            with suppress(ValueError):
+                parse_colour(key)
+                colours.append(key)
+        nearest = nearest_colour(colour, colours)
+    return OTHERS if nearest is None and OTHERS in table else nearest

@@ -19,7 +19,7 @@ from msgspec import Struct
 
 from beamcam.conversion import FUNCTIONS, Fault, compile_expression, converted, shown
 from beamcam.errors import Diagnostic, ReadError, Rule, Source, error
-from beamcam.geometry.approximation import Approximation, curves_of_function, curves_of_way
+from beamcam.geometry.approximation import curves_of_function, curves_of_way
 from beamcam.geometry.curves import (
     Arc,
     Bezier,
@@ -48,7 +48,6 @@ from beamcam.model.part_forms import (
     SplineForm,
     TangentCircleForm,
     TangentForm,
-    TouchedForm,
 )
 
 Record = TypeVar("Record")
@@ -104,10 +103,10 @@ def record_of(value: object, record: type[Record], place: JsonPlace) -> Record:
     try:
         return converted(value, record)
     except Fault as fault:
-        raise ReadError(_said(fault, place.at(*fault.path))) from None
+        raise ReadError(_diagnostic_of(fault, place.at(*fault.path))) from None
 
 
-def _said(fault: Fault, place: JsonPlace) -> Diagnostic:
+def _diagnostic_of(fault: Fault, place: JsonPlace) -> Diagnostic:
     if fault.kind == "missing":
         return place.diagnostic(JSON_KEY_MISSING, key=fault.path[-1], expected="it, it is required")
     if fault.kind == "unknown":
@@ -151,7 +150,30 @@ def curves_of_function_form(form: FunctionForm, place: JsonPlace) -> tuple[Curve
     """The curves of a function. Raises ReadError at the key that is wrong."""
     tolerance = FUNCTION_TOLERANCE if form.tolerance is None else form.tolerance
     try:
-        fit = _graph(form, tolerance, place) if form.t is None else _way(form, tolerance, place)
+        if form.t is not None:
+            if form.x is None:
+                raise place.at("x").fault(JSON_KEY_MISSING, key="x", expected="x of t")
+            for key, end in (("from", form.low), ("to", form.high)):
+                if end is not None:
+                    raise place.at(key).fault(
+                        JSON_KEY_UNKNOWN, key=key, expected="x, y, t, tolerance", nearest="t"
+                    )
+            x, y = _arithmetic(form.x, "t", place.at("x")), _arithmetic(form.y, "t", place.at("y"))
+            both = form.t or ()
+            if len(both) != 2:
+                raise place.at("t").wrong(f"{len(both)} values", "two ends [from, to]")
+            low, high = (_number(end, place.at("t", k)) for k, end in enumerate(both))
+            fit = curves_of_way(x, y, low, high, tolerance)
+        elif form.x is not None:
+            raise place.at("t").fault(JSON_KEY_MISSING, key="t", expected="both ends of a way")
+        else:
+            y, ends = _arithmetic(form.y, "x", place.at("y")), []
+            for key, end in (("from", form.low), ("to", form.high)):
+                if end is None:
+                    expected = "an end of the graph"
+                    raise place.at(key).fault(JSON_KEY_MISSING, key=key, expected=expected)
+                ends.append(_number(end, place.at(key)))
+            fit = curves_of_function(y, ends[0], ends[1], tolerance)
     except ReadError:
         raise
     except ValueError as error:
@@ -161,39 +183,7 @@ def curves_of_function_form(form: FunctionForm, place: JsonPlace) -> tuple[Curve
     return fit.curves
 
 
-def _graph(form: FunctionForm, tolerance: float, place: JsonPlace) -> Approximation:
-    if form.x is not None:
-        raise place.at("t").fault(JSON_KEY_MISSING, key="t", expected="both ends of a way")
-    y = _arithmetic(form.y, "x", place.at("y"))
-    low, high = (_end(end, place.at(key)) for key, end in (("from", form.low), ("to", form.high)))
-    return curves_of_function(y, low, high, tolerance)
-
-
-def _end(value: float | str | None, place: JsonPlace) -> float:
-    if value is None:
-        key = place.path.rpartition(".")[2]
-        raise place.fault(JSON_KEY_MISSING, key=key, expected="an end of the graph")
-    return _number(value, place)
-
-
-def _way(form: FunctionForm, tolerance: float, place: JsonPlace) -> Approximation:
-    if form.x is None:
-        raise place.at("x").fault(JSON_KEY_MISSING, key="x", expected="x of t")
-    for key, end in (("from", form.low), ("to", form.high)):
-        if end is not None:
-            raise place.at(key).fault(
-                JSON_KEY_UNKNOWN, key=key, expected="x, y, t, tolerance", nearest="t"
-            )
-    x, y = _arithmetic(form.x, "t", place.at("x")), _arithmetic(form.y, "t", place.at("y"))
-    ends = form.t or ()
-    if len(ends) != 2:
-        raise place.at("t").wrong(f"{len(ends)} values", "two ends [from, to]")
-    low, high = (_number(end, place.at("t", k)) for k, end in enumerate(ends))
-    return curves_of_way(x, y, low, high, tolerance)
-
-
 def _arithmetic(text: str, variable: str, place: JsonPlace) -> str:
-    """An expression, which is arithmetic of the variable."""
     try:
         compile_expression(text, (variable,))
     except ValueError as error:
@@ -235,21 +225,15 @@ def curve_to_json(curve: Curve) -> dict[str, Any]:
         case Line():
             return {"line": [list(curve.start), list(curve.end)]}
         case Arc():
-            return {
-                "arc": {
-                    "centre": list(curve.centre),
-                    "radius": curve.radius,
-                    "start": curve.start_deg,
-                    "sweep": curve.sweep_deg,
-                }
-            }
+            return {"arc": {
+                "centre": list(curve.centre), "radius": curve.radius, "start": curve.start_deg,
+                "sweep": curve.sweep_deg,
+            }}  # fmt: skip
         case EllipseArc():
-            return {
-                "ellipse": {
-                    "centre": list(curve.centre), "axis": list(curve.axis), "ratio": curve.ratio,
-                    "start": curve.start_deg, "sweep": curve.sweep_deg,
-                }
-            }  # fmt: skip
+            return {"ellipse": {
+                "centre": list(curve.centre), "axis": list(curve.axis), "ratio": curve.ratio,
+                "start": curve.start_deg, "sweep": curve.sweep_deg,
+            }}  # fmt: skip
         case Bezier():
             points = _lists(curve.points)
             if curve.weights is None:
@@ -257,14 +241,10 @@ def curve_to_json(curve: Curve) -> dict[str, Any]:
             return {"bezier": {"points": points, "weights": list(curve.weights)}}
         case BSpline():
             weights = None if curve.weights is None else list(curve.weights)
-            return {
-                "bspline": {
-                    "degree": curve.degree,
-                    "control": _lists(curve.control),
-                    "knots": list(curve.knots),
-                    "weights": weights,
-                }
-            }
+            return {"bspline": {
+                "degree": curve.degree, "control": _lists(curve.control),
+                "knots": list(curve.knots), "weights": weights,
+            }}  # fmt: skip
         case NewtonCurve():
             return {"newton": _lists(curve.nodes)}
 
@@ -331,28 +311,23 @@ def _curve(form: CurveForm, place: JsonPlace) -> Curve:
 
 def _tangent_circle(form: TangentCircleForm, place: JsonPlace) -> Circle:
     """The circle that is meant of those that touch."""
-    touched = [_touched(one, place.at("to", k)) for k, one in enumerate(form.to)]
+    touched: list[Line | Arc] = []
+    for k, one in enumerate(form.to):
+        same = CurveForm(line=one.line, arc=one.arc, circle=one.circle)
+        (curve,) = curves_of(same, place.at("to", k))
+        assert isinstance(curve, Line | Arc)
+        touched.append(curve)
     try:
-        found = tangent_circles(touched, form.radius)
+        circles = tangent_circles(touched, form.radius)
     except NoTangentCircle as error:
         raise place.fault(JSON_NO_TANGENT, found=error) from None
-    if form.near is None and len(found) == 1:
-        return found[0]
-    chosen = None if form.near is None else nearest_circle(found, form.near)
+    if form.near is None and len(circles) == 1:
+        return circles[0]
+    chosen = None if form.near is None else nearest_circle(circles, form.near)
     if chosen is None:
-        circles = ", ".join(
-            f"({c.centre[0]:.3f}, {c.centre[1]:.3f}) radius {c.radius:.3f}" for c in found
-        )
-        raise place.fault(JSON_TANGENT_CHOICE, count=len(found), circles=circles)
+        shown = (f"({c.centre[0]:.3f}, {c.centre[1]:.3f}) radius {c.radius:.3f}" for c in circles)
+        raise place.fault(JSON_TANGENT_CHOICE, count=len(circles), circles=", ".join(shown))
     return chosen
-
-
-def _touched(form: TouchedForm, place: JsonPlace) -> Line | Arc:
-    """The curve that a circle touches."""
-    same = CurveForm(line=form.line, arc=form.arc, circle=form.circle)
-    (curve,) = curves_of(same, place)
-    assert isinstance(curve, Line | Arc)
-    return curve
 
 
 def _sweep(sweep: float, place: JsonPlace) -> float:

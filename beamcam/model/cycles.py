@@ -34,49 +34,49 @@ class CycleMove(NamedTuple):
 
 
 def cycle_moves(
-    at: Place, place: tuple[float, float], bottom: float, near: float, clear: float,
+    at: Place, place: tuple[float, float], bottom: float, approach: float, clear: float,
     before: float, cycle: int = DRILL, peck: float = 0.0,
 ) -> Iterator[CycleMove]:  # fmt: skip
-    """Moves of a cycle from the tool's position; `near` is R, `clear` the retract position.
+    """Moves of a cycle from the tool's position; `approach` is R, `clear` the retract position.
 
     `before` is where the tool stood before the first of a run of cycles; nan where that is unknown.
     """
     x, y = place
-    inward = 1.0 if bottom > near else -1.0
+    inward = 1.0 if bottom > approach else -1.0
     z = at[2]
-    if not inward * (before - near) <= 0.0:
-        if z != near:
-            yield CycleMove(True, (at[0], at[1], near))
-        at, z = (at[0], at[1], near), near
-    elif inward * (z - near) > 0.0:
-        z = near
+    if not inward * (before - approach) <= 0.0:
+        if z != approach:
+            yield CycleMove(True, (at[0], at[1], approach))
+        at, z = (at[0], at[1], approach), approach
+    elif inward * (z - approach) > 0.0:
+        z = approach
     if (x, y, z) != at:
         yield CycleMove(True, (x, y, z))
-    if z != near:
-        yield CycleMove(True, (x, y, near))
+    if z != approach:
+        yield CycleMove(True, (x, y, approach))
     if cycle in PECKING:
-        depth = near + inward * peck
+        depth = approach + inward * peck
         while inward * (bottom - depth) > 0.0:
             yield CycleMove(False, (x, y, depth))
             if cycle == PECK:
-                yield CycleMove(True, (x, y, near))
+                yield CycleMove(True, (x, y, approach))
             yield CycleMove(True, (x, y, depth - inward * BACK))
             depth += inward * peck
     yield CycleMove(False, (x, y, bottom))
     yield CycleMove(True, (x, y, clear))
 
 
-def clear_place(before: float, near: float, bottom: float, to_near: bool) -> float:
+def clear_place(before: float, approach: float, bottom: float, to_approach: bool) -> float:
     """The retract position of a cycle; `before` is the position before it."""
-    if to_near or before != before:
-        return near
-    inward = 1.0 if bottom > near else -1.0
-    return before if inward * (near - before) >= 0.0 else near
+    if to_approach or before != before:
+        return approach
+    inward = 1.0 if bottom > approach else -1.0
+    return before if inward * (approach - before) >= 0.0 else approach
 
 
-def peck_fault(peck: float | None, near: float, bottom: float) -> str | None:
+def peck_fault(peck: float | None, approach: float, bottom: float) -> str | None:
     """What the depth fed at a time should be, where it cannot be what it is."""
-    least = abs(bottom - near) / MAX_PECKS
+    least = abs(bottom - approach) / MAX_PECKS
     if peck is None or peck <= 0.0:
         return "Q above 0, the depth that is fed at a time"
     return f"Q of at least {least:.4g}, {MAX_PECKS} feeds at most" if peck < least else None

@@ -69,11 +69,6 @@ def _at(feature: Hole | Slot | TextMark | Camber) -> str:
     return f"on face {feature.face} at x {feature.x:g}, y {feature.y:g}"
 
 
-# --- part data ------------------------------------------------------------------------------------
-
-# Data of parts and jobs, as texts for the words of a machine.
-
-
 #: Names that words may carry (`PART_NAMES` of machine.words), each with a value to try it out.
 PART_DATA: Mapping[str, str] = {
     "mark": "M58", "name": "M58", "profile": "IPE300", "grade": "S355", "length": "4200",

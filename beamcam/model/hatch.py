@@ -6,7 +6,7 @@ from math import ceil
 
 from msgspec.structs import replace
 
-from beamcam.geometry.curves import Curve, Line
+from beamcam.geometry.curves import Line
 from beamcam.geometry.plane import Point, unit_vector
 from beamcam.machine.torch import LayerSettings, Torch
 from beamcam.model.colour import key_of
@@ -47,7 +47,6 @@ def not_filled(part: Part, torch: Torch) -> Iterator[tuple[str, str]]:
 
 
 def _hatched_looks(part: Part, torch: Torch) -> dict[str, list[Contour]]:
-    """The contours of each key of the table of colours that has a hatch."""
     by_look: dict[str, list[Contour]] = {}
     if not any(own.hatch for own in torch.settings.values()):
         return by_look
@@ -73,11 +72,12 @@ def is_closed(contour: Contour) -> bool:
 def _lines(contours: list[Contour], own: LayerSettings) -> Iterator[Line]:
     distance = own.hatch or 0.0
     c, s = unit_vector(own.hatch_angle)
-    edges = [
-        ((c * ax + s * ay, c * ay - s * ax), (c * bx + s * by, c * by - s * bx))
-        for contour in contours for curve in contour.curves
-        for (ax, ay), (bx, by) in _chords(curve)
-    ]  # fmt: skip
+    edges: list[tuple[Point, Point]] = []
+    for curve in (curve for contour in contours for curve in contour.curves):
+        chords = min(MAX_CHORDS, max(16, ceil(curve.length / CHORD)))
+        chords = 1 if isinstance(curve, Line) else chords
+        points = [curve.point(k / chords) for k in range(chords + 1)]
+        edges += pairwise([(c * x + s * y, c * y - s * x) for x, y in points])
     heights = [end[1] for edge in edges for end in edge]
     low, count = min(heights), int((max(heights) - min(heights)) / distance + 0.5)
     crossings: list[list[float]] = [[] for _ in range(count)]
@@ -89,15 +89,10 @@ def _lines(contours: list[Contour], own: LayerSettings) -> Iterator[Line]:
                 break
             share = min(max((y - ay) / (by - ay), 0.0), 1.0)
             crossings[k].append(ax + (bx - ax) * share)
-    for k, found in enumerate(crossings):
+    for k, xs in enumerate(crossings):
         y = low + (k + 0.5) * distance
-        xs = sorted(found)
+        xs.sort()
         for x0, x1 in zip(xs[::2], xs[1::2], strict=False):
             a, b = x0 + distance / 2, x1 - distance / 2
             if b - a > distance:
                 yield Line((c * a - s * y, s * a + c * y), (c * b - s * y, s * b + c * y))
-
-
-def _chords(curve: Curve) -> Iterator[tuple[Point, Point]]:
-    count = 1 if isinstance(curve, Line) else min(MAX_CHORDS, max(16, ceil(curve.length / CHORD)))
-    yield from pairwise([curve.point(k / count) for k in range(count + 1)])

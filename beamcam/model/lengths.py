@@ -44,8 +44,6 @@ def total_length(curves: Iterable[Curve]) -> float:
     )
 
 
-# --- what lies twice ------------------------------------------------------------------------------
-
 _Cell = tuple[int, ...]
 
 
@@ -59,7 +57,42 @@ def duplicate_length(curves: Iterable[Curve]) -> float:
     lines = [curve for curve in every if isinstance(curve, Line)]
     arcs = [curve for curve in every if isinstance(curve, Arc)]
     others = [curve for curve in every if not isinstance(curve, Line | Arc)]
-    return _overlap_of_lines(lines) + _overlap_of_arcs(arcs) + _length_of_repeats(others)
+    # Lines of one carrier have one direction and one distance from the origin. A direction is known
+    # to `SAME_PLACE` over the length of the line, so that it is compared as the distances of the
+    # carrier from two far points of the drawing instead of an angle.
+    span = max((abs(v) for line in lines for p in (line.start, line.end) for v in p), default=0.0)
+    placed = []
+    along: dict[int, tuple[float, float]] = {}
+    for index, line in enumerate(lines):
+        if line.length <= SAME_PLACE:
+            continue
+        x, y = line.tangent(0.0)
+        if x < -1e-9 or (abs(x) <= 1e-9 and y < 0):  # the same for both ways of drawing it
+            x, y = -x, -y
+        direction, normal = (x, y), (-y, x)
+        placed.append(((dot(line.start, normal), x * span, y * span), index))
+        low, high = sorted((dot(line.start, direction), dot(line.end, direction)))
+        along[index] = (low, high)
+    total = sum(_overlap([along[i] for i in group]) for group in _clusters(placed))
+    round_ = 0.0
+    for group in _clusters([((*arc.centre, arc.radius), index) for index, arc in enumerate(arcs)]):
+        spans: list[tuple[float, float]] = []
+        for arc in (arcs[index] for index in group):
+            low = min(arc.start_deg, arc.start_deg + arc.sweep_deg) % 360.0
+            high = low + abs(arc.sweep_deg)
+            spans.append((low, min(high, 360.0)))
+            if high > 360.0:
+                spans.append((0.0, high - 360.0))
+        round_ += _overlap(spans) * pi / 180.0 * arcs[group[0]].radius
+    repeats: list[Curve] = []  # those that are another one drawn again, in either direction
+    signatures = [_signature(curve) for curve in others]
+    by_kind: dict[tuple[str, int], list[int]] = defaultdict(list)
+    for index, curve in enumerate(others):
+        by_kind[type(curve).__name__, len(signatures[index])].append(index)
+    for members in by_kind.values():
+        for group in _clusters([(signatures[i], i) for i in members]):
+            repeats += (others[i] for i in sorted(group)[1:])
+    return total + round_ + total_length(repeats)
 
 
 def _clusters(values: Iterable[tuple[tuple[float, ...], int]]) -> list[list[int]]:
@@ -96,62 +129,6 @@ def _overlap(spans: Sequence[tuple[float, float]]) -> float:
         surplus += max(0.0, min(high, reach) - low)
         reach = max(reach, high)
     return surplus
-
-
-def _overlap_of_lines(lines: Sequence[Line]) -> float:
-    """Lines of one carrier have one direction and one distance from the origin.
-
-    A direction is known to `SAME_PLACE` over the length of the line, so that it is compared as
-    the distances of the carrier from two far points of the drawing instead of an angle.
-    """
-    span = max((abs(v) for line in lines for p in (line.start, line.end) for v in p), default=0.0)
-    placed = []
-    along: dict[int, tuple[float, float]] = {}
-    for index, line in enumerate(lines):
-        if line.length <= SAME_PLACE:
-            continue
-        direction = _direction(line)
-        normal = (-direction[1], direction[0])
-        placed.append(((dot(line.start, normal), direction[0] * span, direction[1] * span), index))
-        low, high = sorted((dot(line.start, direction), dot(line.end, direction)))
-        along[index] = (low, high)
-    return sum(_overlap([along[i] for i in group]) for group in _clusters(placed))
-
-
-def _direction(line: Line) -> Point:
-    """Unit vector along a line, one of the two: the same for both ways of drawing it."""
-    x, y = line.tangent(0.0)
-    if x < -1e-9 or (abs(x) <= 1e-9 and y < 0):
-        return -x, -y
-    return x, y
-
-
-def _overlap_of_arcs(arcs: Sequence[Arc]) -> float:
-    total = 0.0
-    for group in _clusters([((*arc.centre, arc.radius), index) for index, arc in enumerate(arcs)]):
-        spans: list[tuple[float, float]] = []
-        for index in group:
-            arc = arcs[index]
-            low = min(arc.start_deg, arc.start_deg + arc.sweep_deg) % 360.0
-            high = low + abs(arc.sweep_deg)
-            spans.append((low, min(high, 360.0)))
-            if high > 360.0:
-                spans.append((0.0, high - 360.0))
-        total += _overlap(spans) * pi / 180.0 * arcs[group[0]].radius
-    return total
-
-
-def _length_of_repeats(curves: Sequence[Curve]) -> float:
-    """Length of curves that are another one drawn again, in either direction."""
-    repeats: list[Curve] = []
-    signatures = [_signature(curve) for curve in curves]
-    by_kind: dict[tuple[str, int], list[int]] = defaultdict(list)
-    for index, curve in enumerate(curves):
-        by_kind[type(curve).__name__, len(signatures[index])].append(index)
-    for members in by_kind.values():
-        for group in _clusters([(signatures[i], i) for i in members]):
-            repeats += (curves[i] for i in sorted(group)[1:])
-    return total_length(repeats)
 
 
 def _signature(curve: Curve) -> tuple[float, ...]:

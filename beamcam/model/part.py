@@ -18,7 +18,7 @@ from msgspec.structs import replace
 from beamcam.conversion import Keys
 from beamcam.errors import Source
 from beamcam.geometry.curves import Arc, Curve, Line
-from beamcam.geometry.plane import MAX_COORDINATE, Box, Point
+from beamcam.geometry.plane import MAX_COORDINATE, Box, Point, unit_vector
 
 Face = str
 FACES = ("v", "o", "u", "h")
@@ -114,6 +114,11 @@ class Hole(Struct, frozen=True):
     angle: float | None = None  #: cone of a countersink in degrees; None is a flat counterbore
     edge: str = ""  #: reference letter of x: the edge rolling tolerance is measured from
 
+    @property
+    def centres(self) -> tuple[Point, ...]:
+        """Its centre, as `Slot.centres`."""
+        return ((self.x, self.y),)
+
 
 class Slot(Struct, frozen=True):
     """A slotted or rectangular hole with round corners."""
@@ -129,6 +134,15 @@ class Slot(Struct, frozen=True):
     depth: float | None = None  #: None is through
     kind: HoleKind = "through"
     edge: str = ""
+
+    @property
+    def centres(self) -> tuple[Point, ...]:
+        """Centres of the corner circles: two, or four of a rectangle."""
+        c, s = unit_vector(self.angle)
+        halves = dict.fromkeys(
+            (k * self.length / 2, m * self.height / 2) for k in (-1, 1) for m in (-1, 1)
+        )
+        return tuple((self.x + c * a - s * b, self.y + s * a + c * b) for a, b in halves)
 
 
 class Bevel(Keys, frozen=True):
@@ -263,20 +277,6 @@ class Measures(Struct, frozen=True):
     lettered: tuple[tuple[str, int], ...] = ()  #: layers whose texts are marked, and how many
     dashed: tuple[Dashed, ...] = ()
 
-    @property
-    def filled_length(self) -> float:
-        """Length of `filled`."""
-        from beamcam.model.lengths import total_length
-
-        return total_length(self.filled)
-
-    @property
-    def hidden_length(self) -> float:
-        """Length of `hidden`."""
-        from beamcam.model.lengths import total_length
-
-        return total_length(self.hidden)
-
 
 class Part(Struct, frozen=True):
     """A piece mark, its stock and its features, in the order of the file."""
@@ -371,18 +371,13 @@ def part_data(parts: Sequence[Part]) -> dict[str, str]:
 
     The date of the job is not among them: see `posts.Job`.
     """
-    return {
-        "mark": _joined(part.mark for part in parts),
-        "name": _joined(PurePath(part.source.file).stem for part in parts),
-        "profile": _joined(part.profile.name for part in parts),
-        "grade": _joined(part.grade for part in parts),
-        "length": _joined(f"{part.length:g}" for part in parts),
-        "quantity": _joined(str(part.quantity) for part in parts),
-        "order": _joined(part.order for part in parts),
-        "drawing": _joined(part.drawing for part in parts),
-        "phase": _joined(part.phase for part in parts),
-    }
-
-
-def _joined(texts: Iterable[str]) -> str:
-    return "+".join(dict.fromkeys(texts))
+    data = [
+        {
+            "mark": part.mark, "name": PurePath(part.source.file).stem,
+            "profile": part.profile.name, "grade": part.grade, "length": f"{part.length:g}",
+            "quantity": str(part.quantity), "order": part.order, "drawing": part.drawing,
+            "phase": part.phase,
+        }
+        for part in parts
+    ]  # fmt: skip
+    return {key: "+".join(dict.fromkeys(one[key] for one in data)) for key in data[0]}

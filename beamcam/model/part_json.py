@@ -47,6 +47,11 @@ def part_to_json(part: Part) -> Json:
     """The JSON form of `part`, of values that `json.dumps` takes."""
     file = part.source.file
     made = {} if part.made is None else {"made": _lists(part.made, file)}
+    curves: dict[str, list[Curve]] = {}
+    for contour in part.contours:
+        curves.setdefault(contour.face, []).extend(contour.curves)
+    box = join_boxes([curve.bbox for curve in curves.get("v", ())])
+    measures = part.measures or Measures()
     profile = asdict(part.profile)
     if part.profile.lip is None:
         del profile["lip"]
@@ -74,7 +79,12 @@ def part_to_json(part: Part) -> Json:
         "comments": [asdict(comment) for comment in part.comments],
         "guid": part.guid,
         "source": {"file": file, **_place(part.source, file)},
-        **_sums(part),
+        "bbox": None if box is None else list(box),
+        "path_length": sum(total_length(on_face) for on_face in curves.values()),
+        "duplicate_length": sum(duplicate_length(on_face) for on_face in curves.values()),
+        "filled_length": total_length(measures.filled),
+        "hidden_length": total_length(measures.hidden),
+        "not_cut": dict(measures.not_cut),
     }
 
 
@@ -82,7 +92,17 @@ def _lists(features: Iterable[Feature], file: str) -> dict[str, list[Json]]:
     """Features in lists by their kinds, each with its place among all."""
     lists: dict[str, list[Json]] = {name: [] for name in _LISTS.values()}
     for i, feature in enumerate(features):
-        fields = _contour(feature) if isinstance(feature, Contour) else _fields(feature)
+        fields = _fields(feature)
+        if isinstance(feature, Contour):
+            box = join_boxes([curve.bbox for curve in feature.curves])
+            fields = {
+                "face": feature.face, "kind": feature.kind, "process": feature.process,
+                "closed": feature.closed, "curves": [*map(curve_to_json, feature.curves)],
+                "length": total_length(feature.curves), "bbox": None if box is None else list(box),
+                "layer": feature.layer, "colour": feature.colour,
+                "bevels": [*map(asdict, feature.bevels)],
+                "notches": [*map(asdict, feature.notches)], "edge": feature.edge,
+            }  # fmt: skip
         own = {**fields, "feature": i, **_place(feature.source, file)}
         lists[_LISTS[type(feature)]].append(own)
     return lists
@@ -101,40 +121,6 @@ def _place(source: Source, file: str) -> Json:
 def _fields(record: Struct) -> Json:
     """The fields of a record by their names, but not where it stands in its file."""
     return {name: value for name, value in asdict(record).items() if name != "source"}
-
-
-def _contour(contour: Contour) -> Json:
-    box = join_boxes([curve.bbox for curve in contour.curves])
-    return {
-        "face": contour.face, "kind": contour.kind, "process": contour.process,
-        "closed": contour.closed, "curves": [curve_to_json(curve) for curve in contour.curves],
-        "length": total_length(contour.curves), "bbox": None if box is None else list(box),
-        "layer": contour.layer, "colour": contour.colour,
-        "bevels": [asdict(bevel) for bevel in contour.bevels],
-        "notches": [asdict(notch) for notch in contour.notches], "edge": contour.edge,
-    }  # fmt: skip
-
-
-def _sums(part: Part) -> Json:
-    """The box of what lies on face v, the lengths of all curves, and what a drawing also held."""
-    curves: dict[str, list[Curve]] = {}
-    for contour in part.contours:
-        curves.setdefault(contour.face, []).extend(contour.curves)
-    box = join_boxes([curve.bbox for curve in curves.get("v", ())])
-    measures = part.measures or Measures()
-    return {
-        "bbox": None if box is None else list(box),
-        "path_length": sum(total_length(on_face) for on_face in curves.values()),
-        "duplicate_length": sum(duplicate_length(on_face) for on_face in curves.values()),
-        "filled_length": measures.filled_length,
-        "hidden_length": measures.hidden_length,
-        "not_cut": dict(measures.not_cut),
-    }
-
-
-# --- part schema ----------------------------------------------------------------------------------
-
-# The JSON schema of a part in its JSON form, for editors and for programs that write parts.
 
 
 def part_schema() -> Schema:

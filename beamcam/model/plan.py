@@ -10,7 +10,7 @@ from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Curve, Point
 from beamcam.machine.stations import Tool
 from beamcam.machine.torch import TorchRow
-from beamcam.model.part import Face, Part, Profile
+from beamcam.model.part import Face, Feature, Part, Profile
 
 SKELETON = "skeleton"  #: source of the cuts through what is left of a sheet
 HATCH = "hatch"  #: source of the lines of a hatch
@@ -40,7 +40,7 @@ class Piece(Struct, frozen=True):
 
 
 class Bar(Struct, frozen=True):
-    """The account of a bar: its stretches add up to its length, `nested` taken off."""
+    """The account of a bar: its lengths add up to its own, `nested` taken off."""
 
     length: float
     front_trim: float
@@ -57,7 +57,7 @@ class Bar(Struct, frozen=True):
 
     @property
     def total(self) -> float:
-        """The sum of the stretches."""
+        """The sum of the lengths."""
         return (
             self.front_trim + self.parts + self.kerfs - self.nested + self.remnant + self.end_trim
         )
@@ -91,7 +91,7 @@ class DrillOp(Struct, frozen=True, gc=False):
 
 
 class PathOp(Struct, frozen=True):
-    """A tool led along a path: a slot or a large hole milled, a line scribed."""
+    """A tool that follows a path: a slot or a large hole milled, a line scribed."""
 
     x: float  #: machine X of the first point
     spindle: int
@@ -110,7 +110,7 @@ class PathOp(Struct, frozen=True):
 
 
 class StampedLetters(Struct, frozen=True):
-    """A text as a stamp or printer is told it."""
+    """A text as a stamp or printer gets it."""
 
     text: str
     height: float
@@ -118,7 +118,7 @@ class StampedLetters(Struct, frozen=True):
 
 
 class TextOp(Struct, frozen=True):
-    """A text that a stamp or printer is told."""
+    """A text that a stamp or printer letters."""
 
     x: float  #: machine X
     spindle: int  #: what the program calls the unit on that face
@@ -181,11 +181,20 @@ def unfinished(outcomes: Iterable[Outcome]) -> list[Outcome]:
     return [outcome for outcome in outcomes if outcome.how in NOT_MADE or outcome.left]
 
 
-class Plan(Struct, frozen=True):
-    """The work of one bar, in order."""
+class OfPieces(Struct, frozen=True):
+    """A plan of parts that lie on a bar or a sheet."""
 
     profile: Profile
     pieces: tuple[Piece, ...]
+
+    def feature(self, ref: FeatureRef) -> Feature:
+        """A feature of one of the pieces."""
+        return self.pieces[ref[0]].part.features[ref[1]]
+
+
+class Plan(OfPieces, frozen=True):
+    """The work of one bar, in order."""
+
     bar: Bar
     operations: tuple[Operation, ...]
     outcomes: tuple[Outcome, ...]  #: one for every feature of every piece
@@ -234,18 +243,16 @@ class ContourOp(Struct, frozen=True, gc=False):
         return (last.lead_out or last.curves)[-1].end
 
 
-class SheetPlan(Struct, frozen=True):
-    """The work on one sheet, in order."""
+class SheetPlan(OfPieces, frozen=True):
+    """The work on one sheet, in order; of one piece, or of those that share it."""
 
-    profile: Profile
-    pieces: tuple[Piece, ...]  #: one, or those that share the sheet
     shift: Point  #: machine coordinates of the drawing's x 0, y 0; each piece has its place
     thickness: float
     operations: tuple[ContourOp, ...]
     outcomes: tuple[Outcome, ...]  #: one for every feature
     remarks: tuple[Diagnostic, ...] = ()
     reloads: tuple[ToolLoad, ...] = ()  #: changed manually during the work, in its order
-    notes: tuple[str, ...] = ()  #: for whoever stands at the machine
+    notes: tuple[str, ...] = ()  #: for the operator
     min_bevel: float = 0.0  #: degrees; a smaller bevel counts as square
 
 
@@ -263,7 +270,7 @@ class CopeCut(Struct, frozen=True, gc=False):
     face: Face  #: that the torch looks at
     #: x of the part and y of the face where the torch points at, from where it pierces
     path: tuple[Point, ...]
-    lead: int  #: how many of its stretches lead to the contour
+    lead: int  #: how many of its segments lead to the contour
     thickness: float  #: that it cuts through along the torch, roots with their flange
     row: TorchRow
     features: tuple[FeatureRef, ...]
@@ -278,11 +285,9 @@ class CopeCut(Struct, frozen=True, gc=False):
     lip: bool = False  #: whether it takes the lip below a flange
 
 
-class CopePlan(Struct, frozen=True):
+class CopePlan(OfPieces, frozen=True):
     """The work on one part that is cut from a bar by a torch going round it, in order."""
 
-    profile: Profile
-    pieces: tuple[Piece, ...]  #: one
     bar: float  #: length that the part needs
     operations: tuple[CopeCut, ...]
     outcomes: tuple[Outcome, ...]  #: one for every feature
@@ -305,10 +310,8 @@ def named_skips(words: Iterable[str]) -> tuple[str, ...]:
 
 def left_out_sources(plan: AnyPlan) -> Iterator[Source]:
     """Source of each feature that was left out because `--allow-skips` names its kind."""
-    for outcome in unfinished(plan.outcomes):
-        if outcome.is_left_out:
-            piece, index = outcome.feature
-            yield plan.pieces[piece].part.features[index].source
+    left = unfinished(plan.outcomes)
+    return (plan.feature(one.feature).source for one in left if one.is_left_out)
 
 
 def left_out_kinds(plan: AnyPlan) -> Counter[str]:
@@ -319,10 +322,8 @@ def left_out_kinds(plan: AnyPlan) -> Counter[str]:
 
 def manual_work_sources(plan: AnyPlan) -> Iterator[Source]:
     """Source of each mark that is left for manual work."""
-    for outcome in unfinished(plan.outcomes):
-        if outcome.manual_work:
-            piece, index = outcome.feature
-            yield plan.pieces[piece].part.features[index].source
+    left = unfinished(plan.outcomes)
+    return (plan.feature(one.feature).source for one in left if one.manual_work)
 
 
 class StockUse(Struct, frozen=True):
@@ -344,11 +345,6 @@ def stock_used(plan: AnyPlan, bar: float | None) -> StockUse | None:
             cuts = plan.bar - sum(piece.part.length for piece in plan.pieces)
             return StockUse(length, cuts, length - plan.bar)
     return None
-
-
-# --- work time ------------------------------------------------------------------------------------
-
-# Work time of a plan.
 
 
 class WorkTime(Struct, frozen=True):

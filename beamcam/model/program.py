@@ -118,7 +118,7 @@ class ChangeTool(Struct, frozen=True):
 
 
 class Comment(Struct, frozen=True):
-    """A text for whoever reads the program at the machine."""
+    """A text for the operator."""
 
     text: str
 
@@ -291,8 +291,6 @@ class Program(Struct, frozen=True):
     about: Mapping[str, str] = {}
 
 
-# --- triggers -------------------------------------------------------------------------------------
-
 # A chain of operations, each started by the arrival of the one before it.
 #
 # Lengths are mm in machine coordinates, counted from where homing ends.
@@ -350,11 +348,6 @@ class TriggerTable(Struct, frozen=True):
     thickness: float = 0.0  #: of the sheet, for a table that lifts its torch
 
 
-# --- steps ----------------------------------------------------------------------------------------
-
-# Tables for stepping motors: stretches with their velocities, and single steps.
-
-
 LASER_BIT = 4  #: of a row's bits; 0 and 1 are the word of X, 2 and 3 that of Y
 
 
@@ -366,7 +359,7 @@ class StepRows(NamedTuple):
 
 
 class VelocityRow(NamedTuple):
-    """A stretch on which the velocity is a smooth function: one row of a velocity table."""
+    """A segment on which the velocity is a smooth function: one row of a velocity table."""
 
     x: float  #: end point
     y: float
@@ -382,7 +375,7 @@ class VelocityRow(NamedTuple):
 class StepTable(Struct, frozen=True):
     """A job for two stepping motors, from the shielded corner and back to it.
 
-    `rows` and `stretches` compute again what they give, piece by piece, so that a table of any
+    `rows` and `segments` compute again what they give, piece by piece, so that a table of any
     length takes no memory.
     """
 
@@ -390,5 +383,5 @@ class StepTable(Struct, frozen=True):
     step: float  #: travel of one step, mm
     sequence: tuple[str, ...]  #: words of forward steps
     rows: Callable[[], Iterator[StepRows]]
-    stretches: Callable[[], Iterator[VelocityRow]]
+    segments: Callable[[], Iterator[VelocityRow]]
     remarks: tuple[str, ...] = ()  #: for the operator

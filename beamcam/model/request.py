@@ -209,11 +209,6 @@ class Options(Struct, frozen=True):
     apart: bool = False  #: the kernel builds in another process, which ends when its time is up
 
 
-# --- marks ----------------------------------------------------------------------------------------
-
-# Marks: what a part is called by, and which of a machine's policies a feature falls under.
-
-
 MarkFrom = Literal["mark", "drawing", "file", "position"]
 MARKS_FROM: tuple[MarkFrom, ...] = ("mark", "drawing", "file", "position")
 MarkKind = Literal["text", "points", "contours"]
@@ -250,9 +245,9 @@ def marked(parts: Iterable[Part], source: MarkFrom) -> tuple[Part, ...]:
     """
     if source == "mark":
         return tuple(parts)
-    found: Callable[[Part], str] = {
+    mark_of: Callable[[Part], str] = {
         "drawing": lambda part: part.drawing,
         "file": lambda part: PurePath(part.source.file.replace("\\", "/")).stem,
         "position": lambda part: part.phase,
     }[source]
-    return tuple(replace(part, mark=found(part) or part.mark) for part in parts)
+    return tuple(replace(part, mark=mark_of(part) or part.mark) for part in parts)

@@ -9,9 +9,9 @@ ___|___        |________         |____       |________|     |
 """
 
 import re
-from bisect import bisect_left, bisect_right
 from collections.abc import Sequence
 from math import acos, ceil, cos, hypot, pi, radians, sin, sqrt
+from operator import itemgetter
 from pathlib import Path
 
 from msgspec import Struct, json
@@ -54,6 +54,7 @@ class Wall(Struct, frozen=True):
         return self.radius - sqrt(self.radius * self.radius - reached * reached)
 
 
+@cached("sections.walls")
 def walls_beside(profile: Profile, face: Face) -> tuple[Wall, ...]:
     """The walls that stand on the wall behind a face, along rising y; none of other sections."""
     code, radius = profile.code, profile.radius
@@ -239,7 +240,10 @@ def single_contours(part: Part) -> list[Contour]:
 
 
 def section_area(profile: Profile, outline: tuple[SectionPoint, ...] = ()) -> float | None:
-    """mm2 of a section by its figures; None for a C without its lips, an SO without its outline."""
+    """mm2 of a section by its figures; None for a C without its lips, an SO without its outline.
+
+    Of an SO whose edges are round it is not known either.
+    """
     h, b, r = profile.height, profile.width, profile.radius
     flange, web = profile.flange_thickness, profile.web_thickness or 0.0
     match profile.code:
@@ -264,8 +268,13 @@ def section_area(profile: Profile, outline: tuple[SectionPoint, ...] = ()) -> fl
             return pi * (h - wall) * wall if wall else None
         case "RU":
             return pi * h * h / 4
-        case "SO":
-            return _outline_area(outline)
+        case "SO" if len(outline) > 2 and not any(point.radius for point in outline):
+            total = 0.0
+            for side, sign in (("+", 1), ("-", -1)):
+                ring = [(p.y, p.z) for p in outline if p.side == side]
+                pairs = zip(ring, ring[1:] + ring[:1], strict=True)
+                total += sign * abs(sum(y0 * z1 - y1 * z0 for (y0, z0), (y1, z1) in pairs)) / 2
+            return total
     return None
 
 
@@ -293,18 +302,6 @@ def lip_of(part: Part) -> float:
     return lip if least <= lip <= profile.height / 2 else greatest
 
 
-def _outline_area(outline: tuple[SectionPoint, ...]) -> float | None:
-    """mm2 within the corners of a special section; None where its edges are round or missing."""
-    if len(outline) < 3 or any(point.radius for point in outline):
-        return None
-    total = 0.0
-    for side, sign in (("+", 1), ("-", -1)):
-        ring = [(p.y, p.z) for p in outline if p.side == side]
-        pairs = zip(ring, ring[1:] + ring[:1], strict=True)
-        total += sign * abs(sum(y0 * z1 - y1 * z0 for (y0, z0), (y1, z1) in pairs)) / 2
-    return total
-
-
 # --- catalogue ------------------------------------------------------------------------------------
 
 # Rolled sections by name and by their measures.
@@ -330,19 +327,6 @@ def sections() -> dict[str, tuple[ProfileCode, Sizes]]:
     }
 
 
-@cached("sections.by_code")
-def _by_code() -> dict[str, tuple[tuple[Sizes, str], ...]]:
-    """Measures and name of the sections of each code, ascending by height; as given if equal."""
-    grouped: dict[str, list[tuple[Sizes, str]]] = {}
-    for name, (code, sizes) in sections().items():
-        grouped.setdefault(code, []).append((sizes, name))
-    return {code: tuple(sorted(rows, key=_height)) for code, rows in grouped.items()}
-
-
-def _height(row: tuple[Sizes, str]) -> float:
-    return row[0][0]
-
-
 def plain_name(name: str) -> str:
     """A section's name in one spelling: HE 200 B, HEB-200 and heb200 are HEB200."""
     text = name.upper().replace(",", ".").replace("*", "X").replace("×", "X")
@@ -359,13 +343,12 @@ def measures_of(name: str) -> tuple[ProfileCode, Sizes] | None:
 @cached("sections.name")
 def name_of(profile: Profile) -> str | None:
     """The catalogue's name of a section with these measures, the nearest within the tolerance."""
-    rows = _by_code().get(profile.code, ())
-    # Twice as far up and down as a section may be, so that no rounding decides.
-    first = bisect_left(rows, profile.height - 2 * TOLERANCE, key=_height)
-    last = bisect_right(rows, profile.height + 2 * TOLERANCE, key=_height)
-    off = [(difference(profile, sizes), name) for sizes, name in rows[first:last]]
-    near = [row for row in off if row[0] <= TOLERANCE]
-    return min(near, key=lambda row: row[0])[1] if near else None
+    near = [
+        (off, sizes[0], name)
+        for name, (code, sizes) in sections().items()
+        if code == profile.code and (off := difference(profile, sizes)) <= TOLERANCE
+    ]
+    return min(near, key=itemgetter(0, 1))[2] if near else None
 
 
 def difference(profile: Profile, sizes: Sizes) -> float:

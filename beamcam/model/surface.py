@@ -56,17 +56,6 @@ class Patch(Struct, frozen=True):
         y, z = self.normal(u)
         return degrees(atan2(-y, z)) + 0.0
 
-    def u_of(self, y: float, z: float) -> float:
-        """The u of a place (Y, Z) on the patch, or of that on it which is nearest across it.
-
-        Round a whole tube u is that from 0 to the circumference.
-        """
-        if not self.radius:
-            (oy, oz), (dy, dz) = self.origin, self.along
-            return (y - oy) * dy + (z - oz) * dz
-        turn = atan2(z - self.origin[1], self.origin[0] - y) - self.first_rad
-        return (turn % (2 * pi)) * self.radius
-
 
 def surface_of(profile: Profile) -> tuple[Patch, ...]:
     """The patches of a section that a torch can look at; none of a section without such walls.
@@ -85,7 +74,22 @@ def surface_of(profile: Profile) -> tuple[Patch, ...]:
         case "C":
             front, back = b, b - web
         case "M":
-            return _tube(h, b, min(r, h / 2, b / 2), flange, web)
+            r = min(r, h / 2, b / 2)
+            walls = (
+                Patch("u", r, b - r, flange, (0.0, 0.0), (0.0, 1.0), (-1.0, 0.0)),
+                Patch("v", r, h - r, web, (0.0, b), (1.0, 0.0), (0.0, 1.0)),
+                Patch("o", r, b - r, flange, (h, 0.0), (0.0, 1.0), (1.0, 0.0)),
+                Patch("h", r, h - r, web, (0.0, 0.0), (1.0, 0.0), (0.0, -1.0)),
+            )
+            if not r:
+                return walls
+            arc, wall = r * pi / 2, min(flange, web)
+            middles = {"u-v": (r, b - r), "v-o": (h - r, b - r), "o-h": (h - r, r), "h-u": (r, r)}
+            corners = tuple(
+                Patch(name, 0.0, arc, wall, middle, radius=r, first_rad=k * pi / 2)
+                for k, (name, middle) in enumerate(middles.items())
+            )
+            return tuple(patch for pair in zip(walls, corners, strict=True) for patch in pair)
         case "RO" | "RU":
             wall = (flange or web) if profile.code == "RO" else h / 2
             return (Patch("v", 0.0, pi * h, wall, (h / 2, h / 2), radius=h / 2),)
@@ -101,31 +105,9 @@ def surface_of(profile: Profile) -> tuple[Patch, ...]:
     return tuple(faces)
 
 
-def _tube(h: float, b: float, r: float, flange: float, web: float) -> tuple[Patch, ...]:
-    """The four walls of a rectangular tube, and its round corners where it has them."""
-    walls = (
-        Patch("u", r, b - r, flange, (0.0, 0.0), (0.0, 1.0), (-1.0, 0.0)),
-        Patch("v", r, h - r, web, (0.0, b), (1.0, 0.0), (0.0, 1.0)),
-        Patch("o", r, b - r, flange, (h, 0.0), (0.0, 1.0), (1.0, 0.0)),
-        Patch("h", r, h - r, web, (0.0, 0.0), (1.0, 0.0), (0.0, -1.0)),
-    )
-    if not r:
-        return walls
-    arc, wall = r * pi / 2, min(flange, web)
-    middles = {"u-v": (r, b - r), "v-o": (h - r, b - r), "o-h": (h - r, r), "h-u": (r, r)}
-    corners = tuple(
-        Patch(name, 0.0, arc, wall, middle, radius=r, first_rad=k * pi / 2)
-        for k, (name, middle) in enumerate(middles.items())
-    )
-    return tuple(patch for pair in zip(walls, corners, strict=True) for patch in pair)
-
-
 def patch_of(patches: tuple[Patch, ...], face: Face) -> Patch | None:
     """The patch of a face; None if the section has none there."""
     return next((patch for patch in patches if patch.name == face), None)
-
-
-# --- once round -----------------------------------------------------------------------------------
 
 
 class SurfacePatch(Struct, frozen=True):

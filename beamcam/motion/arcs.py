@@ -15,7 +15,7 @@ from msgspec import Struct
 from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.geometry.arrays import CurveTable, table_of, unit_vectors
 from beamcam.geometry.curves import Arc, Bezier, Curve, EllipseArc, Line
-from beamcam.geometry.plane import Point, cross
+from beamcam.geometry.plane import Point, cross, dot
 from beamcam.model.program import ArcFeed, EllipseFeed, Feed, Movement, ParabolaFeed
 
 #: A number as near to the middle of two steps, in steps, is rounded by its exact decimals.
@@ -131,7 +131,15 @@ def _moves(
             break
         if splits == MAX_SPLITS:
             raise AssertionError("an arc that halving does not make flat")
-        offset, good, straight = _as_written(pending, numbers)
+        radius, sweep = pending.arcs[:, 2], np.abs(pending.arcs[:, 4])
+        sagitta = radius * (1 - np.cos(np.radians(sweep) / 2))
+        short = ~pending.is_wide()
+        is_flat = short & (sagitta < numbers.step / 2)
+        good = short & ~is_flat & (numbers.min_radius <= radius) & (radius <= numbers.max_radius)
+        offset = np.zeros((len(radius), 2))
+        which = np.flatnonzero(good)
+        offset[which], good[which] = _centres(pending.arcs[which], pending.ends[which], numbers)
+        straight = is_flat | (short & ~good & (sagitta <= numbers.tolerance))
         chords = pending.take(straight)
         flat.append((chords.owner, chords.begin, chords.ends[:, 2:]))
         done = pending.take(good)
@@ -148,8 +156,7 @@ def _moves(
 
 
 def _is_move(ends: Floats) -> Flags:
-    is_move: Flags = (ends[:, :2] != ends[:, 2:]).any(axis=1)
-    return is_move
+    return np.asarray((ends[:, :2] != ends[:, 2:]).any(axis=1))
 
 
 class _Arcs(Struct, frozen=True):
@@ -180,31 +187,12 @@ class _Arcs(Struct, frozen=True):
             np.concatenate((self.owner, self.owner)),
             np.concatenate((self.begin, turned)),
             np.concatenate((first, second)),
-            np.concatenate(
-                (
-                    np.column_stack((self.ends[:, :2], middle)),
-                    np.column_stack((middle, self.ends[:, 2:])),
-                )
-            ),
+            np.block([[self.ends[:, :2], middle], [middle, self.ends[:, 2:]]]),
         )
 
 
 def _points(arcs: Floats, angles_deg: Floats) -> Floats:
-    """Points of arcs (n, 5) at angles."""
     return arcs[:, :2] + arcs[:, 2:3] * unit_vectors(angles_deg)
-
-
-def _as_written(arcs: _Arcs, numbers: Numbers) -> tuple[Floats, Flags, Flags]:
-    """The way (n, 2) from each start to the centre; which arcs are written, and which are lines."""
-    radius, sweep = arcs.arcs[:, 2], np.abs(arcs.arcs[:, 4])
-    sagitta = radius * (1 - np.cos(np.radians(sweep) / 2))
-    narrow = ~arcs.is_wide()
-    flat = narrow & (sagitta < numbers.step / 2)
-    good = narrow & ~flat & (numbers.min_radius <= radius) & (radius <= numbers.max_radius)
-    offset = np.zeros((len(radius), 2))
-    which = np.flatnonzero(good)
-    offset[which], good[which] = _centres(arcs.arcs[which], arcs.ends[which], numbers)
-    return offset, good, flat | (narrow & ~good & (sagitta <= numbers.tolerance))
 
 
 def _centres(arcs: Floats, ends: Floats, numbers: Numbers) -> tuple[Floats, Flags]:
@@ -222,27 +210,18 @@ def _centres(arcs: Floats, ends: Floats, numbers: Numbers) -> tuple[Floats, Flag
     along = step / chord[:, None]
     across = (side * height)[:, None] * np.column_stack((-along[:, 1], along[:, 0]))
     offset = numbers.rounded(step / 2 + across)
-    return offset, reaches & _is_same_arc(arcs, ends, along, offset, numbers)
-
-
-def _is_same_arc(
-    arcs: Floats, ends: Floats, along: Floats, offset: Floats, numbers: Numbers
-) -> Flags:
-    """Which arcs a controller takes for what they are."""
+    # Which arcs a controller takes for what they are.
     start, end = ends[:, :2], ends[:, 2:]
     centre = start + offset
     near, far = np.hypot(*offset.T), np.hypot(*(end - centre).T)
-    same: Flags = np.abs(near - far) <= numbers.arc_limit
-    same &= near >= numbers.min_radius
-    beside = np.abs(np.sum((centre - (start + end) / 2) * along, axis=1))
-    same &= beside <= BISECTOR_SHARE * near
-    side = np.where(arcs[:, 4] > 0, 1.0, -1.0)
+    same = reaches & (np.abs(near - far) <= numbers.arc_limit) & (near >= numbers.min_radius)
+    aside = np.abs(np.sum((centre - (start + end) / 2) * along, axis=1))
+    same &= aside <= BISECTOR_SHARE * near
     first, last = (np.arctan2(p[:, 1], p[:, 0]) for p in (start - centre, end - centre))
     half_rad = first + side * (side * (last - first) % (2 * np.pi)) / 2
     middle = centre + near[:, None] * np.column_stack((np.cos(half_rad), np.sin(half_rad)))
     drawn = _points(arcs, arcs[:, 3] + 0.5 * arcs[:, 4])
-    same &= np.hypot(*(middle - drawn).T) <= 3 * numbers.step
-    return same
+    return offset, same & (np.hypot(*(middle - drawn).T) <= 3 * numbers.step)
 
 
 # --- curve words ----------------------------------------------------------------------------------
@@ -294,9 +273,7 @@ def _quarters(ellipse: EllipseArc) -> Iterator[EllipseArc]:
 def _written_ellipse(
     start: Point, end: Point, piece: EllipseArc, numbers: Numbers
 ) -> EllipseFeed | None:
-    d = numbers.decimals
-    i = round(piece.centre[0] - start[0], d) + 0.0
-    j = round(piece.centre[1] - start[1], d) + 0.0
+    i, j = numbers.at((piece.centre[0] - start[0], piece.centre[1] - start[1]))
     angle = round(degrees(atan2(piece.axis[1], piece.axis[0])), numbers.angle_decimals) + 0.0
     ratio = round(piece.ratio, 6)
     centre = (start[0] + i, start[1] + j)
@@ -334,8 +311,7 @@ def parabola_feed(start: Point, curve: Bezier, numbers: Numbers) -> list[Movemen
     chord = (x2 - x0, y2 - y0)
     if abs(cross(chord, (vertex[0] - x0, vertex[1] - y0))) < numbers.step / 2 * hypot(*chord):
         return [Feed(*end)]
-    d = numbers.decimals
-    i, j = round(vertex[0] - start[0], d) + 0.0, round(vertex[1] - start[1], d) + 0.0
+    i, j = numbers.at((vertex[0] - start[0], vertex[1] - start[1]))
     drawn = (end[0] - start[0], end[1] - start[1])
     if abs(cross(drawn, (i, j))) < numbers.step / 4 * hypot(*drawn):
         return [Feed(*end)]  # rounding took the vertex onto the chord, where no parabola has it
@@ -350,10 +326,7 @@ def is_parabola(curve: Bezier) -> bool:
     """
     if curve.degree != 2 or curve.weights is not None or curve.start == curve.end:
         return False
-    chord = Line(curve.start, curve.end)
-    along = (curve.points[1][0] - chord.start[0], curve.points[1][1] - chord.start[1])
-    share = (
-        along[0] * (chord.end[0] - chord.start[0]) + along[1] * (chord.end[1] - chord.start[1])
-    ) / chord.length**2
-    flat = abs(cross(along, (chord.end[0] - chord.start[0], chord.end[1] - chord.start[1])))
-    return 0.0 <= share <= 1.0 or flat > 1e-6 * chord.length**2
+    (x0, y0), (x1, y1), (x2, y2) = curve.points
+    leg, chord = (x1 - x0, y1 - y0), (x2 - x0, y2 - y0)
+    size = hypot(*chord) ** 2
+    return 0.0 <= dot(leg, chord) / size <= 1.0 or abs(cross(leg, chord)) > 1e-6 * size

@@ -1,7 +1,7 @@
 """The motion of a saw and drilling line: strokes and feeds in machine coordinates."""
 
 from collections.abc import Collection, Iterator
-from typing import cast
+from typing import Literal, cast
 
 from msgspec import Struct
 
@@ -11,7 +11,7 @@ from beamcam.machine.stations import Drill, Tool, speed_and_feed
 from beamcam.machine.words import PART_NAMES, WORK_WORDS
 from beamcam.model.cell_motion import StrokeGeometry
 from beamcam.model.part import Profile, part_data
-from beamcam.model.plan import AS_GIVEN, DrillOp, PathOp, Plan, SawOp, SpindleOp, TextOp, ToolLoad
+from beamcam.model.plan import AS_GIVEN, DrillOp, PathOp, Plan, SawOp, TextOp
 from beamcam.model.program import (
     BeginPart,
     ChangeTool,
@@ -28,10 +28,6 @@ from beamcam.model.program import (
     StartBar,
 )
 from beamcam.plain_text import outside_text
-
-# --- stations -------------------------------------------------------------------------------------
-
-# The station of a spindle that holds a tool, operation by operation.
 
 
 def stations_of(plan: Plan, machine: Machine) -> Iterator[int]:
@@ -95,8 +91,8 @@ def beam_program(plan: Plan, machine: Machine, job: str) -> Program:
     return Program(job, tuple(_commands(plan, machine, names.of_work)), about)
 
 
-def _commands(plan: Plan, machine: Machine, said: Collection[str]) -> Iterator[Command]:
-    """The commands; `said` are the names in the words of work on a part."""
+def _commands(plan: Plan, machine: Machine, names: Collection[str]) -> Iterator[Command]:
+    """The commands; `names` are those in the words of work on a part."""
     saw, drill = saw_of(machine), drill_of(machine)
     profile = plan.profile
     yield StartBar(machine.sections[profile.code], profile.width, profile.height)
@@ -107,8 +103,8 @@ def _commands(plan: Plan, machine: Machine, said: Collection[str]) -> Iterator[C
             yield Comment(f"part {index + 1}, {mark}: {piece.turn}")
     section = _section_of(machine, profile)
     waiting = list(plan.reloads)
-    of_part = not PART_NAMES.isdisjoint(said)
-    stations = [*stations_of(plan, machine)] if "station" in said else None
+    of_part = not PART_NAMES.isdisjoint(names)
+    stations = [*stations_of(plan, machine)] if "station" in names else None
     worked: int | None = None  #: piece of the last operation
     begins = _begins(plan)
     for index, op in enumerate(plan.operations):
@@ -123,15 +119,23 @@ def _commands(plan: Plan, machine: Machine, said: Collection[str]) -> Iterator[C
                 worked = on
         station = 0 if stations is None else stations[index]
         while waiting and waiting[0].before == index:
-            yield from _change(waiting.pop(0))
+            load = waiting.pop(0)  # a manual change, with its program stop
+            out = f" for {load.out.name}" if load.out else ""
+            text = f"{load.spindle} station {load.station}: {load.tool.name}{out}"
+            yield Comment(text)
+            yield ChangeTool(load.number, load.station, load.tool.diameter, text)
         match op:
             case DrillOp():
                 grade = plan.pieces[op.features[0][0]].part.grade
                 yield DrillCycle(op.x, _stroke(op, section, drill, grade, station), op.source)
             case PathOp():
                 grade = plan.pieces[op.features[0][0]].part.grade
-                speeds = speed_and_feed(op.tool, drill, grade)
-                yield _path_cycle(op, section.strokes, *speeds, station)
+                speed_rpm, feed_mm_min = speed_and_feed(op.tool, drill, grade)
+                points = tuple(PathPoint(x, *section.strokes.places(op, y)) for x, y in op.path)
+                yield PathCycle(
+                    "mill" if op.tool.kind == "mill" else "scribe", op.spindle, op.tool.diameter,
+                    points, feed_mm_min, speed_rpm, op.source, op.tool.name, station,
+                )  # fmt: skip
             case SawOp():
                 yield SawStroke(op.x, op.angle, saw.feed_mm_min, op.source, op.tilt)
             case TextOp():
@@ -161,14 +165,6 @@ def _begins(plan: Plan) -> dict[int, list[int]]:
     return begins
 
 
-def _change(load: ToolLoad) -> Iterator[Command]:
-    """Manual tool change before the next operation, with its program stop."""
-    out = f" for {load.out.name}" if load.out else ""
-    text = f"{load.spindle} station {load.station}: {load.tool.name}{out}"
-    yield Comment(text)
-    yield ChangeTool(load.number, load.station, load.tool.diameter, text)
-
-
 def _stroke(
     op: DrillOp, section: SpindleSection, drill: Drill, grade: str, station: int
 ) -> SpindleStroke:
@@ -178,34 +174,9 @@ def _stroke(
     if known is not None:
         return known
     speed_rpm, feed_mm_min = speed_and_feed(op.tool, drill, grade)
-    point = _point(op, section.strokes, op.x, op.y)
+    kind = cast("Literal['drill', 'tap', 'countersink', 'punch']", op.tool.kind)
     stroke = SpindleStroke(
-        op.spindle,
-        op.tool.diameter,
-        point.retract,
-        point.approach,
-        point.bottom,
-        feed_mm_min,
-        speed_rpm,
-        cast("str", op.tool.kind),  # type: ignore[arg-type]
-        op.tool.pitch,
-        op.tool.max_peck,
-        op.tool.name,
-        station,
-    )
-    return section.made.keep(key, stroke)
-
-
-def _path_cycle(
-    op: PathOp, strokes: StrokeGeometry, speed_rpm: float, feed_mm_min: float, station: int
-) -> PathCycle:
-    points = tuple(_point(op, strokes, x, y) for x, y in op.path)
-    return PathCycle(
-        "mill" if op.tool.kind == "mill" else "scribe", op.spindle, op.tool.diameter, points,
-        feed_mm_min, speed_rpm, op.source, op.tool.name, station,
+        op.spindle, op.tool.diameter, *section.strokes.places(op, op.y), feed_mm_min, speed_rpm,
+        kind, op.tool.pitch, op.tool.max_peck, op.tool.name, station,
     )  # fmt: skip
-
-
-def _point(op: SpindleOp, strokes: StrokeGeometry, x: float, y: float) -> PathPoint:
-    """A point of an operation in machine coordinates."""
-    return PathPoint(x, *strokes.places(op, y))
+    return section.made.keep(key, stroke)

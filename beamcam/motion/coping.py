@@ -47,35 +47,34 @@ def coping_program(plan: CopePlan, machine: Machine, job: str) -> Program:
     coper = machine.needed(machine.coper, "coper")
     torch = _Torch(plan, coper) if coper.turns == "torch" else _Bar(plan, coper)
     commands: list[Command] = [StartProfile(plan.profile.height, plan.profile.width)]
-    commands += map(Comment, _how_it_lies(plan, coper))
-    for cut in plan.operations:
-        commands += torch.make(cut)
-    commands += torch.home()
-    return Program(job, tuple(commands), part_data([piece.part for piece in plan.pieces]))
-
-
-def _how_it_lies(plan: CopePlan, coper: Coper) -> Iterator[str]:
-    """What the operator has to know of a bar or a piece as it is put in."""
+    # What the operator has to know of a bar or a piece as it is put in.
     turned, turns = LIES.get(plan.profile.code), coper.turns == "bar"
+    texts: list[str] = []
     if turned is not None:
-        yield turned.replace("AT Y 0", "TO Y-") if turns else turned
+        texts.append(turned.replace("AT Y 0", "TO Y-") if turns else turned)
     if plan.usual_corners:
-        yield f"CORNERS OF {plan.profile.radius:g} MM OUTSIDE BY THE MACHINES TABLE: MEASURE ONE"
+        radius = f"{plan.profile.radius:g}"
+        texts.append(f"CORNERS OF {radius} MM OUTSIDE BY THE MACHINES TABLE: MEASURE ONE")
     is_tube = plan.profile.code in TUBES
     comes_cut = any(piece.part.made is not None for piece in plan.pieces)
     if turns and turned is None and (comes_cut or not is_tube):  # else it may lie as it likes
         up = "FACE U IS UP, FACE V TO Y+" if coper.a_unit == "mm" else "FACE V IS UP, FACE U TO Y-"
-        yield f"AT A 0 {up}"
+        texts.append(f"AT A 0 {up}")
     if turns and not is_tube:
-        yield "IT TURNS ABOUT THE MIDDLE OF HEIGHT AND WIDTH"
+        texts.append("IT TURNS ABOUT THE MIDDLE OF HEIGHT AND WIDTH")
     for piece in plan.pieces:
         if piece.part.made is not None:
             lies = "" if turned is not None or turns else ", FACE V UP, FACE U AT Y 0"
-            yield f"COMES CUT: ITS X 0 END AT X {piece.start:g}{lies}"
+            texts.append(f"COMES CUT: ITS X 0 END AT X {piece.start:g}{lies}")
             if turns:
                 held = piece.start + piece.part.length - coper.chuck
-                yield f"THE CHUCK HOLDS IT BEHIND X {held:g}"
-            yield "WHAT ITS FILE CALLS MADE IS THERE"
+                texts.append(f"THE CHUCK HOLDS IT BEHIND X {held:g}")
+            texts.append("WHAT ITS FILE CALLS MADE IS THERE")
+    commands += map(Comment, texts)
+    for cut in plan.operations:
+        commands += torch.make(cut)
+    commands += torch.home()
+    return Program(job, tuple(commands), part_data([piece.part for piece in plan.pieces]))
 
 
 #: mm of a block of inverse time; the figure of a shorter one would have more digits than are read.
@@ -150,9 +149,9 @@ class _Torch:
                 if self._at != corner:
                     yield self._to(corner, True)
                 yield from self._turned(corner, step)
-        wanted = self._outside(face, place)
-        if wanted != self._at:
-            yield self._to(wanted, True)
+        outside = self._outside(face, place)
+        if outside != self._at:
+            yield self._to(outside, True)
 
     def _outside(self, face: Face, place: Place) -> Place:
         """Where the torch stands over a place, outside of the bar's box."""
@@ -204,7 +203,6 @@ class _Torch:
 
 
 def _name_of(cut: CopeCut) -> str:
-    """What a program calls a cut of a wall."""
     through = ", through the root" if cut.root else ", through the lip" if cut.lip else ""
     what = f"{NAMES[cut.kind]} on face {cut.face}{through}"
     if cut.bevel and cut.kind == "notch":

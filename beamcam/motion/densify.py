@@ -18,15 +18,11 @@ import numpy as np
 from msgspec import Struct, field
 
 from beamcam.geometry.array_types import Counts, Floats
+from beamcam.geometry.arrays import numbered
 from beamcam.geometry.bezier import Bezier
 from beamcam.geometry.curves import Arc, Curve, EllipseArc, Line, bezier_pieces
 from beamcam.geometry.plane import Point, distance
 from beamcam.motion.spans import ArcSpan, bend_bounds, divided, parts_for, span_arc, step_counts
-
-# --- rounding -------------------------------------------------------------------------------------
-
-# Points truncated to the decimals of a text.
-
 
 #: Coordinates this share of a count below a whole count are that count when truncated: 0.29 is
 #: a hair less than 0.29 in binary and shall not become 0.289.
@@ -48,8 +44,6 @@ def worst_truncation(counts: int) -> float:
     """The farthest that a point of the plane can be moved by it."""
     return sqrt(2) / counts if counts else 0.0
 
-
-# --- span points ----------------------------------------------------------------------------------
 
 # Points of spans, many at a time.
 #
@@ -84,7 +78,24 @@ def draw(start: tuple[float, float], spans: Spans) -> Floats:
         starts = np.concatenate([begins[k] + np.cumsum(n) - n for k, _, n, _ in pieces])
         control = np.concatenate([c for _, c, _, _ in pieces])
         steps = np.concatenate([n for _, _, n, _ in pieces])
-        _draw_free(points, starts, control, steps, degree, weighted)
+        # By Horner's scheme in powers of the parameter. Powers are safe here: the control points of
+        # a span lie close together, and are taken from its start.
+        origin = control[:, :1, :2] / control[:, :1, 2:]
+        about = control.copy()
+        about[..., :2] -= origin * control[..., 2:]
+        n = range(degree + 1)  # from Bernstein coefficients to those of 1, t, t^2, ...
+        to_powers = [[(-1.0) ** (p - i) * comb(degree, p) * comb(p, i) for i in n] for p in n]
+        powers = np.einsum("pi,mic->pcm", np.array(to_powers), about)
+        cuts = (np.flatnonzero(np.diff(np.cumsum(steps) // CHUNK)) + 1).tolist()
+        for low, high in itertools.pairwise((0, *cuts, len(steps)) if len(steps) else ()):
+            which, index = numbered(steps[low:high])
+            which, index = which + low, index + 1
+            t = index / steps[which]
+            at = starts[which] + index
+            scale = 1.0 / _horner(powers[:, 2, which], t) if weighted else 1.0
+            for i in (0, 1):
+                points[at, i] = _horner(powers[:, i, which], t) * scale + origin[which, 0, i]
+        points[starts + steps] = control[:, -1, :2] / control[:, -1, 2:]
         # Dividing by a weight costs a bit; the ends of the curves are exact.
         points[[ends[k] for k, *_ in pieces]] = [end for *_, end in pieces]
     return points
@@ -113,7 +124,8 @@ def _draw_arcs(points: Floats, begins: Counts, arcs: list[tuple[int, ArcSpan]]) 
             [(np.radians(a.start_deg), np.radians(a.sweep_deg) / a.steps,
               a.centre[0], a.u[0], a.v[0], a.centre[1], a.u[1], a.v[1]) for _, a in short]
         ).T  # fmt: skip
-        which, index = _numbered(steps)
+        which, index = numbered(steps)
+        index += 1
         start, step, cx, ux, vx, cy, uy, vy = (row[which] for row in table)
         angle = start + step * index
         c, s = np.cos(angle), np.sin(angle)
@@ -147,36 +159,6 @@ def _draw_long_arc(block: Floats, span: ArcSpan) -> None:
         block[:, i] = grid.reshape(-1)[:n]
 
 
-def _numbered(steps: Counts) -> tuple[Counts, Counts]:
-    """For spans of so many steps: the span and the number, from 1, of each of their points."""
-    which = np.repeat(np.arange(len(steps)), steps)
-    before = np.cumsum(steps) - steps
-    return which, np.arange(1, len(which) + 1) - before[which]
-
-
-def _draw_free(
-    points: Floats, begins: Counts, control: Floats, steps: Counts, degree: int, weighted: bool
-) -> None:
-    """Draws spans of Bezier curves (m, d + 1, 3), by Horner's scheme in powers of the parameter.
-
-    Powers are safe here: the control points of a span lie close together, and are taken from
-    its start.
-    """
-    origin = control[:, :1, :2] / control[:, :1, 2:]
-    about = control.copy()
-    about[..., :2] -= origin * control[..., 2:]
-    powers = np.einsum("pi,mic->pcm", _to_powers(degree), about)
-    for low, high in _batches(steps):
-        which, index = _numbered(steps[low:high])
-        which += low
-        t = index / steps[which]
-        at = begins[which] + index
-        scale = 1.0 / _horner(powers[:, 2, which], t) if weighted else 1.0
-        for i in (0, 1):
-            points[at, i] = _horner(powers[:, i, which], t) * scale + origin[which, 0, i]
-    points[begins + steps] = control[:, -1, :2] / control[:, -1, 2:]
-
-
 def _horner(coefficients: Floats, t: Floats) -> Floats:
     """The polynomial c0 + c1 t + ..., coefficients along the first axis."""
     total: Floats = coefficients[-1] * t
@@ -185,21 +167,6 @@ def _horner(coefficients: Floats, t: Floats) -> Floats:
         total *= t
     total += coefficients[0]
     return total
-
-
-def _batches(steps: Counts) -> list[tuple[int, int]]:
-    """Ranges of spans with about `CHUNK` points together; none for no spans."""
-    if not len(steps):
-        return []
-    reach = np.cumsum(steps) // CHUNK
-    edges = [0, *(np.flatnonzero(np.diff(reach)) + 1).tolist(), len(steps)]
-    return list(itertools.pairwise(edges))
-
-
-def _to_powers(degree: int) -> Floats:
-    """Matrix from Bernstein coefficients to those of 1, t, t^2, ..."""
-    n = range(degree + 1)
-    return np.array([[(-1.0) ** (p - i) * comb(degree, p) * comb(p, i) for i in n] for p in n])
 
 
 class DensifyRules(Struct, frozen=True):
@@ -258,7 +225,23 @@ def densify(path: Sequence[Curve], rules: DensifyRules) -> Densified:
     points = truncated(exact, rules.counts)
     moved = float(np.max(np.hypot(*(points - exact).T))) if rules.counts else 0.0
     steps = np.array([n for own in spans.steps for n in own])
-    return _finish(points, steps, rules, float(spans.deviation + moved + gap + blur))
+    # Steps of no length are dropped, speeds lowered by the cycle rule.
+    deviation = float(spans.deviation + moved + gap + blur)
+    lengths = np.hypot(*np.diff(points, axis=0).T)
+    span = np.repeat(np.arange(len(steps)), steps) if rules.cycle_s > 0.0 else lengths
+    if np.min(lengths) == 0.0:
+        kept = lengths > 0.0
+        points = points[np.concatenate(([True], kept))]
+        lengths, span = lengths[kept], span[kept]
+    speeds = np.full(len(lengths), rules.speed_mm_s)
+    if rules.cycle_s > 0.0 and len(lengths):
+        starts = np.concatenate(([0], np.flatnonzero(np.diff(span)) + 1))
+        least = np.minimum.reduceat(lengths, starts)
+        allowed = np.minimum(rules.speed_mm_s, least / (rules.cycles_per_chord * rules.cycle_s))
+        speeds = np.repeat(allowed, np.diff(np.concatenate((starts, [len(lengths)]))))
+    points.setflags(write=False)
+    speeds.setflags(write=False)
+    return Densified(points, speeds, deviation)
 
 
 def _reach(curve: Curve) -> float:
@@ -293,45 +276,20 @@ def _collect_spans(path: Sequence[Curve], tolerance: float) -> Spans:
                     free[kind].append((len(spans.steps), piece))
                     spans.steps.append([])
     for kind, pieces in free.items():
-        _span_free(kind, pieces, tolerance, spans)
+        # Cuts free curves of one degree in spans, all of them at once.
+        control = np.array([piece.homogeneous for _, piece in pieces])
+        bend, smooth = bend_bounds(control)
+        parts = parts_for(step_counts(bend, smooth, tolerance), smooth)
+        for count in np.unique(parts).tolist():
+            mine = np.flatnonzero(parts == count)
+            fine = divided(control[mine], count)
+            bend, smooth = bend_bounds(fine)
+            steps = step_counts(bend, smooth, tolerance)
+            spans.deviation = max(spans.deviation, float(np.max(bend / (8 * steps**2))))
+            shaped = fine.reshape(len(mine), count, kind[0] + 1, 3)
+            for row, which in enumerate(mine.tolist()):
+                number, piece = pieces[which]
+                n = steps[row * count : (row + 1) * count]
+                spans.steps[number] = n.tolist()
+                spans.free[kind].append((number, shaped[row], n, piece.end))
     return spans
-
-
-def _span_free(
-    kind: tuple[int, bool], pieces: list[tuple[int, Bezier]], tolerance: float, spans: Spans
-) -> None:
-    """Cuts free curves of one degree in spans, all of them at once."""
-    control = np.array([piece.homogeneous for _, piece in pieces])
-    bend, smooth = bend_bounds(control)
-    parts = parts_for(step_counts(bend, smooth, tolerance), smooth)
-    for count in np.unique(parts).tolist():
-        mine = np.flatnonzero(parts == count)
-        fine = divided(control[mine], count)
-        bend, smooth = bend_bounds(fine)
-        steps = step_counts(bend, smooth, tolerance)
-        spans.deviation = max(spans.deviation, float(np.max(bend / (8 * steps**2))))
-        shaped = fine.reshape(len(mine), count, kind[0] + 1, 3)
-        for row, which in enumerate(mine.tolist()):
-            number, piece = pieces[which]
-            n = steps[row * count : (row + 1) * count]
-            spans.steps[number] = n.tolist()
-            spans.free[kind].append((number, shaped[row], n, piece.end))
-
-
-def _finish(points: Floats, steps: Counts, rules: DensifyRules, deviation: float) -> Densified:
-    """Drops steps of no length, lowers speeds by the cycle rule."""
-    lengths = np.hypot(*np.diff(points, axis=0).T)
-    span = np.repeat(np.arange(len(steps)), steps) if rules.cycle_s > 0.0 else lengths
-    if np.min(lengths) == 0.0:
-        kept = lengths > 0.0
-        points = points[np.concatenate(([True], kept))]
-        lengths, span = lengths[kept], span[kept]
-    speeds = np.full(len(lengths), rules.speed_mm_s)
-    if rules.cycle_s > 0.0 and len(lengths):
-        starts = np.concatenate(([0], np.flatnonzero(np.diff(span)) + 1))
-        least = np.minimum.reduceat(lengths, starts)
-        allowed = np.minimum(rules.speed_mm_s, least / (rules.cycles_per_chord * rules.cycle_s))
-        speeds = np.repeat(allowed, np.diff(np.concatenate((starts, [len(lengths)]))))
-    points.setflags(write=False)
-    speeds.setflags(write=False)
-    return Densified(points, speeds, deviation)

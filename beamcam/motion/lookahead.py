@@ -4,11 +4,11 @@
        it is passed at the speed at which a circle that stays within `deviation` of the corner
        keeps the acceleration (grbl), and at which the turn, spread over half of both segments,
        keeps acceleration (Klipper) and jerk: that is what limits a curve of short chords.
-    2  Segments are joined to stretches (`speeds`), between which the acceleration is 0.
+    2  Segments are joined to sections (`speeds`), between which the acceleration is 0.
     3  Backward, then forward: no joint is passed faster than a jerk-limited ramp over the next,
-       the last stretch allows. A ramp that fits still fits if its faster end gets slower, so
-       two passes are enough and no stretch is left without room.
-    4  Each stretch rises to a peak and falls; its phases are cut where a segment ends.
+       the last section allows. A ramp that fits still fits if its faster end gets slower, so
+       two passes are enough and no section is left without room.
+    4  Each section rises to a peak and falls; its phases are cut where a segment ends.
 
 On a curve acceleration along the path and across it add up, so they share the limit as in
 LinuxCNC's planner: 1/2 along, sqrt(3)/2 across.
@@ -20,7 +20,7 @@ from math import cos, radians, sqrt
 
 import numpy as np
 from msgspec import Struct
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from beamcam.geometry.array_types import Counts, Floats
 from beamcam.motion.speeds import (
@@ -31,10 +31,6 @@ from beamcam.motion.speeds import (
     ramp_phases,
 )
 from beamcam.motion.velocity_profile import AxisLimits
-
-# --- planned --------------------------------------------------------------------------------------
-
-# A path with its motion: phases of constant jerk, each within one segment.
 
 
 class PlannedPath(Struct, frozen=True):
@@ -56,39 +52,42 @@ class PlannedPath(Struct, frozen=True):
 def cut_phases(
     points: Floats, lengths: Floats, along: Floats, moving: list[SpeedSection], speeds: Floats
 ) -> PlannedPath:
-    """Phases of all stretches, cut at the ends of segments."""
+    """Phases of all sections, cut at the ends of segments."""
     ramps = _ramps_of(moving, speeds)
     first = np.array([s.first for s in moving])
     before = np.cumsum(lengths) - lengths
-    stretch, phase, time, is_segment = _starts(ramps, moving, first, before)
-    segment = first[stretch] + _count_within(is_segment, stretch)
-    last = np.append(stretch[1:] != stretch[:-1], True)
+    section, phase, time, is_segment = _starts(ramps, moving, first, before)
+    # Segments are counted anew in each section.
+    counted, opens = np.cumsum(is_segment), np.append(True, section[1:] != section[:-1])
+    segment = first[section] + counted
+    segment -= np.maximum.accumulate(np.where(opens, counted - is_segment, 0))
+    last = np.append(opens[1:], True)
     end_t = ramps.end_t
-    until = np.where(last, end_t[stretch, 6], np.append(time[1:], 0.0))
+    until = np.where(last, end_t[section, 6], np.append(time[1:], 0.0))
     spent = until - time
-    at = stretch, phase
+    at = section, phase
     s = np.maximum(0.0, time - ramps.start_t[at])
     a = ramps.start_a[at] + s * ramps.held_j[at]
     speed = ramps.v[at] + s * (ramps.start_a[at] + s * ramps.held_j[at] / 2)
     came = ramps.x[at] + s * (ramps.v[at] + s * (ramps.start_a[at] / 2 + s * ramps.held_j[at] / 6))
-    came = np.maximum(0.0, came - (before[segment] - before[first[stretch]]))
+    came = np.maximum(0.0, came - (before[segment] - before[first[section]]))
     kept = spent > 0.0
     base = np.cumsum(end_t[:, 6]) - end_t[:, 6]
     return PlannedPath(
         points, lengths, along, float(np.sum(end_t[:, 6])),
-        segment[kept], (base[stretch] + time)[kept], spent[kept], came[kept],
+        segment[kept], (base[section] + time)[kept], spent[kept], came[kept],
         np.maximum(0.0, speed[kept]), a[kept], ramps.held_j[at][kept],
     )  # fmt: skip
 
 
 class _Ramps(Struct, frozen=True):
-    """The seven phases (n, 7) of each stretch: up, cruise and down."""
+    """The seven phases (n, 7) of each section: up, cruise and down."""
 
     duration: Floats
     start_a: Floats
     held_j: Floats
     v: Floats  #: at the start of each
-    x: Floats  #: from the stretch's start to that of each
+    x: Floats  #: from the section's start to that of each
     gone: Floats  #: in each
     start_t: Floats
     end_t: Floats
@@ -110,7 +109,7 @@ def _ramps_of(moving: list[SpeedSection], speeds: Floats) -> _Ramps:
     duration = np.concatenate((up[0], cruise[:, None], down[0]), axis=1)
     start_a = np.concatenate((up[1], still, down[1]), axis=1)
     held_j = np.concatenate((up[2], still, down[2]), axis=1)
-    # State at the start of each phase, from the stretch's start.
+    # State at the start of each phase, from the section's start.
     end_t = np.cumsum(duration, axis=1)
     gain = duration * (start_a + duration * held_j / 2)
     v = v0[:, None] + np.cumsum(gain, axis=1) - gain
@@ -123,50 +122,36 @@ def _ramps_of(moving: list[SpeedSection], speeds: Floats) -> _Ramps:
 def _starts(
     ramps: _Ramps, moving: list[SpeedSection], first: Counts, before: Floats
 ) -> tuple[Counts, Counts, Floats, Counts]:
-    """All starts of phases and of segments in order: stretch, phase and time of each, and whether
+    """All starts of phases and of segments in order: section, phase and time of each, and whether
     it is that of a segment (1 or 0).
 
-    `first` is the first segment of each stretch, `before` the length before each segment.
+    `first` is the first segment of each section, `before` the length before each segment.
     """
-    # Where segments begin inside a stretch, and when that is.
+    # Where segments begin inside a section, and when that is.
     which = np.repeat(np.arange(len(moving)), [s.last - s.first for s in moving])
     inside = np.flatnonzero(np.arange(len(before)) != first[which])
     run = which[inside]
     offset = before[inside] - before[first[run]]
-    # Stretches shrink to their phases, which rounding leaves a hair shorter or longer.
+    # Sections shrink to their phases, which rounding leaves a hair shorter or longer.
     way = np.array([s.length for s in moving])
     offset = offset * (ramps.x[run, -1] + ramps.gone[run, -1]) / way[run]
     k = np.clip(np.sum(offset[:, None] >= ramps.x[run], axis=1) - 1, 0, 6)
     at = run, k
-    local = _time_at(
-        offset - ramps.x[at], ramps.v[at], ramps.start_a[at], ramps.held_j[at], ramps.duration[at]
-    )
-    stretch = np.concatenate((np.repeat(np.arange(len(moving)), 7), run))
-    inner = np.minimum(ramps.start_t[at] + local, ramps.end_t[at])
-    time = np.concatenate((ramps.start_t.reshape(-1), inner))
-    phase = np.concatenate((np.tile(np.arange(7), len(moving)), k))
-    is_segment = np.concatenate((np.zeros(7 * len(moving), int), np.ones(len(run), int)))
-    # Of one time the phase comes first.
-    order = np.lexsort((is_segment, time, phase, stretch))
-    return stretch[order], phase[order], time[order], is_segment[order]
-
-
-def _count_within(flags: Counts, groups: Counts) -> Counts:
-    """Running sum of `flags` that starts again in each group of equal neighbours."""
-    total = np.cumsum(flags)
-    opens = np.append(True, groups[1:] != groups[:-1])
-    start = np.where(opens, total - flags, 0)
-    return np.asarray(total - np.maximum.accumulate(start), dtype=np.int64)
-
-
-def _time_at(way: Floats, v: Floats, a: Floats, j: Floats, longest: Floats) -> Floats:
-    """Times at which phases have covered `way`, by bisection, as the distance only grows."""
-    low, high = np.zeros_like(way), longest.copy()
+    way, v, a, j = offset - ramps.x[at], ramps.v[at], ramps.start_a[at], ramps.held_j[at]
+    # By bisection, as the distance only grows.
+    low, high = np.zeros_like(way), ramps.duration[at]
     for _ in range(54):
         t = (low + high) / 2
         short = t * (v + t * (a / 2 + t * j / 6)) < way
         low, high = np.where(short, t, low), np.where(short, high, t)
-    return (low + high) / 2
+    section = np.concatenate((np.repeat(np.arange(len(moving)), 7), run))
+    inner = np.minimum(ramps.start_t[at] + (low + high) / 2, ramps.end_t[at])
+    time = np.concatenate((ramps.start_t.reshape(-1), inner))
+    phase = np.concatenate((np.tile(np.arange(7), len(moving)), k))
+    is_segment = np.concatenate((np.zeros(7 * len(moving), int), np.ones(len(run), int)))
+    # Of one time the phase comes first.
+    order = np.lexsort((is_segment, time, phase, section))
+    return section[order], phase[order], time[order], is_segment[order]
 
 
 ALONG_SHARE = 0.5
@@ -203,45 +188,22 @@ def plan_speeds(points: ArrayLike, speed_mm_s: ArrayLike, rules: LookAheadRules)
     lengths = np.sqrt(np.einsum("ij,ij->i", step, step))
     if not np.all(lengths > 0.0):
         raise ValueError(f"segment {int(np.argmin(lengths)) + 1} has no length")
-    asked = np.broadcast_to(np.asarray(speed_mm_s, dtype=np.float64), lengths.shape)
-    if not np.all(asked > 0.0):
-        raise ValueError(f"speeds must be above 0, found {float(np.min(asked)):g}")
+    feeds = np.broadcast_to(np.asarray(speed_mm_s, dtype=np.float64), lengths.shape)
+    if not np.all(feeds > 0.0):
+        raise ValueError(f"speeds must be above 0, found {float(np.min(feeds)):g}")
     along = step / lengths[:, None]
     velocity, acceleration, jerk = (
         _along(along, [getattr(axis, name) for axis in rules.axes])
         for name in ("velocity", "acceleration", "jerk")
     )
-    limits = np.minimum(asked, velocity)
-    junctions, curved = _junction_limits(lengths, along, rules)
-    curving = np.concatenate(([False], curved)) | np.concatenate((curved, [False]))
-    acceleration = np.where(curving, ALONG_SHARE * acceleration, acceleration)
-    ends = np.concatenate(([0.0], junctions, [0.0]))
-    ends[1:-1] = np.minimum(ends[1:-1], np.minimum(limits[:-1], limits[1:]))
-    stretches = join_segments(lengths, limits, ends, acceleration, jerk)
-    moving, speeds = joint_speeds(stretches)
-    return cut_phases(p, lengths, along, moving, np.array(speeds))
-
-
-def _along(directions: Floats, axes: Sequence[float]) -> Floats:
-    """The axis limits along unit vectors: the minimum of limit / |component|."""
-    with np.errstate(divide="ignore"):
-        points: Floats = np.min(np.asarray(axes) / np.abs(directions), axis=1)
-    return points
-
-
-def _junction_limits(
-    lengths: Floats, along: Floats, rules: LookAheadRules
-) -> tuple[Floats, NDArray[np.bool_]]:
-    """Greatest speeds at the n - 1 inner junctions, and which of them belong to a curve."""
+    limits = np.minimum(feeds, velocity)
     turn = along[1:] - along[:-1]
     size = np.sqrt(np.einsum("ij,ij->i", turn, turn))
     cosine = np.clip(np.einsum("ij,ij->i", along[1:], along[:-1]), -1.0, 1.0)
     straight = size < 1e-9
-    where = np.where(straight, 1.0, size)[:, None]
-    across = _along(
-        np.where(straight[:, None], 1.0, turn / where), [x.acceleration for x in rules.axes]
-    )
-    jerk = _along(np.where(straight[:, None], 1.0, turn / where), [x.jerk for x in rules.axes])
+    ways = np.where(straight[:, None], 1.0, turn / np.where(straight, 1.0, size)[:, None])
+    across = _along(ways, [axis.acceleration for axis in rules.axes])
+    jerk_across = _along(ways, [axis.jerk for axis in rules.axes])
     # Half of the angle between the segments: its sine is cos(turn / 2), its cosine size / 2.
     half_sine, half_cosine = np.sqrt((1.0 + cosine) / 2), np.where(straight, 1.0, size / 2)
     short = np.minimum(lengths[1:], lengths[:-1])
@@ -250,6 +212,20 @@ def _junction_limits(
     spread = 0.5 * short * half_sine / half_cosine * across * ACROSS_SHARE
     squared = np.minimum(corner, spread)
     # Speed v turns the path by size / short in each mm: its jerk is v^3 (size / short)^2.
-    by_jerk = np.cbrt(jerk * (short / (2 * half_cosine)) ** 2)
-    limit = np.where(straight, np.inf, np.minimum(np.sqrt(squared), by_jerk))
-    return limit, ~straight & (cosine > CURVE_TURN_COS)
+    by_jerk = np.cbrt(jerk_across * (short / (2 * half_cosine)) ** 2)
+    junctions = np.where(straight, np.inf, np.minimum(np.sqrt(squared), by_jerk))
+    curved = ~straight & (cosine > CURVE_TURN_COS)
+    curving = np.concatenate(([False], curved)) | np.concatenate((curved, [False]))
+    acceleration = np.where(curving, ALONG_SHARE * acceleration, acceleration)
+    ends = np.concatenate(([0.0], junctions, [0.0]))
+    ends[1:-1] = np.minimum(ends[1:-1], np.minimum(limits[:-1], limits[1:]))
+    sections = join_segments(lengths, limits, ends, acceleration, jerk)
+    moving, speeds = joint_speeds(sections)
+    return cut_phases(p, lengths, along, moving, np.array(speeds))
+
+
+def _along(directions: Floats, axes: Sequence[float]) -> Floats:
+    """The axis limits along unit vectors: the minimum of limit / |component|."""
+    with np.errstate(divide="ignore"):
+        points: Floats = np.min(np.asarray(axes) / np.abs(directions), axis=1)
+    return points

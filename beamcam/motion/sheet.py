@@ -73,10 +73,20 @@ def near_corners(curves: Sequence[Curve], row: TorchRow) -> tuple[list[Curve], l
         return list(curves), [False] * len(curves)
     lengths = [curve.length for curve in chain]
     begins = [0.0, *accumulate(lengths)]
-    corners = _corners(chain, lengths, begins, row.corner_angle)
+    # Where a chain turns by more than an angle, at once or over curves shorter than `SHORT`.
+    angle = row.corner_angle
+    corners: list[float] = []
+    before = None
+    for k, curve in enumerate(chain):
+        if before is not None:
+            turn = dot(chain[before].tangent(1.0), curve.tangent(0.0))
+            if degrees(acos(max(-1.0, min(1.0, turn)))) > angle:
+                corners.append(begins[before + 1])
+        if before is None or lengths[k] >= SHORT:
+            before = k
     reach = row.corner_distance
     cuts = sorted(place + side * reach for place in corners for side in (-1.0, 1.0))
-    found: list[Curve] = []
+    parts: list[Curve] = []
     near: list[bool] = []
     for curve, begin, length in zip(chain, begins, lengths, strict=False):
         last = 0.0
@@ -87,34 +97,12 @@ def near_corners(curves: Sequence[Curve], row: TorchRow) -> tuple[list[Curve], l
                 break
             middle = begin + (last + cut) / 2
             near.append(any(abs(middle - place) < reach for place in corners))
-            found.append(curve if last == 0.0 and cut == length else _part(curve, last, cut))
+            part = curve if cut == length else curve.split(parameter_at(curve, cut))[0]
+            parts.append(part if last == 0.0 else part.split(parameter_at(part, last))[1])
             last = cut
             if cut == length:
                 break
-    return found, near
-
-
-def _corners(
-    chain: Sequence[Curve], lengths: Sequence[float], begins: Sequence[float], angle: float
-) -> list[float]:
-    """Where a chain turns by more than an angle, at once or over curves shorter than `SHORT`."""
-    corners: list[float] = []
-    before = None
-    for k, curve in enumerate(chain):
-        if before is not None:
-            turn = dot(chain[before].tangent(1.0), curve.tangent(0.0))
-            if degrees(acos(max(-1.0, min(1.0, turn)))) > angle:
-                corners.append(begins[before + 1])
-        if before is None or lengths[k] >= SHORT:
-            before = k
-    return corners
-
-
-def _part(curve: Curve, first: float, last: float) -> Curve:
-    """The part of a curve between two lengths along it."""
-    if last < curve.length:
-        curve = curve.split(parameter_at(curve, last))[0]
-    return curve.split(parameter_at(curve, first))[1] if first > 0.0 else curve
+    return parts, near
 
 
 class WrittenPass(NamedTuple):
@@ -225,35 +213,25 @@ def _pass(
             row.process, row.feed_mm_min, row.power, row.pierce_s, op.source, row.pierce_height,
             row.cut_height, row.preheat_s, row.amps, row.volts, row.number,
         )  # fmt: skip
-    fed = list(_fed(op, path, pen.limits))
+    moves: list[Command] = [*path.moves.moves]
+    if pen.limits is not None or op.feed_share != 1.0 or any(path.near):
+        # Slower in a small hole and near corners.
+        slow = min(op.feed_share, row.corner_share)
+        shares = [slow if path.near[k] else op.feed_share for k in path.moves.curve]
+        start = path.moves.start
+        moves = [*paced(start, path.moves.moves, row.feed_mm_min, shares, pen.limits)]
     if closing is not None:
-        places = [k for k, one in enumerate(fed) if isinstance(one, Movement)]
-        last = min(
-            reversed(places), key=lambda k: _off(fed[k], closing), default=0
-        )  # the last of those as near: a path begins there too
-        if last < places[-1]:
-            fed.insert(last + 1, CloseCut())
-    yield from fed
+        # The last of those that end as near, to a tenth of a millimetre: a path begins there too.
+        ends = [(k, one) for k, one in enumerate(moves) if isinstance(one, Movement)]
+        last, _ = min(
+            reversed(ends), key=lambda at: round(10.0 * dist((at[1].x, at[1].y), closing))
+        )
+        if last < ends[-1][0]:
+            moves.insert(last + 1, CloseCut())
+    yield from moves
     yield PassEnd() if goes_on else ToolOff(row.process)
     if op.side != "on":
         yield Compensate("on", 0.0)
-
-
-def _off(move: Command, place: Point) -> float:
-    """How far from a place a move ends, in tenths of a millimetre."""
-    assert isinstance(move, Movement)
-    return round(10.0 * dist((move.x, move.y), place))
-
-
-def _fed(op: ContourOp, path: WrittenPass, limits: PathLimits | None) -> Iterator[Command]:
-    """The moves of a pass, each with its feed: slower in a small hole and near corners."""
-    row, moves = op.row, path.moves.moves
-    if limits is None and op.feed_share == 1.0 and not any(path.near):
-        yield from moves
-        return
-    near = min(op.feed_share, row.corner_share)
-    shares = [near if path.near[k] else op.feed_share for k in path.moves.curve]
-    yield from paced(path.moves.start, moves, row.feed_mm_min, shares, limits)
 
 
 SECONDS_PER_MINUTE = 60.0
@@ -270,21 +248,20 @@ def paced(
     """
     now = feed_mm_min / SECONDS_PER_MINUTE
     for share, group in groupby(zip(moves, shares, strict=True), key=itemgetter(1)):
-        stretch = [move for move, _ in group]
+        some = [move for move, _ in group]
         feed_mm_s = feed_mm_min * share / SECONDS_PER_MINUTE
-        feeds = repeat(feed_mm_s) if limits is None else _feeds(start, stretch, feed_mm_s, limits)
-        for move, feed in zip(stretch, feeds, strict=False):
+        feeds = repeat(feed_mm_s) if limits is None else _feeds(start, some, feed_mm_s, limits)
+        for move, feed in zip(some, feeds, strict=False):
             if feed != now:
                 yield SetFeed(feed * SECONDS_PER_MINUTE)
                 now = feed
             yield move
-        start = stretch[-1].x, stretch[-1].y
+        start = some[-1].x, some[-1].y
 
 
 def _feeds(
     start: Point, moves: Sequence[Movement], feed_mm_s: float, limits: PathLimits
 ) -> Iterator[float]:
-    """The speed of each move, at most what is asked."""
     worth = feed_mm_s * (1.0 - WORTH_LOWERING)
     calm = calm_radius(feed_mm_s, limits)
     unbounded = feed_mm_s <= limits.speed_mm_s
@@ -345,25 +322,25 @@ class Pen:
 
         All of them are fitted together, since a drawing has thousands.
         """
-        each = [[s for part in chain for s in self._stretches(part)] for chain in chains]
-        free = [curves for chain in each for has_word, curves in chain if not has_word]
-        if not free:
-            return [[c for _, curves in chain for c in curves] for chain in each]
-        from beamcam.geometry.arc_fitting import fit_chains
+        each: list[list[tuple[bool, Sequence[Curve]]]] = []
+        for chain in chains:
+            groups: list[tuple[bool, Sequence[Curve]]] = []
+            for part in chain:
+                if _ALWAYS_WRITTEN.issuperset(map(type, part)):
+                    groups.append((True, part))
+                else:
+                    groups += ((word, [*some]) for word, some in groupby(part, self._has_word))
+            each.append(groups)
+        free = [curves for groups in each for has_word, curves in groups if not has_word]
+        fits: Iterator[Sequence[Curve]] = iter(())
+        if free:
+            from beamcam.geometry.arc_fitting import fit_chains
 
-        fits = iter(fit_chains(free, self._fit))
+            fits = iter(fit_chains(free, self._fit))
         return [
-            [c for has_word, curves in chain for c in (curves if has_word else next(fits))]
-            for chain in each
+            [c for has_word, curves in groups for c in (curves if has_word else next(fits))]
+            for groups in each
         ]
-
-    def _stretches(self, chain: Sequence[Curve]) -> list[tuple[bool, Sequence[Curve]]]:
-        """The stretches of a part, each with whether the controller may have words for it."""
-        if not chain:
-            return []
-        if _ALWAYS_WRITTEN.issuperset(map(type, chain)):
-            return [(True, chain)]
-        return [(has_word, tuple(group)) for has_word, group in groupby(chain, self._has_word)]
 
     def _has_word(self, curve: Curve) -> bool:
         """Whether the controller may be able to follow a curve as it is."""
@@ -378,18 +355,17 @@ class Pen:
         moves: list[Movement] = []
         if isinstance(curve, EllipseArc):
             feeds = ellipse_feeds(here, curve, self.numbers)
-            return self._by_arcs(here, curve) if feeds is None else feeds
+            if feeds is None:
+                from beamcam.geometry.arc_fitting import fit_chains
+
+                (fitted,) = fit_chains(((curve,),), self._fit)
+                chain = (Line(here, fitted[0].start), *fitted)
+                (path,) = paths_along((chain,), self.numbers, self._by_word)
+                feeds = path.moves
+            return feeds
         assert not isinstance(curve, Line | Arc)
         for piece in bezier_pieces(curve):
             more = parabola_feed(here, piece, self.numbers)
             moves += more
             here = (more[-1].x, more[-1].y) if more else here
         return moves
-
-    def _by_arcs(self, here: Point, curve: EllipseArc) -> list[Movement]:
-        from beamcam.geometry.arc_fitting import fit_chains
-
-        (fitted,) = fit_chains(((curve,),), self._fit)
-        chain = (Line(here, fitted[0].start), *fitted)
-        (path,) = paths_along((chain,), self.numbers, self._by_word)
-        return path.moves

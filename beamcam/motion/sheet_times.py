@@ -109,8 +109,15 @@ def program_time(
                 waits.append(0.0)
     traverses.append((here, HOME, len(waits) - 1))
     times = [_traverse_seconds(traverses, machine)]
-    if moves:
-        times.append(_feed_seconds(starts, moves, feeds, passes, path_limits(machine)))
+    limits = path_limits(machine)
+    if moves:  # a pass runs from rest to rest
+        segments = segments_of(starts, moves, feeds, limits)
+        owners = np.array(passes)[segments.places]
+        if limits is None:
+            times.append((owners, segments.lengths / segments.speeds_mm_s))
+        else:
+            moving, speeds = speeds_along(segments, owners, limits)
+            times.append((owners[[s.first for s in moving]], section_seconds(moving, speeds)))
     seconds = np.array(waits)
     for owners, spent in times:
         seconds += np.bincount(owners, spent, len(waits))
@@ -142,40 +149,28 @@ def _traverse_seconds(
     return owners, np.array(times)
 
 
-def _feed_seconds(
-    starts: Sequence[Point],
-    moves: Sequence[Movement],
-    feeds_mm_s: Sequence[float],
-    passes: Sequence[int],
-    limits: PathLimits | None,
-) -> tuple[Counts, Floats]:
-    """Passes and seconds of all stretches; a pass runs from rest to rest."""
-    segments = segments_of(starts, moves, feeds_mm_s, limits)
-    owners = np.array(passes)[segments.places]
-    if limits is None:
-        return owners, segments.lengths / segments.speeds_mm_s
-    moving, speeds = speeds_along(segments, owners, limits)
-    return owners[[s.first for s in moving]], section_seconds(moving, speeds)
-
-
 def segments_of(
-    starts: Sequence[Point],
-    moves: Sequence[Movement],
-    feeds_mm_s: Sequence[float],
+    starts: Sequence[Point], moves: Sequence[Movement], feeds_mm_s: Sequence[float],
     limits: PathLimits | None,
-) -> Segments:
+) -> Segments:  # fmt: skip
     """Moves and the places that they start at, at their feeds or as fast as the axes follow."""
     steps = rows([(move.x, move.y) for move in moves], 2) - rows(starts, 2)
     lengths = np.hypot(steps[:, 0], steps[:, 1])
     enters = steps / np.where(lengths > 0.0, lengths, 1.0)[:, None]
     leaves = enters.copy()
     radii = np.full(len(moves), inf)
-    kinds = list(map(type, moves))
-    arcs = [k for k, kind in enumerate(kinds) if kind is ArcFeed]
-    lengths[arcs], radii[arcs], enters[arcs], leaves[arcs] = _along_arcs(
-        [moves[k] for k in arcs], steps[arcs]
-    )
-    for k in [k for k, kind in enumerate(kinds) if kind is not Feed and kind is not ArcFeed]:
+    arcs = [(k, move) for k, move in enumerate(moves) if type(move) is ArcFeed]
+    at = np.array([k for k, _ in arcs], dtype=np.int64)
+    centre = rows([(arc.i, arc.j) for _, arc in arcs], 2)
+    turn = np.array([-1.0 if arc.clockwise else 1.0 for _, arc in arcs])
+    radii[at] = np.hypot(centre[:, 0], centre[:, 1])
+    angles = [np.degrees(np.arctan2(out[:, 1], out[:, 0])) for out in (-centre, steps[at] - centre)]
+    sweeps = np.mod(turn * (angles[1] - angles[0]), 360.0)
+    sweeps[~np.any(steps[at], axis=1)] = 360.0  # one that ends where it starts is a circle
+    lengths[at] = radii[at] * np.radians(sweeps)
+    enters[at], leaves[at] = (turn[:, None] * unit_vectors(angle + 90.0) for angle in angles)
+    lines_and_arcs = Feed, ArcFeed
+    for k in [k for k, move in enumerate(moves) if type(move) not in lines_and_arcs]:
         move = cast("ParabolaFeed | EllipseFeed", moves[k])
         curve = curve_of(starts[k], move)
         lengths[k], radii[k] = curve.length, min_radius(starts[k], move)
@@ -191,39 +186,24 @@ def segments_of(
     return Segments(at, lengths[at], speeds[at], accelerations[at], enters[at], leaves[at])
 
 
-def _along_arcs(arcs: Sequence[Movement], steps: Floats) -> tuple[Floats, Floats, Floats, Floats]:
-    """Lengths and radii of arcs, and their directions at both ends.
-
-    `steps` lead from their starts to their ends; an arc that ends where it starts is a circle.
-    """
-    centre = rows([(a.i, a.j) for a in arcs if isinstance(a, ArcFeed)], 2)
-    turn = np.array([-1.0 if a.clockwise else 1.0 for a in arcs if isinstance(a, ArcFeed)])
-    radii = np.hypot(centre[:, 0], centre[:, 1])
-    angles = [np.degrees(np.arctan2(out[:, 1], out[:, 0])) for out in (-centre, steps - centre)]
-    sweeps = np.mod(turn * (angles[1] - angles[0]), 360.0)
-    sweeps[~np.any(steps, axis=1)] = 360.0
-    enters, leaves = (turn[:, None] * unit_vectors(angle + 90.0) for angle in angles)
-    return radii * np.radians(sweeps), radii, enters, leaves
-
-
 def speeds_along(
     segments: Segments, passes: Counts, limits: PathLimits
 ) -> tuple[list[SpeedSection], list[float]]:
-    """The stretches of segments, and the speeds at their joints: rest between two passes."""
+    """The sections of segments, and the speeds at their joints: rest between two passes."""
     if not len(passes):
         return [], [0.0]
     junctions = _junctions_mm_s(segments, limits)
     junctions[passes[1:] != passes[:-1]] = 0.0
     jerks = np.full(len(passes), limits.jerk_mm_s3)
-    stretches = join_segments(
+    sections = join_segments(
         segments.lengths, segments.speeds_mm_s, np.concatenate(([0.0], junctions, [0.0])),
         segments.accelerations_mm_s2, jerks,
     )  # fmt: skip
-    return joint_speeds(stretches)
+    return joint_speeds(sections)
 
 
 def section_seconds(moving: Sequence[SpeedSection], speeds: Sequence[float]) -> Floats:
-    """How long stretches take with the speeds at their joints, which are one more."""
+    """How long sections take with the speeds at their joints, which are one more."""
     ways = rows([(s.length, s.limit, s.acceleration, s.jerk) for s in moving], 4).T
     ends = np.array(speeds)
     return stretch_seconds(ways[0], ends[:-1], ends[1:], *ways[1:])
@@ -255,42 +235,23 @@ def _junctions_mm_s(segments: Segments, limits: PathLimits) -> Floats:
 def curve_of(here: Point, move: ParabolaFeed | EllipseFeed) -> Bezier | EllipseArc:
     """The curve of a move that starts `here`; an ellipse that ends where it starts is whole."""
     end = move.x, move.y
-    match move:
-        case ParabolaFeed(i=i, j=j):
-            vertex = here[0] + i, here[1] + j
-            control = tuple(2 * v - (a + b) / 2 for v, a, b in zip(vertex, here, end, strict=True))
-            return Bezier((here, (control[0], control[1]), end))
-        case EllipseFeed():
-            return _ellipse(here, end, move)
-
-
-def _ellipse(here: Point, end: Point, move: EllipseFeed) -> EllipseArc:
+    if isinstance(move, ParabolaFeed):
+        vertex = here[0] + move.i, here[1] + move.j
+        control = tuple(2 * v - (a + b) / 2 for v, a, b in zip(vertex, here, end, strict=True))
+        return Bezier((here, (control[0], control[1]), end))
     centre = here[0] + move.i, here[1] + move.j
     c, s = cos(radians(move.angle)), sin(radians(move.angle))
 
-    def eccentric(point: Point) -> tuple[float, float]:
+    def eccentric(point: Point) -> Point:
         """The place in the circle that the ellipse is the image of."""
         x, y = point[0] - centre[0], point[1] - centre[1]
         return c * x + s * y, (c * y - s * x) / move.ratio
 
     (ax, ay), (bx, by) = eccentric(here), eccentric(end)
     first, last = degrees(atan2(ay, ax)), degrees(atan2(by, bx))
-    major = hypot(ax, ay)
-    sweep = _sweep_deg(here, end, first, last, move.clockwise)
+    major, sign = hypot(ax, ay), -1.0 if move.clockwise else 1.0
+    sweep = sign * (360.0 if here == end else sign * (last - first) % 360.0)
     return EllipseArc(centre, (major * c, major * s), move.ratio, first, sweep)
-
-
-def _sweep_deg(start: Point, end: Point, first: float, last: float, clockwise: bool) -> float:
-    if start == end:
-        return -360.0 if clockwise else 360.0
-    if clockwise:
-        return -((first - last) % 360.0)
-    return (last - first) % 360.0
-
-
-# --- the torch up and down ------------------------------------------------------------------------
-
-# Times of a torch that the program moves up and down, each move from rest to rest by itself.
 
 
 class LiftTimes:

@@ -150,8 +150,7 @@ def _rational_bend(control: Floats) -> Floats:
     lifted = control[..., :2] - about[:, None, :] * weight[..., None]
 
     def greatest(rows: Floats) -> Floats:
-        rational_bend: Floats = np.max(np.hypot(rows[..., 0], rows[..., 1]), axis=1)
-        return rational_bend
+        return np.asarray(np.max(np.hypot(rows[..., 0], rows[..., 1]), axis=1))
 
     least = np.min(weight, axis=1)
     reach = greatest(lifted / weight[..., None])
@@ -160,8 +159,7 @@ def _rational_bend(control: Floats) -> Floats:
     w2 = second * np.max(np.abs(np.diff(weight, n=2, axis=1)), axis=1)
     speed = (first * greatest(np.diff(lifted, axis=1)) + reach * w1) / least
     bend = second * greatest(np.diff(lifted, n=2, axis=1))
-    rational_bend: Floats = (bend + 2 * speed * w1 + reach * w2) / least
-    return rational_bend
+    return np.asarray((bend + 2 * speed * w1 + reach * w2) / least)
 
 
 def step_counts(bend: Floats, smooth: NDArray[np.bool_], tolerance: float) -> Counts:

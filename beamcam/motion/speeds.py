@@ -1,4 +1,4 @@
-"""Speeds that the axes of a table can follow: along lines and curves, ramps, stretches of a path.
+"""Speeds that the axes of a table can follow: along lines and curves, ramps, sections of a path.
 
 A controller that is given accelerations takes the feed for granted: it turns the head on the
 smallest arc as fast as commanded. So the feed is lowered where a move asks for too much:
@@ -18,10 +18,6 @@ from beamcam.geometry.plane import Point, cross
 from beamcam.machine.machine import PathLimits
 from beamcam.model import cell_motion
 from beamcam.model.program import ArcFeed, EllipseFeed, ParabolaFeed
-
-# --- bending --------------------------------------------------------------------------------------
-
-# Minimum radii of curves, which limit the speed along them.
 
 
 def min_radius_of_parabola(start: Point, vertex: Point, end: Point) -> float:
@@ -63,16 +59,15 @@ def calm_radius(speed_mm_s: float, limits: PathLimits) -> float:
 def straight_mm_s(steps: Floats, limits: PathLimits) -> Floats:
     """The maximum speeds at which the axes can follow lines by their steps (n, 2) in X and Y."""
     along = np.abs(steps) / np.maximum(np.hypot(steps[:, 0], steps[:, 1]), TINY)[:, None]
-    speeds: Floats = np.min((limits.speed_x_mm_s, limits.speed_y_mm_s) / np.maximum(along, TINY), 1)
-    return speeds
+    axes = (limits.speed_x_mm_s, limits.speed_y_mm_s)
+    return np.asarray(np.min(axes / np.maximum(along, TINY), axis=1))
 
 
 def turning_mm_s(radii: Floats, limits: PathLimits) -> Floats:
     """The maximum speeds around radii; the inverse of `calm_radius`."""
     by_jerk = np.cbrt(limits.jerk_mm_s3 * radii * radii)
     by_acceleration = np.sqrt(limits.across_mm_s2 * radii)
-    speeds: Floats = np.minimum(limits.speed_mm_s, np.minimum(by_acceleration, by_jerk))
-    return speeds
+    return np.asarray(np.minimum(limits.speed_mm_s, np.minimum(by_acceleration, by_jerk)))
 
 
 def min_radius(here: Point, move: ArcFeed | ParabolaFeed | EllipseFeed) -> float:
@@ -87,7 +82,7 @@ def min_radius(here: Point, move: ArcFeed | ParabolaFeed | EllipseFeed) -> float
 
 # --- jerk ramps -----------------------------------------------------------------------------------
 
-# Jerk-limited ramps for many stretches at once.
+# Jerk-limited ramps for many sections at once.
 #
 # A ramp changes the speed by `change` from and to acceleration 0. It takes change / a + a / j, or
 # 2 sqrt(change / j) where it is too small to reach the acceleration a, and it is symmetric: the
@@ -140,7 +135,7 @@ def ramp_seconds(change: Floats, acceleration: Floats, jerk: Floats) -> Floats:
 def peak_rises(
     way: Floats, low: Floats, high: Floats, cap: Floats, acceleration: Floats, jerk: Floats
 ) -> Floats:
-    """How far the peaks of stretches lie above their higher end speeds, at most cap - high.
+    """How far the peaks of sections lie above their higher end speeds, at most cap - high.
 
     Halves the root of the rise, of which the way is a smooth function, to neighbouring floats.
     """
@@ -179,8 +174,7 @@ def stretch_seconds(
     peak = high + peak_rises(way, low, high, cap, acceleration, jerk)
     up, down = (ramp_seconds(peak - end, acceleration, jerk) for end in (first, last))
     cruise = np.maximum(0.0, way - (peak + first) / 2 * up - (peak + last) / 2 * down)
-    seconds: Floats = up + down + cruise / np.where(peak > 0.0, peak, 1.0)
-    return seconds
+    return np.asarray(up + down + cruise / np.where(peak > 0.0, peak, 1.0))
 
 
 def ramp_phases(
@@ -203,19 +197,19 @@ def ramp_phases(
     return durations, starts, np.column_stack((held, zero, -held))
 
 
-# --- stretches ------------------------------------------------------------------------------------
+# --- sections ------------------------------------------------------------------------------------
 
-# Segments of a path joined to stretches that are passed with one rise and one fall of speed.
+# Segments of a path joined to sections that are passed with one rise and one fall of speed.
 #
-# At the joints of stretches the acceleration is 0, so a ramp cannot reach across them. A curve
-# that was cut in short chords would therefore never gain speed if every chord were a stretch of
+# At the joints of sections the acceleration is 0, so a ramp cannot reach across them. A curve
+# that was cut in short chords would therefore never gain speed if every chord were a section of
 # its own:
 #
 #     speed limit   ____      ____________      The limits of segments and of the junctions
 #                  |    |_ _ |            |     between them are a skyline. A tower that is too
-#                  |      | |             |     narrow to be climbed is levelled with its higher
+#                  |      | |             |     short to be climbed  is levelled with its higher
 #               ___|      |_|             |__   neighbour; small steps in one direction are taken
-#                    narrow    worth it         together.
+#                    too short worth it         together.
 
 
 #: A tower is worth climbing if the speed rises by this share of its foot in half its width.
@@ -224,7 +218,7 @@ WORTH_RISE = 0.1
 #: Limits nearer to each other than this share are one.
 SAME_SPEED = 1e-3
 
-#: Short steps of a stair are one stretch while their limits lie within this ratio.
+#: Short steps of a stair are one section while their limits lie within this ratio.
 STAIR_RATIO = 1.25
 
 
@@ -240,7 +234,7 @@ class SpeedSection(Struct, gc=False):
 
 
 def _is_worth(tower: SpeedSection, foot: float) -> bool:
-    """Whether a stretch is long enough to rise above `foot` and come down again."""
+    """Whether a section is long enough to rise above `foot` and come down again."""
     gain = tower.limit - foot
     if gain <= SAME_SPEED * foot:
         return False
@@ -259,9 +253,9 @@ def _absorb(into: SpeedSection, other: SpeedSection) -> None:
 def join_segments(
     lengths: Floats, limits: Floats, junctions: Floats, accelerations: Floats, jerks: Floats
 ) -> list[SpeedSection]:
-    """The stretches of a path with n segments and n + 1 junctions, its ends included.
+    """The sections of a path with n segments and n + 1 junctions, its ends included.
 
-    Stretches without length are junctions whose limit stands for itself. Each segment is looked
+    Sections without length are junctions whose limit stands for itself. Each segment is looked
     at a bounded number of times on average: a level tower is never looked at again.
     """
     count = len(junctions)
@@ -280,33 +274,19 @@ def join_segments(
     )
     skyline: list[SpeedSection] = []
     for section in level:
-        _add(skyline, SpeedSection(*section))
-    return _join_stairs(skyline)
-
-
-def _in_turns(junctions: Floats, segments: Floats) -> Floats:
-    """Numbers of n + 1 junctions and of the n segments between them, in turns."""
-    both = np.empty(len(junctions) + len(segments))
-    both[::2], both[1::2] = junctions, segments
-    return both
-
-
-def _add(skyline: list[SpeedSection], new: SpeedSection) -> None:
-    """Puts a stretch at the end, after levelling towers that it leaves too narrow."""
-    while len(skyline) > 1 and skyline[-1].limit > new.limit:
-        before, tower = skyline[-2], skyline[-1]
-        if before.limit >= tower.limit or _is_worth(tower, max(before.limit, new.limit)):
-            break
-        skyline.pop()
-        _absorb(before if before.limit >= new.limit else new, tower)
-    if skyline and skyline[-1].limit == new.limit:
-        _absorb(skyline[-1], new)
-    else:
-        skyline.append(new)
-
-
-def _join_stairs(skyline: list[SpeedSection]) -> list[SpeedSection]:
-    """Joins neighbours too short for a rise of their own while their limits are near."""
+        new = SpeedSection(*section)
+        # Level the towers that it leaves too short.
+        while len(skyline) > 1 and skyline[-1].limit > new.limit:
+            before, tower = skyline[-2], skyline[-1]
+            if before.limit >= tower.limit or _is_worth(tower, max(before.limit, new.limit)):
+                break
+            skyline.pop()
+            _absorb(before if before.limit >= new.limit else new, tower)
+        if skyline and skyline[-1].limit == new.limit:
+            _absorb(skyline[-1], new)
+        else:
+            skyline.append(new)
+    # Joins neighbours too short for a rise of their own while their limits are near.
     speed_sections: list[SpeedSection] = []
     lowest = highest = 0.0
     for new in skyline:
@@ -323,17 +303,24 @@ def _join_stairs(skyline: list[SpeedSection]) -> list[SpeedSection]:
     return speed_sections
 
 
-def joint_speeds(stretches: list[SpeedSection]) -> tuple[list[SpeedSection], list[float]]:
-    """The stretches that have a length, and the speeds at their n + 1 joints."""
+def _in_turns(junctions: Floats, segments: Floats) -> Floats:
+    """Numbers of n + 1 junctions and of the n segments between them, in turns."""
+    both = np.empty(len(junctions) + len(segments))
+    both[::2], both[1::2] = junctions, segments
+    return both
+
+
+def joint_speeds(sections: list[SpeedSection]) -> tuple[list[SpeedSection], list[float]]:
+    """The sections that have a length, and the speeds at their n + 1 joints."""
     moving: list[SpeedSection] = []
     speeds: list[float] = []
-    limit = stretches[0].limit
-    for stretch in stretches:
-        limit = min(limit, stretch.limit)
-        if stretch.length > 0.0:
-            moving.append(stretch)
+    limit = sections[0].limit
+    for section in sections:
+        limit = min(limit, section.limit)
+        if section.length > 0.0:
+            moving.append(section)
             speeds.append(limit)
-            limit = stretch.limit
+            limit = section.limit
     speeds.append(limit)
     for k in range(len(moving) - 1, -1, -1):
         s = moving[k]

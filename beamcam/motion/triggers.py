@@ -13,7 +13,7 @@ Every operation runs from rest to rest, so that a corner is a corner and both ax
 From that the run time follows, for `plan` and `simulate` alike.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from math import asin, ceil, copysign, dist, trunc
 
 from beamcam.errors import Source
@@ -100,45 +100,34 @@ class _Way:
         """The operations along a chain, from the written place `start`."""
         here = start
         for curve in curves:
-            found: Sequence[Travel | ArcTravel]
+            ops: Iterable[Travel | ArcTravel]
             if isinstance(curve, Line):
-                found = [Travel(*self.grid(curve.end), self.speed_mm_s, self.source)]
+                ops = [Travel(*self.grid(curve.end), self.speed_mm_s, self.source)]
             elif isinstance(curve, Arc) and self.triggers.path_objects:
-                found = self._rounds(curve)
+                count = max(1, ceil(abs(curve.sweep_deg) / MAX_ROUND_DEG - 1e-9))
+                ends = [self.grid(curve.point(k / count)) for k in range(1, count + 1)]
+                middles = [self.grid(curve.point((k + 0.5) / count)) for k in range(count)]
+                pairs = zip(ends, middles, strict=True)
+                ops = [ArcTravel(*a, *m, self.speed_mm_s, self.source) for a, m in pairs]
             else:
-                found = self._chords(curve)
-            for op in found:
+                # Chords by the chord rule and the cycle rule; the end is met exactly.
+                from beamcam.motion.densify import DensifyRules, densify
+
+                rules = DensifyRules(
+                    self.tolerance, 10**self.decimals, self.speed_mm_s, self.triggers.cycle_s,
+                    self.triggers.cycles_per_chord,
+                )  # fmt: skip
+                path = densify((curve,), rules)
+                self.slowest = min(self.slowest, float(path.speeds_mm_s.min(initial=self.slowest)))
+                points = path.points.tolist()[1:]
+                ops = [
+                    Travel(x + 0.0, y + 0.0, speed, self.source)
+                    for (x, y), speed in zip(points, path.speeds_mm_s.tolist(), strict=True)
+                ]
+            for op in ops:
                 if (op.x, op.y) != here:
                     yield op
                     here = op.x, op.y
-
-    def _rounds(self, arc: Arc) -> list[ArcTravel]:
-        count = max(1, ceil(abs(arc.sweep_deg) / MAX_ROUND_DEG - 1e-9))
-        ends = [self.grid(arc.point(k / count)) for k in range(1, count + 1)]
-        middles = [self.grid(arc.point((k + 0.5) / count)) for k in range(count)]
-        return [
-            ArcTravel(*end, *middle, self.speed_mm_s, self.source)
-            for end, middle in zip(ends, middles, strict=True)
-        ]
-
-    def _chords(self, curve: Curve) -> list[Travel | ArcTravel]:
-        """Chords by the chord rule and the cycle rule; the end is met exactly."""
-        from beamcam.motion.densify import DensifyRules, densify
-
-        rules = DensifyRules(
-            self.tolerance, 10**self.decimals, self.speed_mm_s, self.triggers.cycle_s,
-            self.triggers.cycles_per_chord,
-        )  # fmt: skip
-        path = densify((curve,), rules)
-        self.slowest = min(self.slowest, float(path.speeds_mm_s.min(initial=self.slowest)))
-        points = path.points.tolist()[1:]
-        return [
-            Travel(x + 0.0, y + 0.0, speed, self.source)
-            for (x, y), speed in zip(points, path.speeds_mm_s.tolist(), strict=True)
-        ]
-
-
-# --- run time -------------------------------------------------------------------------------------
 
 
 HeadPlace = tuple[float, float, float]  #: X, Y, and the height over the sheet
@@ -152,21 +141,14 @@ def trigger_time(plan: SheetPlan, table: TriggerTable, machine: Machine) -> Work
     Each operation runs from rest to rest; the next begins in the cycle behind the one that sees
     its arrival. Homing is not included, as its start position is unknown.
     """
-    return by_operation(
-        plan, _table_passes(table, machine.needed(machine.triggers, "trigger program"))
-    )
-
-
-def _table_passes(table: TriggerTable, triggers: Triggers) -> Iterator[float]:
-    """Seconds of each pass with the traverse to it, and of the return home."""
-    here, seconds = (0.0, 0.0, triggers.home_over(table.thickness)), 0.0
+    triggers = machine.needed(machine.triggers, "trigger program")
+    here, passes = (0.0, 0.0, triggers.home_over(table.thickness)), [0.0]
     for op in table.operations:
-        seconds += operation_seconds(op, here, triggers)
+        passes[-1] += operation_seconds(op, here, triggers)
         here = place_behind(op, here)
         if isinstance(op, SwitchTool) and not op.on:
-            yield seconds
-            seconds = 0.0
-    yield seconds
+            passes.append(0.0)
+    return by_operation(plan, iter(passes))
 
 
 def length_through(start: Point, middle: Point, end: Point) -> float:
@@ -189,14 +171,11 @@ def place_behind(op: TriggerOp, here: HeadPlace) -> HeadPlace:
 
 def operation_seconds(op: TriggerOp, here: HeadPlace, triggers: Triggers) -> float:
     """Seconds from an operation that starts `here` to the start of the next one."""
-    cycles = ceil(_seconds(op, here, triggers) / triggers.cycle_s - CYCLE_SLACK) + 1
-    return cycles * triggers.cycle_s
-
-
-def _seconds(op: TriggerOp, here: HeadPlace, triggers: Triggers) -> float:
     if isinstance(op, SwitchTool):
-        return op.wait_s
-    way = dist(here, place_behind(op, here))
-    if isinstance(op, ArcTravel):
-        way = length_through(here[:2], (op.middle_x, op.middle_y), (op.x, op.y))
-    return move_seconds(way, op.speed_mm_s, triggers.acceleration)
+        seconds = op.wait_s
+    else:
+        way = dist(here, place_behind(op, here))
+        if isinstance(op, ArcTravel):
+            way = length_through(here[:2], (op.middle_x, op.middle_y), (op.x, op.y))
+        seconds = move_seconds(way, op.speed_mm_s, triggers.acceleration)
+    return (ceil(seconds / triggers.cycle_s - CYCLE_SLACK) + 1) * triggers.cycle_s

@@ -45,20 +45,11 @@ class VelocityProfile(Struct, frozen=True):
     start_velocity: float
     end_velocity: float
 
-    def position(self, t_s: ArrayLike) -> Floats:
-        """Way made at times `t_s`, an array of their shape; exact at both ends."""
-        return self.sample(t_s)[0]
-
-    def velocity(self, t_s: ArrayLike) -> Floats:
-        """Velocity at times `t_s`, an array of their shape; exact at both ends."""
-        return self.sample(t_s)[1]
-
-    def acceleration(self, t_s: ArrayLike) -> Floats:
-        """Acceleration at times `t_s`; where it jumps, that after the jump."""
-        return self.sample(t_s)[2]
-
     def sample(self, t_s: ArrayLike) -> tuple[Floats, Floats, Floats]:
-        """Position, velocity and acceleration at times `t_s`, three arrays of their shape."""
+        """Position, velocity and acceleration at times `t_s`, three arrays of their shape.
+
+        Exact at both ends; where the acceleration jumps, that after the jump.
+        """
         t = np.asarray(t_s, dtype=np.float64)
         before, after = t <= 0.0, t >= self.duration_s
         x, v, a = self.distance + 0.0 * t, self.end_velocity + 0.0 * t, 0.0 * t
@@ -116,15 +107,11 @@ def ramp_pieces(change: float, time_s: float, jerk_percent: float) -> list[Piece
 
 
 def build_profile(
-    start_velocity: float,
-    pieces: Sequence[Piece],
-    distance: float | None = None,
-    end_velocity: float | None = None,
+    start_velocity: float, pieces: Sequence[Piece], distance: float, end_velocity: float
 ) -> VelocityProfile:
     """The profile of pieces that follow one another.
 
-    `distance` and `end_velocity`, where they are known, stand in for the sums of the pieces,
-    which are off by rounding.
+    `distance` and `end_velocity` stand in for the sums of the pieces, which are off by rounding.
     """
     t = x = 0.0
     v = start_velocity
@@ -134,10 +121,7 @@ def build_profile(
         t += duration
         x += duration * (v + duration * (a / 2 + duration * j / 6))
         v += duration * (a + duration * j / 2)
-    return VelocityProfile(
-        tuple(phases), t, x if distance is None else distance, start_velocity,
-        v if end_velocity is None else end_velocity,
-    )  # fmt: skip
+    return VelocityProfile(tuple(phases), t, distance, start_velocity, end_velocity)
 
 
 def profile_to_velocity(velocity: float, time_s: float, jerk_percent: float) -> VelocityProfile:
@@ -180,7 +164,7 @@ def fastest_profile(distance: float, limits: AxisLimits) -> VelocityProfile:
     if not isfinite(distance):
         raise ValueError(f"the distance must be a number of mm, found {distance:g}")
     if distance == 0.0:
-        return build_profile(0.0, [])
+        return build_profile(0.0, [], 0.0, 0.0)
     way = abs(distance)
     fastest = ramp(limits.velocity / way, limits.acceleration / way, limits.jerk / way)
     jerk_percent = min(100.0, 200.0 * fastest.jerk_s / fastest.rise_s)
@@ -188,7 +172,6 @@ def fastest_profile(distance: float, limits: AxisLimits) -> VelocityProfile:
 
 
 def _there(distance: float, ramp_s: float, cruise_s: float, jerk_percent: float) -> VelocityProfile:
-    """A ramp, a cruise and the mirrored ramp."""
     velocity = distance / (ramp_s + cruise_s)
     pieces = [
         *ramp_pieces(velocity, ramp_s, jerk_percent),

@@ -1,8 +1,8 @@
 """Positions out of the axes' travel, by `min` and `max` of `[[axes]]`.
 
-    across the bar and along a stroke    follow from section, hole and tool: asked of each part
-    the saw's rotation                   follows from the end of a part: asked of each part
-    X, the stop or the pusher            follows from where the part lies: asked of the whole bar
+    across the bar and along a stroke    follow from section, hole and tool: checked for each part
+    the saw's rotation                   follows from the end of a part: checked for each part
+    X, the stop or the pusher            follows from where the part lies: checked for the whole bar
 
 An axis stands at the number that is written, so places are rounded before they are compared.
 
@@ -15,6 +15,7 @@ which does not fit every hole:
 
 import re
 from collections.abc import Iterator, Sequence
+from math import inf
 
 from msgspec import Struct
 
@@ -73,29 +74,51 @@ def refuse_steps(
     features: Sequence[Feature], steps: Sequence[WorkingStep], travel: SpindleTravel
 ) -> Iterator[Said]:
     """The features of steps that the axes of the spindles do not make, and why."""
-    yield from _refuse_beyond(features, steps, travel)
-    if fixed_faces(travel.machine):
-        yield from _refuse_strokes(features, steps, travel)
-
-
-def _refuse_beyond(
-    features: Sequence[Feature], steps: Sequence[WorkingStep], travel: SpindleTravel
-) -> Iterator[Said]:
-    """The features of steps for which a spindle's axis cannot go far enough, and why."""
     known = travel.known
     for step in steps:
         if step.text is not None:
             continue  # no spindle's axis takes part
         how = step.tooling
         # Of a path both sides, since every formula is a straight line in y.
-        for y in _min_and_max([y for _, y in step.path]) if step.path else (step.y,):
+        ys = [y for _, y in step.path] if step.path else (step.y,)
+        for y in (min(ys), max(ys)) if step.path else ys:
             key = how.faces, how.tools, how.depth, y
             beyond = known.get(key, _UNKNOWN)
             if beyond is _UNKNOWN:
                 beyond = known.keep(key, _beyond(how, y, travel))
-            if beyond is not None:
+            if beyond is None:
+                continue
+            for f in step.features:
+                yield f, AXIS.at(
+                    features[f].source, what=named(features[f]), face=beyond.face,
+                    axis=beyond.axis.name, found=f"{beyond.place:.3f}",
+                    expected=_range(beyond.axis),
+                )  # fmt: skip
+    if fixed_faces(travel.machine):
+        # Drills and taps may go on behind the far side, other tools as far as the breakthrough.
+        faces = fixed_faces(travel.machine)
+        resolution = travel.machine.format.resolution
+        for step in steps:
+            how, tool = step.tooling, step.tooling.tools[0]
+            for face in faces.intersection(how.faces) if step.text is None else ():
+                op = DrillOp(step.x, 0, tool, (face,), step.y, how.depth, (), (), _TRIAL)
+                stroke = travel.strokes(op, op.y)
+                way = 1.0 if stroke.bottom >= stroke.retract else -1.0
+                reach = way * stroke.bottom - travel.profile.face_depth(face)
+                tip = tool.tip if tool.kind == "drill" else 0.0
+                least = tip + (travel.profile.thickness(face) if op.depth is None else op.depth)
+                greatest = least
+                if op.depth is None:
+                    goes_on = tool.kind in ("drill", "tap")
+                    greatest += inf if goes_on else drill_of(travel.machine).breakthrough
+                if least - resolution <= reach <= greatest + resolution:
+                    continue
+                expected = f"{least:.3f}" if least == greatest else f"at least {least:.3f}"
                 for f in step.features:
-                    yield f, _refusal(features[f], beyond)
+                    yield f, STROKE.at(
+                        features[f].source, what=named(features[f]), face=face,
+                        found=f"{reach:.3f}", expected=expected,
+                    )  # fmt: skip
 
 
 def within_axes(
@@ -109,7 +132,7 @@ def within_axes(
     count = int(high - low)
     ys = [*(low + k for k in range(count + 1)), high]
     reached = [y for y in ys if _beyond(how, y, travel) is None]
-    return _min_and_max(reached) if len(reached) > 1 else None
+    return (min(reached), max(reached)) if len(reached) > 1 else None
 
 
 def _beyond(how: Tooling, y: float, travel: SpindleTravel) -> Beyond | None:
@@ -130,13 +153,6 @@ def _beyond(how: Tooling, y: float, travel: SpindleTravel) -> Beyond | None:
     return None
 
 
-def _refusal(feature: Feature, beyond: Beyond) -> Diagnostic:
-    return AXIS.at(
-        feature.source, what=named(feature), face=beyond.face, axis=beyond.axis.name,
-        found=f"{beyond.place:.3f}", expected=_range(beyond.axis),
-    )  # fmt: skip
-
-
 def refuse_bar(
     operations: Sequence[Operation], pieces: Sequence[Piece], machine: Machine
 ) -> Iterator[Diagnostic]:
@@ -144,34 +160,26 @@ def refuse_bar(
     for axis in machine.axes:
         if axis.moves != "X":
             continue
+        # The bar's own axis takes part in every operation, that of a spindle in its strokes.
+        faces = {spindle.face for spindle in machine.spindles if spindle.number == axis.spindle}
         for op in operations:
-            if not _is_moved_by(axis, op, machine):
+            if axis.spindle is not None and (
+                isinstance(op, SawOp | TextOp) or faces.isdisjoint(op.faces)
+            ):
                 continue
-            xs = _min_and_max([x for x, _ in op.path]) if type(op) is PathOp else (op.x,)
-            for x in xs:
-                if not _comes_to(x, axis, machine):
-                    yield STOP.at(
-                        op.source, what=_work(op, pieces), axis=axis.name, found=f"{x:.3f}",
-                        expected=_range(axis),
-                    )  # fmt: skip
-
-
-def _is_moved_by(axis: ControlledAxis, op: Operation, machine: Machine) -> bool:
-    """Whether an operation needs an axis along the bar: the bar's own, or its spindle's."""
-    if axis.spindle is None:
-        return True
-    return not isinstance(op, SawOp | TextOp) and any(
-        spindle.number == axis.spindle and spindle.face in op.faces for spindle in machine.spindles
-    )
-
-
-def _work(op: Operation, pieces: Sequence[Piece]) -> str:
-    """An operation as messages call it."""
-    if isinstance(op, SawOp):
-        return f"a cut of {pieces[op.pieces[0]].part.mark}"
-    piece, feature = op.features[0]
-    part = pieces[piece].part
-    return f"{named(part.features[feature])} on face {op.faces[0]} of {part.mark}"
+            xs = [x for x, _ in op.path] if type(op) is PathOp else [op.x]
+            for x in (min(xs), max(xs)) if len(xs) > 1 else xs:
+                if _comes_to(x, axis, machine):
+                    continue
+                if isinstance(op, SawOp):
+                    what = f"a cut of {pieces[op.pieces[0]].part.mark}"
+                else:
+                    part = pieces[op.features[0][0]].part
+                    what = f"{named(part.features[op.features[0][1]])} on face {op.faces[0]}"
+                    what += f" of {part.mark}"
+                yield STOP.at(
+                    op.source, what=what, axis=axis.name, found=f"{x:.3f}", expected=_range(axis)
+                )
 
 
 def _comes_to(place: float, axis: ControlledAxis, machine: Machine) -> bool:
@@ -185,10 +193,6 @@ def _range(axis: ControlledAxis) -> str:
     return f"at most {axis.max:g}" if axis.min is None else f"{axis.min:g} to {axis.max:g}"
 
 
-def _min_and_max(values: Sequence[float]) -> tuple[float, float]:
-    return min(values), max(values)
-
-
 _DEPTH = re.compile(r"\bdepth\b")
 
 
@@ -199,47 +203,3 @@ fixed_faces: PerObject[Machine, frozenset[Face]] = PerObject(
         s.face for s in machine.spindles if not _DEPTH.search(s.stroke.bottom)
     ),
 )
-
-
-def _refuse_strokes(
-    features: Sequence[Feature], steps: Sequence[WorkingStep], travel: SpindleTravel
-) -> Iterator[Said]:
-    """The features of steps that a fixed stroke does not make, and why."""
-    faces = fixed_faces(travel.machine)
-    resolution = travel.machine.format.resolution
-    for step in steps:
-        how = step.tooling
-        if step.text is not None:
-            continue
-        for face in faces.intersection(how.faces):
-            op = DrillOp(step.x, 0, how.tools[0], (face,), step.y, how.depth, (), (), _TRIAL)
-            reach = _deepest(op, travel)
-            least, greatest = _wanted(op, travel)
-            if least - resolution <= reach <= greatest + resolution:
-                continue
-            for f in step.features:
-                feature = features[f]
-                expected = f"{least:.3f}" if least == greatest else f"at least {least:.3f}"
-                yield f, STROKE.at(
-                    feature.source, what=named(feature), face=face, found=f"{reach:.3f}",
-                    expected=expected,
-                )  # fmt: skip
-
-
-def _deepest(op: DrillOp, travel: SpindleTravel) -> float:
-    """Depth of the tool's point behind the surface of its face."""
-    stroke = travel.strokes(op, op.y)
-    way = 1.0 if stroke.bottom >= stroke.retract else -1.0
-    return way * stroke.bottom - travel.profile.face_depth(op.faces[0])
-
-
-def _wanted(op: DrillOp, travel: SpindleTravel) -> tuple[float, float]:
-    """Required and maximum depth; drills and taps may go on behind the far side."""
-    kind = op.tool.kind
-    tip = op.tool.tip if kind == "drill" else 0.0
-    if op.depth is not None:
-        return op.depth + tip, op.depth + tip
-    through = travel.profile.thickness(op.faces[0]) + tip
-    if kind in ("drill", "tap"):
-        return through, float("inf")
-    return through, through + drill_of(travel.machine).breakthrough

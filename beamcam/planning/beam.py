@@ -14,7 +14,7 @@ from msgspec.structs import replace
 
 from beamcam.budget import FEATURES, InForce, LimitError
 from beamcam.errors import Diagnostic, PlanError, errors_in
-from beamcam.machine.machine import Machine, text_x
+from beamcam.machine.machine import Machine, drill_of, text_x
 from beamcam.machine.stations import Tool
 from beamcam.model.part import Part
 from beamcam.model.plan import (
@@ -33,7 +33,6 @@ from beamcam.model.plan import (
 from beamcam.planning import rules
 from beamcam.planning.axis_limits import refuse_bar
 from beamcam.planning.nesting import LaidParts, cuts_of, lay
-from beamcam.planning.operations.part_planner import BarLine, line_of
 from beamcam.planning.operations.tools import ROUNDING, Tooling, Tools
 from beamcam.planning.operations.work import PartWork, refuse_stock, works_on
 from beamcam.planning.order import cutting_remarks, reloads, sort_along_x
@@ -42,22 +41,22 @@ from beamcam.planning.times import work_time
 from beamcam.planning.turning import TURNS, Turn, alike, lies, turned
 
 
-def bar_operations(laid: LaidParts, line: BarLine) -> tuple[list[SawOp], list[WorkOp]]:
+def bar_operations(laid: LaidParts, machine: Machine) -> tuple[list[SawOp], list[WorkOp]]:
     """The cuts of a line with a saw, and the operations on features, piece by piece."""
-    strokes = [*_spindle_operations(laid.pieces, laid.works, line)]
-    if line.machine.saw is None:
+    strokes = [*_spindle_operations(laid.pieces, laid.works, machine)]
+    if machine.saw is None:
         return [], strokes
     ends = [work.ends for work in laid.works]
-    return [*cuts_of(laid.pieces, ends, laid.shared, line.saw, laid.bar)], strokes
+    return [*cuts_of(laid.pieces, ends, laid.shared, machine.saw, laid.bar)], strokes
 
 
 def _spindle_operations(
-    pieces: Sequence[Piece], works: Sequence[PartWork], line: BarLine
+    pieces: Sequence[Piece], works: Sequence[PartWork], machine: Machine
 ) -> Iterator[WorkOp]:
     """One operation on features for each step at machine X, piece by piece."""
     chosen = _chosen_tools({id(s.tooling): s.tooling for work in works for s in work.steps})
     for index, (piece, work) in enumerate(zip(pieces, works, strict=True)):
-        offset = line.drill.x + piece.start
+        offset = drill_of(machine).x + piece.start
         for step in work.steps:
             how = step.tooling
             tool, reasons = chosen[id(how)]
@@ -66,7 +65,7 @@ def _spindle_operations(
                 features = tuple([(index, f) for f in step.features])
             if step.text is not None:
                 yield TextOp(
-                    piece.start + step.x + text_x(line.machine), how.spindle, tool, how.faces,
+                    piece.start + step.x + text_x(machine), how.spindle, tool, how.faces,
                     step.y, step.text, features, reasons, step.source,
                 )  # fmt: skip
             elif step.path:
@@ -116,17 +115,16 @@ def _chosen_tools(toolings: Mapping[int, Tooling]) -> dict[int, tuple[Tool, tupl
         settled = settle(how.tools for how in toolings.values())
     chosen = {}
     for key, how in toolings.items():
-        tool = how.tools[0] if len(how.tools) == 1 else settled[how.tools]
-        reasons = (_drill_reason(tool, how), *how.reasons) if how.diameter else how.reasons
+        tool, reasons = how.tools[0], how.reasons
+        if len(how.tools) > 1:
+            tool = settled[how.tools]
+        if how.diameter:
+            why = "drill-nearest" if tool == how.tools[0] else "drill-twin"
+            if abs(tool.diameter - how.diameter) <= ROUNDING:
+                why = "drill-exact"
+            reasons = (why, *reasons)
         chosen[key] = tool, reasons
     return chosen
-
-
-def _drill_reason(tool: Tool, how: Tooling) -> str:
-    """Why a plain hole gets this drill."""
-    if abs(tool.diameter - how.diameter) <= ROUNDING:
-        return "drill-exact"
-    return "drill-nearest" if tool == how.tools[0] else "drill-twin"
 
 
 LEDGER_TOLERANCE = 0.001  #: mm
@@ -142,14 +140,17 @@ def plan_bar(
     are given or as they nest best. Raises PlanError with everything that the machine cannot make,
     and LimitError; nothing is left out that is not in the plan's outcomes.
     """
-    line = line_of(machine)
-    refuse_stock(parts, line)
-    _check_features(parts)
-    works, remarks = works_on(parts, line, skips)
-    laid = lay(works, line, order, bar)
+    refuse_stock(parts, machine)
+    most, total = InForce.limits.features, 0
+    for part in parts:
+        total += len(part.features)
+        if total > most:
+            raise LimitError(FEATURES.at(part.source, found=total, expected=most))
+    works, remarks = works_on(parts, machine, skips)
+    laid = lay(works, machine, order, bar)
     remarks += laid.remarks
     pieces, source = laid.pieces, laid.pieces[0].part.source
-    cuts, strokes = bar_operations(laid, line)
+    cuts, strokes = bar_operations(laid, machine)
     if not (cuts or strokes):
         raise PlanError(rules.NO_WORK.at(source, machine=machine.name))
     refusals = [*refuse_bar([*cuts, *strokes], pieces, machine)]
@@ -172,15 +173,6 @@ def plan_bar(
 _feature = attrgetter("feature")
 
 
-def _check_features(parts: Iterable[Part]) -> None:
-    """Raises LimitError for the part with which a bar has more features than the limits allow."""
-    most, total = InForce.limits.features, 0
-    for part in parts:
-        total += len(part.features)
-        if total > most:
-            raise LimitError(FEATURES.at(part.source, found=total, expected=most))
-
-
 def _outcomes(works: Sequence[PartWork], operations: Sequence[WorkOp]) -> list[Outcome]:
     """The outcome of each feature, in the order of pieces and features."""
     made: dict[FeatureRef, Outcome] = {}
@@ -191,12 +183,9 @@ def _outcomes(works: Sequence[PartWork], operations: Sequence[WorkOp]) -> list[O
             how = "merged"
     outcomes = list(made.values())
     for p, work in enumerate(works):
-        outcomes += [
-            Outcome((p, f), "skipped", diagnostic.code) for f, diagnostic in work.skipped.items()
-        ]
-        outcomes += [Outcome((p, each.feature), each.how, each.by) for each in work.settled]
-    outcomes.sort(key=_feature)
-    return outcomes
+        outcomes += (Outcome((p, f), "skipped", d.code) for f, d in work.skipped.items())
+        outcomes += (Outcome((p, each.feature), each.how, each.by) for each in work.settled)
+    return sorted(outcomes, key=_feature)
 
 
 def _balance(plan: Plan, machine: Machine) -> None:
@@ -225,15 +214,29 @@ def plan_oriented(
 
     Raises PlanError as `plan_bar` does; without `turn`, with the turn that would help.
     """
-    if turn:
-        return plan_turned(parts, machine, bar, skips, order)
-    try:
-        return plan_bar(parts, machine, bar, skips, order)
-    except PlanError as error:
-        if is_too_short(error.diagnostics):
-            raise
-
-        raise PlanError([*error.diagnostics, *turns_that_help(parts, machine, skips)]) from error
+    if not turn:
+        try:
+            return plan_bar(parts, machine, bar, skips, order)
+        except PlanError as error:
+            if is_too_short(error.diagnostics):
+                raise
+            helping = turns_that_help(parts, machine, skips)
+            raise PlanError([*error.diagnostics, *helping]) from error
+    trials = {id(part): tuple(try_turns(part, machine, skips)) for part in parts}
+    # A bar lies one way for all of them: if the best turns would set it on its web for one part and
+    # on its flange for another, all lie as given or all are set on the other side.
+    for allowed in ((False, True), (False,), (True,)):
+        best = {id(p): _choose(p, [t for t in trials[id(p)] if t.turn.swap in allowed])
+                for p in parts}  # fmt: skip
+        choices = [c for p in parts if (c := best[id(p)]) is not None]
+        if len(choices) == len(parts) and len({c.part.profile for c in choices}) == 1:
+            break
+    else:
+        choices = [Orientation(part, AS_GIVEN, ()) for part in parts]
+    plan = plan_bar([c.part for c in choices], machine, bar, skips, order)
+    pieces = tuple(replace(piece, turn=choices[piece.given].turn) for piece in plan.pieces)
+    remarks = dict.fromkeys(diagnostic for c in choices for diagnostic in c.remarks)
+    return replace(plan, pieces=pieces, remarks=(*remarks, *plan.remarks))
 
 
 # --- turn choice ----------------------------------------------------------------------------------
@@ -267,17 +270,6 @@ class Orientation(Struct, frozen=True):
     part: Part
     turn: str
     remarks: tuple[Diagnostic, ...]
-
-
-def plan_turned(
-    parts: Sequence[Part], machine: Machine, bar: float | None, skips: Collection[str], order: Order
-) -> Plan:
-    """The plan of a bar whose parts lie as is best. Raises PlanError as `plan_bar` does."""
-    choices = _choose_turns(parts, machine, skips)
-    plan = plan_bar([c.part for c in choices], machine, bar, skips, order)
-    pieces = tuple(replace(piece, turn=choices[piece.given].turn) for piece in plan.pieces)
-    remarks = dict.fromkeys(diagnostic for c in choices for diagnostic in c.remarks)
-    return replace(plan, pieces=pieces, remarks=(*remarks, *plan.remarks))
 
 
 def turns_that_help(
@@ -317,39 +309,16 @@ def _tried(
     same = next((t for t in made if alike(t.part, lying)), None)
     if same is not None:
         return Trial(turn, lying, None, f"no different from {same.turn.name!r}")
+    bar = part.length + BAR_BEHIND  # more behind the part, as behind all but the last of a bar
+    if machine.layout is not None and machine.layout.max_bar is not None:
+        bar = min(bar, machine.layout.max_bar)
     try:
-        plan = plan_bar([lying], machine, _trial_bar(lying, machine), skips)
+        plan = plan_bar([lying], machine, bar, skips)
     except PlanError as error:
         first = errors_in(error.diagnostics)[0]
         return Trial(turn, lying, None, f"{first.code}: {first.message}", first.code)
     skipped = sum(outcome.how == "skipped" for outcome in plan.outcomes)
     return Trial(turn, lying, work_time(plan, machine).total_s + SKIP_WEIGHT_S * skipped, "")
-
-
-def _trial_bar(part: Part, machine: Machine) -> float:
-    """Length of a bar with more behind the part, as behind all but the last of a bar."""
-    ample = part.length + BAR_BEHIND
-    most = None if machine.layout is None else machine.layout.max_bar
-    return ample if most is None else min(ample, most)
-
-
-def _choose_turns(
-    parts: Sequence[Part], machine: Machine, skips: Collection[str]
-) -> tuple[Orientation, ...]:
-    """The orientation of each part on one bar.
-
-    A bar lies one way for all of them: if the best turns would set it on its web for one part and
-    on its flange for another, all lie as given or all are set on the other side.
-    """
-    trials = {id(part): tuple(try_turns(part, machine, skips)) for part in parts}
-    for allowed in ((False, True), (False,), (True,)):
-        choices = {id(p): _choose(p, [t for t in trials[id(p)] if t.turn.swap in allowed])
-                   for p in parts}  # fmt: skip
-        made = [choices[id(p)] for p in parts]
-        orientations = [c for c in made if c is not None]
-        if len(orientations) == len(made) and len({c.part.profile for c in orientations}) == 1:
-            return tuple(orientations)
-    return tuple(Orientation(part, AS_GIVEN, ()) for part in parts)
 
 
 def _choose(part: Part, trials: Sequence[Trial]) -> Orientation | None:

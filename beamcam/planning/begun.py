@@ -34,29 +34,22 @@ def begun_part(part: Part, plan: AnyPlan, machine: Machine) -> Part:
     Its features are those that the plan leaves out or leaves for manual work, in their order.
     Comments that stood before one that is made are left out. Raises PlanError as `ends_of` does.
     """
-    left = [
-        outcome.feature[1]
-        for outcome in plan.outcomes
-        if outcome.feature[0] == 0 and outcome.how in NOT_MADE
-    ]
+    left = [one.feature[1] for one in plan.outcomes if not one.feature[0] and one.how in NOT_MADE]
     there = [f for k, f in enumerate(part.features) if k not in left]
     cuts = part.cuts
     if machine.saw is not None:
         (start, end), _ = ends_of(part, machine.saw)
         cuts = EndCuts(start.web_deg, end.web_deg, start.flange_deg, end.flange_deg)
-    return replace(
-        part, cuts=cuts, cut_lines=None, comments=tuple(_comments(part, left)),
-        features=tuple(part.features[k] for k in left), made=(*(part.made or ()), *there),
-    )  # fmt: skip
-
-
-def _comments(part: Part, left: Sequence[int]) -> Iterator[FileComment]:
-    """The comments of the file, those of a feature before it at its new place."""
+    comments: list[FileComment] = []
     for comment in part.comments:
         words = comment.before.split(":")
         at = words.index("feature") + 1 if "feature" in words else 0
         if not at:
-            yield comment
+            comments.append(comment)
         elif int(words[at]) in left:
             words[at] = str(left.index(int(words[at])))
-            yield replace(comment, before=":".join(words))
+            comments.append(replace(comment, before=":".join(words)))
+    return replace(
+        part, cuts=cuts, cut_lines=None, comments=tuple(comments),
+        features=tuple(part.features[k] for k in left), made=(*(part.made or ()), *there),
+    )  # fmt: skip

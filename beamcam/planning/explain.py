@@ -9,20 +9,18 @@ from beamcam.machine.stations import Drill
 from beamcam.model.part import Hole
 from beamcam.model.plan import (
     DrillOp,
-    FeatureRef,
     Operation,
     PathOp,
     Plan,
     SawOp,
     TextOp,
     ToolLoad,
-    WorkOp,
 )
 from beamcam.planning.nesting import CUT_REASONS
 from beamcam.planning.operations.hole import alike, partner_faces
 from beamcam.planning.operations.part_planner import ROUNDING
-from beamcam.planning.operations.tools import ToolLibrary, library_of
-from beamcam.planning.operations.work import REASONS
+from beamcam.planning.operations.tools import library_of
+from beamcam.planning.operations.work import REASONS as WORK_REASONS
 from beamcam.planning.order import changes, setup_of, tool_loads, travel, waits_for
 from beamcam.planning.times import work_time
 
@@ -33,7 +31,7 @@ PLACES = {
     "place-after": "at the same X, and made in the hole that comes before",
     "place-changes": "at the same X, in the order of fewest changes of spindle and tool",
 }
-SAID = REASONS | CUT_REASONS | PLACES
+REASONS = WORK_REASONS | CUT_REASONS | PLACES
 
 
 class ExplainedOperation(Struct, frozen=True):
@@ -66,9 +64,11 @@ def explain(plan: Plan, machine: Machine) -> Explanation:
     before = (None, *plan.operations)
     steps = tuple(
         ExplainedOperation(
-            op.x, _what(op), _where(op), seconds,
-            tuple((code, SAID[code]) for code in (*op.reasons, _place_code(op, previous))),
-            tuple(_rejected(op, plan, machine)), tuple(_sources(op, plan)),
+            op.x, *_what_and_where(op), seconds,
+            tuple((code, REASONS[code]) for code in (*op.reasons, _place_code(op, previous))),
+            tuple(_rejected(op, plan, machine)),
+            (str(op.source),) if isinstance(op, SawOp)
+            else tuple(str(plan.feature(ref).source) for ref in op.features),
         )
         for op, previous, seconds in zip(plan.operations, before, time.operations, strict=False)
     )  # fmt: skip
@@ -79,27 +79,21 @@ def explain(plan: Plan, machine: Machine) -> Explanation:
     )  # fmt: skip
 
 
-def _what(op: Operation) -> str:
+def _what_and_where(op: Operation) -> tuple[str, str]:
     if isinstance(op, SawOp):
         tilt = f", tilt {op.tilt:g}" if op.tilt else ""
-        return f"{op.purpose} cut at {op.angle:g} deg{tilt}"
-    return op.tool.name
-
-
-def _where(op: Operation) -> str:
-    if isinstance(op, SawOp):
-        first = f"{op.at} of part {op.pieces[0] + 1}"
-        return first + (f", start of part {op.pieces[1] + 1}" if len(op.pieces) > 1 else "")
+        after = f", start of part {op.pieces[1] + 1}" if len(op.pieces) > 1 else ""
+        what = f"{op.purpose} cut at {op.angle:g} deg{tilt}"
+        return what, f"{op.at} of part {op.pieces[0] + 1}{after}"
     depth = "" if op.depth is None else f", {op.depth:g} deep"
     points = f", {len(op.path)} points" if isinstance(op, PathOp) else ""
     if isinstance(op, TextOp):
         points = f", {op.text.text!r} at {op.text.angle:g} deg"
     part = f"part {op.features[0][0] + 1}"
-    return f"{'+'.join(op.faces)} y {op.y:g}{depth}{points}, {part}"
+    return op.tool.name, f"{'+'.join(op.faces)} y {op.y:g}{depth}{points}, {part}"
 
 
 def _place_code(op: Operation, previous: Operation | None) -> str:
-    """Why an operation stands behind the one before it."""
     if previous is None or isinstance(op, SawOp) or isinstance(previous, SawOp):
         return "place-x"
     if abs(op.x - previous.x) > 1e-9:
@@ -107,24 +101,6 @@ def _place_code(op: Operation, previous: Operation | None) -> str:
     if waits_for(op, previous):
         return "place-after"
     return "place-tool" if setup_of(op) == setup_of(previous) else "place-changes"
-
-
-def _sources(op: Operation, plan: Plan) -> Iterator[str]:
-    if isinstance(op, SawOp):
-        yield str(op.source)
-    else:
-        for p, f in op.features:
-            yield str(plan.pieces[p].part.features[f].source)
-
-
-def _rejected(op: Operation, plan: Plan, machine: Machine) -> Iterator[str]:
-    """The drills that would do too, and why a hole is not made together with one beside it."""
-    if isinstance(op, DrillOp):
-        p, f = op.features[0]
-        if isinstance(plan.pieces[p].part.features[f], Hole):
-            library = library_of(machine)
-            yield from _other_drills(op, plan, library)
-            yield from _missed_merges(op, plan, machine, library)
 
 
 def unmerged_because(hole: Hole, other: Hole, drill: Drill) -> str | None:
@@ -157,38 +133,28 @@ def _shown(depth: float | None) -> str:
 DRILL_REASONS = ("drill-exact", "drill-nearest", "drill-twin")
 
 
-def _holes(op: WorkOp, plan: Plan) -> Iterator[tuple[FeatureRef, Hole]]:
-    for p, f in op.features:
-        feature = plan.pieces[p].part.features[f]
-        if isinstance(feature, Hole):
-            yield (p, f), feature
+def _rejected(op: Operation, plan: Plan, machine: Machine) -> Iterator[str]:
+    """The drills that would do too, and why a hole is not made together with one beside it.
 
-
-def _other_drills(op: DrillOp, plan: Plan, library: ToolLibrary) -> Iterator[str]:
-    """The drills that are within the tolerance too."""
-    diameters = tuple(hole.diameter for _, hole in _holes(op, plan))
-    if op.tool.kind != "drill" or op.reasons[0] not in DRILL_REASONS:
+    That is one on the opposite flange that is nearly the same.
+    """
+    if not isinstance(op, DrillOp) or not isinstance(plan.feature(op.features[0]), Hole):
         return
-    for tool in library.fitting(diameters, op.faces):
-        if tool != op.tool:
-            off = max(abs(tool.diameter - d) for d in diameters)
-            used = max(abs(op.tool.diameter - d) for d in diameters)
-            because = (
-                "no nearer"
-                if off - used <= library.drill.same_tool_tolerance + 1e-9
-                else "further off"
-            )
-            yield f"{tool.name}: {off:g} mm off, {because}"
-
-
-def _missed_merges(
-    op: DrillOp, plan: Plan, machine: Machine, library: ToolLibrary
-) -> Iterator[str]:
-    """Holes on the opposite flange that are nearly the same."""
-    for ref, hole in _holes(op, plan) if len(op.faces) == 1 else ():
+    library = library_of(machine)
+    holes = [hole for ref in op.features if isinstance(hole := plan.feature(ref), Hole)]
+    diameters = tuple(hole.diameter for hole in holes)
+    if op.tool.kind == "drill" and op.reasons[0] in DRILL_REASONS:
+        used = max(abs(op.tool.diameter - d) for d in diameters)
+        for tool in library.fitting(diameters, op.faces):
+            if tool != op.tool:
+                off = max(abs(tool.diameter - d) for d in diameters)
+                is_near = off - used <= library.drill.same_tool_tolerance + 1e-9
+                because = "no nearer" if is_near else "further off"
+                yield f"{tool.name}: {off:g} mm off, {because}"
+    for hole in holes if len(op.faces) == 1 else ():
         partner = partner_faces(machine).get(hole.face)
-        for f, other in enumerate(plan.pieces[ref[0]].part.features):
+        for f, other in enumerate(plan.pieces[op.features[0][0]].part.features):
             if isinstance(other, Hole) and other.face == partner:
-                because = unmerged_because(hole, other, library.drill)
-                if because is not None:
-                    yield f"both flanges at once ({other.source}, feature {f + 1}): {because}"
+                why = unmerged_because(hole, other, library.drill)
+                if why is not None:
+                    yield f"both flanges at once ({other.source}, feature {f + 1}): {why}"

@@ -94,24 +94,22 @@ def held_up(machine: Machine) -> tuple[HeldUp, ...]:
         raise KeyError(name)
     height, width, flange, web, radius = measures[1]
     profile = Profile(measures[0], name, height, width, flange, web, radius)
-    return tuple(_at(spindle, profile, machine) for spindle in machine.spindles)
-
-
-def _at(spindle: Spindle, profile: Profile, machine: Machine) -> HeldUp:
-    drill, face = machine.needed(machine.drill, "drill"), spindle.face
-    y = FROM_EDGE if face in ("v", "h") else profile.face_width(face) - FROM_EDGE
-    values = formula_values(profile, face, drill) | {"y": y, "depth": 0.0, "tip": 0.0}
-    position, bottom = spindle.across.position, spindle.stroke.bottom
-    enters, leaves = bottom(values), bottom(values | {"depth": values["thickness"]})
-    follows_depth = leaves != enters
-    if not follows_depth:
-        enters = spindle.stroke.retract(values)
-    return HeldUp(
-        spindle, profile, y, drill.x + FROM_START, position(values), enters, leaves,
-        follows_depth,
-        1 if position(values | {"y": y + 1.0}) >= position(values) else -1,
-        1 if leaves >= enters else -1,
-    )  # fmt: skip
+    held = []
+    for spindle in machine.spindles:
+        face, position, bottom = spindle.face, spindle.across.position, spindle.stroke.bottom
+        y = FROM_EDGE if face in ("v", "h") else profile.face_width(face) - FROM_EDGE
+        values = formula_values(profile, face, machine.drill) | {"y": y, "depth": 0.0, "tip": 0.0}
+        enters, leaves = bottom(values), bottom(values | {"depth": values["thickness"]})
+        follows_depth = leaves != enters
+        if not follows_depth:
+            enters = spindle.stroke.retract(values)
+        held.append(HeldUp(
+            spindle, profile, y, machine.drill.x + FROM_START, position(values), enters, leaves,
+            follows_depth,
+            1 if position(values | {"y": y + 1.0}) >= position(values) else -1,
+            1 if leaves >= enters else -1,
+        ))  # fmt: skip
+    return tuple(held)
 
 
 def hand_faults(held: tuple[HeldUp, ...], source: Source) -> Iterator[Diagnostic]:

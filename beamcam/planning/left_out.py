@@ -15,7 +15,7 @@ from beamcam.machine.torch import OTHERS, Torch
 from beamcam.model.colour import colour_name, key_of
 from beamcam.model.description import description
 from beamcam.model.part import Bend, Camber, Contour, Dashed, Feature, Part, TextMark
-from beamcam.model.plan import HATCH, AnyPlan, Outcome, SheetPlan, unfinished
+from beamcam.model.plan import HATCH, AnyPlan, SheetPlan, unfinished
 from beamcam.model.request import mark_kind, policy_on
 from beamcam.planning import rules
 
@@ -82,18 +82,12 @@ def refuse_mark(feature: Feature, marks: Marks) -> Diagnostic | None:
     if policy_on(feature, marks) != "refuse":
         return None
     why = f'marks.{mark_kind(feature)} of the machine file is "refuse"'
-    face = getattr(feature, "face", "")
-    return rules.MARK.at(feature.source, found=_named(feature), face=face, why=why)
-
-
-def _named(feature: Feature) -> str:
-    match feature:
-        case TextMark():
-            return f"the text {feature.text!r}"
-        case Contour():
-            return f"{sum(curve.length for curve in feature.curves):g} mm of line"
-        case _:
-            return "a centre punch"
+    face, what = getattr(feature, "face", ""), "a centre punch"
+    if isinstance(feature, TextMark):
+        what = f"the text {feature.text!r}"
+    elif isinstance(feature, Contour):
+        what = f"{sum(curve.length for curve in feature.curves):g} mm of line"
+    return rules.MARK.at(feature.source, found=what, face=face, why=why)
 
 
 LEFT_OUT = warning("plan-left-out",
@@ -107,28 +101,23 @@ MANUAL_WORK = warning("plan-by-hand",
     "mark.")  # fmt: skip
 
 
-def told(plan: AnyPlan) -> Iterator[Diagnostic]:
+def unfinished_remarks(plan: AnyPlan) -> Iterator[Diagnostic]:
     """A warning for each feature that was left out, or is left for manual work.
 
     A part that is on the bar several times is reported once.
     """
-    left = unfinished(plan.outcomes)
-    yield from dict.fromkeys(_left_out(plan, outcome) for outcome in left if outcome.is_left_out)
-    yield from dict.fromkeys(_manual_work(plan, outcome) for outcome in left if outcome.manual_work)
-
-
-def _left_out(plan: AnyPlan, outcome: Outcome) -> Diagnostic:
-    piece, index = outcome.feature
-    feature = plan.pieces[piece].part.features[index]
-    kind = outcome.by.removeprefix("plan-")
-    return LEFT_OUT.at(feature.source, what=description(feature), kind=kind)
-
-
-def _manual_work(plan: AnyPlan, outcome: Outcome) -> Diagnostic:
-    piece, index = outcome.feature
-    feature = plan.pieces[piece].part.features[index]
-    return MANUAL_WORK.at(
-        feature.source, what=description(feature), why=REASONS[outcome.manual_work]
+    left = [(one, plan.feature(one.feature)) for one in unfinished(plan.outcomes)]
+    yield from dict.fromkeys(
+        LEFT_OUT.at(
+            feature.source, what=description(feature), kind=outcome.by.removeprefix("plan-")
+        )
+        for outcome, feature in left
+        if outcome.is_left_out
+    )
+    yield from dict.fromkeys(
+        MANUAL_WORK.at(feature.source, what=description(feature), why=REASONS[outcome.manual_work])
+        for outcome, feature in left
+        if outcome.manual_work
     )
 
 
@@ -172,18 +161,25 @@ def map_remarks(plan: SheetPlan, torch: Torch) -> Iterator[Diagnostic]:
     """Remarks on each look that is not cut, and on lines with gaps that are."""
     yield from _not_cut(plan, torch)
     for part in {id(piece.part): piece.part for piece in plan.pieces}.values():
-        yield from _dashed(part, torch)
+        for lines in part.measures.dashed if part.measures is not None else ():
+            key = key_of(lines, torch.colours)
+            if key is not None and torch.colours[key] == "cut" and not _is_settled(lines, torch):
+                yield DASHED.at(
+                    lines.source, count=lines.count, look=_look_named(lines.layer, lines.colour),
+                    line_type=lines.line_type, key=_key(lines, [part]),
+                )  # fmt: skip
+
+
+_Look = tuple[str | None, str | None, str]  #: layer, colour and outcome
 
 
 def _not_cut(plan: SheetPlan, torch: Torch) -> Iterator[Diagnostic]:
     """The curves by colour and layer that the map takes away from cutting."""
-    curves: Counter[tuple[str | None, str | None, str]] = Counter()
-    inside: Counter[tuple[str | None, str | None, str]] = Counter()
-    first: dict[tuple[str | None, str | None, str], Contour] = {}
+    curves, inside = Counter[_Look](), Counter[_Look]()
+    first: dict[_Look, Contour] = {}
     rings: list[Box] | None = None
     for outcome in plan.outcomes:
-        piece, index = outcome.feature
-        feature = plan.pieces[piece].part.features[index]
+        feature = plan.feature(outcome.feature)
         if outcome.by not in MAPPED_AWAY or not isinstance(feature, Contour):
             continue
         if feature.source.where == HATCH:  # which the drawing does not have
@@ -208,30 +204,18 @@ def _not_cut(plan: SheetPlan, torch: Torch) -> Iterator[Diagnostic]:
 
 
 def _boxes_cut(plan: SheetPlan) -> list[Box]:
-    """The boxes of the closed contours that are cut, as they are drawn."""
     boxes_cut = []
     for op in plan.operations:
         if op.closed and op.row.process == "cut":
-            drawn = [plan.pieces[piece].part.features[k] for piece, k in op.features]
+            drawn = map(plan.feature, op.features)
             curves = [c for f in drawn if isinstance(f, Contour) for c in f.curves]
             if (box := join_boxes([curve.bbox for curve in curves])) is not None:
                 boxes_cut.append(box)
     return boxes_cut
 
 
-def _dashed(part: Part, torch: Torch) -> Iterator[Diagnostic]:
-    """Lines of a drawing with gaps that are cut, by their look and line type."""
-    for lines in part.measures.dashed if part.measures is not None else ():
-        key = key_of(lines, torch.colours)
-        if key is not None and torch.colours[key] == "cut" and not _is_settled(lines, torch):
-            yield DASHED.at(
-                lines.source, count=lines.count, look=_look_named(lines.layer, lines.colour),
-                line_type=lines.line_type, key=_key(lines, [part]),
-            )  # fmt: skip
-
-
 def _is_settled(lines: Contour | Dashed, torch: Torch) -> bool:
-    """Whether somebody has said what lines of a look are for, and not custom alone."""
+    """Whether a key says what lines of a look are for, and not custom alone."""
     key = key_of(lines, torch.colours)
     by_layer = lines.layer is not None and (key or "").casefold() == lines.layer.casefold()
     return by_layer or key in torch.settled
@@ -253,16 +237,11 @@ def _look_named(layer: str | None, colour: str | None) -> str:
 
 def curves_by_key(parts: Iterable[Part], table: Iterable[str]) -> Counter[str]:
     """Number of curves and texts of the parts that each key of the map matches."""
-    keys = tuple(table)
-    known: dict[tuple[str | None, str | None], str | None] = {}
-    counts: Counter[str] = Counter()
+    keys, counts = tuple(table), Counter[str]()
     for part in parts:
         for feature in part.features:
             if isinstance(feature, Contour):
-                look = feature.layer, feature.colour
-                if look not in known:
-                    known[look] = key_of(feature, keys)
-                key = known[look]
+                key = key_of(feature, keys)
                 if key is not None:
                     counts[key] += len(feature.curves)
         for layer, count in part.measures.lettered if part.measures is not None else ():
@@ -275,22 +254,18 @@ def unmatched(
 ) -> Iterator[Diagnostic]:
     """An error for each requested key that matches no curve of the parts."""
     used = curves_by_key(parts, table)
+    contours = [contour for part in parts for contour in part.contours]
+    layers = sorted({c.layer for c in contours if c.layer is not None})
+    colours = sorted({colour_name(c.colour) for c in contours if c.colour is not None})
     for key, process in processes.items():
         if key not in used and key != OTHERS:
             source = parts[0].source if parts else Source("--map")
-            expected = ", ".join(_looks(parts)) or "none, no curve has a colour or a layer"
+            looks = ", ".join([*layers, *colours])
+            expected = looks or "none, no curve has a colour or a layer"
             yield UNMATCHED.at(source, found=f"{key}={process}", expected=expected)
 
 
 def idle(keys: Iterable[str], used: Iterable[str], source: Source) -> Iterator[Diagnostic]:
     """A note for each key that nothing of a whole run matched."""
-    known = set(used)
-    return (IDLE.at(source, found=key) for key in keys if key not in known and key != OTHERS)
-
-
-def _looks(parts: Iterable[Part]) -> list[str]:
-    """The layers and colours that contours of the parts have, sorted."""
-    contours = [f for part in parts for f in part.features if isinstance(f, Contour)]
-    layers = {c.layer for c in contours if c.layer is not None}
-    colours = {colour_name(c.colour) for c in contours if c.colour is not None}
-    return [*sorted(layers), *sorted(colours)]
+    known = {*used, OTHERS}
+    return (IDLE.at(source, found=key) for key in keys if key not in known)

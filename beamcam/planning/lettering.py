@@ -12,22 +12,11 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic
-from beamcam.geometry.lettering import Glyph, body_share, glyph_of, spelled, spelled_with
+from beamcam.geometry.lettering import body_share, glyph_of, spelled, spelled_with
 from beamcam.geometry.plane import Box, Point, box_around
 from beamcam.machine.stations import Marks
 from beamcam.model.part import MIRRORED_FACES, TextMark
-from beamcam.planning.left_out import (
-    ANGLE,
-    BLANK,
-    CHARACTERS,
-    HEIGHT,
-    NO_ROOM,
-    TEXT_HEIGHT,
-    TEXT_MOVED,
-    TEXT_SEARCH,
-    TEXT_SIGN,
-    TOO_SMALL,
-)
+from beamcam.planning import left_out
 from beamcam.planning.lettering_room import BESIDE, MOST_SQUARES, STEP, Exhausted, Placed, Room
 
 SHRINK = 0.8  #: from one height that is tried to the next
@@ -52,7 +41,11 @@ class Lettered(Struct, frozen=True):
     def strokes(self) -> Iterator[tuple[Point, ...]]:
         """Its strokes in the numbers of the face."""
         u, v = _axes(self.angle, self.mirrored)
-        for at, glyph in _glyphs(self.text, self.spacing):
+        at = 0.0  # where a glyph begins, in heights of a capital
+        for sign in self.text:
+            glyph = glyph_of(sign)
+            if glyph is None:
+                raise AssertionError(f"the font has no {sign!r}")
             for stroke in glyph.strokes:
                 yield tuple(
                     (
@@ -61,23 +54,13 @@ class Lettered(Struct, frozen=True):
                     )
                     for a, b in stroke
                 )
+            at += glyph.advance * self.spacing
 
 
 def _axes(angle_deg: float, mirrored: bool) -> tuple[Point, Point]:
     """Along a line of text and up, so that it reads right seen from outside."""
     c, s = cos(radians(angle_deg)), sin(radians(angle_deg))
     return (c, s), ((s, -c) if mirrored else (-s, c))
-
-
-def _glyphs(text: str, spacing: float) -> Iterator[tuple[float, Glyph]]:
-    """The glyphs of a text and where each begins, in heights of a capital."""
-    at = 0.0
-    for sign in text:
-        glyph = glyph_of(sign)
-        if glyph is None:
-            raise AssertionError(f"the font has no {sign!r}")
-        yield at, glyph
-        at += glyph.advance * spacing
 
 
 def place_text(feature: TextMark, marks: Marks, room: Room) -> Lettered | str | Diagnostic:
@@ -90,15 +73,15 @@ def place_text(feature: TextMark, marks: Marks, room: Room) -> Lettered | str | 
     height = feature.height * (body_share() if marks.height_of == "body" else 1.0)
     text = spelled(feature.text, marks.replace).text
     flat = Lettered(text, 0.0, 0.0, 1.0, 0.0, False, marks.spacing, NO_BOX)
-    extent = _extent(flat.strokes)
-    if extent is None:
-        return BLANK
+    points = [point for stroke in flat.strokes for point in stroke]
+    if not points:
+        return left_out.BLANK
     lettered = Lettered(
         text, feature.x, feature.y, height, feature.angle, feature.face in MIRRORED_FACES,
-        marks.spacing, extent,
+        marks.spacing, box_around(points),
     )  # fmt: skip
     if height < marks.min_height:
-        return TOO_SMALL
+        return left_out.TOO_SMALL
     return _put(lettered, feature, _smaller(lettered, marks, room), marks, room)
 
 
@@ -106,17 +89,17 @@ def _place_told(feature: TextMark, marks: Marks, room: Room) -> Lettered | str |
     """The text as a stamp or printer sets it: a row of characters, each as high as the row."""
     spelling = spelled_with(feature.text, marks.replace, marks.characters)
     if spelling is None:
-        return CHARACTERS
+        return left_out.CHARACTERS
     if not spelling.text.strip():
-        return BLANK
+        return left_out.BLANK
     angle = next((a for a in marks.angles if (a - feature.angle) % 360.0 in (0.0, 360.0)), None)
     if angle is None:
-        return ANGLE
+        return left_out.ANGLE
     if not marks.heights and feature.height < marks.min_height:
-        return TOO_SMALL
+        return left_out.TOO_SMALL
     heights = [own_height(feature.height, marks)]
     if feature.option == "z" and heights[0] != feature.height:
-        return HEIGHT
+        return left_out.HEIGHT
     if marks.heights:
         heights += sorted((h for h in marks.heights if h < heights[0]), reverse=True)
     lettered = Lettered(
@@ -128,22 +111,26 @@ def _place_told(feature: TextMark, marks: Marks, room: Room) -> Lettered | str |
 
 
 def own_height(height: float, marks: Marks) -> float:
-    """The height that a stamp has nearest to a wanted one, of two the smaller."""
+    """The height that a stamp has nearest to a lettered one, of two the smaller."""
     return min(marks.heights, key=lambda h: (abs(h - height), h), default=height)
 
 
 def _put(
     lettered: Lettered, feature: TextMark, heights: Iterable[float], marks: Marks, room: Room
 ) -> Lettered | str | Diagnostic:
-    """The text where it is clear; it is an obstacle from then on."""
-    try:
-        placed = _placed(lettered, feature.option == "z", heights, marks, room)
-    except Exhausted:
-        return TEXT_SEARCH.at(
-            feature.source, text=lettered.text, face=feature.face, most=MOST_SQUARES
-        )
+    """The text where it is clear, in the first of some heights; it is an obstacle from then on."""
+    distance = max(marks.min_distance, LEAST_DISTANCE)
+    placed: Lettered | None = lettered
+    if room.clearance(_box(lettered), distance) < distance:
+        each = (_nearest(replace(lettered, height=h), distance, room) for h in heights)
+        try:
+            placed = None if feature.option == "z" else next(filter(None, each), None)
+        except Exhausted:
+            return left_out.TEXT_SEARCH.at(
+                feature.source, text=lettered.text, face=feature.face, most=MOST_SQUARES
+            )
     if placed is None:
-        return NO_ROOM
+        return left_out.NO_ROOM
     room.take(_box(placed))
     return placed
 
@@ -156,35 +143,21 @@ def remarks(feature: TextMark, lettered: Lettered, marks: Marks) -> Iterator[Dia
     else:
         spelling, has = spelled(feature.text, marks.replace), "the font"
     for sign, other in spelling.replaced if spelling else ():
-        yield TEXT_SIGN.at(feature.source, sign=sign, text=feature.text, other=other, has=has)
+        yield left_out.TEXT_SIGN.at(
+            feature.source, sign=sign, text=feature.text, other=other, has=has
+        )
     share = body_share() if marks.height_of == "body" and not marks.is_told else 1.0
     height = feature.height * share
     if marks.is_told and height != (own := own_height(height, marks)):
         values = {"text": lettered.text, "found": f"{height:g}", "height": f"{own:g}"}
-        yield TEXT_HEIGHT.at(feature.source, **values)
+        yield left_out.TEXT_HEIGHT.at(feature.source, **values)
         height = own
     if (lettered.x, lettered.y, lettered.height) != (feature.x, feature.y, height):
-        yield TEXT_MOVED.at(
+        yield left_out.TEXT_MOVED.at(
             feature.source, text=lettered.text, x=f"{lettered.x:.1f}", y=f"{lettered.y:.1f}",
             height=f"{lettered.height:.1f}", distance=f"{marks.min_distance:g}",
             wanted_x=f"{feature.x:g}", wanted_y=f"{feature.y:g}", wanted_height=f"{height:g}",
         )  # fmt: skip
-
-
-def _placed(
-    lettered: Lettered, is_bound: bool, heights: Iterable[float], marks: Marks, room: Room
-) -> Lettered | None:
-    """The text where it is clear, in the first of some heights that it is; None if in none.
-
-    Raises Exhausted.
-    """
-    distance = max(marks.min_distance, LEAST_DISTANCE)
-    if room.clearance(_box(lettered), distance) >= distance:
-        return lettered
-    if is_bound:
-        return None
-    each = (_nearest(replace(lettered, height=h), distance, room) for h in heights)
-    return next((found for found in each if found is not None), None)
 
 
 def _smaller(lettered: Lettered, marks: Marks, room: Room) -> Iterator[float]:
@@ -204,27 +177,27 @@ def _rounded(value: float) -> float:
     return round(round(value / STEP) * STEP, 6)
 
 
-def _nearest(wanted: Lettered, distance: float, room: Room) -> Lettered | None:
+def _nearest(lettered: Lettered, distance: float, room: Room) -> Lettered | None:
     """The text moved to the nearest place where it is clear. Raises Exhausted."""
-    shape = wanted.extent, wanted.angle, wanted.mirrored
-    if wanted.height >= room.without_place.get(shape, inf):
+    shape = lettered.extent, lettered.angle, lettered.mirrored
+    if lettered.height >= room.without_place.get(shape, inf):
         return None
-    middle = _box(wanted).middle
-    away = wanted.x - middle[0], wanted.y - middle[1]
+    middle = _box(lettered).middle
+    away = lettered.x - middle[0], lettered.y - middle[1]
 
     def at(x: float, y: float) -> Lettered:
-        return replace(wanted, x=_rounded(x + away[0]), y=_rounded(y + away[1]))
+        return replace(lettered, x=_rounded(x + away[0]), y=_rounded(y + away[1]))
 
-    place = room.nearest(middle, distance, (*shape, wanted.height), lambda x, y: _box(at(x, y)))
+    place = room.nearest(middle, distance, (*shape, lettered.height), lambda x, y: _box(at(x, y)))
     if place is None:
-        room.without_place[shape] = wanted.height
+        room.without_place[shape] = lettered.height
         return None
-    lettered = at(*place)
+    moved = at(*place)
     # Along or across alone is as near, as far as the squares tell, and looks meant.
-    straight = (replace(lettered, y=wanted.y), replace(lettered, x=wanted.x))
+    straight = (replace(moved, y=lettered.y), replace(moved, x=lettered.x))
     gap = min(BESIDE, distance)
     clear = (one for one in straight if room.clearance(_box(one), distance, gap) >= distance)
-    return next(clear, lettered)
+    return next(clear, moved)
 
 
 def _box(one: Lettered) -> Placed:
@@ -234,9 +207,3 @@ def _box(one: Lettered) -> Placed:
     a, b = (low_x + high_x) / 2, (low_y + high_y) / 2
     middle = one.x + a * u[0] + b * v[0], one.y + a * u[1] + b * v[1]
     return Placed(middle, u, v, (high_x - low_x) / 2, (high_y - low_y) / 2)
-
-
-def _extent(strokes: Iterable[tuple[Point, ...]]) -> Box | None:
-    """The box around strokes; None round none."""
-    points = [point for stroke in strokes for point in stroke]
-    return box_around(points) if points else None

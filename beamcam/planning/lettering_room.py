@@ -1,12 +1,12 @@
 """Room for texts on a face: how clear a box is of edges, holes and other texts, or would be.
 
-The search goes by squares over the face, the nearest to the wanted place first: a square is given
+The search goes by squares over the face, the nearest to its own place first: a square is given
 up where the box at its middle lies deeper in obstacles than the corners of the square are away.
 """
 
 from collections.abc import Callable, Iterator, Sequence
 from heapq import heappop, heappush
-from itertools import pairwise
+from itertools import pairwise, product
 from math import acos, ceil, dist, hypot, inf, pi
 from typing import TYPE_CHECKING
 
@@ -30,9 +30,9 @@ WIDEST = 20_000.0  #: mm of a face or radius of a hole; of larger ones chords ar
 RUN = 16  #: chords that stand together in the index of edges
 BETWEEN = 0.1  #: mm from the box of one text to that of another, both where the part has them
 BESIDE = 1.0  #: mm from other texts to one that is moved, if so much is kept from edges
-CROWD = 256  #: texts beside which a square takes as much effort again
+TEXTS_OF_A_SQUARE = 256  #: texts beside which a square takes as much effort again
 SEEN = 1 / 32  #: of the effort for a square is that for one which was looked at before
-CIRCLES = 4  #: in a box on each side of its middle, by which it is told how deep it lies
+CIRCLES = 4  #: in a box on each side of its middle, that show how deep it lies
 
 
 class Exhausted(Exception):
@@ -127,54 +127,43 @@ class Room:
         the places around.
         """
         clear = self._edges.clearance(box) if self._chains or self._outline else inf
-        if self._texts is not None:
-            clear = min(clear, self._beside_texts(box) - gap + distance)
-        return clear
-
-    @property
-    def _edges(self) -> "_Edges":
-        if self._index is None:
-            self._index = _Edges([*self._chains, *self._around_steel()])
-        return self._index
-
-    def _around_steel(self) -> "Iterator[Floats]":
-        """The edges of the outline without what is taken from it; holes may lie over one another.
-
-        Where nothing is left they are the outline twice, with no steel between.
-        """
-        import numpy as np
-        import shapely
-
-        if not self._outline:
-            return
-        # The outline of a part whose end cuts cross passes itself.
-        whole = shapely.make_valid(shapely.Polygon(self._outline))
-        steel = whole.difference(shapely.union_all(self._voids))
-        parts = [p for p in shapely.get_parts(shapely.get_parts(steel)) if p.area > 0.0]
-        for part in parts:
-            yield from map(shapely.get_coordinates, (part.exterior, *part.interiors))
-        if not parts:
-            yield from [np.array([*self._outline, self._outline[0]])] * 2
-
-    def _beside_texts(self, box: Placed) -> float:
-        """The least gap to another text; where they overlap, how deep (below 0).
-
-        The greatest gap between the shadows of two boxes on the directions of their sides
-        (separating axes).
-        """
+        if self._texts is None:
+            return clear
         import numpy as np
 
-        assert self._texts is not None
+        # The least gap to another text; where they overlap, how deep (below 0): the greatest gap
+        # between the shadows of two boxes on the directions of their sides (separating axes).
         x, y, ux, uy, vx, vy, half_u, half_v = self._texts
         dx, dy = x - box.middle[0], y - box.middle[1]
-        gap = np.full_like(x, -inf)
+        apart = np.full_like(x, -inf)
         own = ((np.full_like(x, nx), np.full_like(x, ny)) for nx, ny in (box.u, box.v))
         for nx, ny in (*own, (ux, uy), (vx, vy)):
             theirs = half_u * abs(ux * nx + uy * ny) + half_v * abs(vx * nx + vy * ny)
             ours = box.half_u * abs(box.u[0] * nx + box.u[1] * ny)
             ours = ours + box.half_v * abs(box.v[0] * nx + box.v[1] * ny)
-            gap = np.maximum(gap, abs(dx * nx + dy * ny) - theirs - ours)
-        return float(gap.min())
+            apart = np.maximum(apart, abs(dx * nx + dy * ny) - theirs - ours)
+        return min(clear, float(apart.min()) - gap + distance)
+
+    @property
+    def _edges(self) -> "_Edges":
+        if self._index is not None:
+            return self._index
+        import numpy as np
+        import shapely
+
+        chains = [*self._chains]
+        if self._outline:
+            # The outline without what is taken from it; holes may lie over one another. That of a
+            # part whose end cuts cross passes itself.
+            whole = shapely.make_valid(shapely.Polygon(self._outline))
+            steel = whole.difference(shapely.union_all(self._voids))
+            parts = [p for p in shapely.get_parts(shapely.get_parts(steel)) if p.area > 0.0]
+            for part in parts:
+                chains += map(shapely.get_coordinates, (part.exterior, *part.interiors))
+            if not parts:  # the outline twice, with no steel between
+                chains += [np.array([*self._outline, self._outline[0]])] * 2
+        self._index = _Edges(chains)
+        return self._index
 
     def nearest(
         self, start: Point, distance: float, shape: object, box_at: Callable[[float, float], Placed]
@@ -186,49 +175,34 @@ class Room:
         be looked at.
         """
         low_x, low_y, high_x, high_y = self.box
-        wide, high = _extent(box_at(*start))
-        if wide > high_x - low_x or high > high_y - low_y:
+        xs, ys = zip(*box_at(*start).corners, strict=True)
+        if max(xs) - min(xs) > high_x - low_x or max(ys) - min(ys) > high_y - low_y:
             return None
         seen = self._seen.setdefault(shape, {})
         half = max(high_x - low_x, high_y - low_y) / 2
+        #: How far each is from `start`, its middle, half its side.
         squares = [(0.0, (low_x + high_x) / 2, (low_y + high_y) / 2, half)]
         best, place = inf, None
         while squares and squares[0][0] < best:
             _, x, y, half = heappop(squares)
             clear = seen.get((x, y), inf)
             if clear >= distance:
-                clear = seen[x, y] = self._look(box_at(x, y), distance)
+                if self.squares <= 0.0:
+                    raise Exhausted
+                texts = 0 if self._texts is None else self._texts.shape[1]
+                self.squares -= 1.0 + texts / TEXTS_OF_A_SQUARE
+                gap = min(BESIDE, distance)
+                clear = seen[x, y] = self.clearance(box_at(x, y), distance, gap)
             self.squares -= SEEN
             if clear >= distance and (way := dist((x, y), start)) < best:
                 best, place = way, (x, y)
             if half <= FINEST or clear + half * hypot(1.0, 1.0) + STEP < distance:
                 continue
-            for square in _quarters(x, y, half / 2, start):
-                heappush(squares, square)
+            half /= 2
+            for mx, my in product((x - half, x + half), (y - half, y + half)):
+                a, b = max(abs(mx - start[0]) - half, 0.0), max(abs(my - start[1]) - half, 0.0)
+                heappush(squares, (hypot(a, b), mx, my, half))
         return place
-
-    def _look(self, box: Placed, distance: float) -> float:
-        if self.squares <= 0.0:
-            raise Exhausted
-        texts = 0 if self._texts is None else self._texts.shape[1]
-        self.squares -= 1.0 + texts / CROWD
-        return self.clearance(box, distance, min(BESIDE, distance))
-
-
-def _quarters(
-    x: float, y: float, half: float, start: Point
-) -> Iterator[tuple[float, float, float, float]]:
-    """The four squares of a square: how far each is from `start`, its middle, half its side."""
-    for dx in (-half, half):
-        for dy in (-half, half):
-            a, b = max(abs(x + dx - start[0]) - half, 0.0), max(abs(y + dy - start[1]) - half, 0.0)
-            yield hypot(a, b), x + dx, y + dy, half
-
-
-def _extent(box: Placed) -> tuple[float, float]:
-    """The extent of a box in x and y."""
-    xs, ys = zip(*box.corners, strict=True)
-    return max(xs) - min(xs), max(ys) - min(ys)
 
 
 class _Edges:

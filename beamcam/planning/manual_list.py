@@ -6,11 +6,10 @@ and what --allow-skips let be missing; of that `why` is the code by which the ma
 
 import csv
 import io
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from pathlib import PurePath
 from typing import TypedDict
 
-from beamcam.errors import Source
 from beamcam.geometry.curves import circle_of, slot_of
 from beamcam.model.part import Bend, Camber, Contour, Feature, Hole, Part, Slot, TextMark
 from beamcam.model.plan import AnyPlan, Plan
@@ -61,26 +60,23 @@ def manual_rows(plan: AnyPlan) -> list[ManualRow]:
         piece, index = outcome.feature
         part = plan.pieces[piece].part
         known = rows.get((id(part), index))
-        if known is None:
-            rows[id(part), index] = list(_manual_rows(part, part.features[index], why, least))
         for row in known or ():
             row["pieces"] += 1
+        if known is not None:
+            continue
+        feature = part.features[index]
+        own = rows[id(part), index] = [_manual_row(part, feature, why)]
+        is_cut = isinstance(feature, Contour) and feature.process == "cut"
+        if isinstance(feature, Contour) and is_cut and feature.bevels and not _is_code(why):
+            own.clear()  # one for each of its bevelled edges instead
+            for bevel in feature.bevels:
+                if abs(bevel.angle) >= least:
+                    row, curve = _manual_row(part, feature, why), feature.curves[bevel.curve]
+                    row["kind"], row["angle"], row["land"] = "bevel", bevel.angle, bevel.land
+                    (row["x"], row["y"]), row["length"] = curve.start, curve.length
+                    row["path"] = _path((curve.start, curve.end))
+                    own.append(row)
     return [row for some in rows.values() for row in some]
-
-
-def _manual_rows(part: Part, feature: Feature, why: str, min_bevel: float) -> Iterator[ManualRow]:
-    """A row for a feature; of a contour one for each of its bevelled edges."""
-    is_cut = isinstance(feature, Contour) and feature.process == "cut"
-    if not isinstance(feature, Contour) or not (is_cut and feature.bevels) or _is_code(why):
-        yield _manual_row(part, feature, why)
-        return
-    for bevel in feature.bevels:
-        if abs(bevel.angle) >= min_bevel:
-            row, curve = _manual_row(part, feature, why), feature.curves[bevel.curve]
-            row["kind"], row["angle"], row["land"] = "bevel", bevel.angle, bevel.land
-            (row["x"], row["y"]), row["length"] = curve.start, curve.length
-            row["path"] = _path((curve.start, curve.end))
-            yield row
 
 
 def _is_code(why: str) -> bool:
@@ -89,27 +85,28 @@ def _is_code(why: str) -> bool:
 
 
 def _manual_row(part: Part, feature: Feature, why: str) -> ManualRow:
-    """Kind and position of a mark."""
+    source = feature.source
+    words = PurePath(source.file).name, source.line, source.where  # whatever folder it lies in
+    place = ":".join(str(word) for word in words if word is not None)
     row: ManualRow = {
         "mark": part.mark, "profile": part.profile.name, "pieces": 1, "kind": "", "text": "",
-        "face": getattr(feature, "face", ""), "x": 0.0, "y": 0.0, "angle": 0.0, "height": 0.0,
-        "path": "", "why": why, "source": _source_name(feature.source),
+        "face": getattr(feature, "face", ""), "x": getattr(feature, "x", 0.0),
+        "y": getattr(feature, "y", 0.0), "angle": 0.0, "height": 0.0,
+        "path": "", "why": why, "source": place,
         "size": "", "land": 0.0, "length": 0.0,
     }  # fmt: skip
     is_cut = isinstance(feature, Contour) and feature.process == "cut"
     match feature:
         case TextMark():
-            row["kind"], row["text"], row["height"] = "text", feature.text, feature.height
-            row["x"], row["y"], row["angle"] = feature.x, feature.y, feature.angle
+            row["kind"], row["text"] = "text", feature.text
+            row["height"], row["angle"] = feature.height, feature.angle
         case Hole(kind="mark"):
-            row["kind"], row["x"], row["y"] = "point", feature.x, feature.y
+            row["kind"] = "point"
         case Hole():
-            row["x"], row["y"] = feature.x, feature.y
             row["kind"] = "hole" if feature.kind == "through" else feature.kind
             row["size"] = f"{feature.diameter:g}"
         case Slot():
-            row["kind"], row["x"], row["y"] = "slot", feature.x, feature.y
-            row["angle"] = feature.angle
+            row["kind"], row["angle"] = "slot", feature.angle
             size = feature.length + feature.diameter, feature.height + feature.diameter
             row["size"] = f"{size[0]:g} x {size[1]:g}"
         case Contour() if is_cut and (circle := circle_of(feature.curves)) is not None:
@@ -128,18 +125,12 @@ def _manual_row(part: Part, feature: Feature, why: str) -> ManualRow:
             row["kind"], row["angle"] = "bend", feature.angle
             (row["x"], row["y"]), row["path"] = feature.start, _path((feature.start, feature.end))
         case Camber():
-            row["kind"], row["x"], row["y"] = "camber", feature.x, feature.y
+            row["kind"] = "camber"
     return row
 
 
 def _path(corners: Iterable[tuple[float, float]]) -> str:
     return "; ".join(f"{_rounded(x)} {_rounded(y)}" for x, y in corners)
-
-
-def _source_name(source: Source) -> str:
-    """The place in the input, whatever folder that lies in."""
-    words = (PurePath(source.file).name, source.line, source.where)
-    return ":".join(str(word) for word in words if word is not None)
 
 
 def _rounded(value: float) -> str:

@@ -27,19 +27,18 @@ greedy path, part by part.
 """
 
 from collections.abc import Iterator, Sequence
-from itertools import pairwise
+from itertools import pairwise, permutations
 from typing import Literal
 
 from msgspec import Struct
 
 from beamcam.errors import Diagnostic, PlanError, Rule, Source
-from beamcam.machine.machine import Layout
+from beamcam.machine.machine import Layout, Machine, saw_of
 from beamcam.machine.stations import Saw
 from beamcam.model.part import Part, Profile
 from beamcam.model.plan import Bar, Order, Piece, SawOp
 from beamcam.planning import rules
 from beamcam.planning.operations.finished_part import Ends, SawnEnd
-from beamcam.planning.operations.part_planner import BarLine
 from beamcam.planning.operations.work import PartWork, saw_angles
 
 EXACT_ORDER = 9  #: parts whose best order is searched for among all
@@ -75,7 +74,9 @@ class LaidParts(Struct, frozen=True):
     remarks: tuple[Diagnostic, ...]
 
 
-def lay(works: Sequence[PartWork], line: BarLine, order: Order, length: float | None) -> LaidParts:
+def lay(
+    works: Sequence[PartWork], machine: Machine, order: Order, length: float | None
+) -> LaidParts:
     """The parts laid on a bar of `length`, as they are given or as they nest best.
 
     Raises PlanError as `lay_on_bar` and, for a line without a saw, `lay_cut_part` do.
@@ -83,14 +84,17 @@ def lay(works: Sequence[PartWork], line: BarLine, order: Order, length: float | 
     given = list(range(len(works)))
     remarks: tuple[Diagnostic, ...] = ()
     if order == "best" and len(works) > 1:
-        given, remarks = best_order([w.part for w in works], [w.ends for w in works], line.saw)
+        given, remarks = best_order(
+            [w.part for w in works], [w.ends for w in works], saw_of(machine)
+        )
         works = [works[i] for i in given]
     parts = [work.part for work in works]
-    if line.machine.saw is None:
-        laid, diagnostics = lay_cut_part(parts, line)
+    if machine.saw is None:
+        laid, diagnostics = lay_cut_part(parts, machine)
     else:
         ends = [work.ends for work in works]
-        laid, diagnostics = lay_on_bar(parts, ends, line.layout, line.saw, length)
+        layout = machine.needed(machine.layout, "layout")
+        laid, diagnostics = lay_on_bar(parts, ends, layout, machine.saw, length)
     pieces = tuple(map(Piece, parts, laid.starts, given))
     return LaidParts(pieces, tuple(works), laid.shared, laid.bar, remarks + diagnostics)
 
@@ -124,28 +128,26 @@ def lay_on_bar(
     return BarLayout(tuple(starts), tuple(shared), bar), remarks
 
 
-def lay_cut_part(parts: Sequence[Part], line: BarLine) -> tuple[BarLayout, tuple[Diagnostic, ...]]:
+def lay_cut_part(
+    parts: Sequence[Part], machine: Machine
+) -> tuple[BarLayout, tuple[Diagnostic, ...]]:
     """The only part, which comes in cut and is a bar by itself; and a remark.
 
     Raises PlanError for several parts, and for one that the machine cannot hold.
     """
-    layout, machine = line.layout, line.machine
+    layout = machine.needed(machine.layout, "layout")
     first = parts[0]
     if len(parts) > 1:
         raise PlanError(rules.NO_SAW.at(first.source, found=len(parts), machine=machine.name))
-    length = first.length
+    length, shown = first.length, f"{first.length:.3f}"
     if length < layout.min_bar:
-        diagnostic = rules.BAR_SHORT.at(
-            first.source, found=f"{length:.3f}", expected=f"{layout.min_bar:g}"
-        )
-        raise PlanError(diagnostic)
+        expected = f"{layout.min_bar:g}"
+        raise PlanError(rules.BAR_SHORT.at(first.source, found=shown, expected=expected))
     if layout.max_bar is not None and length > layout.max_bar:
-        diagnostic = rules.BAR_LONG.at(
-            first.source, found=f"{length:.3f}", expected=f"{layout.max_bar:g}"
-        )
-        raise PlanError(diagnostic)
+        expected = f"{layout.max_bar:g}"
+        raise PlanError(rules.BAR_LONG.at(first.source, found=shown, expected=expected))
     account = Bar(length, 0.0, length, 0.0, 0.0)
-    remark = rules.COMES_CUT.at(first.source, found=f"{length:.3f}", machine=machine.name)
+    remark = rules.COMES_CUT.at(first.source, found=shown, machine=machine.name)
     return BarLayout((0.0,), (), account), (remark,)
 
 
@@ -181,34 +183,27 @@ def bar_of(row: BarRow, layout: Layout, length: float | None, source: Source) ->
     """The account of a bar that holds a row. Raises PlanError as `lay_on_bar` does."""
     kerfs = row.kerfs + row.end.kerf
     used = layout.front_trim + row.parts + kerfs - row.nested + layout.end_trim
-    whole = _bar_length(used + layout.dead_zone, row.start, layout, length, source)
-    remnant = max(0.0, whole - used)
-    return Bar(whole, layout.front_trim, row.parts, kerfs, remnant, row.nested, layout.end_trim)
+    needed, held = used + layout.dead_zone, row.start + layout.min_bar_left
 
-
-def _bar_length(
-    needed: float, last_start: float, layout: Layout, length: float | None, source: Source
-) -> float:
-    """The length of the bar. Raises PlanError if it does not do for the parts or the machine."""
-
-    def refused(rule: Rule, found: float, expected: str) -> PlanError:
-        return PlanError(rule.at(source, found=f"{found:.3f}", expected=expected))
+    def refused(rule: Rule, found: float, expected: float) -> PlanError:
+        shown = f"{expected:.3f}" if rule is rules.BAR_FULL else f"{expected:g}"
+        return PlanError(rule.at(source, found=f"{found:.3f}", expected=shown))
 
     if length is not None and needed > length + 1e-6:
-        raise refused(rules.BAR_FULL, needed, f"{length:.3f}")
+        raise refused(rules.BAR_FULL, needed, length)
     whole = needed if length is None else length
     if length is None and needed < layout.min_bar:
         whole = max(needed, layout.default_bar)
     if whole < layout.min_bar:
-        raise refused(rules.BAR_SHORT, whole, f"{layout.min_bar:g}")
-    held = last_start + layout.min_bar_left
+        raise refused(rules.BAR_SHORT, whole, layout.min_bar)
     if length is None:
         whole = max(whole, held)
     elif held > length + 1e-6:
-        raise refused(rules.BAR_LEFT, length - last_start, f"{layout.min_bar_left:g}")
+        raise refused(rules.BAR_LEFT, length - row.start, layout.min_bar_left)
     if layout.max_bar is not None and whole > layout.max_bar:
-        raise refused(rules.BAR_LONG, whole, f"{layout.max_bar:g}")
-    return whole
+        raise refused(rules.BAR_LONG, whole, layout.max_bar)
+    remnant = max(0.0, whole - used)
+    return Bar(whole, layout.front_trim, row.parts, kerfs, remnant, row.nested, layout.end_trim)
 
 
 NOTHING_LEFT = 1e-6  #: mm
@@ -260,12 +255,9 @@ def cuts_of(
 
 
 def _skew(
-    piece: Piece,
-    pieces: tuple[int, ...],
-    end: SawnEnd,
-    saw: Saw,
+    piece: Piece, pieces: tuple[int, ...], end: SawnEnd, saw: Saw,
     purpose: Literal["mitre", "common"],
-) -> SawOp:
+) -> SawOp:  # fmt: skip
     """The cut of a skew end, half a kerf on the waste side of it."""
     profile = piece.part.profile
     edge = end.x(*pivot_edge(saw, profile))
@@ -290,29 +282,20 @@ def best_order(
     up to `EXACT_ORDER` parts.
     """
     count = len(parts)
-    saves = [
-        [_saved(parts[i], ends[i][1], ends[j][0], saw) if i != j else 0.0 for j in range(count)]
-        for i in range(count)
-    ]
+    saves = [[0.0] * count for _ in parts]
+    for i, j in permutations(range(count), 2):
+        end, start = ends[i][1], ends[j][0]
+        if share_cut(end, start, saw):
+            # As in lay_on_bar: by x0 - length of the end, less x0 of the start, they overlap.
+            saves[i][j] = parts[i].length - end.x0 + start.x0
     order = _exact(saves) if count <= EXACT_ORDER else _greedy(saves)
-    gain = _total(order, saves) - _total(list(range(count)), saves)
+    gain, as_given = (sum(saves[a][b] for a, b in pairwise(some)) for some in (order, range(count)))
+    gain -= as_given
     if gain <= 1e-9:
         return list(range(count)), ()
     shown = " ".join(parts[i].mark for i in order)
     reason = f"{gain:.1f} mm less bar than as given"
     return order, (rules.ORDER.at(parts[0].source, found=shown, reason=reason),)
-
-
-def _saved(part: Part, end: SawnEnd, start: SawnEnd, saw: Saw) -> float:
-    """Length of bar that two ends side by side need less by a common cut; 0 if they share none."""
-    if not share_cut(end, start, saw):
-        return 0.0
-    # As in lay_on_bar: by x0 - length of the end, less x0 of the start, they overlap.
-    return part.length - end.x0 + start.x0
-
-
-def _total(order: Sequence[int], saves: Sequence[Sequence[float]]) -> float:
-    return sum(saves[a][b] for a, b in pairwise(order))
 
 
 def _exact(saves: Sequence[Sequence[float]]) -> list[int]:
@@ -330,9 +313,9 @@ def _exact(saves: Sequence[Sequence[float]]) -> list[int]:
                 if mask >> after & 1:
                     continue
                 key = mask | 1 << after, after
-                found = (cost - saves[last][after], (*path, after))
-                if key not in best or found < best[key]:
-                    best[key] = found
+                saved = (cost - saves[last][after], (*path, after))
+                if key not in best or saved < best[key]:
+                    best[key] = saved
     full = (1 << count) - 1
     return list(min(best[full, last] for last in range(count))[1])
 

@@ -54,11 +54,10 @@ from msgspec.structs import replace
 from beamcam.caches import BoundedCache, PerObject
 from beamcam.errors import Diagnostic, Source
 from beamcam.machine.machine import Machine, Times
-from beamcam.machine.stations import Drill, Spindle, Tool, cutting_row, is_unnamed, turns_of
+from beamcam.machine.stations import Drill, Tool, cutting_row, is_unnamed, turns_of
 from beamcam.model.part import Face, Hole
 from beamcam.model.plan import (
     DrillOp,
-    FeatureRef,
     Operation,
     PathOp,
     Piece,
@@ -76,7 +75,6 @@ SAME_PLACE = 0.5  #: mm across; holes are not nearer to each other than this
 _Tool = tuple[float, float, float, str]  #: diameter, point, pitch and hand
 Setup = tuple[int, int, _Tool]  #: stage, spindle and tool
 Station = dict[Setup, list[WorkOp]]  #: the operations at one X by their setup, the setups sorted
-_Placed = tuple[int, Setup, float, float, tuple[FeatureRef, ...], WorkOp]  #: X in steps first
 Held = frozenset[tuple[Face, tuple[int, _Tool]]]  #: stage and tool that each face's spindle holds
 MOST_STATES = 48  #: that are followed from one X to the next; the cheapest
 MOST_SETUPS = 8  #: setups at one X up to which all orders are tried; more are taken as sorted
@@ -94,42 +92,35 @@ def sort_along_x(
     TypeError if the machine has no layout.
     """
     layout, resolution = machine.needed(machine.layout, "layout"), machine.format.resolution
-    sawn_at = _sawn_at(cuts, resolution, layout.order == "drill-saw")
-    placed: list[_Placed] = [
+    sawn_at: dict[int, list[SawOp]] = {}
+    before: tuple[int, SawOp] | None = None
+    for cut in cuts:
+        place = round(cut.x / resolution)
+        # Where a tube's corner is round the X of a compound mitre counts on an edge beyond the
+        # steel, and may exceed that of the cut that parts the piece off by a millimetre. A line
+        # with a gripper saws the end first all the same, and goes back.
+        if layout.order == "drill-saw" and before is not None and before[1].at == "end":
+            place = max(place, before[0])
+        sawn_at.setdefault(place, []).append(cut)
+        before = place, cut
+    placed = [
         (round(op.x / resolution), setup_of(op), op.x, op.y, op.features, op) for op in strokes
     ]
     stations: dict[int, Station] = {}
-    for place, setup, _, _, _, stroke in sorted(placed, key=_order):
+    for place, setup, _, _, _, stroke in sorted(placed, key=itemgetter(0, 1, 2, 3, 4)):
         stations.setdefault(place, {}).setdefault(setup, []).append(stroke)
     setups = iter(_cheapest(stations.values(), machine.times))
     result: list[Operation] = []
     for place in sorted(sawn_at.keys() | stations.keys()):
-        sawn = sorted(sawn_at.get(place, ()), key=_cut_rank)
+        # What ends a part, what parts it off, what starts the next.
+        sawn = sorted(
+            sawn_at.get(place, ()),
+            key=lambda op: (CUT_RANK[op.purpose, op.at], op.pieces[0], op.x, op.angle),
+        )
         station = stations.get(place, {})
         worked = [op for _ in station for op in station[next(setups)]]
         result += (*sawn, *worked) if layout.order == "saw-drill" else (*worked, *sawn)
     return tuple(result)
-
-
-def _sawn_at(cuts: Iterable[SawOp], resolution: float, goes_back: bool) -> dict[int, list[SawOp]]:
-    """The cuts by the X in steps at which they come; given part by part.
-
-    Where a tube's corner is round the X of a compound mitre counts on an edge beyond the steel, and
-    may exceed that of the cut that parts the piece off by a millimetre. A line with a gripper saws
-    the end first all the same, and goes back.
-    """
-    sawn: dict[int, list[SawOp]] = {}
-    before: tuple[int, SawOp] | None = None
-    for cut in cuts:
-        place = round(cut.x / resolution)
-        if goes_back and before is not None and before[1].at == "end":
-            place = max(place, before[0])
-        sawn.setdefault(place, []).append(cut)
-        before = place, cut
-    return sawn
-
-
-_order = itemgetter(0, 1, 2, 3, 4)
 
 
 def changes(operations: Iterable[Operation]) -> int:
@@ -169,11 +160,6 @@ def waits_for(op: WorkOp, other: WorkOp) -> bool:
     )
 
 
-def _cut_rank(op: SawOp) -> tuple[int, int, float, float]:
-    """Cuts at one X: what ends a part, what parts it off, what starts the next."""
-    return CUT_RANK[op.purpose, op.at], op.pieces[0], op.x, op.angle
-
-
 class _Path(Struct, frozen=True):
     """A sequence of setups so far."""
 
@@ -197,44 +183,35 @@ def _cheapest(stations: Collection[Station], times: Times) -> list[Setup]:
         setups = [(1 << i, setup, holding_of[setup]) for i, setup in enumerate(station)]
         waiting = _prerequisites(station)
         for before in range(len(setups)):
-            found: dict[tuple[int, int, Held], _Path] = {}
+            cheapest: dict[tuple[int, int, Held], _Path] = {}
             for path in paths:
                 done = path.done if before else 0
                 for (bit, setup, holding), needed in zip(setups, waiting, strict=True):
                     if done & bit or needed & ~done:
                         continue
-                    after = _step(path, done | bit, setup, holding, times)
+                    (seconds, changes), spindle, held = path.cost, setup[1], path.held
+                    changes += path.last is not None and setup != path.last
+                    if spindle != path.spindle:
+                        seconds += times.spindle_change_s
+                    if not holding <= held:
+                        seconds += times.tool_change_s
+                        faces = {face for face, _ in holding}
+                        held = holding.union([pair for pair in held if pair[0] not in faces])
+                    cost = seconds, changes
+                    after = _Path(cost, done | bit, spindle, held, setup, path)
                     key = after.done, after.spindle, after.held
-                    known = found.get(key)
+                    known = cheapest.get(key)
                     if known is None or after.cost < known.cost:
-                        found[key] = after
-            paths = list(found.values())
+                        cheapest[key] = after
+            paths = list(cheapest.values())
         if len(paths) > 1:
-            paths = sorted(paths, key=_cost)[:MOST_STATES]
+            paths = sorted(paths, key=attrgetter("cost"))[:MOST_STATES]
     order: list[Setup] = []
-    at: _Path | None = min(paths, key=_cost)
+    at: _Path | None = min(paths, key=attrgetter("cost"))
     while at is not None and at.last is not None:
         order.append(at.last)
         at = at.before
     return order[::-1]
-
-
-_cost = attrgetter("cost")
-
-
-def _step(path: _Path, done: int, setup: Setup, holding: Held, times: Times) -> _Path:
-    """The path with one more setup; `done` are those at its X then."""
-    seconds, changes = path.cost
-    spindle, held = setup[1], path.held
-    if setup != path.last and path.last is not None:
-        changes += 1
-    if spindle != path.spindle:
-        seconds += times.spindle_change_s
-    if not holding <= held:
-        seconds += times.tool_change_s
-        faces = {face for face, _ in holding}
-        held = holding.union([pair for pair in held if pair[0] not in faces])
-    return _Path((seconds, changes), done, spindle, held, setup, path)
 
 
 def _prerequisites(station: Station) -> list[int]:
@@ -257,29 +234,27 @@ def _prerequisites(station: Station) -> list[int]:
 
 def tool_loads(operations: Sequence[Operation], machine: Machine) -> tuple[ToolLoad, ...]:
     """Every load, those before the work first and the others in the order of work."""
-    loads = [load for s in machine.spindles for load in _loads_of(operations, s)]
+    loads: list[ToolLoad] = []
+    for spindle in machine.spindles:
+        needs = [
+            (index, op.tool)
+            for index, op in enumerate(operations)
+            if isinstance(op, (DrillOp, PathOp)) and spindle.face in op.faces
+        ]
+        held: list[Tool] = []
+        for at, (index, tool) in enumerate(needs):
+            if tool in held:
+                continue
+            before, station, out = 0, len(held), None
+            if len(held) < spindle.stations:
+                held.append(tool)
+            else:
+                later = [t for _, t in needs[at:]]
+                again = [later.index(t) if t in later else len(later) for t in held]
+                before, station = index, again.index(max(again))
+                out, held[station] = held[station], tool
+            loads.append(ToolLoad(before, spindle.name, station + 1, tool, out, spindle.number))
     return tuple(sorted(loads, key=lambda load: (load.out is not None, load.before)))
-
-
-def _loads_of(operations: Sequence[Operation], spindle: Spindle) -> Iterator[ToolLoad]:
-    needs = [
-        (index, op.tool)
-        for index, op in enumerate(operations)
-        if isinstance(op, (DrillOp, PathOp)) and spindle.face in op.faces
-    ]
-    stations: list[Tool] = []
-    for at, (index, tool) in enumerate(needs):
-        if tool in stations:
-            continue
-        if len(stations) < spindle.stations:
-            stations.append(tool)
-            yield ToolLoad(0, spindle.name, len(stations), tool, None, spindle.number)
-            continue
-        later = [t for _, t in needs[at:]]
-        again = [later.index(t) if t in later else len(later) for t in stations]
-        station = again.index(max(again))
-        yield ToolLoad(index, spindle.name, station + 1, tool, stations[station], spindle.number)
-        stations[station] = tool
 
 
 def reloads(
@@ -295,28 +270,23 @@ def reloads(
         return (), ()
     loads = tuple(load for load in tool_loads(operations, machine) if load.out is not None)
     remarks = []
+    rule = rules.MANUAL_CHANGE if machine.words.change else rules.NO_CHANGE_WORD
     for spindle in machine.spindles:
         changed = sum(load.spindle == spindle.name for load in loads)
         if changed:
             worked = [op for op in operations if isinstance(op, (DrillOp, PathOp))]
-            count = len({op.tool for op in worked if spindle.face in op.faces})
-            rule = rules.MANUAL_CHANGE if machine.words.change else rules.NO_CHANGE_WORD
-            remarks.append(
-                rule.at(
-                    source, found=count, stations=spindle.stations, spindle=spindle.name,
-                    changes=changed, machine=machine.name,
-                )
-            )  # fmt: skip
+            remarks.append(rule.at(
+                source, found=len({op.tool for op in worked if spindle.face in op.faces}),
+                stations=spindle.stations, spindle=spindle.name, changes=changed,
+                machine=machine.name,
+            ))  # fmt: skip
     return loads, tuple(remarks)
 
 
 TURNING = ("drill", "countersink", "mill")  #: tools whose edge wears by its speed
 TOO_FAST = 1.2  #: times the speed of the data at which a tool is warned of
 
-Remarks = tuple[Diagnostic, ...]
-
-
-_known_of: PerObject[Machine, BoundedCache[object, Remarks]] = PerObject(
+_known_of: PerObject[Machine, BoundedCache[object, tuple[Diagnostic, ...]]] = PerObject(
     "planning.machines", lambda _: BoundedCache("planning.remarks")
 )
 
@@ -339,18 +309,12 @@ def cutting_remarks(
         key = grade, *tools.values()
         diagnostics = known.get(key)
         if diagnostics is None:
-            diagnostics = known.keep(
-                key, tuple(_remarks(grade, tools.values(), machine, machine.drill))
-            )
+            own = tuple(_remarks(grade, tools.values(), machine, machine.drill))
+            diagnostics = known.keep(key, own)
         for diagnostic in diagnostics:
             yield replace(diagnostic, source=sources[grade])
-    yield from _size_remarks(pieces, operations, machine.drill)
-
-
-def _size_remarks(
-    pieces: Sequence[Piece], operations: Sequence[WorkOp], drill: Drill
-) -> Iterator[Diagnostic]:
-    """A note for each diameter that is drilled over or under, at the first such hole."""
+    # A note for each diameter that is drilled over or under, at the first such hole.
+    drill = machine.drill
     seen: set[tuple[float, int]] = set()
     for op in operations:
         if op.tool.kind != "drill":
@@ -359,10 +323,10 @@ def _size_remarks(
             hole = pieces[p].part.features[f]
             if not isinstance(hole, Hole) or hole.kind not in ("through", "blind"):
                 continue
-            key, off = (hole.diameter, id(op.tool)), op.tool.diameter - hole.diameter
-            if key in seen or abs(off) <= drill.same_tool_tolerance + 1e-9:
+            size, off = (hole.diameter, id(op.tool)), op.tool.diameter - hole.diameter
+            if size in seen or abs(off) <= drill.same_tool_tolerance + 1e-9:
                 continue
-            seen.add(key)
+            seen.add(size)
             yield rules.DRILL_SIZE.at(
                 hole.source, found=f"{hole.diameter:g}", size=f"{op.tool.diameter:g}",
                 off=f"{abs(off):.3g}", way="over" if off > 0 else "under",

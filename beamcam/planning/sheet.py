@@ -1,13 +1,13 @@
 """The plan of a sheet on a cutting table.
 
 part -> what each curve is for -> joined, what lies twice taken away -> nothing crosses -> nested
-     -> half a kerf off -> in order -> begun, led into, bridged -> a ledger of every feature
+     -> half a kerf off -> in order -> begun, with lead-ins and bridges -> a ledger of every feature
 
 Until the work is put in order all coordinates are those of the drawing, so that messages are too.
 """
 
 from collections import Counter
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from math import prod
 from typing import cast
 
@@ -21,7 +21,7 @@ from beamcam.geometry.polylines import refit_runs
 from beamcam.machine.machine import Machine
 from beamcam.machine.tables import TABLE_CONTROLLERS
 from beamcam.machine.torch import Torch, TorchProcess
-from beamcam.model.part import Hole, Part, Slot
+from beamcam.model.part import Hole, Measures, Part, Slot
 from beamcam.model.plan import ContourOp, Outcome, Piece, SheetPlan
 from beamcam.model.rounds import is_unrolled
 from beamcam.planning import rules as bar_rules
@@ -29,7 +29,6 @@ from beamcam.planning.contours import rules
 from beamcam.planning.contours.assign_process import (
     OUTLINE,
     Assigned,
-    AssignedCurve,
     assign_processes,
     min_hole,
     spot,
@@ -38,7 +37,6 @@ from beamcam.planning.contours.join import Joined, join, nest
 from beamcam.planning.contours.operations import operations_of
 from beamcam.planning.contours.order import PLAIN, refuse_order
 from beamcam.planning.contours.outline import (
-    Opening,
     Shape,
     cross_at,
     off_plate,
@@ -71,7 +69,7 @@ def plan_sheet(parts: Sequence[Part], machine: Machine, skips: Collection[str] =
     torch = machine.needed(machine.torch, "torch")
     _refuse_stock(parts, machine, torch)
     own = {id(part): part for part in parts}
-    if off := [said for part in own.values() for said in off_plate(part, torch.tolerance)]:
+    if off := [one for part in own.values() for one in off_plate(part, torch.tolerance)]:
         raise PlanError(off)
     if len(parts) > 1:
         return _plan_of_several(parts, machine, torch, skips)
@@ -114,7 +112,8 @@ def plan_sheet(parts: Sequence[Part], machine: Machine, skips: Collection[str] =
         part.profile, (piece,), shift, material.thickness, operations, outcomes, tuple(remarks),
         min_bevel=torch.min_bevel,
     )  # fmt: skip
-    _balance(plan)
+    if [outcome.feature for outcome in outcomes] != [(0, f) for f in range(len(part.features))]:
+        raise AssertionError("the ledger of the plan does not balance")
     return plan
 
 
@@ -123,8 +122,25 @@ def _refuse_work(
     machine: Machine, torch: Torch,
 ) -> None:  # fmt: skip
     """Raises PlanError for what the machine cannot make of the curves, and where there are none."""
-    refusals = [*assigned.refusals, *_refuse_settings(assigned.curves, torch, machine)]
-    refusals += _refuse_overcuts(assigned.curves, torch) if torch.settings else ()
+    refusals = [*assigned.refusals]
+    if torch.settings:
+        # A power that the machine cannot follow, and an overcut of what is not cut, of each colour
+        # or layer in use.
+        curves = assigned.curves
+        first = {(w.look, w.process): w for w in reversed(curves) if w.look}
+        for look, process in sorted(first):
+            source, power = first[look, process].source, torch.settings[look].power
+            why = None
+            if machine.controller in TABLE_CONTROLLERS:
+                why = f"the tool of {machine.name} is on or off"
+            elif not any("{power}" in line for line in getattr(machine.words, f"{process}_on")):
+                why = f"words.{process}_on of {machine.name} has no {{power}}"
+            if power is not None and why is not None:
+                key, found = f"map.{look}.power", f"{power:g}"
+                refusals.append(rules.LOOK_SETTING.at(source, key=key, found=found, why=why))
+        for (look, process), w in {(w.look, w.process): w for w in curves}.items():
+            if process != "cut" and torch.settings.get(look, PLAIN).overcut is not None:
+                refusals.append(rules.LOOK_OVERCUT.at(w.source, key=look, found=process))
     spots: set[TorchProcess] = {"spot"} if assigned.spots else set()
     refusals += material.refusals(processes | spots)
     if machine.triggers is not None and machine.triggers.z is not None:
@@ -133,38 +149,6 @@ def _refuse_work(
         raise PlanError(refusals)
     if not assigned.curves:
         raise PlanError(_nothing(part, assigned, 0, torch.gap))
-
-
-def _refuse_settings(
-    curves: Iterable[AssignedCurve], torch: Torch, machine: Machine
-) -> list[Diagnostic]:
-    """An error for each colour or layer in use with a power that the machine cannot follow."""
-    if not torch.settings:
-        return []
-    first = {(w.look, w.process): w for w in reversed(list(curves)) if w.look}
-    return [
-        rules.LOOK_SETTING.at(w.source, key=f"map.{look}.power", found=f"{power:g}", why=why)
-        for (look, process), w in sorted(first.items())
-        if (power := torch.settings[look].power) is not None
-        and (why := _why_no_power(machine, process))
-    ]
-
-
-def _why_no_power(machine: Machine, process: str) -> str | None:
-    """Why a machine cannot run a process at a power; None if it can."""
-    if machine.controller in TABLE_CONTROLLERS:
-        return f"the tool of {machine.name} is on or off"
-    words = getattr(machine.words, f"{process}_on")
-    if any("{power}" in line for line in words):
-        return None
-    return f"words.{process}_on of {machine.name} has no {{power}}"
-
-
-def _refuse_overcuts(curves: Iterable[AssignedCurve], torch: Torch) -> Iterator[Diagnostic]:
-    """An error for each colour or layer with an overcut that is not cut."""
-    for look, process, w in {(w.look, w.process): (w.look, w.process, w) for w in curves}.values():
-        if process != "cut" and torch.settings.get(look, PLAIN).overcut is not None:
-            yield rules.LOOK_OVERCUT.at(w.source, key=look, found=process)
 
 
 def _spots(part: Part, assigned: Assigned) -> list[Shape]:
@@ -179,7 +163,6 @@ def _spots(part: Part, assigned: Assigned) -> list[Shape]:
 
 
 def _with_arcs(shapes: Sequence[Shape], torch: Torch) -> list[Shape]:
-    """Contours with arcs and lines for their runs of short chords."""
     fits = refit_runs([shape.curves for shape in shapes], torch.tolerance * CHORDS_SHARE)
     return [
         shape if len(curves) == len(shape.curves) else replace(shape, curves=curves)
@@ -211,12 +194,10 @@ def _refuse_stock(parts: Sequence[Part], machine: Machine, torch: Torch) -> None
         raise PlanError(rules.SHEETS.at(Source(machine.name), found=0))
     for part in parts:
         if part.profile.code not in SHEET_CODES:
-            raise PlanError(
-                bar_rules.STOCK.at(
-                    part.source, found=part.profile.code, machine=machine.name,
-                    expected=", ".join(SHEET_CODES),
-                )
-            )  # fmt: skip
+            raise PlanError(bar_rules.STOCK.at(
+                part.source, found=part.profile.code, machine=machine.name,
+                expected=", ".join(SHEET_CODES),
+            ))  # fmt: skip
         if is_unrolled(part.profile) and not torch.unrolled:
             raise PlanError(bar_rules.UNROLLED.at(
                 part.source, found=part.profile.name,
@@ -264,55 +245,46 @@ def _plan_of_several(
 
 def _nothing(part: Part, assigned: Assigned, small: int, gap: float) -> Diagnostic:
     """Why a drawing gives no work; `small` features are too small."""
+    from beamcam.model.lengths import total_length
+
     out = len(assigned.skipped) + len(assigned.listed)
     texts = [f"{out} features left out"] if out else []
     if small:
         texts.append(f"{small} curves no larger than {gap:g} mm")
-    if part.measures is not None and part.measures.filled:
-        texts.append(f"{part.measures.filled_length:.1f} mm round filled shapes without a stroke")
-    if part.measures is not None and part.measures.hidden:
-        texts.append(f"{part.measures.hidden_length:.1f} mm on hidden layers")
+    measures = part.measures or Measures()
+    if measures.filled:
+        length = total_length(measures.filled)
+        texts.append(f"{length:.1f} mm round filled shapes without a stroke")
+    if measures.hidden:
+        texts.append(f"{total_length(measures.hidden):.1f} mm on hidden layers")
     return rules.NOTHING.at(part.source, found=", ".join(texts) or "the sheet is empty")
 
 
 def _outcomes(
     part: Part, assigned: Assigned, joined: Joined, operations: Sequence[ContourOp]
 ) -> Iterator[Outcome]:
-    """The outcome of each feature, in order."""
     made = {feature: op.row.process for op in operations for _, feature in op.features}
     stands = joined.repeats.resolved(made) if joined.repeats.stands else {}
     for index in range(len(part.features)):
-        why = assigned.listed.get(index)
+        ref, why = (0, index), assigned.listed.get(index)
         if why == BEVEL and index in made:  # cut as it stands, its edges square
-            yield Outcome((0, index), "made", made[index], why)
+            yield Outcome(ref, "made", made[index], why)
         elif why is not None:
-            yield Outcome((0, index), "listed", why)
+            yield Outcome(ref, "listed", why)
         elif index in made:
-            yield Outcome((0, index), "made", made[index])
+            yield Outcome(ref, "made", made[index])
         elif index in assigned.within:
-            yield Outcome((0, index), "duplicate", assigned.within[index].code)
+            yield Outcome(ref, "duplicate", assigned.within[index].code)
         elif index in assigned.filled:
-            yield Outcome((0, index), "made", assigned.filled[index])
+            yield Outcome(ref, "made", assigned.filled[index])
         elif index in assigned.stated:
-            yield Outcome((0, index), "made", "cut")
+            yield Outcome(ref, "made", "cut")
         elif index in assigned.skipped:
-            yield Outcome((0, index), "skipped", assigned.skipped[index])
+            yield Outcome(ref, "skipped", assigned.skipped[index])
         elif index in stands:
-            yield Outcome((0, index), "duplicate", rules.OVERLAP.code)
+            yield Outcome(ref, "duplicate", rules.OVERLAP.code)
         elif index in joined.small:
-            yield Outcome((0, index), "skipped", rules.TINY.code)
-
-
-def _balance(plan: SheetPlan) -> None:
-    """Raise AssertionError unless every feature has exactly one outcome."""
-    features = plan.pieces[0].part.features
-    if [o.feature for o in plan.outcomes] != [(0, f) for f in range(len(features))]:
-        raise AssertionError("the ledger of the plan does not balance")
-
-
-# --- small openings -------------------------------------------------------------------------------
-
-# Round openings and slots of drawings that are too small for the torch.
+            yield Outcome(ref, "skipped", rules.TINY.code)
 
 
 def drill_small_openings(
@@ -346,28 +318,20 @@ def drill_small_openings(
                     for centre in opening.centres for line in cross_at(centre, torch.cross)
                 )  # fmt: skip
             continue
-        diagnostic = _too_small(shape.source, opening, least, thickness)
+        if len(opening.centres) > 1:
+            diagnostic = bar_rules.SLOT.at(
+                shape.source, found=f"{opening.length:.4g} x {opening.width:.4g}", face="v",
+                expected=f"one at least {least:g} wide in a sheet of {thickness:g} mm",
+            )  # fmt: skip
+        else:
+            diagnostic = bar_rules.NO_TOOL.at(
+                shape.source, kind="through", found=f"{opening.width:.4g}", face="v",
+                expected=f"at least {least:g} in a sheet of {thickness:g} mm",
+            )  # fmt: skip
         if diagnostic.code.removeprefix("plan-") in skips:
             assigned.skipped.update(dict.fromkeys(shape.features, diagnostic.code))
         else:
             assigned.refusals.append(diagnostic)
-    return _without(shapes, small), crosses
-
-
-def _too_small(source: Source, opening: Opening, least: float, thickness: float) -> Diagnostic:
-    if len(opening.centres) > 1:
-        return bar_rules.SLOT.at(
-            source, found=f"{opening.length:.4g} x {opening.width:.4g}", face="v",
-            expected=f"one at least {least:g} wide in a sheet of {thickness:g} mm",
-        )  # fmt: skip
-    return bar_rules.NO_TOOL.at(
-        source, kind="through", found=f"{opening.width:.4g}", face="v",
-        expected=f"at least {least:g} in a sheet of {thickness:g} mm",
-    )  # fmt: skip
-
-
-def _without(shapes: Sequence[Shape], some: Collection[int]) -> list[Shape]:
-    """The shapes but for some, each parent by its new index."""
-    left = [k for k in range(len(shapes)) if k not in some]
+    left = [k for k in range(len(shapes)) if k not in small]
     place = {k: number for number, k in enumerate(left)}
-    return [replace(shapes[k], parent=place.get(shapes[k].parent, -1)) for k in left]
+    return [replace(shapes[k], parent=place.get(shapes[k].parent, -1)) for k in left], crosses

@@ -3,7 +3,7 @@
 margin | part | spacing | part | spacing | part | margin      the first row at the bottom
 """
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Sequence
 from typing import NamedTuple
 
 from msgspec.structs import replace
@@ -75,52 +75,39 @@ def laid_out(parts: Sequence[Part], machine: Machine, skips: Collection[str]) ->
     places = places_of(parts, machine, skips)
     if len(places) < len(parts):
         size = f"{torch.length:g} x {torch.width:g}"
+        first_out = parts[len(places)].source
         raise PlanError(
-            rules.SHEET_FULL.at(
-                parts[len(places)].source, found=len(parts), fits=len(places), size=size
-            )
+            rules.SHEET_FULL.at(first_out, found=len(parts), fits=len(places), size=size)
         )
     features: list[Feature] = []
     origins: list[FeatureOf] = []
     for k, (part, place) in enumerate(zip(parts, places, strict=True)):
-        own: list[tuple[int, Feature]] = [
-            *enumerate(part.features),
-            *_outline(part),
-        ]
+        own: list[tuple[int, Feature]] = [*enumerate(part.features)]
+        if curves := outline_of(part):  # of a plate that has no contour of its own
+            own.append((OUTLINE, Contour("v", "outer", curves, part.source)))
         origins += [(k, index) for index, _ in own]
         features += [moved_feature(feature, place) for _, feature in own]
     if torch.skeleton_cuts:
-        cuts = list(_skeleton_cuts(parts, places, machine, skips))
-        features += cuts
-        origins += [(0, OUTLINE)] * len(cuts)
+        # From edge to edge of the sheet, in the middle between two rows and behind the last; none
+        # where there is no room for one between the kerfs of both rows.
+        torch = spaced(first, torch)
+        kerf = 0.0 if torch.kerf_by == "none" else SheetMaterial(first, torch).kerf("cut")
+        rows: dict[float, float] = {}  #: the top of each row, by its bottom
+        for part, (_, y) in zip(parts, places, strict=True):
+            _, y0, _, y1 = _box(part, machine, skips)
+            bottom = round(y + y0, 6)
+            rows[bottom] = max(rows.get(bottom, 0.0), y + y1)
+        source = Source(first.source.file, where=SKELETON)
+        for top in rows.values() if torch.spacing > 2 * kerf else ():
+            y = top + torch.spacing / 2
+            if y < torch.width - torch.margin / 2:
+                line = Line((0.0, y), (torch.length, y))
+                features.append(Contour("v", "open", (line,), source, closed=False))
+                origins.append((0, OUTLINE))
     whole = replace(
         first, features=tuple(features), measures=Measures(), quantity=1, length=torch.length
     )
     return LaidSheet(whole, places, tuple(origins))
-
-
-def _skeleton_cuts(
-    parts: Sequence[Part], places: Sequence[Point], machine: Machine, skips: Collection[str]
-) -> Iterator[Contour]:
-    """Cuts from edge to edge of the sheet, in the middle between two rows and behind the last.
-
-    None where there is no room for one between the kerfs of both rows.
-    """
-    torch = spaced(parts[0], _torch(machine))
-    kerf = 0.0 if torch.kerf_by == "none" else SheetMaterial(parts[0], torch).kerf("cut")
-    if torch.spacing <= 2 * kerf:
-        return
-    rows: dict[float, float] = {}  #: the top of each row, by its bottom
-    for part, (_, y) in zip(parts, places, strict=True):
-        _, y0, _, y1 = _box(part, machine, skips)
-        bottom = round(y + y0, 6)
-        rows[bottom] = max(rows.get(bottom, 0.0), y + y1)
-    for top in rows.values():
-        y = top + torch.spacing / 2
-        if y < torch.width - torch.margin / 2:
-            line = Line((0.0, y), (torch.length, y))
-            source = Source(parts[0].source.file, where=SKELETON)
-            yield Contour("v", "open", (line,), source, closed=False)
 
 
 def sheet_shares(request: Request, pieces: Sequence[int]) -> tuple[tuple[int, ...], ...]:
@@ -140,12 +127,6 @@ def sheet_shares(request: Request, pieces: Sequence[int]) -> tuple[tuple[int, ..
         shares.append(tuple(pieces[at : at + count]))
         at += count
     return tuple(shares)
-
-
-def _outline(part: Part) -> list[tuple[int, Feature]]:
-    """The rectangle of a plate that has no contour of its own, as a contour."""
-    curves = outline_of(part)
-    return [(OUTLINE, Contour("v", "outer", curves, part.source))] if curves else []
 
 
 def _sheet_of(part: Part, torch: Torch) -> tuple[float, str]:

@@ -10,7 +10,8 @@ store; at the end each is the shortest that holds its parts. The first bar with 
 in a tournament tree, so that n parts take n log n steps: a job has tens of thousands.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
+from contextlib import suppress
 from math import floor, inf
 
 from msgspec import Struct
@@ -175,28 +176,23 @@ def _sorts(
             refused[id(part)] = error.diagnostics
         else:
             laid[id(part)] = part, ends
-    spared: dict[tuple[int, int], float] = {}
+    # By the angles of ends the length of bar that a common cut behind one saves at most.
+    saved: dict[tuple[int, int], float] = {}
     for part, (_, end) in laid.values():
         if saw.common_cuts and not end.is_square:
             cell = _cell(end)
-            spared[cell] = max(spared.get(cell, -inf), part.length - end.x0)
+            saved[cell] = max(saved.get(cell, -inf), part.length - end.x0)
     sorts = {}
     for key, (part, ends) in laid.items():
-        taken = max(
-            part.length + ends[1].kerf + layout.end_trim + layout.dead_zone, layout.min_bar_left
-        )
-        need = taken + ends[0].kerf - _shared_at_most(ends[0], spared)
+        start, end = ends
+        need = part.length + end.kerf + layout.end_trim + layout.dead_zone
+        need = max(need, layout.min_bar_left) + start.kerf
+        if saved:
+            web, flange = _cell(start)
+            near = [(web + i, flange + j) for i in (-1, 0, 1) for j in (-1, 0, 1)]
+            need -= max(0.0, start.x0 + max(saved.get(cell, -inf) for cell in near))
         sorts[key] = _Sort(part, ends, row_of(part, ends, layout), need)
     return sorts, refused
-
-
-def _shared_at_most(start: SawnEnd, spared: Mapping[tuple[int, int], float]) -> float:
-    """Length of bar that a common cut saves at a start at most, behind whichever part."""
-    if not spared:
-        return 0.0
-    web, flange = _cell(start)
-    near = [(web + i, flange + j) for i in (-1, 0, 1) for j in (-1, 0, 1)]
-    return max(0.0, start.x0 + max(spared.get(cell, -inf) for cell in near))
 
 
 def _cell(end: SawnEnd) -> tuple[int, int]:
@@ -234,17 +230,14 @@ def _put(
 def _shortest(
     bar: _Begun, chosen: Sequence[_Sort], layout: Layout, saw: Saw, store: Sequence[float]
 ) -> StockBar:
-    """The shortest bar in store that holds the pieces."""
     parts, ends = [sort.part for sort in chosen], [sort.ends for sort in chosen]
     if bar.row is None:
         raise AssertionError("a bar without parts")
     last = bar.longest if bar.is_remnant else None
     for last in () if bar.is_remnant else store:
-        try:
+        with suppress(PlanError):
             bar_of(bar.row, layout, last, parts[0].source)
-        except PlanError:
-            continue
-        break
+            break
     laid, _ = lay_on_bar(parts, ends, layout, saw, last)
     return StockBar(tuple(bar.pieces), laid.starts, laid.bar, bar.is_remnant)
 
@@ -274,29 +267,23 @@ def remnants_of(
 
     Raises PlanError for a remnant that may be of several lots.
     """
-    found: dict[LotKey, list[float]] = {}
-    known = tuple(lots)
+    lengths: dict[LotKey, list[float]] = {}
+    names = {lot: getattr(lot[1], "name", "") or getattr(lot[1], "code", "") for lot in lots}
     for remnant in remnants:
-        fitting = [lot for lot in known if _is_of(remnant, lot)]
+        fitting = [
+            lot
+            for lot, name in names.items()
+            if (not remnant.section or _plain(remnant.section) == _plain(name))
+            and (not remnant.grade or _plain(remnant.grade) == _plain(lot[2]))
+        ]
         if len(fitting) > 1:
-            expected = " or ".join(f"{_shown(lot)}={remnant.length:g}" for lot in fitting)
+            shown = (f"{names[lot]}/{lot[2]}" if lot[2] else names[lot] for lot in fitting)
+            expected = " or ".join(f"{lot}={remnant.length:g}" for lot in shown)
             diagnostic = rules.REMNANT_OF.at(Source("--remnant"), found=remnant, expected=expected)
             raise PlanError(diagnostic)
         for lot in fitting:
-            found.setdefault(lot, []).append(remnant.length)
-    return {lot: tuple(sorted(lengths)) for lot, lengths in found.items()}
-
-
-def _is_of(remnant: Remnant, lot: LotKey) -> bool:
-    profile, grade = lot[1], lot[2]
-    name = getattr(profile, "name", "") or getattr(profile, "code", "")
-    of_section = not remnant.section or _plain(remnant.section) == _plain(name)
-    return of_section and (not remnant.grade or _plain(remnant.grade) == _plain(grade))
-
-
-def _shown(lot: LotKey) -> str:
-    name = getattr(lot[1], "name", "") or getattr(lot[1], "code", "")
-    return f"{name}/{lot[2]}" if lot[2] else name
+            lengths.setdefault(lot, []).append(remnant.length)
+    return {lot: tuple(sorted(some)) for lot, some in lengths.items()}
 
 
 def _plain(text: str) -> str:

@@ -53,6 +53,11 @@ class TemplateLine(Struct, frozen=True):
     names: Mapping[str, str]  #: letter, and the placeholder in its braces
     fixed: Mapping[str, float]  #: letter and number
 
+    def words(self, values: Mapping[str, float]) -> dict[str, float]:
+        """The letters and their numbers, where placeholders have `values`."""
+        stated = {letter: values[name] for letter, name in self.names.items() if name in values}
+        return {**self.fixed, **stated}
+
 
 def blocks_of(template: Sequence[str]) -> tuple[TemplateLine, ...]:
     """The lines of a template, taken apart."""
@@ -112,18 +117,25 @@ class _CellClock:
         self._grades = [piece.part.grade for piece in pieces]
         self._strokes = StrokeGeometry(profile, machine)
         self._words: dict[str, tuple[TemplateLine, ...]] = {}
-        self._cycles = _cycles_of(machine)
-        self._back_to_near = _draws_back_to_near(machine)
+        #: The canned cycle that each G word of the machine's controller stands for.
+        self._cycles = {
+            int(code[1:]): _CYCLES[meaning]
+            for code, meaning in machine.codes.items()
+            if meaning in _CYCLES
+        }
+        #: Whether the header says that cycles draw back no further than R (G99 of RS274).
+        self._back_to_approach = False
+        if machine.controller == "linuxcnc":
+            self._cycles = {number: number for number in DRILLING}
+            self._back_to_approach = re.findall(r"\bG9[89]\b", header)[-1:] == ["G99"]
         self._place = {"X": nan, "Y": nan, "Z": nan}
         self._rapid, self._feed_mm_min = True, 0.0
 
     def seconds(self, op: Operation) -> float:
         """Time of the next operation."""
         if isinstance(op, SawOp):
-            values = {
-                "x": op.x, "angle": op.angle, "tilt": op.tilt, "feed": self._saw.feed_mm_min,
-            }  # fmt: skip
-            return self._run("saw", values)
+            feed = self._saw.feed_mm_min
+            return self._run("saw", {"x": op.x, "angle": op.angle, "tilt": op.tilt, "feed": feed})
         if isinstance(op, TextOp):
             template = getattr(self._machine.words, op.tool.kind)
             before = blocks_of([line for line in template if "{string}" not in line])
@@ -144,15 +156,13 @@ class _CellClock:
         return total + self._run(f"{kind}_end", values, kind)
 
     def _places(self, op: SpindleOp, x: float, y: float) -> dict[str, float]:
-        """Names of a stroke's positions in templates."""
-        start, near, bottom = self._strokes.places(op, y)
+        retract, approach, bottom = self._strokes.places(op, y)
         return {
-            "x": x, "y": start[0], "z": start[1], "near_y": near[0], "near_z": near[1],
+            "x": x, "y": retract[0], "z": retract[1], "near_y": approach[0], "near_z": approach[1],
             "bottom_y": bottom[0], "bottom_z": bottom[1],
         }  # fmt: skip
 
     def _run(self, name: str, values: Mapping[str, float], kind: str = "") -> float:
-        """Time of the blocks of a template."""
         blocks = self._words.get(name)
         if blocks is None:
             blocks = self._words[name] = blocks_of(getattr(self._machine.words, name))
@@ -161,18 +171,40 @@ class _CellClock:
     def _block(self, block: TemplateLine, values: Mapping[str, float], kind: str) -> float:
         stated = {name: values[name] for name in block.names.values() if name in values}
         if block.command == "M":
-            return self._switch(block, stated, values, kind)
+            if "angle" in stated:
+                legs = self._cell.cut(stated["angle"], stated.get("tilt", 0.0), stated.get("feed"))
+                return sum(leg.duration_s for leg, _ in legs)
+            if "spindle" in stated or "tool" in stated:
+                # A number of a tool says its size, and stands alone where there is one spindle.
+                known = values if "tool" in stated else stated
+                return self._cell.choose(int(values["spindle"]), kind, known.get("diameter", 0.0))
+            if block.number in _RUNS:
+                return self._cell.switch(_RUNS[block.number])
+            return 0.0
         if block.command == "G":
             if block.number in self._cycles:
-                return self._drilled(block, values)
+                cycle = self._cycles[block.number]
+                words = block.words(values)
+                self._feed_mm_min = words.get("F", self._feed_mm_min)
+                at = self._place["X"], self._place["Y"], self._place["Z"]
+                place = words.get("X", at[0]), words.get("Y", at[1])
+                approach, bottom = words["R"], words["Z"]
+                clear = clear_place(at[2], approach, bottom, self._back_to_approach)
+                seconds = words.get("P", 0.0) if cycle == DRILL_AND_DWELL else 0.0
+                peck = words.get("Q", 0.0)
+                for rapid, end in cycle_moves(
+                    at, place, bottom, approach, clear, at[2], cycle, peck
+                ):
+                    self._rapid = rapid
+                    to = {letter: v for letter, v in zip("XYZ", end, strict=True) if not isnan(v)}
+                    seconds += self._go(to)
+                return seconds
             if block.number not in (0, 1):
                 return 0.0
             self._rapid = block.number == 0
         if "feed" in stated:
             self._feed_mm_min = stated["feed"]
-        words = dict(block.fixed) | {
-            letter: values[name] for letter, name in block.names.items() if name in values
-        }
+        words = block.words(values)
         return self._go({letter: words[letter] for letter in "XYZ" if letter in words})
 
     def _go(self, to: Mapping[str, float]) -> float:
@@ -180,57 +212,3 @@ class _CellClock:
         way = hypot(*(d for d in gone if not isnan(d)))
         self._place |= to
         return self._cell.move(to, way, None if self._rapid else self._feed_mm_min).duration_s
-
-    def _drilled(self, block: TemplateLine, values: Mapping[str, float]) -> float:
-        """Time of a canned cycle."""
-        cycle = self._cycles[block.number]
-        words = dict(block.fixed) | {
-            letter: values[name] for letter, name in block.names.items() if name in values
-        }
-        self._feed_mm_min = words.get("F", self._feed_mm_min)
-        at = self._place["X"], self._place["Y"], self._place["Z"]
-        place = words.get("X", at[0]), words.get("Y", at[1])
-        near, bottom = words["R"], words["Z"]
-        clear = clear_place(at[2], near, bottom, self._back_to_near)
-        seconds = words.get("P", 0.0) if cycle == DRILL_AND_DWELL else 0.0
-        peck = words.get("Q", 0.0)
-        for rapid, end in cycle_moves(at, place, bottom, near, clear, at[2], cycle, peck):
-            self._rapid = rapid
-            to = {letter: v for letter, v in zip("XYZ", end, strict=True) if not isnan(v)}
-            seconds += self._go(to)
-        return seconds
-
-    def _switch(
-        self,
-        block: TemplateLine,
-        stated: Mapping[str, float],
-        values: Mapping[str, float],
-        kind: str,
-    ) -> float:
-        if "angle" in stated:
-            legs = self._cell.cut(stated["angle"], stated.get("tilt", 0.0), stated.get("feed"))
-            return sum(leg.duration_s for leg, _ in legs)
-        if "spindle" in stated or "tool" in stated:
-            # A number of a tool says its size, and stands alone where there is one spindle.
-            known = values if "tool" in stated else stated
-            return self._cell.choose(int(values["spindle"]), kind, known.get("diameter", 0.0))
-        if block.number in _RUNS:
-            return self._cell.switch(_RUNS[block.number])
-        return 0.0
-
-
-def _cycles_of(machine: Machine) -> dict[int, int]:
-    """The canned cycle that each G word of the machine's controller stands for."""
-    if machine.controller == "linuxcnc":
-        return {number: number for number in DRILLING}
-    return {
-        int(code[1:]): _CYCLES[meaning]
-        for code, meaning in machine.codes.items()
-        if meaning in _CYCLES
-    }
-
-
-def _draws_back_to_near(machine: Machine) -> bool:
-    """Whether the header says that cycles draw back no further than R (G99 of RS274)."""
-    words = re.findall(r"\bG9[89]\b", " ".join(machine.words.header))
-    return machine.controller == "linuxcnc" and words[-1:] == ["G99"]

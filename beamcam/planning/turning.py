@@ -15,11 +15,12 @@ A mirrored part is another part: no sequence of these turns gives it.
 """
 
 from math import isclose
+from typing import TypeVar
 
 from msgspec import Struct
-from msgspec.structs import replace
+from msgspec.structs import asdict, replace
 
-from beamcam.geometry.curves import Matrix, Point
+from beamcam.geometry.curves import Matrix
 from beamcam.geometry.plane import mapped
 from beamcam.model.part import (
     Bend,
@@ -109,7 +110,7 @@ def turned(part: Part, turn: Turn) -> Part:
         part,
         profile=mapper.profile(),
         cuts=mapper.cuts(),
-        cut_lines=mapper.cut_lines(),
+        cut_lines=None if part.cut_lines is None else mapper.angles(part.cut_lines),
         features=tuple(mapper.feature(f) for f in part.features),
         planes=tuple(mapper.plane(p) for p in part.planes),
         section=tuple(
@@ -141,39 +142,32 @@ def _figures(part: Part) -> list[float | str]:
     p, c = part.profile, part.cuts
     size = [p.height, p.width, p.flange_thickness, p.web_thickness or 0.0]
     cuts = [c.web_start, c.web_end, c.flange_start, c.flange_end]
-    rows = sorted((_row(f) for f in part.features), key=lambda row: [_sort_key(v) for v in row])
+    rows = sorted(
+        (_row(f) for f in part.features),
+        key=lambda row: [(v, 0.0) if isinstance(v, str) else ("", round(v, 4)) for v in row],
+    )
     return [part.length, *size, *cuts, *(value for row in rows for value in row)]
 
 
-def _sort_key(value: float | str) -> tuple[str, float]:
-    return (value, 0.0) if isinstance(value, str) else ("", round(value, 4))
-
-
 def _row(feature: Feature) -> list[float | str]:
-    match feature:
-        case Hole():
-            depth = -1.0 if feature.depth is None else feature.depth
-            return ["hole", feature.face, feature.kind, feature.x, feature.y, feature.diameter,
-                    depth, feature.angle or 0.0]  # fmt: skip
-        case Slot():
-            depth = -1.0 if feature.depth is None else feature.depth
-            half_turn = 90.0 if feature.length == feature.height else 180.0
-            return ["slot", feature.face, feature.kind, feature.x, feature.y, feature.diameter,
-                    depth, feature.length, feature.height, feature.angle % half_turn]  # fmt: skip
-        case Contour():
-            points = sorted(c.point(t) for c in feature.curves for t in (0.0, 0.5))
-            flat = [value for point in points for value in point]
-            bevels = sorted(v for b in feature.bevels for v in (b.angle, b.land))
-            return ["contour", feature.face, feature.kind, feature.process, *flat, *bevels]
-        case TextMark():
-            return ["text", feature.face, feature.text, feature.x, feature.y,
-                    feature.angle % 360.0, feature.height]  # fmt: skip
-        case Bend():
-            return ["bend", *feature.start, *feature.end, feature.angle, feature.radius or 0.0]
-        case EndPlane():
-            return ["plane", *feature.point, *feature.normal]
-        case Camber():
-            return ["camber", feature.face, feature.x, feature.y]
+    row: list[float | str] = [type(feature).__name__]
+    if isinstance(feature, Contour):
+        points = sorted(c.point(t) for c in feature.curves for t in (0.0, 0.5))
+        bevels = sorted(v for b in feature.bevels for v in (b.angle, b.land))
+        row += feature.face, feature.kind, feature.process
+        return [*row, *(value for point in points for value in point), *bevels]
+    turn = 360.0
+    if isinstance(feature, Slot):
+        turn = 90.0 if feature.length == feature.height else 180.0
+    for name, value in asdict(feature).items():
+        if name == "angle" and not isinstance(feature, Bend):
+            row.append((value or 0.0) % turn)
+        elif name not in ("source", "edge", "option"):
+            row += value if isinstance(value, tuple) else [-1.0 if value is None else value]
+    return row
+
+
+Value = TypeVar("Value", float, int)
 
 
 class _Mapper:
@@ -231,39 +225,33 @@ class _Mapper:
             web_thickness=None if web is None else profile.flange_thickness,
         )
 
+    def angles(self, four: tuple[Value, Value, Value, Value]) -> tuple[Value, Value, Value, Value]:
+        """Values of web and flange, at start and end, in the order that they have then."""
+        if self._turn.reverse_x:
+            four = (four[1], four[0], four[3], four[2])
+        return (four[2], four[3], four[0], four[1]) if self._turn.swap else four
+
     def cuts(self) -> EndCuts:
         """The angles as they are seen then: a slope changes its sign with x and with y."""
         cuts, turn = self._part.cuts, self._turn
-        web, flange = (cuts.web_start, cuts.web_end), (cuts.flange_start, cuts.flange_end)
-        if turn.reverse_x ^ turn.reverse_y:
-            web = (-web[0], -web[1])
-        if turn.reverse_x ^ turn.reverse_z:
-            flange = (-flange[0], -flange[1])
-        if turn.reverse_x:
-            web, flange = web[::-1], flange[::-1]
-        if turn.swap:
-            web, flange = flange, web
-        return EndCuts(web[0] + 0.0, web[1] + 0.0, flange[0] + 0.0, flange[1] + 0.0)
-
-    def cut_lines(self) -> tuple[int, int, int, int] | None:
-        """The lines of the angles, which go with them."""
-        lines, turn = self._part.cut_lines, self._turn
-        if lines is not None and turn.reverse_x:
-            lines = (lines[1], lines[0], lines[3], lines[2])
-        if lines is not None and turn.swap:
-            lines = (lines[2], lines[3], lines[0], lines[1])
-        return lines
+        web = -1.0 if turn.reverse_x ^ turn.reverse_y else 1.0
+        flange = -1.0 if turn.reverse_x ^ turn.reverse_z else 1.0
+        four = (
+            web * cuts.web_start + 0.0, web * cuts.web_end + 0.0,
+            flange * cuts.flange_start + 0.0, flange * cuts.flange_end + 0.0,
+        )  # fmt: skip
+        return EndCuts(*self.angles(four))
 
     def feature(self, feature: Feature) -> Feature:
         match feature:
-            case Hole() | Camber():
-                face, (x, y) = self._place(feature.face, feature.x, feature.y)
+            case Hole() | Slot() | TextMark() | Camber():
+                face, matrix = self._on(feature.face)
+                x, y = mapped(matrix, (feature.x, feature.y))
                 if isinstance(feature, Camber):
                     return replace(feature, face=face, x=x, y=y)
-                return replace(feature, face=face, x=x, y=y, edge=self._edge(feature))
-            case Slot() | TextMark():
-                face, (x, y) = self._place(feature.face, feature.x, feature.y)
-                angle = self._angle(feature.face, feature.angle)
+                angle = feature.angle
+                if isinstance(feature, Slot | TextMark):
+                    angle = self._angle(feature.face, feature.angle)
                 return replace(feature, face=face, x=x, y=y, angle=angle, edge=self._edge(feature))
             case Contour():
                 face, matrix = self._on(feature.face)
@@ -299,10 +287,6 @@ class _Mapper:
     def _on(self, face: Face) -> tuple[Face, Matrix]:
         """The face after the turn and the map of its coordinates; own planes keep theirs."""
         return self._faces.get(face, (face, ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0))))
-
-    def _place(self, face: Face, x: float, y: float) -> tuple[Face, Point]:
-        to, matrix = self._on(face)
-        return to, mapped(matrix, (x, y))
 
     def _angle(self, face: Face, angle: float) -> float:
         """An angle in the face's numbers."""

@@ -1,14 +1,14 @@
-"""Openings that lie wholly in a larger one of their face, and so take no steel.
+"""What takes no steel: openings within a larger one of their face, and planes beyond an end.
 
  _________________     A drill in the larger opening would run in air, and a torch would fire into
 |    _________    |    what falls out of it. Nothing is missing from the part without the smaller
-|   |  o      |   |    one; but a number of the file is most often wrong, so that it is told, and
+|   |  o      |   |    one; but a number of the file is most often wrong: it gets a warning, and it
 |   |_________|   |    has a row on the list of manual work.
 |_________________|
 """
 
 from collections import defaultdict
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from itertools import product
 from math import cos, floor, hypot, pi, radians, sin
 from typing import Any
@@ -17,9 +17,9 @@ from msgspec import Struct
 
 from beamcam.errors import Diagnostic, note, warning
 from beamcam.geometry.curves import signed_area
-from beamcam.geometry.plane import Box, Point, join_boxes
+from beamcam.geometry.plane import Box, join_boxes
 from beamcam.model.description import description
-from beamcam.model.part import Contour, Face, Hole, Part, Slot
+from beamcam.model.part import Contour, EndPlane, Face, Hole, Part, Slot
 
 WITHIN = warning("plan-within",
     "found {what}, which lies wholly within the {other} of {first} and takes no steel; it is not "
@@ -53,15 +53,15 @@ class _Opening(Struct, frozen=True):
 
 def within_larger(part: Part) -> dict[int, Diagnostic]:
     """By their indices the openings that lie in larger ones that go through, and a warning each."""
-    found: dict[int, Diagnostic] = {}
+    warnings: dict[int, Diagnostic] = {}
     for small, large in _pairs([*_openings(part)]):
-        if small.index in found or not _lies_in(small, large):
+        if small.index in warnings or not _lies_in(small, large):
             continue
         one, other = small.feature, large.feature
-        found[small.index] = WITHIN.at(
+        warnings[small.index] = WITHIN.at(
             one.source, what=description(one), other=description(other), first=other.source
         )
-    return found
+    return warnings
 
 
 def overlapping(part: Part, within: Collection[int]) -> Iterator[Diagnostic]:
@@ -161,7 +161,7 @@ def _lies_in(small: _Opening, large: _Opening) -> bool:
         return bool(_polygon(other).buffer(OVER).covers(_polygon(one)))
     along, across, radius = _sizes(other)
     c, s = cos(radians(_turn(other))), sin(radians(_turn(other)))
-    for x, y in _corners(one):
+    for x, y in one.centres:
         dx, dy = x - other.x, y - other.y
         u, v = abs(c * dx + s * dy) - along, abs(c * dy - s * dx) - across
         off = hypot(max(u, 0.0), max(v, 0.0)) + min(max(u, v), 0.0)
@@ -170,19 +170,38 @@ def _lies_in(small: _Opening, large: _Opening) -> bool:
     return True
 
 
-def _corners(one: Hole | Slot) -> Iterator[Point]:
-    """The centres of the discs at its corners."""
-    (u, v, _), turn = _sizes(one), radians(_turn(one))
-    for a, b in product((u, -u), (v, -v)):
-        yield one.x + cos(turn) * a - sin(turn) * b, one.y + sin(turn) * a + cos(turn) * b
-
-
 def _polygon(one: Hole | Slot | Contour) -> Any:
-    """A polygon of shapely."""
     from shapely import MultiPoint, make_valid
 
     from beamcam.planning.contours.outline import outlines
 
     if isinstance(one, Contour):
         return make_valid(outlines([one.curves], CHORD)[0])
-    return MultiPoint([*_corners(one)]).convex_hull.buffer(one.diameter / 2, quad_segs=64)
+    return MultiPoint(one.centres).convex_hull.buffer(one.diameter / 2, quad_segs=64)
+
+
+# --- end planes (SC) ------------------------------------------------------------------------------
+
+
+NOTHING_TAKEN = note("plan-plane-nothing",
+    "found an end plane that takes nothing of the part; it is no cut of its own",
+    "It states an end once more that length, header or outline give, or it lies beyond "
+    "it.")  # fmt: skip
+INSIDE = 0.1  #: mm that a plane may lie inside of the end that it states once more
+
+Place = tuple[float, float, float]
+
+
+def takes_nothing(plane: EndPlane, outermost: Iterable[Place]) -> bool:
+    """Whether the outermost places of a part, x, y and z of its section, all lie behind a plane."""
+    (px, py, pz), (a, b, c) = plane.point, plane.normal
+    most = INSIDE * hypot(a, b, c)
+    return all(a * (x - px) + b * (y - py) + c * (z - pz) <= most for x, y, z in outermost)
+
+
+def idle_planes(part: Part, outermost: Iterable[Place]) -> Iterator[tuple[int, Diagnostic]]:
+    """The planes of a part that take nothing, by their indices, and a note on each."""
+    places = tuple(outermost)
+    for index, feature in enumerate(part.features):
+        if isinstance(feature, EndPlane) and takes_nothing(feature, places):
+            yield index, NOTHING_TAKEN.at(feature.source)

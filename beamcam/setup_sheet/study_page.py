@@ -66,7 +66,7 @@ def guide_page(profile: VelocityProfile, unit: VelocityUnit) -> str:
     """The velocity profile of an axis: the carriage on its guide under the curve."""
     trace = profile_trace(profile, unit)
     times = sample_times(profile)
-    rows = zip(times.tolist(), profile.velocity(times).tolist(), strict=True)
+    rows = zip(times.tolist(), profile.sample(times)[1].tolist(), strict=True)
     data = {
         "kind": "guide",
         "trace": trace_data(trace),

@@ -20,9 +20,8 @@ from beamcam.model.part import EndCuts, EndPlane, Hole, Part, Profile
 from beamcam.pipeline import post
 from beamcam.planning.coping.ends import outermost
 from beamcam.planning.coping.walls import laid
-from beamcam.planning.end_planes import idle_planes
-from beamcam.planning.operations.part_planner import line_of
 from beamcam.planning.operations.work import works_on
+from beamcam.planning.within import idle_planes
 from beamcam.solid.part_solid import part_solid
 
 S = Source("p.nc1", 30)
@@ -70,7 +69,7 @@ def test_the_same_planes_take_nothing_for_all(
     assert bool([*plane_faults(lies, section, skew_ends(lies, section), ())]) == takes
     if code == "I":  # what the line takes
         try:
-            works_on([part], line_of(LINE), ())
+            works_on([part], LINE, ())
             refused = False
         except PlanError:
             refused = True
@@ -101,7 +100,7 @@ def test_a_plane_that_takes_nothing_is_a_note_and_no_other_work(machine: object)
 def test_the_read_back_of_a_coper_finds_a_plane_that_was_forgotten(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("beamcam.planning.end_planes.takes_nothing", lambda *_: True)
+    monkeypatch.setattr("beamcam.planning.within.takes_nothing", lambda *_: True)
     plane = EndPlane((LENGTH - 5.0, 0.0, 0.0), (1.0, 0.0, 0.0), S)
     with pytest.raises(VerifyError, match="verify-coping-plane: found an end plane that takes 5"):
         post((part_with(plane, "I"),), COPER)

@@ -37,11 +37,11 @@ def test_the_profile_of_the_linear_guide() -> None:
     profile = profile_to_velocity(1000.0, 100.0, 50.0)
     assert [phase.duration_s for phase in profile.phases] == pytest.approx([25, 50, 25])
     times = [25.0, 75.0, 100.0]
-    assert profile.velocity(times).tolist() == pytest.approx([166.6667, 833.3333, 1000], rel=1e-6)
-    assert float(profile.acceleration(50.0)) == pytest.approx(13.33333, rel=1e-6)
+    assert profile.sample(times)[1].tolist() == pytest.approx([166.6667, 833.3333, 1000], rel=1e-6)
+    assert float(profile.sample(50.0)[2]) == pytest.approx(13.33333, rel=1e-6)
     # 13.33 / 25 rpm/s2 over 12.5 s: 0.5333 x 12.5^3 / 6
-    assert float(profile.position(12.5)) == pytest.approx(173.6111, rel=1e-6)
-    assert float(profile.position(100.0)) == pytest.approx(50000)
+    assert float(profile.sample(12.5)[0]) == pytest.approx(173.6111, rel=1e-6)
+    assert float(profile.sample(100.0)[0]) == pytest.approx(50000)
 
 
 def test_the_times_of_the_cell() -> None:

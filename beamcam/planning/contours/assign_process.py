@@ -39,11 +39,10 @@ from beamcam.planning.contours.outline import (
 )
 from beamcam.planning.contours.plate import outermost
 from beamcam.planning.contours.plate_edges import notches_in
-from beamcam.planning.end_planes import idle_planes
 from beamcam.planning.left_out import BEVEL, DRILL, FACE, NO_ROOM, NOT_MOVED, listed_by, refuse_mark
 from beamcam.planning.lettering import place_text, remarks
 from beamcam.planning.lettering_room import Room
-from beamcam.planning.within import within_larger
+from beamcam.planning.within import idle_planes, within_larger
 
 Meaning = Literal["cut", "mark", "engrave", "ignore"]
 Look = tuple[str | None, str | None]  #: layer and colour

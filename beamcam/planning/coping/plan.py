@@ -55,8 +55,8 @@ from beamcam.planning.coping.walls import (
     sorted_features,
     walls_of,
 )
-from beamcam.planning.end_planes import idle_planes
 from beamcam.planning.left_out import BEVEL, ROOT
+from beamcam.planning.within import idle_planes
 
 #: The faces in which the cuts of a kind are made, so that the torch turns little. What parts the
 #: piece from the bar begins where the near end was left.

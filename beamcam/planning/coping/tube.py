@@ -46,8 +46,8 @@ from beamcam.planning.coping.tube_pieces import (
     without_ends,
 )
 from beamcam.planning.coping.walls import PlannedWall, Sorted, sorted_features
-from beamcam.planning.end_planes import idle_planes
 from beamcam.planning.left_out import BEVEL
+from beamcam.planning.within import idle_planes
 
 
 def wedge_of(contour: Contour, wall: float, least_deg: float) -> float:

@@ -23,19 +23,18 @@ Across the part a wall ends at a free edge or at another wall, which may have a 
 
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from math import atan2, degrees, hypot, inf, radians, tan
 from operator import attrgetter
 from typing import Literal
 
 from msgspec import Struct
 
-from beamcam.caches import cached
 from beamcam.errors import Diagnostic, PlanError, Rule, error, warning
 from beamcam.geometry.curves import Line
 from beamcam.geometry.plane import Point
-from beamcam.machine.machine import Machine
-from beamcam.machine.stations import Drill, Saw
+from beamcam.machine.machine import Machine, drill_of
+from beamcam.machine.stations import Saw
 from beamcam.model.description import named
 from beamcam.model.part import Contour, Face, Hole, Part, Profile, Slot
 from beamcam.model.section import Wall, corners, free_edges, walls_beside
@@ -79,7 +78,13 @@ def ends_of(part: Part, saw: Saw) -> tuple[Ends, tuple[Diagnostic, ...]]:
     header = ((cuts.web_start, cuts.web_end), (cuts.flange_start, cuts.flange_end))
     drawn: tuple[tuple[float, float] | None, ...] = (None, None)
     if Contour in map(type, part.features):
-        drawn = (_drawn_angles(part, "v"), _drawn_flange_angles(part))
+        flanges = ("u",) if part.profile.code == "L" else ("o", "u")
+        first, *others = (_drawn_angles(part, face) for face in flanges)
+        # One flange alone that is drawn skew is a preparation of that flange and no saw cut.
+        off = [abs(a - b) for one in others for a, b in zip(first or (), one or (), strict=False)]
+        if None in others or max(off, default=0.0) > ANGLE_TOLERANCE_DEG:
+            first = None
+        drawn = (_drawn_angles(part, "v"), first)
     elif header == ((0.0, 0.0), (0.0, 0.0)):
         return (SawnEnd("start", kerf=saw.kerf), SawnEnd("end", x0=part.length, kerf=saw.kerf)), ()
     remarks: list[Diagnostic] = []
@@ -121,20 +126,6 @@ def _agreed(
             )
         angles.append(angle if abs(angle) >= min_mitre else 0.0)
     return angles[0], angles[1]
-
-
-def _drawn_flange_angles(part: Part) -> tuple[float, float] | None:
-    """Flange angles that the contours of all flanges agree on; None where they do not.
-
-    One flange alone that is drawn skew is a preparation of that flange and no saw cut.
-    """
-    faces = ("u",) if part.profile.code == "L" else ("o", "u")
-    seen = [_drawn_angles(part, face) for face in faces]
-    first, last = seen[0], seen[-1]
-    if first is None or last is None:
-        return None
-    apart = max(abs(a - b) for a, b in zip(first, last, strict=True))
-    return first if apart <= ANGLE_TOLERANCE_DEG else None
 
 
 def _drawn_angles(part: Part, face: str) -> tuple[float, float] | None:
@@ -237,15 +228,6 @@ SHALLOW = error("plan-blind-shallow",
 TOLERANCE = 0.01  #: mm; files round to it, so a hole that is as near is tangent
 
 
-class FaceEdges(Struct, frozen=True):
-    """Walls and edges across the part on one face."""
-
-    width: float
-    walls: tuple[Wall, ...]
-    free: tuple[bool, bool]  #: whether the wall ends at y 0, and at its width
-    edge: str  #: in messages
-
-
 class Border(Struct, frozen=True, gc=False):
     """A straight line at which the wall behind a face ends."""
 
@@ -258,13 +240,10 @@ class Border(Struct, frozen=True, gc=False):
 class FinishedPart:
     """The part after its end cuts, as far as it limits holes."""
 
-    def __init__(self, part: Part, ends: Ends, machine: Machine, drill: Drill) -> None:
-        self.part, self._ends, self._drill, self._machine = part, ends, drill, machine
-        self._borders: dict[Face, tuple[Border, ...]] = {}
-
-    def across(self, face: Face) -> FaceEdges:
-        """Walls and edges across the part on a face."""
-        return _across(self.part.profile, face)
+    def __init__(self, part: Part, ends: Ends, machine: Machine) -> None:
+        self.part, self._ends, self._drill = part, ends, drill_of(machine)
+        self._machine = machine
+        self._borders: dict[Face, list[Border]] = {}
 
     def steel(self, face: Face, points: Sequence[Point]) -> tuple[float, str]:
         """Steel between points and the nearest border of their wall, and which border that is.
@@ -273,8 +252,21 @@ class FinishedPart:
         """
         borders = self._borders.get(face)
         if borders is None:
-            found = _borders(self.across(face), self._ends, face, self.part.profile)
-            borders = self._borders[face] = tuple(sorted(found, key=attrgetter("name")))
+            # The ends of the wall behind the face, each where it takes most, and its free edges.
+            profile = self.part.profile
+            start, end = (wall_end(each, face, profile) for each in self._ends)
+            a, b = hypot(1.0, start.slope), hypot(1.0, end.slope)
+            borders = [
+                Border(-start.greatest / a, 1 / a, start.slope / a, "the start of the part"),
+                Border(end.least / b, -1 / b, -end.slope / b, "the end of the part"),
+            ]
+            at_low, at_width = free_edges(profile, face)
+            if at_low:
+                borders.append(Border(0.0, 0.0, 1.0, f"the edge of face {face}"))
+            if at_width:
+                width = profile.face_width(face)
+                borders.append(Border(width, 0.0, -1.0, f"the edge of face {face}"))
+            borders = self._borders[face] = sorted(borders, key=attrgetter("name"))
         nearest, name = inf, ""
         for border in borders:
             for x, y in points:
@@ -283,35 +275,35 @@ class FinishedPart:
                     nearest, name = steel, border.name
         return nearest, name
 
-    def judge(self, shape: Hole | Slot, middles: Sequence[Point]) -> list[Diagnostic]:
-        """Errors and remarks on a hole or slot, errors first.
-
-        `middles` are those of its corner circles, of a hole its own.
-        """
+    def judge(self, shape: Hole | Slot) -> list[Diagnostic]:
+        """Errors and remarks on a hole or slot, errors first."""
         radius, drill = shape.diameter / 2, self._drill
-        nearest, place = self.steel(shape.face, middles)
+        centres = shape.centres
+        nearest, place = self.steel(shape.face, centres)
         left = nearest - radius
         if left < -TOLERANCE:
-            return [_said(OFF_PART, shape, out=f"{-left:.3g}", where=place)]
+            return [_message(OFF_PART, shape, out=f"{-left:.3g}", where=place)]
         diagnostics: list[Diagnostic] = []
-        ys = [y for _, y in middles]
+        ys = [y for _, y in centres]
         low, high = min(ys) - radius, max(ys) + radius
-        for wall in self.across(shape.face).walls:
+        for wall in walls_beside(self.part.profile, shape.face):
             apart = wall.apart(low, high)
             if apart < drill.min_fillet_distance - TOLERANCE:
                 diagnostics.append(self._beside(shape, low, high, wall, apart))
         if shape.kind != "mark" and left < drill.min_edge_distance - TOLERANCE:
             apart_mm, expected = f"{max(left, 0.0):.3g}", f"{drill.min_edge_distance:g}"
             diagnostics.append(
-                _said(NEAR_EDGE, shape, apart=apart_mm, where=place, expected=expected)
+                _message(NEAR_EDGE, shape, apart=apart_mm, where=place, expected=expected)
             )
         if shape.depth is not None:
             deep, thickness = f"{shape.depth:g}", self.part.profile.thickness(shape.face)
             step = self._machine.format.resolution
             if shape.depth < step and shape.kind != "mark":
-                diagnostics.append(_said(SHALLOW, shape, found=deep, expected=f"{step:g}"))
+                diagnostics.append(_message(SHALLOW, shape, found=deep, expected=f"{step:g}"))
             if shape.depth > thickness + TOLERANCE > TOLERANCE:
-                diagnostics.append(_said(BLIND_DEPTH, shape, found=deep, expected=f"{thickness:g}"))
+                diagnostics.append(
+                    _message(BLIND_DEPTH, shape, found=deep, expected=f"{thickness:g}")
+                )
         return diagnostics
 
     def _beside(
@@ -319,7 +311,7 @@ class FinishedPart:
     ) -> Diagnostic:
         """The remark on a hole that is too near another wall, or in it."""
         if high > wall.least + TOLERANCE and low < wall.greatest - TOLERANCE:
-            return _said(WALL, shape, least=f"{wall.least:g}", greatest=f"{wall.greatest:g}")
+            return _message(WALL, shape, least=f"{wall.least:g}", greatest=f"{wall.greatest:g}")
         high_mm = wall.fillet_height(-apart)
         profile = self.part.profile
         limit, because = self._drill.clearance, "the clearance of the rapid approach"
@@ -330,39 +322,16 @@ class FinishedPart:
         if is_outside or (is_stem and deeper < limit):
             limit, because = deeper, "the breakthrough behind the wall"
         if high_mm > limit and shape.kind != "mark":
-            return _said(
+            return _message(
                 FILLET, shape, found=f"{high_mm:.3g}", expected=f"{limit:g}", because=because
             )
-        found = f"{-apart:.3g} mm into" if apart < 0 else f"{apart:.3g} mm from"
+        place = f"{-apart:.3g} mm into" if apart < 0 else f"{apart:.3g} mm from"
         expected = f"{self._drill.min_fillet_distance:g}"
-        return _said(NEAR_FILLET, shape, found=f"{found} the root fillet", expected=expected)
+        return _message(NEAR_FILLET, shape, found=f"{place} the root fillet", expected=expected)
 
 
-def _said(rule: Rule, shape: Hole | Slot, **values: str) -> Diagnostic:
-    """A message about a hole or slot."""
+def _message(rule: Rule, shape: Hole | Slot, **values: str) -> Diagnostic:
     return rule.at(
         shape.source, what=named(shape), x=f"{shape.x:g}", y=f"{shape.y:g}", face=shape.face,
         **values,
     )  # fmt: skip
-
-
-@cached("planning.walls")
-def _across(profile: Profile, face: Face) -> FaceEdges:
-    """Walls and edges on a face."""
-    return FaceEdges(
-        profile.face_width(face), walls_beside(profile, face), free_edges(profile, face),
-        f"the edge of face {face}",
-    )  # fmt: skip
-
-
-def _borders(across: FaceEdges, ends: Ends, face: Face, profile: Profile) -> Iterator[Border]:
-    """The ends of the wall behind a face, each where it takes most, and its free edges."""
-    start, end = (wall_end(each, face, profile) for each in ends)
-    slant = hypot(1.0, start.slope)
-    yield Border(-start.greatest / slant, 1 / slant, start.slope / slant, "the start of the part")
-    slant = hypot(1.0, end.slope)
-    yield Border(end.least / slant, -1 / slant, -end.slope / slant, "the end of the part")
-    if across.free[0]:
-        yield Border(0.0, 0.0, 1.0, across.edge)
-    if across.free[1]:
-        yield Border(across.width, 0.0, -1.0, across.edge)

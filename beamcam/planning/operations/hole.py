@@ -37,7 +37,6 @@ from beamcam.planning.operations.tools import (
     Found,
     HoleWork,
     Settled,
-    Tooling,
     WorkingStep,
     toolings_of,
 )
@@ -65,11 +64,8 @@ REASONS = {
     "merge-pair": "the same hole on both flanges: both spindles at once",
     "from-behind": "through the one plate that the face behind shares",
 }
-_NO_REASONS: tuple[str, ...] = ()
 SUNK = ("through", "blind", "thread", "left-thread")  #: kinds of holes that a sink stands on
 
-
-# --- merging --------------------------------------------------------------------------------------
 
 # Duplicate holes, and flange holes that two spindles drill in one stroke.
 #
@@ -99,8 +95,8 @@ def drop_duplicates(holes: Group, tolerance: float) -> tuple[Group, dict[int, Pl
         for placed in sorted(run, key=itemgetter(1)):
             x, f, hole = placed
             column, row = floor(x / width), floor(hole.y / width)
-            near = [cell for i in _NEAR for j in _NEAR if (cell := kept.get((column + i, row + j)))]
-            like = [p for cell in near for p in cell if _is_same(p[2], hole, limit)]
+            cells = [kept.get((column + i, row + j), ()) for i in _NEAR for j in _NEAR]
+            like = [p for cell in cells for p in cell if _is_same(p[2], hole, limit)]
             if like:
                 repeats[f] = min(like, key=itemgetter(1))
             else:
@@ -123,9 +119,8 @@ def _is_same(a: Hole, b: Hole, limit: float) -> bool:
 
 def alike(a: Hole, b: Hole, limit: float) -> bool:
     """Whether two holes are the same but for face and place."""
-    if a.depth is None or b.depth is None:
-        deep = a.depth is b.depth
-    else:
+    deep = a.depth is b.depth
+    if a.depth is not None and b.depth is not None:
         deep = abs(a.depth - b.depth) <= limit
     same = a.kind == b.kind and (a.angle or 0.0) == (b.angle or 0.0)
     return deep and same and abs(a.diameter - b.diameter) <= limit
@@ -146,12 +141,12 @@ def merge_pairs(holes: Group, partners: Mapping[Face, Face], drill: Drill) -> It
             if f in taken:
                 continue
             face = partners.get(hole.face)
-            found = None if face is None else _partner(run, i, face, taken, drill)
-            if found is None:
+            partner = None if face is None else _partner(run, i, face, taken, drill)
+            if partner is None:
                 yield (placed,)
             else:
-                taken.add(found[1])
-                yield (placed, found) if hole.face < found[2].face else (found, placed)
+                taken.add(partner[1])
+                yield (placed, partner) if hole.face < partner[2].face else (partner, placed)
 
 
 def _partner(
@@ -188,7 +183,7 @@ def _refusals(hole: Hole, planner: PartPlanner) -> Iterable[Diagnostic]:
     off = refuse_place(hole, hole.x, hole.y, planner.part, planner.reached[hole.face])
     if off is not None:
         return (off,)
-    return planner.finished.judge(hole, ((hole.x, hole.y),))
+    return planner.finished.judge(hole)
 
 
 #: The faces that a pair of spindles drills at once, each with the other one.
@@ -204,7 +199,15 @@ def _steps(holes: Sequence[tuple[int, Hole]], planner: PartPlanner) -> list[Foun
     kept, repeats = drop_duplicates(placed, drill.duplicate_tolerance)
     if diagnostics := list(refuse_many_pairs(kept, drill)):
         return [*diagnostics]
-    steps: list[Found] = [*_repeats(repeats, planner)]
+    steps: list[Found] = []
+    for f, (_, like, first) in repeats.items():
+        hole = planner.part.features[f]
+        assert isinstance(hole, Hole)
+        diagnostic = DUPLICATE.at(
+            hole.source, found=f"{hole.diameter:g}", face=hole.face, x=f"{hole.x:g}",
+            y=f"{hole.y:g}", first=first.source,
+        )  # fmt: skip
+        steps += [Settled(f, "duplicate", DUPLICATE.code, like), (f, diagnostic)]
     sinks: list[Group] = []
     is_tee = planner.part.profile.code == "T"  # o and u are one plate there: the tips would meet
     partners = {} if is_tee else partner_faces(planner.machine)
@@ -213,23 +216,27 @@ def _steps(holes: Sequence[tuple[int, Hole]], planner: PartPlanner) -> list[Foun
             sinks.append(group)
         else:
             steps += _make(group, planner)
-    if sinks:
-        steps += _sinks(sinks, _pilots(kept, drill), steps, planner)
+    # A sink stands on its hole, wherever a merge has put that one; those of a pair are made one by
+    # one if their holes differ in size or place.
+    pilots = _pilots(kept, drill) if sinks else {}
+    places = {
+        f: (step.x, step.y)
+        for step in (steps if sinks else ())
+        if isinstance(step, WorkingStep)
+        for f in step.features
+    }
+    for group in sinks:
+        below = [pilots.get(f) for _, f, _ in group]
+        at = [places.get(p[1]) if p else None for p in below]
+        sizes = [p[2].diameter if p and a else None for p, a in zip(below, at, strict=True)]
+        if len(set(zip(sizes, at, strict=True))) == 1:
+            steps += _make(group, planner, sizes[0], at[0])
+            continue
+        for one, size, place in zip(group, sizes, at, strict=True):
+            steps += _make((one,), planner, size, place)
     steps += refuse_too_near(kept, planner.machine.format.resolution, drill)
     steps += judge_pairs(kept, drill)
     return steps
-
-
-def _repeats(repeats: dict[int, Placed], planner: PartPlanner) -> Iterator[Found]:
-    """Outcomes of duplicate holes."""
-    for f, (_, like, first) in repeats.items():
-        hole = planner.part.features[f]
-        yield Settled(f, "duplicate", DUPLICATE.code, like)
-        if isinstance(hole, Hole):
-            yield f, DUPLICATE.at(
-                hole.source, found=f"{hole.diameter:g}", face=hole.face, x=f"{hole.x:g}",
-                y=f"{hole.y:g}", first=first.source,
-            )  # fmt: skip
 
 
 def _make(
@@ -240,7 +247,7 @@ def _make(
     `pilot` is the diameter of the hole that a countersink sinks, and `place` where that stands.
     """
     x, f, hole = group[0]
-    y, why = hole.y, _NO_REASONS
+    y, why = hole.y, tuple[str, ...]()
     features: tuple[int, ...] = (f,)
     faces: tuple[Face, ...] = (hole.face,)
     diameters: tuple[float, ...] = (hole.diameter,)
@@ -267,13 +274,27 @@ def _make(
         return [(f, toolings.rule.at(hole.source, **values))]
     steps = []
     for tooling in toolings:
-        path = _ring(x, y, tooling, planner) if tooling.ring else ()
+        path: tuple[Point, ...] = ()
+        if tooling.ring:
+            mill, tolerance = tooling.tools[0].diameter, planner.library.drill.path_tolerance
+            is_blind = tooling.depth is not None
+            path = pocket_path((x, y), (0.0, 0.0), 0.0, tooling.ring, mill, tolerance, is_blind)
         steps.append(WorkingStep(x, y, tooling, features, hole.source, path))
     if len(group) == 2 and any(refuse_steps(planner.part.features, steps, planner.travel)):
         return _one_by_one(group, planner, pilot, place)
     made: list[Found] = [*steps]
-    if hole.depth is not None:
-        made += _judge_points(group, toolings[0], thickness)
+    drill = toolings[0].tools[0]
+    is_blind = hole.depth is not None and drill.kind == "drill" and thickness > 0
+    for _, f, hole in group if is_blind else ():
+        out = (hole.depth or 0.0) + drill.tip - thickness
+        if hole.depth is None or hole.kind != "blind" or hole.depth > thickness + TOLERANCE:
+            continue
+        if out > TOLERANCE:  # the point comes through
+            diagnostic = BLIND_POINT.at(
+                hole.source, what=named(hole), found=f"{hole.depth:g}", x=f"{hole.x:g}",
+                y=f"{hole.y:g}", face=hole.face, out=f"{out:.3g}", expected=f"{thickness:g}",
+            )  # fmt: skip
+            made.append((f, diagnostic))
     return made
 
 
@@ -284,26 +305,6 @@ def _one_by_one(
     return [step for one in group for step in _make((one,), planner, pilot, place)]
 
 
-def _ring(x: float, y: float, tooling: Tooling, planner: PartPlanner) -> tuple[Point, ...]:
-    mill, tolerance = tooling.tools[0].diameter, planner.library.drill.path_tolerance
-    is_blind = tooling.depth is not None
-    return pocket_path((x, y), (0.0, 0.0), 0.0, tooling.ring, mill, tolerance, is_blind)
-
-
-def _judge_points(group: Group, tooling: Tooling, thickness: float) -> Iterator[Found]:
-    """Warnings where the point of a blind hole's drill comes through."""
-    drill = tooling.tools[0]
-    for _, f, hole in group:
-        if hole.depth is None or hole.kind != "blind" or drill.kind != "drill" or thickness <= 0:
-            continue
-        out = hole.depth + drill.tip - thickness
-        if out > TOLERANCE and hole.depth <= thickness + TOLERANCE:
-            yield f, BLIND_POINT.at(
-                hole.source, what=named(hole), found=f"{hole.depth:g}", x=f"{hole.x:g}",
-                y=f"{hole.y:g}", face=hole.face, out=f"{out:.3g}", expected=f"{thickness:g}",
-            )  # fmt: skip
-
-
 def _pilots(holes: Group, drill: Drill) -> dict[int, Placed]:
     """For each countersink the hole that it sinks: of its face and place, the widest below it."""
     pilots = {}
@@ -312,44 +313,20 @@ def _pilots(holes: Group, drill: Drill) -> dict[int, Placed]:
     for x, f, sink in holes:
         if sink.kind != "countersink":
             continue
-        begin, end = (
-            bisect_left(along, x - limit - ROUNDING),
-            bisect_right(along, x + limit + ROUNDING),
-        )
+        begin = bisect_left(along, x - limit - ROUNDING)
+        end = bisect_right(along, x + limit + ROUNDING)
         below = [
-            (hole.diameter, other_f, placed)
+            placed
             for placed in holes[begin:end]
-            for _, other_f, hole in (placed,)
+            for hole in (placed[2],)
             if hole.kind in SUNK
             and hole.face == sink.face
-            and abs(hole.x - sink.x) <= limit
-            and abs(hole.y - sink.y) <= limit
+            and max(abs(hole.x - sink.x), abs(hole.y - sink.y)) <= limit
             and hole.diameter < sink.diameter
         ]
         if below:
-            pilots[f] = max(below)[2]
+            pilots[f] = max(below, key=lambda placed: (placed[2].diameter, placed[1]))
     return pilots
-
-
-def _sinks(
-    sinks: Iterable[Group], pilots: dict[int, Placed], made: Iterable[Found], planner: PartPlanner
-) -> Iterator[Found]:
-    """The steps of countersinks; of a pair one by one if their holes differ in size or place.
-
-    A sink stands on its hole, wherever a merge has put that one; `made` holds the steps of holes.
-    """
-    places = {
-        f: (step.x, step.y) for step in made if isinstance(step, WorkingStep) for f in step.features
-    }
-    for group in sinks:
-        holes = [pilots.get(f) for _, f, _ in group]
-        at = [places.get(p[1]) if p else None for p in holes]
-        sizes = [p[2].diameter if p and a else None for p, a in zip(holes, at, strict=True)]
-        if len(set(zip(sizes, at, strict=True))) == 1:
-            yield from _make(group, planner, sizes[0], at[0])
-        else:
-            for placed, size, place in zip(group, sizes, at, strict=True):
-                yield from _make((placed,), planner, size, place)
 
 
 HOLE = WorkKind("hole", _needs, _refusals, _steps, REASONS)

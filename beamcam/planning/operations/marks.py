@@ -1,4 +1,4 @@
-"""Marks that are lines and texts: a scribe is led along them; a stamp or printer is told a text.
+"""Marks that are lines and texts: a scribe follows them; a stamp or printer gets a text.
 
 A text is lettered where it is clear of holes, edges and ends. One without room, or out of reach, is
 left for manual work.
@@ -9,22 +9,23 @@ from collections.abc import Iterator, Sequence
 from math import dist
 from typing import TYPE_CHECKING
 
+from msgspec.structs import replace
+
 from beamcam.errors import Diagnostic, warning
 from beamcam.geometry.curves import Curve, Line, Point
 from beamcam.machine.stations import FLAT_DEG, Tool
 from beamcam.model.part import Contour, Face, Hole, Slot, TextMark
 from beamcam.model.plan import StampedLetters
-from beamcam.model.section import NO_PLATE, OTHER_SIDE
+from beamcam.model.section import NO_PLATE, OTHER_SIDE, walls_beside
 from beamcam.planning.axis_limits import within_axes
 from beamcam.planning.left_out import FACE
 from beamcam.planning.operations.finished_part import TOLERANCE, wall_end
 from beamcam.planning.operations.part_planner import IN_THE_WAY, PartPlanner, WorkKind
-from beamcam.planning.operations.slot import MIN_RADIUS, slot_ends, without_repeats
+from beamcam.planning.operations.slot import MIN_RADIUS, without_repeats
 from beamcam.planning.operations.tools import Found, Settled, Tooling, WorkingStep
 from beamcam.planning.rules import MARK, no_unit
 
 if TYPE_CHECKING:
-    from beamcam.planning.lettering import Lettered
     from beamcam.planning.lettering_room import Room
 
 
@@ -78,6 +79,12 @@ def _length(line: Contour) -> str:
     return f"{sum(curve.length for curve in line.curves):g} mm of line"
 
 
+def _scribing(face: Face, planner: PartPlanner, reason: str) -> Tooling:
+    faces, library = (face,), planner.library
+    scribes = library.of_kind("scribe", faces)[:1]
+    return Tooling(planner.number(faces), scribes, faces, library.drill.mark_depth, (reason,))
+
+
 def _line_needs(line: Contour, planner: PartPlanner) -> Diagnostic | None:
     if can_scribe(line.face, planner):
         return None
@@ -90,7 +97,7 @@ def _line_refusals(line: Contour, planner: PartPlanner) -> Iterator[Diagnostic]:
     ys = [y for curve in line.curves for y in curve.bbox[1::2]]
     least, greatest, wall = reach.least, reach.greatest, reach.wall
     if planner.part.profile.code == "T" and line.face == "v":
-        (stem,) = planner.finished.across("v").walls
+        (stem,) = walls_beside(planner.part.profile, "v")
         least, greatest, wall = reach.least, stem.least, "stem"
         if max(ys) > stem.greatest:
             least, greatest = stem.greatest, reach.greatest
@@ -104,20 +111,16 @@ def _line_refusals(line: Contour, planner: PartPlanner) -> Iterator[Diagnostic]:
 
 def _line_steps(lines: Sequence[tuple[int, Contour]], planner: PartPlanner) -> Iterator[Found]:
     """Each line scribed, from that end of it that comes first along the bar."""
-    drill = planner.library.drill
     for f, line in lines:
-        path = line_points(line.curves, drill.path_tolerance)
+        path = line_points(line.curves, planner.library.drill.path_tolerance)
         if path[-1][0] < path[0][0]:
             path = path[::-1]
-        faces = (line.face,)
-        scribes = planner.library.of_kind("scribe", faces)[:1]
-        number = planner.number(faces)
-        tooling = Tooling(number, scribes, faces, drill.mark_depth, ("scribe-line",))
+        tooling = _scribing(line.face, planner, "scribe-line")
         yield WorkingStep(*path[0], tooling, (f,), line.source, path)
-        across = planner.finished.across(line.face)
+        width = planner.part.profile.face_width(line.face)
         left, place = min(
             planner.finished.steel(line.face, path),
-            (min(min(y, across.width - y) for _, y in path), across.edge),
+            (min(min(y, width - y) for _, y in path), f"the edge of face {line.face}"),
         )
         if left < -TOLERANCE:
             yield f, LINE_BEYOND.at(line.source, face=line.face, out=f"{-left:.3g}", where=place)
@@ -129,73 +132,60 @@ LINE = WorkKind(
 )  # fmt: skip
 
 
-# --- texts ----------------------------------------------------------------------------------------
-
-
 def _text_steps(texts: Sequence[tuple[int, TextMark]], planner: PartPlanner) -> Iterator[Found]:
     from beamcam.planning.lettering import place_text, remarks
 
     by_face: dict[Face, list[tuple[int, TextMark]]] = defaultdict(list)
     for f, text in texts:
         by_face[text.face].append((f, text))
+    marks, missing = planner.machine.marks, NO_PLATE.get(planner.part.profile.code, ())
     for face, group in by_face.items():
-        room = _room(face, planner) if _comes_to(face, planner) else None
+        has_unit = face in marks.faces and face not in missing
+        letters = has_unit if marks.is_told else can_scribe(face, planner)
+        room = _room(face, planner) if letters else None
         for f, text in group:
-            lettered = FACE if room is None else place_text(text, planner.machine.marks, room)
+            lettered = FACE if room is None else place_text(text, marks, room)
             if isinstance(lettered, str):
                 yield Settled(f, "listed", lettered)
                 continue
             if isinstance(lettered, Diagnostic):
                 yield f, lettered
                 break
-            yield from (
-                (f, diagnostic) for diagnostic in remarks(text, lettered, planner.machine.marks)
-            )
-            yield from _steps_of(f, text, lettered, planner)
-
-
-def _comes_to(face: Face, planner: PartPlanner) -> bool:
-    """Whether what letters comes to a face."""
-    if not planner.machine.marks.is_told:
-        return can_scribe(face, planner)
-    missing = NO_PLATE.get(planner.part.profile.code, ())
-    return face in planner.machine.marks.faces and face not in missing
-
-
-def _steps_of(
-    f: int, text: TextMark, lettered: "Lettered", planner: PartPlanner
-) -> Iterator[WorkingStep]:
-    marks = planner.machine.marks
-    if marks.unit == "stamp" or marks.unit == "printer":
-        unit = Tool(marks.unit, lettered.height, FLAT_DEG)
-        how = Tooling(marks.faces[text.face], (unit,), (text.face,), None, ("tell",))
-        stamped = StampedLetters(lettered.text, lettered.height, lettered.angle)
-        yield WorkingStep(lettered.x, lettered.y, how, (f,), text.source, text=stamped)
-        return
-    how = _tooling(text.face, planner)
-    for stroke in lettered.strokes:
-        yield WorkingStep(*stroke[0], how, (f,), text.source, stroke)
-
-
-def _tooling(face: Face, planner: PartPlanner) -> Tooling:
-    faces = (face,)
-    scribes = planner.library.of_kind("scribe", faces)[:1]
-    return Tooling(
-        planner.number(faces), scribes, faces, planner.library.drill.mark_depth, ("letter",)
-    )
+            yield from ((f, diagnostic) for diagnostic in remarks(text, lettered, marks))
+            if marks.unit == "stamp" or marks.unit == "printer":
+                unit = Tool(marks.unit, lettered.height, FLAT_DEG)
+                how = Tooling(marks.faces[face], (unit,), (face,), None, ("tell",))
+                stamped = StampedLetters(lettered.text, lettered.height, lettered.angle)
+                yield WorkingStep(lettered.x, lettered.y, how, (f,), text.source, text=stamped)
+                continue
+            how = _scribing(face, planner, "letter")
+            for stroke in lettered.strokes:
+                yield WorkingStep(*stroke[0], how, (f,), text.source, stroke)
 
 
 def _room(face: Face, planner: PartPlanner) -> "Room | None":
     """Room for a text on a face, within the axes' travel; None where there is none."""
     from beamcam.planning.lettering_room import Room
 
-    low, high = _between_walls(face, planner)
+    # The y of a face between edges, fillets and what is in the tool's way.
+    profile = planner.part.profile
+    low, high = 0.0, profile.face_width(face)
+    if face in planner.reached:
+        low, high = max(low, planner.reached[face].least), min(high, planner.reached[face].greatest)
+    if profile.code == "M":  # closed: its walls stand behind the face, beyond round corners
+        low, high = low + profile.radius, high - profile.radius
+    elif profile.face_depth(face):
+        for wall in walls_beside(profile, face):
+            if wall.least <= low:
+                low = max(low, wall.greatest + wall.radius)
+            if wall.greatest >= high:
+                high = min(high, wall.least - wall.radius)
     if not planner.machine.marks.is_told:
-        bounds = within_axes(_tooling(face, planner), (low, high), planner.travel)
+        bounds = within_axes(_scribing(face, planner, "letter"), (low, high), planner.travel)
         if bounds is None:
             return None
         low, high = bounds
-    start, end = (wall_end(each, face, planner.part.profile) for each in planner.ends)
+    start, end = (wall_end(each, face, profile) for each in planner.ends)
     outline = [
         (start.greatest - low * start.slope, low),
         (end.least - low * end.slope, low),
@@ -205,67 +195,27 @@ def _room(face: Face, planner: PartPlanner) -> "Room | None":
     xs = [x for x, _ in outline]
     room = Room((min(xs), low, max(xs), high))
     room.bound(outline)
-    _remove_obstacles(room, face, planner)
+    # Take the stem of a T, and holes and slots, from the steel.
+    if profile.code == "T" and face == "v":
+        (x0, _, x1, _), (stem,) = room.box, walls_beside(profile, face)
+        low, high = stem.least - stem.radius, stem.greatest + stem.radius
+        room.remove([(x0, low), (x1, low), (x1, high), (x0, high)])
+    behind = OTHER_SIDE.get(profile.code, {}).get(face)
+    for feature in planner.part.features:
+        if isinstance(feature, (Hole, Slot)) and feature.face in (face, behind):
+            for centre in feature.centres:
+                room.drill(centre, feature.diameter / 2)
+            if isinstance(feature, Slot):  # the box around it, along its angle
+                size = feature.diameter
+                box = replace(feature, length=feature.length + size, height=feature.height + size)
+                a, b, c, d = box.centres
+                room.remove([a, b, d, c])
     return room
 
 
-def _between_walls(face: Face, planner: PartPlanner) -> tuple[float, float]:
-    """The y of a face between edges, fillets and what is in the tool's way."""
-    across = planner.finished.across(face)
-    low, high = 0.0, across.width
-    if face in planner.reached:
-        low, high = max(low, planner.reached[face].least), min(high, planner.reached[face].greatest)
-    profile = planner.part.profile
-    if profile.code == "M":  # closed: its walls stand behind the face, beyond round corners
-        low, high = low + profile.radius, high - profile.radius
-    elif profile.face_depth(face):
-        for wall in across.walls:
-            if wall.least <= low:
-                low = max(low, wall.greatest + wall.radius)
-            if wall.greatest >= high:
-                high = min(high, wall.least - wall.radius)
-    return low, high
-
-
-def _remove_obstacles(room: "Room", face: Face, planner: PartPlanner) -> None:
-    """Take the stem of a T, and holes and slots, from the steel of a face."""
-    code = planner.part.profile.code
-    if code == "T" and face == "v":
-        for wall in planner.finished.across(face).walls:
-            room.remove(
-                box_corners(room.box[0], wall.least - wall.radius, room.box[2],
-                            wall.greatest + wall.radius)
-            )  # fmt: skip
-    behind = OTHER_SIDE.get(code, {}).get(face)
-    for feature in planner.part.features:
-        if isinstance(feature, (Hole, Slot)) and feature.face in (face, behind):
-            centres = slot_ends(feature) if isinstance(feature, Slot) else ((feature.x, feature.y),)
-            for centre in centres:
-                room.drill(centre, feature.diameter / 2)
-            if isinstance(feature, Slot):
-                room.remove(_around(feature))
-
-
-def box_corners(x0: float, y0: float, x1: float, y1: float) -> list[tuple[float, float]]:
-    """The corners of a box along the axes."""
-    return [(x0, y0), (x1, y0), (x1, y1), (x0, y1)]
-
-
-def _around(slot: Slot) -> list[tuple[float, float]]:
-    """The corners of the box around a slot, along its angle."""
-    half_x, half_y = (slot.length + slot.diameter) / 2, (slot.height + slot.diameter) / 2
-    box = Slot(slot.face, slot.x, slot.y, 0.0, 2 * half_x, 2 * half_y, slot.angle, slot.source)
-    a, b, c, d = slot_ends(box)
-    return [a, b, d, c]
-
-
-# What the machine cannot letter is left for manual work: it lacks nothing.
-TEXT = WorkKind(
-    "text",
-    lambda *_: None,
-    steps=_text_steps,
-    reasons={
-        "letter": "a text lettered by strokes",
-        "tell": "a text that the machine's stamp or printer can letter",
-    },
-)
+# What the machine cannot letter is left for manual work.
+TEXT_REASONS = {
+    "letter": "a text lettered by strokes",
+    "tell": "a text that the machine's stamp or printer can letter",
+}
+TEXT = WorkKind("text", lambda *_: None, steps=_text_steps, reasons=TEXT_REASONS)

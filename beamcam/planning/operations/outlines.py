@@ -7,15 +7,16 @@ from collections.abc import Iterator, Sequence
 
 from beamcam.errors import Diagnostic, error
 from beamcam.geometry.curves import Line
-from beamcam.geometry.plane import Point
-from beamcam.model.part import Bend, Camber, Contour, EndPlane, Face, Part
+from beamcam.geometry.plane import Point, join_boxes
+from beamcam.machine.machine import saw_of
+from beamcam.model.part import Bend, Camber, Contour, EndPlane, Part
 from beamcam.model.section import corners
 from beamcam.planning import rules
-from beamcam.planning.end_planes import NOTHING_TAKEN, takes_nothing
 from beamcam.planning.operations.finished_part import CONTOUR_TOLERANCE, Ends, wall_end
 from beamcam.planning.operations.part_planner import Numbered, PartPlanner, WorkKind
 from beamcam.planning.operations.tools import Found, Settled
 from beamcam.planning.rules import BEVEL, BEVEL_NOISE
+from beamcam.planning.within import NOTHING_TAKEN, takes_nothing
 
 COPE = error("plan-cope",
     "found a contour on face {face} that leaves the straight stock at x {x}, y {y}; expected "
@@ -33,38 +34,28 @@ def _cut_out(contour: Contour, _: PartPlanner) -> Diagnostic | None:
     """A torch, unless the contour is the outer one."""
     if contour.kind == "outer":
         return None
-    boxes = [curve.bbox for curve in contour.curves]
-    size = (
-        f"{max(b[2] for b in boxes) - min(b[0] for b in boxes):g} x "
-        f"{max(b[3] for b in boxes) - min(b[1] for b in boxes):g}"
-    )
-    return CUTOUT.at(contour.source, found=size, face=contour.face)
+    x0, y0, x1, y1 = join_boxes([curve.bbox for curve in contour.curves]) or (0.0,) * 4
+    return CUTOUT.at(contour.source, found=f"{x1 - x0:g} x {y1 - y0:g}", face=contour.face)
 
 
 def _unsawn(contour: Contour, planner: PartPlanner) -> Iterator[Diagnostic]:
-    """Parts of the contour that the saw cuts do not produce."""
     corner = leaves_stock(contour, planner.part, planner.ends)
     if corner is not None:
         x, y = corner
         yield COPE.at(contour.source, face=contour.face, x=f"{x:g}", y=f"{y:g}")
-    least = planner.line.saw.min_mitre
+    least = saw_of(planner.machine).min_mitre
     noise = [abs(bevel.angle) for bevel in contour.bevels if abs(bevel.angle) < least]
     if noise:
         yield BEVEL_NOISE.at(
             contour.source, count=len(noise), found=f"{max(noise):g}", expected=f"{least:g}"
         )
+    # A web's mitre leaves a bevel on the flanges, and a flange's on the web.
+    on_web = contour.face in ("v", "h")
+    cuts = [abs(end.flange_deg if on_web else end.web_deg) for end in planner.ends]
     for bevel in contour.bevels:
-        if abs(bevel.angle) >= least and not _leaves_bevel(bevel.angle, contour.face, planner.ends):
+        own = abs(bevel.angle)
+        if own >= least and not any(cut and abs(own - cut) <= BEVEL_TOLERANCE_DEG for cut in cuts):
             yield BEVEL.at(contour.source, found=f"{bevel.angle:g}", face=contour.face)
-
-
-def _leaves_bevel(bevel_deg: float, face: Face, ends: Ends) -> bool:
-    """Whether an end cut leaves this bevel: a web's mitre on the flanges, a flange's on the web."""
-    on_web = face in ("v", "h")
-    leaves = (end.flange_deg if on_web else end.web_deg for end in ends)
-    return any(
-        angle and abs(abs(bevel_deg) - abs(angle)) <= BEVEL_TOLERANCE_DEG for angle in leaves
-    )
 
 
 def _sawn(features: Sequence[Numbered], _: PartPlanner) -> Iterator[Found]:
@@ -80,7 +71,11 @@ def leaves_stock(contour: Contour, part: Part, ends: Ends) -> Point | None:
     """
     width = part.profile.face_width(contour.face)
     first, last = (wall_end(end, contour.face, part.profile) for end in ends)
-    vertices = list(_vertices(contour))
+    vertices: list[Point] = []
+    for curve in contour.curves:
+        vertices += (curve.start,) if isinstance(curve, Line) else (curve.start, curve.point(0.5))
+    if not contour.closed:
+        vertices.append(contour.curves[-1].end)
     middles = [curve.point(0.5) for curve in contour.curves]
     for x, y in (*vertices, *middles):
         (start, inside), (outside, end) = first.reach(y), last.reach(y)
@@ -94,16 +89,6 @@ def leaves_stock(contour: Contour, part: Part, ends: Ends) -> Point | None:
             ):
                 return (least + greatest) / 2, y
     return None
-
-
-def _vertices(contour: Contour) -> Iterator[Point]:
-    """Starts of the curves, and a point within every curve that is not straight."""
-    for curve in contour.curves:
-        yield curve.start
-        if not isinstance(curve, Line):
-            yield curve.point(0.5)
-    if not contour.closed:
-        yield contour.curves[-1].end
 
 
 CONTOUR = WorkKind("contour", _cut_out, _unsawn, _sawn)

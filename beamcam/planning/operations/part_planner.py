@@ -11,10 +11,10 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, Severity, error, note, warning
-from beamcam.machine.machine import Layout, Machine, drill_of, saw_of
-from beamcam.machine.stations import Drill, Saw
+from beamcam.machine.machine import Machine
+from beamcam.machine.stations import Drill
 from beamcam.model.description import named
-from beamcam.model.part import Face, Feature, Hole, Part, Profile, Slot
+from beamcam.model.part import Face, Feature, Hole, Part, Slot
 from beamcam.model.section import NO_PLATE, OTHER_SIDE, lip_of
 from beamcam.planning.axis_limits import travel_on
 from beamcam.planning.operations.finished_part import NEAR_EDGE, TOLERANCE, Ends, FinishedPart
@@ -22,7 +22,6 @@ from beamcam.planning.operations.tools import (
     Found,
     Said,
     Settled,
-    ToolLibrary,
     WorkingStep,
     library_of,
 )
@@ -50,34 +49,26 @@ class SpindleReach(Struct, frozen=True):
     wall: str = "flange"  #: that is in its way beyond
 
 
-Reached = Mapping[Face, SpindleReach]
-
-
-def _clear_between(profile: Profile, face: Face) -> tuple[float, float]:
-    """Range of y in which a tool reaches a face; unbounded where no flange is beside it."""
-    if profile.code == "T" and face in ("o", "u"):  # its stem, over the flange
-        return profile.web_thickness or 0.0, inf
-    if face != "v" or profile.code not in ("I", "U", "C", "L"):
-        return -inf, inf
-    flange = profile.flange_thickness
-    return flange, (inf if profile.code == "L" else profile.height - flange)
-
-
-def reached_on(machine: Machine, part: Part) -> Reached:
+def reached_on(machine: Machine, part: Part) -> dict[Face, SpindleReach]:
     """The faces of a part that the machine's spindles reach: between the lips of a C too."""
-    profile, out, lip = part.profile, NO_PLATE.get(part.profile.code, ()), lip_of(part)
-    reached: dict[str, SpindleReach] = {
-        s.face: SpindleReach(s.number, profile.face_width(s.face), *_clear_between(profile, s.face))
-        for s in machine.spindles
-        if s.face not in out
-    }
-    if "v" in reached and lip and lip > reached["v"].least:
-        greatest = profile.height - lip
-        reached["v"] = replace(reached["v"], least=lip, greatest=greatest, wall="lip")
+    profile, lip, reached = part.profile, lip_of(part), dict[Face, SpindleReach]()
+    for spindle in machine.spindles:
+        face = spindle.face
+        least, greatest, wall = -inf, inf, "flange"
+        if profile.code == "T" and face in ("o", "u"):  # its stem, over the flange
+            least = profile.web_thickness or 0.0
+        elif face == "v" and profile.code in ("I", "U", "C", "L"):
+            least = profile.flange_thickness
+            if lip > least:
+                least, wall = lip, "lip"
+            greatest = inf if profile.code == "L" else profile.height - least
+        if face not in NO_PLATE.get(profile.code, ()):
+            width = profile.face_width(face)
+            reached[face] = SpindleReach(spindle.number, width, least, greatest, wall)
     return reached
 
 
-def refuse_face(shape: Hole | Slot, what: str, reached: Reached) -> Diagnostic:
+def refuse_face(shape: Hole | Slot, what: str, reached: Mapping[Face, SpindleReach]) -> Diagnostic:
     """That no spindle comes to the face of a hole or slot."""
     expected = f"one of {', '.join(reached)}" if reached else "none, as the machine has no spindle"
     return NO_SPINDLE.at(shape.source, kind=what, found=shape.face, expected=expected)
@@ -221,64 +212,42 @@ def _is_one_work(one: Hole, other: Hole) -> bool:
     """Whether two holes about one middle are meant: a sink, a thread's drill, a stepped hole."""
     if "countersink" in (one.kind, other.kind):
         return True
-    narrow, wide = sorted((one, other), key=lambda hole: hole.diameter)
-    if narrow.diameter == wide.diameter:
+    small, wide = sorted((one, other), key=lambda hole: hole.diameter)
+    if small.diameter == wide.diameter:
         return False
     if wide.kind in THREADS:
-        return narrow.kind in ("through", "blind")
-    return wide.depth is not None and (narrow.depth is None or narrow.depth > wide.depth)
+        return small.kind in ("through", "blind")
+    return wide.depth is not None and (small.depth is None or small.depth > wide.depth)
 
 
 def refuse_too_near(holes: Group, resolution: float, drill: Drill) -> Iterator[Said]:
-    """The holes beside one that a program cannot tell them apart from, by their indices."""
-    if 2 * resolution <= drill.duplicate_tolerance:
-        return  # what is as near as that is one hole, and there once
-    for (_, f, hole), (_, _, first) in _too_near(holes, resolution):
-        apart = dist((hole.x, hole.y), (first.x, first.y))
-        yield f, TOO_NEAR.at(
-            hole.source, found=f"{hole.diameter:g}", face=hole.face, x=f"{hole.x:g}",
-            y=f"{hole.y:g}", apart=f"{apart:.3g}", first=first.source,
-            expected=f"{2 * resolution:g}",
-        )  # fmt: skip
-
-
-def _too_near(holes: Group, resolution: float) -> Iterator[tuple[Placed, Placed]]:
     """Of `holes`, sorted, those beside one of the same size that a program cannot tell apart.
 
-    Each with the first such one before it among the part's features. Written places are off by
-    up to one `resolution` (a hole's, and that of the cut which the part starts at), so that of two
-    places less than two of them apart either may be meant. Holes at the very same place are told
-    apart by their depths.
+    Each is refused for the first such one before it among the part's features. Written places are
+    off by up to one `resolution` (a hole's, and that of the cut which the part starts at), so that
+    of two places less than two of them apart either may be meant. Holes at the very same place are
+    told apart by their depths.
     """
+    if 2 * resolution <= drill.duplicate_tolerance:
+        return  # what is as near as that is one hole, and there once
     limit = 2 * resolution + ROUNDING
     for run in runs(holes, limit):
         if len(run) == 1:
             continue
-        seen: list[Placed] = []
-        for placed in sorted(run, key=itemgetter(1)):
-            hole = placed[2]
-            alike = (p for p in seen if (p[2].face, p[2].diameter) == (hole.face, hole.diameter))
-            apart = ((p, max(abs(p[2].x - hole.x), abs(p[2].y - hole.y))) for p in alike)
-            first = next((p for p, off in apart if 0.0 < off <= limit), None)
-            if first is not None:
-                yield placed, first
-            seen.append(placed)
-
-
-class BarLine(Struct, frozen=True):
-    """The machine data used in planning a bar."""
-
-    machine: Machine
-    saw: Saw
-    drill: Drill
-    layout: Layout
-    library: ToolLibrary
-
-
-def line_of(machine: Machine) -> BarLine:
-    """The line of a machine. Raises TypeError if it has no layout."""
-    layout = machine.needed(machine.layout, "layout")
-    return BarLine(machine, saw_of(machine), drill_of(machine), layout, library_of(machine))
+        seen: list[Hole] = []
+        for _, f, hole in sorted(run, key=itemgetter(1)):
+            for first in seen:
+                off = max(abs(first.x - hole.x), abs(first.y - hole.y))
+                alike = (first.face, first.diameter) == (hole.face, hole.diameter)
+                if alike and 0.0 < off <= limit:
+                    apart = dist((hole.x, hole.y), (first.x, first.y))
+                    yield f, TOO_NEAR.at(
+                        hole.source, found=f"{hole.diameter:g}", face=hole.face, x=f"{hole.x:g}",
+                        y=f"{hole.y:g}", apart=f"{apart:.3g}", first=first.source,
+                        expected=f"{2 * resolution:g}",
+                    )  # fmt: skip
+                    break
+            seen.append(hole)
 
 
 FROM_BEHIND = note("plan-from-behind",
@@ -295,17 +264,17 @@ ANGLE_FACE = warning("plan-angle-face",
 class PartPlanner:
     """The one thing of planning that changes while it is looked at: the account of a part."""
 
-    def __init__(self, part: Part, ends: Ends, line: BarLine) -> None:
-        self.part, self.ends, self.line = part, ends, line
-        self.machine, self.library = line.machine, line.library
-        self.finished = FinishedPart(part, ends, line.machine, line.drill)
-        self.reached = reached_on(line.machine, part)
-        self.travel = travel_on(line.machine, part.profile)
+    def __init__(self, part: Part, ends: Ends, machine: Machine) -> None:
+        self.part, self.ends, self.machine = part, ends, machine
+        self.library = library_of(machine)
+        self.finished = FinishedPart(part, ends, machine)
+        self.reached = reached_on(machine, part)
+        self.travel = travel_on(machine, part.profile)
         #: Features that can be made, by kind of work, each on the face that it is made from.
         self.accepted: defaultdict[str, list[tuple[int, Any]]] = defaultdict(list)
         self.behind: set[int] = set()  #: features that are made from the other side of their wall
         self.steps: list[WorkingStep] = []
-        self.told: list[Said] = []  #: remarks about features
+        self.remarks: list[Said] = []  #: remarks about features
         self.refused: dict[int, Diagnostic] = {}
         self.settled: dict[int, Settled] = {}
 
@@ -322,7 +291,7 @@ class PartPlanner:
             feature.source, what=named(feature), x=f"{feature.x:g}", y=f"{feature.y:g}",
             face=feature.face, other=face,
         )  # fmt: skip
-        self.told.append((f, diagnostic))
+        self.remarks.append((f, diagnostic))
         return replace(feature, face=face)
 
     def number(self, faces: tuple[Face, ...]) -> int:
@@ -341,41 +310,12 @@ class PartPlanner:
             elif each[1].severity is Severity.ERROR:
                 self.refused.setdefault(*each)
             else:
-                self.told.append(each)
-
-    def refuse(self, found: Iterable[Said]) -> None:
-        """Refuse features for what outweighs all that was found before, and drop their steps."""
-        refused = dict(found)
-        if refused:
-            self.refused |= refused
-            self.steps = [step for step in self.steps if refused.keys().isdisjoint(step.features)]
-
-    def refuse_repeats(self) -> None:
-        """Refuse the repeats of refused features too."""
-        for f, each in [*self.settled.items()]:
-            if each.like in self.refused:
-                self.refused[f] = self.refused[each.like]
-            if f in self.refused:
-                del self.settled[f]
+                self.remarks.append(each)
 
     @property
     def holes(self) -> Iterator[tuple[int, Hole]]:
         """The holes that are made, each once."""
         return (each for each in self.accepted["hole"] if each[0] not in self.settled)
-
-    @property
-    def remarks(self) -> Iterator[Diagnostic]:
-        """Remarks on the features that are not refused."""
-        return (diagnostic for f, diagnostic in self.told if f not in self.refused)
-
-
-# --- kind -----------------------------------------------------------------------------------------
-
-# The interface of a kind of work on a bar.
-#
-# Each is a `WorkKind` at the end of its section in a module of this package, and a row of
-# `work.KINDS`. Messages that are errors refuse a feature, by the first of them; it may then be left
-# out if its code is allowed by name.
 
 
 Numbered = tuple[int, Any]  #: index of a feature, and the feature
@@ -387,10 +327,14 @@ def nothing(*_: Any) -> Iterator[Any]:
 
 
 class WorkKind(Struct, frozen=True):
-    """One kind of work."""
+    """The interface of a kind of work on a bar: a row of `work.KINDS`.
+
+    Messages that are errors refuse a feature, by the first of them; it may then be left out if its
+    code is allowed by name.
+    """
 
     name: str
-    #: What the machine lacks for a feature; None if it has everything.
+    #: What the machine does not have for a feature; None if it has everything.
     needs: Callable[[Any, PartPlanner], Diagnostic | None]
     #: What is wrong with the place of a feature on the finished part, or odd.
     refusals: Callable[[Any, PartPlanner], Iterable[Diagnostic]] = nothing

@@ -67,42 +67,33 @@ def _needs(slot: Slot, planner: PartPlanner) -> Diagnostic | None:
     return None if slot.face in planner.reached else refuse_face(slot, "slot hole", planner.reached)
 
 
-def _refusals(slot: Slot, planner: PartPlanner) -> Iterator[Diagnostic]:
+def _refusals(slot: Slot, planner: PartPlanner) -> list[Diagnostic]:
     """Faults in the position of its middle or of its corner circles."""
-    reach, ends = planner.reached[slot.face], slot_ends(slot)
-    diagnostics = (
-        refuse_place(slot, x, y, planner.part, reach) for x, y in ((slot.x, slot.y), *ends)
-    )
-    off = next((d for d in diagnostics if d is not None), None)
-    if off is not None:
-        yield off
-    else:
-        yield from planner.finished.judge(slot, ends)
+    part, reach, places = planner.part, planner.reached[slot.face], slot.centres
+    refusals = (refuse_place(slot, x, y, part, reach) for x, y in ((slot.x, slot.y), *places))
+    off = next((d for d in refusals if d is not None), None)
+    return planner.finished.judge(slot) if off is None else [off]
 
 
 def _steps(slots: Sequence[tuple[int, Slot]], planner: PartPlanner) -> Iterator[Found]:
+    """The ends drilled, where the machine does so and has the drill, and the slots milled."""
+    library = planner.library
     for f, slot in slots:
-        yield from _steps_of(f, slot, planner)
-    drilled = (each for each in planner.holes if each[1].kind != "mark")
-    yield from _judge_neighbours([*slots, *drilled], planner.library.drill.min_edge_distance)
-
-
-def _steps_of(f: int, slot: Slot, planner: PartPlanner) -> Iterator[WorkingStep]:
-    """The ends drilled, where the machine does so and has the drill, and the slot milled."""
-    library, ends, faces = planner.library, slot_ends(slot), (slot.face,)
-    number = planner.number(faces)
-    drills = library.drills((slot.diameter,), faces)
-    mill = library.slot_mill(slot.diameter, faces)
-    if library.drill.slots == "drill-mill" and drills and len(ends) <= 2:
-        drilled = Tooling(number, drills, faces, slot.depth, ("slot-end",))
-        for x, y in ends:
-            yield WorkingStep(x, y, drilled, (f,), slot.source)
-    path = pocket_path(
-        (slot.x, slot.y), (slot.length, slot.height), slot.angle, slot.diameter,
-        mill[0].diameter, library.drill.path_tolerance, slot.depth is not None,
-    )  # fmt: skip
-    milled = Tooling(number, mill, faces, slot.depth, ("slot-mill",))
-    yield WorkingStep(*path[0], milled, (f,), slot.source, path)
+        centres, faces = slot.centres, (slot.face,)
+        number, mill = planner.number(faces), library.slot_mill(slot.diameter, faces)
+        drills = library.drills((slot.diameter,), faces)
+        if library.drill.slots == "drill-mill" and drills and len(centres) <= 2:
+            drilled = Tooling(number, drills, faces, slot.depth, ("slot-end",))
+            for x, y in centres:
+                yield WorkingStep(x, y, drilled, (f,), slot.source)
+        path = pocket_path(
+            (slot.x, slot.y), (slot.length, slot.height), slot.angle, slot.diameter,
+            mill[0].diameter, library.drill.path_tolerance, slot.depth is not None,
+        )  # fmt: skip
+        milled = Tooling(number, mill, faces, slot.depth, ("slot-mill",))
+        yield WorkingStep(*path[0], milled, (f,), slot.source, path)
+    drilled_holes = (each for each in planner.holes if each[1].kind != "mark")
+    yield from _judge_neighbours([*slots, *drilled_holes], library.drill.min_edge_distance)
 
 
 def _judge_neighbours(shapes: Sequence[Shape], steel: float) -> Iterator[Said]:
@@ -149,15 +140,6 @@ def _near(shapes: Sequence[Hole | Slot], steel: float) -> Iterator[tuple[int, in
         open_[one.face] = [*still, i]
 
 
-def slot_ends(slot: Slot) -> tuple[Point, ...]:
-    """Centres of the corner circles of a slot: two, or four of a rectangle."""
-    c, s = unit_vector(slot.angle)
-    halves = dict.fromkeys(
-        (k * slot.length / 2, m * slot.height / 2) for k in (-1, 1) for m in (-1, 1)
-    )
-    return tuple((slot.x + c * a - s * b, slot.y + s * a + c * b) for a, b in halves)
-
-
 def core_distance(one: Hole | Slot, other: Hole | Slot) -> float:
     """Distance between the cores of two shapes; 0 where they cross."""
     mine, theirs = _corners(one), _corners(other)
@@ -171,10 +153,8 @@ def core_distance(one: Hole | Slot, other: Hole | Slot) -> float:
 
 def _corners(shape: Hole | Slot) -> tuple[Point, ...]:
     """The corners of a core, in order around it."""
-    if isinstance(shape, Hole):
-        return ((shape.x, shape.y),)
-    corners = slot_ends(shape)
-    return (corners[0], corners[1], corners[3], corners[2]) if len(corners) == 4 else corners
+    corners = shape.centres
+    return (*corners[:2], corners[3], corners[2]) if len(corners) == 4 else corners
 
 
 def _edges(corners: tuple[Point, ...]) -> list[tuple[Point, Point]]:
@@ -182,7 +162,6 @@ def _edges(corners: tuple[Point, ...]) -> list[tuple[Point, Point]]:
 
 
 def _from_core(shape: Hole | Slot, at: Point) -> float:
-    """Distance of a point from the core of a shape; 0 inside."""
     dx, dy = at[0] - shape.x, at[1] - shape.y
     if isinstance(shape, Hole):
         return hypot(dx, dy)
@@ -192,16 +171,12 @@ def _from_core(shape: Hole | Slot, at: Point) -> float:
 
 
 def _cross(one: tuple[Point, Point], other: tuple[Point, Point]) -> bool:
-    """Whether two straight lines cross, their ends not counted."""
 
     def side(a: Point, b: Point, p: Point) -> float:
         return (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0])
 
     (a, b), (c, d) = one, other
     return side(a, b, c) * side(a, b, d) < 0 and side(c, d, a) * side(c, d, b) < 0
-
-
-# --- path of the mill ----------------------------------------------------------------------------
 
 
 def pocket_path(

@@ -9,7 +9,8 @@ near; which of them is taken is settled over the whole bar (`planning.beam`):
     hole 27.00    the same two                            one drill for both holes
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
+from itertools import repeat
 from math import radians, tan
 from typing import Literal, cast
 
@@ -43,51 +44,48 @@ class Tooling(Struct, frozen=True):
 
 
 class ToolLibrary:
-    """The tools of a machine by kind and face. It keeps what it was asked, and is otherwise
+    """The tools of a machine by kind and face. It keeps its answers, and is otherwise
     immutable; `library_of` gives the same one for the same machine."""
 
     def __init__(self, sets: tuple[ToolSet, ...], drill: Drill) -> None:
         self.drill = drill
         self._sets = sets
         # One object for each tool, so that tools can be told apart by identity.
-        self._tools = [(tools, tuple(_tools(tools))) for tools in sets]
+        self._tools = [
+            (t, [Tool(t.kind, size, t.point_deg, pitch, t.hand, t.tool_material, t.max_peck)
+                 for size, pitch in zip(t.sizes, t.pitches or repeat(0.0), strict=False)])
+            for t in sets
+        ]  # fmt: skip
         self._drills: BoundedCache[object, Tools] = BoundedCache("planning.drills")
         #: for `operations.hole_tools`
         self.toolings: BoundedCache[object, object] = BoundedCache("planning.toolings")
 
     def of_kind(self, kind: ToolKind, faces: tuple[Face, ...]) -> Tools:
         """All tools of a kind that the spindles of all of `faces` take, by diameter."""
-        found = (
+        tools = (
             tool
             for tools, members in self._tools
             if tools.kind == kind and set(faces) <= set(tools.faces)
             for tool in members
         )
-        return tuple(sorted(found, key=lambda t: (t.diameter, t.point_deg, t.pitch, t.hand)))
+        return tuple(sorted(tools, key=lambda t: (t.diameter, t.point_deg, t.pitch, t.hand)))
 
     def drills(self, diameters: tuple[float, ...], faces: tuple[Face, ...]) -> Tools:
         """The drills for holes of all of `diameters` on all of `faces`; none if nothing fits."""
         key = diameters, faces
         known = self._drills.get(key)
         if known is None:
-            fitting = self.fitting(diameters, faces)
-            known = self._drills.keep(
-                key, nearest(fitting, diameters, self.drill.same_tool_tolerance)
-            )
+            fitting, twin = self.fitting(diameters, faces), self.drill.same_tool_tolerance
+            known = self._drills.keep(key, nearest(fitting, diameters, twin))
         return known
 
     def fitting(self, diameters: tuple[float, ...], faces: tuple[Face, ...]) -> Tools:
         """All drills within the tolerance of every one of `diameters`."""
-        fits = [fit_of(diameter, self.drill) for diameter in diameters]
-        if None in fits:
-            return ()
+        fits = [(diameter, fit_of(diameter, self.drill)) for diameter in diameters]
         return tuple(
             tool
             for tool in self.of_kind("drill", faces)
-            if all(
-                fit is not None and is_within(tool.diameter - diameter, fit)
-                for diameter, fit in zip(diameters, fits, strict=True)
-            )
+            if all(fit and is_within(tool.diameter - diameter, fit) for diameter, fit in fits)
         )
 
     def sinks(
@@ -99,11 +97,8 @@ class ToolLibrary:
         below the surface or a flat counterbore only with a tool that fits the diameter.
         """
         fit = fit_of(diameter, self.drill)
-        cones = [
-            t
-            for t in self.of_kind("countersink", faces)
-            if abs(t.point_deg - point_deg) <= ROUNDING
-        ]
+        sinks = self.of_kind("countersink", faces)
+        cones = [t for t in sinks if abs(t.point_deg - point_deg) <= ROUNDING]
         if whole:
             fitting = [t for t in cones if fit and is_within(t.diameter - diameter, fit)]
             return nearest(tuple(fitting), (diameter,), self.drill.same_tool_tolerance)
@@ -111,35 +106,28 @@ class ToolLibrary:
 
     def taps(self, diameter: float, left: bool, faces: tuple[Face, ...]) -> Tools:
         """The tap of a nominal diameter."""
-        hand = "left" if left else "right"
-        return tuple(
-            tap
-            for tap in self.of_kind("tap", faces)
-            if tap.hand == hand and abs(tap.diameter - diameter) <= self.drill.same_tool_tolerance
-        )[:1]
+        hand, off = "left" if left else "right", self.drill.same_tool_tolerance
+        taps = (tap for tap in self.of_kind("tap", faces) if tap.hand == hand)
+        return tuple(tap for tap in taps if abs(tap.diameter - diameter) <= off)[:1]
 
     def pre_drill(self, tap: Tool) -> float:
         """Diameter of the drill before a tap."""
         return next(
             before
-            for tools in self._sets
-            if tools.kind == "tap" and tools.hand == tap.hand
-            for size, before, pitch in zip(
-                tools.sizes, tools.pre_drills, tools.pitches, strict=True
-            )
+            for t in self._sets
+            if t.kind == "tap" and t.hand == tap.hand
+            for size, before, pitch in zip(t.sizes, t.pre_drills, t.pitches, strict=True)
             if size == tap.diameter and pitch == tap.pitch
         )
 
     def ring_mill(self, diameter: float, faces: tuple[Face, ...]) -> Tools:
         """The largest mill that may make a hole of `diameter` as a circle."""
-        largest = max(
-            (t.largest_hole for t in self._sets if t.kind == "mill" and set(faces) <= set(t.faces)),
-            default=0.0,
-        )
-        if diameter > largest:
+        mills = (t for t in self._sets if t.kind == "mill" and set(faces) <= set(t.faces))
+        if diameter > max((t.largest_hole for t in mills), default=0.0):
             return ()
-        fitting = (t for t in self.of_kind("mill", faces) if t.diameter <= MILL_ROOM * diameter)
-        return tuple(fitting)[-1:]
+        return tuple(t for t in self.of_kind("mill", faces) if t.diameter <= MILL_ROOM * diameter)[
+            -1:
+        ]
 
     def slot_mill(self, diameter: float, faces: tuple[Face, ...]) -> Tools:
         """The largest mill that is no wider than a slot."""
@@ -151,15 +139,6 @@ class ToolLibrary:
 library_of: PerObject[Machine, ToolLibrary] = PerObject(
     "planning.library", lambda machine: ToolLibrary(machine.tools, drill_of(machine))
 )
-
-
-def _tools(tools: ToolSet) -> Iterable[Tool]:
-    pitches = tools.pitches or (0.0,) * len(tools.sizes)
-    for diameter, pitch in zip(tools.sizes, pitches, strict=True):
-        yield Tool(
-            tools.kind, diameter, tools.point_deg, pitch, tools.hand, tools.tool_material,
-            tools.max_peck,
-        )  # fmt: skip
 
 
 def fit_of(diameter: float, drill: Drill) -> Fit | None:
@@ -193,7 +172,7 @@ def nearest(fitting: Tools, diameters: tuple[float, ...], twin: float) -> Tools:
 
 # The steps of a hole: drill, drill and tap, sink, punch, or mill round.
 #
-#     through, blind    one drill of a fitting diameter; larger than any drill: a mill led round
+#     through, blind    one drill of a fitting diameter; a larger one a mill along a circle
 #     thread            the drill before the tap, deeper by the tap's run-out, and the tap
 #     countersink       its own row in DSTV, beside the row of the hole that it sinks
 #     mark              a centre punch
@@ -248,26 +227,16 @@ def toolings_of(library: ToolLibrary, hole: HoleWork) -> tuple[Tooling, ...] | R
     """The tools that make a hole, in order; or why there are none."""
     known = library.toolings.get(hole)
     if known is None:
-        known = library.toolings.keep(hole, _toolings(library, hole))
+        known = library.toolings.keep(hole, _MAKERS[hole.kind](library, hole))
     return cast("tuple[Tooling, ...] | Refusal", known)
 
 
-def _toolings(library: ToolLibrary, hole: HoleWork) -> tuple[Tooling, ...] | Refusal:
-    match hole.kind:
-        case "through" | "blind":
-            return _plain(library, hole)
-        case "thread" | "left-thread":
-            return _thread(library, hole)
-        case "countersink":
-            return _sink(library, hole)
-        case "mark":
-            punches = library.of_kind("punch", hole.faces)
-            if not punches:
-                why = no_unit("punch")
-                return Refusal(MARK, {"found": "a centre punch", "face": hole.faces[0], "why": why})
-            return (
-                _step(hole, punches[:1], hole.depth or library.drill.punch_depth, "punch-mark"),
-            )
+def _mark(library: ToolLibrary, hole: HoleWork) -> tuple[Tooling, ...] | Refusal:
+    punches = library.of_kind("punch", hole.faces)[:1]
+    if not punches:
+        why = no_unit("punch")
+        return Refusal(MARK, {"found": "a centre punch", "face": hole.faces[0], "why": why})
+    return (_step(hole, punches, hole.depth or library.drill.punch_depth, "punch-mark"),)
 
 
 def _step(hole: HoleWork, tools: Tools, depth: float | None, reason: str) -> Tooling:
@@ -334,6 +303,12 @@ def _sink(library: ToolLibrary, hole: HoleWork) -> tuple[Tooling, ...] | Refusal
     return (_step(hole, tools, point, reason),) if tools else _no_tool(library, hole)
 
 
+_MAKERS = {
+    "through": _plain, "blind": _plain, "thread": _thread, "left-thread": _thread,
+    "countersink": _sink, "mark": _mark,
+}  # fmt: skip
+
+
 def _no_tool(library: ToolLibrary, hole: HoleWork) -> Refusal:
     values = {
         "kind": hole.kind, "found": f"{max(hole.diameters):g}", "face": hole.faces[0],
@@ -352,20 +327,17 @@ def _nearest_tools(library: ToolLibrary, hole: HoleWork) -> str:
         sinks = sorted({t.diameter for t in library.of_kind("countersink", faces)})
         shown = ", ".join(f"{d:g}" for d in sinks)
         return f"one that the countersinks {shown} make" if sinks else "none, it has no countersink"
-    near = sorted((abs(t.diameter - diameter), t.diameter) for t in library.of_kind("drill", faces))
-    if not near:
+    sizes = sorted(
+        (t.diameter for t in library.of_kind("drill", faces)), key=lambda d: abs(d - diameter)
+    )
+    if not sizes:
         return "none, the machine has no drill"
-    shown = " or ".join(f"{d:g}" for _, d in near[:2])
+    shown = " or ".join(f"{d:g}" for d in sizes[:2])
     fit = fit_of(diameter, library.drill)
     if fit is None:
         return f"a hole near a drill of {shown}"
     limits = f"{diameter - fit.minus:g} to {diameter + fit.plus:g}"
     return f"a drill of {limits} (drill.fits); the nearest are {shown}"
-
-
-# --- working steps --------------------------------------------------------------------------------
-
-# Work at a place of a part, by a spindle or by what letters; other outcomes of a feature.
 
 
 class WorkingStep(Struct, frozen=True):
@@ -377,7 +349,7 @@ class WorkingStep(Struct, frozen=True):
     features: tuple[int, ...]  #: those of the part that it makes
     source: Source
     path: tuple[Point, ...] = ()  #: x on the part and y on the face; () for a stroke
-    text: StampedLetters | None = None  #: that a stamp or printer is told
+    text: StampedLetters | None = None  #: for a stamp or printer
 
 
 class Settled(Struct, frozen=True):

@@ -7,14 +7,14 @@ ends, as far as a saw makes them
      -> refused, or left out where that is allowed
 """
 
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from math import atan, cos, degrees, pi, radians, sqrt, tan
 
 from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, PlanError, Source, error, errors_in, note
-from beamcam.machine.machine import Machine
+from beamcam.machine.machine import Machine, drill_of, saw_of
 from beamcam.machine.stations import Saw, SawSection
 from beamcam.model.description import description
 from beamcam.model.part import Bend, Camber, Contour, EndPlane, Feature, Hole, Part, Slot, TextMark
@@ -28,18 +28,13 @@ from beamcam.planning.operations.finished_part import SQUARE, Ends, SawnEnd, end
 from beamcam.planning.operations.hole import HOLE
 from beamcam.planning.operations.marks import LINE, TEXT
 from beamcam.planning.operations.outlines import CONTOUR, OTHER
-from beamcam.planning.operations.part_planner import BarLine, PartPlanner, WorkKind
+from beamcam.planning.operations.part_planner import PartPlanner, WorkKind
 from beamcam.planning.operations.slot import SLOT
 from beamcam.planning.operations.tools import Settled, WorkingStep
 from beamcam.planning.within import within_larger
 
-# --- kinds ----------------------------------------------------------------------------------------
-
-# The kinds of work on a bar, in the order in which a part gets their steps.
-
-
-KINDS = (HOLE, SLOT, LINE, CONTOUR, TEXT, OTHER)
-REASONS = {code: said for kind in KINDS for code, said in kind.reasons.items()}
+KINDS = (HOLE, SLOT, LINE, CONTOUR, TEXT, OTHER)  #: a part gets their steps in this order
+REASONS = {code: text for kind in KINDS for code, text in kind.reasons.items()}
 KIND_OF = {
     Hole: HOLE, Slot: SLOT, Contour: CONTOUR, TextMark: TEXT,
     Bend: OTHER, EndPlane: OTHER, Camber: OTHER,
@@ -64,9 +59,9 @@ class PartWork(Struct, frozen=True):
     skipped: Mapping[int, Diagnostic] = {}  #: features left out by permission, and why
 
 
-def refuse_stock(parts: Sequence[Part], line: BarLine) -> None:
+def refuse_stock(parts: Sequence[Part], machine: Machine) -> None:
     """Raises PlanError for sections that the machine does not take, or that differ on one bar."""
-    machine, layout = line.machine, line.layout
+    layout = machine.needed(machine.layout, "layout")
     if not parts:
         raise PlanError(rules.NO_PARTS.at(Source(machine.name)))
     refusals: list[Diagnostic] = []
@@ -89,7 +84,7 @@ def refuse_stock(parts: Sequence[Part], line: BarLine) -> None:
         fault = section_fault(mine)
         if fault is not None:
             refusals.append(rules.SECTION_SHAPE.at(part.source, found=fault, code=mine.code))
-    stations = (("saw", line.saw), ("drill", line.drill))
+    stations = (("saw", saw_of(machine)), ("drill", drill_of(machine)))
     for part in parts:
         height, width = part.profile.height, part.profile.width
         for station, size in stations:
@@ -103,49 +98,54 @@ def refuse_stock(parts: Sequence[Part], line: BarLine) -> None:
 
 
 def works_on(
-    parts: Sequence[Part], line: BarLine, skips: Collection[str]
+    parts: Sequence[Part], machine: Machine, skips: Collection[str]
 ) -> tuple[list[PartWork], list[Diagnostic]]:
     """The work of each part, and remarks. Raises PlanError with all that cannot be made."""
     works: dict[int, PartWork] = {}
     for part in parts:
         if id(part) not in works:
-            works[id(part)] = _work_on(part, line, skips)
+            works[id(part)] = _work_on(part, machine, skips)
     refusals = [diagnostic for work in works.values() for diagnostic in work.refusals]
     if refusals:
         raise PlanError(refusals)
-    return [works[id(part)] for part in parts], [*_remarks(works.values(), parts)]
-
-
-def _remarks(works: Iterable[PartWork], parts: Sequence[Part]) -> Iterator[Diagnostic]:
-    """Remarks on each part, once."""
-    for work in works:
+    remarks: list[Diagnostic] = []
+    for work in works.values():
         part = work.part
-        yield from work.remarks
+        remarks += work.remarks
         if part.quantity > 1:
             count = sum(one is part or one == part for one in parts)
             if part.quantity > count:
-                yield rules.QUANTITY.at(part.source, found=part.quantity, made=count)
+                remarks.append(rules.QUANTITY.at(part.source, found=part.quantity, made=count))
+    return [works[id(part)] for part in parts], remarks
 
 
-def _work_on(part: Part, line: BarLine, skips: Collection[str]) -> PartWork:
+def _work_on(part: Part, machine: Machine, skips: Collection[str]) -> PartWork:
     """The work of `part` in its orientation; refusals are in the result, and not raised."""
     try:
-        ends, remarks = ends_of(part, line.saw)
+        ends, remarks = ends_of(part, saw_of(machine))
     except PlanError as error:
         return PartWork(part, SQUARE, error.diagnostics)
-    planner = PartPlanner(part, ends, line)
+    planner = PartPlanner(part, ends, machine)
     of_ends: list[Diagnostic] = []
     for end in ends:
-        if not end.is_square and (lacking := _refuse_cut(end, _turning_saw(line), part)):
-            of_ends.append(lacking)
-    of_ends += _judge_ends(ends, part, line.saw)
+        if not end.is_square and (refusal := _refuse_cut(end, _turning_saw(machine), part)):
+            of_ends.append(refusal)
+    of_ends += _judge_ends(ends, part, saw_of(machine))
     _put_features(planner)
     for kind in KINDS:
         if accepted := planner.accepted[kind.name]:
             planner.take(kind.steps(accepted, planner))
-    planner.refuse(refuse_steps(planner.part.features, planner.steps, planner.travel))
-    planner.refuse_repeats()
-    refused = planner.refused
+    # What no axis comes to outweighs all that was refused before, and drops the steps.
+    refused, steps = planner.refused, planner.steps
+    beyond = dict(refuse_steps(part.features, steps, planner.travel))
+    if beyond:
+        refused |= beyond
+        steps = [step for step in steps if beyond.keys().isdisjoint(step.features)]
+    for f, each in [*planner.settled.items()]:  # the repeats of refused features are refused too
+        if each.like in refused:
+            refused[f] = refused[each.like]
+        if f in refused:
+            del planner.settled[f]
     skipped = {
         f: diagnostic
         for f, diagnostic in refused.items()
@@ -155,48 +155,39 @@ def _work_on(part: Part, line: BarLine, skips: Collection[str]) -> PartWork:
     diagnostics = [
         *remarks,
         *(diagnostic for diagnostic in of_ends if diagnostic not in refusals),
-        *planner.remarks,
+        *(diagnostic for f, diagnostic in planner.remarks if f not in refused),
     ]
     return PartWork(
-        part, ends, tuple(refusals), tuple(diagnostics), tuple(planner.steps),
+        part, ends, tuple(refusals), tuple(diagnostics), tuple(steps),
         tuple(planner.settled.values()), skipped,
     )  # fmt: skip
 
 
 def _put_features(planner: PartPlanner) -> None:
     """Put each feature that can be made to those of its kind, and refuse the others."""
-    marks, within = planner.line.machine.marks, within_larger(planner.part)
-    for f, given in enumerate(planner.part.features):
+    marks, within = planner.machine.marks, within_larger(planner.part)
+    for f, own in enumerate(planner.part.features):
         if f in within:
             planner.settled[f] = Settled(f, "duplicate", within[f].code)
-            planner.told.append((f, within[f]))
+            planner.remarks.append((f, within[f]))
             continue
-        if policy_on(given, marks) is not None and not _is_made(f, given, planner):
-            continue
-        kind, feature = kind_of(given), planner.on_reached_face(f, given)
-        lacking = kind.needs(feature, planner)
-        if lacking is not None:
-            planner.refused[f] = lacking
+        refusal = None
+        if policy_on(own, marks) is not None:
+            why, refusal = listed_by(own, marks), refuse_mark(own, marks)
+            if why is not None:
+                planner.settled[f] = Settled(f, "listed", why)
+                continue
+        kind, feature = kind_of(own), planner.on_reached_face(f, own)
+        refusal = refusal or kind.needs(feature, planner)
+        if refusal is not None:
+            planner.refused[f] = refusal
             continue
         planner.take([(f, diagnostic) for diagnostic in kind.refusals(feature, planner)])
         if f not in planner.refused:
             planner.accepted[kind.name].append((f, feature))
 
 
-def _is_made(f: int, mark: Feature, planner: PartPlanner) -> bool:
-    """Whether a mark is work of the machine; one that is not is listed, or refused."""
-    marks = planner.line.machine.marks
-    why, diagnostic = listed_by(mark, marks), refuse_mark(mark, marks)
-    if why is not None:
-        planner.settled[f] = Settled(f, "listed", why)
-    elif diagnostic is not None:
-        planner.refused[f] = diagnostic
-    return why is None and diagnostic is None
-
-
 # --- ends -----------------------------------------------------------------------------------------
-
-# Whether the saw makes the ends of a part, which is said of the part alone.
 
 
 SAW_ANGLE = error("plan-saw-angle",
@@ -250,10 +241,10 @@ def _refuse_cut(end: SawnEnd, saw: Saw, part: Part) -> Diagnostic | None:
     return None
 
 
-def _turning_saw(line: BarLine) -> Saw:
+def _turning_saw(machine: Machine) -> Saw:
     """The saw with those of its angles that its axis turns to."""
-    saw = line.saw
-    for axis in line.machine.axes:
+    saw = saw_of(machine)
+    for axis in machine.axes:
         if axis.moves == "angle" and axis.spindle is None:
             least, greatest = axis.limits
             if least > saw.min_angle or greatest < saw.max_angle:
@@ -311,8 +302,6 @@ def saw_angles(end: SawnEnd, saw: Saw) -> tuple[float, float]:
 
 # --- rounds ---------------------------------------------------------------------------------------
 
-# Plates that are sawn as pipes, and what no side of a round shows.
-
 
 PIPE = note("plan-pipe",
     "found a plate {found} {height} mm wide; it is the unrolled surface of a pipe {diameter} mm in "
@@ -328,7 +317,7 @@ LEFT_OUT_AS = "cutout"  #: name of what is not seen square for --allow-skips
 PLANE_ENDS = "one as wide as the round, of two plane ends that lean in the view of v alone"
 
 
-def told_of_round(
+def round_remarks(
     given: Part, machine: Machine, skips: Collection[str] = ()
 ) -> Iterator[Diagnostic]:
     """That a plate is sawn as a pipe, and errors for what spindles and saw cannot make of it.

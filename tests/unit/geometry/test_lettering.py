@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from beamcam.geometry.lettering import body_share, font_notice, glyph_of, spelled
+from beamcam.geometry.lettering import _font, body_share, glyph_of, spelled
 
 PLAIN = string.ascii_letters + string.digits + string.punctuation
 ACCENTED = (
@@ -97,5 +97,5 @@ def test_no_character_is_lost(text: str) -> None:
 
 
 def test_the_font_says_where_it_comes_from() -> None:
-    assert "Dr. A. V. Hershey" in font_notice()
+    assert "Dr. A. V. Hershey" in _font("hershey").source
     assert body_share() == 0.75

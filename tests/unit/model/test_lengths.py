@@ -75,8 +75,8 @@ def test_what_lies_twice(many, length: float) -> None:
 
 def test_measures_tell_their_lengths() -> None:
     measures = Measures((CUBIC,), (Line((0, 0), (3, 4)), CUBIC), (("TEXT", 2),))
-    assert measures.filled_length == pytest.approx(CUBIC.length)
-    assert measures.hidden_length == pytest.approx(5 + CUBIC.length)
+    assert total_length(measures.filled) == pytest.approx(CUBIC.length)
+    assert total_length(measures.hidden) == pytest.approx(5 + CUBIC.length)
 
 
 def test_a_sheet_of_many_lines_on_one_carrier_takes_no_square_of_them() -> None:

@@ -11,7 +11,7 @@ from beamcam.machine.machine import Machine, Times
 from beamcam.model.part import Profile
 from beamcam.model.plan import Plan
 from beamcam.planning.beam import plan_bar, plan_oriented, try_turns
-from beamcam.planning.explain import SAID, explain
+from beamcam.planning.explain import REASONS, explain
 from beamcam.planning.times import work_time
 from beamcam.planning.turning import TURNS
 from tests.unit.planning.shop import CHANNEL, TUBE, hole, part, plan
@@ -90,7 +90,7 @@ def test_every_operation_is_explained() -> None:
                       hole(700, 90, 22)))  # fmt: skip
     explained = explain(found, machine)
     assert [s.x for s in explained.steps] == [op.x for op in found.operations]
-    assert all(s.reasons and all(SAID[c] == t for c, t in s.reasons) for s in explained.steps)
+    assert all(s.reasons and all(REASONS[c] == t for c, t in s.reasons) for s in explained.steps)
     assert all(s.sources == ("p.nc1:7",) for s in explained.steps)
     first, second = explained.steps[:2]
     assert [c for c, _ in second.reasons] == ["drill-exact", "place-tool"]

@@ -22,9 +22,8 @@ from beamcam.machine.torch import Torch
 from beamcam.model.part import Part, Profile
 from beamcam.model.program import StepRows, StepTable
 from beamcam.model.request import Request
-from beamcam.motion import step_events, steps
-from beamcam.motion.step_events import BACK, FORWARD, MOVE_BITS, MOVES, TIME_BIT, events
-from beamcam.motion.steps import Way
+from beamcam.motion import steps
+from beamcam.motion.steps import BACK, FORWARD, MOVE_BITS, MOVES, TIME_BIT, Way, events
 from beamcam.pipeline import post, read_back
 from beamcam.planning.contours.plate import SheetMaterial
 from beamcam.solid.sheet_solid import rows_for
@@ -110,13 +109,13 @@ def test_steps_follow_any_path_within_half_a_step(
 def test_windows_make_no_difference(bits: int) -> None:
     way = Way(np.array([[0.0, 0.0], [9.0, 4.0], [3.0, 8.0], [3.0, 1.0]]), 30.0, True, 0.0)
     planned = steps.plan_way(way, STEPPER)
-    kept = step_events.WINDOW_STEPS
+    kept = steps.WINDOW_STEPS
     whole = [np.concatenate(w) for w in zip(*events(planned, STEPPER), strict=True)]
     try:
-        step_events.WINDOW_STEPS = 1 << (bits - 6)
+        steps.WINDOW_STEPS = 1 << (bits - 6)
         split = [np.concatenate(w) for w in zip(*events(planned, STEPPER), strict=True)]
     finally:
-        step_events.WINDOW_STEPS = kept
+        steps.WINDOW_STEPS = kept
     for a, b in zip(whole, split, strict=True):
         assert len(a) == len(b)
         assert ((a & MOVES) == (b & MOVES)).all()
@@ -154,7 +153,7 @@ def test_rows_are_the_steps_one_by_one(
 
 def test_velocities_add_up_and_follow_their_formula() -> None:
     made = table("two-tangents")
-    rows = list(made.stretches())
+    rows = list(made.segments())
     assert (sum(s.steps_x for s in rows), sum(s.steps_y for s in rows)) == (0, 0)
     cut = [s for s in rows if s.laser]
     expected = feed_of(TORCH, 4.0) / 60

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from beamcam.model.lengths import total_length
 from beamcam.readers import dxf
 from beamcam.readers.dxf.layers import colour_of_number
 from tests.dxf_text import (
@@ -44,7 +45,7 @@ def test_only_what_shows_and_plots_is_read() -> None:
     assert length_of(data) == 1
     (part,) = dxf.read(data, "a.dxf").parts
     assert part.measures is not None
-    assert part.measures.hidden_length == 10 + 100 + 1000 + 10000 + 7
+    assert total_length(part.measures.hidden) == 10 + 100 + 1000 + 10000 + 7
     assert [d.message for d in dxf.read(data, "a.dxf").diagnostics] == [
         "found 5 curves on layers that are off, frozen, not plotting or not chosen: 1 CUT, "
         "1 Defpoints, 1 FROZEN, 1 NOPLOT, 1 OFF"

@@ -6,6 +6,7 @@ import pytest
 
 from beamcam import readers
 from beamcam.errors import Severity
+from beamcam.model.lengths import total_length
 from beamcam.readers import svg
 from beamcam.readers.svg import rules
 from beamcam.readers.svg.tree import Element, looks_like
@@ -192,7 +193,7 @@ def test_a_fill_without_stroke_is_not_cut(style: str) -> None:
         "a.svg: warning svg-fill-only: found 1 shapes with a fill and no stroke, which are not cut"
     ]
     (part,) = reading.parts
-    assert (part.features, part.measures.filled_length) == ((), 20)
+    assert (part.features, total_length(part.measures.filled)) == ((), 20)
 
 
 @pytest.mark.parametrize(
@@ -209,7 +210,7 @@ def test_what_does_not_show_is_not_read(style: str) -> None:
     body = f'<line x2="9"/><g style="{style}"><rect width="5" height="5"/></g>'
     reading = read(body)
     assert [d.code for d in reading.diagnostics] == ["svg-invisible"]
-    assert reading.parts[0].measures.hidden_length == 20
+    assert total_length(reading.parts[0].measures.hidden) == 20
     assert length_of(body) == 9
 
 
