@@ -29,7 +29,7 @@ from beamcam.model.part import (
     TextMark,
 )
 from beamcam.pictures import features as shapes
-from beamcam.pictures.callouts import Callouts, callouts, size_letters, sizes_on
+from beamcam.pictures.callouts import called_on, size_letters, sizes_on
 from beamcam.pictures.features import cutting_planes, end_cuts, mitres
 from beamcam.pictures.scene import (
     LETTER,
@@ -57,7 +57,6 @@ from beamcam.pictures.views import (
     guides,
     head_height,
     heading,
-    laid_out,
     legend,
     measured,
     titles,
@@ -79,15 +78,21 @@ Processes = Mapping[str, str]  #: of a machine, by colour or layer
 
 def part_scene(part: Part, unit: Unit = "mm", processes: Processes | None = None) -> Scene:
     """The faces of a part with all its features; a drawing by the processes of a machine."""
-    lines = [line for line in _head(part, unit) if line]
+    length = f"{shown(part.length, unit)} {unit} long" if part.length else ""
+    words = [length, f"{part.quantity} pieces" if part.quantity != 1 else "1 piece", part.grade]
+    names = [f"{name} {value}" for name, value in (("order", part.order),
+             ("drawing", part.drawing), ("phase", part.phase)) if value]  # fmt: skip
+    lines = [f"{part.mark or '(no mark)'}   {part.profile.name}".rstrip(),
+             ", ".join(filter(None, words)), *([", ".join(names)] if names else [])]  # fmt: skip
     views = tuple(view_of(part, face) for face in faces_of(part))
     section = _section(part.profile)
     top = max(head_height(lines), SECTION_HEAD if section else 0.0)
-    called = _called(part, views, laid_out(views, top), unit)
-    views = tuple(replace(view, above=called[view.name].above) for view in views)
-    paper = laid_out(views, top)
-    # Once more, as each face stands lower by the callouts above it.
-    called = _called(part, views, paper, unit)
+    own = {view.name: [f for f in part.features if face_of(f) == view.name] for view in views}
+    sizes = {face: [*sizes_on(features), *mitres(part, face)] for face, features in own.items()}
+    views, paper, called = called_on(
+        views, sizes, top, unit, size_letters(sizes.values()),
+        lambda view, frame: _labels(own[view.name], part, view, frame),
+    )  # fmt: skip
     drawn: list[Shape] = [*heading(lines), *section, *titles(views, paper)]
     for view in views:
         drawn += _face(part, view, paper, processes, True)
@@ -109,24 +114,6 @@ def part_scene(part: Part, unit: Unit = "mm", processes: Processes | None = None
     title = f"{part.mark or 'part'} {part.profile.name}".strip()
     about = f"faces of {title}, {len(part.features)} features, lengths in {unit}"
     return Scene(title, about, WIDTH, y + 20.0 + 13.0 * len(notes), tuple(drawn))
-
-
-def _called(part: Part, views: Sequence[View], paper: Paper, unit: Unit) -> dict[str, Callouts]:
-    """The callouts of each view, where nothing else lies."""
-    own = {view.name: [f for f in part.features if face_of(f) == view.name] for view in views}
-    sizes = {face: [*sizes_on(found), *mitres(part, face)] for face, found in own.items()}
-    letters = size_letters(sizes.values())
-    found = {}
-    for view in views:
-        frame = paper.frames[view.name]
-        (left, top), (right, bottom) = (
-            frame.at(x, y) for x, y in ((view.box[0], view.top), (view.box[2], view.bottom))
-        )
-        labels = _labels(own[view.name], part, view, frame)
-        found[view.name] = callouts(
-            sizes[view.name], letters, frame, (left, top, right, bottom), WIDTH - 8.0, labels, unit
-        )
-    return found
 
 
 def _labels(own: Sequence[Feature], part: Part, view: View, frame: PaperFrame) -> Labels:
@@ -162,16 +149,6 @@ def small_scene(part: Part) -> Scene:
     shapes = [s for s in _face(part, view, paper) if not isinstance(s, Text)]
     bare = tuple(replace(s, tip="") for s in shapes[:MAX_SMALL_SHAPES])
     return Scene(part.mark or "part", "the web", SMALL[0] + 4.0, height, bare)
-
-
-def _head(part: Part, unit: Unit) -> Iterator[str]:
-    yield f"{part.mark or '(no mark)'}   {part.profile.name}".rstrip()
-    length = f"{shown(part.length, unit)} {unit} long" if part.length else ""
-    words = [length, f"{part.quantity} pieces" if part.quantity != 1 else "1 piece", part.grade]
-    yield ", ".join(word for word in words if word)
-    names = [f"{name} {value}" for name, value in (("order", part.order),
-             ("drawing", part.drawing), ("phase", part.phase)) if value]  # fmt: skip
-    yield ", ".join(names)
 
 
 def _notes(part: Part, left_out: int) -> Iterator[str]:
