@@ -22,7 +22,6 @@ from beamcam.pictures.scene import (
     LETTER,
     Box,
     Labels,
-    PaperFrame,
     Pieces,
     Point,
     Polyline,
@@ -32,7 +31,7 @@ from beamcam.pictures.scene import (
     is_in,
     said,
 )
-from beamcam.pictures.views import WIDTH, Paper, View, laid_out
+from beamcam.pictures.views import WIDTH, View, laid_out
 
 SIZE = 10.0  #: of a callout's letters
 ROW = 13.0  #: from row to row above a face
@@ -193,27 +192,24 @@ class Callouts(Struct, frozen=True):
 def called_on(
     views: Sequence[View], sizes: Mapping[str, Sequence[FaceSize]], top: float, unit: Unit = "mm",
     letters: Mapping[Pieces, str] | None = None,
-    labels_of: Callable[[View, PaperFrame], Labels] = lambda *_: Labels(),
-) -> tuple[tuple[View, ...], Paper, dict[str, Callouts]]:  # fmt: skip
-    """The views with room for callouts above each face, their paper, and the callouts.
+    labels_of: Callable[[View], Labels] = lambda _: Labels(),
+) -> tuple[tuple[View, ...], float, dict[str, Callouts]]:  # fmt: skip
+    """Views with room for callouts above each face, y below the last, and the callouts.
 
     `labels_of` says what lies on a face already.
     """
 
-    def called(views: Sequence[View], paper: Paper) -> dict[str, Callouts]:
-        callouts_of = {}
-        for view in views:
-            frame = paper.frames[view.name]
-            face = (*frame.at(view.box[0], view.top), *frame.at(view.box[2], view.bottom))
-            callouts_of[view.name] = _callouts(
-                sizes[view.name], letters or {}, frame, face, labels_of(view, frame), unit
-            )
-        return callouts_of
-
-    above = called(views, laid_out(views, top))
-    higher = tuple(replace(view, above=above[view.name].above) for view in views)
-    paper = laid_out(higher, top)  # once more, as each face stands lower by what is above it
-    return higher, paper, called(higher, paper)
+    placed, bottom, called = tuple(views), 0.0, dict[str, Callouts]()
+    for _ in range(2):  # once more, as each face stands lower by what is above it
+        placed = tuple(
+            replace(one, above=called[one.name].above) if called else one for one in placed
+        )
+        placed, bottom = laid_out(placed, top)
+        called = {
+            view.name: _callouts(sizes[view.name], letters or {}, view, labels_of(view), unit)
+            for view in placed
+        }
+    return placed, bottom, called
 
 
 class _Standing(Struct):
@@ -225,13 +221,13 @@ class _Standing(Struct):
 
 
 def _callouts(
-    sizes: Sequence[FaceSize], letters: Mapping[Pieces, str], frame: PaperFrame, face: Box,
-    labels: Labels, unit: Unit,
+    sizes: Sequence[FaceSize], letters: Mapping[Pieces, str], view: View, labels: Labels,
+    unit: Unit,
 ) -> Callouts:  # fmt: skip
-    """Each size at its first place, and the letters of the others.
-
-    `face` is the box of the face on the paper; `labels` knows what lies there.
-    """
+    """Each size at its first place, and the letters of the others; `labels` knows what lies on the
+    paper."""
+    frame = view.frame
+    face = (*frame.at(view.box[0], view.top), *frame.at(view.box[2], view.bottom))
     drawn: list[Shape] = []
     callouts: list[_Standing] = []
     holes = np.array([(*frame.at(*p.at), p.radius * frame.scale)

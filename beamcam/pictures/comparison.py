@@ -31,7 +31,7 @@ from beamcam.pictures.overlay import Overlay, faces_overlay, outlines, overlay_s
 from beamcam.pictures.part import face_of, faces_of, view_of
 from beamcam.pictures.program import ReadProgram, bar_made, coper_program
 from beamcam.pictures.scene import Circle, PaperFrame, Pieces, Polyline, Shape
-from beamcam.pictures.views import View, head_height, heading, laid_out
+from beamcam.pictures.views import FACES_DOWN, View, head_height, heading, laid_out
 from beamcam.recovery.rings import drilled_of, round_of
 
 ROUND = 1e-3  #: mm; ends of moves nearer than this are one
@@ -46,18 +46,18 @@ def _joined(a: View, b: View) -> View:
 def compared_parts(a: Part, b: Part) -> Overlay:
     """The features of two parts over each other."""
     pairs = list(part_pairs(a, b))
-    faces = [f for f in ("h", "o", "v", "u") if f in {*faces_of(a), *faces_of(b)}]
+    faces = [f for f in FACES_DOWN if f in {*faces_of(a), *faces_of(b)}]
     on_face: dict[str, list[ThingPair]] = {
         f: [p for p in pairs if face_of(p.a or p.b) == f]  # type: ignore[arg-type]
         for f in faces
     }
 
-    def stock(view: View, frame: PaperFrame) -> Iterator[Polyline]:
+    def stock(view: View) -> Iterator[Polyline]:
         if a.profile.code != "B" and view.name in FACE_NAMES:
             corners = []
             for part in (a, b):
                 (p, q), (r, s) = end_lines(part, view.name)
-                corners.append(frame.all((p, r, s, q)))
+                corners.append(view.frame.all((p, r, s, q)))
             yield from outlines(corners[0], corners[1], "stock")
 
     files = [PurePath(part.source.file).name for part in (a, b)]
@@ -93,7 +93,7 @@ def compared_programs(a: ReadProgram, b: ReadProgram) -> Overlay:
 def _compared_bars(a: BarMade, b: BarMade, lines: Sequence[str]) -> Overlay:
     made = [things for bar in (a.made, b.made) for things in (bar.bores, bar.paths, bar.texts)]
     used = {thing.face for things in made for thing in things} | {"v"}
-    faces = [f for f in ("h", "o", "v", "u") if f in used]
+    faces = [f for f in FACES_DOWN if f in used]
     end = max(a.end, b.end)
     width = max(1.0, *(m.profile.face_width(f) for m in (a, b) for f in faces))
     drill = a.machine.drill.x if a.machine.drill else 0.0
@@ -108,10 +108,10 @@ def _compared_bars(a: BarMade, b: BarMade, lines: Sequence[str]) -> Overlay:
         for f in faces
     ]  # fmt: skip
 
-    def stock(view: View, frame: PaperFrame) -> Iterator[Polyline]:
-        size = frame.all(((0.0, 0.0), (end, 0.0), (end, view.box[3]), (0.0, view.box[3])))
-        yield Polyline("same stock-outline", size, True)
-        yield from _cuts(a, b, view.name, frame)
+    def stock(view: View) -> Iterator[Polyline]:
+        size = ((0.0, 0.0), (end, 0.0), (end, view.box[3]), (0.0, view.box[3]))
+        yield Polyline("same stock-outline", view.frame.all(size), True)
+        yield from _cuts(a, b, view)
 
     return faces_overlay(
         "two programs", lines, views, pairs, on_face, _bore_words, _made_shapes, stock, drill
@@ -125,13 +125,13 @@ def _bore_words(thing: Any) -> Pieces:
     return ("" if thing.kind == "drill" else f"{thing.kind} ", "Ø", thing.diameter)
 
 
-def _cuts(a: BarMade, b: BarMade, face: str, frame: PaperFrame) -> Iterator[Polyline]:
+def _cuts(a: BarMade, b: BarMade, view: View) -> Iterator[Polyline]:
     """The cuts of both as they lie in a face."""
     ends = []
     for bar in (a, b):
-        width = bar.profile.face_width(face)
+        width = bar.profile.face_width(view.name)
         ends.append([
-            frame.all(((bar.x_on(p, face, 0.0), 0.0), (bar.x_on(p, face, width), width)))
+            view.frame.all([(bar.x_on(p, view.name, y), y) for y in (0.0, width)])
             for p in bar.saw_planes
         ])  # fmt: skip
     for style, own, other in (("gone", ends[0], ends[1]), ("new", ends[1], ends[0])):
@@ -179,12 +179,12 @@ def _compared_copers(a: ReadProgram, b: ReadProgram, lines: Sequence[str]) -> Ov
                     coper_picture.face_view(s.part, face, s.cuts, s.coper) for s in sides
                 )))  # fmt: skip
 
-    def stock(view: View, frame: PaperFrame) -> Iterator[Shape]:
+    def stock(view: View) -> Iterator[Shape]:
         both = []
         for side in sides:
             end = side.part.length
             high = side.part.profile.face_width(view.name) if side.turn is None else side.turn
-            both.append(frame.all(((0.0, 0.0), (end, 0.0), (end, high), (0.0, high))))
+            both.append(view.frame.all(((0.0, 0.0), (end, 0.0), (end, high), (0.0, high))))
         yield from outlines(both[0], both[1], "part")
 
     return faces_overlay(
@@ -254,16 +254,15 @@ def _compared_ways(a: ReadProgram, b: ReadProgram, lines: Sequence[str]) -> Over
     points = [p for way in both for move in way for p in move] or [(0, 0), (1, 1)]
     low, high = np.min(points, axis=0) * ROUND, np.max(points, axis=0) * ROUND
     box = (float(low[0]), float(low[1]), float(high[0]), max(float(high[1]), float(low[1]) + 1.0))
-    paper = laid_out((View("way", "", box),), head_height(lines))
-    frame = paper.frames["way"]
+    (view,), bottom = laid_out((View("way", "", box),), head_height(lines))
     same = [m for m in second if m in first]
     gone = [m for m in first if m not in second]
     new = [m for m in second if m not in first]
     drawn: list[Shape] = [*heading(lines)]
     for style, moves, line_of in (("same", same, second), ("gone", gone, first),
                                   ("new", new, second)):  # fmt: skip
-        drawn += _chains(style, moves, line_of, frame)
-    scene = overlay_scene("two programs", lines, drawn, paper, f"{len(gone)} gone, {len(new)} new")
+        drawn += _chains(style, moves, line_of, view.frame)
+    scene = overlay_scene("two programs", drawn, bottom, f"{len(gone)} gone, {len(new)} new")
     return Overlay(scene, len(same), 0, len(gone), len(new))
 
 

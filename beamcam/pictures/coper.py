@@ -29,7 +29,6 @@ from beamcam.pictures.part import face_of
 from beamcam.pictures.scene import TOOL_COLOURS, Labels, Polyline, Scene, Shape, Text, Unit, shown
 from beamcam.pictures.views import (
     WIDTH,
-    Paper,
     View,
     datum,
     edges_of,
@@ -90,22 +89,25 @@ def coper_scene(program: CoperProgram, unit: Unit = "mm") -> Scene:
         f"{program.machine.name}, {part.profile.name}, {len(strokes)} cuts",
         f"part: {part.mark or 'without a mark'}, {shown(part.length, unit)} {unit} long",
     ]
-    paper = laid_out(views, head_height(lines))
+    views, bottom = laid_out(views, head_height(lines))
     feeds = list(dict.fromkeys(stroke.row.feed_mm_min for stroke in strokes))
-    drawn: list[Shape] = [*heading(lines), *titles(views, paper)]
+    drawn: list[Shape] = [*heading(lines), *titles(views)]
     for view in views:
-        frame = paper.frames[view.name]
         end, high = part.length, max(view.heights[-1], 0.0)
         corners = ((0.0, 0.0), (end, 0.0), (end, high), (0.0, high))
-        drawn.append(Polyline("face", frame.all(corners), True))
+        drawn.append(Polyline("face", view.frame.all(corners), True))
         if is_tube and part.profile.code == "M":
-            drawn += _box_tube(program, view, paper)
+            drawn += _box_tube(program, view)
         else:
-            drawn += _asked(part if program.parts else None, view, paper)
-        drawn += datum(view, frame)
-        drawn += _cuts(strokes, view, paper, feeds)
-        drawn += figures(view, paper, unit)
-    y = paper.bottom + 10.0
+            for feature in part.features if program.parts else ():
+                if face_of(feature) == view.name:
+                    for shape in feature_shapes(feature, view.frame):
+                        style = "same-text" if isinstance(shape, Text) else "same"
+                        drawn.append(replace(shape, classes=style))
+        drawn += datum(view)
+        drawn += _cuts(strokes, view, feeds)
+        drawn += figures(view, unit)
+    y = bottom + 10.0
     rows = [(f"path-{k % len(TOOL_COLOURS)}", f"cut at {feed:g} mm/min")
             for k, feed in enumerate(feeds)]  # fmt: skip
     rows += [("same", "the part as it is asked for")] if program.parts else []
@@ -199,9 +201,9 @@ def _unrolled(view: View, part: Part, coper: Coper) -> View:
     )  # fmt: skip
 
 
-def _box_tube(program: CoperProgram, view: View, paper: Paper) -> Iterator[Shape]:
+def _box_tube(program: CoperProgram, view: View) -> Iterator[Shape]:
     """What stays of a rectangular tube, in grey, and where its faces end."""
-    frame, part = paper.frames[view.name], part_of(program)
+    frame, part = view.frame, part_of(program)
     coper = program.machine.needed(program.machine.coper, "coper")
     section = tube_section(part, coper)
     for face in "uvoh":
@@ -213,24 +215,13 @@ def _box_tube(program: CoperProgram, view: View, paper: Paper) -> Iterator[Shape
             yield Polyline("same", frame.all(ring), True)
 
 
-def _asked(part: Part | None, view: View, paper: Paper) -> Iterator[Shape]:
-    """What a part has on a face, in grey."""
-    frame = paper.frames[view.name]
-    for feature in part.features if part is not None else ():
-        if face_of(feature) == view.name:
-            for shape in feature_shapes(feature, frame):
-                yield replace(shape, classes="same-text" if isinstance(shape, Text) else "same")
-
-
-def _cuts(
-    strokes: Sequence[TorchStroke], view: View, paper: Paper, feeds: Sequence[float]
-) -> Iterator[Shape]:
+def _cuts(strokes: Sequence[TorchStroke], view: View, feeds: Sequence[float]) -> Iterator[Shape]:
     """The paths of the torch on a face, and their numbers in the order of the work."""
-    frame, labels = paper.frames[view.name], Labels()
+    labels = Labels()
     for number, stroke in enumerate(strokes, 1):
         if stroke.face != view.name:
             continue
-        points = frame.all(stroke.points)
+        points = view.frame.all(stroke.points)
         colour = feeds.index(stroke.row.feed_mm_min) % len(TOOL_COLOURS)
         tip = f"{number}: cut on face {stroke.face} at {stroke.row.feed_mm_min:g} mm/min"
         tip += f", tilted to B {stroke.b_deg:g}" if stroke.b_deg and not stroke.leans else ""

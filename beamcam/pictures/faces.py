@@ -10,6 +10,7 @@ from beamcam.model.description import face_title, runs_down
 from beamcam.model.part import FACES, Face, Profile
 from beamcam.pictures.features import section_outlines
 from beamcam.pictures.scene import Circle, PaperFrame, Point, Polyline, Scene, Shape, Text, arrow
+from beamcam.pictures.views import FACES_DOWN
 
 #: A section with flanges wider than the web is thick, and one hole on each face, off every middle.
 EXAMPLE = Profile("U", "U 200 x 120", 200.0, 120.0, 14.0, 10.0)
@@ -25,7 +26,7 @@ def faces_scene() -> Scene:
     """How x and y run on each face: the section with its letters, and the faces unfolded."""
     drawn: list[Shape] = [*_section()]
     y = _TOP
-    for face in ("h", "o", "v", "u"):
+    for face in FACES_DOWN:
         width = EXAMPLE.face_width(face) * _SCALE
         drawn += _view(face, unfolded(face, y + width))
         y += width + _GAP

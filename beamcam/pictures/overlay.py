@@ -19,7 +19,6 @@ from beamcam.pictures.scene import PaperFrame, Pieces, Point, Polyline, Scene, S
 from beamcam.pictures.views import (
     SIDE,
     WIDTH,
-    Paper,
     View,
     figures,
     footing,
@@ -50,7 +49,7 @@ def faces_overlay(
     title: str, lines: Sequence[str], views: Iterable[View], pairs: Sequence[ThingPair],
     on_face: Mapping[str, Sequence[ThingPair]], words: Callable[[Any], Pieces],
     shapes: Callable[[Any, PaperFrame], Iterable[Shape]],
-    stock: Callable[[View, PaperFrame], Iterable[Shape]], origin: float = 0.0,
+    stock: Callable[[View], Iterable[Shape]], origin: float = 0.0,
     radius: Callable[[Any], float] = radius_of_round,
 ) -> Overlay:  # fmt: skip
     """Pairs of things over each other, on the faces that they lie on.
@@ -63,23 +62,22 @@ def faces_overlay(
         for view in views
     ]
     sizes = {face: _changed_sizes(own, words, origin, radius) for face, own in on_face.items()}
-    drawn_on, paper, called = called_on(plain, sizes, head_height(lines))
-    drawn: list[Shape] = [*heading(lines), *titles(drawn_on, paper)]
+    drawn_on, bottom, called = called_on(plain, sizes, head_height(lines))
+    drawn: list[Shape] = [*heading(lines), *titles(drawn_on)]
     drawn += [shape for one in called.values() for shape in one.shapes]
     for view in drawn_on:
-        frame = paper.frames[view.name]
-        drawn += stock(view, frame)
-        frame = replace(frame, left=frame.left - origin * frame.scale)
+        drawn += stock(view)
+        frame = replace(view.frame, left=view.frame.left - origin * view.frame.scale)
         # Equal things first, so that differences are drawn on top.
         for pair in sorted(on_face[view.name], key=lambda pair: not pair.is_same):
             drawn += _drawn_pair(pair, shapes, frame)
-        drawn += figures(view, paper, "mm", -origin)
+        drawn += figures(view, "mm", -origin)
     same = sum(pair.is_same for pair in pairs)
     gone = sum(pair.b is None for pair in pairs)
     new = sum(pair.a is None for pair in pairs)
     changed = len(pairs) - same - gone - new
     about = f"{same} the same, {changed} changed, {gone} gone, {new} new"
-    return Overlay(overlay_scene(title, lines, drawn, paper, about), same, changed, gone, new)
+    return Overlay(overlay_scene(title, drawn, bottom, about), same, changed, gone, new)
 
 
 def _changed_places(pairs: Iterable[ThingPair], origin: float) -> tuple[float, ...]:
@@ -139,12 +137,9 @@ def outlines(a: tuple[Point, ...], b: tuple[Point, ...], noun: str) -> Iterator[
     yield Polyline("new stock-outline", b, True, f"{noun} of B")
 
 
-def overlay_scene(
-    title: str, lines: Sequence[str], drawn: list[Shape], paper: Paper, about: str
-) -> Scene:
+def overlay_scene(title: str, drawn: list[Shape], bottom: float, about: str) -> Scene:
     """The picture with its legend and its footing."""
-    y = paper.bottom + 8.0
-    x = SIDE
+    x, y = SIDE, bottom + 8.0
     for style, text in (("same", "the same"), ("gone", "in A"), ("new", "in B"),
                         ("moved", "moved")):  # fmt: skip
         drawn.append(Polyline(f"{style} legend", ((x, y), (x + 18.0, y))))

@@ -103,8 +103,8 @@ def table_scene(table: TableMade, unit: Unit = "mm") -> Scene:
     framed = _frame_of(box, sheet)
     least = TABLE_HEAD if limits else 0.0
     view = View("table", "", framed, tuple(_steps(framed, 0)), tuple(_steps(framed, 1)))
-    paper = laid_out((view,), max(head_height(lines) - 8.0, least - TITLE))
-    frame = paper.frames["table"]
+    (view,), y = laid_out((view,), max(head_height(lines) - 8.0, least - TITLE))
+    frame = view.frame
     speeds = table.speeds_mm_s
     on = np.zeros(len(trace.line), dtype=bool)
     for a, b, _ in strokes:
@@ -115,12 +115,11 @@ def table_scene(table: TableMade, unit: Unit = "mm") -> Scene:
     if limits:
         drawn += _overview(table.machine, limits, box, unit)
     drawn += _ground(framed, sheet, box, frame)
-    drawn += figures(view, paper, unit)
+    drawn += figures(view, unit)
     drawn += _rapids(trace, on, frame)
     drawn += _leads(trace, strokes, frame)
     drawn += _paths(trace, strokes, colours, frame)
     drawn += _pierces(trace, strokes, frame)
-    y = paper.bottom
     drawn += _scale(frame, framed, y, unit)
     used = sorted({int(k) for k in colours[on & (speeds > 0.0)]})
     has_leads = any(shape.classes == "lead" for shape in drawn)
