@@ -212,7 +212,7 @@ def called_on(
     return placed, bottom, called
 
 
-class _Standing(Struct):
+class _RaisedCallout(Struct):
     """A callout above a face: where its leader goes up, and where it leads."""
 
     words: Pieces
@@ -229,7 +229,7 @@ def _callouts(
     frame = view.frame
     face = (*frame.at(view.box[0], view.top), *frame.at(view.box[2], view.bottom))
     drawn: list[Shape] = []
-    callouts: list[_Standing] = []
+    callouts: list[_RaisedCallout] = []
     holes = np.array([(*frame.at(*p.at), p.radius * frame.scale)
                       for size in sizes if size.is_hole for p in size.places])  # fmt: skip
     roomy = face[3] - face[1] >= ROOM
@@ -250,7 +250,7 @@ def _callouts(
         if free is not None:
             drawn += free
         else:
-            callouts.append(_Standing(words, x, (x, y - radius)))
+            callouts.append(_RaisedCallout(words, x, (x, y - radius)))
         if letter:
             drawn += [
                 _lettered(letter, one, holes, labels)
@@ -313,7 +313,7 @@ def _beside(
     return shapes
 
 
-def _rows(callouts: Sequence[_Standing], top: float, unit: Unit) -> tuple[list[Shape], int]:
+def _rows(callouts: Sequence[_RaisedCallout], top: float, unit: Unit) -> tuple[list[Shape], int]:
     """Callouts above a face, so that no text lies over another or over its leader.
 
     A text stands to the right of its leader. From right to left, each takes the lowest row in

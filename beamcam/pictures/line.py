@@ -46,19 +46,14 @@ def line_scene(machine: Machine) -> Scene:
     return Scene(f"line {machine.name}", about, WIDTH, HEIGHT, tuple(drawn))
 
 
-def _stations(machine: Machine) -> list[tuple[float, str, str]]:
-    """X, class and name of each station, upstream first."""
-    stations: list[tuple[float, str, str]] = []
+def _plan(machine: Machine) -> Iterator[Shape]:
+    """The stations at their X, a bar whose front stands past them, and the signs of the saw."""
+    stations: list[tuple[float, str, str]] = []  #: X, class and name, upstream first
     if machine.saw is not None:
         stations.append((machine.saw.x, "cut", "saw"))
     if machine.drill is not None:
         stations.append((machine.drill.x, "tool-0", "drills"))
-    return sorted(stations)
-
-
-def _plan(machine: Machine) -> Iterator[Shape]:
-    """The stations at their X, a bar whose front stands past them, and the signs of the saw."""
-    stations = _stations(machine)
+    stations.sort()
     first, last = stations[0][0], stations[-1][0]
     room = max(last - first, 400.0)
     low, front = first - 0.8 * room, last + 0.45 * room

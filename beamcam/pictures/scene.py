@@ -100,9 +100,7 @@ def said(pieces: Pieces, unit: Unit = "mm") -> str:
     return "".join([one if isinstance(one, str) else shown(one, unit) for one in pieces])
 
 
-# --- styles ---------------------------------------------------------------------------------------
-
-# The styles of pictures: how a class of shapes is drawn, on paper and in the dark.
+# --- styles: how a class of shapes is drawn, on paper and in the dark -----------------------------
 
 
 class Style(Struct, frozen=True):
@@ -221,10 +219,7 @@ def css(prefix: str = "", dark: bool = False) -> str:
     return "".join(lines)
 
 
-# --- labels ---------------------------------------------------------------------------------------
-
-# Places for small texts beside what they name, so that none lies over another.
-
+# --- labels: places for small texts beside what they name, so that none lies over another ---------
 
 Box = tuple[float, float, float, float]
 
@@ -286,7 +281,10 @@ class Labels:
 
     def _is_free(self, box: Box) -> bool:
         near = (other for cell in _cells(box) for other in self._cells.get(cell, ()))
-        return not any(_overlap(box, other) for other in chain(near, self._large))
+        return not any(
+            box[0] < other[2] and other[0] < box[2] and box[1] < other[3] and other[1] < box[3]
+            for other in chain(near, self._large)
+        )
 
 
 def _cells(box: Box) -> Iterator[tuple[int, int]]:
@@ -297,10 +295,6 @@ def _cells(box: Box) -> Iterator[tuple[int, int]]:
 def is_in(a: Box, b: Box) -> bool:
     """Whether a box lies in another."""
     return b[0] <= a[0] and b[1] <= a[1] and a[2] <= b[2] and a[3] <= b[3]
-
-
-def _overlap(a: Box, b: Box) -> bool:
-    return a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3]
 
 
 def arrow(a: Point, b: Point, classes: str = "axis") -> Polyline:
