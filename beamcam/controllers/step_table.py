@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from beamcam.errors import Diagnostic, Rule, Source, error
+from beamcam.errors import Rule, Source, VerifyError, error
 from beamcam.geometry.array_types import Counts
 from beamcam.machine.tables import Stepper
 
@@ -48,14 +48,6 @@ class Rows(NamedTuple):
     laser: Counts
 
 
-class TableFault(Exception):
-    """A table that cannot be read."""
-
-    def __init__(self, diagnostic: Diagnostic) -> None:
-        super().__init__(str(diagnostic))
-        self.diagnostic = diagnostic
-
-
 class Stream:
     """Bytes that come piece by piece, taken by lines or by numbers of bytes."""
 
@@ -66,10 +58,10 @@ class Stream:
 
     def fault(
         self, found: str, expected: str, line: int | None = None, rule: Rule = ROW
-    ) -> TableFault:
+    ) -> VerifyError:
         """The fault at a line, or at the next one."""
         source = Source(self.name, self.line if line is None else line)
-        return TableFault(rule.at(source, found=found, expected=expected))
+        return VerifyError(rule.at(source, found=found, expected=expected))
 
     def _fill(self, size: int) -> int:
         """How many bytes there are, of `size` that are asked for."""
@@ -126,7 +118,7 @@ def shown(data: bytes) -> str:
 
 
 def text_rows(stream: Stream, stepper: Stepper) -> Iterator[Rows]:
-    """The rows of the text form. Raises TableFault."""
+    """The rows of the text form. Raises VerifyError."""
     stream.take_head("steps", COLUMNS, stepper.step)
     while data := stream.take(BLOCK_ROWS * ROW_BYTES):
         if len(data) % ROW_BYTES:
@@ -154,7 +146,7 @@ def _text_block(data: bytes, stream: Stream) -> Rows:
 
 
 def binary_rows(stream: Stream, stepper: Stepper) -> Iterator[Rows]:
-    """The rows of the binary form, which are counted from 1. Raises TableFault."""
+    """The rows of the binary form, which are counted from 1. Raises VerifyError."""
     data = stream.take(_HEAD.size)
     if not data.startswith(_MAGIC) or len(data) < _HEAD.size:
         raise stream.fault(repr(shown(data[:8])), f"{_MAGIC.decode()} and a head of 32 bytes")
@@ -205,7 +197,7 @@ def _frame(stepper: Stepper) -> list[str]:
 
 
 def header_rows(stream: Stream, stepper: Stepper) -> Iterator[Rows]:
-    """The rows of a C header. Raises TableFault."""
+    """The rows of a C header. Raises VerifyError."""
     first, *more = _frame(stepper)
     while (line := stream.take_line(first)) != first.encode():
         if not (line.startswith(b"/* ") and line.find(b"*/") == len(line) - 2):

@@ -135,7 +135,6 @@ def _steps(data: str | bytes, machine: Machine, name: str, style: str) -> Simula
     from beamcam.checks.steps.velocities import stretches
     from beamcam.controllers.step_table import (
         Stream,
-        TableFault,
         binary_rows,
         header_rows,
         text_rows,
@@ -144,13 +143,10 @@ def _steps(data: str | bytes, machine: Machine, name: str, style: str) -> Simula
     stepper = machine.needed(machine.stepper, "stepping motors")
     form = style if style in FORMS else machine.suffix
     stream = Stream((data.encode() if isinstance(data, str) else data,), name)
-    try:
-        if form == VELOCITIES:
-            return Simulated(velocity_trace(stretches(stream, stepper.step), machine), ())
-        rows = {".steps": text_rows, ".bin": binary_rows, ".h": header_rows}[form]
-        return Simulated(step_trace(rows(stream, stepper), machine), ())
-    except TableFault as fault:
-        raise VerifyError(fault.diagnostic) from fault
+    if form == VELOCITIES:
+        return Simulated(velocity_trace(stretches(stream, stepper.step), machine), ())
+    rows = {".steps": text_rows, ".bin": binary_rows, ".h": header_rows}[form]
+    return Simulated(step_trace(rows(stream, stepper), machine), ())
 
 
 # --- triggers -------------------------------------------------------------------------------------

@@ -18,12 +18,11 @@ from beamcam.checks.steps.velocities import ROUND, Velocities, stretches
 from beamcam.controllers.step_table import (
     Rows,
     Stream,
-    TableFault,
     binary_rows,
     header_rows,
     text_rows,
 )
-from beamcam.errors import Diagnostic, errors_in
+from beamcam.errors import Diagnostic, VerifyError, errors_in
 from beamcam.machine.machine import Machine
 from beamcam.machine.tables import Stepper
 from beamcam.model.part import Part
@@ -87,6 +86,6 @@ def _read(follow: Callable[[Any], None], rows: Iterator[Any]) -> Diagnostic | No
     try:
         for row in rows:
             follow(row)
-    except TableFault as fault:
-        return fault.diagnostic
+    except VerifyError as fault:
+        return fault.diagnostics[0]
     return None

@@ -176,7 +176,7 @@ class CuttingTable:
     # -- time -------------------------------------------------------------------------------
 
     def cycle(self) -> None:
-        """One scan of the program, and what the axes do until the next. Raises Fault."""
+        """One scan of the program, and what the axes do until the next. Raises VerifyError."""
         x, y, *z = self.axes
         low_and_high = [
             at for place, end in zip(self.head(), self.ends, strict=True)

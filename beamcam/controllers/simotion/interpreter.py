@@ -1,47 +1,27 @@
 """Structured Text run: a syntax tree written as Python, one function for each block.
 
 Blocks are compiled once; the variables of an instance are a dictionary that its function is called
-with. Commands go to a `World`, which knows axes and time. AND and OR stop at the first value that
-decides, which makes no difference as expressions have no effects.
+with. Commands go to a `CuttingTable`, which knows axes and time. AND and OR stop at the first value
+that decides, which makes no difference as expressions have no effects.
 """
 
 from collections.abc import Callable, Container, Iterable, Iterator, Sequence
 from math import sqrt
 from types import CodeType
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from beamcam.caches import cached
 from beamcam.controllers.simotion import rules, syntax
-from beamcam.errors import Diagnostic, Source
+from beamcam.errors import Source, VerifyError
+
+if TYPE_CHECKING:
+    from beamcam.controllers.simotion.cutting_table import CuttingTable
 
 Values = dict[str, Any]
-Variables = dict[
-    str, syntax.Variable | None
-]  #: by their names in capitals; None: outside the units
+#: By their names in capitals; None: outside the units.
+Variables = dict[str, syntax.Variable | None]
 
 _FIRST: dict[str, Any] = {"BOOL": False, "REAL": 0.0, "LREAL": 0.0, "TIME": 0.0}
-
-
-class World(Protocol):
-    """The environment of a program besides its variables."""
-
-    clock_s: float
-    objects: dict[str, Any]  #: axes and path objects by their names in capitals
-    natives: dict[str, Callable[[], "Native"]]  #: function blocks of a library, by their types
-
-    def command(self, name: str, values: dict[str, Any], line: int) -> int:
-        """Carry out a command; 0 if it was accepted."""
-
-    def system(self, base: Any, name: str) -> Any:
-        """A system variable of an object."""
-
-
-class ControllerFault(Exception):
-    """A fault that stops the controller."""
-
-    def __init__(self, diagnostic: Diagnostic) -> None:
-        super().__init__(str(diagnostic))
-        self.diagnostic = diagnostic
 
 
 class Native(Protocol):
@@ -56,13 +36,13 @@ class Native(Protocol):
 class Timer(Native):
     """TON: Q follows IN after PT."""
 
-    def __init__(self, world: World) -> None:
-        self._world = world
+    def __init__(self, table: "CuttingTable") -> None:
+        self._table = table
         self._since: float | None = None
         self.values: Values = {"Q": False, "ET": 0.0}
 
     def run(self, inputs: Values) -> None:
-        now = self._world.clock_s
+        now = self._table.clock_s
         if not inputs["IN"]:
             self._since = None
             self.values.update(Q=False, ET=0.0)
@@ -91,8 +71,9 @@ class ProjectInterpreter:
     """The units of a project, loaded: global variables, and one instance of each program."""
 
     def __init__(
-        self, units: Sequence[syntax.Unit], world: World, name: str, outside: Sequence[str] = ()
-    ) -> None:
+        self, units: Sequence[syntax.Unit], world: "CuttingTable", name: str,
+        outside: Sequence[str] = (),
+    ) -> None:  # fmt: skip
         """`outside` are BOOL variables of the project that no unit here declares."""
         self.world, self.name = world, name
         self.globals: Values = dict.fromkeys((key.upper() for key in outside), False)
@@ -116,7 +97,7 @@ class ProjectInterpreter:
         }
 
     def run(self, program: str) -> None:
-        """One cycle of a program. Raises Fault; KeyError for a program that is not there."""
+        """One cycle of a program. Raises VerifyError; KeyError for a program that is not there."""
         self._programs[program.upper()].run({})
 
     def has(self, program: str) -> bool:
@@ -152,19 +133,17 @@ class ProjectInterpreter:
         return _Writer(own, self._known, self.world.objects, instances)
 
     def _at(self, index: int, low: int, high: int, name: str, line: int) -> int:
-        """The place of an element in its array; raises Fault beyond its bounds."""
+        """The place of an element in its array; raises VerifyError beyond its bounds."""
         if not low <= index <= high:
             source = Source(self.name, line)
-            raise ControllerFault(
-                rules.BOUNDS.at(source, found=index, name=name, low=low, high=high)
-            )
+            raise VerifyError(rules.BOUNDS.at(source, found=index, name=name, low=low, high=high))
         return index - low
 
     def _divide(self, operator: str, a: Any, b: Any, line: int) -> Any:
         """A quotient or the rest of one; of whole numbers a whole one, towards 0."""
         if b == 0:
             source = Source(self.name, line)
-            raise ControllerFault(rules.RUN.at(source, found="a division by 0", expected="none"))
+            raise VerifyError(rules.RUN.at(source, found="a division by 0", expected="none"))
         if operator == "MOD":
             return a - b * int(a / b)
         return int(a / b) if isinstance(a, int) else a / b

@@ -8,30 +8,19 @@ drops out while MC_Power is called with Enable is in the state ErrorStop.
 from abc import abstractmethod
 from collections.abc import Callable
 from functools import partial
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 from beamcam.controllers.simotion import rules
 from beamcam.controllers.simotion.axes import Axis
 from beamcam.controllers.simotion.interpreter import Native, Values
-from beamcam.errors import Rule
-from beamcam.machine.tables import Triggers
+
+if TYPE_CHECKING:
+    from beamcam.controllers.simotion.cutting_table import CuttingTable
 
 COMMANDED_POSITION = 1  #: number of that parameter
 
 
-class AxisTable(Protocol):
-    """The table whose axes the blocks move."""
-
-    triggers: Triggers
-
-    def command(self, name: str, values: Values, line: int) -> int:
-        """Carry out a command; 0 if it was accepted."""
-
-    def say(self, rule: Rule, line: int | None, **values: object) -> None:
-        """Add a message."""
-
-
-def motion_blocks(table: AxisTable) -> dict[str, Callable[[], Native]]:
+def motion_blocks(table: "CuttingTable") -> dict[str, Callable[[], Native]]:
     """The blocks of a table, by their names in capitals."""
     kinds: tuple[type[_Block], ...] = (
         _Power, _Move, _Halt, _SetPosition, _Stop, _Reset, _Status, _Position, _Parameter,
@@ -39,7 +28,7 @@ def motion_blocks(table: AxisTable) -> dict[str, Callable[[], Native]]:
     return {kind.name: partial(kind, table) for kind in kinds}
 
 
-def start(table: AxisTable, name: str, values: Values) -> bool:
+def start(table: "CuttingTable", name: str, values: Values) -> bool:
     """Start what a block asks of its axis; False if the axis refuses it."""
     axis: Axis = values["AXIS"]
     if name == _Reset.name:
@@ -68,7 +57,7 @@ class _Block(Native):
     name = ""
     outputs: tuple[str, ...] = ("ERROR",)
 
-    def __init__(self, table: AxisTable) -> None:
+    def __init__(self, table: "CuttingTable") -> None:
         self.table = table
         self.values: Values = dict.fromkeys(self.outputs, False)
         self.inputs: Values = {"ENABLE": False, "EXECUTE": False}
@@ -214,7 +203,7 @@ class _Position(_Block):
     name = "MC_READACTUALPOSITION"
     outputs = ("VALID", "BUSY", "ERROR")
 
-    def __init__(self, table: AxisTable) -> None:
+    def __init__(self, table: "CuttingTable") -> None:
         super().__init__(table)
         self.values[self.value] = 0.0
 

@@ -15,7 +15,7 @@ from beamcam.controllers.simotion.cutting_table import CuttingTable
 from beamcam.controllers.simotion.parser import parse
 from beamcam.controllers.simotion.syntax import Unit
 from beamcam.controllers.simotion.types import parse_plain
-from beamcam.errors import Diagnostic, Source, errors_in
+from beamcam.errors import Diagnostic, Source, VerifyError, errors_in
 from beamcam.machine.machine import Machine
 from beamcam.machine.runtime import (
     PROCESSES,
@@ -133,8 +133,6 @@ def _kinds(triggers: Triggers) -> list[int]:
 
 def _run(units: list[Unit], machine: Machine, name: str) -> list[Diagnostic]:
     """Events of a run from the start button to the end."""
-    from beamcam.controllers.simotion.interpreter import ControllerFault
-
     assert machine.triggers is not None
     table = CuttingTable(units, machine, name)
     for axis, count in zip(table.axes, machine.triggers.counts(), strict=True):
@@ -147,8 +145,8 @@ def _run(units: list[Unit], machine: Machine, name: str) -> list[Diagnostic]:
             if table.value("workDone") or table.value("workFault"):
                 break
             table.cycle()
-    except ControllerFault as fault:
-        return [*table.diagnostics, fault.diagnostic]
+    except VerifyError as fault:
+        return [*table.diagnostics, *fault.diagnostics]
     diagnostics = list(table.diagnostics)
 
     def wrong(found: str, expected: str) -> None:

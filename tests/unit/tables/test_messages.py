@@ -12,11 +12,10 @@ from beamcam.controllers import step_table as row_rules
 from beamcam.controllers.simotion import rules as st_rules
 from beamcam.controllers.simotion.checker import check
 from beamcam.controllers.simotion.cutting_table import CuttingTable
-from beamcam.controllers.simotion.interpreter import ControllerFault
 from beamcam.controllers.simotion.parser import parse
 from beamcam.controllers.simotion.trial import project_objects
 from beamcam.emitters import step_table as forms
-from beamcam.errors import Diagnostic
+from beamcam.errors import Diagnostic, VerifyError
 from beamcam.machine import load
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch_faults import table_faults
@@ -156,8 +155,8 @@ def said_of(text: str) -> list[Diagnostic]:
         while not cell.diagnostics and cell.clock_s < 20:
             cell.start = cell.clock_s > 0.0
             cell.cycle()
-    except ControllerFault as fault:
-        return [fault.diagnostic]
+    except VerifyError as fault:
+        return [*fault.diagnostics]
     return cell.diagnostics
 
 
