@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 
 from beamcam.controllers.simotion import axes, rules, syntax
-from beamcam.controllers.simotion.names import UNKNOWN, Names, near, text_of
+from beamcam.controllers.simotion.names import UNKNOWN, Names, text_of
 from beamcam.controllers.simotion.parser import KEYWORDS
 from beamcam.controllers.simotion.types import Types
 from beamcam.errors import Diagnostic
@@ -33,10 +33,7 @@ class _Checker:
             for word in unit.uses:
                 other = by_name.get(word.text.upper())
                 if other is None:
-                    expected = near(word.text, by_name)
-                    self.names.say(
-                        rules.NAME, word.line, found=f"unit {word.text}", expected=expected
-                    )
+                    self.names.unknown(word.line, f"unit {word.text}", word.text, by_name)
                 else:
                     used |= {v.name.upper(): v for v in other.variables}
             self._exports(unit)
@@ -45,7 +42,9 @@ class _Checker:
             if unit.plain:  # a block sees of the global variables those that it declares itself
                 self.shared, self.names.globals = used, {}
             for block in unit.blocks:
-                self._block(block)
+                self.names.locals = {}
+                self._declare(block.variables, self.names.locals)
+                self._statements(block.body)
         return sorted(self.names.diagnostics, key=lambda d: d.source.line or 0)
 
     def _exports(self, unit: syntax.Unit) -> None:
@@ -53,14 +52,13 @@ class _Checker:
         for kind, name, line in unit.exports:
             block = own.get(name.upper())
             if block is None or block.kind != kind:
-                self.names.say(rules.NAME, line, found=f"{kind} {name}", expected=near(name, own))
+                self.names.unknown(line, f"{kind} {name}", name, own)
         exported = {name.upper() for _, name, _ in unit.exports}
         for block in unit.blocks:
             if block.kind == "PROGRAM" and block.name.upper() not in exported:
-                self.names.say(
-                    rules.NAME, block.line, found=f"PROGRAM {block.name}",
-                    expected="its name in the INTERFACE, so that a task can call it",
-                )  # fmt: skip
+                expected = "its name in the INTERFACE, so that a task can call it"
+                found = f"PROGRAM {block.name}"
+                self.names.say(rules.NAME, block.line, found=found, expected=expected)
             if [b.name.upper() for b in unit.blocks].count(block.name.upper()) > 1:
                 self.names.twice(block.name, block.line)
 
@@ -69,21 +67,20 @@ class _Checker:
     ) -> None:
         """Put variables to those that can be seen already."""
         for variable in variables:
-            key, line = variable.name.upper(), variable.line
+            key = variable.name.upper()
             if key in KEYWORDS or key in self.names.reserved:
-                self.names.say(
-                    rules.DECLARED, line, found=variable.name, how="as a variable",
-                    expected="another, as it means something already",
-                )  # fmt: skip
+                expected = "another, as it means something already"
+                self._misdeclared(variable, "as a variable", expected)
             if "__" in key or len(key) > MAX_NAME:
-                self.names.say(
-                    rules.DECLARED, line, found=variable.name, how="so",
-                    expected=f"at most {MAX_NAME} letters without __",
-                )  # fmt: skip
+                self._misdeclared(variable, "so", f"at most {MAX_NAME} letters without __")
             if key in seen or key in self.names.objects:
-                self.names.twice(variable.name, line)
+                self.names.twice(variable.name, variable.line)
             seen[key] = variable
             self._variable(variable)
+
+    def _misdeclared(self, variable: syntax.Variable, how: str, expected: str) -> None:
+        found, line = variable.name, variable.line
+        self.names.say(rules.DECLARED, line, found=found, how=how, expected=expected)
 
     def _variable(self, variable: syntax.Variable) -> None:
         type_ = variable.type
@@ -92,33 +89,24 @@ class _Checker:
         plain = type_.of if isinstance(type_, syntax.Array) else type_
         known = self.names.types()
         if plain.upper() not in known:
-            self.names.say(
-                rules.NAME, variable.line, found=f"type {plain}",
-                expected=near(plain, known.values()),
-            )  # fmt: skip
+            self.names.unknown(variable.line, f"type {plain}", plain, known.values())
             return
         if isinstance(type_, syntax.Array) and type_.high < type_.low:
-            self.names.say(
-                rules.BOUNDS, variable.line, found=type_.high, name=variable.name,
-                low=type_.low, high="more",
-            )  # fmt: skip
+            found, name = type_.high, variable.name
+            line, low = variable.line, type_.low
+            self.names.say(rules.BOUNDS, line, found=found, name=name, low=low, high="more")
             return
         initial = variable.initial
         if initial is None:
             if variable.section == "const":
-                self.names.say(
-                    rules.DECLARED, variable.line, found=variable.name, how="as a constant",
-                    expected="a value for it",
-                )  # fmt: skip
+                self._misdeclared(variable, "as a constant", "a value for it")
             return
         values = initial if isinstance(initial, tuple) else (initial,)
         if isinstance(type_, syntax.Array):
             count = type_.high - type_.low + 1
             if len(values) != count:
-                self.names.say(
-                    rules.COUNT, variable.line, found=len(values), name=variable.name,
-                    expected=count,
-                )  # fmt: skip
+                name, found = variable.name, len(values)
+                self.names.say(rules.COUNT, variable.line, found=found, name=name, expected=count)
         elif isinstance(initial, tuple):
             self.names.wrong_type(variable.line, "a list", variable.name, plain)
             return
@@ -127,20 +115,13 @@ class _Checker:
 
     def _external(self, variable: syntax.Variable) -> None:
         """An external variable is a global one, of the same type."""
-        other = self.shared.get(variable.name.upper())
+        other, external = self.shared.get(variable.name.upper()), f"the external {variable.name}"
         if other is None:
-            expected = near(variable.name, [v.name for v in self.shared.values()])
-            found = f"the external {variable.name}"
-            self.names.say(rules.NAME, variable.line, found=found, expected=expected)
+            known = [v.name for v in self.shared.values()]
+            self.names.unknown(variable.line, external, variable.name, known)
         elif other.type != variable.type or other.section == "const":
-            self.names.wrong_type(
-                variable.line, str(variable.type), f"the external {variable.name}", str(other.type)
-            )
-
-    def _block(self, block: syntax.ProgramBlock) -> None:
-        self.names.locals = {}
-        self._declare(block.variables, self.names.locals)
-        self._statements(block.body)
+            type_, expected = str(variable.type), str(other.type)
+            self.names.wrong_type(variable.line, type_, external, expected)
 
     # -- statements -------------------------------------------------------------------------
 
@@ -158,9 +139,9 @@ class _Checker:
                         self._statements(inner)
                     self._statements(one.otherwise)
                 case syntax.Case():
-                    found = self.types.of(one.selector)
-                    if found not in (*axes.INTEGERS, UNKNOWN):
-                        self.names.wrong_type(one.line, found, "a CASE", "a whole number")
+                    selector = self.types.of(one.selector)
+                    if selector not in (*axes.INTEGERS, UNKNOWN):
+                        self.names.wrong_type(one.line, selector, "a CASE", "a whole number")
                     labels: list[int] = []
                     for branch, inner in one.branches:
                         for label in branch:
@@ -183,18 +164,15 @@ class _Checker:
             if variable is not None and variable.section == "external":
                 variable = self.shared.get(target.name.upper())
             if variable is not None and variable.section in ("const", "input"):
-                self.names.say(
-                    rules.TYPE, target.line, found=f"a value for the {variable.section} "
-                    f"{target.name}", what="an assignment",
-                    expected="a variable that may be written",
-                )  # fmt: skip
+                name = f"{variable.section} {target.name}"
+                self._not_written(target.line, name, "a variable that may be written")
             elif variable is not None and variable.address.upper().startswith("%I"):
-                self.names.say(
-                    rules.TYPE, target.line, found=f"a value for the input {target.name}",
-                    what="an assignment", expected="an output or a variable",
-                )  # fmt: skip
+                self._not_written(target.line, f"input {target.name}", "an output or a variable")
         elif not isinstance(target, syntax.ArrayElement):
-            return self.names.wrong_type(
-                target.line, text_of(target), "an assignment", "a variable"
-            )
+            text = text_of(target)
+            return self.names.wrong_type(target.line, text, "an assignment", "a variable")
         return self.types.of(target)
+
+    def _not_written(self, line: int, name: str, expected: str) -> None:
+        found, what = f"a value for the {name}", "an assignment"
+        self.names.say(rules.TYPE, line, found=found, what=what, expected=expected)

@@ -45,9 +45,8 @@ def start(table: "CuttingTable", name: str, values: Values) -> bool:
     else:
         limits = [values[key] for key in ("VELOCITY", "ACCELERATION", "DECELERATION")]
         if min(limits) <= 0.0:
-            table.say(
-                rules.COMMAND, None, found=f"{name} with {min(limits):g}", expected="more than 0"
-            )
+            found = f"{name} with {min(limits):g}"
+            table.say(rules.COMMAND, None, found=found, expected="more than 0")
             return False
         axis.go(values["POSITION"], *limits)
     return True

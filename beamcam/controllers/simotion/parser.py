@@ -70,6 +70,10 @@ class TokenStream:
         self.at += 1
         return self.tokens[self.at - 1]
 
+    def take_each(self, *words: str) -> None:
+        for word in words:
+            self.take(word)
+
     def accept(self, *words: str) -> bool:
         if self.is_word(*words):
             self.at += 1
@@ -192,10 +196,16 @@ _SECTIONS: dict[str, Section] = {
 
 def parse(text: str, name: str) -> tuple[list[syntax.Unit], list[Diagnostic]]:
     """The units of a text, and what is wrong with it."""
-    found, diagnostics = tokens(text, name)
+    words, diagnostics = tokens(text, name)
+    return parsed_by(Parser(words), diagnostics, name)
+
+
+def parsed_by(
+    parser: Parser, diagnostics: list[Diagnostic], name: str
+) -> tuple[list[syntax.Unit], list[Diagnostic]]:
+    """The units that a parser takes, unless its words are wrong; and what is wrong."""
     if diagnostics:
         return [], diagnostics
-    parser = Parser(found)
     try:
         return parser.units(), []
     except Stop as stop:
@@ -286,8 +296,7 @@ class Parser(Expressions):
             low = self.whole()
             self.take("..")
             high = self.whole()
-            self.take("]")
-            self.take("OF")
+            self.take_each("]", "OF")
             return syntax.Array(low, high, self.type_name())
         return self.type_name()
 

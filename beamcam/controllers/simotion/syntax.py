@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
 from typing import Literal, NamedTuple
 
 from msgspec import Struct
@@ -40,10 +39,7 @@ _TOKEN = re.compile(
 def tokens(text: str, name: str) -> tuple[list[Token], list[Diagnostic]]:
     """The tokens of a text, an `end` behind them, and what is not a token or not ASCII."""
     diagnostics: list[Diagnostic] = []
-    return list(_tokens(text, name, diagnostics)), diagnostics
-
-
-def _tokens(text: str, name: str, diagnostics: list[Diagnostic]) -> Iterator[Token]:
+    words: list[Token] = []
     line = 1
     for match in _TOKEN.finditer(text):
         kind = match.lastgroup or ""
@@ -52,9 +48,9 @@ def _tokens(text: str, name: str, diagnostics: list[Diagnostic]) -> Iterator[Tok
             expected = "ASCII letters, numbers and characters of Structured Text"
             diagnostics.append(rules.SYNTAX.at(Source(name, line), found=shown, expected=expected))
         elif kind not in ("space", "comment", "newline"):
-            yield Token(kind, match[0], line)
+            words.append(Token(kind, match[0], line))
         line += match[0].count("\n")
-    yield Token("end", "", line)
+    return [*words, Token("end", "", line)], diagnostics
 
 
 Section = Literal["const", "global", "external", "input", "output", "inout", "local"]
