@@ -10,7 +10,7 @@ from abc import ABC, abstractmethod
 from bisect import bisect_left
 from collections.abc import Callable
 from math import atan2, degrees, dist, inf, isnan, nan
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 from beamcam.controllers.dialect import DOCUMENTED, Dialect
 from beamcam.controllers.events import (
@@ -22,7 +22,6 @@ from beamcam.controllers.events import (
     Other,
     Pause,
     Place,
-    Switch,
 )
 from beamcam.errors import Diagnostic, Rule, Source
 from beamcam.geometry.curves import Arc
@@ -37,33 +36,12 @@ from beamcam.model.cycles import (
     peck_fault,
 )
 
+if TYPE_CHECKING:
+    from beamcam.controllers.track import Track
+
 Words = dict[str, float]
-
-
-class Recorder(Protocol):
-    """Collects the events of a program."""
-
-    def event(self, event: Other, /) -> None:
-        """Anything but a move."""
-
-    def move(self, move: Move[Any], /) -> None:
-        """A move by itself."""
-
-
-class TableRecorder(Recorder, Protocol):
-    """Collects the events of a table, and holds its plain moves."""
-
-    def lines(self) -> list[int]:
-        """Of the plain moves, ascending."""
-
-    def motion(self, row: int) -> int:
-        """The motion of a plain move."""
-
-    def words(self, row: int) -> Words:
-        """The words of a plain move."""
-
-    def run(self, first: int, last: int, start: Point, feed: float) -> tuple[Point, float]:
-        """Carries out plain moves from a place, with its feed; place and feed behind them."""
+#: Start, end, centre, clockwise: what is wrong with an arc, None if nothing is.
+ArcFault = Callable[[Point, Point, Point, bool], str | None]
 
 
 class EventList(list[BarEvent]):
@@ -80,6 +58,7 @@ class Interpreter(ABC):
     longest_line: int | None = None  #: characters
     fed_traverse: bool  #: whether a table's traverse may say a feed
     arc_slack: float  #: what the radii at both ends of an arc may always differ by
+    arc_fault: ArcFault  #: the controller's deviation from an arc
 
     def __init__(self, dialect: Dialect, name: str) -> None:
         self.diagnostics: list[Diagnostic] = []
@@ -88,7 +67,7 @@ class Interpreter(ABC):
         self._name = name
         self._event: Callable[[Other], None]
         self._add: Callable[[Move[Any]], None]
-        self._plain: TableRecorder | None = None  #: of plain moves that are carried out together
+        self._plain: Track | None = None  #: of plain moves that are carried out together
         self._lines: list[float] = [inf]  #: of plain moves
         self._next = 0  #: plain move
         self._place: Place = (nan, nan, nan)  #: of a table Z stays nan
@@ -206,15 +185,11 @@ class Interpreter(ABC):
     def curve(self, motion: int, start: Point, end: Point, words: Words) -> Curve | str:
         """The curve of a block, or what is wrong with it."""
 
-    @abstractmethod
-    def arc_fault(self, start: Point, end: Point, centre: Point, clockwise: bool) -> str | None:
-        """The controller's deviation from an arc; None if it makes that arc."""
-
-    def record(self, record: Recorder) -> None:
+    def record(self, record: "EventList | Track") -> None:
         """Sends the events to a record from here on."""
         self._event, self._add = record.event, record.move
 
-    def follow(self, plain: TableRecorder) -> None:
+    def follow(self, plain: "Track") -> None:
         """Sends the events to where plain moves wait, which are carried out in their turn."""
         self.record(plain)
         self._plain = plain
@@ -256,10 +231,6 @@ class Interpreter(ABC):
         if not self._over:
             self._say(max(self._last, 1), self._rules.end, found="the end of the program")
 
-    def _end(self, switch: Switch) -> None:
-        self._over = True
-        self._event(switch)
-
     def _say(self, line: int, rule: Rule, **values: object) -> None:
         self.diagnostics.append(rule.at(Source(self._name, line), **values))
 
@@ -283,11 +254,15 @@ class Interpreter(ABC):
             self._row = 0
         if (self._flat or not self._absolute) and self._is_lost(line, motion, start, end, words):
             return
-        curve = None
+        curve: Curve | None = None
         if motion > 1:
-            curve = self._curve(line, motion, start, end, words)
-            if curve is None:
+            is_known = not isnan(start[0] + start[1] + end[0] + end[1])
+            made: Curve | str = "that starts nowhere"
+            made = self.curve(motion, start[:2], end[:2], words) if is_known else made
+            if isinstance(made, str):
+                self.wrong_arc(line, made)
                 return
+            curve = made
         feed = self._feed * self.per_minute
         if self._flat:
             feed *= self._share
@@ -324,23 +299,8 @@ class Interpreter(ABC):
             self._wrong(line, "a relative move from nowhere", "an absolute place (G90) before")
         return False
 
-    def _curve(
-        self, line: int, motion: int, start: Place, end: Place, words: Words
-    ) -> Curve | None:
-        """The curve of a block, by the family's own words; None, with a message, if invalid."""
-        if isnan(start[0] + start[1] + end[0] + end[1]):
-            self.wrong_arc(line, "that starts nowhere")
-            return None
-        curve = self.curve(motion, start[:2], end[:2], words)
-        if isinstance(curve, str):
-            self.wrong_arc(line, curve)
-            return None
-        return curve
 
-
-# --- arcs -----------------------------------------------------------------------------------------
-
-# The arcs that controllers make of start, end and centre.
+# --- arcs that controllers make of start, end and centre ------------------------------------------
 
 
 def sweep_of(start: Point, end: Point, centre: Point, clockwise: bool) -> float:

@@ -152,8 +152,12 @@ def _bar_faults(machine: Machine) -> Iterator[WordFault]:
         elif not moves or moves[-1].line > texts[0].line or moves[-1].end[0] != TEXT_X:
             expected = "a move to X{x} before {string}"
             yield fault_in(f"words.{unit}", "", "a text elsewhere", expected)
-    if dialect.feeds:
-        yield from _unfed(machine, of)
+    for name in (*_TOOLS, "saw") if dialect.feeds else ():
+        keys = words_of(name)
+        feeds = [e for key in keys for e in of.get(key, []) if isinstance(e, Move) and not e.rapid]
+        if feeds and not any("F" in line for key in keys for line in getattr(machine.words, key)):
+            expected = "F{feed}, as other templates have"
+            yield fault_in(f"words.{name}", "", "a feed without an F word", expected)
 
 
 def _bar_lines(machine: Machine, unit: str, stroke: dict[str, str]) -> Iterator[Line]:
@@ -169,17 +173,6 @@ def _bar_lines(machine: Machine, unit: str, stroke: dict[str, str]) -> Iterator[
     if machine.saw is not None:
         yield from _filled(machine, "saw", x="200")
     yield from _filled(machine, "footer")
-
-
-def _unfed(machine: Machine, of: dict[str, list[BarEvent]]) -> Iterator[WordFault]:
-    """The templates that feed without an F word, where other templates have one."""
-    for name in (*_TOOLS, "saw"):
-        keys = words_of(name)
-        moves = [e for key in keys for e in of.get(key, []) if isinstance(e, Move) and not e.rapid]
-        says = any("F" in line for key in keys for line in getattr(machine.words, key))
-        if moves and not says:
-            expected = "F{feed}, as other templates have"
-            yield fault_in(f"words.{name}", "", "a feed without an F word", expected)
 
 
 def _double_words(lines: list[Line]) -> Iterator[WordFault]:

@@ -4,7 +4,7 @@ Plain moves are carried out in runs, as rows of arrays; what stands between them
 """
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from itertools import starmap
 from string import ascii_uppercase
 from typing import cast
@@ -14,7 +14,7 @@ from msgspec import Struct
 from numpy.typing import NDArray
 
 from beamcam.controllers.events import FeedShare, HeadMove, Other
-from beamcam.controllers.interpreter import Interpreter
+from beamcam.controllers.interpreter import ArcFault, Interpreter
 from beamcam.controllers.moves import Moves, TableRun, arcs_between, joined, moves_of, sure_arcs
 from beamcam.errors import Diagnostic
 from beamcam.geometry.array_types import Counts, Flags, Floats
@@ -182,10 +182,6 @@ def _plain_moves(
     feed = np.full(len(line), np.nan)
     feed[fed] = words.value.take(behind[fed])
     return PlainMoves(line + 1, motion.astype(np.int64), end, centre, feed), taken
-
-
-#: Start, end, centre, clockwise: what is wrong with an arc, None if nothing is.
-ArcFault = Callable[[Point, Point, Point, bool], str | None]
 
 
 def table_run(text: str, interpreter: Interpreter) -> tuple[TableRun, list[Diagnostic]]:

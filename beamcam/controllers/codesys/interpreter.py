@@ -122,6 +122,7 @@ class Codesys(Interpreter):
     def __init__(self, dialect: Dialect, name: str) -> None:
         super().__init__(dialect, name)
         self.arc_slack = 2 * sqrt(2) * dialect.resolution
+        self.arc_fault = lambda a, b, centre, _: arc_fault(a, b, centre, dialect.resolution)
         self._language = _language_of(dialect)
         self._begun = False  #: whether a block was carried out
         self._absolute_centre = False
@@ -213,7 +214,8 @@ class Codesys(Interpreter):
 
     def _last_block(self, line: int, number: int, words: Words) -> None:
         self._wait(line)
-        self._end(Switch(line, number, words))
+        self._over = True
+        self._event(Switch(line, number, words))
 
     def _subprogram(self, line: int, number: int, words: Words) -> None:
         """A call of a subprogram, or its end: neither stands in a program that is whole."""
@@ -352,10 +354,6 @@ class Codesys(Interpreter):
         zero = self._shift.get("X", 0.0), self._shift.get("Y", 0.0)
         origin = zero if self._absolute_centre else start
         return curve_of(motion, start, end, words, origin, self._dialect.resolution)
-
-    def arc_fault(self, start: Point, end: Point, centre: Point, clockwise: bool) -> str | None:
-        """The controller's deviation from an arc; None if it makes that arc."""
-        return arc_fault(start, end, centre, self._dialect.resolution)
 
 
 def _what_carries_out(

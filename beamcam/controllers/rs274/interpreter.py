@@ -38,6 +38,7 @@ class Rs274(HeadWords, Interpreter):
     def __init__(self, variant: Variant, dialect: Dialect, name: str) -> None:
         super().__init__(dialect, name)
         self.controller, self.longest_line = variant.name, variant.longest_line
+        self.arc_fault = variant.arc_fault
         self._variant, self._knows_names = variant, variant.named
         self._known: dict[str, Block] = {}  # programs say the same thing over and over
         switches = {
@@ -173,7 +174,8 @@ class Rs274(HeadWords, Interpreter):
         elif block.motion is not None or block.values:
             self._travel(line, block)
         if block.end is not None:
-            self._end(Switch(line, block.end, {}))
+            self._over = True
+            self._event(Switch(line, block.end, {}))
 
     def _switch_tool(self, line: int, block: Block) -> None:
         """Carries out the M words of a table's block, with the S that holds."""
@@ -282,10 +284,6 @@ class Rs274(HeadWords, Interpreter):
         clockwise = motion == 2
         fault = self.arc_fault(start, end, centre, clockwise)
         return fault or arc_of(start, end, centre, clockwise)
-
-    def arc_fault(self, start: Point, end: Point, centre: Point, clockwise: bool) -> str | None:
-        """The controller's deviation from an arc; None if it makes that arc."""
-        return self._variant.arc_fault(start, end, centre, clockwise)
 
     def finish(self) -> None:
         """The end of the text."""
