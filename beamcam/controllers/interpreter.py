@@ -10,11 +10,10 @@ from abc import ABC, abstractmethod
 from bisect import bisect_left
 from collections.abc import Callable
 from math import atan2, degrees, dist, inf, isnan, nan
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 from beamcam.controllers.dialect import DOCUMENTED, Dialect
 from beamcam.controllers.events import (
-    BarEvent,
     Curve,
     Heights,
     Lettering,
@@ -36,19 +35,31 @@ from beamcam.model.cycles import (
     peck_fault,
 )
 
-if TYPE_CHECKING:
-    from beamcam.controllers.track import Track
-
 Words = dict[str, float]
 #: Start, end, centre, clockwise: what is wrong with an arc, None if nothing is.
 ArcFault = Callable[[Point, Point, Point, bool], str | None]
 
 
-class EventList(list[BarEvent]):
-    """Events in their order."""
+class TableRecorder(Protocol):
+    """Collects the events of a table, and holds its plain moves."""
 
-    event = list.append
-    move = list.append
+    def event(self, event: Other, /) -> None:
+        """Anything but a move."""
+
+    def move(self, move: Move[Any], /) -> None:
+        """A move by itself."""
+
+    def lines(self) -> list[int]:
+        """Of the plain moves, ascending."""
+
+    def motion(self, row: int) -> int:
+        """The motion of a plain move."""
+
+    def words(self, row: int) -> Words:
+        """The words of a plain move."""
+
+    def run(self, first: int, last: int, start: Point, feed: float) -> tuple[Point, float]:
+        """Carries out plain moves from a place, with its feed; place and feed behind them."""
 
 
 class Interpreter(ABC):
@@ -67,7 +78,7 @@ class Interpreter(ABC):
         self._name = name
         self._event: Callable[[Other], None]
         self._add: Callable[[Move[Any]], None]
-        self._plain: Track | None = None  #: of plain moves that are carried out together
+        self._plain: TableRecorder | None = None  #: of plain moves that are carried out together
         self._lines: list[float] = [inf]  #: of plain moves
         self._next = 0  #: plain move
         self._place: Place = (nan, nan, nan)  #: of a table Z stays nan
@@ -185,13 +196,13 @@ class Interpreter(ABC):
     def curve(self, motion: int, start: Point, end: Point, words: Words) -> Curve | str:
         """The curve of a block, or what is wrong with it."""
 
-    def record(self, record: "EventList | Track") -> None:
-        """Sends the events to a record from here on."""
-        self._event, self._add = record.event, record.move
+    def record(self, event: Callable[[Other], None], move: Callable[[Move[Any]], None]) -> None:
+        """Hands moves and all other events on from here on."""
+        self._event, self._add = event, move
 
-    def follow(self, plain: "Track") -> None:
+    def follow(self, plain: TableRecorder) -> None:
         """Sends the events to where plain moves wait, which are carried out in their turn."""
-        self.record(plain)
+        self.record(plain.event, plain.move)
         self._plain = plain
         self._lines = [*plain.lines(), inf]
 

@@ -1,27 +1,38 @@
 """Structured Text run: a syntax tree written as Python, one function for each block.
 
 Blocks are compiled once; the variables of an instance are a dictionary that its function is called
-with. Commands go to a `CuttingTable`, which knows axes and time. AND and OR stop at the first value
+with. Commands go to a `World`, which knows axes and time. AND and OR stop at the first value
 that decides, which makes no difference as expressions have no effects.
 """
 
 from collections.abc import Callable, Container, Iterable, Iterator, Sequence
 from math import sqrt
 from types import CodeType
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 from beamcam.caches import cached
 from beamcam.controllers.simotion import rules, syntax
-from beamcam.errors import Source, VerifyError
-
-if TYPE_CHECKING:
-    from beamcam.controllers.simotion.cutting_table import CuttingTable
+from beamcam.errors import Rule, Source, VerifyError
 
 Values = dict[str, Any]
 #: By their names in capitals; None: outside the units.
 Variables = dict[str, syntax.Variable | None]
 
 _FIRST: dict[str, Any] = {"BOOL": False, "REAL": 0.0, "LREAL": 0.0, "TIME": 0.0}
+
+
+class World(Protocol):
+    """The environment of a program besides its variables."""
+
+    clock_s: float
+    objects: dict[str, Any]  #: axes and path objects by their names in capitals
+    natives: dict[str, Callable[[], "Native"]]  #: function blocks of a library, by their types
+
+    def command(self, name: str, values: Values, line: int) -> int:
+        """Carry out a command; 0 if it was accepted."""
+
+    def say(self, rule: Rule, line: int | None, **values: object) -> None:
+        """Add a message."""
 
 
 class Native(Protocol):
@@ -36,13 +47,13 @@ class Native(Protocol):
 class Timer(Native):
     """TON: Q follows IN after PT."""
 
-    def __init__(self, table: "CuttingTable") -> None:
-        self._table = table
+    def __init__(self, world: World) -> None:
+        self._world = world
         self._since: float | None = None
         self.values: Values = {"Q": False, "ET": 0.0}
 
     def run(self, inputs: Values) -> None:
-        now = self._table.clock_s
+        now = self._world.clock_s
         if not inputs["IN"]:
             self._since = None
             self.values.update(Q=False, ET=0.0)
@@ -71,7 +82,7 @@ class ProjectInterpreter:
     """The units of a project, loaded: global variables, and one instance of each program."""
 
     def __init__(
-        self, units: Sequence[syntax.Unit], world: "CuttingTable", name: str,
+        self, units: Sequence[syntax.Unit], world: World, name: str,
         outside: Sequence[str] = (),
     ) -> None:  # fmt: skip
         """`outside` are BOOL variables of the project that no unit here declares."""

@@ -8,19 +8,16 @@ drops out while MC_Power is called with Enable is in the state ErrorStop.
 from abc import abstractmethod
 from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from beamcam.controllers.simotion import rules
 from beamcam.controllers.simotion.axes import Axis
-from beamcam.controllers.simotion.interpreter import Native, Values
-
-if TYPE_CHECKING:
-    from beamcam.controllers.simotion.cutting_table import CuttingTable
+from beamcam.controllers.simotion.interpreter import Native, Values, World
 
 COMMANDED_POSITION = 1  #: number of that parameter
 
 
-def motion_blocks(table: "CuttingTable") -> dict[str, Callable[[], Native]]:
+def motion_blocks(table: World) -> dict[str, Callable[[], Native]]:
     """The blocks of a table, by their names in capitals."""
     kinds: tuple[type[_Block], ...] = (
         _Power, _Move, _Halt, _SetPosition, _Stop, _Reset, _Status, _Position, _Parameter,
@@ -28,7 +25,7 @@ def motion_blocks(table: "CuttingTable") -> dict[str, Callable[[], Native]]:
     return {kind.name: partial(kind, table) for kind in kinds}
 
 
-def start(table: "CuttingTable", name: str, values: Values) -> bool:
+def start(table: World, name: str, values: Values) -> bool:
     """Start what a block asks of its axis; False if the axis refuses it."""
     axis: Axis = values["AXIS"]
     if name == _Reset.name:
@@ -56,7 +53,7 @@ class _Block(Native):
     name = ""
     outputs: tuple[str, ...] = ("ERROR",)
 
-    def __init__(self, table: "CuttingTable") -> None:
+    def __init__(self, table: World) -> None:
         self.table = table
         self.values: Values = dict.fromkeys(self.outputs, False)
         self.inputs: Values = {"ENABLE": False, "EXECUTE": False}
@@ -202,7 +199,7 @@ class _Position(_Block):
     name = "MC_READACTUALPOSITION"
     outputs = ("VALID", "BUSY", "ERROR")
 
-    def __init__(self, table: "CuttingTable") -> None:
+    def __init__(self, table: World) -> None:
         super().__init__(table)
         self.values[self.value] = 0.0
 
