@@ -61,7 +61,9 @@ def as_html(
     pieces = template("reports", "run").stream(
         counts={"": str(counts)} | {status: getattr(counts, status) for status in STATUSES},
         statuses=STATUSES, said=messages, totals=totals, whole=whole, columns=COLUMNS,
-        rows=_refused_first(read), style=as_it_stands(style),
+        rows=(row for first in (True, False) for row in read()
+              if (row["status"] in REFUSED) is first),
+        style=as_it_stands(style),
         static=lambda name: static_text("reports", name), message=message_line, ledger=ledger_line,
         file=_broken, machine_time_s=_machine_time_s, quote=quote,
         extras=lambda output: extras_of.get(output, Extra()),
@@ -69,11 +71,6 @@ def as_html(
     )  # fmt: skip
     pieces.enable_buffering(100)
     yield from map(encoded, pieces)
-
-
-def _refused_first(read: Callable[[], Iterable[FileRow]]) -> Iterator[FileRow]:
-    for first in (True, False):
-        yield from (row for row in read() if (row["status"] in REFUSED) is first)
 
 
 def _totals(rows: Iterable[FileRow]) -> tuple[dict[str, Total], Total]:

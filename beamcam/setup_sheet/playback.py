@@ -22,7 +22,7 @@ from beamcam.geometry.plane import unit_vector
 from beamcam.machine.machine import Machine, text_x
 from beamcam.machine.stations import Formula, Spindle
 from beamcam.model.part import Profile
-from beamcam.pictures.bar_made import BarMade
+from beamcam.pictures.bar_made import BarMade, DrawnPiece
 from beamcam.pictures.features import section_outlines
 from beamcam.pictures.table import TableMade, speed_classes
 from beamcam.plain_text import json_text
@@ -88,7 +88,9 @@ def cell_data(machine: Machine, profile: Profile, end: float) -> dict[str, Any]:
         "kind": "bar",
         "section": {
             "height": profile.height, "width": profile.width, "assumed": not is_known,
-            "outlines": section_outlines(profile) or [_box(profile)],
+            "outlines": section_outlines(profile) or [
+                ((0.0, 0.0), (profile.width, 0.0), (profile.width, profile.height),
+                 (0.0, profile.height))],
         },
         "bar": end,
         "drill": -drill_x,
@@ -114,7 +116,7 @@ def bar_made_data(bar: BarMade) -> dict[str, Any]:
     drill_x = machine.drill.x if machine.drill else 0.0
     return {
         **cell_data(machine, profile, bar.end),
-        "pieces": [_piece(bar, k) for k in range(len(bar.pieces()))],
+        "pieces": [_piece(bar, piece) for piece in bar.pieces()],
         "cuts": [
             {"line": p.cut.line, "x": [_rounded(bar.x_on(p, f, y)) for f in "vuo"
              for y in (0.0, profile.face_width(f))]}
@@ -146,22 +148,14 @@ def _rounded(value: float) -> float:
     return round(value, 3)
 
 
-def _box(profile: Profile) -> tuple[tuple[float, float], ...]:
-    w, h = profile.width, profile.height
-    return (0.0, 0.0), (w, 0.0), (w, h), (0.0, h)
-
-
 def _axis(machine: Machine, moves: str, spindle: int | None) -> int | None:
     """The number of an axis in the trace."""
-    for k, axis in enumerate(machine.axes):
-        if axis.moves == moves and axis.spindle == spindle:
-            return k
-    return None
+    axes: list[tuple[str, int | None]] = [(a.moves, a.spindle) for a in machine.axes]
+    return axes.index((moves, spindle)) if (moves, spindle) in axes else None
 
 
-def _piece(bar: BarMade, index: int) -> dict[str, Any]:
-    """A stretch of the bar by its eight corners: both ends on the edges of the section."""
-    piece = bar.pieces()[index]
+def _piece(bar: BarMade, piece: DrawnPiece) -> dict[str, Any]:
+    """A piece of the bar by its eight corners: both ends on the edges of the section."""
     height, width = bar.profile.height, bar.profile.width
     corners = [(y, z) for y in (0.0, height) for z in (0.0, width)]
     saw = bar.machine.saw

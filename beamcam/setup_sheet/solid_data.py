@@ -127,7 +127,11 @@ def sheet_meshes(
     pieces = [
         one
         for k, one in enumerate(free)
-        if not any(j != k and _is_slug(one, free[j], whole[j]) for j in range(len(free)))
+        # What falls out of a hole of another is none.
+        for at in (one.representative_point(),)
+        if not any(
+            j != k and whole[j].contains(at) and not free[j].contains(at) for j in range(len(free))
+        )
     ]
     tree = STRtree([one for _, one in cuts])
     line_of = np.array([line for line, _ in cuts], dtype=np.int64)
@@ -143,12 +147,6 @@ def sheet_meshes(
             lines[walls] = line_of[tree.nearest(points(middles[:, :2]))]
         meshes.append(Mesh(mesh.points, mesh.triangles, lines))
     return meshes
-
-
-def _is_slug(piece: Any, other: Any, whole: Any) -> bool:
-    """Whether a piece falls out of a hole of another."""
-    at = piece.representative_point()
-    return bool(whole.contains(at) and not other.contains(at))
 
 
 LIMIT = 280_000  #: characters of a page that a solid may take
@@ -177,13 +175,16 @@ def solids_of(program: ReadProgram, made: BarMade | TableMade) -> Solids:
     if without:
         return Solids((), faces, without=without)
     pieces: tuple[dict[str, Any], ...] = ()
+    # Which chord is tried first: machining a solid again and again takes its time.
+    bores = made.made.bores if isinstance(made, BarMade) else ()
+    sides = (sum(facets(bore.diameter / 2, chord) for bore in bores) for chord in CHORDS)
+    first = next((k for k, n in enumerate(sides) if n * CHARACTERS <= LIMIT), len(CHORDS) - 1)
     try:
-        for chord in CHORDS[_first(made) :]:
-            solids = (
-                _bar(program, made, chord)
-                if isinstance(made, BarMade)
-                else [("part", name, mesh) for name, mesh in _torched(program, made, chord)]
-            )
+        for chord in CHORDS[first:]:
+            if isinstance(made, BarMade):
+                solids = _bar(program, made, chord)
+            else:
+                solids = _torched(program, made, chord)
             pieces = tuple(_packed(*one) for one in solids)
             if len(json.dumps(pieces)) <= LIMIT:
                 stock = "bar" if program.machine.stock == "profile" else "sheet"
@@ -193,17 +194,6 @@ def solids_of(program: ReadProgram, made: BarMade | TableMade) -> Solids:
         return Solids((), faces, without="; ".join(d.message for d in error.diagnostics))
     size = len(json.dumps(pieces)) / 1000
     return Solids((), faces, without=f"it would take {size:.0f} kB; a page holds {LIMIT // 1000}")
-
-
-def _first(made: BarMade | TableMade) -> int:
-    """Which chord is tried first: machining a solid again and again takes its time."""
-    if not isinstance(made, BarMade):
-        return 0
-    for k, chord in enumerate(CHORDS):
-        sides = sum(facets(bore.diameter / 2, chord) for bore in made.made.bores)
-        if sides * CHARACTERS <= LIMIT:
-            return k
-    return len(CHORDS) - 1
 
 
 def _too_much(program: ReadProgram, made: BarMade | TableMade) -> str:
@@ -236,15 +226,17 @@ def _bar(program: ReadProgram, made: BarMade, chord: float) -> Iterator[tuple[st
         yield piece.kind, piece.mark, mesh
 
 
-def _torched(program: ReadProgram, made: TableMade, chord: float) -> Iterator[tuple[str, Mesh]]:
-    """What a torch leaves of a sheet, a profile or a tube, each piece with a name."""
+def _torched(
+    program: ReadProgram, made: TableMade, chord: float
+) -> Iterator[tuple[str, str, Mesh]]:
+    """What a torch leaves of a sheet, a profile or a tube, each piece with its kind and a name."""
     if program.machine.stock == "profile":
         part = program.parts[0] if program.parts else part_of(coper_program(program))
         for mesh in coper_meshes(program.text, program.machine, part, program.name, chord):
-            yield part.mark or "part", mesh
+            yield "part", part.mark or "part", mesh
     else:
         for k, mesh in enumerate(_sheet(program, made, chord), 1):
-            yield f"piece {k}", mesh
+            yield "part", f"piece {k}", mesh
 
 
 def _sheet(program: ReadProgram, made: TableMade, chord: float) -> list[Mesh]:
