@@ -62,7 +62,13 @@ def simulate_program(
     if machine.stock == "beam":
         return _bar(text, machine, name, parts)
     if machine.stock == "profile":
-        return _coper(text, machine, name)
+        from beamcam.controllers import cell_events
+        from beamcam.simulation.course import coper_trace
+
+        events, diagnostics = cell_events(text, machine, name)
+        if errors_in(diagnostics):
+            raise VerifyError(diagnostics)
+        return Simulated(coper_trace(events, machine), tuple(diagnostics))
     if machine.triggers is not None:
         return _triggers(text, machine, name)
     return _sheet(text, machine, name, parts)
@@ -70,26 +76,16 @@ def simulate_program(
 
 def _bar(text: str, machine: Machine, name: str, parts: Sequence[Part]) -> Simulated:
     from beamcam.checks.bars import run
-    from beamcam.simulation.course import bar_trace, stretches
+    from beamcam.simulation.course import bar_trace, motion_segments
 
     done = run(text, machine, parts[0].profile if parts else None, name)
     section = dict(done.made.section)
     seen = section or ({"width": parts[0].profile.width} if parts else {})
-    course = stretches(done.events, done.dialect, seen, machine)
-    endless = next((one for one in course if not isfinite(one.duration_s)), None)
+    segments = motion_segments(done.events, done.dialect, seen, machine)
+    endless = next((one for one in segments if not isfinite(one.duration_s)), None)
     if endless is not None:
         raise VerifyError((*done.diagnostics, ENDLESS.at(Source(name, endless.line))))
-    return Simulated(bar_trace(course, machine), done.diagnostics, section)
-
-
-def _coper(text: str, machine: Machine, name: str) -> Simulated:
-    from beamcam.controllers import cell_events
-    from beamcam.simulation.course import coper_trace
-
-    events, diagnostics = cell_events(text, machine, name)
-    if errors_in(diagnostics):
-        raise VerifyError(diagnostics)
-    return Simulated(coper_trace(events, machine), tuple(diagnostics))
+    return Simulated(bar_trace(segments, machine), done.diagnostics, section)
 
 
 def _sheet(text: str, machine: Machine, name: str, parts: Sequence[Part]) -> Simulated:
@@ -149,10 +145,8 @@ def _steps(data: str | bytes, machine: Machine, name: str, style: str) -> Simula
     return Simulated(step_trace(rows(stream, stepper), machine), ())
 
 
-# --- triggers -------------------------------------------------------------------------------------
+# --- table run by triggers: each operation from rest to rest --------------------------------------
 
-# The trace of a table run by triggers: each operation from rest to rest.
-#
 # The next operation begins in the cycle behind the one that sees the arrival, as in
 # `motion.triggers`, whose times these are.
 
@@ -225,10 +219,8 @@ def _travel(
     return way
 
 
-# --- steps ----------------------------------------------------------------------------------------
+# --- table for stepping motors: its rows carry their own times ------------------------------------
 
-# The trace of a table for stepping motors: from its rows, which carry their own times.
-#
 # .csv                velocities: each stretch at the velocity that its row says
 # .steps .bin .h      steps one by one: sampled at equal times, then thinned out; the straight
 #                     lines that are left pass within a step of every row

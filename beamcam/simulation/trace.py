@@ -22,10 +22,7 @@ from beamcam.machine.machine import Machine
 from beamcam.motion.lookahead import cut_phases
 from beamcam.motion.speeds import SpeedSection
 
-# --- phases ---------------------------------------------------------------------------------------
-
-# Chords that are passed at planned speeds, as intervals of a trace.
-
+# --- phases: chords that are passed at planned speeds, as intervals of a trace --------------------
 
 MIN_SECONDS = 1e-9  #: what rounding leaves of a phase is dropped
 
@@ -71,9 +68,7 @@ def phases_of(chords: Chords, sections: Sequence[SpeedSection], joints: Sequence
     return Phases(chord, lasts, at, np.column_stack((v * scale, later * scale)))
 
 
-# --- state ----------------------------------------------------------------------------------------
-
-# Switching state while a program runs.
+# --- axes and their switching state ---------------------------------------------------------------
 
 
 class State(Struct, frozen=True):
