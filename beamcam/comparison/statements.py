@@ -59,16 +59,13 @@ def diff_statements(
             else:
                 differences.append(Difference("feature", "changed", f"{old} became {new}"))
                 pairs.append((old, new))
-    if len(pairs) == len(differences) > 1 and (common := _common(pairs, decimals)):
-        text = f"{len(pairs)} of {len(first)} statements: {common}"
-        differences = [Difference("feature", "changed", text, common)]
-    return tuple(differences)
-
-
-def _common(pairs: Sequence[tuple[str, str]], decimals: int) -> str:
-    """Difference common to all pairs of statements: "X +1.440, at 1000 to 1200"; "" if none."""
     changes = {_changed_words(old, new, decimals) for old, new in pairs}
-    return ", ".join(changes.pop()) if len(changes) == 1 else ""
+    if len(pairs) == len(differences) > 1 == len(changes):
+        common = ", ".join(changes.pop())  # "X +1.440, at 1000 to 1200"
+        if common:
+            text = f"{len(pairs)} of {len(first)} statements: {common}"
+            differences = [Difference("feature", "changed", text, common)]
+    return tuple(differences)
 
 
 def _changed_words(old: str, new: str, decimals: int) -> tuple[str, ...]:

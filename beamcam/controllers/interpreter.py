@@ -13,15 +13,7 @@ from math import atan2, degrees, dist, inf, isnan, nan
 from typing import Any, Protocol
 
 from beamcam.controllers.dialect import DOCUMENTED, Dialect
-from beamcam.controllers.events import (
-    Curve,
-    Heights,
-    Lettering,
-    Move,
-    Other,
-    Pause,
-    Place,
-)
+from beamcam.controllers.events import Curve, Heights, Lettering, Move, Other, Pause, Place
 from beamcam.errors import Diagnostic, Rule, Source
 from beamcam.geometry.curves import Arc
 from beamcam.geometry.plane import Point

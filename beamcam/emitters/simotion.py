@@ -19,9 +19,7 @@ from beamcam.machine.tables import TableDialect, Triggers
 from beamcam.model.program import LiftTorch, SwitchTool, Travel, TriggerOp, TriggerTable
 from beamcam.plain_text import comment_text
 
-# --- simotion units -------------------------------------------------------------------------------
-
-# The units of a trigger program: their names, and a program taken apart into them.
+# --- units of a trigger program: their names, and a program taken apart into them -----------------
 
 
 UNIT_MARK = "(* ===== UNIT {name} ===== *)"
@@ -111,12 +109,13 @@ def emit(table: TriggerTable, machine: Machine, style: str | None = None) -> str
     starts = range(0, len(rows), per_unit) if style == "table" else ()
     chunks = [_Chunk(f"{name}_{k}", k, at + 1, rows[at : at + per_unit])
               for k, at in enumerate(starts, 1)]  # fmt: skip
+    uses = (*triggers.uses, *(chunk.unit for chunk in chunks if dialect.has_units))
     runtime = runtime_of(machine, style)
     pieces = [
         UNIT_MARK.format(name=name) + "\n",
         *(f"(* {comment_text(remark)} *)\n" for remark in table.remarks),
         runtime.head,
-        *_uses((*triggers.uses, *(chunk.unit for chunk in chunks if dialect.has_units))),
+        f"    USES {', '.join(uses)};\n" if uses else "",
         *_declarations(table, triggers, dialect),
         *_variables(count, chunks, triggers, dialect),
         runtime.middle,
@@ -143,11 +142,6 @@ def _rows(operations: Sequence[TriggerOp], height: float) -> Iterator[_Row]:
         else:
             here = op.x, op.y
             yield _Row("arc", ARC, *here, height, op.speed_mm_s, (op.middle_x, op.middle_y))
-
-
-def _uses(units: Sequence[str]) -> Iterator[str]:
-    if units:
-        yield f"    USES {', '.join(units)};\n"
 
 
 def _declarations(table: TriggerTable, triggers: Triggers, dialect: TableDialect) -> Iterator[str]:

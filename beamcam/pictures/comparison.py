@@ -48,8 +48,7 @@ def compared_parts(a: Part, b: Part) -> Overlay:
     pairs = list(part_pairs(a, b))
     faces = [f for f in FACES_DOWN if f in {*faces_of(a), *faces_of(b)}]
     on_face: dict[str, list[ThingPair]] = {
-        f: [p for p in pairs if face_of(p.a or p.b) == f]  # type: ignore[arg-type]
-        for f in faces
+        f: [p for p in pairs if face_of(p.a or p.b) == f] for f in faces
     }
 
     def stock(view: View) -> Iterator[Polyline]:

@@ -16,16 +16,7 @@ from msgspec.structs import replace
 from beamcam.comparison.pairing import ThingPair
 from beamcam.pictures.callouts import FaceSize, SizePlace, called_on
 from beamcam.pictures.scene import PaperFrame, Pieces, Point, Polyline, Scene, Shape, Text
-from beamcam.pictures.views import (
-    SIDE,
-    WIDTH,
-    View,
-    figures,
-    footing,
-    head_height,
-    heading,
-    titles,
-)
+from beamcam.pictures.views import SIDE, WIDTH, View, figures, footing, head_height, heading, titles
 
 MIN_ARROW = 2.0  #: pixels; nearer places have no arrow
 

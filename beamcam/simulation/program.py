@@ -129,12 +129,7 @@ def _triggers(text: str, machine: Machine, name: str) -> Simulated:
 def _steps(data: str | bytes, machine: Machine, name: str, style: str) -> Simulated:
     from beamcam.checks.steps import FORMS, VELOCITIES
     from beamcam.checks.steps.velocities import stretches
-    from beamcam.controllers.step_table import (
-        Stream,
-        binary_rows,
-        header_rows,
-        text_rows,
-    )
+    from beamcam.controllers.step_table import Stream, binary_rows, header_rows, text_rows
 
     stepper = machine.needed(machine.stepper, "stepping motors")
     form = style if style in FORMS else machine.suffix
