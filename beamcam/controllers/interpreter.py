@@ -245,7 +245,6 @@ class Interpreter(ABC):
         self._say(line, self._rules.arc, found=found, controller=self.controller)
 
     def _go(self, line: int, motion: int, words: Words, own_feed: bool) -> None:
-        """Carries out a move whose letters are right."""
         start = x, y, z = self._place
         if self._absolute:
             get = words.get

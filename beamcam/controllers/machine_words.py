@@ -25,7 +25,7 @@ from beamcam.controllers.dialect import (
     role_of,
     tool_words,
 )
-from beamcam.controllers.events import BarEvent, Lettering, Move, Place, Switch
+from beamcam.controllers.events import BarEvent, Lettering, Move, Switch
 from beamcam.machine.faults import words_of
 from beamcam.machine.machine import Machine, key_for, plain_code
 from beamcam.machine.tables import DIALECTS, TABLE_CONTROLLERS
@@ -107,7 +107,6 @@ known_faults = PerObject("machine.words", word_faults)
 
 
 def _filled(machine: Machine, key: str, **more: str) -> Iterator[Line]:
-    """The blocks of a template."""
     template = getattr(machine.words, key)
     values = {**_FIGURES, **more}
     for text in (template,) if isinstance(template, str) else template:
@@ -137,10 +136,12 @@ def _bar_faults(machine: Machine) -> Iterator[WordFault]:
         if getattr(machine.words, tool):
             own = [event for key in words_of(tool) for event in of.get(key, [])]
             first, last = words_of(tool)[0], words_of(tool)[-1]
-            for found, expected in _begin_faults(own, dialect, tool in ("punch", "scribe"), stroke):
-                yield fault_in(f"words.{first}", "", found, expected)
-            for found, expected in _end_faults(own, dialect, stroke):
-                yield fault_in(f"words.{last}", "", found, expected)
+            stands = tool in ("punch", "scribe")
+            for key, tool_faults in zip(
+                (first, last), _tool_faults(own, dialect, stands, stroke), strict=True
+            ):
+                for found, expected in tool_faults:
+                    yield fault_in(f"words.{key}", "", found, expected)
     if machine.saw is not None and not _with_role(of.get("saw", []), dialect, "saw"):
         yield fault_in("words.saw", "", "no cut", "an M word with {angle}")
     if unit:
@@ -198,54 +199,43 @@ def _role(event: Switch, dialect: Dialect) -> str:
     return word.role if word else DOCUMENTED.get(event.number, "other")
 
 
-def _in_steel(event: Move[Place], stroke: dict[str, str]) -> bool:
-    return not {*event.end[1:]}.isdisjoint((float(stroke["bottom_y"]), float(stroke["bottom_z"])))
-
-
-def _begin_faults(
+def _tool_faults(
     events: list[BarEvent], dialect: Dialect, stands: bool, stroke: dict[str, str]
-) -> Iterator[tuple[str, str]]:
-    """Actions that the blocks of one tool omit before they feed, or altogether."""
-    turns = fed = False
-    for event in events:
-        if isinstance(event, Switch):
-            role = _role(event, dialect)
-            turns = role == "on" or (turns and role != "off")
-        elif isinstance(event, Move) and not event.rapid and _in_steel(event, stroke):
-            fed = True
-            if not (turns or stands):
-                yield "a feed with the spindle at rest", "M03 or M04 before it"
-    chosen = [dialect.m_words[e.number] for e in _with_role(events, dialect, "choose")]
-    if not chosen:
-        yield "no choice of a spindle", "an M word with {spindle}, or {tool} of the only spindle"
-    elif dialect.only_spindle is None and not any(
-        field == "spindle" for word in chosen for _, field in word.fields
-    ):
-        yield "no choice of a spindle", "an M word with {spindle}, as there are several"
-    if not fed:
-        yield "no feed into the steel", "G01 with {bottom_y} and {bottom_z}"
-
-
-def _end_faults(
-    events: list[BarEvent], dialect: Dialect, stroke: dict[str, str]
-) -> Iterator[tuple[str, str]]:
-    """States that the blocks of one tool must not leave behind."""
-    deep = turns = cools = False
+) -> tuple[list[tuple[str, str]], list[tuple[str, str]]]:
+    """What the blocks of one tool leave out before they feed, or altogether; and the states that
+    they must not leave behind."""
+    bottom = {float(stroke["bottom_y"]), float(stroke["bottom_z"])}
+    deep = turns = fed = cools = False
+    begin, end = [], []
     for event in events:
         if isinstance(event, Switch):
             role = _role(event, dialect)
             if role == "off" and deep:
-                yield "the spindle stopped in the steel", "a move to {y} and {z} before M05"
+                end.append(("the spindle stopped in the steel", "a move to {y} and {z} before M05"))
             turns = role == "on" or (turns and role != "off")
             cools = role == "coolant-on" or (cools and role != "coolant-off")
         elif isinstance(event, Move):
-            deep = _in_steel(event, stroke)
-    if deep:
-        yield "the tool left in the steel", "a move to {y} and {z} at the end"
-    if turns:
-        yield "the spindle left turning", "M05 at the end"
-    if cools:
-        yield "the coolant left on", "M09 at the end"
+            deep = not bottom.isdisjoint(event.end[1:])
+            fed = fed or (deep and not event.rapid)
+            if deep and not event.rapid and not (turns or stands):
+                begin.append(("a feed with the spindle at rest", "M03 or M04 before it"))
+    chosen = [dialect.m_words[e.number] for e in _with_role(events, dialect, "choose")]
+    expected = "an M word with {spindle}, or {tool} of the only spindle"
+    if chosen:
+        expected = "an M word with {spindle}, as there are several"
+    says = any(field == "spindle" for word in chosen for _, field in word.fields)
+    if not chosen or (dialect.only_spindle is None and not says):
+        begin.append(("no choice of a spindle", expected))
+    if not fed:
+        begin.append(("no feed into the steel", "G01 with {bottom_y} and {bottom_z}"))
+    for is_left, found, expected in (
+        (deep, "the tool left in the steel", "a move to {y} and {z} at the end"),
+        (turns, "the spindle left turning", "M05 at the end"),
+        (cools, "the coolant left on", "M09 at the end"),
+    ):
+        if is_left:
+            end.append((found, expected))
+    return begin, end
 
 
 # --- cutting tables -------------------------------------------------------------------------------

@@ -228,7 +228,6 @@ def header_rows(stream: Stream, stepper: Stepper) -> Iterator[Rows]:
 
 
 def _numbers(data: bytes, stream: Stream) -> NDArray[np.uint32]:
-    """The numbers of some rows."""
     whole = len(data) // _NUMBER_BYTES
     signs = np.frombuffer(data[: whole * _NUMBER_BYTES], dtype=np.uint8).reshape(-1, _NUMBER_BYTES)
     sample = np.frombuffer(_NUMBER % 0, dtype=np.uint8)

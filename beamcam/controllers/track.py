@@ -125,7 +125,6 @@ def _good_lines(data: bytes, kinds: bytes, ends: Counts) -> Flags:
 
 
 def _words(data: bytes, kinds: bytes, ends: Counts, good: Flags) -> _Words:
-    """The letters and numbers of the good lines."""
     characters = np.frombuffer(data, dtype=np.uint8)
     kind = np.frombuffer(kinds, dtype=np.uint8)
     sizes = np.diff(ends, prepend=-1)

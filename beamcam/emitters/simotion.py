@@ -206,7 +206,6 @@ def _fetches(chunks: Sequence[_Chunk], triggers: Triggers) -> Iterator[str]:
 
 
 def _data_unit(chunk: _Chunk, triggers: Triggers, dialect: TableDialect) -> str:
-    """A unit of set-points, as it stands behind the program."""
     lines = ["", UNIT_MARK.format(name=chunk.unit), "INTERFACE", f"    {dialect.constants}"]
     lines += _arrays(chunk, triggers)
     lines += ["    END_VAR", "END_INTERFACE", "", "IMPLEMENTATION", "END_IMPLEMENTATION", ""]

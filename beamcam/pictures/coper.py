@@ -186,7 +186,6 @@ def _view(part: Part, face: Face, strokes: Sequence[TorchStroke]) -> View:
 
 
 def _unrolled(view: View, part: Part, coper: Coper) -> View:
-    """The view of the whole surface of a tube, unrolled."""
     section = tube_section(rolled(part), coper)
     title = "v   surface of the tube, unrolled, from outside; y = 0 is its lowest line"
     if part.profile.code == "M":

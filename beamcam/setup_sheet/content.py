@@ -259,7 +259,6 @@ def content_of(source: SheetSources, unit: Unit = "mm") -> SheetContent:
 
 
 def _header(program: ReadProgram, trace: Trace) -> Sequence[tuple[str, str]]:
-    """The lines of the header, empty ones left out."""
     parts = program.parts
     quantities = []  #: that this program makes, of those that are required
     for part in dict.fromkeys(parts):

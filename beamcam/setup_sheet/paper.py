@@ -59,7 +59,6 @@ def setup_pdf(content: SheetContent, paper: Paper = "a4") -> bytes:
 
 
 def _story(content: SheetContent, paper: Paper) -> Iterator[Any]:
-    """Contents of the pages, in order."""
     from reportlab.platypus import Spacer
 
     program = content.program
@@ -148,7 +147,6 @@ def _flowable(wide: float, high: float, draw: Callable[[Any], None]) -> Any:
 
 
 def _printed(table: SheetTable, unit: Unit) -> Iterator[Any]:
-    """A table as data, on paper."""
     if not table.rows:  # a program that does nothing
         return
     units = {"length": unit, "rate": f"{unit}/min"}

@@ -149,7 +149,6 @@ def _rounded(value: float) -> float:
 
 
 def _axis(machine: Machine, moves: str, spindle: int | None) -> int | None:
-    """The number of an axis in the trace."""
     axes: list[tuple[str, int | None]] = [(a.moves, a.spindle) for a in machine.axes]
     return axes.index((moves, spindle)) if (moves, spindle) in axes else None
 

@@ -240,7 +240,6 @@ def _torched(
 
 
 def _sheet(program: ReadProgram, made: TableMade, chord: float) -> list[Mesh]:
-    """The pieces that come free of a table's sheet."""
     machine, torch = program.machine, program.machine.torch
     if torch is None:
         return []
@@ -270,7 +269,6 @@ def _strokes(made: TableMade) -> Iterator[SweptStroke]:
 
 
 def _packed(kind: str, mark: str, mesh: Mesh) -> dict[str, Any]:
-    """A piece as JSON holds it."""
     low = mesh.points.min(axis=0)
     size = np.maximum(mesh.points.max(axis=0) - low, 1e-6)
     points = np.rint((mesh.points - low) / size * GRID).astype(np.int64)

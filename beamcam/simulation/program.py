@@ -111,7 +111,7 @@ def _sheet(text: str, machine: Machine, name: str, parts: Sequence[Part]) -> Sim
 
 
 def _triggers(text: str, machine: Machine, name: str) -> Simulated:
-    from beamcam.controllers.simotion import read_program
+    from beamcam.controllers.simotion.job import read_program
     from beamcam.controllers.simotion.rules import SPEED
 
     job, diagnostics = read_program(text, machine, name)
@@ -179,7 +179,6 @@ def trigger_trace(job: JobRead, machine: Machine) -> Trace:
 
 
 def _operation(op: TableOperation, job: JobRead) -> TriggerOp:
-    """An operation as it was read, in the words of the model."""
     if op.kind == 0:
         return Travel(op.x, op.y, op.speed)
     if op.kind == LIFT:

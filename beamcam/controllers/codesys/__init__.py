@@ -96,7 +96,6 @@ class Lexer:
         return CodesysBlock(command, number, words) if command or words else None
 
     def _read_word(self, text: str) -> Word | CodesysFault:
-        """A letter and a number."""
         match = _WORD.fullmatch(text)
         if match is None:
             return CodesysFault(text, "a letter and a number, set off by spaces")

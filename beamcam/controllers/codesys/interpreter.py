@@ -136,11 +136,9 @@ class Codesys(Interpreter):
         return plain and super()._is_simple()
 
     def knows(self, code: str) -> bool:
-        """Whether a G word has a meaning here."""
         return code in self._dialect.codes or code in {f"G{number}" for number in _KNOWN_G}
 
     def vocabulary(self) -> dict[str, frozenset[str]]:
-        """All words that it gives a meaning, each with what it may carry."""
         words = {f"G{number}": frozenset[str]() for number in _KNOWN_G}
         words |= {f"G{number}": frozenset("D") for number in (*_SIDES, 51, 52)}
         words |= {f"G{number}": frozenset(self._dialect.axes) for number in (54, 55)}
@@ -155,7 +153,6 @@ class Codesys(Interpreter):
         return _LINE_BEGINS.split("\n" + text)[1:]
 
     def line(self, line: int, text: str) -> None:
-        """Carries out a line of the text."""
         instruction = self._language.known.get(text) or self._read(line, text)
         if instruction is None or (self._over and self.is_over(line)):
             return
@@ -299,7 +296,6 @@ class Codesys(Interpreter):
         return {letter: value + own.get(letter, 0.0) for letter, value in words.items()}
 
     def _go_on(self, line: int, _: int, words: Words) -> None:
-        """A block without a command."""
         if self._cycle is not None:
             self._drilled(line, words)
         else:
@@ -350,7 +346,6 @@ class Codesys(Interpreter):
         self._go(line, motion, self._shifted(words), fed)
 
     def curve(self, motion: int, start: Point, end: Point, words: Words) -> Curve | str:
-        """The curve of a block, or what is wrong with it."""
         zero = self._shift.get("X", 0.0), self._shift.get("Y", 0.0)
         origin = zero if self._absolute_centre else start
         return curve_of(motion, start, end, words, origin, self._dialect.resolution)
@@ -359,7 +354,6 @@ class Codesys(Interpreter):
 def _what_carries_out(
     block: CodesysBlock, language: _Language
 ) -> Callable[[Codesys, int, int, Words], None]:
-    """What carries out a block, by its command."""
     if block.command == "M":
         if block.number in language.m_words:
             return Codesys._own_m_word

@@ -239,7 +239,6 @@ class _Words:
             self._wrong("G53 with X or Y", expected)
 
     def _m_events(self, number: int) -> Iterator[Other]:
-        """What an M word does."""
         grammar, values = self._grammar, self._values
         if number in ENDS:
             return
@@ -256,7 +255,6 @@ class _Words:
             self._unexplained(f"M{number}")
 
     def _own_word(self, number: int, meaning: CodeMeaning) -> Iterator[Other]:
-        """What an M word of the machine's own does."""
         if meaning == "none":
             for letter in self._values.keys() - MOVING:
                 del self._values[letter]

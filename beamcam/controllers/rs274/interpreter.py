@@ -74,7 +74,6 @@ class Rs274(HeadWords, Interpreter):
         return self._ready and super()._is_simple()
 
     def knows(self, code: str) -> bool:
-        """Whether a G word has a meaning here."""
         variant = self._variant
         known = code in self._dialect.codes or code in variant.g_words
         if self._flat:
@@ -83,7 +82,6 @@ class Rs274(HeadWords, Interpreter):
         return known or (lifts and (code in variant.probes or code in ("G10", "G92")))
 
     def vocabulary(self) -> dict[str, frozenset[str]]:
-        """All words that it gives a meaning, each with what it may carry."""
         variant, axes = self._variant, frozenset(self._dialect.axes)
         words = {code: frozenset[str]() for code in variant.g_words}
         words |= {"G0": axes, "G1": axes, "G2": axes | set("IJ"), "G3": axes | set("IJ")}
@@ -113,7 +111,6 @@ class Rs274(HeadWords, Interpreter):
         return words
 
     def line(self, line: int, text: str) -> None:
-        """Carries out a line of the text."""
         if len(text) > self.longest_line:
             self._syntax(line, text, f"at most {self.longest_line} characters")
         if self._flat:
@@ -218,7 +215,6 @@ class Rs274(HeadWords, Interpreter):
         self._block(line, Block(feed=words.pop("F", None), motion=motion, values=words))
 
     def _travel(self, line: int, block: Block) -> None:
-        """The move of a block."""
         values = block.values
         motion = self._motion if block.motion is None else block.motion
         if motion > _LAST_TRAVEL:
@@ -277,7 +273,6 @@ class Rs274(HeadWords, Interpreter):
             self._ready = True
 
     def curve(self, motion: int, start: Point, end: Point, words: Words) -> Curve | str:
-        """The arc of a block, or what is wrong with it."""
         if "I" not in words and "J" not in words:
             return "without I and J"
         centre = (start[0] + words.get("I", 0.0), start[1] + words.get("J", 0.0))
@@ -286,7 +281,6 @@ class Rs274(HeadWords, Interpreter):
         return fault or arc_of(start, end, centre, clockwise)
 
     def finish(self) -> None:
-        """The end of the text."""
         super().finish()
         last = self._last
         if self._variant.percent and (1 in self._percents) != (last in self._percents):

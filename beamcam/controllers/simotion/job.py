@@ -12,7 +12,7 @@ from typing import Any, NoReturn
 from msgspec import Struct
 
 from beamcam.controllers.simotion import rules
-from beamcam.errors import Rule, Source, VerifyError
+from beamcam.errors import Diagnostic, Rule, Source, VerifyError
 from beamcam.machine.machine import Machine
 from beamcam.machine.runtime import PROCESSES, STYLES, dialect_of, runtime_of
 
@@ -120,7 +120,17 @@ class _Lines:
         raise VerifyError(rule.at(source, **values))
 
 
-def read_job(text: str, machine: Machine, name: str = "program") -> JobRead:
+def read_program(
+    text: str, machine: Machine, name: str = "program"
+) -> tuple[JobRead | None, list[Diagnostic]]:
+    """The job of a program; None and what is wrong where it cannot be read."""
+    try:
+        return _read_job(text, machine, name), []
+    except VerifyError as error:
+        return None, list(error.diagnostics)
+
+
+def _read_job(text: str, machine: Machine, name: str) -> JobRead:
     """The operations of a program's job. Raises VerifyError at the first thing that is wrong.
 
     The fixed part of a program is shipped and proved by itself, see `trial`.

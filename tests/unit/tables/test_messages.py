@@ -10,10 +10,9 @@ from beamcam.checks.steps import rules as steps_rules
 from beamcam.checks.steps import verify_table
 from beamcam.controllers import step_table as row_rules
 from beamcam.controllers.simotion import rules as st_rules
-from beamcam.controllers.simotion.checker import check
 from beamcam.controllers.simotion.cutting_table import CuttingTable
 from beamcam.controllers.simotion.parser import parse
-from beamcam.controllers.simotion.trial import project_objects
+from beamcam.controllers.simotion.trial import check, project_objects
 from beamcam.emitters import step_table as forms
 from beamcam.errors import Diagnostic, VerifyError
 from beamcam.machine import load
