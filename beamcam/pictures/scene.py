@@ -274,17 +274,15 @@ class Labels:
                 x = at[0] + right * off - wide * (1 - right) / 2
                 y = at[1] + down * off + high * (1 + down) / 2
                 box = (x, y - high, x + wide, y)
-                if self._is_free(box) and suits(box):
+                about = (other for cell in _cells(box) for other in self._cells.get(cell, ()))
+                is_taken = any(
+                    box[0] < b[2] and b[0] < box[2] and box[1] < b[3] and b[1] < box[3]
+                    for b in chain(about, self._large)
+                )
+                if not is_taken and suits(box):
                     self.block(box)
                     return x, y
         return None
-
-    def _is_free(self, box: Box) -> bool:
-        near = (other for cell in _cells(box) for other in self._cells.get(cell, ()))
-        return not any(
-            box[0] < other[2] and other[0] < box[2] and box[1] < other[3] and other[1] < box[3]
-            for other in chain(near, self._large)
-        )
 
 
 def _cells(box: Box) -> Iterator[tuple[int, int]]:

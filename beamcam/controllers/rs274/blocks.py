@@ -12,7 +12,7 @@ from msgspec import Struct
 from beamcam.controllers.dialect import HEAD_ACTIONS, Dialect, carried, event_of, with_number
 from beamcam.controllers.events import Blending, Compensation, Other, Pause, Side, Switch
 from beamcam.geometry.plane import Point
-from beamcam.machine.machine import OTHER_LETTERS, CodeMeaning, key_for, meaning_of, shown_code
+from beamcam.machine.machine import OTHER_LETTERS, key_for, meaning_of, shown_code
 from beamcam.model.cycles import DRILLING, END
 
 _NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)"
@@ -244,8 +244,19 @@ class _Words:
             return
         known = meaning_of(grammar.dialect.codes, f"M{number}", values)
         letters = grammar.switches.get(number)
-        if known is not None:
-            yield from self._own_word(number, known[1])
+        if known is not None and known[1] == "none":
+            for letter in values.keys() - MOVING:
+                del values[letter]
+        elif known is not None:
+            own = carried(values, grammar.variant.switches.get(number, ()))
+            value = with_number(known[1], own)
+            if value is None:
+                expected = "P or Q, as codes says that it carries one"
+                self._wrong(f"M{number} without a number", expected)
+            elif known[1] in HEAD_ACTIONS:
+                self._actions.append((known[1], value))
+            else:
+                yield event_of(number, known[1], own, value)
         elif letters is not None:
             yield Switch(0, number, {k: values.pop(k) for k in sorted(letters & values.keys())})
         elif grammar.is_table:
@@ -253,20 +264,6 @@ class _Words:
             carried(values)
         else:
             self._unexplained(f"M{number}")
-
-    def _own_word(self, number: int, meaning: CodeMeaning) -> Iterator[Other]:
-        if meaning == "none":
-            for letter in self._values.keys() - MOVING:
-                del self._values[letter]
-            return
-        values = carried(self._values, self._grammar.variant.switches.get(number, ()))
-        value = with_number(meaning, values)
-        if value is None:
-            self._wrong(f"M{number} without a number", "P or Q, as codes says that it carries one")
-        elif meaning in HEAD_ACTIONS:
-            self._actions.append((meaning, value))
-        else:
-            yield event_of(number, meaning, values, value)
 
     def _zero(self, code: str) -> bool:
         """Whether a G word calls the place of Z, or takes that back, and no other place."""

@@ -121,18 +121,15 @@ class Rs274(HeadWords, Interpreter):
                 return
             self._known[text] = block = read_block(text, self._grammar)
         if block.percent:
-            self._percent(line, text)
+            self._percents.append(line)
+            if not self._variant.percent:
+                self._syntax(line, text, f"no %, {self.controller} does not know it")
+            elif line not in (1, self._last):
+                self._syntax(line, text, "% alone on the first and the last line only")
         elif block.syntax:
             self._syntax(line, text, block.syntax)
         elif not block.blank and not self.is_over(line):
             self._block(line, block)
-
-    def _percent(self, line: int, text: str) -> None:
-        self._percents.append(line)
-        if not self._variant.percent:
-            self._syntax(line, text, f"no %, {self.controller} does not know it")
-        elif line not in (1, self._last):
-            self._syntax(line, text, "% alone on the first and the last line only")
 
     def _syntax(self, line: int, found: str, expected: str) -> None:
         self._say(line, self._rules.syntax, found=found.strip(), expected=expected)

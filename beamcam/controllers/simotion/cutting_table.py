@@ -102,7 +102,8 @@ class CuttingTable:
         if name == "_ENABLEAXIS":
             return moved[0].enable()
         if name == "_RESETAXISERROR":
-            return moved[0].reset()
+            moved[0].error = False
+            return 0
         fit = all(axis.enabled and not axis.error for axis in moved)
         if not fit or not self._dynamics(values, line):
             return REFUSED

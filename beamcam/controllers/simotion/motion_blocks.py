@@ -29,7 +29,8 @@ def start(table: World, name: str, values: Values) -> bool:
     """Start what a block asks of its axis; False if the axis refuses it."""
     axis: Axis = values["AXIS"]
     if name == _Reset.name:
-        return axis.reset() == 0
+        axis.error = False
+        return True
     if axis.error or not axis.enabled or (axis.held_by is not None and name != _Stop.name):
         return False
     if name in (_Stop.name, _Halt.name):
@@ -117,9 +118,9 @@ class _Command(_Block):
         elif self.arrived(axis):
             self.values.update(BUSY=False, DONE=True)
 
-    @abstractmethod
     def arrived(self, axis: Axis) -> bool:
-        """Whether the axis has done it; what is next to be done on the way is done."""
+        """Whether the axis has done it."""
+        return axis.still
 
 
 class _Move(_Command):
@@ -135,9 +136,6 @@ class _Move(_Command):
 
 class _Halt(_Command):
     name = "MC_HALT"
-
-    def arrived(self, axis: Axis) -> bool:
-        return axis.still
 
 
 class _SetPosition(_Command):
@@ -158,15 +156,9 @@ class _Stop(_Command):
         elif self.values["BUSY"] or self.values["DONE"]:
             axis.held_by = self
 
-    def arrived(self, axis: Axis) -> bool:
-        return axis.still
-
 
 class _Reset(_Command):
     name = "MC_RESET"
-
-    def arrived(self, axis: Axis) -> bool:
-        return not axis.error
 
     def _follow(self, axis: Axis) -> None:
         self.values.update(BUSY=axis.error, DONE=not axis.error)

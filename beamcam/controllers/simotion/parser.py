@@ -283,7 +283,11 @@ class Parser(Expressions):
             type_ = self.type()
             initial: Expression | tuple[Expression, ...] | None = None
             if self.accept(":="):
-                initial = self.array_values() if self.is_word("[") else self.expression()
+                if self.accept("["):
+                    initial = tuple(self.separated(self.expression))
+                    self.take("]")
+                else:
+                    initial = self.expression()
             self.take(";")
             variables.append(
                 syntax.Variable(token.line, token.text, section, type_, initial, address)
@@ -310,12 +314,6 @@ class Parser(Expressions):
             raise Stop(token, "a whole number")
         self.at += 1
         return sign * int(token.text)
-
-    def array_values(self) -> tuple[Expression, ...]:
-        self.take("[")
-        values = self.separated(self.expression)
-        self.take("]")
-        return tuple(values)
 
     # -- statements -------------------------------------------------------------------------
 
