@@ -19,7 +19,7 @@ from beamcam.config.values import Config
 from beamcam.errors import Diagnostic
 from beamcam.model.part import Part
 from beamcam.model.plan import AnyPlan, Order, Plan
-from beamcam.pictures.program import ReadProgram
+from beamcam.pictures import ReadProgram
 from beamcam.pipeline import Posted, begin, finished, read_back, untold, whole_job
 from beamcam.readers import shown_name
 

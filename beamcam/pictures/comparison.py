@@ -23,13 +23,14 @@ from beamcam.machine.coper import Coper
 from beamcam.model.description import FACE_NAMES, end_lines, face_title, runs_down
 from beamcam.model.part import Hole, Part, Slot
 from beamcam.model.rounds import rolled
+from beamcam.pictures import ReadProgram
 from beamcam.pictures import coper as coper_picture
 from beamcam.pictures.bar_made import BarMade
 from beamcam.pictures.callouts import hole_words, slot_words
 from beamcam.pictures.features import feature_shapes, lettering
 from beamcam.pictures.overlay import Overlay, faces_overlay, outlines, overlay_scene
 from beamcam.pictures.part import face_of, faces_of, view_of
-from beamcam.pictures.program import ReadProgram, bar_made, coper_program
+from beamcam.pictures.program import bar_made
 from beamcam.pictures.scene import Circle, PaperFrame, Pieces, Polyline, Shape
 from beamcam.pictures.views import FACES_DOWN, View, head_height, heading, laid_out
 from beamcam.recovery.rings import drilled_of, round_of
@@ -193,12 +194,11 @@ def _compared_copers(a: ReadProgram, b: ReadProgram, lines: Sequence[str]) -> Ov
 
 
 def _side(program: ReadProgram) -> _Side:
-    own = coper_program(program)
-    part = coper_picture.part_of(own)
+    part = coper_picture.part_of(program)
     coper = program.machine.needed(program.machine.coper, "coper")
     is_tube = coper.unrolls(part.profile.code)
     turn = tube_section(rolled(part), coper).turn if is_tube else None
-    cuts = coper_picture.on_views(coper_picture.strokes_of(own, part), is_tube)
+    cuts = coper_picture.on_views(coper_picture.strokes_of(program, part), is_tube)
     return _Side(part, cuts, coper, turn)
 
 

@@ -7,7 +7,6 @@ u  [==============]   numbers: order of the cuts; a tube is one face, unrolled
 
 from collections.abc import Iterator, Sequence
 
-from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.checks.coping.box_tube import box_outlines
@@ -19,11 +18,10 @@ from beamcam.checks.coping.tube import tube_section
 from beamcam.checks.job import head_of
 from beamcam.errors import Source, VerifyError, errors_in
 from beamcam.machine.coper import Coper
-from beamcam.machine.machine import Machine
 from beamcam.model.description import face_title, runs_down
 from beamcam.model.part import Face, Part
 from beamcam.model.rounds import rolled
-from beamcam.pictures import SECTION
+from beamcam.pictures import SECTION, ReadProgram
 from beamcam.pictures.features import feature_shapes
 from beamcam.pictures.part import face_of
 from beamcam.pictures.scene import TOOL_COLOURS, Labels, Polyline, Scene, Shape, Text, Unit, shown
@@ -58,17 +56,7 @@ LYING_TITLES: dict[str, dict[Face, str]] = {
 }
 
 
-class CoperProgram(Struct, frozen=True):
-    """A program, and the parts that it makes as far as they are known."""
-
-    text: str
-    machine: Machine
-    name: str
-    sha256: str
-    parts: tuple[Part, ...]
-
-
-def coper_scene(program: CoperProgram, unit: Unit = "mm") -> Scene:
+def coper_scene(program: ReadProgram, unit: Unit = "mm") -> Scene:
     """The faces of the part with what the torch cuts on them.
 
     Raises VerifyError for a program that is not understood, is wrong by itself, or names no section
@@ -121,7 +109,7 @@ def coper_scene(program: CoperProgram, unit: Unit = "mm") -> Scene:
     return Scene(program.name, about, WIDTH, y + 46.0 + 13.0 * len(notes), tuple(drawn))
 
 
-def part_of(program: CoperProgram) -> Part:
+def part_of(program: ReadProgram) -> Part:
     """The part as it lies, or one of the section and length that the program's head names."""
     if program.parts:
         return lying(program.parts[0])
@@ -138,7 +126,7 @@ def part_of(program: CoperProgram) -> Part:
     return head_part(head, profile, program.name)
 
 
-def strokes_of(program: CoperProgram, part: Part) -> list[TorchStroke]:
+def strokes_of(program: ReadProgram, part: Part) -> list[TorchStroke]:
     """What the torch cuts, in its order.
 
     Raises VerifyError for a program that is not understood, or wrong by itself.
@@ -200,7 +188,7 @@ def _unrolled(view: View, part: Part, coper: Coper) -> View:
     )  # fmt: skip
 
 
-def _box_tube(program: CoperProgram, view: View) -> Iterator[Shape]:
+def _box_tube(program: ReadProgram, view: View) -> Iterator[Shape]:
     """What stays of a rectangular tube, in grey, and where its faces end."""
     frame, part = view.frame, part_of(program)
     coper = program.machine.needed(program.machine.coper, "coper")

@@ -171,16 +171,9 @@ def _over_time(window: _Window, k: int, left: float, top: float, is_last: bool) 
         y = top + PLOT_HEIGHT * (1.0 - (value - low) / room)
         return left + (time - t0) / span * PLOT_WIDTH, y
 
-    for value in ticks(low, low + room, 5):
-        y = at(t0, value)[1]
-        yield Polyline("grid", ((left, y), (left + PLOT_WIDTH, y)))
-        yield Text("figure tick-label", (left - 6.0, y + 4.0), number(value), 10.0, "end")
-    for time in ticks(t0, t0 + span, 4):
-        x = at(time, low)[0]
-        yield Polyline("grid", ((x, top), (x, top + PLOT_HEIGHT)))
-        if is_last:
-            place = (x, top + PLOT_HEIGHT + 14.0)
-            yield Text("figure tick-label", place, number(time), 10.0, "middle")
+    values = [(value, at(t0, value)[1]) for value in ticks(low, low + room, 5)]
+    times = [(time, at(time, low)[0]) for time in ticks(t0, t0 + span, 4)]
+    yield from _grid(left, top, PLOT_WIDTH, PLOT_HEIGHT, values, times, is_last)
     yield Polyline("axis frame", _frame(left, top, PLOT_WIDTH, PLOT_HEIGHT), True)
     true = zip(window.time_s.tolist(), window.true[:, k].tolist(), strict=True)
     yield Polyline("true curve", tuple(at(t, v) for t, v in true), tip="true")
@@ -194,6 +187,26 @@ def _over_time(window: _Window, k: int, left: float, top: float, is_last: bool) 
     if is_last:
         at_end = (left + PLOT_WIDTH / 2, top + PLOT_HEIGHT + 30.0)
         yield Text("label", at_end, "time, s", 11.0, "middle")
+
+
+def _grid(
+    left: float, top: float, wide: float, high: float, values: Sequence[tuple[float, float]],
+    times: Sequence[tuple[float, float]], has_times: bool, tick: float = 0.0,
+) -> Iterator[Shape]:  # fmt: skip
+    """The lines of a graph at values and times, each with its place on the paper, and its ticks."""
+    for value, y in values:
+        yield Polyline("grid", ((left, y), (left + wide, y)))
+        if tick:
+            yield Polyline("axis tick", ((left - tick, y), (left, y)))
+        place = (left - (7.0 if tick else 6.0), y + 4.0)
+        yield Text("figure tick-label", place, number(value), 10.0, "end")
+    for time, x in times:
+        yield Polyline("grid", ((x, top), (x, top + high)))
+        if tick:
+            yield Polyline("axis tick", ((x, top + high), (x, top + high + tick)))
+        if has_times:
+            place = (x, top + high + (16.0 if tick else 14.0))
+            yield Text("figure tick-label", place, number(time), 10.0, "middle")
 
 
 def _frame(left: float, top: float, width: float, height: float) -> tuple[Point, ...]:
@@ -252,17 +265,9 @@ def _panel(
     def at(time: float, value: float) -> tuple[float, float]:
         return LEFT + time / end * wide, top + PANEL * (1.0 - (value - low) / room)
 
-    for value in ticks(low, low + room):
-        (x0, y), (x1, _) = at(0.0, value), at(end, value)
-        yield Polyline("grid", ((x0, y), (x1, y)))
-        yield Polyline("axis tick", ((x0 - 4.0, y), (x0, y)))
-        yield Text("figure tick-label", (x0 - 7.0, y + 4.0), number(value), 10.0, "end")
-    for time in ticks(0.0, end, 8):
-        x, _ = at(time, 0.0)
-        yield Polyline("grid", ((x, top), (x, top + PANEL)))
-        yield Polyline("axis tick", ((x, top + PANEL), (x, top + PANEL + 4.0)))
-        if is_last:
-            yield Text("figure tick-label", (x, top + PANEL + 16.0), number(time), 10.0, "middle")
+    rows = [(value, at(0.0, value)[1]) for value in ticks(low, low + room)]
+    times = [(time, at(time, 0.0)[0]) for time in ticks(0.0, end, 8)]
+    yield from _grid(LEFT, top, wide, PANEL, rows, times, is_last, 4.0)
     yield Polyline("axis", (at(0.0, 0.0), at(end, 0.0)))
     yield Polyline("axis frame", _frame(LEFT, top, ACROSS - RIGHT - LEFT, PANEL), True)
     points = tuple([at(a, b) for a, b in zip(t.tolist(), values.tolist(), strict=True)])

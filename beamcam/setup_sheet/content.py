@@ -23,9 +23,9 @@ from beamcam.machine.coper import Coper
 from beamcam.model.part import Part
 from beamcam.model.plan import AnyPlan, Plan, clock
 from beamcam.model.rounds import rolled
+from beamcam.pictures import ReadProgram
 from beamcam.pictures.bar_made import BarMade
-from beamcam.pictures.coper import CoperProgram, part_of, strokes_of
-from beamcam.pictures.program import ReadProgram
+from beamcam.pictures.coper import part_of, strokes_of
 from beamcam.pictures.scene import Scene, Unit
 from beamcam.pictures.table import TableMade
 from beamcam.planning.manual_list import ManualRow, manual_rows
@@ -38,7 +38,7 @@ from beamcam.simulation.trace import Trace, TraceAxis
 ROUND = TraceAxis("round the bar", "mm", has_encoder=False)
 
 
-def coper_made(program: CoperProgram, trace: Trace) -> TableMade:
+def coper_made(program: ReadProgram, trace: Trace) -> TableMade:
     """The way of the torch as that of a head over a table: along the bar, and round it.
 
     Raises VerifyError where the section is not known.
@@ -80,7 +80,7 @@ def _round(positions: Floats, part: Part, coper: Coper) -> Floats:
     return sizes
 
 
-def coper_operations(program: CoperProgram, made: TableMade) -> tuple[SheetOperation, ...]:
+def coper_operations(program: ReadProgram, made: TableMade) -> tuple[SheetOperation, ...]:
     """The cuts with the faces that they are on; X is the machine's."""
     part = part_of(program)
     strokes = strokes_of(program, part)
@@ -198,7 +198,7 @@ def content_of(source: SheetSources, unit: Unit = "mm") -> SheetContent:
     from beamcam.pictures.bar import bar_scene
     from beamcam.pictures.coper import coper_scene
     from beamcam.pictures.part import part_scene
-    from beamcam.pictures.program import bar_made, coper_program, table_made
+    from beamcam.pictures.program import bar_made, table_made
     from beamcam.pictures.table import table_scene
 
     program = source.program
@@ -224,11 +224,10 @@ def content_of(source: SheetSources, unit: Unit = "mm") -> SheetContent:
             if end - start > machine.format.resolution
         )
     elif machine.stock == "profile":
-        known = coper_program(program)
-        made = coper_made(known, trace)
+        made = coper_made(program, trace)
         trace = made.trace
-        scene = coper_scene(known, unit)
-        operations = coper_operations(known, made)
+        scene = coper_scene(program, unit)
+        operations = coper_operations(program, made)
         totals = table_totals(made)
         tools = (ToolRow("torch", "", "cut"),)
     else:

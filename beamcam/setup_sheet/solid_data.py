@@ -29,9 +29,9 @@ from beamcam.machine.machine import Machine
 from beamcam.machine.tables import TABLE_CONTROLLERS
 from beamcam.machine.torch import material_said
 from beamcam.model.part import Part, Profile
+from beamcam.pictures import ReadProgram
 from beamcam.pictures.bar_made import BarMade
 from beamcam.pictures.coper import part_of
-from beamcam.pictures.program import ReadProgram, coper_program
 from beamcam.pictures.table import TableMade
 from beamcam.solid.bar_solid import bar_pieces, lying, points_of, said_of_section, work_of
 from beamcam.solid.coper_solid import burns_of, stock_of, taken_by
@@ -170,7 +170,7 @@ def solids_of(program: ReadProgram, made: BarMade | TableMade) -> Solids:
     """The pieces of a program as a solid. Circles have as many sides as there is room for."""
     faces = "vouh" if isinstance(made, BarMade) else "v"
     if program.machine.stock == "profile":
-        faces = "v" if part_of(coper_program(program)).profile.code in ("RO", "B") else "vouh"
+        faces = "v" if part_of(program).profile.code in ("RO", "B") else "vouh"
     without = _too_much(program, made)
     if without:
         return Solids((), faces, without=without)
@@ -231,7 +231,7 @@ def _torched(
 ) -> Iterator[tuple[str, str, Mesh]]:
     """What a torch leaves of a sheet, a profile or a tube, each piece with its kind and a name."""
     if program.machine.stock == "profile":
-        part = program.parts[0] if program.parts else part_of(coper_program(program))
+        part = program.parts[0] if program.parts else part_of(program)
         for mesh in coper_meshes(program.text, program.machine, part, program.name, chord):
             yield "part", part.mark or "part", mesh
     else:

@@ -12,9 +12,10 @@ from beamcam.comparison.pairing import Difference
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Profile
 from beamcam.motion.velocity_profile import VelocityProfile
+from beamcam.pictures import ReadProgram
 from beamcam.pictures.graphs import Study, encoder_scene, profile_scene, sample_times
 from beamcam.pictures.overlay import Overlay
-from beamcam.pictures.program import ReadProgram, bar_made, table_made
+from beamcam.pictures.program import bar_made, table_made
 from beamcam.reports.velocity_profile import VelocityUnit
 from beamcam.setup_sheet.page import page, program_data
 from beamcam.setup_sheet.playback import NO_SECTION, bar_made_data, cell_data, path_data, trace_data

@@ -15,10 +15,11 @@ import pytest
 from beamcam.errors import Source
 from beamcam.machine import load
 from beamcam.model.part import Hole, Part, Profile
+from beamcam.pictures import ReadProgram
 from beamcam.pictures.comparison import compared_parts
 from beamcam.pictures.formats import to_svg
 from beamcam.pictures.part import part_scene
-from beamcam.pictures.program import ReadProgram, program_scene
+from beamcam.pictures.program import program_scene
 from beamcam.pictures.scene import Scene
 from beamcam.pipeline import post
 from beamcam.solid.kernel import kernel

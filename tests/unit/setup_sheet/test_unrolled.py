@@ -9,7 +9,7 @@ from msgspec.structs import replace
 
 from beamcam.machine import load
 from beamcam.model.request import Request
-from beamcam.pictures.program import ReadProgram
+from beamcam.pictures import ReadProgram
 from beamcam.pipeline import post, read_back, read_file
 from beamcam.setup_sheet.content import SheetContent, SheetSources, content_of
 from beamcam.setup_sheet.page import setup_page
