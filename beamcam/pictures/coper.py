@@ -151,11 +151,6 @@ def faces_of(part: Part, is_tube: bool) -> tuple[Face, ...]:
 
 def face_view(part: Part, face: Face, strokes: Sequence[TorchStroke], coper: Coper) -> View:
     """A face from x 0 to the part's end, or as far as it is cut; of a tube all of its surface."""
-    view = _view(part, face, strokes)
-    return _unrolled(view, part, coper) if coper.unrolls(part.profile.code) else view
-
-
-def _view(part: Part, face: Face, strokes: Sequence[TorchStroke]) -> View:
     points = [place for stroke in strokes if stroke.face == face for place in stroke.points]
     xs, ys = [x for x, _ in points], [y for _, y in points]
     turned = LYING_TITLES.get(part.profile.code)
@@ -167,10 +162,11 @@ def _view(part: Part, face: Face, strokes: Sequence[TorchStroke]) -> View:
             for xs in ([x for x, _ in s.points],) for end in (min(xs), max(xs))}  # fmt: skip
     rises = {round(end, 1) for s in strokes if s.face == face
              for ys in ([y for _, y in s.points],) for end in (min(ys), max(ys))}  # fmt: skip
-    return View(
+    view = View(
         face, title, box, tuple(ends | {part.length}), (*(rises - {high}), high),
         runs_down(face), edges=("", "") if turned else edges_of(face, part.profile.code),
     )  # fmt: skip
+    return _unrolled(view, part, coper) if coper.unrolls(part.profile.code) else view
 
 
 def _unrolled(view: View, part: Part, coper: Coper) -> View:

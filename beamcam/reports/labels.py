@@ -147,7 +147,12 @@ def _draw_code(canvas: object, rows: Sequence[Sequence[int]], size: LabelSize) -
 def code_rows(text: str, code: Code = "qr") -> tuple[tuple[int, ...], ...]:
     """The modules of a text's code, its quiet zone left to the label. Raises ImportError."""
     if code == "datamatrix":
-        return datamatrix_rows(text)
+        from ppf.datamatrix import DataMatrix
+
+        matrix = DataMatrix(text)
+        if not text.isascii():
+            matrix.codecs = [UTF_8_CODEC]
+        return tuple(map(tuple, matrix.matrix))
     import segno
 
     return tuple(map(tuple, segno.make_qr(text, error="m").matrix))
@@ -225,16 +230,6 @@ def _escaped(text: str) -> str:
 ECI, UTF_8, BASE_256 = 241, 27, 231  #: codewords; ECI numbers are written one higher
 SHORT = 249  #: bytes up to which one codeword says how many there are
 UTF_8_CODEC = "datamatrix.utf8"
-
-
-def datamatrix_rows(text: str) -> tuple[tuple[int, ...], ...]:
-    """The modules of a square code, its quiet zone left to the label. Raises ImportError."""
-    from ppf.datamatrix import DataMatrix
-
-    code = DataMatrix(text)
-    if not text.isascii():
-        code.codecs = [UTF_8_CODEC]
-    return tuple(map(tuple, code.matrix))
 
 
 def _in_utf_8(text: str, errors: str = "strict") -> tuple[bytes, int]:

@@ -105,11 +105,6 @@ def cell_data(machine: Machine, profile: Profile, end: float) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def bar_data(bar: BarMade, trace: Trace) -> dict[str, Any]:
-    """A bar's program for a page: the cell, the pieces, what is made at which line, the trace."""
-    return {**bar_made_data(bar), "trace": trace_data(trace)}
-
-
 def bar_made_data(bar: BarMade) -> dict[str, Any]:
     """A bar's program without its times."""
     machine, made, profile = bar.machine, bar.made, bar.profile
@@ -197,10 +192,11 @@ def _inverse(formula: Formula, values: dict[str, float], name: str) -> tuple[flo
     return (-zero / slope, 1.0 / slope) if slope else (0.0, 0.0)
 
 
-def table_data(table: TableMade) -> dict[str, Any]:
-    """A table's program for a page; each interval has the colour of its speed."""
-    trace = table.trace
-    speeds = table.speeds_mm_s
+def playback_data(made: BarMade | TableMade, trace: Trace) -> dict[str, Any]:
+    """A program for a page: what moves, and the trace; of a table the colours of its speeds."""
+    if isinstance(made, BarMade):
+        return {**bar_made_data(made), "trace": trace_data(trace)}
+    trace, speeds = made.trace, made.speeds_mm_s
     on = np.array([bool(state.process) for state in trace.states])[trace.state]
     fastest = float(speeds[on].max(initial=0.0)) or 1.0
     return {

@@ -9,7 +9,6 @@ from math import hypot, inf, isfinite
 import numpy as np
 from msgspec import Struct
 
-from beamcam.checks.steps.velocities import TableRow
 from beamcam.controllers.simotion.axes import circle_points
 from beamcam.controllers.simotion.job import JobRead, TableOperation
 from beamcam.controllers.step_table import Rows
@@ -134,10 +133,22 @@ def _steps(data: str | bytes, machine: Machine, name: str, style: str) -> Simula
     stepper = machine.needed(machine.stepper, "stepping motors")
     form = style if style in FORMS else machine.suffix
     stream = Stream((data.encode() if isinstance(data, str) else data,), name)
+    builder = TraceBuilder(head_axes(machine), (0.0, 0.0))
     if form == VELOCITIES:
-        return Simulated(velocity_trace(stretches(stream, stepper.step), machine), ())
+        for row in stretches(stream, stepper.step):
+            way, speed = hypot(*row.way), hypot(*row.velocity)
+            if way > 0.0 and speed > 0.0:
+                state = LASER if row.laser else State()
+                builder.add([way / speed], [row.end], UNIFORM, row.line, state)
+        return Simulated(builder.trace(), ())
     rows = {".steps": text_rows, ".bin": binary_rows, ".h": header_rows}[form]
-    return Simulated(step_trace(rows(stream, stepper), machine), ())
+    clock_s = 0.0
+    for times, places, lines, laser in _strokes(rows(stream, stepper), stepper):
+        knots = _thinned(times, places, SLACK_STEPS * stepper.step)
+        seconds = np.diff(times[knots], prepend=clock_s)
+        builder.add(seconds, places[knots], UNIFORM, lines[knots], LASER if laser else State())
+        clock_s = float(times[-1])
+    return Simulated(builder.trace(), ())
 
 
 # --- table run by triggers: each operation from rest to rest --------------------------------------
@@ -224,31 +235,6 @@ SAMPLE_S = 0.005
 MICROSECONDS = 1e6
 SLACK_STEPS = 1.0  #: of the thinned lines from the samples; less keeps the jitter of whole steps
 LASER = State(process="cut")
-
-
-def velocity_trace(rows: Iterable[TableRow], machine: Machine) -> Trace:
-    """The head over time, stretch by stretch of a velocity table."""
-    builder = TraceBuilder(head_axes(machine), (0.0, 0.0))
-    for row in rows:
-        way, speed = hypot(*row.way), hypot(*row.velocity)
-        if way > 0.0 and speed > 0.0:
-            state = LASER if row.laser else State()
-            builder.add([way / speed], [row.end], UNIFORM, row.line, state)
-    return builder.trace()
-
-
-def step_trace(blocks: Iterable[Rows], machine: Machine) -> Trace:
-    """The head over time, from the rows of a step table."""
-    stepper = machine.needed(machine.stepper, "stepping motors")
-    builder = TraceBuilder(head_axes(machine), (0.0, 0.0))
-    clock_s = 0.0
-    for times, places, lines, laser in _strokes(blocks, stepper):
-        state = LASER if laser else State()
-        knots = _thinned(times, places, SLACK_STEPS * stepper.step)
-        seconds = np.diff(times[knots], prepend=clock_s)
-        builder.add(seconds, places[knots], UNIFORM, lines[knots], state)
-        clock_s = float(times[-1])
-    return builder.trace()
 
 
 def _strokes(

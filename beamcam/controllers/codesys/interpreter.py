@@ -227,19 +227,6 @@ class Codesys(Interpreter):
 
     def _setting(self, line: int, number: int, words: Words) -> None:
         unexpected = set(words)
-        if number in (50, 51, 52):
-            self._cut_corners(line, number, words)
-            return
-        if number in (53, 54, 55):
-            self._move_zero(line, number, words)
-            return
-        if number == 4:
-            self._wait(line)
-            if words.keys() == {"T"}:
-                self._event(Pause(line, words["T"]))
-            else:
-                self._wrong(line, "G04", "T with seconds")
-            return
         if number in _SIDES:
             unexpected -= {"D"}
             self._event(Compensation(line, _SIDES[number], words.get("D", 0.0)))
@@ -257,6 +244,13 @@ class Codesys(Interpreter):
             self._wrong(line, f"G{number:02}", _KNOWN)
         if unexpected:
             self._wrong(line, f"{min(unexpected)} behind G{number:02}", "no word there")
+
+    def _dwell(self, line: int, number: int, words: Words) -> None:
+        self._wait(line)
+        if words.keys() == {"T"}:
+            self._event(Pause(line, words["T"]))
+        else:
+            self._wrong(line, "G04", "T with seconds")
 
     def _cut_corners(self, line: int, number: int, words: Words) -> None:
         """Corners are cut D before and behind them (G51 by a spline, G52 by an arc), or no more.
@@ -364,4 +358,12 @@ def _what_carries_out(
         return Codesys._go_on
     if block.number in _TRAVEL:
         return Codesys._carry_out
-    return Codesys._own_code if block.number in language.g_words else Codesys._setting
+    if block.number in language.g_words:
+        return Codesys._own_code
+    return _SETTINGS.get(block.number, Codesys._setting)
+
+
+_SETTINGS = {
+    4: Codesys._dwell, **dict.fromkeys((50, 51, 52), Codesys._cut_corners),
+    **dict.fromkeys((53, 54, 55), Codesys._move_zero),
+}  # fmt: skip

@@ -35,11 +35,6 @@ LIFT = 8  #: kind of an operation up or down
 MOST_CYCLES = 40_000  #: of the trial, which takes some hundreds where axes and cycles are usual
 
 
-def trial(machine: Machine) -> tuple[Diagnostic, ...]:
-    """Faults in the fixed part of a machine's programs; none for one that works."""
-    return _once(machine)
-
-
 def parsed(text: str, machine: Machine, name: str) -> tuple[list[Unit], list[Diagnostic]]:
     """The units of a program, with the blocks that it calls where these are Structured Text."""
     library_text = dialect_of(machine).library
@@ -73,7 +68,8 @@ def _trial(machine: Machine) -> tuple[Diagnostic, ...]:
     return tuple(all_said)
 
 
-_once = PerObject("simotion.trial", _trial)
+#: Faults in the fixed part of a machine's programs; none for one that works.
+trial = PerObject("simotion.trial", _trial)
 
 
 def _program(machine: Machine, style: str) -> str:
