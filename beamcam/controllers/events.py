@@ -194,18 +194,15 @@ class Heights:
     def lift(self, line: int, rapid: bool, z: float, absolute: bool, feed_mm_min: float) -> Lift:
         """The move to a Z, or by it."""
         end = self._zero + z if absolute else self.height + z
-        return self._go(line, rapid, end, feed_mm_min)
-
-    def to(self, line: int, height: float) -> Lift:
-        """The move of a macro to a height over the sheet."""
-        return self._go(line, False, height, nan)
+        return self.to(line, rapid, end, feed_mm_min)
 
     def to_machine_z(self, line: int, rapid: bool, z: float, feed_mm_min: float) -> Lift:
         """The move to a Z of the machine's own, whose top is all that is known of it."""
         at_top = self._top is not None and z >= self._top
-        return self._go(line, rapid, inf if at_top else nan, feed_mm_min)
+        return self.to(line, rapid, inf if at_top else nan, feed_mm_min)
 
-    def _go(self, line: int, rapid: bool, end: float, feed_mm_min: float) -> Lift:
+    def to(self, line: int, rapid: bool, end: float, feed_mm_min: float) -> Lift:
+        """The move to a height over the sheet."""
         start, self.height = self.height, end
         return Lift(line, rapid, start, end, feed_mm_min)
 
@@ -223,7 +220,7 @@ class Heights:
         """A macro that touches the sheet, counts Z from there, and stands on it."""
         touch = self.touch(line, nan)
         zero = self.count_from(line, self.height, False)
-        return touch, zero, self.to(line, 0.0)
+        return touch, zero, self.to(line, False, 0.0, nan)
 
     def take_back(self, line: int) -> Zero:
         """Z counts again as it did when the program began."""

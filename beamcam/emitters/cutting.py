@@ -102,18 +102,17 @@ class _Writer:
             (words.arc_cw, "xyijc", [c for c in arcs if c.clockwise]),
             (words.arc_ccw, "xyijc", [c for c in arcs if not c.clockwise]),
         ]
-        return [self._formatted(*kind) for kind in kinds]
-
-    def _formatted(self, template: tuple[str, ...], names: str, rows: list[Row]) -> Iterator[str]:
-        numbers = chain.from_iterable(map(astuple, rows))
-        table = np.fromiter(numbers, dtype=np.float64, count=len(rows) * len(names))
-        table = table.reshape(-1, len(names))
-        text = BETWEEN.join(template).replace("{feed}", FEED)
-        columns = dict(zip(names, table.T, strict=True))
-        formatted = lines(text, columns, self._form.length_decimals).split("\n")
-        if len(template) > 1:
-            formatted = [record.replace(BETWEEN, "\n") for record in formatted]
-        return iter(formatted)
+        blocks = []
+        for template, names, rows in kinds:
+            numbers = chain.from_iterable(map(astuple, rows))
+            table = np.fromiter(numbers, dtype=np.float64, count=len(rows) * len(names))
+            columns = dict(zip(names, table.reshape(-1, len(names)).T, strict=True))
+            text = BETWEEN.join(template).replace("{feed}", FEED)
+            formatted = lines(text, columns, self._form.length_decimals).split("\n")
+            if len(template) > 1:
+                formatted = [record.replace(BETWEEN, "\n") for record in formatted]
+            blocks.append(iter(formatted))
+        return blocks
 
     def _move(self, block: str) -> str:
         """The block of a move, with the feed and the words that are new."""

@@ -116,13 +116,16 @@ def emit(table: TriggerTable, machine: Machine, style: str | None = None) -> str
         *(f"(* {comment_text(remark)} *)\n" for remark in table.remarks),
         runtime.head,
         f"    USES {', '.join(uses)};\n" if uses else "",
-        *_declarations(table, triggers, dialect),
-        *_variables(count, chunks, triggers, dialect),
+        *_declarations(table, chunks, triggers, dialect),
         runtime.middle,
         *(_fetches(chunks, triggers) if style == "table" else _blocks(rows, triggers)),
         runtime.end,
-        *(_data_unit(chunk, triggers, dialect) for chunk in chunks if dialect.has_units),
     ]
+    for chunk in chunks if dialect.has_units else ():
+        lines = ["", UNIT_MARK.format(name=chunk.unit), "INTERFACE", f"    {dialect.constants}"]
+        lines += _arrays(chunk, triggers)
+        lines += ["    END_VAR", "END_INTERFACE", "", "IMPLEMENTATION", "END_IMPLEMENTATION", ""]
+        pieces.append("\n".join(lines))
     return "".join(pieces)
 
 
@@ -144,7 +147,10 @@ def _rows(operations: Sequence[TriggerOp], height: float) -> Iterator[_Row]:
             yield _Row("arc", ARC, *here, height, op.speed_mm_s, (op.middle_x, op.middle_y))
 
 
-def _declarations(table: TriggerTable, triggers: Triggers, dialect: TableDialect) -> Iterator[str]:
+def _declarations(
+    table: TriggerTable, chunks: Sequence[_Chunk], triggers: Triggers, dialect: TableDialect
+) -> Iterator[str]:
+    """Constants, and the triggers of a chain, or the set-points of a table without units."""
     yield f"    {dialect.constants}\n"
     yield f"        LAST_OPERATION : DINT := DINT#{len(table.operations)};\n"
     if triggers.z is not None:
@@ -155,17 +161,11 @@ def _declarations(table: TriggerTable, triggers: Triggers, dialect: TableDialect
         longest = ceil(1000 * max(waits, default=0.0) - 1e-9)
         yield f"        PIERCE_{process.upper()} : TIME := T#{longest}ms;\n"
     yield "    END_VAR\n"
-
-
-def _variables(
-    count: int, chunks: Sequence[_Chunk], triggers: Triggers, dialect: TableDialect
-) -> Iterator[str]:
-    """The triggers of a chain, or the set-points of a table that has no units for them."""
     if chunks and dialect.has_units:
         return
     yield f"    {dialect.variables}\n"
     if not chunks:
-        yield f"        triggerActive : ARRAY [0..{count}] OF BOOL;\n"
+        yield f"        triggerActive : ARRAY [0..{len(table.operations)}] OF BOOL;\n"
     for chunk in chunks:
         yield from (f"{line}\n" for line in _arrays(chunk, triggers))
     yield "    END_VAR\n"
@@ -203,13 +203,6 @@ def _fetches(chunks: Sequence[_Chunk], triggers: Triggers) -> Iterator[str]:
                 {height}speed := pointSpeed_{k}[row]{via});
         END_IF;
 """
-
-
-def _data_unit(chunk: _Chunk, triggers: Triggers, dialect: TableDialect) -> str:
-    lines = ["", UNIT_MARK.format(name=chunk.unit), "INTERFACE", f"    {dialect.constants}"]
-    lines += _arrays(chunk, triggers)
-    lines += ["    END_VAR", "END_INTERFACE", "", "IMPLEMENTATION", "END_IMPLEMENTATION", ""]
-    return "\n".join(lines)
 
 
 def _arrays(chunk: _Chunk, triggers: Triggers) -> Iterator[str]:

@@ -103,7 +103,15 @@ def part_scene(part: Part, unit: Unit = "mm", processes: Processes | None = None
     left, right = (last.frame.at(x, 0.0)[0] for x in (last.box[0], last.box[2]))
     drawn += measured((left, y), (right, y), last.box[2] - last.box[0], unit)
     left_out = sum(one.left for one in called.values())
-    notes = [f"lengths in {unit}", *_notes(part, left_out)]
+    notes = [f"lengths in {unit}"]
+    if left_out:
+        notes.append(f"{left_out} more sizes are not said here; `beamcam inspect` lists them")
+    if any(isinstance(f, Hole | Slot) and f.kind != "mark" for f in part.features):
+        notes.append("holes and slots go through their wall where no depth is said")
+    planes = sum(isinstance(f, EndPlane) and not f.normal[0] for f in part.features)
+    if planes:
+        notes.append(f"{planes} cutting planes along the part are not drawn")
+    notes.append(PurePath(part.source.file).name)
     notes += [row for view in views for row in unshown(view, unit)]
     y += 24.0
     # Styles that occur and what they stand for; of a drawing its processes.
@@ -153,17 +161,6 @@ def small_scene(part: Part) -> Scene:
     shapes = [s for s in _face(part, replace(view, frame=frame)) if not isinstance(s, Text)]
     bare = tuple(replace(s, tip="") for s in shapes[:MAX_SMALL_SHAPES])
     return Scene(part.mark or "part", "the web", SMALL[0] + 4.0, height, bare)
-
-
-def _notes(part: Part, left_out: int) -> Iterator[str]:
-    if left_out:
-        yield f"{left_out} more sizes are not said here; `beamcam inspect` lists them"
-    if any(isinstance(f, Hole | Slot) and f.kind != "mark" for f in part.features):
-        yield "holes and slots go through their wall where no depth is said"
-    planes = sum(isinstance(f, EndPlane) and not f.normal[0] for f in part.features)
-    if planes:
-        yield f"{planes} cutting planes along the part are not drawn"
-    yield PurePath(part.source.file).name
 
 
 def faces_of(part: Part) -> tuple[Face, ...]:

@@ -6,7 +6,6 @@ picture in the upper right corner shows where the path lies within the limits of
 """
 
 from collections.abc import Iterator, Sequence
-from itertools import pairwise
 
 import numpy as np
 from msgspec import Struct
@@ -41,7 +40,7 @@ from beamcam.pictures.views import (
     measured,
 )
 from beamcam.recovery.paths import ring_of
-from beamcam.simulation.trace import Trace
+from beamcam.simulation.trace import Trace, runs
 
 SECONDS_PER_MINUTE = 60.0
 MIN_MOVE = 1e-6
@@ -69,12 +68,8 @@ class TableMade(Struct, frozen=True):
         """First interval, the one behind the last, and process of each start of a tool."""
         process = [state.process for state in self.trace.states]
         state = self.trace.state
-        edges = [0, *(np.flatnonzero(np.diff(state)) + 1).tolist(), len(state)]
-        return [
-            (a, b, process[int(state[a])])
-            for a, b in pairwise(edges)
-            if b > a and process[int(state[a])]
-        ]
+        each = [(a, b, process[int(state[a])]) for a, b in runs(state)]
+        return [stroke for stroke in each if stroke[2]]
 
     @property
     def speeds_mm_s(self) -> Floats:
@@ -256,15 +251,6 @@ def speed_classes(speeds: Floats, fastest: float) -> Counts:
     return classes.astype(np.int64)
 
 
-def _runs(values: Sequence[int]) -> Iterator[tuple[int, int]]:
-    """First and behind the last of each run of equal values."""
-    begin = 0
-    for k in range(1, len(values) + 1):
-        if k == len(values) or values[k] != values[begin]:
-            yield begin, k
-            begin = k
-
-
 def _drawn(
     trace: Trace, first: int, last: int, frame: PaperFrame
 ) -> tuple[tuple[float, float], ...]:
@@ -288,7 +274,7 @@ def _path(
     frame: PaperFrame,
 ) -> Iterator[Polyline]:  # fmt: skip
     """Rapid moves, leads, and the strokes in pieces of one colour."""
-    rapids = [("rapid", a, b) for a, b in _runs(on.astype(int).tolist()) if not on[a]]
+    rapids = [("rapid", a, b) for a, b in runs(on.astype(np.int64)) if not on[a]]
     leads = [
         ("lead", a, b) for first, last, process in strokes
         if process not in ("mark", "engrave", "spot")  # a letter may begin beside a ring, as a 9
@@ -300,8 +286,8 @@ def _path(
             yield Polyline(style, points, line=int(trace.line[a]))
     ways = np.hypot(*np.diff(trace.positions[:, :2], axis=0).T)
     for first, last, process in strokes:
-        moving = [k for k in range(first, last) if ways[k] > MIN_MOVE]
-        for a, b in _runs([int(colours[k]) for k in moving]):
+        moving = (first + np.flatnonzero(ways[first:last] > MIN_MOVE)).tolist()
+        for a, b in runs(colours[moving]):
             line = int(trace.line[moving[a]])
             points = _drawn(trace, moving[a], moving[b - 1] + 1, frame)
             yield Polyline(f"speed-{colours[moving[a]]} by-{process}", points, line=line)

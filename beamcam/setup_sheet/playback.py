@@ -10,13 +10,11 @@ Numbers of the trace are whole and count from the one before, so that a long one
 """
 
 import json
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from msgspec.structs import replace
 
-from beamcam.checks.bars.stations import StampedText
 from beamcam.geometry.array_types import Counts
 from beamcam.geometry.plane import unit_vector
 from beamcam.machine.machine import Machine, text_x
@@ -26,7 +24,7 @@ from beamcam.pictures.bar_made import BarMade, DrawnPiece
 from beamcam.pictures.features import section_outlines
 from beamcam.pictures.table import TableMade, speed_classes
 from beamcam.plain_text import json_text
-from beamcam.simulation.trace import Trace
+from beamcam.simulation.trace import Trace, runs
 
 MICROSECONDS = 1e6
 STEP = 1e-3  #: of positions in a page, mm or degrees
@@ -47,7 +45,7 @@ def trace_data(trace: Trace) -> dict[str, Any]:
         "p": [_squeezed(column) for column in np.diff(places, axis=0).T],
         "s": [0 if pair == [1000, 1000] else pair for pair in slopes.tolist()],
         "l": np.diff(trace.line, prepend=0).tolist(),
-        "o": _runs(trace.state),
+        "o": [[int(trace.state[a]), b - a] for a, b in runs(trace.state)],
         "states": [
             {name: getattr(state, name) for name in state.__struct_fields__}
             for state in trace.states
@@ -69,11 +67,6 @@ def _squeezed(column: Counts) -> list[Any]:
         if value is not None:
             values.append(value)
     return values
-
-
-def _runs(states: Counts) -> list[list[int]]:
-    edges = [0, *(np.flatnonzero(np.diff(states)) + 1).tolist(), len(states)]
-    return [[int(states[a]), b - a] for a, b in pairwise(edges) if b > a]
 
 
 def cell_data(machine: Machine, profile: Profile, end: float) -> dict[str, Any]:
@@ -109,6 +102,12 @@ def bar_made_data(bar: BarMade) -> dict[str, Any]:
     """A bar's program without its times."""
     machine, made, profile = bar.machine, bar.made, bar.profile
     drill_x = machine.drill.x if machine.drill else 0.0
+    trails: list[tuple[Any, Any, float]] = [(t, t.points, drill_x) for t in made.paths]
+    for text in made.texts:  # the line that its characters stand on
+        long = machine.marks.pitch * text.height * len(text.text)
+        c, s = unit_vector(text.angle)
+        x = text.x - text_x(machine)
+        trails.append((text, ((x, text.y), (x + long * c, text.y + long * s)), 0.0))
     return {
         **cell_data(machine, profile, bar.end),
         "pieces": [_piece(bar, piece) for piece in bar.pieces()],
@@ -122,21 +121,11 @@ def bar_made_data(bar: BarMade) -> dict[str, Any]:
              "d": b.diameter} for b in made.bores
         ],
         "trails": [
-            {"line": t.line, "face": t.face,
-             "points": [[_rounded(x - drill_x), _rounded(y)] for x, y in t.points]}
-            for t in made.paths
-        ] + [
-            {"line": t.line, "face": t.face, "points": _underline(t, machine)} for t in made.texts
+            {"line": t.line, "face": t.face, "points": [[_rounded(x - off), _rounded(y)]
+                                                        for x, y in points]}
+            for t, points, off in trails
         ],
     }  # fmt: skip
-
-
-def _underline(text: StampedText, machine: Machine) -> list[list[float]]:
-    """The line that the characters of a text stand on."""
-    x, long = text.x - text_x(machine), machine.marks.pitch * text.height * len(text.text)
-    c, s = unit_vector(text.angle)
-    ends = ((x, text.y), (x + long * c, text.y + long * s))
-    return [[_rounded(a), _rounded(b)] for a, b in ends]
 
 
 def _rounded(value: float) -> float:
@@ -199,11 +188,12 @@ def playback_data(made: BarMade | TableMade, trace: Trace) -> dict[str, Any]:
     trace, speeds = made.trace, made.speeds_mm_s
     on = np.array([bool(state.process) for state in trace.states])[trace.state]
     fastest = float(speeds[on].max(initial=0.0)) or 1.0
+    classes = speed_classes(speeds, fastest)
     return {
         "kind": "table",
         "trace": trace_data(trace),
         "fastest": fastest,
-        "colours": _runs(speed_classes(speeds, fastest)),
+        "colours": [[int(classes[a]), b - a] for a, b in runs(classes)],
     }
 
 

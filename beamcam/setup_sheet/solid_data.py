@@ -33,6 +33,7 @@ from beamcam.pictures import ReadProgram
 from beamcam.pictures.bar_made import BarMade
 from beamcam.pictures.coper import part_of
 from beamcam.pictures.table import TableMade
+from beamcam.simulation.trace import runs
 from beamcam.solid.bar_solid import bar_pieces, lying, points_of, said_of_section, work_of
 from beamcam.solid.coper_solid import burns_of, stock_of, taken_by
 from beamcam.solid.copers import as_tube
@@ -275,12 +276,11 @@ def _packed(kind: str, mark: str, mesh: Mesh) -> dict[str, Any]:
     wide = 2 if len(points) <= GRID else 4
     data = b"".join(_differences(column, 2) for column in points.T)
     data += _differences(mesh.triangles.ravel(), wide)
-    edges = [0, *(np.flatnonzero(np.diff(mesh.lines)) + 1).tolist(), len(mesh.lines)]
     return {
         "kind": kind, "mark": mark, "box": [round(float(v), 3) for v in (*low, *size)],
         "points": len(points), "triangles": len(mesh.triangles), "wide": wide,
         "data": base64.b64encode(zlib.compress(data, 9)).decode("ascii"),
-        "lines": [[int(mesh.lines[a]), b - a] for a, b in pairwise(edges) if b > a],
+        "lines": [[int(mesh.lines[a]), b - a] for a, b in runs(mesh.lines)],
     }  # fmt: skip
 
 

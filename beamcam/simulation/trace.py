@@ -11,6 +11,7 @@ has to be sampled:
 """
 
 from collections.abc import Iterator, Sequence
+from itertools import pairwise
 from typing import Literal
 
 import numpy as np
@@ -83,6 +84,12 @@ class State(Struct, frozen=True):
 
 
 UNIFORM = (1.0, 1.0)
+
+
+def runs(values: Counts) -> list[tuple[int, int]]:
+    """First and behind the last of each run of equal values."""
+    edges = [0, *(np.flatnonzero(np.diff(values)) + 1).tolist(), len(values)]
+    return [(a, b) for a, b in pairwise(edges) if b > a]
 
 
 class TraceAxis(Struct, frozen=True):

@@ -111,7 +111,7 @@ class HeadWords(Interpreter):
             expected = 'torch.z = "program" in the machine file'
             self._wrong(line, f"a word for {action!r} where the controller moves Z", expected)
         elif action == "height":
-            self._event(heights.to(line, value))
+            self._event(heights.to(line, False, value, nan))
         elif action == "touch off":
             for event in heights.touch_off(line):
                 self._event(event)

@@ -143,21 +143,18 @@ class PathObject:
         if self.still:
             return
         self._drive.advance(seconds)
-        (x, y), (dx, dy) = self._at(self._drive.position)
-        self.x.put(x, dx * self._drive.velocity)
-        self.y.put(y, dy * self._drive.velocity)
-
-    def _at(self, way: float) -> tuple[tuple[float, float], tuple[float, float]]:
-        direction = (0.0, 0.0)
+        way, (x, y), dx, dy = self._drive.position, self._points[-1], 0.0, 0.0
         for a, b in pairwise(self._points):
             length = dist(a, b)
             if length == 0.0:
                 continue
-            direction = ((b[0] - a[0]) / length, (b[1] - a[1]) / length)
+            dx, dy = (b[0] - a[0]) / length, (b[1] - a[1]) / length
             if way <= length:
-                return (a[0] + way * direction[0], a[1] + way * direction[1]), direction
+                x, y = a[0] + way * dx, a[1] + way * dy
+                break
             way -= length
-        return self._points[-1], direction
+        self.x.put(x, dx * self._drive.velocity)
+        self.y.put(y, dy * self._drive.velocity)
 
 
 # --- SIMOTION's library: types, commands with their parameters, enumerators, function blocks ------

@@ -117,7 +117,11 @@ class CuttingTable:
             sign = -1.0 if values["DIRECTION"] == "NEGATIVE" else 1.0
             moved[0].run(sign * values["VELOCITY"], self.triggers.acceleration)
         elif name == "_POS":
-            self._pos(moved[0], values, line)
+            if values["POSITIONINGMODE"] != "ABSOLUTE" or values["MERGEMODE"] != "IMMEDIATELY":
+                mode = f"{values['POSITIONINGMODE']} with {values['MERGEMODE']}"
+                self._command(line, mode, "ABSOLUTE with IMMEDIATELY")
+            limits = (values[key] for key in ("VELOCITY", "POSITIVEACCEL", "NEGATIVEACCEL"))
+            moved[0].go(values["POSITION"], *limits)
         return 0
 
     def _command(self, line: int, found: str, expected: str) -> None:
@@ -148,14 +152,6 @@ class CuttingTable:
             self._command(line, f"homing of {axis.name} while it moves", "it at rest")
         axis.home(values["HOMEPOSITION"])
         return 0
-
-    def _pos(self, axis: Axis, values: dict[str, Any], line: int) -> None:
-        if values["POSITIONINGMODE"] != "ABSOLUTE" or values["MERGEMODE"] != "IMMEDIATELY":
-            mode = f"{values['POSITIONINGMODE']} with {values['MERGEMODE']}"
-            self._command(line, mode, "ABSOLUTE with IMMEDIATELY")
-        axis.go(
-            values["POSITION"], values["VELOCITY"], values["POSITIVEACCEL"], values["NEGATIVEACCEL"]
-        )
 
     def _path(self, name: str, values: dict[str, Any], line: int) -> int:
         assert self.path is not None  # names that are not declared were said before
