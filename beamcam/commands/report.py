@@ -77,6 +77,6 @@ def command(
         console.stop((*diagnostics, *error.diagnostics))
     console.did(f"made the sheet of {source.program.name}")
     write(output, sheet, console, files_read(config, inputs))
-    console.say((*source.diagnostics, *source.found))
-    if errors_in(source.found):
+    console.say((*source.diagnostics, *source.read_back))
+    if errors_in(source.read_back):
         raise SystemExit(REFUSED)

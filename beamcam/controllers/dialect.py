@@ -127,7 +127,7 @@ class Cycle(Struct, frozen=True):
     kind: str
     turns: int  #: the M word that starts the spindle, 0 if it does not turn
     cools: bool
-    along: bool  #: whether it is led along a path
+    along: bool  #: whether it works along a path
     feeds: bool  #: whether its move into the material has its own feed
 
 

@@ -17,8 +17,8 @@
 
 Every run of `post` makes thousands of them, and a drawing tens of thousands. Coordinates are mm,
 feeds mm/min; a coordinate that no block has named yet is not a number (nan). A controller that has
-more (outputs that are switched on the way) adds its event here, so that whoever follows a program
-learns one set of words.
+more (outputs that are switched on the way) adds its event here, so that those who follow a program
+learn one set of words.
 
 Where a table's torch stands over the sheet, as far as its program says it.
 

@@ -82,7 +82,7 @@ class Interpreter(ABC):
         self._heights = Heights(dialect.lifting) if dialect.lifting is not None else None
         self._motion = -1
         self._absolute = True
-        self._drilling = DRILL  #: the canned cycle that was said last
+        self._drilling = DRILL  #: the canned cycle that was called last
         self._cycle: Words | None = None  #: of a canned cycle that holds
         self._before_cycle = nan  #: Z where it began
         self._back_to_near = False  #: whether it draws back to R only (G99)

@@ -70,14 +70,14 @@ def word_faults(machine: Machine) -> tuple[WordFault, ...]:
     if machine.controller in DIALECTS:
         from beamcam.controllers.simotion.trial import trial
 
-        return tuple(("triggers", "", said.message) for said in trial(machine)[:1])
+        return tuple(("triggers", "", one.message) for one in trial(machine)[:1])
     if machine.controller in TABLE_CONTROLLERS:
         return ()
     if machine.startup_code:
         own = replace(machine, startup_code="")
-        _, said = cell_events(f"{machine.startup_code}\nM2", own, "")
-        if said:
-            return (("startup_code", machine.startup_code, said[0].message),)
+        _, diagnostics = cell_events(f"{machine.startup_code}\nM2", own, "")
+        if diagnostics:
+            return (("startup_code", machine.startup_code, diagnostics[0].message),)
     if unknown := tuple(_allowed_faults(machine)):
         return unknown[:1]
     if machine.torch is not None:  # in laser mode a word by itself switches nothing
@@ -184,10 +184,10 @@ def _double_words(lines: list[Line]) -> Iterator[WordFault]:
             continue
         number, role = role_of(text, key == "words.change")
         carried = [field for _, field in FIELD.findall(text)]
-        said = f"section ({', '.join(carried)})" if role == "section" else role
-        if number is not None and roles.setdefault(number, said) != said:
+        meaning = f"section ({', '.join(carried)})" if role == "section" else role
+        if number is not None and roles.setdefault(number, meaning) != meaning:
             expected = f"another word, as that one stands for {roles[number]} already"
-            yield fault_in(key, text, f"M{number:02} for {said}", expected)
+            yield fault_in(key, text, f"M{number:02} for {meaning}", expected)
 
 
 def _with_role(events: list[BarEvent], dialect: Dialect, role: str) -> list[Switch]:
@@ -267,7 +267,7 @@ def _table_faults(machine: Machine) -> Iterator[WordFault]:
     events, faults = _run(lines, machine)
     yield from faults
     yield from _unexplained(lines, events)
-    yield from _standing(lines, events)
+    yield from _still_faults(lines, events)
     torch = machine.needed(machine.torch, "torch")
     low_x, low_y = torch.area[:2]
     for event in events:
@@ -313,7 +313,7 @@ def _coper_faults(machine: Machine) -> Iterator[WordFault]:
     lines += (*_filled(machine, "cut_off"), *_filled(machine, "footer"))
     events, faults = _run(lines, machine)
     yield from faults
-    yield from _standing(lines, events)
+    yield from _still_faults(lines, events)
     for name, figure in _MEASURED.items():
         own = [e for e in events if lines[e.line - 1][0] == f"words.{name}"]
         carried = [v for e in own if isinstance(e, Switch) for v in e.words.values()]
@@ -337,7 +337,7 @@ def _coper_faults(machine: Machine) -> Iterator[WordFault]:
                     yield fault_in(key, text, "another place", expected)
 
 
-def _standing(lines: list[Line], events: list[BarEvent]) -> Iterator[WordFault]:
+def _still_faults(lines: list[Line], events: list[BarEvent]) -> Iterator[WordFault]:
     """Each template of a move or a switch that does not make that move or switch."""
     moving = {lines[event.line - 1][0] for event in events if isinstance(event, Move)}
     switching = {lines[event.line - 1][0] for event in events if isinstance(event, Switch)}

@@ -92,8 +92,8 @@ class Stream:
             if end >= 0:
                 break
             if there < size:
-                found = repr(shown(self._rest[self._at :])) if there else "the end of the table"
-                raise self.fault(found, expected)
+                text = repr(shown(self._rest[self._at :])) if there else "the end of the table"
+                raise self.fault(text, expected)
             size *= 2
         line = self._rest[self._at : end]
         self._at = end + 1
@@ -151,9 +151,9 @@ def binary_rows(stream: Stream, stepper: Stepper) -> Iterator[Rows]:
     if not data.startswith(_MAGIC) or len(data) < _HEAD.size:
         raise stream.fault(repr(shown(data[:8])), f"{_MAGIC.decode()} and a head of 32 bytes")
     _, *head = _HEAD.unpack(data)
-    wanted = [_HEAD.size, round(stepper.step * _NM), *(int(w, 2) for w in stepper.sequence)]
-    if head != wanted:
-        raise stream.fault(str(head), f"size, step in nm and words {wanted}", rule=HEAD)
+    expected = [_HEAD.size, round(stepper.step * _NM), *(int(w, 2) for w in stepper.sequence)]
+    if head != expected:
+        raise stream.fault(str(head), f"size, step in nm and words {expected}", rule=HEAD)
     clock_us = 0
     while data := stream.take(BLOCK_ROWS * 4):
         if len(data) % 4:
@@ -219,10 +219,10 @@ def header_rows(stream: Stream, stepper: Stepper) -> Iterator[Rows]:
             stream.line += len(rows.x)
         if end >= 0:
             break
-    for wanted in _END:
-        line = stream.take_line(repr(wanted.decode()))
-        if line != wanted:
-            raise stream.fault(repr(shown(line)), repr(wanted.decode()), stream.line - 1)
+    for last in _END:
+        line = stream.take_line(repr(last.decode()))
+        if line != last:
+            raise stream.fault(repr(shown(line)), repr(last.decode()), stream.line - 1)
     if more_bytes := stream.take(1):
         raise stream.fault(f"{shown(more_bytes)!r} behind #endif", "the end of the table")
 

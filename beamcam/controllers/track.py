@@ -198,7 +198,7 @@ def table_run(text: str, interpreter: Interpreter) -> tuple[TableRun, list[Diagn
     done, faults = track.finish(interpreter.arc_slack, interpreter.arc_fault)
     for number, fault in faults:
         interpreter.wrong_arc(number, fault)
-    return done, sorted(interpreter.diagnostics, key=lambda said: said.source.line or 0)
+    return done, sorted(interpreter.diagnostics, key=lambda one: one.source.line or 0)
 
 
 class Track:
@@ -210,7 +210,7 @@ class Track:
         self._runs: list[tuple[int, int]] = []  #: first row of each, and the one behind its last
         self._starts: list[Point] = []  #: where each run begins
         self._feeds: list[float] = []  #: that each begins with
-        self._shares: list[float] = []  #: of the feed that is said, in each
+        self._shares: list[float] = []  #: of the feed, in each
         self._share = 1.0
         self._moves: list[HeadMove] = []
         self._order: list[tuple[int, int]] = []  #: runs as above, moves behind all plain rows

@@ -69,7 +69,7 @@ class _Writer:
         self._feed = "0"
         self._row_feed, self._slow = 0.0, False  #: of the row, and whether the tool is slower
         self._carried: tuple[str, ...] = ()  #: words of `modal` as they were written last
-        self._wanted: tuple[str, ...] = ()
+        self._next_words: tuple[str, ...] = ()
         self._of_part = _texts(program.about)
 
     def blocks(self) -> list[str]:
@@ -118,10 +118,10 @@ class _Writer:
         """The block of a move, with the feed and the words that are new."""
         if FEED in block:
             block = block.replace(FEED, self._feed)
-        if self._wanted is not self._carried:
-            new = [word for word in self._wanted if word not in self._carried]
+        if self._next_words is not self._carried:
+            new = [word for word in self._next_words if word not in self._carried]
             block = " ".join((block, *new))
-            self._carried = self._wanted
+            self._carried = self._next_words
         return block
 
     def _want(self, feed_mm_min: float) -> None:
@@ -129,13 +129,13 @@ class _Writer:
         self._feed = number(feed_mm_min / self._per_unit, 3)
         values = {"feed": self._feed, "acceleration": self._acceleration}
         words = tuple(word.format_map(values) for word in self._words.modal)
-        self._wanted = self._carried if words == self._carried else words
+        self._next_words = self._carried if words == self._carried else words
 
     def _other(self, command: Command) -> list[str]:
         words = self._words
         match command:
             case ToolOn():
-                self._carried = ()  # said again for every contour, where an operator may start anew
+                self._carried = ()  # written again for every contour, where operators may start
                 self._want(command.feed_mm_min)
                 self._row_feed = command.feed_mm_min
                 return _filled(

@@ -67,7 +67,7 @@ class Templates(Struct, frozen=True):
     comment: str
     room: int  #: characters that a comment may have
     words: dict[str, Template]  #: those that have lines
-    strokes: BoundedCache[SpindleStroke, Values]  #: what is said of each, wherever it is
+    strokes: BoundedCache[SpindleStroke, Values]  #: the values of each, wherever it is
 
 
 def _templates(machine: Machine) -> Templates:

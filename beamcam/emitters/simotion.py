@@ -3,7 +3,7 @@
 The runtime of the machine, which is the same for every job, and in it what is the job's own.
 Two styles: `chain`, a block of statements for each operation, which fires once its predecessor is
 active and has arrived, and latches; `table`, set-points in arrays, split over units where one would
-get too large. What a dialect calls the sections of a job is told in machine/tables.py.
+get too large. What a dialect calls the sections of a job stands in machine/tables.py.
 """
 
 import re
@@ -63,7 +63,7 @@ LINE, ARC, LIFT = 0, 7, 8  #: kinds of operations; between them: on and off of e
 class _Row(Struct, frozen=True):
     """One operation as numbers; a switch holds the place that the head stands at."""
 
-    said: str
+    name: str
     kind: int
     x: float
     y: float
@@ -181,7 +181,7 @@ def _blocks(rows: Sequence[_Row], triggers: Triggers) -> Iterator[str]:
             )
         height = f"z := {lreal(row.height)}, " if triggers.z else ""
         yield f"""\
-        (* {k}: {row.said} *)
+        (* {k}: {row.name} *)
         IF operationArrived AND triggerActive[{k - 1}] AND NOT triggerActive[{k}] THEN
             triggerActive[{k}] := TRUE;
             next(kind := USINT#{row.kind}, x := {lreal(row.x)}, y := {lreal(row.y)},

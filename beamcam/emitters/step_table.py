@@ -91,7 +91,7 @@ def as_header(table: StepTable) -> Iterator[bytes]:
 
 
 def as_velocities(table: StepTable) -> Iterator[bytes]:
-    """One row a stretch: end point, velocity vector, laser, steps and frequency of each axis."""
+    """One row a segment: end point, velocity vector, laser, steps and frequency of each axis."""
     head = [f"# beamcam/velocities/1 job {one_word(table.job)} step {number(table.step, 6)} mm"]
     head += [f"# {comment_text(remark)}" for remark in table.remarks]
     head.append("x,y,velocity_x,velocity_y,laser,steps_x,steps_y,hz_x,hz_y")

@@ -27,7 +27,7 @@ from beamcam.pictures.scene import (
     Shape,
     Text,
     Unit,
-    said,
+    as_text,
     shown,
 )
 from beamcam.pictures.views import (
@@ -140,11 +140,11 @@ def _stock(bar: BarMade, view: View, unit: Unit) -> Iterator[Shape]:
             long = (min(c, d) - max(a, b)) * frame.scale
             first, last = bar.extent(piece)
             words: Pieces = (piece.mark, "   ", round(last - first, 3))
-            if long < 6.5 * len(said(words, unit)):
+            if long < 6.5 * len(as_text(words, unit)):
                 words = (piece.mark[: max(1, int(long / 6.5))],)
             if long > 12.0:
                 at = (middle[0], middle[1] - 4)
-                yield Text("label piece-mark", at, said(words, unit), 11.0, "middle",
+                yield Text("label piece-mark", at, as_text(words, unit), 11.0, "middle",
                            pieces=words, unit=unit)  # fmt: skip
     if bar.drawn_end < bar.end:
         # The sign that a bar goes on: a zigzag across its end.
@@ -207,8 +207,8 @@ def _strokes(
             places.append((number, op.line, at, gap))
     for number, line, at, gap in places:
         placed = ((size, labels.place(at, gap, str(number), size, 2)) for size in NUMBER_SIZES)
-        size, found = next((one for one in placed if one[1] is not None), (NUMBER_SIZES[-1], at))
-        yield Text("number order", found or at, str(number), size, line=line)
+        size, free = next((one for one in placed if one[1] is not None), (NUMBER_SIZES[-1], at))
+        yield Text("number order", free or at, str(number), size, line=line)
     left, top = frame.at(0.0, view.top)  # figures stand beyond, and the title
     for y in (view.top, view.bottom):
         labels.block_line(frame.at(0.0, y), frame.at(view.box[2], y))
@@ -311,7 +311,7 @@ def _legend(
         for k, (depth, count) in enumerate(counts.items()):
             words += [", " if k else "", f"{count} × "]
             words += ["through"] if depth is None else [depth, " deep"]
-        text = said(tuple(words), unit)
+        text = as_text(tuple(words), unit)
         if x + 26.0 + 6.2 * len(text) > WIDTH - 8.0:
             x, y = SIDE, y + LEGEND_ROW
         yield Circle(f"tool-{number % len(TOOL_COLOURS)} legend", (x + 4.0, y), 4.0)

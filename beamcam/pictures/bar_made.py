@@ -17,7 +17,7 @@ BROKEN_REMNANT = 0.25  #: share of the worked length that is drawn of such a rem
 
 
 class DrawnPiece(Struct, frozen=True):
-    """A stretch of the bar between two planes, or an end of it (None)."""
+    """A piece of the bar between two planes, or an end of it (None)."""
 
     kind: Literal["trim", "part", "remnant"]
     start: CutPlane | None

@@ -28,8 +28,8 @@ from beamcam.pictures.scene import (
     Shape,
     Text,
     Unit,
+    as_text,
     is_in,
-    said,
 )
 from beamcam.pictures.views import WIDTH, View, laid_out
 
@@ -37,8 +37,8 @@ SIZE = 10.0  #: of a callout's letters
 ROW = 13.0  #: from row to row above a face
 LETTER_SIZES = (8.0, 6.0)  #: of the letter beside a hole
 CLEAR = 2.0  #: pixels that a letter is nearer to its own hole than to another
-MAX_CURVES = 16  #: of a contour whose radii are said
-MAX_SIZES = 24  #: different sizes on a face that are said; a drawing may have hundreds
+MAX_CURVES = 16  #: of a contour whose radii are shown
+MAX_SIZES = 24  #: different sizes on a face that are shown; a drawing may have hundreds
 ROOM = 70.0  #: pixels that a face is high at least that has callouts on it
 THREADS = {"thread": "", "left-thread": " left"}
 
@@ -186,7 +186,7 @@ class Callouts(Struct, frozen=True):
 
     shapes: tuple[Shape, ...]
     above: float
-    left: int = 0  #: sizes that are not said, because there are too many
+    left: int = 0  #: sizes that are not shown, because there are too many
 
 
 def called_on(
@@ -287,7 +287,7 @@ def _beside(
     words: Pieces, at: Point, radius: float, is_open: bool, labels: Labels, unit: Unit, face: Box
 ) -> list[Shape] | None:
     """A callout on the face itself beside its hole; None where there is no room."""
-    text = said(words, unit)
+    text = as_text(words, unit)
     gap = 1.0 if is_open else 0.75 * radius + 6.0
     place = labels.place(at, gap, text, SIZE, 6, lambda box: is_in(box, face), is_open)
     if place is None:
@@ -322,7 +322,7 @@ def _rows(callouts: Sequence[_RaisedCallout], top: float, unit: Unit) -> tuple[l
     taken: list[tuple[int, float, float]] = []  #: row, leader, end of the text
     shapes: list[Shape] = []
     rows = 0
-    wide = {id(one): LETTER * SIZE * len(said(one.words, unit)) + 6.0 for one in callouts}
+    wide = {id(one): LETTER * SIZE * len(as_text(one.words, unit)) + 6.0 for one in callouts}
     for one in callouts:
         one.x = min(one.x, WIDTH - 8.0 - wide[id(one)])
     for one in sorted(callouts, key=lambda each: -each.x):
@@ -338,6 +338,6 @@ def _rows(callouts: Sequence[_RaisedCallout], top: float, unit: Unit) -> tuple[l
         shapes.append(Polyline("dim leader", (one.tip, (one.x, top), (one.x, y - SIZE * CAPITAL))))
         at = (one.x + 3.0, y)
         shapes.append(
-            Text("label callout", at, said(one.words, unit), SIZE, pieces=one.words, unit=unit)
+            Text("label callout", at, as_text(one.words, unit), SIZE, pieces=one.words, unit=unit)
         )
     return shapes, rows

@@ -268,7 +268,7 @@ def _compared_ways(a: ReadProgram, b: ReadProgram, lines: Sequence[str]) -> Over
 def _blocks(starts: Counts, ends: Counts, lines: Counts) -> Iterator[tuple[Move, int]]:
     """The straight moves of a way with their lines: intervals that go straight on are one.
 
-    A stretch that is passed at several speeds has as many intervals; another program may pass it
+    A line that is passed at several speeds has as many intervals; another program may pass it
     at others.
     """
     begin: tuple[int, int] | None = None

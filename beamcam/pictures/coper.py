@@ -119,9 +119,9 @@ def part_of(program: ReadProgram) -> Part:
         radius = corner_radius(program.text, program.machine, profile)
         profile = replace(profile, radius=radius) if radius else None
     if profile is None:
-        found = head.stock if head is not None and head.stock else "none"
+        stock = head.stock if head is not None and head.stock else "none"
         raise VerifyError(
-            SECTION.at(Source(program.name), found=found, machine=program.machine.name)
+            SECTION.at(Source(program.name), found=stock, machine=program.machine.name)
         )
     return head_part(head, profile, program.name)
 

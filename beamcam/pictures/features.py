@@ -144,10 +144,10 @@ def contour_line(contour: Contour, frame: PaperFrame, style: str | None, process
 
 def chain_points(curves: Sequence[Curve], frame: PaperFrame) -> tuple[Point, ...]:
     """The points of a chain of curves on the paper."""
-    found = polylines(curves, max(CHORD_PIXELS / frame.scale, 1e-6))
+    chains = polylines(curves, max(CHORD_PIXELS / frame.scale, 1e-6))
     points: list[Point] = []
-    rows = frame.all(found.points.tolist())
-    for first, last in zip(found.begins[:-1].tolist(), found.begins[1:].tolist(), strict=True):
+    rows = frame.all(chains.points.tolist())
+    for first, last in zip(chains.begins[:-1].tolist(), chains.begins[1:].tolist(), strict=True):
         points += rows[first + (1 if points else 0) : last]
     if len(points) > 2 and hypot(points[0][0] - points[-1][0], points[0][1] - points[-1][1]) < 1e-6:
         points.pop()

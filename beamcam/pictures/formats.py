@@ -205,7 +205,7 @@ class _Pen:
 
 
 def dashes(points: Sequence[Point], pattern: Sequence[float]) -> Iterator[list[Point]]:
-    """The stretches of a chain that a dash pattern draws; all of it without one."""
+    """The pieces of a chain that a dash pattern draws; all of it without one."""
     if not pattern:
         yield list(points)
         return

@@ -22,7 +22,7 @@ class Polyline(Struct, frozen=True):
     classes: str
     points: tuple[Point, ...]
     closed: bool = False
-    tip: str = ""  #: what it is, for whoever points at it
+    tip: str = ""  #: what it is, shown where one points at it
     line: int = 0  #: of the program that makes it; 0 where there is none
 
 
@@ -95,7 +95,7 @@ def shown(mm: float, unit: Unit = "mm") -> str:
     return "0" if text == "-0" else text
 
 
-def said(pieces: Pieces, unit: Unit = "mm") -> str:
+def as_text(pieces: Pieces, unit: Unit = "mm") -> str:
     """A text with the lengths among its words in a unit."""
     return "".join([one if isinstance(one, str) else shown(one, unit) for one in pieces])
 
@@ -110,7 +110,7 @@ class Style(Struct, frozen=True):
     fill: str | None = None
     width: float = 1.0
     dash: tuple[float, ...] = ()
-    dark_stroke: str | None = None  #: on a dark page; as `stroke` where it is not said
+    dark_stroke: str | None = None  #: on a dark page; as `stroke` where there is none
     dark_fill: str | None = None
     bold: bool = False
 

@@ -88,7 +88,7 @@ def as_pdf(labels: Iterable[Label], size: LabelSize, code: Code = "qr") -> bytes
     canvas = Canvas(out, (size.width * MM, size.height * MM), invariant=1)
     canvas.setTitle("Labels")
     canvas.setCreator("beamcam")
-    # A letter that this font of reportlab lacks is a box; the code has it all.
+    # A letter that is not in this font of reportlab is a box; the code has it all.
     pdfmetrics.registerFont(TTFont("Vera", "Vera.ttf"))
     font = "Vera"
     codes: dict[str, str] = {}

@@ -28,7 +28,7 @@ from beamcam.reports.tables import Cell, Table
 # copes, whose walls overlap, the solid says it. Gross is what is bought.
 
 
-DIFFERS = 0.05  #: share by which a weight of the catalogue or the header differs that is told
+DIFFERS = 0.05  #: share by which a weight of the catalogue or the header that is shown differs
 #: Sections whose holes go through more than the wall of their face.
 ROUND = ("RO", "RU")
 

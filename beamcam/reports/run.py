@@ -26,7 +26,7 @@ Status = Literal["posted", "unchanged", "refused", "failed"]
 STATUSES: tuple[Status, ...] = ("posted", "unchanged", "refused", "failed")
 
 
-#: How the ledger calls what is missing though nobody allowed it by name: what the map of colours
+#: How the ledger calls what is missing though it was not allowed by name: what the map of colours
 #: and layers ignores, and what is too small to be cut.
 NOT_BY_NAME = ("map-ignore", "plan-tiny")
 

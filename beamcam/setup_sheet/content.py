@@ -150,7 +150,7 @@ class ToolRow(Struct, frozen=True):
 
 
 class BarStretch(Struct, frozen=True):
-    """A stretch of the bar."""
+    """A piece of the bar, a trim or the remnant."""
 
     what: str
     start: float
@@ -188,7 +188,7 @@ class SheetSources(Struct, frozen=True):
     program: ReadProgram
     plan: AnyPlan | None = None  #: of a program that was posted just now
     diagnostics: tuple[Diagnostic, ...] = ()  #: by readers and the planner
-    found: tuple[Diagnostic, ...] = ()  #: by the read-back
+    read_back: tuple[Diagnostic, ...] = ()  #: what is wrong by it
     compared: bool = True  #: with the parts, if there are any
     settings: tuple[tuple[str, str], ...] = ()  #: rows of the header about where they come from
 
@@ -239,10 +239,10 @@ def content_of(source: SheetSources, unit: Unit = "mm") -> SheetContent:
     run = run_warnings(trace, machine, done.section, program.name)
     messages = tuple(  # without folders, so that they are the same in each
         replace(d, source=replace(d.source, file=PurePath(d.source.file).name))
-        for d in (*source.diagnostics, *source.found, *run)
+        for d in (*source.diagnostics, *source.read_back, *run)
     )
     verdict: Literal["made", "alone", "wrong"] = "made" if program.parts else "alone"
-    if errors_in(source.found) or not source.compared:
+    if errors_in(source.read_back) or not source.compared:
         verdict = "wrong"
     return SheetContent(
         program, made, unit, trace, (*_header(program, trace), *source.settings), (scene, *drawn),

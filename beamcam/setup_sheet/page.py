@@ -31,7 +31,7 @@ def page(name: str, **values: object) -> str:
     return template("setup_sheet", name).render(
         values, style=_style, script=_script, picture=lambda s: as_it_stands(inline_svg(s)),
         data=lambda value: as_it_stands(as_script(value)),
-        message=lambda said: message_line(as_message(said)),
+        message=lambda one: message_line(as_message(one)),
     )  # fmt: skip
 
 
@@ -78,14 +78,14 @@ def verdict_of(content: SheetContent) -> str:
         return VERDICTS[content.verdict]
     codes = {diagnostic.code for diagnostic in content.messages}
     manual_work = content.left_out or content.hand or MANUAL_WORK.code in codes
-    lacking = ["what is left for manual work"] if manual_work else []
+    missing = ["what is left for manual work"] if manual_work else []
     # Whether a coper had sharp corners to round is known from a plan only.
     is_coped = content.program.machine.coper is not None and not content.ledger
     if ROUNDED.code in codes or is_coped:
-        lacking.append("corners that are cut round")
-    if not lacking:
+        missing.append("corners that are cut round")
+    if not missing:
         return VERDICTS["made"]
-    return f"Read back: the program makes these parts, but for {' and '.join(lacking)}."
+    return f"Read back: the program makes these parts, but for {' and '.join(missing)}."
 
 
 def setup_page(content: SheetContent) -> str:

@@ -61,8 +61,8 @@ def still_of(pieces: Sequence[dict[str, Any]], faces: str, wide: int, high: int)
         at = (points @ TURN.T - middle) * scale * FINER
         at[:, :2] *= (1.0, -1.0)
         at[:, :2] += np.array((wide, high)) * FINER / 2
-        found: Floats = at
-        return found
+        pixels: Floats = at
+        return pixels
 
     canvas = _Canvas(wide * FINER, high * FINER)
     for points, triangles in meshes:

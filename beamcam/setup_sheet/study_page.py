@@ -19,7 +19,7 @@ from beamcam.pictures.program import bar_made, table_made
 from beamcam.reports.velocity_profile import VelocityUnit
 from beamcam.setup_sheet.page import page, program_data
 from beamcam.setup_sheet.playback import NO_SECTION, bar_made_data, cell_data, path_data, trace_data
-from beamcam.simulation.course import cell_axes
+from beamcam.simulation.cell_trace import cell_axes
 from beamcam.simulation.trace import State, Trace, TraceAxis, TraceBuilder, head_axes
 
 MAX_LISTED = 2000  #: differences in the list

@@ -14,7 +14,7 @@ from beamcam.simulation.trace import Trace, share_of
 ROUNDING = 1e-9  #: of a count; an axis that stands on a count is at it
 BISECTIONS = 48
 MIN_MOVE = 1e-6  #: mm; less is rounding
-MIN_TURN = 1e-9  #: what the cosine between two ways lacks of 1; less is rounding
+MIN_TURN = 1e-9  #: how far the cosine between two ways is below 1; less is rounding
 
 
 class Encoder(Struct, frozen=True):
@@ -38,10 +38,10 @@ class Encoder(Struct, frozen=True):
     @property
     def shown(self) -> str:
         """What it is, for people."""
-        found = f"{self.counts_per_turn} counts in {self.travel_per_turn:g} mm"
+        text = f"{self.counts_per_turn} counts in {self.travel_per_turn:g} mm"
         if self.quadrature:
-            found += f" (quadrature of {self.pulses_per_turn})"
-        return f"{found}, the nearest count read" if self.centred else found
+            text += f" (quadrature of {self.pulses_per_turn})"
+        return f"{text}, the nearest count read" if self.centred else text
 
     def counts(self, positions: Floats) -> Floats:
         """Positions in counts, so that what is read is the whole count below."""

@@ -193,7 +193,7 @@ def axes_shown(client: Client, modbus: Modbus, axes: int) -> Shown:
 # pymodbus: `pip install beamcam[modbus]`.
 
 
-ANY_DEVICE = 0  #: the server answers whatever unit it is asked as
+ANY_DEVICE = 0  #: the server answers whatever unit is addressed
 
 
 def serve(

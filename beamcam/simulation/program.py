@@ -23,7 +23,7 @@ from beamcam.model.program import ArcTravel, LiftTorch, SwitchTool, Travel, Trig
 from beamcam.motion.speeds import SpeedSection
 from beamcam.motion.triggers import operation_seconds, place_behind
 from beamcam.simulation import ENDLESS
-from beamcam.simulation.course import ramp_intervals
+from beamcam.simulation.cell_trace import ramp_intervals
 from beamcam.simulation.trace import (
     UNIFORM,
     Chords,
@@ -62,7 +62,7 @@ def simulate_program(
         return _bar(text, machine, name, parts)
     if machine.stock == "profile":
         from beamcam.controllers import cell_events
-        from beamcam.simulation.course import coper_trace
+        from beamcam.simulation.cell_trace import coper_trace
 
         events, diagnostics = cell_events(text, machine, name)
         if errors_in(diagnostics):
@@ -75,7 +75,7 @@ def simulate_program(
 
 def _bar(text: str, machine: Machine, name: str, parts: Sequence[Part]) -> Simulated:
     from beamcam.checks.bars import run
-    from beamcam.simulation.course import bar_trace, motion_segments
+    from beamcam.simulation.cell_trace import bar_trace, motion_segments
 
     done = run(text, machine, parts[0].profile if parts else None, name)
     section = dict(done.made.section)
@@ -226,7 +226,7 @@ def _travel(
 
 # --- table for stepping motors: its rows carry their own times ------------------------------------
 
-# .csv                velocities: each stretch at the velocity that its row says
+# .csv                velocities: each row at the velocity that its row says
 # .steps .bin .h      steps one by one: sampled at equal times, then thinned out; the straight
 #                     lines that are left pass within a step of every row
 

@@ -2,7 +2,7 @@
 
 A trace is a chain of intervals between knots. Within an interval all axes go straight from knot to
 knot, in step with each other; how much of the way is done is a cubic of the time, given by its
-slopes at both ends (Hermite). That is exact for each stretch of constant jerk, so that nothing
+slopes at both ends (Hermite). That is exact for each phase of constant jerk, so that nothing
 has to be sampled:
 
     share of the way  1 |        _.   slope b     h(u) = a (u^3 - 2u^2 + u) + b (u^3 - u^2)
@@ -49,7 +49,7 @@ class Phases(Struct, frozen=True):
 def phases_of(chords: Chords, sections: Sequence[SpeedSection], joints: Sequence[float]) -> Phases:
     """The phases of constant jerk of paths that begin and end at rest, one after the other.
 
-    `sections` are the stretches of the paths by their chords, `joints` the speeds between them.
+    `sections` are the segments of the paths by their chords, `joints` the speeds between them.
     """
     begins, ends, lengths = chords.begins, chords.ends, chords.lengths
     points = np.concatenate((begins[:1], ends))
@@ -77,7 +77,7 @@ class State(Struct, frozen=True):
 
     spindle: int = 0  #: number that the program chose, 0 before
     diameter: float = 0.0
-    turning: int = 0  #: 1 clockwise, -1 counter-clockwise, 0 standing
+    turning: int = 0  #: 1 clockwise, -1 counter-clockwise, 0 at rest
     coolant: bool = False
     sawing: bool = False
     process: str = ""  #: of the torch, laser or marker that is on

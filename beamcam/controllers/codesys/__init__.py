@@ -71,26 +71,26 @@ class Lexer:
                 return CodesysFault(text.strip(), expected)
         command, number = "", 0
         words: dict[str, float] = {}
-        for index, said in enumerate(bare.split()):
-            word = self._known.get(said) or self._read_word(said)
+        for index, word_text in enumerate(bare.split()):
+            word = self._known.get(word_text) or self._read_word(word_text)
             if not isinstance(word, Word):
-                if not index and said.startswith("/"):
+                if not index and word_text.startswith("/"):
                     expected = "a block that always runs; `/` leaves that to a switch"
                     return CodesysFault(text.strip(), expected)
                 return word
             name = word.name
             if name not in "GMN":
                 if name in words:
-                    return CodesysFault(said, f"{name} once in a block")
+                    return CodesysFault(word_text, f"{name} once in a block")
                 words[name] = word.value
             elif name == "N":
                 if index:
-                    return CodesysFault(said, "the block number at the beginning")
+                    return CodesysFault(word_text, "the block number at the beginning")
             elif command:
                 stands = f"{command}{number} stands there already"
-                return CodesysFault(said, f"one command a block, {stands}")
+                return CodesysFault(word_text, f"one command a block, {stands}")
             elif words:
-                return CodesysFault(said, "the command before the other words")
+                return CodesysFault(word_text, "the command before the other words")
             else:
                 command, number = name, int(word.value)
         return CodesysBlock(command, number, words) if command or words else None

@@ -126,7 +126,7 @@ class Codesys(Interpreter):
         self._language = _language_of(dialect)
         self._begun = False  #: whether a block was carried out
         self._absolute_centre = False
-        self._shift: dict[str, float] = {}  #: of the places that are said, by axis; empty: none
+        self._shift: dict[str, float] = {}  #: of places that are programmed, by axis; empty: none
         self._cuts_corners = False
         #: A cell's programs may count on G90 as the default, those of a table have to say it.
         self._counting_said = dialect.stock == "beam"

@@ -80,7 +80,7 @@ class Block(Struct, frozen=True, gc=False):
     faults: tuple[tuple[str, str], ...] = ()  #: what is wrong with its words, found and expected
     unknown: tuple[tuple[str, str], ...] = ()  #: words without a meaning here, likewise
     feed: float | None = None
-    speed: float | None = None  #: of a table's tool, said apart from the word that starts it
+    speed: float | None = None  #: of a table's tool, apart from the word that starts it
     events: tuple[Other, ...] = ()  #: before its move; their lines are 0
     settings: tuple[str, ...] = ()
     actions: tuple[Action, ...] = ()  #: before its move

@@ -56,9 +56,9 @@ class Rs274(HeadWords, Interpreter):
         self._tells = dialect.text_word is not None  #: whether lines may tell texts
         self._percents: list[int] = []  #: lines
         self._seen: set[str] = set()
-        self._told: set[str] = set()  #: words without a meaning, each told once
+        self._reported: set[str] = set()  #: words without a meaning, each reported once
         self._offset: str | None = None  #: of the workpiece
-        self._speed: float | None = None  #: S of a table's tool, said apart from what starts it
+        self._speed: float | None = None  #: S of a table's tool, apart from what starts it
         self._running = 0  #: M word that has started it
         self._lit: Switch | None = None  #: what it works with, in laser mode
         self._tools = [0.0, 0.0]  #: of a table's head: the one in it, the one that was prepared
@@ -140,8 +140,8 @@ class Rs274(HeadWords, Interpreter):
         if block.feed is not None:
             self._feed = block.feed
         for found, expected in block.unknown:
-            if found not in self._told:
-                self._told.add(found)
+            if found not in self._reported:
+                self._reported.add(found)
                 self._wrong(line, found, expected)
         if self._flat:
             self._switch_tool(line, block)
@@ -177,22 +177,22 @@ class Rs274(HeadWords, Interpreter):
             self._speed = block.speed
         laser = self._dialect.laser_mode
         for event in block.events:
-            said = event
+            switched = event
             if isinstance(event, Switch) and event.number in (3, 4, 5) and "$" not in event.words:
                 self._running = 0 if event.number == 5 else event.number
                 self._speed = event.words.get("S", self._speed)
                 if self._running and self._speed is not None:
-                    said = replace(event, words={**event.words, "S": self._speed})
+                    switched = replace(event, words={**event.words, "S": self._speed})
                 if laser:
                     continue
-            if isinstance(said, Switch) and said.number == _TOOL_CHANGE:
-                self._tools[0] = said.words.get("T", self._tools[1])
-            elif isinstance(said, FeedShare):
-                self._share = said.share
-            elif isinstance(said, Material):
-                number = said.values.get("number", 0.0)
+            if isinstance(switched, Switch) and switched.number == _TOOL_CHANGE:
+                self._tools[0] = switched.words.get("T", self._tools[1])
+            elif isinstance(switched, FeedShare):
+                self._share = switched.share
+            elif isinstance(switched, Material):
+                number = switched.values.get("number", 0.0)
                 self._material_feed = self._dialect.materials.get(number, nan)
-            self._event(on_line(line, said))
+            self._event(on_line(line, switched))
         if laser and not self._running:
             self._light(line, None)
         elif self._running and block.speed is not None and not laser and not block.events:
@@ -253,8 +253,8 @@ class Rs274(HeadWords, Interpreter):
             if self._seen.isdisjoint(("G98", "G99")):  # versions differ in what holds without
                 self._say(line, self._rules.setting, found="G98 or G99")
                 self._seen.add("G98")
-            said = {**(self._cycle or {}), **values}
-            if said.get("R", 0.0) < said.get("Z", 0.0):
+            holding = {**(self._cycle or {}), **values}
+            if holding.get("R", 0.0) < holding.get("Z", 0.0):
                 self._wrong(line, "R below Z", "R above Z, or the controller stops")
                 return
             self._drill(line, motion, dict(values), own_feed)

@@ -289,11 +289,11 @@ ENUMERATORS = frozenset({"ACTIVE", "INACTIVE", "YES", "NO"}).union(
 )
 
 
-def fits(found: Type, expected: Type) -> bool:
+def fits(type_: Type, expected: Type) -> bool:
     """Whether a value of one type is assignable to another, without a conversion."""
-    if found == expected or expected in _WIDER.get(found, ()):
+    if type_ == expected or expected in _WIDER.get(type_, ()):
         return True
-    return bool(choices(found)) and set(choices(found)) <= set(choices(expected))
+    return bool(choices(type_)) and set(choices(type_)) <= set(choices(expected))
 
 
 def shown(type_: Type) -> str:

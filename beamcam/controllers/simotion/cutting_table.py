@@ -154,7 +154,7 @@ class CuttingTable:
         return 0
 
     def _path(self, name: str, values: dict[str, Any], line: int) -> int:
-        assert self.path is not None  # names that are not declared were said before
+        assert self.path is not None  # names that are not declared were reported before
         here = (self.axes[0].position, self.axes[1].position)
         points = [here, (values["X"], values["Y"])]
         if values["PATHPLANE"] != "X_Y" or values["PATHMODE"] != "ABSOLUTE":

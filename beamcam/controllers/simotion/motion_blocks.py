@@ -1,7 +1,7 @@
 """Function blocks of PLCopen Motion Control, part 1, with simulated axes behind them.
 
 What Execute starts goes on when Execute falls; another command of the axis aborts it. Done, Error
-and CommandAborted stay as long as Execute, or are told for one call. An axis whose drive
+and CommandAborted stay as long as Execute, or are shown for one call. An axis whose drive
 drops out while MC_Power is called with Enable is in the state ErrorStop.
 """
 

@@ -45,9 +45,9 @@ class Types:
 
     def check(self, value: syntax.Expression, expected: str, what: str) -> None:
         """Say so if a value does not fit where a type is wanted."""
-        found = self.of(value)
-        if UNKNOWN not in (found, expected) and not axes.fits(found, expected):
-            self.names.wrong_type(value.line, found, what, expected)
+        type_ = self.of(value)
+        if UNKNOWN not in (type_, expected) and not axes.fits(type_, expected):
+            self.names.wrong_type(value.line, type_, what, expected)
         if isinstance(value, syntax.Constant) and value.type == "integer":
             low, high = axes.INTEGERS.get(expected, (value.value, value.value))
             if not low <= value.value <= high:

@@ -3,7 +3,7 @@
 from beamcam.checks.bars import run
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Profile
-from beamcam.simulation.course import MotionSegment, motion_segments
+from beamcam.simulation.cell_trace import MotionSegment, motion_segments
 
 
 def course_of(
