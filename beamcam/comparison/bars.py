@@ -39,9 +39,8 @@ def diff_programs(
     for things, kind in _kinds(step).items():
         differences += differences_of_kind(kind, getattr(a, things), getattr(b, things), step)
     if not differences and _order(a) != _order(b):
-        differences.append(
-            Difference("order", "changed", "the same cuts and holes in another order")
-        )
+        text = "the same cuts and holes in another order"
+        differences.append(Difference("order", "changed", text))
     return tuple(differences)
 
 
@@ -53,10 +52,8 @@ def made_pairs(a: MachinedFeatures, b: MachinedFeatures, resolution: float) -> I
     faces = {one.face for made in (a, b) for things in kinds for one in getattr(made, things)}
     for face in sorted(faces):
         for things, kind in kinds.items():
-            old, new = (
-                [one for one in getattr(made, things) if one.face == face] for made in (a, b)
-            )
-            yield from paired(old, new, kind.place, kind.changes)
+            both = [[t for t in getattr(made, things) if t.face == face] for made in (a, b)]
+            yield from paired(both[0], both[1], kind.place, kind.changes)
 
 
 def _kinds(step: float) -> dict[str, ThingKind[Any]]:

@@ -41,26 +41,20 @@ def differences_of_kind(
     kind: ThingKind[T], a: Sequence[T], b: Sequence[T], step: float
 ) -> Iterator[Difference]:
     """The differences of one kind of things: of all at once, of those of a face, one by one."""
-    if common := _common(kind, a, b, step):
-        yield from _said_of_all(kind, a, b, f"all {kind.plural} {common}")
-        return
     faces = sorted({_face_of(thing) for thing in (*a, *b)})
-    for face in faces:
+    groups: list[tuple[Sequence[T], Sequence[T], str]] = []
+    if common := _common(kind, a, b, step):
+        groups.append((a, b, f"all {kind.plural} {common}"))
+    for face in faces if not groups else ():
         first, second = ([one for one in some if _face_of(one) == face] for some in (a, b))
         common = _common(kind, first, second, step) if len(faces) > 1 else ""
-        of_all = f"all {kind.plural} {face} {common}" if common else ""
-        yield from _said_of_all(kind, first, second, of_all)
-
-
-def _said_of_all(
-    kind: ThingKind[T], a: Sequence[T], b: Sequence[T], of_all: str
-) -> Iterator[Difference]:
-    """One difference where it holds of several, else each by itself."""
-    if of_all and len(a) > 1:
-        yield Difference(kind.what, "changed", of_all, of_all)
-        return
-    for one in differences_one_by_one(kind.what, a, b, kind.place, kind.name, kind.changes):
-        yield replace(one, of_all=of_all)
+        groups.append((first, second, f"all {kind.plural} {face} {common}" if common else ""))
+    for own, other, of_all in groups:
+        if of_all and len(own) > 1:
+            yield Difference(kind.what, "changed", of_all, of_all)
+            continue
+        each = differences_one_by_one(kind.what, own, other, kind.place, kind.name, kind.changes)
+        yield from (replace(one, of_all=of_all) for one in each)
 
 
 def _common(kind: ThingKind[T], a: Sequence[T], b: Sequence[T], step: float) -> str:

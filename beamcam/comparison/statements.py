@@ -144,20 +144,16 @@ def _sentences(events: list[TableEvent], decimals: int) -> Iterator[str]:
 def _turned(events: Sequence[BarEvent], decimals: int) -> Iterator[str]:
     """The statements of a program that goes round a profile."""
     for event in events:
-        match event:
-            case Move(rapid=rapid, end=end, feed_mm_min=feed, minutes=minutes, a_deg=(_, turn)):
-                to = " ".join(
-                    f"{n} {_number(v, decimals)}" for n, v in zip("XYZ", end, strict=True)
-                )
-                by = f" in {60 * minutes:.3f} s" if minutes else f" at {feed:g} mm/min"
-                around = "" if isnan(turn) else f" A {turn:.3f}"
-                tilt = event.b_deg[1]
-                around += "" if isnan(tilt) else f" B {tilt:.3f}"
-                yield f"{'rapid' if rapid else 'line'} to {to}{around}{'' if rapid else by}"
-            case Switch():
-                yield str(event)
-            case Pause(seconds=seconds):
-                yield f"pause of {seconds:g} s"
+        if isinstance(event, Move):
+            to = [f"{n} {_number(v, decimals)}" for n, v in zip("XYZ", event.end, strict=True)]
+            turned = (("A", event.a_deg[1]), ("B", event.b_deg[1]))
+            to += [f"{axis} {angle:.3f}" for axis, angle in turned if not isnan(angle)]
+            by = f" at {event.feed_mm_min:g} mm/min"
+            by = f" in {60 * event.minutes:.3f} s" if event.minutes else by
+            way, by = ("rapid", "") if event.rapid else ("line", by)
+            yield f"{way} to {' '.join(to)}{by}"
+        elif isinstance(event, Switch | Pause):
+            yield from _sentences([event], decimals)
 
 
 def _number(value: float, decimals: int) -> str:

@@ -166,10 +166,8 @@ def face_view(part: Part, face: Face, strokes: Sequence[TorchStroke], coper: Cop
         face, title, box, tuple(ends | {part.length}), (*(rises - {high}), high),
         runs_down(face), edges=("", "") if turned else edges_of(face, part.profile.code),
     )  # fmt: skip
-    return _unrolled(view, part, coper) if coper.unrolls(part.profile.code) else view
-
-
-def _unrolled(view: View, part: Part, coper: Coper) -> View:
+    if not coper.unrolls(part.profile.code):
+        return view
     section = tube_section(rolled(part), coper)
     title = "v   surface of the tube, unrolled, from outside; y = 0 is its lowest line"
     if part.profile.code == "M":

@@ -266,8 +266,8 @@ class _Checker:
             self._variable(variable)
 
     def _misdeclared(self, variable: syntax.Variable, how: str, expected: str) -> None:
-        found, line = variable.name, variable.line
-        self.names.say(rules.DECLARED, line, found=found, how=how, expected=expected)
+        values = {"found": variable.name, "how": how, "expected": expected}
+        self.names.say(rules.DECLARED, variable.line, **values)
 
     def _variable(self, variable: syntax.Variable) -> None:
         type_ = variable.type
@@ -279,9 +279,8 @@ class _Checker:
             self.names.unknown(variable.line, f"type {plain}", plain, known.values())
             return
         if isinstance(type_, syntax.Array) and type_.high < type_.low:
-            found, name = type_.high, variable.name
-            line, low = variable.line, type_.low
-            self.names.say(rules.BOUNDS, line, found=found, name=name, low=low, high="more")
+            bounds = {"found": type_.high, "name": variable.name, "low": type_.low, "high": "more"}
+            self.names.say(rules.BOUNDS, variable.line, **bounds)
             return
         initial = variable.initial
         if initial is None:
