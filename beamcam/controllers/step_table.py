@@ -171,9 +171,7 @@ def unpacked(packed: NDArray[np.uint32], first: int, clock_us: int) -> Rows:
     return Rows(first, time, numbers & 3, numbers >> 2 & 3, numbers >> 4 & 1)
 
 
-# --- arrays of C ----------------------------------------------------------------------------------
-
-# The C header: the rows of the binary form as an array, and macros that take one apart.
+# --- C header: the rows of the binary form as an array, and macros that take one apart ------------
 
 _NUMBER = b"0x%08xu,\n"
 _NUMBER_BYTES = len(_NUMBER % 0)

@@ -20,10 +20,8 @@ from beamcam.errors import Diagnostic
 from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.geometry.plane import Point
 
-# --- scan -----------------------------------------------------------------------------------------
+# --- blocks that are plain moves, all at once; every other block is left to be read ---------------
 
-# The blocks of a text that are plain moves, all at once; every other block is left to be read.
-#
 #     G1 X10 Y-5.5                     a letter and a number each, one space between them
 #     N12 G03 X0 Y0 I-5 J0 F600        block number, and feed behind, where they are said
 #
@@ -60,14 +58,6 @@ class PlainMoves(Struct, frozen=True):
     feed: Floats  #: F
 
 
-class Scan(Struct, frozen=True):
-    """A text taken apart."""
-
-    plain: PlainMoves
-    odd: list[tuple[int, str]]  #: the other lines, by their number from 1
-    lines: int
-
-
 class _Words(Struct):
     """The words of all good lines, one after the other."""
 
@@ -83,12 +73,13 @@ def scan(
     longest: int | None = None,
     traverse_with_feed: bool = True,
     motions: Sequence[int] = range(4),
-) -> Scan:
-    """Takes a text apart; empty lines at its end do not count.
+) -> tuple[PlainMoves, list[tuple[int, str]], int]:
+    """The plain moves of a text, the other lines by their number from 1, and how many there are.
 
-    Odd as well are lines longer than `longest`, moves whose motion is not in `motions`, and, where
-    it is not allowed, a traverse with a feed. The first plain move and the last line always count
-    as odd, so that the beginning and the end of a program are interpreted one by one.
+    Empty lines at its end do not count. The others are also lines longer than `longest`, moves
+    whose motion is not in `motions`, and, where it is not allowed, a traverse with a feed; and the
+    first plain move and the last line, so that the beginning and the end of a program are
+    interpreted one by one.
     """
     text = text.rstrip("\n") + "\n"
     data = text.encode("ascii", "replace")
@@ -102,7 +93,7 @@ def scan(
     begins = np.concatenate(([0], ends[:-1] + 1))
     odd = np.flatnonzero(~taken)
     bounds = zip(*(a.tolist() for a in (odd + 1, begins[odd], ends[odd])), strict=True)
-    return Scan(plain, [(k, text[a:b]) for k, a, b in bounds], len(ends))
+    return plain, [(k, text[a:b]) for k, a, b in bounds], len(ends)
 
 
 def _good_lines(data: bytes, kinds: bytes, ends: Counts) -> Flags:
@@ -185,13 +176,13 @@ def _plain_moves(
 
 def table_run(text: str, interpreter: Interpreter) -> tuple[TableRun, list[Diagnostic]]:
     """The events of a program for a table, its moves as arrays, and the faults of its blocks."""
-    scanned = scan(
+    plain, odd, count = scan(
         text, interpreter.longest_line, interpreter.fed_traverse, interpreter.plain_motions
     )
-    track = Track(scanned.plain, interpreter.per_minute)
+    track = Track(plain, interpreter.per_minute)
     interpreter.follow(track)
-    interpreter.begin(scanned.lines)
-    for number, line in scanned.odd:
+    interpreter.begin(count)
+    for number, line in odd:
         interpreter.plain_until(number)
         interpreter.line(number, *interpreter.lines_of(line))
     interpreter.finish()

@@ -39,7 +39,7 @@ class Rs274(HeadWords, Interpreter):
         super().__init__(dialect, name)
         self.controller, self.longest_line = variant.name, variant.longest_line
         self.arc_fault = variant.arc_fault
-        self._variant, self._knows_names = variant, variant.named
+        self._variant = variant
         self._known: dict[str, Block] = {}  # programs say the same thing over and over
         switches = {
             **variant.switches,
@@ -55,14 +55,10 @@ class Rs274(HeadWords, Interpreter):
         self._axes = frozenset(dialect.axes)
         self._tells = dialect.text_word is not None  #: whether lines may tell texts
         self._percents: list[int] = []  #: lines
-        self._seen: set[str] = set()
         self._reported: set[str] = set()  #: words without a meaning, each reported once
-        self._offset: str | None = None  #: of the workpiece
         self._speed: float | None = None  #: S of a table's tool, apart from what starts it
         self._running = 0  #: M word that has started it
         self._lit: Switch | None = None  #: what it works with, in laser mode
-        self._tools = [0.0, 0.0]  #: of a table's head: the one in it, the one that was prepared
-        self._ready = False
 
     def begin(self, lines: int) -> None:
         """The beginning of a text of so many lines, behind what the controller runs by itself."""
@@ -260,14 +256,6 @@ class Rs274(HeadWords, Interpreter):
             self._drill(line, motion, dict(values), own_feed)
         if unexpected:
             self._wrong(line, f"the letter {min(unexpected)} in that block", "no such word there")
-
-    def _check_settings(self, line: int) -> None:
-        """Says once what is not set when the first move comes."""
-        if not self._ready:
-            missing = [code for code in self._variant.needed if code not in self._seen]
-            if missing:
-                self._say(line, self._rules.setting, found=", ".join(missing))
-            self._ready = True
 
     def curve(self, motion: int, start: Point, end: Point, words: Words) -> Curve | str:
         if "I" not in words and "J" not in words:
