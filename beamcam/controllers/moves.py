@@ -46,8 +46,10 @@ class Moves(Struct, frozen=True):
     def each(self) -> Iterator[HeadMove]:
         """The moves one by one."""
         rows = zip(*(column.tolist() for column in self.columns), strict=True)
-        for k, (line, rapid, start, end, feed, is_arc, (x, y, *arc)) in enumerate(rows):
-            curve: Curve | None = Arc((x, y), *arc) if is_arc else self.curves.get(k)
+        for k, (line, rapid, start, end, feed, is_arc, arc) in enumerate(rows):
+            curve: Curve | None = self.curves.get(k)
+            if is_arc:
+                curve = Arc((arc[0], arc[1]), *arc[2:])
             yield Move(line, rapid, tuple(start), tuple(end), feed, False, curve)
 
 
