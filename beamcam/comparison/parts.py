@@ -65,7 +65,6 @@ def _part(a: Part, b: Part) -> Iterator[Difference]:
 
 
 def _by_face(a: Part, b: Part) -> Iterator[tuple[type[Feature], list[Feature], list[Feature]]]:
-    """The features of two parts, kind by kind and face by face."""
     for kind in _KINDS:
         old, new = ([f for f in part.features if isinstance(f, kind)] for part in (a, b))
         for face in sorted({_face(f) for f in (*old, *new)}):

@@ -284,7 +284,6 @@ class Track:
         return TableRun(joined(moves, moves_of(self._moves), order), others), lines
 
     def _rows(self) -> Counts:
-        """The plain rows that were carried out."""
         return np.concatenate([np.zeros(0, dtype=np.int64), *starmap(np.arange, self._runs)])
 
     def _plain_moves(self) -> Moves:

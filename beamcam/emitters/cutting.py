@@ -198,7 +198,6 @@ class _Writer:
         }  # fmt: skip
 
     def _curve(self, command: ParabolaFeed | EllipseFeed) -> list[str]:
-        """The blocks of a parabola or an ellipse."""
         words, form = self._words, self._form
         values = {name: number(getattr(command, name), form.length_decimals) for name in "xyij"}
         if isinstance(command, ParabolaFeed):

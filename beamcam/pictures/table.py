@@ -326,7 +326,6 @@ def _pierces(
 
 
 def _legend(fastest: float, used: Sequence[int], has_leads: bool, y: float) -> Iterator[Shape]:
-    """The colours of the speeds that occur, and what else is drawn."""
     x = SIDE
     yield Text("label", (x, y + 4.0), "mm/min up to")
     x += 80.0

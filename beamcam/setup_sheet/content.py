@@ -246,9 +246,7 @@ def content_of(source: SheetSources, unit: Unit = "mm") -> SheetContent:
         verdict = "wrong"
     return SheetContent(
         program, made, unit, trace, (*_header(program, trace), *source.settings), (scene, *drawn),
-        operations,
-        totals,
-        tools, bar,
+        operations, totals, tools, bar,
         tuple(f"{d.source}: {d.message}" for d in messages if d.code in LEFT_OUT),
         tuple(manual_rows(source.plan)) if source.plan is not None else (),
         tuple(d for d in messages if d.severity is not Severity.NOTE or d.code not in LEFT_OUT),

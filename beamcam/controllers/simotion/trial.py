@@ -300,7 +300,6 @@ class _Checker:
             self.types.check(value, plain, variable.name)
 
     def _external(self, variable: syntax.Variable) -> None:
-        """An external variable is a global one, of the same type."""
         other, external = self.shared.get(variable.name.upper()), f"the external {variable.name}"
         if other is None:
             known = [v.name for v in self.shared.values()]
