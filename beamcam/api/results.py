@@ -23,7 +23,7 @@ from beamcam.model.request import Request
 from beamcam.pipeline import Posted, read_back
 
 if TYPE_CHECKING:
-    from beamcam.pictures.program import ReadProgram
+    from beamcam.pictures import ReadProgram
     from beamcam.recovery import Recovered
     from beamcam.simulation.program import Simulated
 
@@ -228,7 +228,7 @@ def _read_program(
     program: Any, machine: AnyMachine | None, name: str, bar: float | None,
     parts: Part | Iterable[Part],
 ) -> "ReadProgram":  # fmt: skip
-    from beamcam.pictures.program import ReadProgram
+    from beamcam.pictures import ReadProgram
 
     check_text("name", name)
     loaded = machine_of(DEFAULT_MACHINE if machine is None else machine)

@@ -19,9 +19,9 @@ from beamcam.batch.work import BatchSettings, thaw
 from beamcam.errors import BeamcamError
 from beamcam.files import write_whole
 from beamcam.model.request import marked
+from beamcam.pictures import ReadProgram
 from beamcam.pictures.formats import inline_svg
 from beamcam.pictures.part import small_scene
-from beamcam.pictures.program import ReadProgram
 from beamcam.pictures.scene import css
 from beamcam.pipeline import Posted, begin, counted, finished
 from beamcam.processes import Died, Pool

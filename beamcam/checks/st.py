@@ -17,9 +17,9 @@ from msgspec import Struct, field
 from msgspec.structs import replace
 
 from beamcam.checks.polylines import DrawnPath
-from beamcam.controllers.simotion import read_program, rules
+from beamcam.controllers.simotion import rules
 from beamcam.controllers.simotion.axes import circle_points
-from beamcam.controllers.simotion.job import JobRead, TableOperation
+from beamcam.controllers.simotion.job import JobRead, TableOperation, read_program
 from beamcam.controllers.simotion.trial import trial
 from beamcam.errors import Diagnostic, Rule, Source, add_few, errors_in
 from beamcam.machine.machine import Machine

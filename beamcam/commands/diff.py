@@ -68,9 +68,9 @@ def drawn_over(
 
     Raises ReadError, VerifyError and PictureError; UsageError for another format.
     """
+    from beamcam.pictures import ReadProgram
     from beamcam.pictures.comparison import compared_parts, compared_programs
     from beamcam.pictures.formats import picture
-    from beamcam.pictures.program import ReadProgram
 
     suffix = PurePath(output).suffix.lower()
     if suffix not in KINDS["diff"]:

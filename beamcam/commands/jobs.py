@@ -18,7 +18,7 @@ from beamcam.commands.settings import machine_for_program, machines_for
 from beamcam.config.values import Config
 from beamcam.errors import Diagnostic
 from beamcam.model.plan import AnyPlan, Plan
-from beamcam.pictures.program import ReadProgram
+from beamcam.pictures import ReadProgram
 from beamcam.pipeline import begin, finished, read_back, untold, whole_job
 from beamcam.readers import shown_name
 

@@ -29,13 +29,18 @@ def diff_programs(
     """Differences of program B from program A; lengths nearer than `resolution` are
     one."""
     step = resolution / 2 + 1e-9
-    differences = [*_section(a, b)]
+    differences = []
+    first, second = dict(a.section), dict(b.section)
+    for name in sorted(first.keys() | second.keys()):
+        old, new = first.get(name), second.get(name)
+        if old != new and not (old is not None and new is not None and isnan(old) and isnan(new)):
+            text = f"{name} {shown(old)} to {shown(new)}"
+            differences.append(Difference("section", "changed", text))
     for things, kind in _kinds(step).items():
         differences += differences_of_kind(kind, getattr(a, things), getattr(b, things), step)
     if not differences and _order(a) != _order(b):
-        differences.append(
-            Difference("order", "changed", "the same cuts and holes in another order")
-        )
+        text = "the same cuts and holes in another order"
+        differences.append(Difference("order", "changed", text))
     return tuple(differences)
 
 
@@ -47,46 +52,36 @@ def made_pairs(a: MachinedFeatures, b: MachinedFeatures, resolution: float) -> I
     faces = {one.face for made in (a, b) for things in kinds for one in getattr(made, things)}
     for face in sorted(faces):
         for things, kind in kinds.items():
-            old, new = (
-                [one for one in getattr(made, things) if one.face == face] for made in (a, b)
-            )
-            yield from paired(old, new, kind.place, kind.changes)
+            both = [[t for t in getattr(made, things) if t.face == face] for made in (a, b)]
+            yield from paired(both[0], both[1], kind.place, kind.changes)
 
 
 def _kinds(step: float) -> dict[str, ThingKind[Any]]:
     """The things that a program makes, by the name that they have in `MachinedFeatures`."""
     return {
         "cuts": ThingKind(
-            "cut", "cuts", _cut_place, lambda cut: f"cut at x {cut.x:.1f}",
+            # Of cuts at one place those of like angle belong together.
+            "cut", "cuts", lambda cut: (cut.x, cut.angle / 10), lambda cut: f"cut at x {cut.x:.1f}",
             lambda x, y: _cut(x, y, step), lambda x, y: replace(x, x=y.x),
         ),
         "bores": ThingKind(
             "hole", "holes", _place, _bore_name, lambda x, y: _bore(x, y, step), _put
         ),
         "paths": ThingKind(
-            "feature", "paths", lambda trail: trail.points[0], _path_name,
+            "feature", "paths", lambda path: path.points[0],
+            lambda path: f"path of a {path.kind} {path.face} at x {path.points[0][0]:.1f}",
             lambda x, y: _path(x, y, step), _path_to,
         ),
         "texts": ThingKind(
-            "feature", "texts", _place, _text_name, lambda x, y: _text(x, y, step), _put
+            "feature", "texts", _place,
+            lambda text: f"text {text.text!r} {text.face} at x {text.x:.1f}",
+            lambda x, y: _text(x, y, step), _put,
         ),
     }  # fmt: skip
 
 
-def _section(a: MachinedFeatures, b: MachinedFeatures) -> Iterator[Difference]:
-    first, second = dict(a.section), dict(b.section)
-    for name in sorted(first.keys() | second.keys()):
-        old, new = first.get(name), second.get(name)
-        if old != new and not (old is not None and new is not None and isnan(old) and isnan(new)):
-            yield Difference("section", "changed", f"{name} {shown(old)} to {shown(new)}")
-
-
 def _order(made: MachinedFeatures) -> list[tuple[object, ...]]:
     return [astuple(op)[1 : 3 if type(op) is Cut else 4] for op in made.order]
-
-
-def _cut_place(cut: Cut) -> tuple[float, float]:
-    return cut.x, cut.angle / 10  # of cuts at one place those of like angle belong together
 
 
 def _cut(a: Cut, b: Cut, step: float) -> list[str]:
@@ -139,10 +134,6 @@ def _path_to(trail: MachinedPath, at: MachinedPath) -> MachinedPath:
     return replace(trail, points=tuple((p + to_x - x, q + to_y - y) for p, q in trail.points))
 
 
-def _path_name(trail: MachinedPath) -> str:
-    return f"path of a {trail.kind} {trail.face} at x {trail.points[0][0]:.1f}"
-
-
 def _path(a: MachinedPath, b: MachinedPath, step: float) -> list[str]:
     (ax, ay), (bx, by) = a.points[0], b.points[0]
     changes = moved(bx - ax, by - ay, step)
@@ -156,10 +147,6 @@ def _path(a: MachinedPath, b: MachinedPath, step: float) -> list[str]:
     )  # fmt: skip
     changes += _figures([(a.kind, a.diameter, b.diameter)], 0.0)
     return [*changes, *_figures(depths, step), *_feed(a, b)]
-
-
-def _text_name(text: StampedText) -> str:
-    return f"text {text.text!r} {text.face} at x {text.x:.1f}"
 
 
 def _text(a: StampedText, b: StampedText, step: float) -> list[str]:

@@ -3,7 +3,7 @@
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from math import hypot
-from typing import Generic, Literal, NamedTuple, TypeVar
+from typing import Any, Generic, Literal, NamedTuple, TypeVar
 
 from msgspec import Struct
 from msgspec.structs import replace
@@ -41,27 +41,20 @@ def differences_of_kind(
     kind: ThingKind[T], a: Sequence[T], b: Sequence[T], step: float
 ) -> Iterator[Difference]:
     """The differences of one kind of things: of all at once, of those of a face, one by one."""
-    if common := _common(kind, a, b, step):
-        yield from _said_of_all(kind, a, b, f"all {kind.plural} {common}")
-        return
     faces = sorted({_face_of(thing) for thing in (*a, *b)})
-    for face in faces:
-        first = [thing for thing in a if _face_of(thing) == face]
-        second = [thing for thing in b if _face_of(thing) == face]
+    groups: list[tuple[Sequence[T], Sequence[T], str]] = []
+    if common := _common(kind, a, b, step):
+        groups.append((a, b, f"all {kind.plural} {common}"))
+    for face in faces if not groups else ():
+        first, second = ([one for one in some if _face_of(one) == face] for some in (a, b))
         common = _common(kind, first, second, step) if len(faces) > 1 else ""
-        of_all = f"all {kind.plural} {face} {common}" if common else ""
-        yield from _said_of_all(kind, first, second, of_all)
-
-
-def _said_of_all(
-    kind: ThingKind[T], a: Sequence[T], b: Sequence[T], of_all: str
-) -> Iterator[Difference]:
-    """One difference where it holds of several, else each by itself."""
-    if of_all and len(a) > 1:
-        yield Difference(kind.what, "changed", of_all, of_all)
-        return
-    for one in differences_one_by_one(kind.what, a, b, kind.place, kind.name, kind.changes):
-        yield replace(one, of_all=of_all)
+        groups.append((first, second, f"all {kind.plural} {face} {common}" if common else ""))
+    for own, other, of_all in groups:
+        if of_all and len(own) > 1:
+            yield Difference(kind.what, "changed", of_all, of_all)
+            continue
+        each = differences_one_by_one(kind.what, own, other, kind.place, kind.name, kind.changes)
+        yield from (replace(one, of_all=of_all) for one in each)
 
 
 def _common(kind: ThingKind[T], a: Sequence[T], b: Sequence[T], step: float) -> str:
@@ -93,15 +86,12 @@ def _face_of(thing: object) -> str:
 
 
 def moved(dx: float, dy: float, step: float) -> list[str]:
-    far = hypot(dx, dy)
     if abs(dx) <= step and abs(dy) <= step:
         return []
     way = "" if abs(dy) <= step else " across" if abs(dx) <= step else " in x and y"
-    return [f"moved by {_length(far)} mm{way}"]
-
-
-def _length(value: float) -> str:
-    return f"{value:.1f}" if abs(value * 10 - round(value * 10)) < 1e-6 else f"{value:.3f}"
+    far = hypot(dx, dy)
+    decimals = 1 if abs(far * 10 - round(far * 10)) < 1e-6 else 3
+    return [f"moved by {far:.{decimals}f} mm{way}"]
 
 
 def shown(value: object) -> str:
@@ -116,47 +106,63 @@ def differences_one_by_one(
     changes: Callable[[T, T], list[str]],
 ) -> Iterator[Difference]:  # fmt: skip
     """Things of A and B paired: first those that are the same, then the nearest ones."""
-    left, right = list(a), list(b)
-    crowds = Counter(map(name, left)), Counter(map(name, right))
+    sides = list(a), list(b)
+    counts = [Counter(map(name, side)) for side in sides]
 
     def called(thing: T, side: int) -> str:
         """The thing's name, with its y where others on its side have the same name."""
         own = name(thing)
-        return f"{own}, y {place(thing)[1]:.1f}" if crowds[side][own] > 1 else own
+        return f"{own}, y {place(thing)[1]:.1f}" if counts[side][own] > 1 else own
 
-    for x, y in pairs_of(left, right, place, changes):
-        if y is None and x is not None:
-            yield Difference(what, "only in A", f"{called(x, 0)} only in A")
-        elif x is None and y is not None:
-            yield Difference(what, "only in B", f"{called(y, 1)} only in B")
-        elif x is not None and y is not None and (changed := changes(x, y)):
-            yield Difference(what, "changed", f"{called(x, 0)} {', '.join(changed)}")
+    for pair in paired(*sides, place, changes):
+        if pair.b is None:
+            yield Difference(what, "only in A", f"{called(pair.a, 0)} only in A")
+        elif pair.a is None:
+            yield Difference(what, "only in B", f"{called(pair.b, 1)} only in B")
+        elif pair.changes:
+            yield Difference(what, "changed", f"{called(pair.a, 0)} {', '.join(pair.changes)}")
 
 
-def pairs_of(
+class ThingPair(Struct, frozen=True):
+    """A thing of A and what it is in B; None where it is not there."""
+
+    a: Any
+    b: Any
+    place_a: tuple[float, float] | None
+    place_b: tuple[float, float] | None
+    changes: tuple[str, ...] = ()  #: of a thing that both have
+
+    @property
+    def is_same(self) -> bool:
+        """Whether both have it, unchanged."""
+        return self.a is not None and self.b is not None and not self.changes
+
+
+def paired(
     left: Sequence[T],
     right: Sequence[T],
     place: Callable[[T], tuple[float, float]],
     changes: Callable[[T, T], list[str]],
-) -> Iterator[tuple[T | None, T | None]]:
-    """Things of A and B paired: those that are the same, the nearest ones, and those left alone."""
+) -> Iterator[ThingPair]:
+    """Things of A and B, each with its like in the other: those that are the same, the nearest
+    ones, and those left alone."""
     index: dict[tuple[float, float], list[int]] = {}
     for i, thing in enumerate(right):
         index.setdefault(place(thing), []).append(i)
     taken: set[int] = set()
     rest: list[T] = []
     for thing in left:
+        at = place(thing)
         same = next(
-            (i for i in index.get(place(thing), ()) if i not in taken
-             and not changes(thing, right[i])), None,
-        )  # fmt: skip
+            (i for i in index.get(at, ()) if i not in taken and not changes(thing, right[i])), None
+        )
         if same is None:
             rest.append(thing)
         else:
             taken.add(same)
-            yield thing, right[same]
+            yield ThingPair(thing, right[same], at, at)
     free = [t for i, t in enumerate(right) if i not in taken]
-    near = sorted(
+    nearest = sorted(
         (hypot(place(x)[0] - place(y)[0], place(x)[1] - place(y)[1]), len(changes(x, y)), i, j)
         for i, x in enumerate(rest)
         for j, y in enumerate(free)
@@ -164,35 +170,17 @@ def pairs_of(
     )
     mine: dict[int, int] = {}
     theirs: set[int] = set()
-    for distance, _, i, j in near:
+    for distance, _, i, j in nearest:
         if distance <= NEAR and i not in mine and j not in theirs:
             mine[i] = j
             theirs.add(j)
     for i, thing in enumerate(rest):
-        yield thing, free[mine[i]] if i in mine else None
+        if i in mine:
+            other = free[mine[i]]
+            changed = tuple(changes(thing, other))
+            yield ThingPair(thing, other, place(thing), place(other), changed)
+        else:
+            yield ThingPair(thing, None, place(thing), None)
     for j, thing in enumerate(free):
         if j not in theirs:
-            yield None, thing
-
-
-class ThingPair(Struct, frozen=True):
-    """A thing of A and what it is in B; None where it is not there."""
-
-    a: object | None
-    b: object | None
-    place_a: tuple[float, float] | None
-    place_b: tuple[float, float] | None
-    is_same: bool
-
-
-def paired(
-    a: Sequence[T],
-    b: Sequence[T],
-    place: Callable[[T], tuple[float, float]],
-    changes: Callable[[T, T], list[str]],
-) -> Iterator[ThingPair]:
-    """The things of A and B, each with its like in the other."""
-    for x, y in pairs_of(a, b, place, changes):
-        same = x is not None and y is not None and not changes(x, y)
-        at, to = (None if t is None else place(t) for t in (x, y))
-        yield ThingPair(x, y, at, to, same)
+            yield ThingPair(None, thing, None, place(thing))

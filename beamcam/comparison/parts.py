@@ -1,6 +1,7 @@
 """Two parts compared feature by feature, wherever those stand in their files; equal ones as one."""
 
 from collections.abc import Iterable, Iterator, Sequence
+from typing import Literal
 
 from msgspec import Struct
 from msgspec.structs import fields, replace
@@ -14,7 +15,7 @@ from beamcam.comparison.pairing import (
     shown,
 )
 from beamcam.errors import Source
-from beamcam.geometry.curves import Curve
+from beamcam.geometry.curves import Curve, join_boxes
 from beamcam.model.part import Bend, Camber, Contour, EndPlane, Feature, Hole, Part, Slot, TextMark
 
 _HEADER = (
@@ -32,11 +33,11 @@ def diff_parts(a: Sequence[Part], b: Sequence[Part]) -> tuple[Difference, ...]:
     differences: list[Difference] = []
     for first, second in zip(a, b, strict=False):
         differences += _part(first, second)
+    rest: tuple[tuple[Literal["only in A", "only in B"], Sequence[Part]], ...] = (
+        ("only in A", a[len(b) :]), ("only in B", b[len(a) :]),
+    )  # fmt: skip
     differences += [
-        Difference("part", "only in A", f"part {p.mark} only in A") for p in a[len(b) :]
-    ]
-    differences += [
-        Difference("part", "only in B", f"part {p.mark} only in B") for p in b[len(a) :]
+        Difference("part", how, f"part {p.mark} {how}") for how, parts in rest for p in parts
     ]
     return tuple(differences)
 
@@ -59,13 +60,11 @@ def _part(a: Part, b: Part) -> Iterator[Difference]:
                 what = form.format("profile" if name == "name" else name.replace("_", " "))
                 yield Difference("part", "changed", f"{what} {shown(old)} to {shown(new)}")
     for kind, own, other in _by_face(a, b):
-        yield from differences_one_by_one(
-            "hole" if kind is Hole else "feature", own, other, _place, _name, _feature
-        )
+        noun: Literal["hole", "feature"] = "hole" if kind is Hole else "feature"
+        yield from differences_one_by_one(noun, own, other, _place, _name, _feature)
 
 
 def _by_face(a: Part, b: Part) -> Iterator[tuple[type[Feature], list[Feature], list[Feature]]]:
-    """The features of two parts, kind by kind and face by face."""
     for kind in _KINDS:
         old, new = ([f for f in part.features if isinstance(f, kind)] for part in (a, b))
         for face in sorted({_face(f) for f in (*old, *new)}):
@@ -83,10 +82,8 @@ def _place(feature: Feature) -> tuple[float, float]:
             return feature.x, feature.y
         case Contour():
             boxes = [curve.bbox for curve in feature.curves]
-            return (
-                (min(b[0] for b in boxes) + max(b[2] for b in boxes)) / 2,
-                (min(b[1] for b in boxes) + max(b[3] for b in boxes)) / 2,
-            )
+            x0, y0, x1, y1 = join_boxes(boxes) or (0.0, 0.0, 0.0, 0.0)
+            return (x0 + x1) / 2, (y0 + y1) / 2
         case Bend():
             return feature.start
         case EndPlane():
@@ -114,22 +111,16 @@ def _feature(a: Feature, b: Feature) -> list[str]:
         old, new = getattr(a, field.name), getattr(b, field.name)
         if isinstance(old, Source) or field.name in _PLACES:
             continue
-        if field.name == "curves":
-            if _chain(a, b, bx - ax, by - ay):
+        if isinstance(a, Contour) and isinstance(b, Contour) and field.name == "curves":
+            # Moved onto each other, and begun anywhere if they are closed.
+            first = [_key(c, bx - ax, by - ay) for c in a.curves]
+            second = [_key(c, 0.0, 0.0) for c in b.curves]
+            starts = range(max(1, len(first)) if a.closed and b.closed else 1)
+            if all(first[i:] + first[:i] != second for i in starts):
                 changes.append("another course")
         elif old != new:
             changes.append(f"{field.name.replace('_', ' ')} {shown(old)} to {shown(new)}")
     return changes
-
-
-def _chain(a: Feature, b: Feature, dx: float, dy: float) -> bool:
-    """Whether two contours have another course, moved onto each other and begun anywhere."""
-    if not isinstance(a, Contour) or not isinstance(b, Contour):
-        return False
-    first, second = [_key(c, dx, dy) for c in a.curves], [_key(c, 0.0, 0.0) for c in b.curves]
-    if not (a.closed and b.closed):
-        return first != second
-    return all(first[i:] + first[:i] != second for i in range(max(1, len(first))))
 
 
 def _key(curve: Curve, dx: float, dy: float) -> tuple[object, ...]:
@@ -169,8 +160,8 @@ def _grained(value: object) -> object:
         fields = (getattr(value, name) for name in value.__struct_fields__ if name != "source")
         return (type(value).__name__, *map(_grained, fields))
     if isinstance(value, tuple):
-        found = map(_grained, value)
+        grains = map(_grained, value)
         return tuple(
-            sorted(found, key=repr) if all(isinstance(v, Struct) for v in value) else found
+            sorted(grains, key=repr) if all(isinstance(v, Struct) for v in value) else grains
         )
     return value

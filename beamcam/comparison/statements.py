@@ -59,16 +59,13 @@ def diff_statements(
             else:
                 differences.append(Difference("feature", "changed", f"{old} became {new}"))
                 pairs.append((old, new))
-    if len(pairs) == len(differences) > 1 and (common := _common(pairs, decimals)):
-        text = f"{len(pairs)} of {len(first)} statements: {common}"
-        differences = [Difference("feature", "changed", text, common)]
-    return tuple(differences)
-
-
-def _common(pairs: Sequence[tuple[str, str]], decimals: int) -> str:
-    """Difference common to all pairs of statements: "X +1.440, at 1000 to 1200"; "" if none."""
     changes = {_changed_words(old, new, decimals) for old, new in pairs}
-    return ", ".join(changes.pop()) if len(changes) == 1 else ""
+    if len(pairs) == len(differences) > 1 == len(changes):
+        common = ", ".join(changes.pop())  # "X +1.440, at 1000 to 1200"
+        if common:
+            text = f"{len(pairs)} of {len(first)} statements: {common}"
+            differences = [Difference("feature", "changed", text, common)]
+    return tuple(differences)
 
 
 def _changed_words(old: str, new: str, decimals: int) -> tuple[str, ...]:
@@ -147,20 +144,16 @@ def _sentences(events: list[TableEvent], decimals: int) -> Iterator[str]:
 def _turned(events: Sequence[BarEvent], decimals: int) -> Iterator[str]:
     """The statements of a program that goes round a profile."""
     for event in events:
-        match event:
-            case Move(rapid=rapid, end=end, feed_mm_min=feed, minutes=minutes, a_deg=(_, turn)):
-                to = " ".join(
-                    f"{n} {_number(v, decimals)}" for n, v in zip("XYZ", end, strict=True)
-                )
-                by = f" in {60 * minutes:.3f} s" if minutes else f" at {feed:g} mm/min"
-                around = "" if isnan(turn) else f" A {turn:.3f}"
-                tilt = event.b_deg[1]
-                around += "" if isnan(tilt) else f" B {tilt:.3f}"
-                yield f"{'rapid' if rapid else 'line'} to {to}{around}{'' if rapid else by}"
-            case Switch():
-                yield str(event)
-            case Pause(seconds=seconds):
-                yield f"pause of {seconds:g} s"
+        if isinstance(event, Move):
+            to = [f"{n} {_number(v, decimals)}" for n, v in zip("XYZ", event.end, strict=True)]
+            turned = (("A", event.a_deg[1]), ("B", event.b_deg[1]))
+            to += [f"{axis} {angle:.3f}" for axis, angle in turned if not isnan(angle)]
+            by = f" at {event.feed_mm_min:g} mm/min"
+            by = f" in {60 * event.minutes:.3f} s" if event.minutes else by
+            way, by = ("rapid", "") if event.rapid else ("line", by)
+            yield f"{way} to {' '.join(to)}{by}"
+        elif isinstance(event, Switch | Pause):
+            yield from _sentences([event], decimals)
 
 
 def _number(value: float, decimals: int) -> str:

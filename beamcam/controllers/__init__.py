@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from beamcam.controllers.dialect import dialect_of
 from beamcam.controllers.events import BarEvent, TableEvent
-from beamcam.controllers.interpreter import EventList, Interpreter
+from beamcam.controllers.interpreter import Interpreter
 from beamcam.errors import Diagnostic
 from beamcam.machine.machine import Machine
 
@@ -51,8 +51,9 @@ def cell_events(
     So are the short programs of bars read, and what is tried of a machine's words; `table_run`
     gives the same of a table's program in arrays.
     """
-    events, interpreter = EventList(), interpreter_of(machine, name)
-    interpreter.record(events)
+    events: list[BarEvent] = []
+    interpreter = interpreter_of(machine, name)
+    interpreter.record(events.append, events.append)
     lines = interpreter.lines_of(text.rstrip())
     interpreter.begin(len(lines))
     for number, line in enumerate(lines, 1):

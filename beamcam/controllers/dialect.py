@@ -127,7 +127,7 @@ class Cycle(Struct, frozen=True):
     kind: str
     turns: int  #: the M word that starts the spindle, 0 if it does not turn
     cools: bool
-    along: bool  #: whether it is led along a path
+    along: bool  #: whether it works along a path
     feeds: bool  #: whether its move into the material has its own feed
 
 
@@ -254,7 +254,12 @@ def _own_words(machine: Machine) -> tuple[dict[int, MWord], frozenset[str], bool
         lines = getattr(machine.words, name)
         if not isinstance(lines, tuple):
             continue  # the form of a comment
-        cycle = cycles[name] = _cycle(name, lines)
+        heads = [int(m[2]) for line in lines if (m := _COMMAND.match(line)) and m[1] == "M"]
+        does = {number: DOCUMENTED.get(number, "other") for number in heads}
+        turns = next((number for number, role in does.items() if role == "on"), 0)
+        feeds = any("{feed}" in line for line in lines)
+        along, cools = name in ALONG_A_PATH, "coolant-on" in does.values()
+        cycle = cycles[name] = Cycle(name, turns, cools, along, feeds)
         for line in lines:
             if TELLS in line:
                 continue  # a word by itself: see `TextWord`
@@ -288,14 +293,6 @@ def role_of(line: str, changes: bool = False) -> tuple[int | None, Role]:
     carried = (field for _, field in FIELD.findall(line))
     role = next((_SAYS[field] for field in carried if field in _SAYS), documented)
     return number, "change" if changes else role
-
-
-def _cycle(name: str, lines: tuple[str, ...]) -> Cycle:
-    numbers = [int(m[2]) for line in lines if (m := _COMMAND.match(line)) and m[1] == "M"]
-    roles = [DOCUMENTED.get(n, "other") for n in numbers]
-    turns = next((n for n, role in zip(numbers, roles, strict=True) if role == "on"), 0)
-    feeds = any("{feed}" in line for line in lines)
-    return Cycle(name, turns, "coolant-on" in roles, name in ALONG_A_PATH, feeds)
 
 
 #: What moves the torch or calls its place, for which its height has to be known.

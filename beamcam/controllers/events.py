@@ -17,8 +17,8 @@
 
 Every run of `post` makes thousands of them, and a drawing tens of thousands. Coordinates are mm,
 feeds mm/min; a coordinate that no block has named yet is not a number (nan). A controller that has
-more (outputs that are switched on the way) adds its event here, so that whoever follows a program
-learns one set of words.
+more (outputs that are switched on the way) adds its event here, so that those who follow a program
+learn one set of words.
 
 Where a table's torch stands over the sheet, as far as its program says it.
 
@@ -61,10 +61,15 @@ class Move(Struct, Generic[Where], frozen=True, gc=False):
     b_deg: tuple[float, float] = (nan, nan)  #: B likewise
 
 
-class Switch(Struct, frozen=True, gc=False):
-    """An M word."""
+class _Event(Struct, frozen=True, gc=False):
+    """What happens at a line of a program."""
 
     line: int
+
+
+class Switch(_Event, frozen=True, gc=False):
+    """An M word."""
+
     number: int
     words: dict[str, float]  #: its parameters by letter
     does: str = ""  #: what `[codes]` says of it: "torch on", "cutting oxygen off"; else nothing
@@ -81,100 +86,88 @@ class Switch(Struct, frozen=True, gc=False):
 Said = tuple[int, tuple[tuple[str, float], ...]]  #: number of an M word, and its parameters
 
 
-class Pause(Struct, frozen=True, gc=False):
+class Pause(_Event, frozen=True, gc=False):
     """A dwell."""
 
-    line: int
     seconds: float
 
 
-class Compensation(Struct, frozen=True, gc=False):
+class Compensation(_Event, frozen=True, gc=False):
     """From here on the controller keeps beside the contour, by a radius."""
 
-    line: int
     side: Side
     radius: float
 
 
-class Acceleration(Struct, frozen=True, gc=False):
+class Acceleration(_Event, frozen=True, gc=False):
     """From here on the head runs up, or brakes, at an acceleration in mm/s2."""
 
-    line: int
     braking: bool
     mm_s2: float
 
 
-class Blending(Struct, frozen=True, gc=False):
+class Blending(_Event, frozen=True, gc=False):
     """From here on the controller may pass corners so far off the path to keep its speed."""
 
-    line: int
     distance: float  #: mm; 0 follows the path exactly, inf is without a limit
 
 
-class Lettering(Struct, frozen=True, gc=False):
+class Lettering(_Event, frozen=True, gc=False):
     """A text that a stamp or printer is told."""
 
-    line: int
     kind: str  #: of the unit
     text: str
     values: dict[str, float]  #: what the word carries, by the names of the machine's file
 
 
-class Lift(Struct, frozen=True, gc=False):
+class Lift(_Event, frozen=True, gc=False):
     """A move of the torch in Z alone, by its heights over the sheet.
 
     A height is nan where nothing says it, and inf at the top of the axis, clear of everything.
     """
 
-    line: int
     rapid: bool
     start: float
     end: float
     feed_mm_min: float
 
 
-class Touch(Struct, frozen=True, gc=False):
+class Touch(_Event, frozen=True, gc=False):
     """The torch goes down until it touches the sheet, and stands there."""
 
-    line: int
     height: float  #: of its tip, below 0, as far as the axis goes on until the probe trips
     feed_mm_min: float
 
 
-class Zero(Struct, frozen=True, gc=False):
+class Zero(_Event, frozen=True, gc=False):
     """From here on Z counts from elsewhere."""
 
-    line: int
     shifted: bool  #: whether it has to be taken back: what G92 sets would hold for the next program
 
 
-class Output(Struct, frozen=True, gc=False):
+class Output(_Event, frozen=True, gc=False):
     """Something of the machine besides its tool is switched."""
 
-    line: int
     name: str  #: "thc", "preheat", or the word that switches it, without what says on or off
     on: bool
     with_move: bool = False  #: when the next move begins, so that it needs one
 
 
-class FeedShare(Struct, frozen=True, gc=False):
+class FeedShare(_Event, frozen=True, gc=False):
     """From here on the head moves at a share of the feed that is programmed."""
 
-    line: int
     share: float  #: 1 is all of it
 
 
-class ToolOffset(Struct, frozen=True, gc=False):
+class ToolOffset(_Event, frozen=True, gc=False):
     """From here on places are those of a tool of the head that stands beside the torch."""
 
-    line: int
     number: int  #: in the controller's table of tools; 0 is the torch
 
 
-class Material(Struct, frozen=True, gc=False):
+class Material(_Event, frozen=True, gc=False):
     """The controller takes the cutting data of a row."""
 
-    line: int
     values: dict[str, float]  #: "number", or figures by the names of a machine's row
 
 
@@ -201,18 +194,15 @@ class Heights:
     def lift(self, line: int, rapid: bool, z: float, absolute: bool, feed_mm_min: float) -> Lift:
         """The move to a Z, or by it."""
         end = self._zero + z if absolute else self.height + z
-        return self._go(line, rapid, end, feed_mm_min)
-
-    def to(self, line: int, height: float) -> Lift:
-        """The move of a macro to a height over the sheet."""
-        return self._go(line, False, height, nan)
+        return self.to(line, rapid, end, feed_mm_min)
 
     def to_machine_z(self, line: int, rapid: bool, z: float, feed_mm_min: float) -> Lift:
         """The move to a Z of the machine's own, whose top is all that is known of it."""
         at_top = self._top is not None and z >= self._top
-        return self._go(line, rapid, inf if at_top else nan, feed_mm_min)
+        return self.to(line, rapid, inf if at_top else nan, feed_mm_min)
 
-    def _go(self, line: int, rapid: bool, end: float, feed_mm_min: float) -> Lift:
+    def to(self, line: int, rapid: bool, end: float, feed_mm_min: float) -> Lift:
+        """The move to a height over the sheet."""
         start, self.height = self.height, end
         return Lift(line, rapid, start, end, feed_mm_min)
 
@@ -230,7 +220,7 @@ class Heights:
         """A macro that touches the sheet, counts Z from there, and stands on it."""
         touch = self.touch(line, nan)
         zero = self.count_from(line, self.height, False)
-        return touch, zero, self.to(line, 0.0)
+        return touch, zero, self.to(line, False, 0.0, nan)
 
     def take_back(self, line: int) -> Zero:
         """Z counts again as it did when the program began."""
@@ -243,9 +233,7 @@ class Heights:
         return not isnan(self.height) and self.height >= self._clearance
 
 
-# --- tubes that turn ------------------------------------------------------------------------------
-
-# What turns a tube below its torch, where programs do not give it as A in degrees and with Y.
+# --- tubes that turn below their torch, where A is not in degrees or Y is fixed -------------------
 
 
 def in_degrees(events: Iterable[BarEvent], coper: Coper, diameter: float) -> list[BarEvent]:
@@ -257,7 +245,7 @@ def in_degrees(events: Iterable[BarEvent], coper: Coper, diameter: float) -> lis
     """
     if coper.a_unit == "deg" and coper.y == "follows":
         return [*events]
-    found: list[BarEvent] = []
+    turned: list[BarEvent] = []
     for event in events:
         if isinstance(event, Move) and coper.a_unit == "mm":
             first, last = (90.0 - degrees(2 * a / diameter) for a in event.a_deg)
@@ -266,5 +254,5 @@ def in_degrees(events: Iterable[BarEvent], coper: Coper, diameter: float) -> lis
             (x0, y0, z0), (x1, y1, z1) = event.start, event.end
             y0, y1 = (0.0 if isnan(y) else y for y in (y0, y1))
             event = replace(event, start=(x0, y0, z0), end=(x1, y1, z1))
-        found.append(event)
-    return found
+        turned.append(event)
+    return turned

@@ -13,17 +13,7 @@ from math import atan2, degrees, dist, inf, isnan, nan
 from typing import Any, Protocol
 
 from beamcam.controllers.dialect import DOCUMENTED, Dialect
-from beamcam.controllers.events import (
-    BarEvent,
-    Curve,
-    Heights,
-    Lettering,
-    Move,
-    Other,
-    Pause,
-    Place,
-    Switch,
-)
+from beamcam.controllers.events import Curve, Heights, Lettering, Move, Other, Pause, Place
 from beamcam.errors import Diagnostic, Rule, Source
 from beamcam.geometry.curves import Arc
 from beamcam.geometry.plane import Point
@@ -38,20 +28,18 @@ from beamcam.model.cycles import (
 )
 
 Words = dict[str, float]
+#: Start, end, centre, clockwise: what is wrong with an arc, None if nothing is.
+ArcFault = Callable[[Point, Point, Point, bool], str | None]
 
 
-class Recorder(Protocol):
-    """Collects the events of a program."""
+class TableRecorder(Protocol):
+    """Collects the events of a table, and holds its plain moves."""
 
     def event(self, event: Other, /) -> None:
         """Anything but a move."""
 
     def move(self, move: Move[Any], /) -> None:
         """A move by itself."""
-
-
-class TableRecorder(Recorder, Protocol):
-    """Collects the events of a table, and holds its plain moves."""
 
     def lines(self) -> list[int]:
         """Of the plain moves, ascending."""
@@ -66,13 +54,6 @@ class TableRecorder(Recorder, Protocol):
         """Carries out plain moves from a place, with its feed; place and feed behind them."""
 
 
-class EventList(list[BarEvent]):
-    """Events in their order."""
-
-    event = list.append
-    move = list.append
-
-
 class Interpreter(ABC):
     """The state of a controller between two blocks; each family says what a block means."""
 
@@ -80,6 +61,7 @@ class Interpreter(ABC):
     longest_line: int | None = None  #: characters
     fed_traverse: bool  #: whether a table's traverse may say a feed
     arc_slack: float  #: what the radii at both ends of an arc may always differ by
+    arc_fault: ArcFault  #: the controller's deviation from an arc
 
     def __init__(self, dialect: Dialect, name: str) -> None:
         self.diagnostics: list[Diagnostic] = []
@@ -100,7 +82,7 @@ class Interpreter(ABC):
         self._heights = Heights(dialect.lifting) if dialect.lifting is not None else None
         self._motion = -1
         self._absolute = True
-        self._drilling = DRILL  #: the canned cycle that was said last
+        self._drilling = DRILL  #: the canned cycle that was called last
         self._cycle: Words | None = None  #: of a canned cycle that holds
         self._before_cycle = nan  #: Z where it began
         self._back_to_near = False  #: whether it draws back to R only (G99)
@@ -206,17 +188,13 @@ class Interpreter(ABC):
     def curve(self, motion: int, start: Point, end: Point, words: Words) -> Curve | str:
         """The curve of a block, or what is wrong with it."""
 
-    @abstractmethod
-    def arc_fault(self, start: Point, end: Point, centre: Point, clockwise: bool) -> str | None:
-        """The controller's deviation from an arc; None if it makes that arc."""
-
-    def record(self, record: Recorder) -> None:
-        """Sends the events to a record from here on."""
-        self._event, self._add = record.event, record.move
+    def record(self, event: Callable[[Other], None], move: Callable[[Move[Any]], None]) -> None:
+        """Hands moves and all other events on from here on."""
+        self._event, self._add = event, move
 
     def follow(self, plain: TableRecorder) -> None:
         """Sends the events to where plain moves wait, which are carried out in their turn."""
-        self.record(plain)
+        self.record(plain.event, plain.move)
         self._plain = plain
         self._lines = [*plain.lines(), inf]
 
@@ -256,10 +234,6 @@ class Interpreter(ABC):
         if not self._over:
             self._say(max(self._last, 1), self._rules.end, found="the end of the program")
 
-    def _end(self, switch: Switch) -> None:
-        self._over = True
-        self._event(switch)
-
     def _say(self, line: int, rule: Rule, **values: object) -> None:
         self.diagnostics.append(rule.at(Source(self._name, line), **values))
 
@@ -271,7 +245,6 @@ class Interpreter(ABC):
         self._say(line, self._rules.arc, found=found, controller=self.controller)
 
     def _go(self, line: int, motion: int, words: Words, own_feed: bool) -> None:
-        """Carries out a move whose letters are right."""
         start = x, y, z = self._place
         if self._absolute:
             get = words.get
@@ -283,11 +256,15 @@ class Interpreter(ABC):
             self._row = 0
         if (self._flat or not self._absolute) and self._is_lost(line, motion, start, end, words):
             return
-        curve = None
+        curve: Curve | None = None
         if motion > 1:
-            curve = self._curve(line, motion, start, end, words)
-            if curve is None:
+            is_known = not isnan(start[0] + start[1] + end[0] + end[1])
+            made: Curve | str = "that starts nowhere"
+            made = self.curve(motion, start[:2], end[:2], words) if is_known else made
+            if isinstance(made, str):
+                self.wrong_arc(line, made)
                 return
+            curve = made
         feed = self._feed * self.per_minute
         if self._flat:
             feed *= self._share
@@ -324,23 +301,8 @@ class Interpreter(ABC):
             self._wrong(line, "a relative move from nowhere", "an absolute place (G90) before")
         return False
 
-    def _curve(
-        self, line: int, motion: int, start: Place, end: Place, words: Words
-    ) -> Curve | None:
-        """The curve of a block, by the family's own words; None, with a message, if invalid."""
-        if isnan(start[0] + start[1] + end[0] + end[1]):
-            self.wrong_arc(line, "that starts nowhere")
-            return None
-        curve = self.curve(motion, start[:2], end[:2], words)
-        if isinstance(curve, str):
-            self.wrong_arc(line, curve)
-            return None
-        return curve
 
-
-# --- arcs -----------------------------------------------------------------------------------------
-
-# The arcs that controllers make of start, end and centre.
+# --- arcs that controllers make of start, end and centre ------------------------------------------
 
 
 def sweep_of(start: Point, end: Point, centre: Point, clockwise: bool) -> float:

@@ -25,7 +25,7 @@ from beamcam.controllers.dialect import (
     role_of,
     tool_words,
 )
-from beamcam.controllers.events import BarEvent, Lettering, Move, Place, Switch
+from beamcam.controllers.events import BarEvent, Lettering, Move, Switch
 from beamcam.machine.faults import words_of
 from beamcam.machine.machine import Machine, key_for, plain_code
 from beamcam.machine.tables import DIALECTS, TABLE_CONTROLLERS
@@ -70,14 +70,14 @@ def word_faults(machine: Machine) -> tuple[WordFault, ...]:
     if machine.controller in DIALECTS:
         from beamcam.controllers.simotion.trial import trial
 
-        return tuple(("triggers", "", said.message) for said in trial(machine)[:1])
+        return tuple(("triggers", "", one.message) for one in trial(machine)[:1])
     if machine.controller in TABLE_CONTROLLERS:
         return ()
     if machine.startup_code:
         own = replace(machine, startup_code="")
-        _, said = cell_events(f"{machine.startup_code}\nM2", own, "")
-        if said:
-            return (("startup_code", machine.startup_code, said[0].message),)
+        _, diagnostics = cell_events(f"{machine.startup_code}\nM2", own, "")
+        if diagnostics:
+            return (("startup_code", machine.startup_code, diagnostics[0].message),)
     if unknown := tuple(_allowed_faults(machine)):
         return unknown[:1]
     if machine.torch is not None:  # in laser mode a word by itself switches nothing
@@ -107,7 +107,6 @@ known_faults = PerObject("machine.words", word_faults)
 
 
 def _filled(machine: Machine, key: str, **more: str) -> Iterator[Line]:
-    """The blocks of a template."""
     template = getattr(machine.words, key)
     values = {**_FIGURES, **more}
     for text in (template,) if isinstance(template, str) else template:
@@ -137,10 +136,12 @@ def _bar_faults(machine: Machine) -> Iterator[WordFault]:
         if getattr(machine.words, tool):
             own = [event for key in words_of(tool) for event in of.get(key, [])]
             first, last = words_of(tool)[0], words_of(tool)[-1]
-            for found, expected in _begin_faults(own, dialect, tool in ("punch", "scribe"), stroke):
-                yield fault_in(f"words.{first}", "", found, expected)
-            for found, expected in _end_faults(own, dialect, stroke):
-                yield fault_in(f"words.{last}", "", found, expected)
+            stands = tool in ("punch", "scribe")
+            for key, tool_faults in zip(
+                (first, last), _tool_faults(own, dialect, stands, stroke), strict=True
+            ):
+                for found, expected in tool_faults:
+                    yield fault_in(f"words.{key}", "", found, expected)
     if machine.saw is not None and not _with_role(of.get("saw", []), dialect, "saw"):
         yield fault_in("words.saw", "", "no cut", "an M word with {angle}")
     if unit:
@@ -152,8 +153,12 @@ def _bar_faults(machine: Machine) -> Iterator[WordFault]:
         elif not moves or moves[-1].line > texts[0].line or moves[-1].end[0] != TEXT_X:
             expected = "a move to X{x} before {string}"
             yield fault_in(f"words.{unit}", "", "a text elsewhere", expected)
-    if dialect.feeds:
-        yield from _unfed(machine, of)
+    for name in (*_TOOLS, "saw") if dialect.feeds else ():
+        keys = words_of(name)
+        feeds = [e for key in keys for e in of.get(key, []) if isinstance(e, Move) and not e.rapid]
+        if feeds and not any("F" in line for key in keys for line in getattr(machine.words, key)):
+            expected = "F{feed}, as other templates have"
+            yield fault_in(f"words.{name}", "", "a feed without an F word", expected)
 
 
 def _bar_lines(machine: Machine, unit: str, stroke: dict[str, str]) -> Iterator[Line]:
@@ -171,17 +176,6 @@ def _bar_lines(machine: Machine, unit: str, stroke: dict[str, str]) -> Iterator[
     yield from _filled(machine, "footer")
 
 
-def _unfed(machine: Machine, of: dict[str, list[BarEvent]]) -> Iterator[WordFault]:
-    """The templates that feed without an F word, where other templates have one."""
-    for name in (*_TOOLS, "saw"):
-        keys = words_of(name)
-        moves = [e for key in keys for e in of.get(key, []) if isinstance(e, Move) and not e.rapid]
-        says = any("F" in line for key in keys for line in getattr(machine.words, key))
-        if moves and not says:
-            expected = "F{feed}, as other templates have"
-            yield fault_in(f"words.{name}", "", "a feed without an F word", expected)
-
-
 def _double_words(lines: list[Line]) -> Iterator[WordFault]:
     """Each M word that is to mean two things."""
     roles: dict[int, str] = dict(DOCUMENTED)
@@ -190,10 +184,10 @@ def _double_words(lines: list[Line]) -> Iterator[WordFault]:
             continue
         number, role = role_of(text, key == "words.change")
         carried = [field for _, field in FIELD.findall(text)]
-        said = f"section ({', '.join(carried)})" if role == "section" else role
-        if number is not None and roles.setdefault(number, said) != said:
+        meaning = f"section ({', '.join(carried)})" if role == "section" else role
+        if number is not None and roles.setdefault(number, meaning) != meaning:
             expected = f"another word, as that one stands for {roles[number]} already"
-            yield fault_in(key, text, f"M{number:02} for {said}", expected)
+            yield fault_in(key, text, f"M{number:02} for {meaning}", expected)
 
 
 def _with_role(events: list[BarEvent], dialect: Dialect, role: str) -> list[Switch]:
@@ -205,54 +199,43 @@ def _role(event: Switch, dialect: Dialect) -> str:
     return word.role if word else DOCUMENTED.get(event.number, "other")
 
 
-def _in_steel(event: Move[Place], stroke: dict[str, str]) -> bool:
-    return not {*event.end[1:]}.isdisjoint((float(stroke["bottom_y"]), float(stroke["bottom_z"])))
-
-
-def _begin_faults(
+def _tool_faults(
     events: list[BarEvent], dialect: Dialect, stands: bool, stroke: dict[str, str]
-) -> Iterator[tuple[str, str]]:
-    """Actions that the blocks of one tool omit before they feed, or altogether."""
-    turns = fed = False
-    for event in events:
-        if isinstance(event, Switch):
-            role = _role(event, dialect)
-            turns = role == "on" or (turns and role != "off")
-        elif isinstance(event, Move) and not event.rapid and _in_steel(event, stroke):
-            fed = True
-            if not (turns or stands):
-                yield "a feed with the spindle at rest", "M03 or M04 before it"
-    chosen = [dialect.m_words[e.number] for e in _with_role(events, dialect, "choose")]
-    if not chosen:
-        yield "no choice of a spindle", "an M word with {spindle}, or {tool} of the only spindle"
-    elif dialect.only_spindle is None and not any(
-        field == "spindle" for word in chosen for _, field in word.fields
-    ):
-        yield "no choice of a spindle", "an M word with {spindle}, as there are several"
-    if not fed:
-        yield "no feed into the steel", "G01 with {bottom_y} and {bottom_z}"
-
-
-def _end_faults(
-    events: list[BarEvent], dialect: Dialect, stroke: dict[str, str]
-) -> Iterator[tuple[str, str]]:
-    """States that the blocks of one tool must not leave behind."""
-    deep = turns = cools = False
+) -> tuple[list[tuple[str, str]], list[tuple[str, str]]]:
+    """What the blocks of one tool leave out before they feed, or altogether; and the states that
+    they must not leave behind."""
+    bottom = {float(stroke["bottom_y"]), float(stroke["bottom_z"])}
+    deep = turns = fed = cools = False
+    begin, end = [], []
     for event in events:
         if isinstance(event, Switch):
             role = _role(event, dialect)
             if role == "off" and deep:
-                yield "the spindle stopped in the steel", "a move to {y} and {z} before M05"
+                end.append(("the spindle stopped in the steel", "a move to {y} and {z} before M05"))
             turns = role == "on" or (turns and role != "off")
             cools = role == "coolant-on" or (cools and role != "coolant-off")
         elif isinstance(event, Move):
-            deep = _in_steel(event, stroke)
-    if deep:
-        yield "the tool left in the steel", "a move to {y} and {z} at the end"
-    if turns:
-        yield "the spindle left turning", "M05 at the end"
-    if cools:
-        yield "the coolant left on", "M09 at the end"
+            deep = not bottom.isdisjoint(event.end[1:])
+            fed = fed or (deep and not event.rapid)
+            if deep and not event.rapid and not (turns or stands):
+                begin.append(("a feed with the spindle at rest", "M03 or M04 before it"))
+    chosen = [dialect.m_words[e.number] for e in _with_role(events, dialect, "choose")]
+    expected = "an M word with {spindle}, or {tool} of the only spindle"
+    if chosen:
+        expected = "an M word with {spindle}, as there are several"
+    says = any(field == "spindle" for word in chosen for _, field in word.fields)
+    if not chosen or (dialect.only_spindle is None and not says):
+        begin.append(("no choice of a spindle", expected))
+    if not fed:
+        begin.append(("no feed into the steel", "G01 with {bottom_y} and {bottom_z}"))
+    for is_left, found, expected in (
+        (deep, "the tool left in the steel", "a move to {y} and {z} at the end"),
+        (turns, "the spindle left turning", "M05 at the end"),
+        (cools, "the coolant left on", "M09 at the end"),
+    ):
+        if is_left:
+            end.append((found, expected))
+    return begin, end
 
 
 # --- cutting tables -------------------------------------------------------------------------------
@@ -284,7 +267,7 @@ def _table_faults(machine: Machine) -> Iterator[WordFault]:
     events, faults = _run(lines, machine)
     yield from faults
     yield from _unexplained(lines, events)
-    yield from _standing(lines, events)
+    yield from _still_faults(lines, events)
     torch = machine.needed(machine.torch, "torch")
     low_x, low_y = torch.area[:2]
     for event in events:
@@ -330,7 +313,7 @@ def _coper_faults(machine: Machine) -> Iterator[WordFault]:
     lines += (*_filled(machine, "cut_off"), *_filled(machine, "footer"))
     events, faults = _run(lines, machine)
     yield from faults
-    yield from _standing(lines, events)
+    yield from _still_faults(lines, events)
     for name, figure in _MEASURED.items():
         own = [e for e in events if lines[e.line - 1][0] == f"words.{name}"]
         carried = [v for e in own if isinstance(e, Switch) for v in e.words.values()]
@@ -354,7 +337,7 @@ def _coper_faults(machine: Machine) -> Iterator[WordFault]:
                     yield fault_in(key, text, "another place", expected)
 
 
-def _standing(lines: list[Line], events: list[BarEvent]) -> Iterator[WordFault]:
+def _still_faults(lines: list[Line], events: list[BarEvent]) -> Iterator[WordFault]:
     """Each template of a move or a switch that does not make that move or switch."""
     moving = {lines[event.line - 1][0] for event in events if isinstance(event, Move)}
     switching = {lines[event.line - 1][0] for event in events if isinstance(event, Switch)}

@@ -1,6 +1,7 @@
 """The moves of a head in arrays, whatever they are read from."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from msgspec import Struct, field
@@ -31,25 +32,24 @@ class Moves(Struct, frozen=True):
 
     def take(self, rows: Counts) -> "Moves":
         """The moves of some numbers, each at most once."""
-        curves: dict[int, Bezier | EllipseArc] = {}
-        if self.curves:
-            place = {row: k for k, row in enumerate(rows.tolist())}
-            curves = {place[k]: curve for k, curve in self.curves.items() if k in place}
-        return Moves(
-            self.line[rows], self.rapid[rows], self.start[rows], self.end[rows],
-            self.feed_mm_min[rows], self.is_arc[rows], self.arcs[rows], curves,
-        )  # fmt: skip
+        place = {row: k for k, row in enumerate(rows.tolist())} if self.curves else {}
+        curves = {place[k]: curve for k, curve in self.curves.items() if k in place}
+        line, rapid, start, end, feed, is_arc, arcs = (column[rows] for column in self.columns)
+        return Moves(line, rapid, start, end, feed, is_arc, arcs, curves)
+
+    @property
+    def columns(self) -> tuple[Any, ...]:
+        """All arrays, in the order of their fields."""
+        return (self.line, self.rapid, self.start, self.end, self.feed_mm_min, self.is_arc,
+                self.arcs)  # fmt: skip
 
     def each(self) -> Iterator[HeadMove]:
         """The moves one by one."""
-        columns = (self.line, self.rapid, self.start, self.end, self.is_arc, self.arcs)
-        rows = zip(*(c.tolist() for c in columns), self.feed_mm_min.tolist(), strict=True)
-        for k, (line, rapid, start, end, is_arc, (x, y, radius, first, sweep), feed) in enumerate(
-            rows
-        ):
+        rows = zip(*(column.tolist() for column in self.columns), strict=True)
+        for k, (line, rapid, start, end, feed, is_arc, arc) in enumerate(rows):
             curve: Curve | None = self.curves.get(k)
             if is_arc:
-                curve = Arc((x, y), radius, first, sweep)
+                curve = Arc((arc[0], arc[1]), *arc[2:])
             yield Move(line, rapid, tuple(start), tuple(end), feed, False, curve)
 
 
@@ -109,14 +109,10 @@ def joined(first: Moves, second: Moves, order: Counts) -> Moves:
     """The moves of both, in an order of their numbers; the second's count on from the first's."""
     if not len(second):
         return first if len(order) == len(first) else first.take(order)
-    both = Moves(
-        np.concatenate((first.line, second.line)), np.concatenate((first.rapid, second.rapid)),
-        np.concatenate((first.start, second.start)), np.concatenate((first.end, second.end)),
-        np.concatenate((first.feed_mm_min, second.feed_mm_min)),
-        np.concatenate((first.is_arc, second.is_arc)), np.concatenate((first.arcs, second.arcs)),
-        {len(first) + k: curve for k, curve in second.curves.items()},
-    )  # fmt: skip
-    return both.take(order)
+    pairs = zip(first.columns, second.columns, strict=True)
+    line, rapid, start, end, feed, is_arc, arcs = map(np.concatenate, pairs)
+    curves = {len(first) + k: curve for k, curve in second.curves.items()}
+    return Moves(line, rapid, start, end, feed, is_arc, arcs, curves).take(order)
 
 
 def arcs_between(start: Floats, end: Floats, centre: Floats, clockwise: Flags) -> Floats:

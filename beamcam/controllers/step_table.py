@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from beamcam.errors import Diagnostic, Rule, Source, error
+from beamcam.errors import Rule, Source, VerifyError, error
 from beamcam.geometry.array_types import Counts
 from beamcam.machine.tables import Stepper
 
@@ -48,14 +48,6 @@ class Rows(NamedTuple):
     laser: Counts
 
 
-class TableFault(Exception):
-    """A table that cannot be read."""
-
-    def __init__(self, diagnostic: Diagnostic) -> None:
-        super().__init__(str(diagnostic))
-        self.diagnostic = diagnostic
-
-
 class Stream:
     """Bytes that come piece by piece, taken by lines or by numbers of bytes."""
 
@@ -66,10 +58,10 @@ class Stream:
 
     def fault(
         self, found: str, expected: str, line: int | None = None, rule: Rule = ROW
-    ) -> TableFault:
+    ) -> VerifyError:
         """The fault at a line, or at the next one."""
         source = Source(self.name, self.line if line is None else line)
-        return TableFault(rule.at(source, found=found, expected=expected))
+        return VerifyError(rule.at(source, found=found, expected=expected))
 
     def _fill(self, size: int) -> int:
         """How many bytes there are, of `size` that are asked for."""
@@ -100,8 +92,8 @@ class Stream:
             if end >= 0:
                 break
             if there < size:
-                found = repr(shown(self._rest[self._at :])) if there else "the end of the table"
-                raise self.fault(found, expected)
+                text = repr(shown(self._rest[self._at :])) if there else "the end of the table"
+                raise self.fault(text, expected)
             size *= 2
         line = self._rest[self._at : end]
         self._at = end + 1
@@ -126,7 +118,7 @@ def shown(data: bytes) -> str:
 
 
 def text_rows(stream: Stream, stepper: Stepper) -> Iterator[Rows]:
-    """The rows of the text form. Raises TableFault."""
+    """The rows of the text form. Raises VerifyError."""
     stream.take_head("steps", COLUMNS, stepper.step)
     while data := stream.take(BLOCK_ROWS * ROW_BYTES):
         if len(data) % ROW_BYTES:
@@ -154,14 +146,14 @@ def _text_block(data: bytes, stream: Stream) -> Rows:
 
 
 def binary_rows(stream: Stream, stepper: Stepper) -> Iterator[Rows]:
-    """The rows of the binary form, which are counted from 1. Raises TableFault."""
+    """The rows of the binary form, which are counted from 1. Raises VerifyError."""
     data = stream.take(_HEAD.size)
     if not data.startswith(_MAGIC) or len(data) < _HEAD.size:
         raise stream.fault(repr(shown(data[:8])), f"{_MAGIC.decode()} and a head of 32 bytes")
     _, *head = _HEAD.unpack(data)
-    wanted = [_HEAD.size, round(stepper.step * _NM), *(int(w, 2) for w in stepper.sequence)]
-    if head != wanted:
-        raise stream.fault(str(head), f"size, step in nm and words {wanted}", rule=HEAD)
+    expected = [_HEAD.size, round(stepper.step * _NM), *(int(w, 2) for w in stepper.sequence)]
+    if head != expected:
+        raise stream.fault(str(head), f"size, step in nm and words {expected}", rule=HEAD)
     clock_us = 0
     while data := stream.take(BLOCK_ROWS * 4):
         if len(data) % 4:
@@ -179,9 +171,7 @@ def unpacked(packed: NDArray[np.uint32], first: int, clock_us: int) -> Rows:
     return Rows(first, time, numbers & 3, numbers >> 2 & 3, numbers >> 4 & 1)
 
 
-# --- arrays of C ----------------------------------------------------------------------------------
-
-# The C header: the rows of the binary form as an array, and macros that take one apart.
+# --- C header: the rows of the binary form as an array, and macros that take one apart ------------
 
 _NUMBER = b"0x%08xu,\n"
 _NUMBER_BYTES = len(_NUMBER % 0)
@@ -205,7 +195,7 @@ def _frame(stepper: Stepper) -> list[str]:
 
 
 def header_rows(stream: Stream, stepper: Stepper) -> Iterator[Rows]:
-    """The rows of a C header. Raises TableFault."""
+    """The rows of a C header. Raises VerifyError."""
     first, *more = _frame(stepper)
     while (line := stream.take_line(first)) != first.encode():
         if not (line.startswith(b"/* ") and line.find(b"*/") == len(line) - 2):
@@ -227,16 +217,15 @@ def header_rows(stream: Stream, stepper: Stepper) -> Iterator[Rows]:
             stream.line += len(rows.x)
         if end >= 0:
             break
-    for wanted in _END:
-        line = stream.take_line(repr(wanted.decode()))
-        if line != wanted:
-            raise stream.fault(repr(shown(line)), repr(wanted.decode()), stream.line - 1)
+    for last in _END:
+        line = stream.take_line(repr(last.decode()))
+        if line != last:
+            raise stream.fault(repr(shown(line)), repr(last.decode()), stream.line - 1)
     if more_bytes := stream.take(1):
         raise stream.fault(f"{shown(more_bytes)!r} behind #endif", "the end of the table")
 
 
 def _numbers(data: bytes, stream: Stream) -> NDArray[np.uint32]:
-    """The numbers of some rows."""
     whole = len(data) // _NUMBER_BYTES
     signs = np.frombuffer(data[: whole * _NUMBER_BYTES], dtype=np.uint8).reshape(-1, _NUMBER_BYTES)
     sample = np.frombuffer(_NUMBER % 0, dtype=np.uint8)

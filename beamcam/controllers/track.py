@@ -4,7 +4,7 @@ Plain moves are carried out in runs, as rows of arrays; what stands between them
 """
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from itertools import starmap
 from string import ascii_uppercase
 from typing import cast
@@ -14,16 +14,14 @@ from msgspec import Struct
 from numpy.typing import NDArray
 
 from beamcam.controllers.events import FeedShare, HeadMove, Other
-from beamcam.controllers.interpreter import Interpreter
+from beamcam.controllers.interpreter import ArcFault, Interpreter
 from beamcam.controllers.moves import Moves, TableRun, arcs_between, joined, moves_of, sure_arcs
 from beamcam.errors import Diagnostic
 from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.geometry.plane import Point
 
-# --- scan -----------------------------------------------------------------------------------------
+# --- blocks that are plain moves, all at once; every other block is left to be read ---------------
 
-# The blocks of a text that are plain moves, all at once; every other block is left to be read.
-#
 #     G1 X10 Y-5.5                     a letter and a number each, one space between them
 #     N12 G03 X0 Y0 I-5 J0 F600        block number, and feed behind, where they are said
 #
@@ -60,14 +58,6 @@ class PlainMoves(Struct, frozen=True):
     feed: Floats  #: F
 
 
-class Scan(Struct, frozen=True):
-    """A text taken apart."""
-
-    plain: PlainMoves
-    odd: list[tuple[int, str]]  #: the other lines, by their number from 1
-    lines: int
-
-
 class _Words(Struct):
     """The words of all good lines, one after the other."""
 
@@ -83,12 +73,13 @@ def scan(
     longest: int | None = None,
     traverse_with_feed: bool = True,
     motions: Sequence[int] = range(4),
-) -> Scan:
-    """Takes a text apart; empty lines at its end do not count.
+) -> tuple[PlainMoves, list[tuple[int, str]], int]:
+    """The plain moves of a text, the other lines by their number from 1, and how many there are.
 
-    Odd as well are lines longer than `longest`, moves whose motion is not in `motions`, and, where
-    it is not allowed, a traverse with a feed. The first plain move and the last line always count
-    as odd, so that the beginning and the end of a program are interpreted one by one.
+    Empty lines at its end do not count. The others are also lines longer than `longest`, moves
+    whose motion is not in `motions`, and, where it is not allowed, a traverse with a feed; and the
+    first plain move and the last line, so that the beginning and the end of a program are
+    interpreted one by one.
     """
     text = text.rstrip("\n") + "\n"
     data = text.encode("ascii", "replace")
@@ -102,7 +93,7 @@ def scan(
     begins = np.concatenate(([0], ends[:-1] + 1))
     odd = np.flatnonzero(~taken)
     bounds = zip(*(a.tolist() for a in (odd + 1, begins[odd], ends[odd])), strict=True)
-    return Scan(plain, [(k, text[a:b]) for k, a, b in bounds], len(ends))
+    return plain, [(k, text[a:b]) for k, a, b in bounds], len(ends)
 
 
 def _good_lines(data: bytes, kinds: bytes, ends: Counts) -> Flags:
@@ -125,7 +116,6 @@ def _good_lines(data: bytes, kinds: bytes, ends: Counts) -> Flags:
 
 
 def _words(data: bytes, kinds: bytes, ends: Counts, good: Flags) -> _Words:
-    """The letters and numbers of the good lines."""
     characters = np.frombuffer(data, dtype=np.uint8)
     kind = np.frombuffer(kinds, dtype=np.uint8)
     sizes = np.diff(ends, prepend=-1)
@@ -184,26 +174,22 @@ def _plain_moves(
     return PlainMoves(line + 1, motion.astype(np.int64), end, centre, feed), taken
 
 
-#: Start, end, centre, clockwise: what is wrong with an arc, None if nothing is.
-ArcFault = Callable[[Point, Point, Point, bool], str | None]
-
-
 def table_run(text: str, interpreter: Interpreter) -> tuple[TableRun, list[Diagnostic]]:
     """The events of a program for a table, its moves as arrays, and the faults of its blocks."""
-    scanned = scan(
+    plain, odd, count = scan(
         text, interpreter.longest_line, interpreter.fed_traverse, interpreter.plain_motions
     )
-    track = Track(scanned.plain, interpreter.per_minute)
+    track = Track(plain, interpreter.per_minute)
     interpreter.follow(track)
-    interpreter.begin(scanned.lines)
-    for number, line in scanned.odd:
+    interpreter.begin(count)
+    for number, line in odd:
         interpreter.plain_until(number)
         interpreter.line(number, *interpreter.lines_of(line))
     interpreter.finish()
     done, faults = track.finish(interpreter.arc_slack, interpreter.arc_fault)
     for number, fault in faults:
         interpreter.wrong_arc(number, fault)
-    return done, sorted(interpreter.diagnostics, key=lambda said: said.source.line or 0)
+    return done, sorted(interpreter.diagnostics, key=lambda one: one.source.line or 0)
 
 
 class Track:
@@ -215,7 +201,7 @@ class Track:
         self._runs: list[tuple[int, int]] = []  #: first row of each, and the one behind its last
         self._starts: list[Point] = []  #: where each run begins
         self._feeds: list[float] = []  #: that each begins with
-        self._shares: list[float] = []  #: of the feed that is said, in each
+        self._shares: list[float] = []  #: of the feed, in each
         self._share = 1.0
         self._moves: list[HeadMove] = []
         self._order: list[tuple[int, int]] = []  #: runs as above, moves behind all plain rows
@@ -298,7 +284,6 @@ class Track:
         return TableRun(joined(moves, moves_of(self._moves), order), others), lines
 
     def _rows(self) -> Counts:
-        """The plain rows that were carried out."""
         return np.concatenate([np.zeros(0, dtype=np.int64), *starmap(np.arange, self._runs)])
 
     def _plain_moves(self) -> Moves:

@@ -36,24 +36,20 @@ def _blocks(
     words, places = machine.words, machine.format.length_decimals
     degrees = machine.format.angle_decimals
     template: tuple[str, ...] = ()
-    values = about
+    values: Mapping[str, str] = about
+    if isinstance(command, TorchRound | TorchTo | TurnTorch):
+        values = {axis: number(getattr(command, axis), places) for axis in "xyz"}
     match command:
-        case TorchRound(x, y, z, a_deg, per_minute, b_deg):
+        case TorchRound(a_deg=a_deg, b_deg=b_deg):
             template = words.feed if b_deg is None else words.feed_turning
-            values = {
-                "x": number(x, places), "y": number(y, places), "z": number(z, places),
-                "a": number(a_deg, degrees), "b": "0" if b_deg is None else number(b_deg, degrees),
-                "inverse": number(per_minute, INVERSE_DECIMALS),
-            }  # fmt: skip
-        case TorchTo(x, y, z, rapid):
+            turned = number(a_deg, degrees), "0" if b_deg is None else number(b_deg, degrees)
+            inverse = number(command.per_minute, INVERSE_DECIMALS)
+            values = {**values, "a": turned[0], "b": turned[1], "inverse": inverse}
+        case TorchTo(rapid=rapid):
             template = words.traverse if rapid else words.feed
-            values = {"x": number(x, places), "y": number(y, places), "z": number(z, places)}
-        case TurnTorch(x, y, z, a_deg, b_deg):
+        case TurnTorch(a_deg=a_deg, b_deg=b_deg):
             template = words.turn
-            values = {
-                "x": number(x, places), "y": number(y, places), "z": number(z, places),
-                "a": number(a_deg, degrees), "b": number(b_deg, degrees),
-            }  # fmt: skip
+            values = {**values, "a": number(a_deg, degrees), "b": number(b_deg, degrees)}
         case ToolOn():
             template = words.cut_on
             values = {

@@ -69,7 +69,7 @@ class _Writer:
         self._feed = "0"
         self._row_feed, self._slow = 0.0, False  #: of the row, and whether the tool is slower
         self._carried: tuple[str, ...] = ()  #: words of `modal` as they were written last
-        self._wanted: tuple[str, ...] = ()
+        self._next_words: tuple[str, ...] = ()
         self._of_part = _texts(program.about)
 
     def blocks(self) -> list[str]:
@@ -102,27 +102,26 @@ class _Writer:
             (words.arc_cw, "xyijc", [c for c in arcs if c.clockwise]),
             (words.arc_ccw, "xyijc", [c for c in arcs if not c.clockwise]),
         ]
-        return [self._formatted(*kind) for kind in kinds]
-
-    def _formatted(self, template: tuple[str, ...], names: str, rows: list[Row]) -> Iterator[str]:
-        numbers = chain.from_iterable(map(astuple, rows))
-        table = np.fromiter(numbers, dtype=np.float64, count=len(rows) * len(names))
-        table = table.reshape(-1, len(names))
-        text = BETWEEN.join(template).replace("{feed}", FEED)
-        columns = dict(zip(names, table.T, strict=True))
-        formatted = lines(text, columns, self._form.length_decimals).split("\n")
-        if len(template) > 1:
-            formatted = [record.replace(BETWEEN, "\n") for record in formatted]
-        return iter(formatted)
+        blocks = []
+        for template, names, rows in kinds:
+            numbers = chain.from_iterable(map(astuple, rows))
+            table = np.fromiter(numbers, dtype=np.float64, count=len(rows) * len(names))
+            columns = dict(zip(names, table.reshape(-1, len(names)).T, strict=True))
+            text = BETWEEN.join(template).replace("{feed}", FEED)
+            formatted = lines(text, columns, self._form.length_decimals).split("\n")
+            if len(template) > 1:
+                formatted = [record.replace(BETWEEN, "\n") for record in formatted]
+            blocks.append(iter(formatted))
+        return blocks
 
     def _move(self, block: str) -> str:
         """The block of a move, with the feed and the words that are new."""
         if FEED in block:
             block = block.replace(FEED, self._feed)
-        if self._wanted is not self._carried:
-            new = [word for word in self._wanted if word not in self._carried]
+        if self._next_words is not self._carried:
+            new = [word for word in self._next_words if word not in self._carried]
             block = " ".join((block, *new))
-            self._carried = self._wanted
+            self._carried = self._next_words
         return block
 
     def _want(self, feed_mm_min: float) -> None:
@@ -130,13 +129,13 @@ class _Writer:
         self._feed = number(feed_mm_min / self._per_unit, 3)
         values = {"feed": self._feed, "acceleration": self._acceleration}
         words = tuple(word.format_map(values) for word in self._words.modal)
-        self._wanted = self._carried if words == self._carried else words
+        self._next_words = self._carried if words == self._carried else words
 
     def _other(self, command: Command) -> list[str]:
         words = self._words
         match command:
             case ToolOn():
-                self._carried = ()  # said again for every contour, where an operator may start anew
+                self._carried = ()  # written again for every contour, where operators may start
                 self._want(command.feed_mm_min)
                 self._row_feed = command.feed_mm_min
                 return _filled(
@@ -199,7 +198,6 @@ class _Writer:
         }  # fmt: skip
 
     def _curve(self, command: ParabolaFeed | EllipseFeed) -> list[str]:
-        """The blocks of a parabola or an ellipse."""
         words, form = self._words, self._form
         values = {name: number(getattr(command, name), form.length_decimals) for name in "xyij"}
         if isinstance(command, ParabolaFeed):

@@ -16,7 +16,7 @@ A part that needs more than a line goes on in another, with its number; texts ar
 characters. `checks.head` reads all of it.
 """
 
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import count
 from typing import Any
 
@@ -56,6 +56,7 @@ class Template(Struct, frozen=True):
     text: str
     names: frozenset[str]
     of_part: frozenset[str]  #: those of them that tell of the part or the job
+    of_command: tuple[tuple[str, Callable[[Any, NumberFormat], str]], ...]  #: of what is to be done
 
 
 class Templates(Struct, frozen=True):
@@ -66,7 +67,7 @@ class Templates(Struct, frozen=True):
     comment: str
     room: int  #: characters that a comment may have
     words: dict[str, Template]  #: those that have lines
-    strokes: BoundedCache[SpindleStroke, Values]  #: what is said of each, wherever it is
+    strokes: BoundedCache[SpindleStroke, Values]  #: the values of each, wherever it is
 
 
 def _templates(machine: Machine) -> Templates:
@@ -75,7 +76,8 @@ def _templates(machine: Machine) -> Templates:
         lines = getattr(words, name)
         if lines and name != "comment":
             names = names_in(words, (name,))
-            templates[name] = Template("\n".join(lines), names, names & PART_NAMES)
+            of_command = tuple((name, of) for name, of in _OF_COMMAND.items() if name in names)
+            templates[name] = Template("\n".join(lines), names, names & PART_NAMES, of_command)
     strokes: BoundedCache[SpindleStroke, Values] = BoundedCache("emitters.strokes")
     return Templates(
         machine.format, tool_numbers(machine.tools), words.comment, comment_room(machine),
@@ -103,28 +105,32 @@ def _blocks(program: Program, templates: Templates) -> Iterator[str]:
                 word = words[stroke.kind]
                 values = strokes.get(stroke) or strokes.keep(
                     stroke,
-                    {
-                        **_place_values(stroke, word.names, form),
-                        **_tool_values(stroke, word.names, templates),
-                    },
+                    {**_place_values(stroke, word, form), **_values(stroke, word, templates)},
                 )
                 x = number(command.x, form.length_decimals)
                 yield _filled(word, {**values, "x": x}, about)
             case SawStroke() if "saw" in words:
-                yield _filled(words["saw"], _cut_values(command, form), about)
+                values = _values(command, words["saw"], templates)
+                values["x"] = number(command.x, form.length_decimals)
+                yield _filled(words["saw"], values, about)
             case StartBar():
                 started = True
                 if "header" in words:
-                    job = outside_text(program.job)[: templates.room]
-                    yield _filled(words["header"], _bar_values(job, command, form), about)
+                    values = _values(command, words["header"], templates)
+                    values["job"] = outside_text(program.job)[: templates.room]
+                    yield _filled(words["header"], values, about)
             case OfPart():
                 about = {**program.about, **command.about}
             case PathCycle():
                 yield from _path_blocks(command, templates, about)
             case PrintText():
-                yield _filled(words[command.kind], _text_values(command, form), about)
+                values = _values(command, words[command.kind], templates)
+                values["x"] = number(command.x, form.length_decimals)
+                values["y"] = number(command.y, form.length_decimals)
+                yield _filled(words[command.kind], values, about)
             case ChangeTool() if "change" in words:
-                yield _filled(words["change"], _change_values(command), about)
+                values = _values(command, words["change"], templates)
+                yield _filled(words["change"], values, about)
             case Comment() | BeginPart():
                 text = comment_text(command.text)[: templates.room]
                 yield templates.comment.format(text=text)
@@ -138,45 +144,6 @@ def _filled(word: Template, values: Values, about: Mapping[str, str]) -> str:
     return word.text.format_map({**values, **of_part})
 
 
-def _bar_values(job: str, command: StartBar, form: NumberFormat) -> Values:
-    return {
-        "job": job,
-        "section": str(command.section),
-        "width": number(command.width, form.length_decimals),
-        "height": number(command.height, form.length_decimals),
-    }
-
-
-def _change_values(command: ChangeTool) -> Values:
-    """The stop for a manual tool change."""
-    return {
-        "spindle": str(command.spindle),
-        "station": str(command.station),
-        "diameter": number(command.diameter, 3),
-        "text": comment_text(command.text),
-    }
-
-
-def _text_values(command: PrintText, form: NumberFormat) -> Values:
-    return {
-        "string": command.text,
-        "x": number(command.x, form.length_decimals),
-        "y": number(command.y, form.length_decimals),
-        "height": number(command.height, form.length_decimals),
-        "angle": number(command.angle, form.angle_decimals),
-        "face": str(command.face),
-    }
-
-
-def _cut_values(command: SawStroke, form: NumberFormat) -> Values:
-    return {
-        "x": number(command.x, form.length_decimals),
-        "angle": number(command.angle, form.angle_decimals),
-        "tilt": number(command.tilt, form.angle_decimals),
-        "feed": _feed(command, form),
-    }
-
-
 def _feed(command: SawStroke | SpindleStroke | PathCycle, form: NumberFormat) -> str:
     factor = SECONDS_PER_MINUTE if form.feed_unit == "mm/s" else 1
     return number(command.feed_mm_min / factor, 3)
@@ -187,38 +154,38 @@ _PLACES = {
     "y": ("retract", 0), "z": ("retract", 1), "near_y": ("approach", 0), "near_z": ("approach", 1),
     "bottom_y": ("bottom", 0), "bottom_z": ("bottom", 1),
 }  # fmt: skip
-#: What a word may say of a stroke or path besides its place.
-_OF_STROKE: dict[str, Callable[[Any, NumberFormat], str]] = {
-    "tool_name": lambda stroke, _: comment_text(stroke.tool_name),
-    "station": lambda stroke, _: str(stroke.station),
-    "spindle": lambda stroke, _: str(stroke.spindle),
-    "diameter": lambda stroke, _: number(stroke.diameter, 3),
+#: What a word may say of a stroke, path, cut, text or change, and of the bar, besides its place.
+_OF_COMMAND: dict[str, Callable[[Any, NumberFormat], str]] = {
+    "tool_name": lambda of, _: comment_text(of.tool_name),
+    "text": lambda of, _: comment_text(of.text),
+    "string": lambda of, _: str(of.text),
+    **{name: lambda of, _, name=name: str(getattr(of, name))  # type: ignore[misc]
+       for name in ("station", "spindle", "section", "face")},
+    **{name: lambda of, form, name=name: number(getattr(of, name), form.length_decimals)  # type: ignore[misc]
+       for name in ("width", "height", "peck")},
+    **{name: lambda of, form, name=name: number(getattr(of, name), form.angle_decimals)  # type: ignore[misc]
+       for name in ("angle", "tilt")},
+    "diameter": lambda of, _: number(of.diameter, 3),
     "feed": _feed,
-    "speed": lambda stroke, _: number(stroke.speed_rpm, 0),
-    "pitch": lambda stroke, _: number(stroke.pitch, 3),
-    "peck": lambda stroke, form: number(stroke.peck, form.length_decimals),
-}
+    "speed": lambda of, _: number(of.speed_rpm, 0),
+    "pitch": lambda of, _: number(of.pitch, 3),
+}  # fmt: skip
 
 
-def _tool_values(
-    stroke: SpindleStroke | PathCycle, names: Collection[str], templates: Templates
-) -> Values:
-    """Spindle, tool, feed and speed, as far as a template says them."""
-    form = templates.form
-    values = {name: of(stroke, form) for name, of in _OF_STROKE.items() if name in names}
-    if "tool" in names:
-        values["tool"] = str(templates.numbers.get((stroke.kind, stroke.diameter), ""))
+def _values(command: Any, word: Template, templates: Templates) -> Values:
+    """What a word says of a command besides its place."""
+    values = {name: of(command, templates.form) for name, of in word.of_command}
+    if "tool" in word.names:
+        values["tool"] = str(templates.numbers.get((command.kind, command.diameter), ""))
     return values
 
 
-def _place_values(
-    point: PathPoint | SpindleStroke, names: Collection[str], form: NumberFormat
-) -> Values:
-    """Y and Z of a place, as far as a template says them."""
+def _place_values(point: PathPoint | SpindleStroke, word: Template, form: NumberFormat) -> Values:
+    """Y and Z of a place, as far as a word says them."""
     return {
         name: number(getattr(point, at)[axis], form.length_decimals)
         for name, (at, axis) in _PLACES.items()
-        if name in names
+        if name in word.names
     }
 
 
@@ -231,8 +198,8 @@ def _path_blocks(
     for name, point in (*steps, (command.kind + "_end", command.points[-1])):
         word = templates.words.get(name)
         if word is not None:
-            values = _tool_values(command, word.names, templates)
-            values |= _place_values(point, word.names, templates.form)
+            values = _values(command, word, templates)
+            values |= _place_values(point, word, templates.form)
             values["x"] = number(point.x, templates.form.length_decimals)
             yield _filled(word, values, about)
 

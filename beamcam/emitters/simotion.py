@@ -3,7 +3,7 @@
 The runtime of the machine, which is the same for every job, and in it what is the job's own.
 Two styles: `chain`, a block of statements for each operation, which fires once its predecessor is
 active and has arrived, and latches; `table`, set-points in arrays, split over units where one would
-get too large. What a dialect calls the sections of a job is told in machine/tables.py.
+get too large. What a dialect calls the sections of a job stands in machine/tables.py.
 """
 
 import re
@@ -19,9 +19,7 @@ from beamcam.machine.tables import TableDialect, Triggers
 from beamcam.model.program import LiftTorch, SwitchTool, Travel, TriggerOp, TriggerTable
 from beamcam.plain_text import comment_text
 
-# --- simotion units -------------------------------------------------------------------------------
-
-# The units of a trigger program: their names, and a program taken apart into them.
+# --- units of a trigger program: their names, and a program taken apart into them -----------------
 
 
 UNIT_MARK = "(* ===== UNIT {name} ===== *)"
@@ -65,7 +63,7 @@ LINE, ARC, LIFT = 0, 7, 8  #: kinds of operations; between them: on and off of e
 class _Row(Struct, frozen=True):
     """One operation as numbers; a switch holds the place that the head stands at."""
 
-    said: str
+    name: str
     kind: int
     x: float
     y: float
@@ -111,19 +109,23 @@ def emit(table: TriggerTable, machine: Machine, style: str | None = None) -> str
     starts = range(0, len(rows), per_unit) if style == "table" else ()
     chunks = [_Chunk(f"{name}_{k}", k, at + 1, rows[at : at + per_unit])
               for k, at in enumerate(starts, 1)]  # fmt: skip
+    uses = (*triggers.uses, *(chunk.unit for chunk in chunks if dialect.has_units))
     runtime = runtime_of(machine, style)
     pieces = [
         UNIT_MARK.format(name=name) + "\n",
         *(f"(* {comment_text(remark)} *)\n" for remark in table.remarks),
         runtime.head,
-        *_uses((*triggers.uses, *(chunk.unit for chunk in chunks if dialect.has_units))),
-        *_declarations(table, triggers, dialect),
-        *_variables(count, chunks, triggers, dialect),
+        f"    USES {', '.join(uses)};\n" if uses else "",
+        *_declarations(table, chunks, triggers, dialect),
         runtime.middle,
         *(_fetches(chunks, triggers) if style == "table" else _blocks(rows, triggers)),
         runtime.end,
-        *(_data_unit(chunk, triggers, dialect) for chunk in chunks if dialect.has_units),
     ]
+    for chunk in chunks if dialect.has_units else ():
+        lines = ["", UNIT_MARK.format(name=chunk.unit), "INTERFACE", f"    {dialect.constants}"]
+        lines += _arrays(chunk, triggers)
+        lines += ["    END_VAR", "END_INTERFACE", "", "IMPLEMENTATION", "END_IMPLEMENTATION", ""]
+        pieces.append("\n".join(lines))
     return "".join(pieces)
 
 
@@ -145,12 +147,10 @@ def _rows(operations: Sequence[TriggerOp], height: float) -> Iterator[_Row]:
             yield _Row("arc", ARC, *here, height, op.speed_mm_s, (op.middle_x, op.middle_y))
 
 
-def _uses(units: Sequence[str]) -> Iterator[str]:
-    if units:
-        yield f"    USES {', '.join(units)};\n"
-
-
-def _declarations(table: TriggerTable, triggers: Triggers, dialect: TableDialect) -> Iterator[str]:
+def _declarations(
+    table: TriggerTable, chunks: Sequence[_Chunk], triggers: Triggers, dialect: TableDialect
+) -> Iterator[str]:
+    """Constants, and the triggers of a chain, or the set-points of a table without units."""
     yield f"    {dialect.constants}\n"
     yield f"        LAST_OPERATION : DINT := DINT#{len(table.operations)};\n"
     if triggers.z is not None:
@@ -161,17 +161,11 @@ def _declarations(table: TriggerTable, triggers: Triggers, dialect: TableDialect
         longest = ceil(1000 * max(waits, default=0.0) - 1e-9)
         yield f"        PIERCE_{process.upper()} : TIME := T#{longest}ms;\n"
     yield "    END_VAR\n"
-
-
-def _variables(
-    count: int, chunks: Sequence[_Chunk], triggers: Triggers, dialect: TableDialect
-) -> Iterator[str]:
-    """The triggers of a chain, or the set-points of a table that has no units for them."""
     if chunks and dialect.has_units:
         return
     yield f"    {dialect.variables}\n"
     if not chunks:
-        yield f"        triggerActive : ARRAY [0..{count}] OF BOOL;\n"
+        yield f"        triggerActive : ARRAY [0..{len(table.operations)}] OF BOOL;\n"
     for chunk in chunks:
         yield from (f"{line}\n" for line in _arrays(chunk, triggers))
     yield "    END_VAR\n"
@@ -187,7 +181,7 @@ def _blocks(rows: Sequence[_Row], triggers: Triggers) -> Iterator[str]:
             )
         height = f"z := {lreal(row.height)}, " if triggers.z else ""
         yield f"""\
-        (* {k}: {row.said} *)
+        (* {k}: {row.name} *)
         IF operationArrived AND triggerActive[{k - 1}] AND NOT triggerActive[{k}] THEN
             triggerActive[{k}] := TRUE;
             next(kind := USINT#{row.kind}, x := {lreal(row.x)}, y := {lreal(row.y)},
@@ -209,14 +203,6 @@ def _fetches(chunks: Sequence[_Chunk], triggers: Triggers) -> Iterator[str]:
                 {height}speed := pointSpeed_{k}[row]{via});
         END_IF;
 """
-
-
-def _data_unit(chunk: _Chunk, triggers: Triggers, dialect: TableDialect) -> str:
-    """A unit of set-points, as it stands behind the program."""
-    lines = ["", UNIT_MARK.format(name=chunk.unit), "INTERFACE", f"    {dialect.constants}"]
-    lines += _arrays(chunk, triggers)
-    lines += ["    END_VAR", "END_INTERFACE", "", "IMPLEMENTATION", "END_IMPLEMENTATION", ""]
-    return "\n".join(lines)
 
 
 def _arrays(chunk: _Chunk, triggers: Triggers) -> Iterator[str]:

@@ -33,13 +33,9 @@ def emit(table: StepTable, machine: Machine) -> str:
 
 def as_text(table: StepTable) -> Iterator[bytes]:
     """One row a step event: time in microseconds, word of X, word of Y, laser."""
-    head = [f"# beamcam/steps/1 job {one_word(table.job)} step {number(table.step, 6)} mm"]
-    head += [f"# {comment_text(remark)}" for remark in table.remarks]
-    yield ("\n".join([*head, "time_us,x,y,laser"]) + "\n").encode("ascii")
-    tails = np.frombuffer(
-        b"".join(b",%s,%s,%d\n" % (_bits(k), _bits(k >> 2), k >> LASER_BIT) for k in range(32)),
-        dtype="V9",
-    )
+    yield ("\n".join(_head(table, "steps", "time_us,x,y,laser")) + "\n").encode("ascii")
+    bits = (f",{k >> 1 & 1}{k & 1},{k >> 3 & 1}{k >> 2 & 1},{k >> LASER_BIT}\n" for k in range(32))
+    tails = np.frombuffer("".join(bits).encode("ascii"), dtype="V9")
     row = np.dtype([("a", "V4"), ("b", "V4"), ("c", "V4"), ("tail", "V9")])
     for rows in _blocks(table):
         text = np.empty(len(rows.time_us), dtype=row)
@@ -52,8 +48,10 @@ def as_text(table: StepTable) -> Iterator[bytes]:
         yield text.tobytes()
 
 
-def _bits(word: int) -> bytes:
-    return b"%d%d" % (word >> 1 & 1, word & 1)
+def _head(table: StepTable, form: str, columns: str) -> list[str]:
+    """The comments and the line of columns of a table."""
+    head = [f"# beamcam/{form}/1 job {one_word(table.job)} step {number(table.step, 6)} mm"]
+    return [*head, *(f"# {comment_text(remark)}" for remark in table.remarks), columns]
 
 
 def as_bytes(table: StepTable) -> Iterator[bytes]:
@@ -91,11 +89,9 @@ def as_header(table: StepTable) -> Iterator[bytes]:
 
 
 def as_velocities(table: StepTable) -> Iterator[bytes]:
-    """One row a stretch: end point, velocity vector, laser, steps and frequency of each axis."""
-    head = [f"# beamcam/velocities/1 job {one_word(table.job)} step {number(table.step, 6)} mm"]
-    head += [f"# {comment_text(remark)}" for remark in table.remarks]
-    head.append("x,y,velocity_x,velocity_y,laser,steps_x,steps_y,hz_x,hz_y")
-    lines = head
+    """One row a segment: end point, velocity vector, laser, steps and frequency of each axis."""
+    columns = "x,y,velocity_x,velocity_y,laser,steps_x,steps_y,hz_x,hz_y"
+    lines = _head(table, "velocities", columns)
     for s in table.segments():
         lines.append(
             f"{number(s.x, 4)},{number(s.y, 4)},{number(s.velocity_x, 4)},"
@@ -121,19 +117,10 @@ def _blocks(table: StepTable) -> Iterator[StepRows]:
         held.append(rows)
         count += len(rows.time_us)
         if count >= BLOCK_ROWS:
-            yield _joined(held)
+            yield StepRows(*map(np.concatenate, zip(*held, strict=True)))
             held, count = [], 0
     if held:
-        yield _joined(held)
-
-
-def _joined(held: list[StepRows]) -> StepRows:
-    if len(held) == 1:
-        return held[0]
-    return StepRows(
-        np.concatenate([rows.time_us for rows in held]),
-        np.concatenate([rows.bits for rows in held]),
-    )
+        yield StepRows(*map(np.concatenate, zip(*held, strict=True)))
 
 
 def _packed(table: StepTable) -> Iterator[NDArray[np.uint32]]:

@@ -13,7 +13,6 @@ from beamcam.checks.bars.pieces import CutPlane
 from beamcam.checks.bars.stations import Bore, Cut, MachinedFeatures, MachinedPath, StampedText
 from beamcam.machine.machine import text_x
 from beamcam.model.description import face_title, runs_down
-from beamcam.model.part import Face
 from beamcam.pictures.bar_made import BarMade
 from beamcam.pictures.features import lettering
 from beamcam.pictures.scene import (
@@ -28,15 +27,15 @@ from beamcam.pictures.scene import (
     Shape,
     Text,
     Unit,
-    said,
+    as_text,
     shown,
 )
 from beamcam.pictures.views import (
+    FACES_DOWN,
     FIGURE_SIZE,
     LEGEND_ROW,
     SIDE,
     WIDTH,
-    Paper,
     View,
     datum,
     edges_of,
@@ -60,11 +59,14 @@ def bar_scene(bar: BarMade, unit: Unit = "mm") -> Scene:
     """The faces of the bar with its pieces, cuts and strokes."""
     made, machine = bar.made, bar.machine
     drill_x = machine.drill.x if machine.drill else 0.0
-    faces = _faces(bar)
+    used = {"v", *(op.face for ops in (made.bores, made.paths, made.texts) for op in ops)}
+    used |= {s.face for s in machine.spindles if bar.profile.face_width(s.face)}
     lines = _head(bar, unit)
-    views = tuple(
+    views: tuple[View, ...] = tuple(
         View(
-            face, _title(bar, face), (0.0, 0.0, bar.drawn_end, bar.face_width(face)),
+            face, face_title(face, bar.profile.code) + (
+                "" if bar.profile.face_width(face) else "; drawn as far as its holes"),
+            (0.0, 0.0, bar.drawn_end, bar.face_width(face)),
             tuple({round(b.x - drill_x, 3) for b in made.bores if b.face == face}
                   | {round(t.points[0][0] - drill_x, 3) for t in made.paths if t.face == face}),
             tuple({round(b.y, 3) for b in made.bores if b.face == face}
@@ -72,20 +74,19 @@ def bar_scene(bar: BarMade, unit: Unit = "mm") -> Scene:
             tuple((b.x - drill_x, b.y) for b in made.bores if b.face == face),
             edges=edges_of(face, bar.profile.code),
         )
-        for face in faces
+        for face in FACES_DOWN if face in used
     )  # fmt: skip
-    paper = laid_out(views, head_height(lines))
+    views, y = laid_out(views, head_height(lines))
     tools = tool_numbers(made)
-    drawn: list[Shape] = [*heading(lines), *titles(views, paper)]
+    drawn: list[Shape] = [*heading(lines), *titles(views)]
     for view in views:
-        drawn += _stock(bar, view, paper, unit)
-        drawn += guides(view, paper.frames[view.name])
-        drawn += datum(view, paper.frames[view.name])
-        drawn += _ways(bar, view, paper, drill_x)
-        drawn += _strokes(bar, view, paper, drill_x, tools)
-        drawn += figures(view, paper, unit)
-    y = paper.bottom
-    drawn += _stops(bar, paper.frames[views[-1].name], y, unit)
+        drawn += _stock(bar, view, unit)
+        drawn += guides(view)
+        drawn += datum(view)
+        drawn += _rapids(bar, view, drill_x)
+        drawn += _strokes(bar, view, drill_x, tools)
+        drawn += figures(view, unit)
+    drawn += _stops(bar, views[-1].frame, y, unit)
     rows = list(_legend(bar, tools, y + 62.0, unit))
     drawn += rows
     y = max(y, *(s.at[1] - 66.0 for s in rows if isinstance(s, Text)))
@@ -98,13 +99,6 @@ def bar_scene(bar: BarMade, unit: Unit = "mm") -> Scene:
         f"{len(made.paths)} paths; sha-256 {bar.sha256}"
     )
     return Scene(bar.name, about, WIDTH, y + 96.0 + 13.0 * len(notes), tuple(drawn))
-
-
-def _faces(bar: BarMade) -> tuple[Face, ...]:
-    used = {b.face for b in bar.made.bores} | {t.face for t in bar.made.paths} | {"v"}
-    used |= {t.face for t in bar.made.texts}
-    used |= {s.face for s in bar.machine.spindles if bar.profile.face_width(s.face)}
-    return tuple(f for f in ("h", "o", "v", "u") if f in used)
 
 
 def _head(bar: BarMade, unit: Unit) -> list[str]:
@@ -120,12 +114,6 @@ def _head(bar: BarMade, unit: Unit) -> list[str]:
     return [bar.name, f"{bar.machine.name}, {size}, {length}", "parts: " + ", ".join(parts)]
 
 
-def _title(bar: BarMade, face: Face) -> str:
-    """What a face is, and how far it is drawn where the program does not say its width."""
-    title = face_title(face, bar.profile.code)
-    return title if bar.profile.face_width(face) else f"{title}; drawn as far as its holes"
-
-
 def _edge(
     bar: BarMade, plane: CutPlane | None, face: str, end: float, kerf: int
 ) -> tuple[float, float]:
@@ -137,9 +125,9 @@ def _edge(
     return bar.x_on(plane, face, 0.0) + off, bar.x_on(plane, face, width) + off
 
 
-def _stock(bar: BarMade, view: View, paper: Paper, unit: Unit) -> Iterator[Shape]:
+def _stock(bar: BarMade, view: View, unit: Unit) -> Iterator[Shape]:
     """The pieces of the bar and its cuts on a face."""
-    face, frame, width = view.name, paper.frames[view.name], view.box[3]
+    face, frame, width = view.name, view.frame, view.box[3]
     on_web = face == "v"
     for piece in bar.pieces():
         a, b = _edge(bar, piece.start, face, 0.0, 1)
@@ -152,28 +140,24 @@ def _stock(bar: BarMade, view: View, paper: Paper, unit: Unit) -> Iterator[Shape
             long = (min(c, d) - max(a, b)) * frame.scale
             first, last = bar.extent(piece)
             words: Pieces = (piece.mark, "   ", round(last - first, 3))
-            if long < 6.5 * len(said(words, unit)):
+            if long < 6.5 * len(as_text(words, unit)):
                 words = (piece.mark[: max(1, int(long / 6.5))],)
             if long > 12.0:
                 at = (middle[0], middle[1] - 4)
-                yield Text("label piece-mark", at, said(words, unit), 11.0, "middle",
+                yield Text("label piece-mark", at, as_text(words, unit), 11.0, "middle",
                            pieces=words, unit=unit)  # fmt: skip
     if bar.drawn_end < bar.end:
-        yield _break(frame.at(bar.drawn_end, width), frame.at(bar.drawn_end, 0.0))
+        # The sign that a bar goes on: a zigzag across its end.
+        (x, y0), (_, y1) = frame.at(bar.drawn_end, width), frame.at(bar.drawn_end, 0.0)
+        middle_y = (y0 + y1) / 2
+        zigzag = ((x, y0 - 4.0), (x, middle_y - 4.0), (x - 4.0, middle_y - 1.5),
+                  (x + 4.0, middle_y + 1.5), (x, middle_y + 4.0), (x, y1 + 4.0))  # fmt: skip
+        yield Polyline("dim break", zigzag, False, "the bar goes on")
     for plane in bar.saw_planes:
         ends = frame.all(((bar.x_on(plane, face, 0.0), 0.0), (bar.x_on(plane, face, width), width)))
         cut = plane.cut
         tip = f"cut at machine x {cut.x:g}, {plane.web_deg:g} and {plane.flange_deg:g} degrees"
         yield Polyline("cut" if on_web else "cut-edge", ends, False, tip, cut.line)
-
-
-def _break(top: Point, bottom: Point) -> Polyline:
-    """The sign that a bar goes on: a zigzag across its end."""
-    (x, y0), (_, y1) = top, bottom
-    middle = (y0 + y1) / 2
-    points = ((x, y0 - 4.0), (x, middle - 4.0), (x - 4.0, middle - 1.5), (x + 4.0, middle + 1.5),
-              (x, middle + 4.0), (x, y1 + 4.0))  # fmt: skip
-    return Polyline("dim break", points, False, "the bar goes on")
 
 
 def tool_numbers(made: MachinedFeatures) -> dict[tuple[str, float], int]:
@@ -194,13 +178,13 @@ def order_numbers(made: MachinedFeatures) -> dict[int, int]:
 
 
 def _strokes(
-    bar: BarMade, view: View, paper: Paper, drill_x: float, tools: dict[tuple[str, float], int]
+    bar: BarMade, view: View, drill_x: float, tools: dict[tuple[str, float], int]
 ) -> Iterator[Shape]:
     """What is made on a face, and its numbers in the order of the work."""
-    frame = paper.frames[view.name]
+    frame = view.frame
     numbers = order_numbers(bar.made)
     places: list[tuple[int, int, Point, float]] = []  #: number, line, where, and how far off it
-    labels = _labels(bar, view, frame)
+    labels = _labels(bar, view)
     angles: list[tuple[float, Point]] = []
     planes_of = {id(plane.cut): plane for plane in bar.saw_planes}
     for op in bar.made.order:
@@ -223,8 +207,8 @@ def _strokes(
             places.append((number, op.line, at, gap))
     for number, line, at, gap in places:
         placed = ((size, labels.place(at, gap, str(number), size, 2)) for size in NUMBER_SIZES)
-        size, found = next((one for one in placed if one[1] is not None), (NUMBER_SIZES[-1], at))
-        yield Text("number order", found or at, str(number), size, line=line)
+        size, free = next((one for one in placed if one[1] is not None), (NUMBER_SIZES[-1], at))
+        yield Text("number order", free or at, str(number), size, line=line)
     left, top = frame.at(0.0, view.top)  # figures stand beyond, and the title
     for y in (view.top, view.bottom):
         labels.block_line(frame.at(0.0, y), frame.at(view.box[2], y))
@@ -236,10 +220,10 @@ def _strokes(
         yield Text("figure mitre", place or at, text, MITRE_SIZE)
 
 
-def _labels(bar: BarMade, view: View, frame: PaperFrame) -> Labels:
+def _labels(bar: BarMade, view: View) -> Labels:
     """The room for numbers on a face: off the cuts, off the names of the faces beside it, and of a
     narrow face beside it."""
-    labels, width = Labels(), view.box[3]
+    labels, frame, width = Labels(), view.frame, view.box[3]
     for y in (0.0, width):
         if width * frame.scale < 2 * NUMBER_SIZES[0]:
             labels.block_line(frame.at(0.0, y), frame.at(view.box[2], y))
@@ -256,7 +240,9 @@ def _stroke(
 ) -> tuple[Shape, Point, float]:  # fmt: skip
     """What an operation makes, the place that its number stands beside, and how far off it."""
     if isinstance(op, StampedText):
-        text = _written(op, number, bar, frame)
+        x = op.x - text_x(bar.machine)
+        tip = f"{number}: {op.kind} {op.text!r}, {op.height:g} high, at x {x:g}, y {op.y:g}"
+        text = lettering("text", replace(op, x=x), frame, tip, op.line)
         return text, text.at, 2.0
     colour = tools[op.kind, op.diameter] % len(TOOL_COLOURS)
     tip = f"{number}: {op.kind} {op.diameter:g}"
@@ -275,16 +261,9 @@ def _radius(bore: Bore, frame: PaperFrame) -> float:
     return max(bore.diameter / 2 * frame.scale, 1.2)
 
 
-def _written(op: StampedText, number: int, bar: BarMade, frame: PaperFrame) -> Text:
-    """A text as it is read, in the picture's own letters."""
-    x = op.x - text_x(bar.machine)
-    tip = f"{number}: {op.kind} {op.text!r}, {op.height:g} high, at x {x:g}, y {op.y:g}"
-    return lettering("text", replace(op, x=x), frame, tip, op.line)
-
-
-def _ways(bar: BarMade, view: View, paper: Paper, drill_x: float) -> Iterator[Polyline]:
+def _rapids(bar: BarMade, view: View, drill_x: float) -> Iterator[Polyline]:
     """The rapid moves from stroke to stroke of a face, as they lie over the bar."""
-    frame = paper.frames[view.name]
+    frame = view.frame
     here: tuple[float, float] | None = None
     for op in bar.made.order:
         if not isinstance(op, Bore | MachinedPath) or op.face != view.name:
@@ -332,7 +311,7 @@ def _legend(
         for k, (depth, count) in enumerate(counts.items()):
             words += [", " if k else "", f"{count} × "]
             words += ["through"] if depth is None else [depth, " deep"]
-        text = said(tuple(words), unit)
+        text = as_text(tuple(words), unit)
         if x + 26.0 + 6.2 * len(text) > WIDTH - 8.0:
             x, y = SIDE, y + LEGEND_ROW
         yield Circle(f"tool-{number % len(TOOL_COLOURS)} legend", (x + 4.0, y), 4.0)

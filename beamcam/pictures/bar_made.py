@@ -17,7 +17,7 @@ BROKEN_REMNANT = 0.25  #: share of the worked length that is drawn of such a rem
 
 
 class DrawnPiece(Struct, frozen=True):
-    """A stretch of the bar between two planes, or an end of it (None)."""
+    """A piece of the bar between two planes, or an end of it (None)."""
 
     kind: Literal["trim", "part", "remnant"]
     start: CutPlane | None
@@ -82,12 +82,8 @@ class BarMade(Struct, frozen=True):
             if self._is_wedge(start, end):
                 pieces.append(DrawnPiece("trim", start, end))
                 continue
-            known = number < len(self.marks)
-            pieces.append(
-                DrawnPiece(
-                    "part", start, end, self.marks[number] if known else f"part {number + 1}"
-                )
-            )
+            mark = self.marks[number] if number < len(self.marks) else f"part {number + 1}"
+            pieces.append(DrawnPiece("part", start, end, mark))
             number += 1
         return [*pieces, DrawnPiece("remnant", cuts[-1], None)]
 
@@ -95,22 +91,22 @@ class BarMade(Struct, frozen=True):
         """Whether a piece comes to nothing at a corner: the waste beside a mitre."""
         if not (start.web_deg or start.flange_deg or end.web_deg or end.flange_deg):
             return False
+        lengths = [end.along(*at) - start.along(*at) for at in self._corners]
+        return min(lengths) <= start.half_kerf + end.half_kerf + 2 * self.machine.format.resolution
+
+    @property
+    def _corners(self) -> list[tuple[float, float]]:
+        """The corners of the section, as planes count their y."""
         h, w = self.profile.height, self.profile.width
-        ways = [
-            end.along(self._rise(y), z) - start.along(self._rise(y), z)
-            for y in (0.0, h) for z in (0.0, w)
-        ]  # fmt: skip
-        return min(ways) <= start.half_kerf + end.half_kerf + 2 * self.machine.format.resolution
+        return [(self._rise(y), z) for y in (0.0, h) for z in (0.0, w)]
 
     def extent(self, piece: DrawnPiece) -> tuple[float, float]:
         """Bar x of the first and of the last corner of a piece."""
-        h, w = self.profile.height, self.profile.width
-        corners = [(self._rise(y), z) for y in (0.0, h) for z in (0.0, w)]
         start, end = 0.0, self.end
         if piece.start is not None:
-            start = min(piece.start.along(*at) for at in corners) + piece.start.half_kerf
+            start = min(piece.start.along(*at) for at in self._corners) + piece.start.half_kerf
         if piece.end is not None:
-            end = max(piece.end.along(*at) for at in corners) - piece.end.half_kerf
+            end = max(piece.end.along(*at) for at in self._corners) - piece.end.half_kerf
         return start, end
 
     def _rise(self, y: float) -> float:

@@ -6,12 +6,13 @@ o  oA        o   oB    oA  oA        letters where a part has holes of several s
                                      letter is the same size on all of its faces
 """
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from math import dist, hypot
 from typing import Literal
 
 import numpy as np
 from msgspec import Struct
+from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from beamcam.geometry.curves import Arc, Curve, Line, circle_of
@@ -21,23 +22,23 @@ from beamcam.pictures.scene import (
     LETTER,
     Box,
     Labels,
-    PaperFrame,
     Pieces,
     Point,
     Polyline,
     Shape,
     Text,
     Unit,
+    as_text,
     is_in,
-    said,
 )
+from beamcam.pictures.views import WIDTH, View, laid_out
 
 SIZE = 10.0  #: of a callout's letters
 ROW = 13.0  #: from row to row above a face
 LETTER_SIZES = (8.0, 6.0)  #: of the letter beside a hole
 CLEAR = 2.0  #: pixels that a letter is nearer to its own hole than to another
-MAX_CURVES = 16  #: of a contour whose radii are said
-MAX_SIZES = 24  #: different sizes on a face that are said; a drawing may have hundreds
+MAX_CURVES = 16  #: of a contour whose radii are shown
+MAX_SIZES = 24  #: different sizes on a face that are shown; a drawing may have hundreds
 ROOM = 70.0  #: pixels that a face is high at least that has callouts on it
 THREADS = {"thread": "", "left-thread": " left"}
 
@@ -127,7 +128,16 @@ def _contour_sizes(contour: Contour) -> Iterator[tuple[Pieces, SizePlace, bool]]
         boxes = [curve.bbox for curve in curves]
         x0, y0 = (min(box[k] for box in boxes) for k in (0, 1))
         x1, y1 = (max(box[k] for box in boxes) for k in (2, 3))
-        words = "cut-out " if _is_rectangle(curves) else "cut-out within "
+        lines = [curve for curve in curves if isinstance(curve, Line)]
+        arcs = [curve for curve in curves if isinstance(curve, Arc)]
+        # All straight edges run along x or y, four of them, and the corners are round.
+        is_rectangle = (
+            len(lines) == 4
+            and len(lines) + len(arcs) == len(curves)
+            and all(min(map(abs, np.subtract(a.start, a.end))) < 1e-6 for a in lines)
+            and all(abs(abs(arc.sweep_deg) - 90.0) < 1e-6 for arc in arcs)
+        )
+        words = "cut-out " if is_rectangle else "cut-out within "
         middle = SizePlace(((x0 + x1) / 2, (y0 + y1) / 2), (y1 - y0) / 2, True)
         yield (words, round(x1 - x0, 3), " × ", round(y1 - y0, 3)), middle, True
     if len(curves) <= MAX_CURVES:
@@ -142,17 +152,6 @@ def _contour_sizes(contour: Contour) -> Iterator[tuple[Pieces, SizePlace, bool]]
         elif bevel.land:
             words_of = (*words_of, ", land ", bevel.land)
         yield words_of, SizePlace(_middle(curves[bevel.curve])), False
-
-
-def _is_rectangle(curves: Sequence[Curve]) -> bool:
-    """Whether all straight edges of an outline run along x or y, four of them, corners round."""
-    lines = [curve for curve in curves if isinstance(curve, Line)]
-    square = all(
-        abs(a.start[0] - a.end[0]) < 1e-6 or abs(a.start[1] - a.end[1]) < 1e-6 for a in lines
-    )
-    arcs = [curve for curve in curves if isinstance(curve, Arc)]
-    quarter = all(abs(abs(arc.sweep_deg) - 90.0) < 1e-6 for arc in arcs)
-    return len(lines) == 4 and square and quarter and len(lines) + len(arcs) == len(curves)
 
 
 def _middle(curve: Curve) -> Point:
@@ -187,10 +186,33 @@ class Callouts(Struct, frozen=True):
 
     shapes: tuple[Shape, ...]
     above: float
-    left: int = 0  #: sizes that are not said, because there are too many
+    left: int = 0  #: sizes that are not shown, because there are too many
 
 
-class _Standing(Struct):
+def called_on(
+    views: Sequence[View], sizes: Mapping[str, Sequence[FaceSize]], top: float, unit: Unit = "mm",
+    letters: Mapping[Pieces, str] | None = None,
+    labels_of: Callable[[View], Labels] = lambda _: Labels(),
+) -> tuple[tuple[View, ...], float, dict[str, Callouts]]:  # fmt: skip
+    """Views with room for callouts above each face, y below the last, and the callouts.
+
+    `labels_of` says what lies on a face already.
+    """
+
+    placed, bottom, called = tuple(views), 0.0, dict[str, Callouts]()
+    for _ in range(2):  # once more, as each face stands lower by what is above it
+        placed = tuple(
+            replace(one, above=called[one.name].above) if called else one for one in placed
+        )
+        placed, bottom = laid_out(placed, top)
+        called = {
+            view.name: _callouts(sizes[view.name], letters or {}, view, labels_of(view), unit)
+            for view in placed
+        }
+    return placed, bottom, called
+
+
+class _RaisedCallout(Struct):
     """A callout above a face: where its leader goes up, and where it leads."""
 
     words: Pieces
@@ -198,17 +220,16 @@ class _Standing(Struct):
     tip: Point
 
 
-def callouts(
-    sizes: Sequence[FaceSize], letters: dict[Pieces, str], frame: PaperFrame, face: Box,
-    right: float, labels: Labels, unit: Unit,
+def _callouts(
+    sizes: Sequence[FaceSize], letters: Mapping[Pieces, str], view: View, labels: Labels,
+    unit: Unit,
 ) -> Callouts:  # fmt: skip
-    """Each size at its first place, and the letters of the others.
-
-    `face` is the box of the face on the paper, `right` the edge of the paper; `labels` knows what
-    lies there.
-    """
+    """Each size at its first place, and the letters of the others; `labels` knows what lies on the
+    paper."""
+    frame = view.frame
+    face = (*frame.at(view.box[0], view.top), *frame.at(view.box[2], view.bottom))
     drawn: list[Shape] = []
-    callouts: list[_Standing] = []
+    callouts: list[_RaisedCallout] = []
     holes = np.array([(*frame.at(*p.at), p.radius * frame.scale)
                       for size in sizes if size.is_hole for p in size.places])  # fmt: skip
     roomy = face[3] - face[1] >= ROOM
@@ -216,7 +237,10 @@ def callouts(
         # Above a face the topmost place has the shortest leader, of a row the first.
         at = [(frame.at(*p.at), p.radius * frame.scale) for p in size.places]
         order = sorted(at, key=lambda one: (round(one[0][1] - one[1], 1), one[0][0]))
-        words = _counted(size, letters.get(size.words, ""))
+        letter = letters.get(size.words, "")
+        count = f"{len(size.places)} × " if len(size.places) > 1 else ""
+        lead = f"{letter}  {count}" if letter else count
+        words = (lead, *size.words) if lead else size.words
         (x, y), radius = order[0]
         free = (
             _beside(words, (x, y), radius, size.places[0].is_open, labels, unit, face)
@@ -226,22 +250,15 @@ def callouts(
         if free is not None:
             drawn += free
         else:
-            callouts.append(_Standing(words, x, (x, y - radius)))
-        letter = letters.get(size.words)
+            callouts.append(_RaisedCallout(words, x, (x, y - radius)))
         if letter:
             drawn += [
                 _lettered(letter, one, holes, labels)
                 for one in dict.fromkeys(order[1:])
                 if one != order[0]
             ]
-    shapes, rows = _rows(callouts, face[1], right, unit)
+    shapes, rows = _rows(callouts, face[1], unit)
     return Callouts((*drawn, *shapes), rows * ROW, max(0, len(sizes) - MAX_SIZES))
-
-
-def _counted(size: FaceSize, letter: str) -> Pieces:
-    count = f"{len(size.places)} × " if len(size.places) > 1 else ""
-    lead = f"{letter}  {count}" if letter else count
-    return (lead, *size.words) if lead else size.words
 
 
 def _lettered(
@@ -270,7 +287,7 @@ def _beside(
     words: Pieces, at: Point, radius: float, is_open: bool, labels: Labels, unit: Unit, face: Box
 ) -> list[Shape] | None:
     """A callout on the face itself beside its hole; None where there is no room."""
-    text = said(words, unit)
+    text = as_text(words, unit)
     gap = 1.0 if is_open else 0.75 * radius + 6.0
     place = labels.place(at, gap, text, SIZE, 6, lambda box: is_in(box, face), is_open)
     if place is None:
@@ -296,9 +313,7 @@ def _beside(
     return shapes
 
 
-def _rows(
-    callouts: Sequence[_Standing], top: float, right: float, unit: Unit
-) -> tuple[list[Shape], int]:
+def _rows(callouts: Sequence[_RaisedCallout], top: float, unit: Unit) -> tuple[list[Shape], int]:
     """Callouts above a face, so that no text lies over another or over its leader.
 
     A text stands to the right of its leader. From right to left, each takes the lowest row in
@@ -307,9 +322,9 @@ def _rows(
     taken: list[tuple[int, float, float]] = []  #: row, leader, end of the text
     shapes: list[Shape] = []
     rows = 0
-    wide = {id(one): LETTER * SIZE * len(said(one.words, unit)) + 6.0 for one in callouts}
+    wide = {id(one): LETTER * SIZE * len(as_text(one.words, unit)) + 6.0 for one in callouts}
     for one in callouts:
-        one.x = min(one.x, right - wide[id(one)])
+        one.x = min(one.x, WIDTH - 8.0 - wide[id(one)])
     for one in sorted(callouts, key=lambda each: -each.x):
         row, end = 0, one.x + wide[id(one)]
         while any(
@@ -323,6 +338,6 @@ def _rows(
         shapes.append(Polyline("dim leader", (one.tip, (one.x, top), (one.x, y - SIZE * CAPITAL))))
         at = (one.x + 3.0, y)
         shapes.append(
-            Text("label callout", at, said(one.words, unit), SIZE, pieces=one.words, unit=unit)
+            Text("label callout", at, as_text(one.words, unit), SIZE, pieces=one.words, unit=unit)
         )
     return shapes, rows

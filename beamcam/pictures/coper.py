@@ -7,7 +7,6 @@ u  [==============]   numbers: order of the cuts; a tube is one face, unrolled
 
 from collections.abc import Iterator, Sequence
 
-from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.checks.coping.box_tube import box_outlines
@@ -19,17 +18,15 @@ from beamcam.checks.coping.tube import tube_section
 from beamcam.checks.job import head_of
 from beamcam.errors import Source, VerifyError, errors_in
 from beamcam.machine.coper import Coper
-from beamcam.machine.machine import Machine
 from beamcam.model.description import face_title, runs_down
 from beamcam.model.part import Face, Part
 from beamcam.model.rounds import rolled
-from beamcam.pictures import SECTION
+from beamcam.pictures import SECTION, ReadProgram
 from beamcam.pictures.features import feature_shapes
 from beamcam.pictures.part import face_of
 from beamcam.pictures.scene import TOOL_COLOURS, Labels, Polyline, Scene, Shape, Text, Unit, shown
 from beamcam.pictures.views import (
     WIDTH,
-    Paper,
     View,
     datum,
     edges_of,
@@ -59,17 +56,7 @@ LYING_TITLES: dict[str, dict[Face, str]] = {
 }
 
 
-class CoperProgram(Struct, frozen=True):
-    """A program, and the parts that it makes as far as they are known."""
-
-    text: str
-    machine: Machine
-    name: str
-    sha256: str
-    parts: tuple[Part, ...]
-
-
-def coper_scene(program: CoperProgram, unit: Unit = "mm") -> Scene:
+def coper_scene(program: ReadProgram, unit: Unit = "mm") -> Scene:
     """The faces of the part with what the torch cuts on them.
 
     Raises VerifyError for a program that is not understood, is wrong by itself, or names no section
@@ -90,22 +77,25 @@ def coper_scene(program: CoperProgram, unit: Unit = "mm") -> Scene:
         f"{program.machine.name}, {part.profile.name}, {len(strokes)} cuts",
         f"part: {part.mark or 'without a mark'}, {shown(part.length, unit)} {unit} long",
     ]
-    paper = laid_out(views, head_height(lines))
+    views, bottom = laid_out(views, head_height(lines))
     feeds = list(dict.fromkeys(stroke.row.feed_mm_min for stroke in strokes))
-    drawn: list[Shape] = [*heading(lines), *titles(views, paper)]
+    drawn: list[Shape] = [*heading(lines), *titles(views)]
     for view in views:
-        frame = paper.frames[view.name]
         end, high = part.length, max(view.heights[-1], 0.0)
         corners = ((0.0, 0.0), (end, 0.0), (end, high), (0.0, high))
-        drawn.append(Polyline("face", frame.all(corners), True))
+        drawn.append(Polyline("face", view.frame.all(corners), True))
         if is_tube and part.profile.code == "M":
-            drawn += _box_tube(program, view, paper)
+            drawn += _box_tube(program, view)
         else:
-            drawn += _asked(part if program.parts else None, view, paper)
-        drawn += datum(view, frame)
-        drawn += _cuts(strokes, view, paper, feeds)
-        drawn += figures(view, paper, unit)
-    y = paper.bottom + 10.0
+            for feature in part.features if program.parts else ():
+                if face_of(feature) == view.name:
+                    for shape in feature_shapes(feature, view.frame):
+                        style = "same-text" if isinstance(shape, Text) else "same"
+                        drawn.append(replace(shape, classes=style))
+        drawn += datum(view)
+        drawn += _cuts(strokes, view, feeds)
+        drawn += figures(view, unit)
+    y = bottom + 10.0
     rows = [(f"path-{k % len(TOOL_COLOURS)}", f"cut at {feed:g} mm/min")
             for k, feed in enumerate(feeds)]  # fmt: skip
     rows += [("same", "the part as it is asked for")] if program.parts else []
@@ -119,7 +109,7 @@ def coper_scene(program: CoperProgram, unit: Unit = "mm") -> Scene:
     return Scene(program.name, about, WIDTH, y + 46.0 + 13.0 * len(notes), tuple(drawn))
 
 
-def part_of(program: CoperProgram) -> Part:
+def part_of(program: ReadProgram) -> Part:
     """The part as it lies, or one of the section and length that the program's head names."""
     if program.parts:
         return lying(program.parts[0])
@@ -129,14 +119,14 @@ def part_of(program: CoperProgram) -> Part:
         radius = corner_radius(program.text, program.machine, profile)
         profile = replace(profile, radius=radius) if radius else None
     if profile is None:
-        found = head.stock if head is not None and head.stock else "none"
+        stock = head.stock if head is not None and head.stock else "none"
         raise VerifyError(
-            SECTION.at(Source(program.name), found=found, machine=program.machine.name)
+            SECTION.at(Source(program.name), found=stock, machine=program.machine.name)
         )
     return head_part(head, profile, program.name)
 
 
-def strokes_of(program: CoperProgram, part: Part) -> list[TorchStroke]:
+def strokes_of(program: ReadProgram, part: Part) -> list[TorchStroke]:
     """What the torch cuts, in its order.
 
     Raises VerifyError for a program that is not understood, or wrong by itself.
@@ -161,11 +151,6 @@ def faces_of(part: Part, is_tube: bool) -> tuple[Face, ...]:
 
 def face_view(part: Part, face: Face, strokes: Sequence[TorchStroke], coper: Coper) -> View:
     """A face from x 0 to the part's end, or as far as it is cut; of a tube all of its surface."""
-    view = _view(part, face, strokes)
-    return _unrolled(view, part, coper) if coper.unrolls(part.profile.code) else view
-
-
-def _view(part: Part, face: Face, strokes: Sequence[TorchStroke]) -> View:
     points = [place for stroke in strokes if stroke.face == face for place in stroke.points]
     xs, ys = [x for x, _ in points], [y for _, y in points]
     turned = LYING_TITLES.get(part.profile.code)
@@ -177,14 +162,12 @@ def _view(part: Part, face: Face, strokes: Sequence[TorchStroke]) -> View:
             for xs in ([x for x, _ in s.points],) for end in (min(xs), max(xs))}  # fmt: skip
     rises = {round(end, 1) for s in strokes if s.face == face
              for ys in ([y for _, y in s.points],) for end in (min(ys), max(ys))}  # fmt: skip
-    return View(
+    view = View(
         face, title, box, tuple(ends | {part.length}), (*(rises - {high}), high),
         runs_down(face), edges=("", "") if turned else edges_of(face, part.profile.code),
     )  # fmt: skip
-
-
-def _unrolled(view: View, part: Part, coper: Coper) -> View:
-    """The view of the whole surface of a tube, unrolled."""
+    if not coper.unrolls(part.profile.code):
+        return view
     section = tube_section(rolled(part), coper)
     title = "v   surface of the tube, unrolled, from outside; y = 0 is its lowest line"
     if part.profile.code == "M":
@@ -199,9 +182,9 @@ def _unrolled(view: View, part: Part, coper: Coper) -> View:
     )  # fmt: skip
 
 
-def _box_tube(program: CoperProgram, view: View, paper: Paper) -> Iterator[Shape]:
+def _box_tube(program: ReadProgram, view: View) -> Iterator[Shape]:
     """What stays of a rectangular tube, in grey, and where its faces end."""
-    frame, part = paper.frames[view.name], part_of(program)
+    frame, part = view.frame, part_of(program)
     coper = program.machine.needed(program.machine.coper, "coper")
     section = tube_section(part, coper)
     for face in "uvoh":
@@ -213,24 +196,13 @@ def _box_tube(program: CoperProgram, view: View, paper: Paper) -> Iterator[Shape
             yield Polyline("same", frame.all(ring), True)
 
 
-def _asked(part: Part | None, view: View, paper: Paper) -> Iterator[Shape]:
-    """What a part has on a face, in grey."""
-    frame = paper.frames[view.name]
-    for feature in part.features if part is not None else ():
-        if face_of(feature) == view.name:
-            for shape in feature_shapes(feature, frame):
-                yield replace(shape, classes="same-text" if isinstance(shape, Text) else "same")
-
-
-def _cuts(
-    strokes: Sequence[TorchStroke], view: View, paper: Paper, feeds: Sequence[float]
-) -> Iterator[Shape]:
+def _cuts(strokes: Sequence[TorchStroke], view: View, feeds: Sequence[float]) -> Iterator[Shape]:
     """The paths of the torch on a face, and their numbers in the order of the work."""
-    frame, labels = paper.frames[view.name], Labels()
+    labels = Labels()
     for number, stroke in enumerate(strokes, 1):
         if stroke.face != view.name:
             continue
-        points = frame.all(stroke.points)
+        points = view.frame.all(stroke.points)
         colour = feeds.index(stroke.row.feed_mm_min) % len(TOOL_COLOURS)
         tip = f"{number}: cut on face {stroke.face} at {stroke.row.feed_mm_min:g} mm/min"
         tip += f", tilted to B {stroke.b_deg:g}" if stroke.b_deg and not stroke.leans else ""

@@ -75,22 +75,30 @@ def _place(bore: Bore) -> tuple[str, int, int]:
 CHORD_PIXELS = 0.02  #: of the chords that stand for curves
 CROSS = 5.0  #: half of the cross of a mark, pixels
 MIN_RADIUS = 0.8  #: of a circle that can be seen, pixels
+INNER_CIRCLES = {"thread": 0.8, "left-thread": 0.8, "countersink": 0.6}  #: shares of the radius
 
 
 def feature_shapes(feature: Feature, frame: PaperFrame) -> Iterator[Shape]:
     """The shapes of a feature; the first one has the feature's own class."""
     match feature:
         case Hole() if feature.kind == "mark" or feature.diameter == 0.0:
-            yield from cross("mark", frame.at(feature.x, feature.y), _hole_tip(feature))
+            yield cross("mark", frame.at(feature.x, feature.y), _hole_tip(feature))
         case Hole():
-            yield from _hole(feature, frame)
+            at = frame.at(feature.x, feature.y)
+            radius = max(feature.diameter / 2 * frame.scale, MIN_RADIUS)
+            yield Circle("hole", at, radius, _hole_tip(feature))
+            if feature.kind in INNER_CIRCLES:
+                yield Circle("thread", at, radius * INNER_CIRCLES[feature.kind])
         case Slot():
             points = chain_points(slot_curves(feature), frame)
             size = f"{feature.length + feature.diameter:g} x {feature.height + feature.diameter:g}"
             tip = f"slot {feature.face} {size} at x {feature.x:g}, y {feature.y:g}"
             yield Polyline("slot", points, True, tip)
         case Contour():
-            yield _contour(feature, frame)
+            # Filled where it encloses steel or a cut-out, else a line of its process.
+            closed = feature.closed and feature.process == "cut" and feature.kind != "open"
+            style = feature.kind if closed else None
+            yield contour_line(feature, frame, style, feature.process)
         case TextMark():
             tip = f"text {feature.face} at x {feature.x:g}, y {feature.y:g}"
             yield lettering("text", feature, frame, tip)
@@ -98,7 +106,7 @@ def feature_shapes(feature: Feature, frame: PaperFrame) -> Iterator[Shape]:
             tip = f"bend of {feature.angle:g} degrees"
             yield Polyline("bend", frame.all((feature.start, feature.end)), False, tip)
         case Camber():
-            yield from cross("bend", frame.at(feature.x, feature.y), "camber")
+            yield cross("bend", frame.at(feature.x, feature.y), "camber")
 
 
 def lettering(
@@ -118,26 +126,10 @@ def lettering(
     return Text(classes, (x, y), text.text, size, "start", turn, None, tip, line)
 
 
-def _hole(hole: Hole, frame: PaperFrame) -> Iterator[Circle]:
-    at = frame.at(hole.x, hole.y)
-    radius = max(hole.diameter / 2 * frame.scale, MIN_RADIUS)
-    yield Circle("hole", at, radius, _hole_tip(hole))
-    if hole.kind in ("thread", "left-thread"):
-        yield Circle("thread", at, radius * 0.8)
-    elif hole.kind == "countersink":
-        yield Circle("thread", at, radius * 0.6)
-
-
 def _hole_tip(hole: Hole) -> str:
     depth = "" if hole.depth is None else f", {hole.depth:g} deep"
     kind = "" if hole.kind == "through" else f" {hole.kind}"
     return f"hole {hole.face} {hole.diameter:g}{kind} at x {hole.x:g}, y {hole.y:g}{depth}"
-
-
-def _contour(contour: Contour, frame: PaperFrame) -> Polyline:
-    """A contour: filled where it encloses steel or a cut-out, else a line of its process."""
-    closed = contour.closed and contour.process == "cut" and contour.kind != "open"
-    return contour_line(contour, frame, contour.kind if closed else None, contour.process)
 
 
 def contour_line(contour: Contour, frame: PaperFrame, style: str | None, process: str) -> Polyline:
@@ -152,10 +144,10 @@ def contour_line(contour: Contour, frame: PaperFrame, style: str | None, process
 
 def chain_points(curves: Sequence[Curve], frame: PaperFrame) -> tuple[Point, ...]:
     """The points of a chain of curves on the paper."""
-    found = polylines(curves, max(CHORD_PIXELS / frame.scale, 1e-6))
+    chains = polylines(curves, max(CHORD_PIXELS / frame.scale, 1e-6))
     points: list[Point] = []
-    rows = frame.all(found.points.tolist())
-    for first, last in zip(found.begins[:-1].tolist(), found.begins[1:].tolist(), strict=True):
+    rows = frame.all(chains.points.tolist())
+    for first, last in zip(chains.begins[:-1].tolist(), chains.begins[1:].tolist(), strict=True):
         points += rows[first + (1 if points else 0) : last]
     if len(points) > 2 and hypot(points[0][0] - points[-1][0], points[0][1] - points[-1][1]) < 1e-6:
         points.pop()
@@ -163,11 +155,11 @@ def chain_points(curves: Sequence[Curve], frame: PaperFrame) -> tuple[Point, ...
     return tuple(points)
 
 
-def cross(classes: str, at: Point, tip: str, line: int = 0) -> Iterator[Polyline]:
-    """A cross; its second stroke is of no class but the style's."""
+def cross(classes: str, at: Point, tip: str) -> Polyline:
+    """A cross in one stroke."""
     (x, y) = at
-    yield Polyline(f"{classes} cross", ((x - CROSS, y), (x + CROSS, y), (x, y), (x, y - CROSS),
-                                        (x, y + CROSS)), False, tip, line)  # fmt: skip
+    points = (x - CROSS, y), (x + CROSS, y), (x, y), (x, y - CROSS), (x, y + CROSS)
+    return Polyline(f"{classes} cross", points, False, tip)
 
 
 def slot_curves(slot: Slot) -> tuple[Curve, ...]:

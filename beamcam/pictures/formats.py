@@ -24,7 +24,6 @@ from beamcam.pictures.scene import (
     Shape,
     Style,
     Text,
-    Unit,
     css,
     shown,
     style_of,
@@ -104,19 +103,13 @@ def _text(shape: Text, start: str, tip: str) -> str:
     if style_of(shape.classes).bold:
         size += ' font-weight="bold"'
     place = f'x="{_n(x)}" y="{_n(y)}"{size}{anchor}{turn}{mm}'
-    words = (
-        "".join([_piece(one, shape.unit) for one in shape.pieces])
-        if shape.pieces
-        else _t(shape.text)
-    )
+    # A page may show the lengths among the words in another unit.
+    words = "".join(
+        _t(one) if isinstance(one, str)
+        else f'<tspan data-mm="{one:.6g}">{shown(one, shape.unit)}</tspan>'
+        for one in shape.pieces or (shape.text,)
+    )  # fmt: skip
     return f"<text {start} {place}>{tip}{words}</text>"
-
-
-def _piece(one: str | float, unit: Unit) -> str:
-    """Words of a text, or a length among them that a page may show in another unit."""
-    if isinstance(one, str):
-        return _t(one)
-    return f'<tspan data-mm="{one:.6g}">{shown(one, unit)}</tspan>'
 
 
 def _c(hundredths: int) -> str:
@@ -147,7 +140,13 @@ def to_png(scene: Scene) -> bytes:
         diagnostic = NEEDS.at(Source("picture"), found="no Pillow", what="PNG")
         raise PictureError(diagnostic) from error
     width, height = (min(round(v), MAX_SIDE) for v in (scene.width, scene.height))
-    fonts = _fonts()
+    # The fonts that reportlab brings: Pillow's own has no letter beyond English.
+    reportlab = find_spec("reportlab")
+    if reportlab is None or reportlab.origin is None:
+        diagnostic = NEEDS.at(Source("picture"), found="no reportlab", what="PNG")
+        raise PictureError(diagnostic)
+    folder = PurePath(reportlab.origin).parent / "fonts"
+    fonts = str(folder / "Vera.ttf"), str(folder / "VeraBd.ttf")
     image = Image.new("RGB", (width * FINER, height * FINER), style_of("paper").fill)
     pen = _Pen(image, ImageDraw.Draw(image), fonts)
     for shape in scene.shapes:
@@ -155,19 +154,6 @@ def to_png(scene: Scene) -> bytes:
     stream = io.BytesIO()
     image.resize((width, height), Image.Resampling.LANCZOS).save(stream, "PNG", optimize=True)
     return stream.getvalue()
-
-
-def _fonts() -> tuple[str, str]:
-    """The font of the letters and the bold one: those that reportlab brings.
-
-    Pillow's own has no diameter sign, nor any letter beyond English.
-    """
-    found = find_spec("reportlab")
-    if found is None or found.origin is None:
-        diagnostic = NEEDS.at(Source("picture"), found="no reportlab", what="PNG")
-        raise PictureError(diagnostic)
-    folder = PurePath(found.origin).parent / "fonts"
-    return str(folder / "Vera.ttf"), str(folder / "VeraBd.ttf")
 
 
 class _Pen:
@@ -219,7 +205,7 @@ class _Pen:
 
 
 def dashes(points: Sequence[Point], pattern: Sequence[float]) -> Iterator[list[Point]]:
-    """The stretches of a chain that a dash pattern draws; all of it without one."""
+    """The pieces of a chain that a dash pattern draws; all of it without one."""
     if not pattern:
         yield list(points)
         return

@@ -46,16 +46,12 @@ class Study(Struct, frozen=True):
     def figures(self) -> list[tuple[str, str]]:
         """What is lost, by name and value."""
         precision = self.precision
+        largest = f"{precision.max_corner_error:.4f} mm, block {precision.worst_line}"
+        mean = f"{precision.mean_corner_error:.4f} mm of {precision.corners} corners"
         return [
             ("one count", f"{precision.count:.4f} mm"),
-            (
-                "largest corner error",
-                f"{precision.max_corner_error:.4f} mm, block {precision.worst_line}",
-            ),
-            (
-                "mean corner error",
-                f"{precision.mean_corner_error:.4f} mm of {precision.corners} corners",
-            ),
+            ("largest corner error", largest),
+            ("mean corner error", mean),
             ("smallest step", f"{precision.smallest_step:.4f} mm"),
             ("moves below one count", f"{precision.lost_moves} of {precision.moves}"),
         ]
@@ -89,7 +85,14 @@ def encoder_scene(study: Study) -> Scene:
     for k in (0, 1):
         shapes += _over_time(window, k, left, top + k * (PLAN - PLOT_HEIGHT), is_last=k == 1)
     y = top + PLAN + 46.0
-    shapes += _legend(y)
+    x = SIDE
+    for style, text in (("true", "true"), ("stair", "as the encoder reads it")):
+        shapes.append(Polyline(f"{style} legend", ((x, y), (x + 22.0, y))))
+        shapes.append(Text("label", (x + 28.0, y + 4.0), text))
+        x += 90.0
+    x += 90.0
+    shapes.append(Circle("off legend", (x, y), 4.0))
+    shapes.append(Text("label", (x + 10.0, y + 4.0), "corner, with the way to what is read"))
     for k, (name, value) in enumerate(study.figures()):
         shapes.append(Text("label", (SIDE, y + 26.0 + k * LINE), name))
         shapes.append(Text("label study", (SIDE + 170.0, y + 26.0 + k * LINE), value))
@@ -103,7 +106,12 @@ def encoder_scene(study: Study) -> Scene:
 
 def _window(study: Study) -> _Window:
     trace, encoder, precision = study.trace, study.encoder, study.precision
-    axes = _two_axes(trace, precision.worst_time_s)
+    # The two axes in mm that move most into the corner and out of it; the first ones of equals.
+    knot = int(np.searchsorted(trace.time_s, precision.worst_time_s))
+    moved = np.abs(np.diff(trace.positions[max(knot - 1, 0) : knot + 2], axis=0)).sum(axis=0)
+    linear = [k for k, axis in enumerate(trace.axes) if axis.is_read]
+    chosen = sorted(sorted(linear, key=lambda k: -moved[k])[:2])
+    axes = chosen[0], chosen[-1]
     stairs = stair_times(trace, encoder)
     corner = trace.at([precision.worst_time_s])[0]
     near = np.all(np.abs((trace.at(stairs) - corner)[:, axes]) <= COUNTS * encoder.count, axis=1)
@@ -124,16 +132,6 @@ def _window(study: Study) -> _Window:
         encoder.read(trace, corner[None])[0, axes], fine, trace.at(fine)[:, axes], own,
         encoder.read(trace, trace.at(middles))[:, axes],
     )  # fmt: skip
-
-
-def _two_axes(trace: Trace, time_s: float) -> tuple[int, int]:
-    """The two axes in mm that move most into a corner and out of it; the first ones of equals."""
-    knot = int(np.searchsorted(trace.time_s, time_s))
-    near = trace.positions[max(knot - 1, 0) : knot + 2]
-    ways = np.abs(np.diff(near, axis=0)).sum(axis=0)
-    linear = [k for k, axis in enumerate(trace.axes) if axis.is_read]
-    chosen = sorted(sorted(linear, key=lambda k: -ways[k])[:2])
-    return chosen[0], chosen[-1]
 
 
 def _plan(window: _Window, count: float, top: float) -> Iterator[Shape]:
@@ -173,16 +171,9 @@ def _over_time(window: _Window, k: int, left: float, top: float, is_last: bool) 
         y = top + PLOT_HEIGHT * (1.0 - (value - low) / room)
         return left + (time - t0) / span * PLOT_WIDTH, y
 
-    for value in ticks(low, low + room, 5):
-        y = at(t0, value)[1]
-        yield Polyline("grid", ((left, y), (left + PLOT_WIDTH, y)))
-        yield Text("figure tick-label", (left - 6.0, y + 4.0), number(value), 10.0, "end")
-    for time in ticks(t0, t0 + span, 4):
-        x = at(time, low)[0]
-        yield Polyline("grid", ((x, top), (x, top + PLOT_HEIGHT)))
-        if is_last:
-            place = (x, top + PLOT_HEIGHT + 14.0)
-            yield Text("figure tick-label", place, number(time), 10.0, "middle")
+    values = [(value, at(t0, value)[1]) for value in ticks(low, low + room, 5)]
+    times = [(time, at(time, low)[0]) for time in ticks(t0, t0 + span, 4)]
+    yield from _grid(left, top, PLOT_WIDTH, PLOT_HEIGHT, values, times, is_last)
     yield Polyline("axis frame", _frame(left, top, PLOT_WIDTH, PLOT_HEIGHT), True)
     true = zip(window.time_s.tolist(), window.true[:, k].tolist(), strict=True)
     yield Polyline("true curve", tuple(at(t, v) for t, v in true), tip="true")
@@ -198,20 +189,29 @@ def _over_time(window: _Window, k: int, left: float, top: float, is_last: bool) 
         yield Text("label", at_end, "time, s", 11.0, "middle")
 
 
+def _grid(
+    left: float, top: float, wide: float, high: float, values: Sequence[tuple[float, float]],
+    times: Sequence[tuple[float, float]], has_times: bool, tick: float = 0.0,
+) -> Iterator[Shape]:  # fmt: skip
+    """The lines of a graph at values and times, each with its place on the paper, and its ticks."""
+    for value, y in values:
+        yield Polyline("grid", ((left, y), (left + wide, y)))
+        if tick:
+            yield Polyline("axis tick", ((left - tick, y), (left, y)))
+        place = (left - (7.0 if tick else 6.0), y + 4.0)
+        yield Text("figure tick-label", place, number(value), 10.0, "end")
+    for time, x in times:
+        yield Polyline("grid", ((x, top), (x, top + high)))
+        if tick:
+            yield Polyline("axis tick", ((x, top + high), (x, top + high + tick)))
+        if has_times:
+            place = (x, top + high + (16.0 if tick else 14.0))
+            yield Text("figure tick-label", place, number(time), 10.0, "middle")
+
+
 def _frame(left: float, top: float, width: float, height: float) -> tuple[Point, ...]:
     right, bottom = left + width, top + height
     return (left, top), (right, top), (right, bottom), (left, bottom)
-
-
-def _legend(y: float) -> Iterator[Shape]:
-    x = SIDE
-    for style, text in (("true", "true"), ("stair", "as the encoder reads it")):
-        yield Polyline(f"{style} legend", ((x, y), (x + 22.0, y)))
-        yield Text("label", (x + 28.0, y + 4.0), text)
-        x += 90.0
-    x += 90.0
-    yield Circle("off legend", (x, y), 4.0)
-    yield Text("label", (x + 10.0, y + 4.0), "corner, with the way to what is read")
 
 
 DRAWN_SAMPLES = 400  #: of a curve; the phases' ends come on top
@@ -265,20 +265,11 @@ def _panel(
     def at(time: float, value: float) -> tuple[float, float]:
         return LEFT + time / end * wide, top + PANEL * (1.0 - (value - low) / room)
 
-    for value in ticks(low, low + room):
-        (x0, y), (x1, _) = at(0.0, value), at(end, value)
-        yield Polyline("grid", ((x0, y), (x1, y)))
-        yield Polyline("axis tick", ((x0 - 4.0, y), (x0, y)))
-        yield Text("figure tick-label", (x0 - 7.0, y + 4.0), number(value), 10.0, "end")
-    for time in ticks(0.0, end, 8):
-        x, _ = at(time, 0.0)
-        yield Polyline("grid", ((x, top), (x, top + PANEL)))
-        yield Polyline("axis tick", ((x, top + PANEL), (x, top + PANEL + 4.0)))
-        if is_last:
-            yield Text("figure tick-label", (x, top + PANEL + 16.0), number(time), 10.0, "middle")
+    rows = [(value, at(0.0, value)[1]) for value in ticks(low, low + room)]
+    times = [(time, at(time, 0.0)[0]) for time in ticks(0.0, end, 8)]
+    yield from _grid(LEFT, top, wide, PANEL, rows, times, is_last, 4.0)
     yield Polyline("axis", (at(0.0, 0.0), at(end, 0.0)))
-    box = ((LEFT, top), (ACROSS - RIGHT, top), (ACROSS - RIGHT, top + PANEL), (LEFT, top + PANEL))
-    yield Polyline("axis frame", box, True)
+    yield Polyline("axis frame", _frame(LEFT, top, ACROSS - RIGHT - LEFT, PANEL), True)
     points = tuple([at(a, b) for a, b in zip(t.tolist(), values.tolist(), strict=True)])
     yield Polyline(f"{style} curve", points, tip=label)
     yield Text("label", (LEFT, top - 6.0), label)

@@ -46,19 +46,14 @@ def line_scene(machine: Machine) -> Scene:
     return Scene(f"line {machine.name}", about, WIDTH, HEIGHT, tuple(drawn))
 
 
-def _stations(machine: Machine) -> list[tuple[float, str, str]]:
-    """X, class and name of each station, upstream first."""
-    stations: list[tuple[float, str, str]] = []
+def _plan(machine: Machine) -> Iterator[Shape]:
+    """The stations at their X, a bar whose front stands past them, and the signs of the saw."""
+    stations: list[tuple[float, str, str]] = []  #: X, class and name, upstream first
     if machine.saw is not None:
         stations.append((machine.saw.x, "cut", "saw"))
     if machine.drill is not None:
         stations.append((machine.drill.x, "tool-0", "drills"))
-    return sorted(stations)
-
-
-def _plan(machine: Machine) -> Iterator[Shape]:
-    """The stations at their X, a bar whose front stands past them, and the signs of the saw."""
-    stations = _stations(machine)
+    stations.sort()
     first, last = stations[0][0], stations[-1][0]
     room = max(last - first, 400.0)
     low, front = first - 0.8 * room, last + 0.45 * room
@@ -78,11 +73,11 @@ def _plan(machine: Machine) -> Iterator[Shape]:
         yield Polyline(f"{classes} station", ((at, top - 26.0), (at, _AXIS_Y + 6.0)), False, name)
         yield Text("heading", (at + 4.0, top - 16.0), name, 12.0)
         yield Text("figure", (at, _AXIS_Y + 20.0), f"X {x:g}", 10.0, "middle")
-    for row, said in enumerate(_said(machine)):
-        yield Text("figure", (_LEFT, _AXIS_Y + 42.0 + 15.0 * row), said, 10.0)
+    for row, text in enumerate(_saw_texts(machine)):
+        yield Text("figure", (_LEFT, _AXIS_Y + 42.0 + 15.0 * row), text, 10.0)
 
 
-def _said(machine: Machine) -> Iterator[str]:
+def _saw_texts(machine: Machine) -> Iterator[str]:
     """The signs and ranges of a saw, in words."""
     saw = machine.saw
     if saw is None:
@@ -153,7 +148,7 @@ def _spindle(one: HeldUp, profile: Profile, frame: PaperFrame) -> Iterator[Shape
     )
     left = tail[0] + 46.0 if oz >= 0 else tail[0] - 46.0
     top = tail[1] - 20.0
-    for row, said in enumerate(lines):
-        yield Text("heading" if row == 0 else "figure", (left, top + 15.0 * row), said, 10.0,
+    for row, text in enumerate(lines):
+        yield Text("heading" if row == 0 else "figure", (left, top + 15.0 * row), text, 10.0,
                    "start" if oz >= 0 else "end")  # fmt: skip
     yield Text("figure", (ends[1][0] + 5.0, ends[1][1] - 5.0), f"{spindle.across.axis}+", 10.0)

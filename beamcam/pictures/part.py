@@ -29,7 +29,7 @@ from beamcam.model.part import (
     TextMark,
 )
 from beamcam.pictures import features as shapes
-from beamcam.pictures.callouts import Callouts, callouts, size_letters, sizes_on
+from beamcam.pictures.callouts import called_on, size_letters, sizes_on
 from beamcam.pictures.features import cutting_planes, end_cuts, mitres
 from beamcam.pictures.scene import (
     LETTER,
@@ -45,10 +45,10 @@ from beamcam.pictures.scene import (
     shown,
 )
 from beamcam.pictures.views import (
+    FACES_DOWN,
     SIDE,
     WIDTH,
     Box,
-    Paper,
     View,
     datum,
     edges_of,
@@ -57,7 +57,6 @@ from beamcam.pictures.views import (
     guides,
     head_height,
     heading,
-    laid_out,
     legend,
     measured,
     titles,
@@ -79,30 +78,49 @@ Processes = Mapping[str, str]  #: of a machine, by colour or layer
 
 def part_scene(part: Part, unit: Unit = "mm", processes: Processes | None = None) -> Scene:
     """The faces of a part with all its features; a drawing by the processes of a machine."""
-    lines = [line for line in _head(part, unit) if line]
+    length = f"{shown(part.length, unit)} {unit} long" if part.length else ""
+    words = [length, f"{part.quantity} pieces" if part.quantity != 1 else "1 piece", part.grade]
+    names = [f"{name} {value}" for name, value in (("order", part.order),
+             ("drawing", part.drawing), ("phase", part.phase)) if value]  # fmt: skip
+    lines = [f"{part.mark or '(no mark)'}   {part.profile.name}".rstrip(),
+             ", ".join(filter(None, words)), *([", ".join(names)] if names else [])]  # fmt: skip
     views = tuple(view_of(part, face) for face in faces_of(part))
     section = _section(part.profile)
     top = max(head_height(lines), SECTION_HEAD if section else 0.0)
-    called = _called(part, views, laid_out(views, top), unit)
-    views = tuple(replace(view, above=called[view.name].above) for view in views)
-    paper = laid_out(views, top)
-    # Once more, as each face stands lower by the callouts above it.
-    called = _called(part, views, paper, unit)
-    drawn: list[Shape] = [*heading(lines), *section, *titles(views, paper)]
+    own = {view.name: [f for f in part.features if face_of(f) == view.name] for view in views}
+    sizes = {face: [*sizes_on(features), *mitres(part, face)] for face, features in own.items()}
+    views, bottom, called = called_on(
+        views, sizes, top, unit, size_letters(sizes.values()),
+        lambda view: _labels(own[view.name], part, view),
+    )  # fmt: skip
+    drawn: list[Shape] = [*heading(lines), *section, *titles(views)]
     for view in views:
-        drawn += _face(part, view, paper, processes, True)
+        drawn += _face(part, view, processes, True)
         drawn += called[view.name].shapes
-        drawn += figures(view, paper, unit)
+        drawn += figures(view, unit)
     last = max(views, key=lambda view: view.box[2] - view.box[0])
-    frame = paper.frames[last.name]
-    y = paper.bottom + 8.0
-    left, right = frame.at(last.box[0], 0.0)[0], frame.at(last.box[2], 0.0)[0]
+    y = bottom + 8.0
+    left, right = (last.frame.at(x, 0.0)[0] for x in (last.box[0], last.box[2]))
     drawn += measured((left, y), (right, y), last.box[2] - last.box[0], unit)
     left_out = sum(one.left for one in called.values())
-    notes = [f"lengths in {unit}", *_notes(part, left_out)]
+    notes = [f"lengths in {unit}"]
+    if left_out:
+        notes.append(f"{left_out} more sizes are not said here; `beamcam inspect` lists them")
+    if any(isinstance(f, Hole | Slot) and f.kind != "mark" for f in part.features):
+        notes.append("holes and slots go through their wall where no depth is said")
+    planes = sum(isinstance(f, EndPlane) and not f.normal[0] for f in part.features)
+    if planes:
+        notes.append(f"{planes} cutting planes along the part are not drawn")
+    notes.append(PurePath(part.source.file).name)
     notes += [row for view in views for row in unshown(view, unit)]
     y += 24.0
-    shapes_ = list(legend(_legend(drawn, part), y))
+    # Styles that occur and what they stand for; of a drawing its processes.
+    used = {shape.classes.split(" ", 1)[0] for shape in drawn}
+    rows = [(style, words) for style, words in LEGEND if style in used]
+    if part.measures is not None:
+        lines_of = dict.fromkeys(s.classes for s in drawn if " by-" in s.classes)
+        rows = [(classes.split()[0], classes.split("by-")[1]) for classes in lines_of]
+    shapes_ = list(legend(rows, y))
     y = max([y, *(s.points[0][1] for s in shapes_ if isinstance(s, Polyline))])
     drawn += shapes_
     drawn += footing(notes, y + 8.0)
@@ -111,27 +129,9 @@ def part_scene(part: Part, unit: Unit = "mm", processes: Processes | None = None
     return Scene(title, about, WIDTH, y + 20.0 + 13.0 * len(notes), tuple(drawn))
 
 
-def _called(part: Part, views: Sequence[View], paper: Paper, unit: Unit) -> dict[str, Callouts]:
-    """The callouts of each view, where nothing else lies."""
-    own = {view.name: [f for f in part.features if face_of(f) == view.name] for view in views}
-    sizes = {face: [*sizes_on(found), *mitres(part, face)] for face, found in own.items()}
-    letters = size_letters(sizes.values())
-    found = {}
-    for view in views:
-        frame = paper.frames[view.name]
-        (left, top), (right, bottom) = (
-            frame.at(x, y) for x, y in ((view.box[0], view.top), (view.box[2], view.bottom))
-        )
-        labels = _labels(own[view.name], part, view, frame)
-        found[view.name] = callouts(
-            sizes[view.name], letters, frame, (left, top, right, bottom), WIDTH - 8.0, labels, unit
-        )
-    return found
-
-
-def _labels(own: Sequence[Feature], part: Part, view: View, frame: PaperFrame) -> Labels:
+def _labels(own: Sequence[Feature], part: Part, view: View) -> Labels:
     """What lies on a face already: its features, its edges and its lines."""
-    labels = Labels()
+    labels, frame = Labels(), view.frame
     shapes_ = [s for f in own for s in shapes.feature_shapes(f, frame)]
     if view.name == "v" and part.measures is None:
         shapes_ += [*end_cuts(part, frame), *cutting_planes(part, frame)]
@@ -158,31 +158,9 @@ def small_scene(part: Part) -> Scene:
     scale = min(SMALL[0] / max(x1 - x0, 1.0), SMALL[1] / max(y1 - y0, 1.0))
     height = (y1 - y0) * scale + 4.0
     frame = PaperFrame(scale, 2.0 - x0 * scale, height - 2.0 + y0 * scale)
-    paper = Paper({"v": frame}, 0.0, height, scale)
-    shapes = [s for s in _face(part, view, paper) if not isinstance(s, Text)]
+    shapes = [s for s in _face(part, replace(view, frame=frame)) if not isinstance(s, Text)]
     bare = tuple(replace(s, tip="") for s in shapes[:MAX_SMALL_SHAPES])
     return Scene(part.mark or "part", "the web", SMALL[0] + 4.0, height, bare)
-
-
-def _head(part: Part, unit: Unit) -> Iterator[str]:
-    yield f"{part.mark or '(no mark)'}   {part.profile.name}".rstrip()
-    length = f"{shown(part.length, unit)} {unit} long" if part.length else ""
-    words = [length, f"{part.quantity} pieces" if part.quantity != 1 else "1 piece", part.grade]
-    yield ", ".join(word for word in words if word)
-    names = [f"{name} {value}" for name, value in (("order", part.order),
-             ("drawing", part.drawing), ("phase", part.phase)) if value]  # fmt: skip
-    yield ", ".join(names)
-
-
-def _notes(part: Part, left_out: int) -> Iterator[str]:
-    if left_out:
-        yield f"{left_out} more sizes are not said here; `beamcam inspect` lists them"
-    if any(isinstance(f, Hole | Slot) and f.kind != "mark" for f in part.features):
-        yield "holes and slots go through their wall where no depth is said"
-    planes = sum(isinstance(f, EndPlane) and not f.normal[0] for f in part.features)
-    if planes:
-        yield f"{planes} cutting planes along the part are not drawn"
-    yield PurePath(part.source.file).name
 
 
 def faces_of(part: Part) -> tuple[Face, ...]:
@@ -192,7 +170,7 @@ def faces_of(part: Part) -> tuple[Face, ...]:
     planes = [plane.name for plane in part.planes if plane.name in used]
     if part.measures is not None:  # a drawing
         faces = {"v"}
-    return (*(f for f in ("h", "o", "v", "u") if f in faces | used), *planes)
+    return (*(f for f in FACES_DOWN if f in faces | used), *planes)
 
 
 def face_of(feature: Feature) -> Face | None:
@@ -274,49 +252,36 @@ LEGEND = (
 )  # fmt: skip
 
 
-def _legend(drawn: Sequence[Shape], part: Part) -> list[tuple[str, str]]:
-    """Styles that occur and what they stand for; of a drawing its processes."""
-    if part.measures is not None:
-        return [(s.classes.split()[0], s.classes.split("by-")[1])
-                for s in {s.classes: s for s in drawn if " by-" in s.classes}.values()]  # fmt: skip
-    used = {shape.classes.split(" ", 1)[0] for shape in drawn}
-    return [(style, words) for style, words in LEGEND if style in used]
-
-
-def _drawn_line(contour: Contour, frame: PaperFrame, processes: Processes | None) -> Shape:
-    """A line of a drawing: nothing is filled, as the steel side is not known yet."""
-    process: str = contour.process
-    if processes is not None and (contour.layer, contour.colour) != (None, None):
-        process = process_of(contour, processes) or "ignored"  # type: ignore[arg-type]
-    if process in ("ignore", "ignored"):
-        return shapes.contour_line(contour, frame, "ignored", "ignored")
-    return shapes.contour_line(contour, frame, None, process)
-
-
 def _face(
-    part: Part, view: View, paper: Paper, processes: Processes | None = None,
-    is_measured: bool = False,
-) -> Iterator[Shape]:  # fmt: skip
+    part: Part, view: View, processes: Processes | None = None, is_measured: bool = False
+) -> Iterator[Shape]:
     """A face with its features, what is largest first so that nothing is hidden."""
-    face, frame = view.name, paper.frames[view.name]
+    face, frame = view.name, view.frame
     own = [f for f in part.features if face_of(f) == face]
     outlined = any(isinstance(f, Contour) and f.kind == "outer" for f in own)
     if not outlined and face in FACE_NAMES and part.measures is None:
-        yield Polyline("face", _outline(part, face, frame), True, f"face {face}")
+        (a, b), (c, d) = end_lines(part, face)
+        yield Polyline("face", frame.all((a, c, d, b)), True, f"face {face}")
     # Lines to dimensions lie on the steel and under what is made in it.
     layers = sorted(own, key=_depth)
     steel = [f for f in layers if _depth(f) == 0]
     if is_measured and not steel:
-        yield from guides(view, frame)
+        yield from guides(view)
     for feature in layers:
         if part.measures is not None and isinstance(feature, Contour):
-            yield _drawn_line(feature, frame, processes)
+            # A line of a drawing: nothing is filled, as the steel side is not known yet.
+            process: str | None = feature.process
+            if processes is not None and (feature.layer, feature.colour) != (None, None):
+                process = process_of(feature, processes)  # type: ignore[arg-type]
+            process = "ignored" if process in (None, "", "ignore") else process
+            style = process if process == "ignored" else None
+            yield shapes.contour_line(feature, frame, style, process)
         else:
             yield from shapes.feature_shapes(feature, frame)
         if is_measured and steel and feature is steel[-1]:
-            yield from guides(view, frame)
+            yield from guides(view)
     if is_measured:
-        yield from datum(view, frame)
+        yield from datum(view)
     if face == "v" and part.profile.code != "B":
         yield from end_cuts(part, frame)
     if face == "v":
@@ -327,11 +292,6 @@ def _depth(feature: Feature) -> int:
     if isinstance(feature, Contour):
         return {"outer": 0, "inner": 1, "open": 2}[feature.kind]
     return 4 if isinstance(feature, TextMark) else 3
-
-
-def _outline(part: Part, face: Face, frame: PaperFrame) -> tuple[Point, ...]:
-    (a, b), (c, d) = end_lines(part, face)
-    return frame.all((a, c, d, b))
 
 
 def _section(profile: Profile) -> Sequence[Shape]:

@@ -22,7 +22,7 @@ class Polyline(Struct, frozen=True):
     classes: str
     points: tuple[Point, ...]
     closed: bool = False
-    tip: str = ""  #: what it is, for whoever points at it
+    tip: str = ""  #: what it is, shown where one points at it
     line: int = 0  #: of the program that makes it; 0 where there is none
 
 
@@ -95,14 +95,12 @@ def shown(mm: float, unit: Unit = "mm") -> str:
     return "0" if text == "-0" else text
 
 
-def said(pieces: Pieces, unit: Unit = "mm") -> str:
+def as_text(pieces: Pieces, unit: Unit = "mm") -> str:
     """A text with the lengths among its words in a unit."""
     return "".join([one if isinstance(one, str) else shown(one, unit) for one in pieces])
 
 
-# --- styles ---------------------------------------------------------------------------------------
-
-# The styles of pictures: how a class of shapes is drawn, on paper and in the dark.
+# --- styles: how a class of shapes is drawn, on paper and in the dark -----------------------------
 
 
 class Style(Struct, frozen=True):
@@ -112,7 +110,7 @@ class Style(Struct, frozen=True):
     fill: str | None = None
     width: float = 1.0
     dash: tuple[float, ...] = ()
-    dark_stroke: str | None = None  #: on a dark page; as `stroke` where it is not said
+    dark_stroke: str | None = None  #: on a dark page; as `stroke` where there is none
     dark_fill: str | None = None
     bold: bool = False
 
@@ -221,10 +219,7 @@ def css(prefix: str = "", dark: bool = False) -> str:
     return "".join(lines)
 
 
-# --- labels ---------------------------------------------------------------------------------------
-
-# Places for small texts beside what they name, so that none lies over another.
-
+# --- labels: places for small texts beside what they name, so that none lies over another ---------
 
 Box = tuple[float, float, float, float]
 
@@ -279,14 +274,15 @@ class Labels:
                 x = at[0] + right * off - wide * (1 - right) / 2
                 y = at[1] + down * off + high * (1 + down) / 2
                 box = (x, y - high, x + wide, y)
-                if self._is_free(box) and suits(box):
+                about = (other for cell in _cells(box) for other in self._cells.get(cell, ()))
+                is_taken = any(
+                    box[0] < b[2] and b[0] < box[2] and box[1] < b[3] and b[1] < box[3]
+                    for b in chain(about, self._large)
+                )
+                if not is_taken and suits(box):
                     self.block(box)
                     return x, y
         return None
-
-    def _is_free(self, box: Box) -> bool:
-        near = (other for cell in _cells(box) for other in self._cells.get(cell, ()))
-        return not any(_overlap(box, other) for other in chain(near, self._large))
 
 
 def _cells(box: Box) -> Iterator[tuple[int, int]]:
@@ -297,10 +293,6 @@ def _cells(box: Box) -> Iterator[tuple[int, int]]:
 def is_in(a: Box, b: Box) -> bool:
     """Whether a box lies in another."""
     return b[0] <= a[0] and b[1] <= a[1] and a[2] <= b[2] and a[3] <= b[3]
-
-
-def _overlap(a: Box, b: Box) -> bool:
-    return a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3]
 
 
 def arrow(a: Point, b: Point, classes: str = "axis") -> Polyline:

@@ -6,12 +6,11 @@ picture in the upper right corner shows where the path lies within the limits of
 """
 
 from collections.abc import Iterator, Sequence
-from itertools import pairwise
 
 import numpy as np
 from msgspec import Struct
 
-from beamcam.geometry.array_types import Counts, Floats
+from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.geometry.curves import Line
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import ORIGINS
@@ -41,7 +40,7 @@ from beamcam.pictures.views import (
     measured,
 )
 from beamcam.recovery.paths import ring_of
-from beamcam.simulation.trace import Trace
+from beamcam.simulation.trace import Trace, runs
 
 SECONDS_PER_MINUTE = 60.0
 MIN_MOVE = 1e-6
@@ -69,12 +68,8 @@ class TableMade(Struct, frozen=True):
         """First interval, the one behind the last, and process of each start of a tool."""
         process = [state.process for state in self.trace.states]
         state = self.trace.state
-        edges = [0, *(np.flatnonzero(np.diff(state)) + 1).tolist(), len(state)]
-        return [
-            (a, b, process[int(state[a])])
-            for a, b in pairwise(edges)
-            if b > a and process[int(state[a])]
-        ]
+        each = [(a, b, process[int(state[a])]) for a, b in runs(state)]
+        return [stroke for stroke in each if stroke[2]]
 
     @property
     def speeds_mm_s(self) -> Floats:
@@ -97,14 +92,16 @@ def table_scene(table: TableMade, unit: Unit = "mm") -> Scene:
     low, high = places.min(axis=0), places.max(axis=0)
     box = (float(low[0]), float(low[1]), max(float(high[0]), float(low[0]) + 1.0),
            max(float(high[1]), float(low[1]) + 1.0))  # fmt: skip
-    lines = _head(table, len(strokes))
+    seconds = round(trace.duration_s)
+    took = f"{seconds // 60} min {seconds % 60:02d} s"
+    lines = [table.name, f"{table.machine.name}, {len(strokes)} paths, {took}"]
     limits = _limits(trace)
     sheet = sheet_of(table.machine)
     framed = _frame_of(box, sheet)
     least = TABLE_HEAD if limits else 0.0
     view = View("table", "", framed, tuple(_steps(framed, 0)), tuple(_steps(framed, 1)))
-    paper = laid_out((view,), max(head_height(lines) - 8.0, least - TITLE))
-    frame = paper.frames["table"]
+    (view,), y = laid_out((view,), max(head_height(lines) - 8.0, least - TITLE))
+    frame = view.frame
     speeds = table.speeds_mm_s
     on = np.zeros(len(trace.line), dtype=bool)
     for a, b, _ in strokes:
@@ -115,13 +112,14 @@ def table_scene(table: TableMade, unit: Unit = "mm") -> Scene:
     if limits:
         drawn += _overview(table.machine, limits, box, unit)
     drawn += _ground(framed, sheet, box, frame)
-    drawn += figures(view, paper, unit)
-    drawn += _rapids(trace, on, frame)
-    drawn += _leads(trace, strokes, frame)
-    drawn += _paths(trace, strokes, colours, frame)
+    drawn += figures(view, unit)
+    drawn += _path(trace, strokes, on, colours, frame)
     drawn += _pierces(trace, strokes, frame)
-    y = paper.bottom
-    drawn += _scale(frame, framed, y, unit)
+    # A bar of a round length at the right.
+    per_unit = 1.0 if unit == "mm" else MM_PER_INCH
+    length = _step((framed[2] - framed[0]) / per_unit) * per_unit
+    right = WIDTH - SIDE
+    drawn += measured((right - length * frame.scale, y), (right, y), length, unit)
     used = sorted({int(k) for k in colours[on & (speeds > 0.0)]})
     has_leads = any(shape.classes == "lead" for shape in drawn)
     drawn += _legend(fastest, used, has_leads, y + 24.0)
@@ -197,14 +195,11 @@ def _ground(framed: Box, sheet: Box | None, box: Box, frame: PaperFrame) -> Iter
     if sheet is not None:
         seen = [max(framed[0], sheet[0]), max(framed[1], sheet[1]), min(framed[2], sheet[2]),
                 min(framed[3], sheet[3])]  # fmt: skip
-        for a, b, at in ((0, 1, 0), (0, 1, 1), (2, 3, 0), (2, 3, 1)):
-            if at == 0 and seen[a] == sheet[a]:
-                ends = ((seen[a], seen[1]), (seen[a], seen[3]))
-            elif at == 1 and seen[b] == sheet[b]:
-                ends = ((seen[0], seen[b]), (seen[2], seen[b]))
-            else:
-                continue
-            yield Polyline("datum sheet-edge", frame.all(ends), False, "edge of the sheet")
+        for k in range(4):
+            across = ((seen[k], seen[1]), (seen[k], seen[3]))
+            ends = across if k % 2 == 0 else ((seen[0], seen[k]), (seen[2], seen[k]))
+            if seen[k] == sheet[k]:
+                yield Polyline("datum sheet-edge", frame.all(ends), False, "edge of the sheet")
     if framed[0] <= 0.0 <= framed[2] and framed[1] <= 0.0 <= framed[3]:
         (x, y), long = frame.at(0.0, 0.0), 40.0
         for (dx, dy), name in (((1, 0), "X"), ((0, -1), "Y")):
@@ -212,23 +207,6 @@ def _ground(framed: Box, sheet: Box | None, box: Box, frame: PaperFrame) -> Iter
             wings = [(tip[0] - 7 * dx + k * 4 * dy, tip[1] - 7 * dy + k * 4 * dx) for k in (1, -1)]
             yield Polyline("axis", ((x, y), tip, wings[0], tip, wings[1]))
             yield Text("heading", (tip[0] + 4 * dx + 3, tip[1] + 4 * dy - 3), name, 11.0)
-
-
-def _scale(frame: PaperFrame, framed: Box, y: float, unit: Unit) -> Iterator[Shape]:
-    """A bar of a round length at the right."""
-    length = _step(framed[2] - framed[0]) if unit == "mm" else 0.0
-    if unit == "inch":
-        length = _step((framed[2] - framed[0]) / MM_PER_INCH) * MM_PER_INCH
-    right = WIDTH - SIDE
-    yield from measured((right - length * frame.scale, y), (right, y), length, unit)
-
-
-def _head(table: TableMade, strokes: int) -> list[str]:
-    seconds = round(table.trace.duration_s)
-    return [
-        table.name,
-        f"{table.machine.name}, {strokes} paths, {seconds // 60} min {seconds % 60:02d} s",
-    ]
 
 
 def _limits(trace: Trace) -> Box | None:
@@ -269,19 +247,8 @@ def _corners(box: Box) -> tuple[tuple[float, float], ...]:
 def speed_classes(speeds: Floats, fastest: float) -> Counts:
     """The colour of each speed, 0 to 7 in equal steps up to the fastest with a tool on."""
     count = len(SPEED_COLOURS)
-    classes: Counts = np.clip(np.ceil(speeds / fastest * count - 1e-6) - 1, 0, count - 1).astype(
-        np.int64
-    )
-    return classes
-
-
-def _runs(values: Sequence[int]) -> Iterator[tuple[int, int]]:
-    """First and behind the last of each run of equal values."""
-    begin = 0
-    for k in range(1, len(values) + 1):
-        if k == len(values) or values[k] != values[begin]:
-            yield begin, k
-            begin = k
+    classes: Floats = np.clip(np.ceil(speeds / fastest * count - 1e-6) - 1, 0, count - 1)
+    return classes.astype(np.int64)
 
 
 def _drawn(
@@ -302,22 +269,25 @@ def _drawn(
     return frame.all(points.tolist())
 
 
-def _rapids(trace: Trace, on: Floats, frame: PaperFrame) -> Iterator[Polyline]:
-    for a, b in _runs(on.astype(int).tolist()):
-        if not on[a]:
-            points = _drawn(trace, a, b, frame)
-            if len(points) > 1:
-                yield Polyline("rapid", points, line=int(trace.line[a]))
-
-
-def _paths(
-    trace: Trace, strokes: Sequence[tuple[int, int, str]], colours: Counts, frame: PaperFrame
-) -> Iterator[Polyline]:
-    """The strokes, each in pieces of one colour."""
+def _path(
+    trace: Trace, strokes: Sequence[tuple[int, int, str]], on: Flags, colours: Counts,
+    frame: PaperFrame,
+) -> Iterator[Polyline]:  # fmt: skip
+    """Rapid moves, leads, and the strokes in pieces of one colour."""
+    rapids = [("rapid", a, b) for a, b in runs(on.astype(np.int64)) if not on[a]]
+    leads = [
+        ("lead", a, b) for first, last, process in strokes
+        if process not in ("mark", "engrave", "spot")  # a letter may begin beside a ring, as a 9
+        for a, b in lead_moves(trace, first, last, 0.02) if b > a
+    ]  # fmt: skip
+    for style, a, b in (*rapids, *leads):
+        points = _drawn(trace, a, b, frame)
+        if len(points) > 1:
+            yield Polyline(style, points, line=int(trace.line[a]))
     ways = np.hypot(*np.diff(trace.positions[:, :2], axis=0).T)
     for first, last, process in strokes:
-        moving = [k for k in range(first, last) if ways[k] > MIN_MOVE]
-        for a, b in _runs([int(colours[k]) for k in moving]):
+        moving = (first + np.flatnonzero(ways[first:last] > MIN_MOVE)).tolist()
+        for a, b in runs(colours[moving]):
             line = int(trace.line[moving[a]])
             points = _drawn(trace, moving[a], moving[b - 1] + 1, frame)
             yield Polyline(f"speed-{colours[moving[a]]} by-{process}", points, line=line)
@@ -334,18 +304,6 @@ def lead_moves(trace: Trace, first: int, last: int, near: float) -> list[tuple[i
         return []
     around = (first, first + moves[ring[0]]), (first + moves[ring[1] - 1] + 1, last)
     return [leads for a, b in around for leads in lead_moves(trace, a, b, near) or [(a, b)]]
-
-
-def _leads(
-    trace: Trace, strokes: Sequence[tuple[int, int, str]], frame: PaperFrame
-) -> Iterator[Polyline]:
-    for first, last, process in strokes:
-        if process in ("mark", "engrave", "spot"):
-            continue  # a letter may begin beside a ring, as a 9 does
-        for a, b in lead_moves(trace, first, last, 0.02):
-            points = _drawn(trace, a, b, frame) if b > a else ()
-            if len(points) > 1:
-                yield Polyline("lead", points, line=int(trace.line[a]))
 
 
 def _pierces(
@@ -368,7 +326,6 @@ def _pierces(
 
 
 def _legend(fastest: float, used: Sequence[int], has_leads: bool, y: float) -> Iterator[Shape]:
-    """The colours of the speeds that occur, and what else is drawn."""
     x = SIDE
     yield Text("label", (x, y + 4.0), "mm/min up to")
     x += 80.0

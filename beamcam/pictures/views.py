@@ -11,7 +11,9 @@ footing
 from collections.abc import Iterator, Sequence
 
 from msgspec import Struct
+from msgspec.structs import replace
 
+from beamcam.model.part import Face
 from beamcam.pictures.scene import PaperFrame, Point, Polyline, Shape, Text, Unit, shown
 
 WIDTH = 1000.0
@@ -39,6 +41,7 @@ Box = tuple[float, float, float, float]
 
 
 FLANGED = "IUCTLM"  #: sections whose faces meet at edges
+FACES_DOWN: tuple[Face, ...] = ("h", "o", "v", "u")  #: as they unfold, from the top of the paper
 #: The faces that the edges y = 0 and greatest y of a view lead to.
 BESIDE = {"v": ("u", "o"), "h": ("u", "o"), "o": ("h", "v"), "u": ("h", "v")}
 
@@ -60,6 +63,7 @@ class View(Struct, frozen=True):
     points: tuple[Point, ...] = ()  #: of holes, to which lines lead from their dimensions
     above: float = 0.0  #: pixels between the title and the face, for callouts
     edges: tuple[str, str] = ("", "")  #: faces that its lower and its upper edge of y lead to
+    frame: PaperFrame = PaperFrame(1.0, 0.0, 0.0)  #: where it stands, once it is laid out
 
     @property
     def top(self) -> float:
@@ -72,17 +76,8 @@ class View(Struct, frozen=True):
         return self.box[3] if self.down else self.box[1]
 
 
-class Paper(Struct, frozen=True):
-    """Layout of the views."""
-
-    frames: dict[str, PaperFrame]
-    top: float  #: of the first view's title
-    bottom: float  #: below the figures of the last view
-    scale: float
-
-
-def laid_out(views: Sequence[View], top: float) -> Paper:
-    """The frames of views below `top`, as large as the paper allows, all at one scale."""
+def laid_out(views: Sequence[View], top: float) -> tuple[tuple[View, ...], float]:
+    """Views below `top`, as large as the paper allows, all at one scale; and y below the last."""
     length = max(v.box[2] for v in views) - min(v.box[0] for v in views)
     heights = sum(v.box[3] - v.box[1] for v in views)
     scale = (WIDTH - 2 * SIDE) / (length or 1.0)
@@ -93,18 +88,17 @@ def laid_out(views: Sequence[View], top: float) -> Paper:
         scale = most / heights
     first = min(v.box[0] for v in views)
     left = SIDE - first * scale
-    frames: dict[str, PaperFrame] = {}
-    y = top
+    placed, y = [], top
     for view in views:
         high = (view.box[3] - view.box[1]) * scale
         # Figures of y may need more height than the face has.
         y += max(0.0, FIGURE_SIZE * len(distinct(view.heights)) - high - FIGURES - TITLE) / 2
         y += TITLE + view.above + high
         base = y - view.bottom * scale if view.down else y + view.bottom * scale
-        frames[view.name] = PaperFrame(scale, left, base, view.down)
+        placed.append(replace(view, frame=PaperFrame(scale, left, base, view.down)))
         y += (FIGURES if view.places else 0.0) + GAP
         y += TWO_ROWS if len(distinct(view.places)) > ONE_ROW else 0.0
-    return Paper(frames, top, y, scale)
+    return tuple(placed), y
 
 
 def heading(lines: Sequence[str], x: float = SIDE) -> Iterator[Text]:
@@ -119,19 +113,19 @@ def head_height(lines: Sequence[str]) -> float:
     return 26.0 + len(lines) * HEAD_LINE
 
 
-def titles(views: Sequence[View], paper: Paper) -> Iterator[Text]:
+def titles(views: Sequence[View]) -> Iterator[Text]:
     """The names of the views, each above its upper left corner."""
     for view in views:
-        x, y = paper.frames[view.name].at(view.box[0], view.top)
+        x, y = view.frame.at(view.box[0], view.top)
         yield Text("label", (x, y - 17.0 - view.above), view.title)
 
 
-def figures(view: View, paper: Paper, unit: Unit, offset: float = 0.0) -> Iterator[Shape]:
+def figures(view: View, unit: Unit, offset: float = 0.0) -> Iterator[Shape]:
     """The dimensions of a view: each place along x at a line of its own, each y at the left.
 
     `offset` is taken off the figures, not off the places.
     """
-    frame = paper.frames[view.name]
+    frame = view.frame
     base = frame.at(0.0, view.bottom)[1]
     places = distinct(view.places, unit)
     rows = 1 if len(places) <= ONE_ROW else 2
@@ -164,13 +158,13 @@ def distinct(places: Sequence[float], unit: Unit = "mm") -> list[float]:
     return values
 
 
-def guides(view: View, frame: PaperFrame) -> Iterator[Polyline]:
+def guides(view: View) -> Iterator[Polyline]:
     """A pale line from each dimension through all holes that it is for, to the last of them."""
-    left, base = frame.at(view.box[0], view.bottom)
+    left, base = view.frame.at(view.box[0], view.bottom)
     columns: dict[float, float] = {}
     rows: dict[float, float] = {}
     for x, y in view.points:
-        px, py = frame.at(x, y)
+        px, py = view.frame.at(x, y)
         columns[px] = min(columns.get(px, base), py)
         rows[py] = max(rows.get(py, left), px)
     for x, top in columns.items():
@@ -179,9 +173,9 @@ def guides(view: View, frame: PaperFrame) -> Iterator[Polyline]:
         yield Polyline("guide", ((left, y), (right, y)))
 
 
-def datum(view: View, frame: PaperFrame) -> Iterator[Shape]:
+def datum(view: View) -> Iterator[Shape]:
     """Where a face is measured from: the edge y = 0, x = 0, and the faces beside its edges."""
-    x0, y0, x1, y1 = view.box
+    (x0, y0, x1, y1), frame = view.box, view.frame
     if not (x0 <= NEAR_ZERO and y0 <= NEAR_ZERO and x1 > 0.0 and y1 > 0.0):
         return  # a drawing away from its zero
     (ax, ay), (bx, _) = frame.at(x0, 0.0), frame.at(x1, 0.0)
@@ -200,12 +194,12 @@ def datum(view: View, frame: PaperFrame) -> Iterator[Shape]:
             yield Text("figure", (at[0] + 4.0, at[1] + 3.0), f"to {face}", 9.0)
 
 
-def unshown(view: View, unit: Unit, offset: float = 0.0) -> Iterator[str]:
+def unshown(view: View, unit: Unit) -> Iterator[str]:
     """All places along x of a view that has more of them than there is room for, as a list."""
     places = distinct(view.places, unit)
     if len(places) > MOST:
         for k in range(0, len(places), LISTED):
-            figures_ = ", ".join(shown(x - offset, unit) for x in places[k : k + LISTED])
+            figures_ = ", ".join(shown(x, unit) for x in places[k : k + LISTED])
             yield f"x on {view.name}: {figures_}"
 
 

@@ -7,7 +7,7 @@ page; ZPL II for Zebra printers, whose own codes are used (commands ^BQ and ^BX)
 import codecs
 import io
 import json
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import groupby
 from typing import Literal
 
@@ -80,13 +80,17 @@ class LabelSize(Struct, frozen=True):
 
 def as_pdf(labels: Iterable[Label], size: LabelSize, code: Code = "qr") -> bytes:
     """A page for each label; the same labels give the same bytes. Raises ImportError."""
+    from reportlab.pdfbase import pdfmetrics
+    from reportlab.pdfbase.ttfonts import TTFont
     from reportlab.pdfgen.canvas import Canvas
 
     out = io.BytesIO()
     canvas = Canvas(out, (size.width * MM, size.height * MM), invariant=1)
     canvas.setTitle("Labels")
     canvas.setCreator("beamcam")
-    font = _font()
+    # A letter that is not in this font of reportlab is a box; the code has it all.
+    pdfmetrics.registerFont(TTFont("Vera", "Vera.ttf"))
+    font = "Vera"
     codes: dict[str, str] = {}
     for label in labels:
         canvas.scale(MM, MM)
@@ -120,15 +124,6 @@ def code_fault(label: Label, code: Code, source: Source) -> Diagnostic | None:
     return CODE.at(source, found=size, expected=MOST_BYTES[code])
 
 
-def _font() -> str:
-    """A font that comes with reportlab; a letter that it lacks is a box, the code has it all."""
-    from reportlab.pdfbase import pdfmetrics
-    from reportlab.pdfbase.ttfonts import TTFont
-
-    pdfmetrics.registerFont(TTFont("Vera", "Vera.ttf"))
-    return "Vera"
-
-
 def _fitting(text: str, font: str, high: float, width: float) -> float:
     """The size of letters, mm, by which a text is at most `width` mm long."""
     from reportlab.pdfbase.pdfmetrics import stringWidth
@@ -152,7 +147,12 @@ def _draw_code(canvas: object, rows: Sequence[Sequence[int]], size: LabelSize) -
 def code_rows(text: str, code: Code = "qr") -> tuple[tuple[int, ...], ...]:
     """The modules of a text's code, its quiet zone left to the label. Raises ImportError."""
     if code == "datamatrix":
-        return datamatrix_rows(text)
+        from ppf.datamatrix import DataMatrix
+
+        matrix = DataMatrix(text)
+        if not text.isascii():
+            matrix.codecs = [UTF_8_CODEC]
+        return tuple(map(tuple, matrix.matrix))
     import segno
 
     return tuple(map(tuple, segno.make_qr(text, error="m").matrix))
@@ -197,18 +197,15 @@ def _zpl(label: Label, size: LabelSize, code: Code) -> str:
         _field(margin, round((first + k * size.line) * DOTS), 0.8 * size.line, text)
         for k, text in enumerate(label.lines[:MAX_LINES])
     )
-    fields.append(f"^FO{x},{y}{_zpl_code(label.code, size, code)}^FS")
-    return "\n".join([*fields, "^XZ"]) + "\n"
-
-
-def _zpl_code(text: str, size: LabelSize, code: Code) -> str:
-    """The printer's own code, in dots a module."""
-    dots = size.code * DOTS
+    dots, content = size.code * DOTS, _escaped(label.code)
     if code == "qr":
-        return f"^BQN,2,{max(1, min(10, round(dots / 33)))}^FH^FDMA,{_escaped(text)}"
-    # The last value is the sign that the printer's own escapes begin with: one that is not there.
-    escape = next(sign for sign in "~|#@$" if sign not in text)
-    return f"^BXN,{max(1, min(20, round(dots / 24)))},200,,,6,{escape}^FH^FD{_escaped(text)}"
+        field = f"^BQN,2,{max(1, min(10, round(dots / 33)))}^FH^FDMA,{content}"
+    else:
+        # The last value is the sign that the printer's own escapes begin with: one that is not
+        # there.
+        escape = next(sign for sign in "~|#@$" if sign not in label.code)
+        field = f"^BXN,{max(1, min(20, round(dots / 24)))},200,,,6,{escape}^FH^FD{content}"
+    return "\n".join([*fields, f"^FO{x},{y}{field}^FS", "^XZ"]) + "\n"
 
 
 def _field(x: int, y: int, high: float, text: str) -> str:
@@ -218,20 +215,14 @@ def _field(x: int, y: int, high: float, text: str) -> str:
 
 def _escaped(text: str) -> str:
     """A text for a field after ^FH: what the printer obeys, and all but ASCII, as hex digits."""
-    return "".join(_escapes(text))
+    return "".join(
+        chr(byte) if 32 <= byte < 127 and chr(byte) not in "^~_,\\" else f"_{byte:02X}"
+        for byte in text.encode("utf-8")
+    )
 
 
-def _escapes(text: str) -> Iterator[str]:
-    for byte in text.encode("utf-8"):
-        sign = chr(byte)
-        plain = 32 <= byte < 127 and sign not in "^~_,\\"
-        yield sign if plain else f"_{byte:02X}"
+# --- modules of a DataMatrix code (ISO/IEC 16022), by ppf.datamatrix ------------------------------
 
-
-# --- datamatrix -----------------------------------------------------------------------------------
-
-# The modules of a DataMatrix code (ISO/IEC 16022), by ppf.datamatrix.
-#
 # That library has codecs for ASCII alone. A text with other letters goes as bytes of UTF-8 in base
 # 256, behind the word that says so (ECI 26).
 
@@ -239,16 +230,6 @@ def _escapes(text: str) -> Iterator[str]:
 ECI, UTF_8, BASE_256 = 241, 27, 231  #: codewords; ECI numbers are written one higher
 SHORT = 249  #: bytes up to which one codeword says how many there are
 UTF_8_CODEC = "datamatrix.utf8"
-
-
-def datamatrix_rows(text: str) -> tuple[tuple[int, ...], ...]:
-    """The modules of a square code, its quiet zone left to the label. Raises ImportError."""
-    from ppf.datamatrix import DataMatrix
-
-    code = DataMatrix(text)
-    if not text.isascii():
-        code.codecs = [UTF_8_CODEC]
-    return tuple(map(tuple, code.matrix))
 
 
 def _in_utf_8(text: str, errors: str = "strict") -> tuple[bytes, int]:
@@ -264,10 +245,5 @@ def _in_utf_8(text: str, errors: str = "strict") -> tuple[bytes, int]:
     return bytes([*begun, *words]), len(text)
 
 
-def _found(name: str) -> codecs.CodecInfo | None:
-    if name != UTF_8_CODEC:
-        return None
-    return codecs.CodecInfo(_in_utf_8, codecs.utf_8_decode, name=UTF_8_CODEC)
-
-
-codecs.register(_found)
+_CODEC = codecs.CodecInfo(_in_utf_8, codecs.utf_8_decode, name=UTF_8_CODEC)
+codecs.register({UTF_8_CODEC: _CODEC}.get)

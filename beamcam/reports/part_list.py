@@ -23,16 +23,14 @@ from beamcam.model.section import (
 from beamcam.planning.manual_list import MARK_ROWS, manual_rows
 from beamcam.reports.tables import Cell, Table
 
-# --- weights --------------------------------------------------------------------------------------
+# --- weights: finished, gross, by the catalogue and by a file's header ----------------------------
 
-# Weights of a part: finished, gross, by the catalogue and by its file's header.
-#
 # Finished is what the crane lifts: holes, slots and cut-outs are taken off. Where holes and slots
 # are all that a bar has that takes their areas by the thickness of their wall; of skew ends and
 # copes, whose walls overlap, the solid says it. Gross is what is bought.
 
 
-DIFFERS = 0.05  #: share by which a weight of the catalogue or the header differs that is told
+DIFFERS = 0.05  #: share by which a weight of the catalogue or the header that is shown differs
 #: Sections whose holes go through more than the wall of their face.
 ROUND = ("RO", "RU")
 
@@ -131,7 +129,9 @@ def _needs_solid(part: Part) -> bool:
     """Whether more than holes and slots, each alone in its wall, takes of the gross weight."""
     cuts = [f for f in part.features if isinstance(f, Contour) and f.process == "cut"]
     holes = [f for f in part.features if isinstance(f, Hole | Slot) and f.kind != "mark"]
-    if any(isinstance(f, EndPlane) for f in part.features) or _is_nested(holes):
+    # Two at one place: a countersink and its hole, or a hole that came twice.
+    nested = len({(round(hole.x, 2), round(hole.y, 2)) for hole in holes}) < len(holes)
+    if any(isinstance(f, EndPlane) for f in part.features) or nested:
         return True
     angles = part.cuts
     skew = any((angles.web_start, angles.web_end, angles.flange_start, angles.flange_end))
@@ -140,11 +140,6 @@ def _needs_solid(part: Part) -> bool:
         outlines = {c.face for c in single_contours(part) if c.kind == "outer"}
         return on_edge or skew or len(outlines) > 1 or any(c.bevels for c in cuts)
     return bool(cuts) or skew or (part.profile.code in ROUND and bool(holes))
-
-
-def _is_nested(holes: Sequence[Hole | Slot]) -> bool:
-    """Whether two of them have one place: a countersink and its hole, or a hole that came twice."""
-    return len({(round(hole.x, 2), round(hole.y, 2)) for hole in holes}) < len(holes)
 
 
 def _taken(feature: Hole | Slot, part: Part) -> float:
@@ -253,7 +248,8 @@ def total_row(table: Table) -> tuple[Cell, ...]:
 def bar_list(bars: Sequence[CutBar]) -> Table:
     """A row for each bar, with its account: pieces, kerfs and trims, and remnant, all in mm."""
     rows = tuple(
-        (number, *_section(bar), bar.machine, bar.length, len(bar.pieces), _steel(bar), bar.cuts,
+        (number, bar.pieces[0].part.profile.name, bar.pieces[0].part.grade, bar.machine,
+         bar.length, len(bar.pieces), _steel(bar), bar.cuts,
          bar.remnant, 100 * _steel(bar) / bar.length)
         for number, bar in enumerate(bars, 1)
     )  # fmt: skip
@@ -274,8 +270,3 @@ def cutting_list(bars: Sequence[CutBar]) -> Table:
         for place, piece in enumerate(bar.pieces, 1)
     )  # fmt: skip
     return Table("cutting list", CUTS, rows, (None, None, None, None, None, 3, 3, None, None))
-
-
-def _section(bar: CutBar) -> tuple[str, str]:
-    part = bar.pieces[0].part
-    return part.profile.name, part.grade

@@ -5,8 +5,8 @@ The rows are plain data, so that they pass between processes and into a report a
 
 import csv
 import io
+import json
 from collections import Counter
-from collections import Counter as Tally
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, Literal, TypedDict
 
@@ -26,7 +26,7 @@ Status = Literal["posted", "unchanged", "refused", "failed"]
 STATUSES: tuple[Status, ...] = ("posted", "unchanged", "refused", "failed")
 
 
-#: How the ledger calls what is missing though nobody allowed it by name: what the map of colours
+#: How the ledger calls what is missing though it was not allowed by name: what the map of colours
 #: and layers ignores, and what is too small to be cut.
 NOT_BY_NAME = ("map-ignore", "plan-tiny")
 
@@ -130,7 +130,7 @@ class Counts(Struct):
     failed: int = 0
     left_out: int = 0  #: features that --allow-skips let be missing from programs
     by_hand: int = 0  #: marks left for manual work
-    mapped: Tally[str] = field(default_factory=Tally)  #: curves by key of the map
+    mapped: Counter[str] = field(default_factory=Counter)  #: curves by key of the map
 
     def add(self, row: FileRow) -> None:
         """Count one file, and what its programs leave out."""
@@ -181,9 +181,7 @@ def dumped(data: object) -> bytes:
     """`data` as JSON on one line, in UTF-8 even where a file's name is not."""
     try:
         return msgspec.json.encode(data)
-    except UnicodeEncodeError:
-        import json  # slower, and knows what to do with such a name
-
+    except UnicodeEncodeError:  # json is slower, and knows what to do with such a name
         return encoded(json.dumps(data, ensure_ascii=False, separators=(",", ":")))
 
 
@@ -192,8 +190,6 @@ def loaded(line: bytes) -> Any:
     try:
         return msgspec.json.decode(line)
     except msgspec.DecodeError:
-        import json
-
         return json.loads(line)
 
 
@@ -206,8 +202,6 @@ def as_json(
     rows: Iterable[FileRow], counts: Counts, messages: Iterable[Message]
 ) -> Iterator[bytes]:
     """The report as JSON, piece by piece: a row a line, so that rows are found by line too."""
-    import json
-
     head = {status: getattr(counts, status) for status in STATUSES}
     yield encoded(
         f'{{"schema": "{SCHEMA}", "counts": {json.dumps(head)}, '
@@ -220,9 +214,7 @@ def as_json(
     yield b"\n]}\n"
 
 
-# --- ledger ---------------------------------------------------------------------------------------
-
-# The ledger of a part's features as a line of text.
+# --- ledger of a part's features as a line of text ------------------------------------------------
 
 
 def ledger_of(outcomes: Iterable[Outcome]) -> str:
@@ -250,9 +242,7 @@ def ledger_line(ledger: Ledger, skipped_by: Mapping[str, int]) -> str:
     return f"{ledger['read']} read = {' + '.join(words) or '0 made'}{shown}"
 
 
-# --- run table ------------------------------------------------------------------------------------
-
-# The account of a run as CSV: a row for each part, and one for each file that has none.
+# --- CSV: a row for each part, and one for each file that has none --------------------------------
 
 
 HEAD = (
@@ -269,25 +259,20 @@ def as_csv(rows: Iterable[FileRow], counts: Counts, messages: Iterable[Message])
     for row in rows:
         file = (row["file"], row["status"], row["format"], f"{row['seconds']:.4f}")
         severities = [m["severity"] for m in row["messages"]]
-        weights = tuple(severities.count(kind) for kind in ("error", "warning", "note"))
+        counts_ = [severities.count(kind) for kind in SEVERITIES]
         text = " | ".join(message_line(m, file=False) for m in row["messages"])
-        parts = [_cells(part) for part in row["parts"]] or [("",) * len(_CELLS)]
-        for number, cells in enumerate(parts):
-            # What is said of a file stands in its first row, so that sums over a column hold.
-            yield _line((*file, *cells, *(weights if number == 0 else (0, 0, 0)),
-                         text if number == 0 else ""))  # fmt: skip
+        for cells in [_cells(part) for part in row["parts"]] or [NO_PART]:
+            yield _line((*file, *cells, *counts_, text))
+            # Messages of a file stand in its first row, so that sums over a column hold.
+            counts_, text = [0, 0, 0], ""
     for message in messages:
-        severity = message["severity"]
-        weights = tuple(int(severity == kind) for kind in ("error", "warning", "note"))
-        yield _line(
-            (
-                message["file"], "", "", "", *("",) * len(_CELLS), *weights,
-                message_line(message, file=False),
-            )
-        )  # fmt: skip
+        counts_ = [int(message["severity"] == kind) for kind in SEVERITIES]
+        text = message_line(message, file=False)
+        yield _line((message["file"], "", "", "", *NO_PART, *counts_, text))
 
 
-_CELLS = HEAD[4:23]
+SEVERITIES = ("error", "warning", "note")
+NO_PART = ("",) * 19  #: the cells of a part, from its mark to its machine time
 
 
 def _cells(part: PartRow) -> tuple[object, ...]:

@@ -61,19 +61,18 @@ def as_html(
     pieces = template("reports", "run").stream(
         counts={"": str(counts)} | {status: getattr(counts, status) for status in STATUSES},
         statuses=STATUSES, said=messages, totals=totals, whole=whole, columns=COLUMNS,
-        rows=_refused_first(read), style=as_it_stands(style),
+        rows=(row for first in (True, False) for row in read()
+              if (row["status"] in REFUSED) is first),
+        style=as_it_stands(style),
         static=lambda name: static_text("reports", name), message=message_line, ledger=ledger_line,
-        file=_broken, machine_time_s=_machine_time_s, quote=quote,
+        file=_broken, machine_time_s=lambda row: sum(
+            (p["machine_time_s"] or 0.0) * p["quantity"] / p["pieces"] for p in row["parts"]),
+         quote=quote,
         extras=lambda output: extras_of.get(output, Extra()),
         picture=lambda extra: as_it_stands(extra.picture),
     )  # fmt: skip
     pieces.enable_buffering(100)
     yield from map(encoded, pieces)
-
-
-def _refused_first(read: Callable[[], Iterable[FileRow]]) -> Iterator[FileRow]:
-    for first in (True, False):
-        yield from (row for row in read() if (row["status"] in REFUSED) is first)
 
 
 def _totals(rows: Iterable[FileRow]) -> tuple[dict[str, Total], Total]:
@@ -95,13 +94,6 @@ def _totals(rows: Iterable[FileRow]) -> tuple[dict[str, Total], Total]:
         sum(t.pieces for t in totals.values()) - passed_on, sum(t.stock for t in totals.values()),
     )  # fmt: skip
     return totals, whole
-
-
-def _machine_time_s(row: FileRow) -> float:
-    """Of all pieces of a file's parts."""
-    return sum(
-        (part["machine_time_s"] or 0.0) * part["quantity"] / part["pieces"] for part in row["parts"]
-    )
 
 
 def _broken(path: str) -> "Markup":

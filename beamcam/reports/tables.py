@@ -11,7 +11,7 @@ from msgspec import Struct
 from beamcam.errors import Diagnostic, Severity
 from beamcam.geometry.plane import join_boxes
 from beamcam.model.lengths import total_length
-from beamcam.model.part import Bend, Camber, Contour, EndPlane, Hole, Part, Slot
+from beamcam.model.part import Bend, Camber, EndPlane, Part
 from beamcam.plain_text import harmless_cell, json_text, terminal_text
 
 if TYPE_CHECKING:
@@ -57,10 +57,11 @@ def as_lines(tables: Iterable[Table]) -> Iterator[tuple[str, bool]]:
         filled = [not rows or any(row[k] not in (None, "") for row in rows)
                   for k in range(len(table.head))]  # fmt: skip
         columns = [
-            (head, [_shown(row[k]) for row in rows], _is_numeric([row[k] for row in rows]))
+            (head, [_shown(row[k]) for row in rows],
+             bool(rows) and all(row[k] is None or isinstance(row[k], int | float) for row in rows))
             for k, head in enumerate(table.head)
             if filled[k]
-        ]
+        ]  # fmt: skip
         widths = [max(map(len, (head, *cells))) for head, cells, _ in columns]
         for at in range(-1, len(rows)):
             cells = (
@@ -69,10 +70,6 @@ def as_lines(tables: Iterable[Table]) -> Iterator[tuple[str, bool]]:
                 for text in (head if at < 0 else shown[at],)
             )
             yield ("  " + "  ".join(cells)).rstrip(), at in table.marked
-
-
-def _is_numeric(column: Sequence[Cell]) -> bool:
-    return bool(column) and all(isinstance(c, int | float) or c is None for c in column)
 
 
 def _shown(cell: Cell) -> str:
@@ -150,10 +147,7 @@ def _without_time(data: bytes) -> bytes:
     return out.getvalue()
 
 
-# --- part table -----------------------------------------------------------------------------------
-
-# A part as a table for people.
-
+# --- a part as a table for people -----------------------------------------------------------------
 
 Row = tuple[str, ...]
 
@@ -187,20 +181,20 @@ def _stock(part: Part) -> Iterator[str]:
 
 def _features(part: Part) -> Iterator[str]:
     tables: list[tuple[str, Sequence[str], list[Row]]] = [
-        ("holes", ("face", "x", "y", "diameter", "kind", "depth"), _holes(part.holes)),
-        ("slots", ("face", "x", "y", "diameter", "length", "height", "angle"), _slots(part.slots)),
-        (
-            "contours",
-            ("face", "kind", "process", "curves", "length", "box"),
-            _contours(part.contours),
-        ),
-        (
-            "texts",
-            ("face", "x", "y", "height", "text"),
-            [(t.face, f"{t.x:g}", f"{t.y:g}", f"{t.height:g}", t.text) for t in part.texts],
-        ),
+        ("holes", ("face", "x", "y", "diameter", "kind", "depth"), [
+            (h.face, f"{h.x:g}", f"{h.y:g}", f"{h.diameter:g}", h.kind,
+             "" if h.depth is None else f"{h.depth:g}") for h in part.holes]),
+        ("slots", ("face", "x", "y", "diameter", "length", "height", "angle"), [
+            (s.face, *(f"{v:g}" for v in (s.x, s.y, s.diameter, s.length, s.height, s.angle)))
+            for s in part.slots]),
+        ("contours", ("face", "kind", "process", "curves", "length", "box"), [
+            (c.face, c.kind, c.process, str(len(c.curves)), f"{total_length(c.curves):.2f}",
+             " ".join(f"{v:g}" for v in join_boxes([curve.bbox for curve in c.curves]) or ()))
+            for c in part.contours]),
+        ("texts", ("face", "x", "y", "height", "text"), [
+            (t.face, f"{t.x:g}", f"{t.y:g}", f"{t.height:g}", t.text) for t in part.texts]),
         ("others", ("what", "where"), list(_others(part))),
-    ]
+    ]  # fmt: skip
     for title, head, rows in tables:
         if rows:
             yield f"  {title} ({len(rows)})"
@@ -216,29 +210,6 @@ def aligned(rows: Sequence[Row], indent: str = "    ") -> Iterator[str]:
         yield indent + "  ".join(cells).rstrip()
 
 
-def _holes(holes: Iterable[Hole]) -> list[Row]:
-    return [
-        (h.face, f"{h.x:g}", f"{h.y:g}", f"{h.diameter:g}", h.kind,
-         "" if h.depth is None else f"{h.depth:g}")
-        for h in holes
-    ]  # fmt: skip
-
-
-def _slots(slots: Iterable[Slot]) -> list[Row]:
-    return [
-        (s.face, *(f"{v:g}" for v in (s.x, s.y, s.diameter, s.length, s.height, s.angle)))
-        for s in slots
-    ]
-
-
-def _contours(contours: Iterable[Contour]) -> list[Row]:
-    return [
-        (c.face, c.kind, c.process, str(len(c.curves)), f"{total_length(c.curves):.2f}",
-         " ".join(f"{v:g}" for v in join_boxes([curve.bbox for curve in c.curves]) or ()))
-        for c in contours
-    ]  # fmt: skip
-
-
 def _others(part: Part) -> Iterator[Row]:
     for feature in part.features:
         match feature:
@@ -252,10 +223,7 @@ def _others(part: Part) -> Iterator[Row]:
         yield f"plane {plane.name}", f"origin {plane.origin}"
 
 
-# --- member table ---------------------------------------------------------------------------------
-
-# The members of a building model, a line each.
-
+# --- members of a building model, a line each -----------------------------------------------------
 
 HEAD: Row = ("mark", "profile", "length", "holes", "slots", "guid", "verdict")
 

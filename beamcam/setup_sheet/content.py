@@ -8,7 +8,7 @@ y   o   height + (width - Z)      the flange above v, its edge beside v at the h
 of a tube that turns the way round its surface, from the middle of its lowest line towards v
 """
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import PurePath
 from typing import Literal
 
@@ -23,9 +23,9 @@ from beamcam.machine.coper import Coper
 from beamcam.model.part import Part
 from beamcam.model.plan import AnyPlan, Plan, clock
 from beamcam.model.rounds import rolled
+from beamcam.pictures import ReadProgram
 from beamcam.pictures.bar_made import BarMade
-from beamcam.pictures.coper import CoperProgram, part_of, strokes_of
-from beamcam.pictures.program import ReadProgram
+from beamcam.pictures.coper import part_of, strokes_of
 from beamcam.pictures.scene import Scene, Unit
 from beamcam.pictures.table import TableMade
 from beamcam.planning.manual_list import ManualRow, manual_rows
@@ -38,7 +38,7 @@ from beamcam.simulation.trace import Trace, TraceAxis
 ROUND = TraceAxis("round the bar", "mm", has_encoder=False)
 
 
-def coper_made(program: CoperProgram, trace: Trace) -> TableMade:
+def coper_made(program: ReadProgram, trace: Trace) -> TableMade:
     """The way of the torch as that of a head over a table: along the bar, and round it.
 
     Raises VerifyError where the section is not known.
@@ -80,7 +80,7 @@ def _round(positions: Floats, part: Part, coper: Coper) -> Floats:
     return sizes
 
 
-def coper_operations(program: CoperProgram, made: TableMade) -> tuple[SheetOperation, ...]:
+def coper_operations(program: ReadProgram, made: TableMade) -> tuple[SheetOperation, ...]:
     """The cuts with the faces that they are on; X is the machine's."""
     part = part_of(program)
     strokes = strokes_of(program, part)
@@ -121,11 +121,7 @@ def bar_totals(operations: Sequence[SheetOperation], trace: Trace) -> tuple[Tota
 
 def table_totals(table: TableMade) -> tuple[Total, ...]:
     """Times and lengths of a table by process, and of the ways between with nothing on."""
-    return tuple(_table(table))
-
-
-def _table(table: TableMade) -> Iterator[Total]:
-    trace = table.trace
+    trace, totals = table.trace, []
     lasts = np.diff(trace.time_s)
     ways = np.hypot(*np.diff(trace.positions[:, :2], axis=0).T)
     process = [state.process for state in trace.states]
@@ -134,11 +130,12 @@ def _table(table: TableMade) -> Iterator[Total]:
         own = of == name
         count = sum(p == name for _, _, p in table.strokes)
         on = float(lasts[own].sum())
-        yield Total(name, count, on, on, float(ways[own].sum()))
+        totals.append(Total(name, count, on, on, float(ways[own].sum())))
     off = of == ""
-    yield Total("travel", None, 0.0, float(lasts[off].sum()), float(ways[off].sum()))
-    on = float(lasts[~off].sum())
-    yield Total("together", len(table.strokes), on, trace.duration_s, float(ways.sum()))
+    on, length = float(lasts[~off].sum()), float(ways.sum())
+    travel = Total("travel", None, 0.0, float(lasts[off].sum()), float(ways[off].sum()))
+    together = Total("together", len(table.strokes), on, trace.duration_s, length)
+    return (*totals, travel, together)
 
 
 LEFT_OUT = ("plan-left-out", "verify-left-out")
@@ -153,7 +150,7 @@ class ToolRow(Struct, frozen=True):
 
 
 class BarStretch(Struct, frozen=True):
-    """A stretch of the bar."""
+    """A piece of the bar, a trim or the remnant."""
 
     what: str
     start: float
@@ -191,7 +188,7 @@ class SheetSources(Struct, frozen=True):
     program: ReadProgram
     plan: AnyPlan | None = None  #: of a program that was posted just now
     diagnostics: tuple[Diagnostic, ...] = ()  #: by readers and the planner
-    found: tuple[Diagnostic, ...] = ()  #: by the read-back
+    read_back: tuple[Diagnostic, ...] = ()  #: what is wrong by it
     compared: bool = True  #: with the parts, if there are any
     settings: tuple[tuple[str, str], ...] = ()  #: rows of the header about where they come from
 
@@ -201,7 +198,7 @@ def content_of(source: SheetSources, unit: Unit = "mm") -> SheetContent:
     from beamcam.pictures.bar import bar_scene
     from beamcam.pictures.coper import coper_scene
     from beamcam.pictures.part import part_scene
-    from beamcam.pictures.program import bar_made, coper_program, table_made
+    from beamcam.pictures.program import bar_made, table_made
     from beamcam.pictures.table import table_scene
 
     program = source.program
@@ -219,13 +216,18 @@ def content_of(source: SheetSources, unit: Unit = "mm") -> SheetContent:
         operations = operations_of(made, trace)
         totals = bar_totals(operations, trace)
         tools = _bar_tools(source, operations)
-        bar = tuple(_stretches(made))
+        bar = tuple(
+            BarStretch(piece.mark or piece.kind, start, end)
+            for piece in made.pieces()
+            if piece.kind != "remnant" or made.bar is not None  # else its end is not known
+            for start, end in (made.extent(piece),)
+            if end - start > machine.format.resolution
+        )
     elif machine.stock == "profile":
-        known = coper_program(program)
-        made = coper_made(known, trace)
+        made = coper_made(program, trace)
         trace = made.trace
-        scene = coper_scene(known, unit)
-        operations = coper_operations(known, made)
+        scene = coper_scene(program, unit)
+        operations = coper_operations(program, made)
         totals = table_totals(made)
         tools = (ToolRow("torch", "", "cut"),)
     else:
@@ -235,15 +237,16 @@ def content_of(source: SheetSources, unit: Unit = "mm") -> SheetContent:
         totals = table_totals(made)
         tools = tuple(ToolRow("head", "", p) for p in dict.fromkeys(o.what for o in operations))
     run = run_warnings(trace, machine, done.section, program.name)
-    messages = tuple(map(_without_folder, (*source.diagnostics, *source.found, *run)))
+    messages = tuple(  # without folders, so that they are the same in each
+        replace(d, source=replace(d.source, file=PurePath(d.source.file).name))
+        for d in (*source.diagnostics, *source.read_back, *run)
+    )
     verdict: Literal["made", "alone", "wrong"] = "made" if program.parts else "alone"
-    if errors_in(source.found) or not source.compared:
+    if errors_in(source.read_back) or not source.compared:
         verdict = "wrong"
     return SheetContent(
         program, made, unit, trace, (*_header(program, trace), *source.settings), (scene, *drawn),
-        operations,
-        totals,
-        tools, bar,
+        operations, totals, tools, bar,
         tuple(f"{d.source}: {d.message}" for d in messages if d.code in LEFT_OUT),
         tuple(manual_rows(source.plan)) if source.plan is not None else (),
         tuple(d for d in messages if d.severity is not Severity.NOTE or d.code not in LEFT_OUT),
@@ -252,22 +255,18 @@ def content_of(source: SheetSources, unit: Unit = "mm") -> SheetContent:
     )  # fmt: skip
 
 
-def _without_folder(diagnostic: Diagnostic) -> Diagnostic:
-    """A message that is the same in each folder."""
-    return replace(
-        diagnostic, source=replace(diagnostic.source, file=PurePath(diagnostic.source.file).name)
-    )
-
-
 def _header(program: ReadProgram, trace: Trace) -> Sequence[tuple[str, str]]:
-    """The lines of the header, empty ones left out."""
     parts = program.parts
+    quantities = []  #: that this program makes, of those that are required
+    for part in dict.fromkeys(parts):
+        here = sum(1 for p in parts if p == part)
+        quantities.append(f"{part.mark or 'part'}: {here} of {max(part.quantity, here)}")
     rows = [
         ("Program", program.name), ("Machine", f"{program.machine.name}: {program.machine.title}"),
         ("Mark", _joined(p.mark for p in parts)), ("Order", _joined(p.order for p in parts)),
         ("Drawing", _joined(p.drawing for p in parts)),
         ("Section", _joined(p.profile.name for p in parts)),
-        ("Grade", _joined(p.grade for p in parts)), ("Quantity", _quantities(parts)),
+        ("Grade", _joined(p.grade for p in parts)), ("Quantity", ", ".join(quantities)),
         ("Machine time", clock(trace.duration_s)),
     ]  # fmt: skip
     return [(label, value) for label, value in rows if value]
@@ -277,15 +276,6 @@ def _joined(values: Iterable[str]) -> str:
     return ", ".join(dict.fromkeys(v for v in values if v))
 
 
-def _quantities(parts: Sequence[Part]) -> str:
-    """Required quantity, and the quantity that this program makes."""
-    rows = []
-    for part in dict.fromkeys(parts):
-        here = sum(1 for p in parts if p == part)
-        rows.append(f"{part.mark or 'part'}: {here} of {max(part.quantity, here)}")
-    return ", ".join(rows)
-
-
 def _bar_tools(source: SheetSources, operations: Sequence[SheetOperation]) -> tuple[ToolRow, ...]:
     """The tools by station as the plan loads them; by spindle alone where no plan is known."""
     machine = source.program.machine
@@ -293,7 +283,8 @@ def _bar_tools(source: SheetSources, operations: Sequence[SheetOperation]) -> tu
         from beamcam.planning.order import tool_loads
 
         return tuple(
-            ToolRow(load.spindle, _station(load.station, load.before, load.out is not None),
+            ToolRow(load.spindle, str(load.station) if load.out is None else
+                    f"{load.station}, changed manually before operation {load.before + 1}",
                     load.tool.name)
             for load in tool_loads(source.plan.operations, machine)
         )  # fmt: skip
@@ -304,17 +295,3 @@ def _bar_tools(source: SheetSources, operations: Sequence[SheetOperation]) -> tu
     order = list(dict.fromkeys([*names.values(), *(where for where, _ in tools)]))
     rows = sorted(tools, key=lambda row: order.index(row[0]))
     return tuple(ToolRow(where, "", tool) for where, tool in rows)
-
-
-def _station(station: int, before: int, changed: bool) -> str:
-    return f"{station}, changed manually before operation {before + 1}" if changed else str(station)
-
-
-def _stretches(made: BarMade) -> Iterator[BarStretch]:
-    """Trims, parts and remnant, each from its first to its last corner."""
-    for piece in made.pieces():
-        start, end = made.extent(piece)
-        if piece.kind == "remnant" and made.bar is None:
-            continue  # nobody knows where it ends
-        if end - start > made.machine.format.resolution:
-            yield BarStretch(piece.mark or piece.kind, start, end)

@@ -6,7 +6,7 @@ from itertools import accumulate, pairwise
 import numpy as np
 from msgspec import Struct
 
-from beamcam.checks.bars.stations import Bore, Cut, StampedText, Thing
+from beamcam.checks.bars.stations import Bore, Cut, MachinedPath, StampedText, Thing
 from beamcam.geometry.array_types import Counts, Flags
 from beamcam.pictures.bar import order_numbers
 from beamcam.pictures.bar_made import BarMade
@@ -53,31 +53,27 @@ def _operation(
     number: int, ops: Sequence[Thing], seconds: float, depths: SteelDepths
 ) -> SheetOperation:
     op = ops[0]
+    faces = tuple(o.face for o in ops if not isinstance(o, Cut))
+    x, y = op.points[0] if isinstance(op, MachinedPath) else (op.x, getattr(op, "y", None))
+    feed = speed = length = depth = None
+    is_through = False
     if isinstance(op, Cut):
         tilt = f", tilt {op.tilt:g}" if op.tilt else ""
-        what = f"saw cut {op.angle:g}\N{DEGREE SIGN}{tilt}"
-        return SheetOperation(
-            number, op.line, what, "", (), op.x, None, None, op.feed_mm_min or None, None, seconds
-        )
-    faces = tuple(o.face for o in ops if not isinstance(o, Cut))
-    if isinstance(op, StampedText):
-        what = f"{op.kind} {op.text!r}, {op.height:g} high"
-        return SheetOperation(
-            number, op.line, what, op.kind, faces, op.x, op.y, None, None, None, seconds
-        )
-    tool = f"{op.kind} {op.diameter:g}"
-    depth = depths.of(op)
-    is_through = depth is None
-    if isinstance(op, Bore):
-        return SheetOperation(
-            number, op.line, tool, tool, faces, op.x, op.y, depth, op.feed_mm_min or None,
-            op.speed_rpm or None, seconds, None, is_through,
-        )  # fmt: skip
-    x, y = op.points[0]
-    length = sum(float(np.hypot(b[0] - a[0], b[1] - a[1])) for a, b in pairwise(op.points))
+        what, tool, feed = f"saw cut {op.angle:g}\N{DEGREE SIGN}{tilt}", "", op.feed_mm_min
+    elif isinstance(op, StampedText):
+        what, tool = f"{op.kind} {op.text!r}, {op.height:g} high", op.kind
+    else:
+        what = tool = f"{op.kind} {op.diameter:g}"
+        depth, feed = depths.of(op), op.feed_mm_min
+        is_through = depth is None
+        if isinstance(op, Bore):
+            speed = op.speed_rpm
+        else:
+            what += " path"
+            length = sum(float(np.hypot(b[0] - a[0], b[1] - a[1])) for a, b in pairwise(op.points))
     return SheetOperation(
-        number, op.line, f"{tool} path", tool, faces, x, y, depth, op.feed_mm_min or None, None,
-        seconds, length, is_through,
+        number, op.line, what, tool, faces, x, y, depth, feed or None, speed or None, seconds,
+        length, is_through,
     )  # fmt: skip
 
 
@@ -100,21 +96,14 @@ def _ends(trace: Trace, lines: Sequence[int]) -> list[float]:
         used: Flags = np.any(moves[own], axis=0)
         at = int(own[-1]) + 1
         setup = setups[int(trace.state[own[-1]])]
-        while at < len(trace.line) and not _is_other(trace, moves, used, setups, setup, at):
+        while at < len(trace.line):
+            state, before = (trace.states[int(trace.state[k])] for k in (at, at - 1))
+            is_other = (moves[at] & ~used).any() or setups[int(trace.state[at])] != setup
+            if is_other or (state.sawing and not before.sawing):
+                break
             at += 1
         ends.append(float(trace.time_s[at]))
     return list(accumulate(ends, max))
-
-
-def _is_other(
-    trace: Trace, moves: Flags, used: Flags, setups: Sequence[tuple[int, float]],
-    setup: tuple[int, float], at: int,
-) -> bool:  # fmt: skip
-    """Whether an interval belongs to another operation than the one that used some axes."""
-    state = trace.states[int(trace.state[at])]
-    starts_saw = state.sawing and not trace.states[int(trace.state[at - 1])].sawing
-    other = setups[int(trace.state[at])] != setup
-    return bool((moves[at] & ~used).any()) or other or starts_saw
 
 
 def table_operations(table: TableMade) -> tuple[SheetOperation, ...]:

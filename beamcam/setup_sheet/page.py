@@ -6,14 +6,13 @@ header, verdict, hash -> playback with the program's text -> pictures -> operati
 from typing import Any
 
 from beamcam.checks.rules import MANUAL_WORK
-from beamcam.pictures.bar_made import BarMade
 from beamcam.pictures.formats import inline_svg
 from beamcam.pictures.scene import SPEED_COLOURS, css
 from beamcam.planning.coping.rules import ROUNDED
 from beamcam.reports.run import as_message, message_line
 from beamcam.reports.templates import as_it_stands, static_text, template
 from beamcam.setup_sheet.content import SheetContent
-from beamcam.setup_sheet.playback import as_script, bar_data, table_data
+from beamcam.setup_sheet.playback import as_script, playback_data
 from beamcam.setup_sheet.solid_data import CHORDS, solids_of
 from beamcam.setup_sheet.tables import manual_work, tables_of
 
@@ -32,7 +31,7 @@ def page(name: str, **values: object) -> str:
     return template("setup_sheet", name).render(
         values, style=_style, script=_script, picture=lambda s: as_it_stands(inline_svg(s)),
         data=lambda value: as_it_stands(as_script(value)),
-        message=lambda said: message_line(as_message(said)),
+        message=lambda one: message_line(as_message(one)),
     )  # fmt: skip
 
 
@@ -79,20 +78,24 @@ def verdict_of(content: SheetContent) -> str:
         return VERDICTS[content.verdict]
     codes = {diagnostic.code for diagnostic in content.messages}
     manual_work = content.left_out or content.hand or MANUAL_WORK.code in codes
-    lacking = ["what is left for manual work"] if manual_work else []
+    missing = ["what is left for manual work"] if manual_work else []
     # Whether a coper had sharp corners to round is known from a plan only.
     is_coped = content.program.machine.coper is not None and not content.ledger
     if ROUNDED.code in codes or is_coped:
-        lacking.append("corners that are cut round")
-    if not lacking:
+        missing.append("corners that are cut round")
+    if not missing:
         return VERDICTS["made"]
-    return f"Read back: the program makes these parts, but for {' and '.join(lacking)}."
+    return f"Read back: the program makes these parts, but for {' and '.join(missing)}."
 
 
 def setup_page(content: SheetContent) -> str:
     """The page; the same program gives the same bytes."""
     program = content.program
     solids = solids_of(program, content.made)
+    operations = [
+        {"number": op.number, "line": op.line, "what": op.what, "faces": ", ".join(op.faces)}
+        for op in content.operations
+    ]
     # The heading has the program's name already. Long rows stand below the others.
     header = [(label, value, label in LONG_ROWS)
               for label, value in content.header if label != "Program"]  # fmt: skip
@@ -102,19 +105,9 @@ def setup_page(content: SheetContent) -> str:
         said=content.messages, hand=manual_work(content), tables=list(tables_of(content)),
         views=VIEWS[program.machine.stock], is_bar=program.machine.stock == "beam",
         solids=solids, is_coarse=solids.chord > CHORDS[0],
-        playback=playback_data(content), text=program_data(program.data),
+        playback=playback_data(content.made, content.trace) | {"operations": operations},
+        text=program_data(program.data),
     )  # fmt: skip
-
-
-def playback_data(content: SheetContent) -> dict[str, Any]:
-    """The trace with what it moves."""
-    made = content.made
-    data = bar_data(made, content.trace) if isinstance(made, BarMade) else table_data(made)
-    operations = [
-        {"number": op.number, "line": op.line, "what": op.what, "faces": ", ".join(op.faces)}
-        for op in content.operations
-    ]
-    return data | {"operations": operations}
 
 
 def program_data(data: bytes) -> dict[str, Any]:

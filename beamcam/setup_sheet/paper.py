@@ -4,7 +4,7 @@ The same program gives the same bytes.
 """
 
 import io
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from html import escape
 from typing import Any
 
@@ -59,7 +59,6 @@ def setup_pdf(content: SheetContent, paper: Paper = "a4") -> bytes:
 
 
 def _story(content: SheetContent, paper: Paper) -> Iterator[Any]:
-    """Contents of the pages, in order."""
     from reportlab.platypus import Spacer
 
     program = content.program
@@ -115,10 +114,26 @@ def _still(still: Still, wide: float, mark: str) -> Any:
     """A shaded picture as wide as it is given, with its letters and its mark."""
     from PIL import Image
     from reportlab.lib.utils import ImageReader
-    from reportlab.platypus import Flowable
 
     rows, columns, _ = still.pixels.shape
     high = wide * rows / columns
+
+    def draw(canvas: Any) -> None:
+        canvas.drawImage(ImageReader(Image.fromarray(still.pixels)), 0, 0, wide, high)
+        canvas.setFont("Helvetica-Bold", BODY)
+        for letter, x, y in still.letters:
+            canvas.setFillColor("#ffffff")
+            canvas.circle(x * wide, high - y * high, 0.8 * BODY, stroke=1, fill=1)
+            canvas.setFillColor("#1c2530")
+            canvas.drawCentredString(x * wide, high - y * high - 0.35 * BODY, letter)
+        canvas.drawString(0, high - BODY, _letters(mark))
+
+    return _flowable(wide, high, draw)
+
+
+def _flowable(wide: float, high: float, draw: Callable[[Any], None]) -> Any:
+    """A picture of a size, in points, that stands where the text has come to."""
+    from reportlab.platypus import Flowable
 
     class Picture(Flowable):  # type: ignore[misc]
         def __init__(self) -> None:
@@ -126,67 +141,54 @@ def _still(still: Still, wide: float, mark: str) -> Any:
             self.width, self.height = wide, high
 
         def draw(self) -> None:
-            self.canv.drawImage(ImageReader(Image.fromarray(still.pixels)), 0, 0, wide, high)
-            self.canv.setFont("Helvetica-Bold", BODY)
-            for letter, x, y in still.letters:
-                self.canv.setFillColor("#ffffff")
-                self.canv.circle(x * wide, high - y * high, 0.8 * BODY, stroke=1, fill=1)
-                self.canv.setFillColor("#1c2530")
-                self.canv.drawCentredString(x * wide, high - y * high - 0.35 * BODY, letter)
-            self.canv.drawString(0, high - BODY, _letters(mark))
+            draw(self.canv)
 
     return Picture()
 
 
 def _printed(table: SheetTable, unit: Unit) -> Iterator[Any]:
-    """A table as data, on paper."""
     if not table.rows:  # a program that does nothing
         return
     units = {"length": unit, "rate": f"{unit}/min"}
     heads = [", ".join(filter(None, (c.head, units.get(c.kind, c.unit)))) for c in table.columns]
-    rows = [
-        [_cell(value, column, unit) for value, column in zip(row, table.columns, strict=True)]
-        for row in table.rows
-    ]
+
+    def text(value: Cell, column: Column) -> str:
+        if value is None or isinstance(value, str):
+            return value or ""
+        if column.kind in ("length", "rate"):
+            return shown(value, unit)
+        return f"{value:.1f}" if column.kind == "seconds" else f"{value:g}"
+
+    rows = [list(map(text, row, table.columns)) for row in table.rows]
     right = [k for k, column in enumerate(table.columns) if column.is_number]
     yield _table([heads, *rows], [column.wide for column in table.columns], right, True)
     if table.more:
         yield _text(f"{table.more} more {table.noun} are not listed.")
 
 
-def _cell(value: Cell, column: Column, unit: Unit) -> str:
-    if value is None or isinstance(value, str):
-        return value or ""
-    if column.kind in ("length", "rate"):
-        return shown(value, unit)
-    return f"{value:.1f}" if column.kind == "seconds" else f"{value:g}"
-
-
 def _letters(text: str) -> str:
     return plain_letters(terminal_text(text))
 
 
-def _text(text: str, size: float = BODY, colour: str = "#1c2530", bold: bool = False) -> Any:
+def _paragraph(text: str, name: str, **style: Any) -> Any:
     from reportlab.lib.styles import ParagraphStyle
     from reportlab.platypus import Paragraph
 
-    font = "Helvetica-Bold" if bold else "Helvetica"
-    style = ParagraphStyle(
-        "text", fontName=font, fontSize=size, leading=size * 1.3, textColor=colour,
-        splitLongWords=1, spaceAfter=1,
+    return Paragraph(escape(_letters(text)), ParagraphStyle(name, **style))
+
+
+def _text(text: str, size: float = BODY, colour: str = "#1c2530", bold: bool = False) -> Any:
+    return _paragraph(
+        text, "text", fontName="Helvetica-Bold" if bold else "Helvetica", fontSize=size,
+        leading=size * 1.3, textColor=colour, splitLongWords=1, spaceAfter=1,
     )  # fmt: skip
-    return Paragraph(escape(_letters(text)), style)
 
 
 def _title(text: str) -> Any:
-    from reportlab.lib.styles import ParagraphStyle
-    from reportlab.platypus import Paragraph
-
-    style = ParagraphStyle(
-        "title", fontName="Helvetica-Bold", fontSize=11, leading=14, spaceBefore=8, spaceAfter=3,
-        keepWithNext=1,
+    return _paragraph(
+        text, "title", fontName="Helvetica-Bold", fontSize=11, leading=14, spaceBefore=8,
+        spaceAfter=3, keepWithNext=1,
     )  # fmt: skip
-    return Paragraph(escape(_letters(text)), style)
 
 
 def _table(
@@ -215,17 +217,9 @@ def _table(
 
 def _picture(scene: Scene, paper: Paper) -> Any:
     """A picture as wide as the page, or as high as what it leaves."""
-    from reportlab.platypus import Flowable
-
     high, wide = (side - 2 * MARGIN for side in SIZES[paper])
     scale = min(wide / scene.width, (high - FOOT) / scene.height, largest(paper))
-
-    class Picture(Flowable):  # type: ignore[misc]
-        def __init__(self) -> None:
-            super().__init__()
-            self.width, self.height = scene.width * scale, scene.height * scale
-
-        def draw(self) -> None:
-            draw_scene(self.canv, scene, 0.0, self.height, scale)
-
-    return Picture()
+    height = scene.height * scale
+    return _flowable(
+        scene.width * scale, height, lambda canvas: draw_scene(canvas, scene, 0.0, height, scale)
+    )

@@ -10,23 +10,21 @@ Numbers of the trace are whole and count from the one before, so that a long one
 """
 
 import json
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from msgspec.structs import replace
 
-from beamcam.checks.bars.stations import StampedText
 from beamcam.geometry.array_types import Counts
 from beamcam.geometry.plane import unit_vector
 from beamcam.machine.machine import Machine, text_x
 from beamcam.machine.stations import Formula, Spindle
 from beamcam.model.part import Profile
-from beamcam.pictures.bar_made import BarMade
+from beamcam.pictures.bar_made import BarMade, DrawnPiece
 from beamcam.pictures.features import section_outlines
 from beamcam.pictures.table import TableMade, speed_classes
 from beamcam.plain_text import json_text
-from beamcam.simulation.trace import Trace
+from beamcam.simulation.trace import Trace, runs
 
 MICROSECONDS = 1e6
 STEP = 1e-3  #: of positions in a page, mm or degrees
@@ -47,7 +45,7 @@ def trace_data(trace: Trace) -> dict[str, Any]:
         "p": [_squeezed(column) for column in np.diff(places, axis=0).T],
         "s": [0 if pair == [1000, 1000] else pair for pair in slopes.tolist()],
         "l": np.diff(trace.line, prepend=0).tolist(),
-        "o": _runs(trace.state),
+        "o": [[int(trace.state[a]), b - a] for a, b in runs(trace.state)],
         "states": [
             {name: getattr(state, name) for name in state.__struct_fields__}
             for state in trace.states
@@ -71,11 +69,6 @@ def _squeezed(column: Counts) -> list[Any]:
     return values
 
 
-def _runs(states: Counts) -> list[list[int]]:
-    edges = [0, *(np.flatnonzero(np.diff(states)) + 1).tolist(), len(states)]
-    return [[int(states[a]), b - a] for a, b in pairwise(edges) if b > a]
-
-
 def cell_data(machine: Machine, profile: Profile, end: float) -> dict[str, Any]:
     """The stations of a cell for a page, about a bar of that section that ends at bar x `end`."""
     drill_x = machine.drill.x if machine.drill else 0.0
@@ -88,7 +81,9 @@ def cell_data(machine: Machine, profile: Profile, end: float) -> dict[str, Any]:
         "kind": "bar",
         "section": {
             "height": profile.height, "width": profile.width, "assumed": not is_known,
-            "outlines": section_outlines(profile) or [_box(profile)],
+            "outlines": section_outlines(profile) or [
+                ((0.0, 0.0), (profile.width, 0.0), (profile.width, profile.height),
+                 (0.0, profile.height))],
         },
         "bar": end,
         "drill": -drill_x,
@@ -103,18 +98,19 @@ def cell_data(machine: Machine, profile: Profile, end: float) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def bar_data(bar: BarMade, trace: Trace) -> dict[str, Any]:
-    """A bar's program for a page: the cell, the pieces, what is made at which line, the trace."""
-    return {**bar_made_data(bar), "trace": trace_data(trace)}
-
-
 def bar_made_data(bar: BarMade) -> dict[str, Any]:
     """A bar's program without its times."""
     machine, made, profile = bar.machine, bar.made, bar.profile
     drill_x = machine.drill.x if machine.drill else 0.0
+    trails: list[tuple[Any, Any, float]] = [(t, t.points, drill_x) for t in made.paths]
+    for text in made.texts:  # the line that its characters stand on
+        long = machine.marks.pitch * text.height * len(text.text)
+        c, s = unit_vector(text.angle)
+        x = text.x - text_x(machine)
+        trails.append((text, ((x, text.y), (x + long * c, text.y + long * s)), 0.0))
     return {
         **cell_data(machine, profile, bar.end),
-        "pieces": [_piece(bar, k) for k in range(len(bar.pieces()))],
+        "pieces": [_piece(bar, piece) for piece in bar.pieces()],
         "cuts": [
             {"line": p.cut.line, "x": [_rounded(bar.x_on(p, f, y)) for f in "vuo"
              for y in (0.0, profile.face_width(f))]}
@@ -125,43 +121,24 @@ def bar_made_data(bar: BarMade) -> dict[str, Any]:
              "d": b.diameter} for b in made.bores
         ],
         "trails": [
-            {"line": t.line, "face": t.face,
-             "points": [[_rounded(x - drill_x), _rounded(y)] for x, y in t.points]}
-            for t in made.paths
-        ] + [
-            {"line": t.line, "face": t.face, "points": _underline(t, machine)} for t in made.texts
+            {"line": t.line, "face": t.face, "points": [[_rounded(x - off), _rounded(y)]
+                                                        for x, y in points]}
+            for t, points, off in trails
         ],
     }  # fmt: skip
-
-
-def _underline(text: StampedText, machine: Machine) -> list[list[float]]:
-    """The line that the characters of a text stand on."""
-    x, long = text.x - text_x(machine), machine.marks.pitch * text.height * len(text.text)
-    c, s = unit_vector(text.angle)
-    ends = ((x, text.y), (x + long * c, text.y + long * s))
-    return [[_rounded(a), _rounded(b)] for a, b in ends]
 
 
 def _rounded(value: float) -> float:
     return round(value, 3)
 
 
-def _box(profile: Profile) -> tuple[tuple[float, float], ...]:
-    w, h = profile.width, profile.height
-    return (0.0, 0.0), (w, 0.0), (w, h), (0.0, h)
-
-
 def _axis(machine: Machine, moves: str, spindle: int | None) -> int | None:
-    """The number of an axis in the trace."""
-    for k, axis in enumerate(machine.axes):
-        if axis.moves == moves and axis.spindle == spindle:
-            return k
-    return None
+    axes: list[tuple[str, int | None]] = [(a.moves, a.spindle) for a in machine.axes]
+    return axes.index((moves, spindle)) if (moves, spindle) in axes else None
 
 
-def _piece(bar: BarMade, index: int) -> dict[str, Any]:
-    """A stretch of the bar by its eight corners: both ends on the edges of the section."""
-    piece = bar.pieces()[index]
+def _piece(bar: BarMade, piece: DrawnPiece) -> dict[str, Any]:
+    """A piece of the bar by its eight corners: both ends on the edges of the section."""
     height, width = bar.profile.height, bar.profile.width
     corners = [(y, z) for y in (0.0, height) for z in (0.0, width)]
     saw = bar.machine.saw
@@ -204,17 +181,19 @@ def _inverse(formula: Formula, values: dict[str, float], name: str) -> tuple[flo
     return (-zero / slope, 1.0 / slope) if slope else (0.0, 0.0)
 
 
-def table_data(table: TableMade) -> dict[str, Any]:
-    """A table's program for a page; each interval has the colour of its speed."""
-    trace = table.trace
-    speeds = table.speeds_mm_s
+def playback_data(made: BarMade | TableMade, trace: Trace) -> dict[str, Any]:
+    """A program for a page: what moves, and the trace; of a table the colours of its speeds."""
+    if isinstance(made, BarMade):
+        return {**bar_made_data(made), "trace": trace_data(trace)}
+    trace, speeds = made.trace, made.speeds_mm_s
     on = np.array([bool(state.process) for state in trace.states])[trace.state]
     fastest = float(speeds[on].max(initial=0.0)) or 1.0
+    classes = speed_classes(speeds, fastest)
     return {
         "kind": "table",
         "trace": trace_data(trace),
         "fastest": fastest,
-        "colours": _runs(speed_classes(speeds, fastest)),
+        "colours": [[int(classes[a]), b - a] for a, b in runs(classes)],
     }
 
 

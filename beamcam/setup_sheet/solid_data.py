@@ -29,10 +29,11 @@ from beamcam.machine.machine import Machine
 from beamcam.machine.tables import TABLE_CONTROLLERS
 from beamcam.machine.torch import material_said
 from beamcam.model.part import Part, Profile
+from beamcam.pictures import ReadProgram
 from beamcam.pictures.bar_made import BarMade
 from beamcam.pictures.coper import part_of
-from beamcam.pictures.program import ReadProgram, coper_program
 from beamcam.pictures.table import TableMade
+from beamcam.simulation.trace import runs
 from beamcam.solid.bar_solid import bar_pieces, lying, points_of, said_of_section, work_of
 from beamcam.solid.coper_solid import burns_of, stock_of, taken_by
 from beamcam.solid.copers import as_tube
@@ -127,7 +128,11 @@ def sheet_meshes(
     pieces = [
         one
         for k, one in enumerate(free)
-        if not any(j != k and _is_slug(one, free[j], whole[j]) for j in range(len(free)))
+        # What falls out of a hole of another is none.
+        for at in (one.representative_point(),)
+        if not any(
+            j != k and whole[j].contains(at) and not free[j].contains(at) for j in range(len(free))
+        )
     ]
     tree = STRtree([one for _, one in cuts])
     line_of = np.array([line for line, _ in cuts], dtype=np.int64)
@@ -143,12 +148,6 @@ def sheet_meshes(
             lines[walls] = line_of[tree.nearest(points(middles[:, :2]))]
         meshes.append(Mesh(mesh.points, mesh.triangles, lines))
     return meshes
-
-
-def _is_slug(piece: Any, other: Any, whole: Any) -> bool:
-    """Whether a piece falls out of a hole of another."""
-    at = piece.representative_point()
-    return bool(whole.contains(at) and not other.contains(at))
 
 
 LIMIT = 280_000  #: characters of a page that a solid may take
@@ -172,18 +171,21 @@ def solids_of(program: ReadProgram, made: BarMade | TableMade) -> Solids:
     """The pieces of a program as a solid. Circles have as many sides as there is room for."""
     faces = "vouh" if isinstance(made, BarMade) else "v"
     if program.machine.stock == "profile":
-        faces = "v" if part_of(coper_program(program)).profile.code in ("RO", "B") else "vouh"
+        faces = "v" if part_of(program).profile.code in ("RO", "B") else "vouh"
     without = _too_much(program, made)
     if without:
         return Solids((), faces, without=without)
     pieces: tuple[dict[str, Any], ...] = ()
+    # Which chord is tried first: machining a solid again and again takes its time.
+    bores = made.made.bores if isinstance(made, BarMade) else ()
+    sides = (sum(facets(bore.diameter / 2, chord) for bore in bores) for chord in CHORDS)
+    first = next((k for k, n in enumerate(sides) if n * CHARACTERS <= LIMIT), len(CHORDS) - 1)
     try:
-        for chord in CHORDS[_first(made) :]:
-            solids = (
-                _bar(program, made, chord)
-                if isinstance(made, BarMade)
-                else [("part", name, mesh) for name, mesh in _torched(program, made, chord)]
-            )
+        for chord in CHORDS[first:]:
+            if isinstance(made, BarMade):
+                solids = _bar(program, made, chord)
+            else:
+                solids = _torched(program, made, chord)
             pieces = tuple(_packed(*one) for one in solids)
             if len(json.dumps(pieces)) <= LIMIT:
                 stock = "bar" if program.machine.stock == "profile" else "sheet"
@@ -193,17 +195,6 @@ def solids_of(program: ReadProgram, made: BarMade | TableMade) -> Solids:
         return Solids((), faces, without="; ".join(d.message for d in error.diagnostics))
     size = len(json.dumps(pieces)) / 1000
     return Solids((), faces, without=f"it would take {size:.0f} kB; a page holds {LIMIT // 1000}")
-
-
-def _first(made: BarMade | TableMade) -> int:
-    """Which chord is tried first: machining a solid again and again takes its time."""
-    if not isinstance(made, BarMade):
-        return 0
-    for k, chord in enumerate(CHORDS):
-        sides = sum(facets(bore.diameter / 2, chord) for bore in made.made.bores)
-        if sides * CHARACTERS <= LIMIT:
-            return k
-    return len(CHORDS) - 1
 
 
 def _too_much(program: ReadProgram, made: BarMade | TableMade) -> str:
@@ -236,19 +227,20 @@ def _bar(program: ReadProgram, made: BarMade, chord: float) -> Iterator[tuple[st
         yield piece.kind, piece.mark, mesh
 
 
-def _torched(program: ReadProgram, made: TableMade, chord: float) -> Iterator[tuple[str, Mesh]]:
-    """What a torch leaves of a sheet, a profile or a tube, each piece with a name."""
+def _torched(
+    program: ReadProgram, made: TableMade, chord: float
+) -> Iterator[tuple[str, str, Mesh]]:
+    """What a torch leaves of a sheet, a profile or a tube, each piece with its kind and a name."""
     if program.machine.stock == "profile":
-        part = program.parts[0] if program.parts else part_of(coper_program(program))
+        part = program.parts[0] if program.parts else part_of(program)
         for mesh in coper_meshes(program.text, program.machine, part, program.name, chord):
-            yield part.mark or "part", mesh
+            yield "part", part.mark or "part", mesh
     else:
         for k, mesh in enumerate(_sheet(program, made, chord), 1):
-            yield f"piece {k}", mesh
+            yield "part", f"piece {k}", mesh
 
 
 def _sheet(program: ReadProgram, made: TableMade, chord: float) -> list[Mesh]:
-    """The pieces that come free of a table's sheet."""
     machine, torch = program.machine, program.machine.torch
     if torch is None:
         return []
@@ -278,19 +270,17 @@ def _strokes(made: TableMade) -> Iterator[SweptStroke]:
 
 
 def _packed(kind: str, mark: str, mesh: Mesh) -> dict[str, Any]:
-    """A piece as JSON holds it."""
     low = mesh.points.min(axis=0)
     size = np.maximum(mesh.points.max(axis=0) - low, 1e-6)
     points = np.rint((mesh.points - low) / size * GRID).astype(np.int64)
     wide = 2 if len(points) <= GRID else 4
     data = b"".join(_differences(column, 2) for column in points.T)
     data += _differences(mesh.triangles.ravel(), wide)
-    edges = [0, *(np.flatnonzero(np.diff(mesh.lines)) + 1).tolist(), len(mesh.lines)]
     return {
         "kind": kind, "mark": mark, "box": [round(float(v), 3) for v in (*low, *size)],
         "points": len(points), "triangles": len(mesh.triangles), "wide": wide,
         "data": base64.b64encode(zlib.compress(data, 9)).decode("ascii"),
-        "lines": [[int(mesh.lines[a]), b - a] for a, b in pairwise(edges) if b > a],
+        "lines": [[int(mesh.lines[a]), b - a] for a, b in runs(mesh.lines)],
     }  # fmt: skip
 
 

@@ -61,42 +61,30 @@ def still_of(pieces: Sequence[dict[str, Any]], faces: str, wide: int, high: int)
         at = (points @ TURN.T - middle) * scale * FINER
         at[:, :2] *= (1.0, -1.0)
         at[:, :2] += np.array((wide, high)) * FINER / 2
-        found: Floats = at
-        return found
+        pixels: Floats = at
+        return pixels
 
     canvas = _Canvas(wide * FINER, high * FINER)
     for points, triangles in meshes:
         canvas.draw(placed(points), points, triangles)
     pixels = canvas.smaller()
-    letters = tuple(
-        (face, float(at[0] / wide), float(at[1] / high))
-        for face in faces
-        if SIDES[face][1] * TURN[2, SIDES[face][0]] > 0.12
-        for at in [_letter_place(placed(_along(face, low, top))[:, :2] / FINER, pixels)]
-    )
-    return Still(pixels, letters)
-
-
-def _along(face: str, low: Floats, top: Floats) -> Floats:
-    """Places on the middle of a face that its letter may have, the first in the middle."""
-    axis, way = SIDES[face]
-    at = np.tile((low + top) / 2, (len(SHARES), 1))
-    at[:, 0] = low[0] + np.array(SHARES) * (top[0] - low[0])
-    at[:, axis] = (top if way > 0 else low)[axis]
-    points: Floats = at
-    return points
-
-
-def _letter_place(places: Floats, pixels: Any) -> Floats:
-    """The place about which the picture is plainest: no letter hides a hole."""
 
     def differing(place: Floats) -> float:
+        """How much of the picture about a place is not as there: no letter hides a hole."""
         x, y = (int(v) for v in place)
         about = pixels[max(y - LETTER, 0) : y + LETTER + 1, max(x - LETTER, 0) : x + LETTER + 1]
         return float((about != pixels[y, x]).any(axis=2).mean()) if about.size else 1.0
 
-    letter_place: Floats = min(places, key=differing)
-    return letter_place
+    letters = []
+    for face in faces:
+        axis, side = SIDES[face]
+        if side * TURN[2, axis] > 0.12:
+            along = np.tile((low + top) / 2, (len(SHARES), 1))
+            along[:, 0] = low[0] + np.array(SHARES) * (top[0] - low[0])
+            along[:, axis] = (top if side > 0 else low)[axis]
+            x, y = min(placed(along)[:, :2] / FINER, key=differing)
+            letters.append((face, float(x / wide), float(y / high)))
+    return Still(pixels, tuple(letters))
 
 
 def _unpacked(piece: dict[str, Any]) -> tuple[Floats, Counts]:

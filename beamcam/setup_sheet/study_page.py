@@ -12,14 +12,14 @@ from beamcam.comparison.pairing import Difference
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Profile
 from beamcam.motion.velocity_profile import VelocityProfile
+from beamcam.pictures import ReadProgram
 from beamcam.pictures.graphs import Study, encoder_scene, profile_scene, sample_times
 from beamcam.pictures.overlay import Overlay
-from beamcam.pictures.program import ReadProgram, bar_made, table_made
-from beamcam.pictures.scene import Unit
+from beamcam.pictures.program import bar_made, table_made
 from beamcam.reports.velocity_profile import VelocityUnit
 from beamcam.setup_sheet.page import page, program_data
 from beamcam.setup_sheet.playback import NO_SECTION, bar_made_data, cell_data, path_data, trace_data
-from beamcam.simulation.course import cell_axes
+from beamcam.simulation.cell_trace import cell_axes
 from beamcam.simulation.trace import State, Trace, TraceAxis, TraceBuilder, head_axes
 
 MAX_LISTED = 2000  #: differences in the list
@@ -32,15 +32,12 @@ def study_page(study: Study) -> str:
 
 
 def diff_page(
-    names: tuple[str, str],
-    pictures: Sequence[Overlay],
-    differences: Sequence[Difference],
-    unit: Unit = "mm",
+    names: tuple[str, str], pictures: Sequence[Overlay], differences: Sequence[Difference]
 ) -> str:
     """Two parts or programs: counts, pictures with what is to be seen of them, the differences."""
     sums = [sum(getattr(p, how) for p in pictures) for how in ("same", "changed", "gone", "new")]
     return page(
-        "diff", title=f"{names[0]} and {names[1]}", unit=unit, names=names, pictures=pictures,
+        "diff", title=f"{names[0]} and {names[1]}", unit="mm", names=names, pictures=pictures,
         counts="{} the same, {} changed, {} gone, {} new".format(*sums),
         differences=differences, most=MAX_LISTED,
     )  # fmt: skip

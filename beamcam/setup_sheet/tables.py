@@ -7,7 +7,6 @@ from msgspec import Struct
 
 from beamcam.model.plan import clock
 from beamcam.setup_sheet.content import SheetContent
-from beamcam.setup_sheet.operations import SheetOperation
 
 MAX_ROWS = 1000  #: operations that are listed
 #: What the figures of a column are: lengths and rates in mm and mm/min, a step of the program.
@@ -102,16 +101,12 @@ def _operations(content: SheetContent) -> SheetTable:
          Column("X", "length", 62.0), Column("Y", "length", 58.0), Column("Depth", "length", 58.0),
          Column("Length", "length", 58.0), Column("Feed", "rate", 65.0),
          Column("Speed", "number", 60.0, "rpm"), Column("Time", "seconds", 50.0, "s")),
-        [_operation(op) for op in listed],
+        [(op.number, op.what, ", ".join(op.faces), op.x, op.y,
+          "through" if op.is_through else op.depth, op.length, op.feed_mm_min, op.speed_rpm,
+          op.seconds) for op in listed],
     )  # fmt: skip
     more = len(content.operations) - len(listed)
     return SheetTable(
         table.name, table.title, table.columns, table.rows, tuple(op.line for op in listed), more,
         "operations",
     )  # fmt: skip
-
-
-def _operation(op: SheetOperation) -> tuple[Cell, ...]:
-    deep: Cell = "through" if op.is_through else op.depth
-    return (op.number, op.what, ", ".join(op.faces), op.x, op.y, deep, op.length, op.feed_mm_min,
-            op.speed_rpm, op.seconds)  # fmt: skip

@@ -5,8 +5,6 @@ read  __|-'       point lies within a count above what is read: in a square of t
                   centred, it lies within half a count on either side
 """
 
-from typing import Any
-
 import numpy as np
 from msgspec import Struct
 
@@ -16,7 +14,7 @@ from beamcam.simulation.trace import Trace, share_of
 ROUNDING = 1e-9  #: of a count; an axis that stands on a count is at it
 BISECTIONS = 48
 MIN_MOVE = 1e-6  #: mm; less is rounding
-MIN_TURN = 1e-9  #: what the cosine between two ways lacks of 1; less is rounding
+MIN_TURN = 1e-9  #: how far the cosine between two ways is below 1; less is rounding
 
 
 class Encoder(Struct, frozen=True):
@@ -40,10 +38,10 @@ class Encoder(Struct, frozen=True):
     @property
     def shown(self) -> str:
         """What it is, for people."""
-        found = f"{self.counts_per_turn} counts in {self.travel_per_turn:g} mm"
+        text = f"{self.counts_per_turn} counts in {self.travel_per_turn:g} mm"
         if self.quadrature:
-            found += f" (quadrature of {self.pulses_per_turn})"
-        return f"{found}, the nearest count read" if self.centred else found
+            text += f" (quadrature of {self.pulses_per_turn})"
+        return f"{text}, the nearest count read" if self.centred else text
 
     def counts(self, positions: Floats) -> Floats:
         """Positions in counts, so that what is read is the whole count below."""
@@ -81,27 +79,24 @@ def stair_times(trace: Trace, encoder: Encoder) -> Floats:
 def _crossings(trace: Trace, counts: Floats) -> Floats:
     """When an axis whose position is read in counts passes a whole one."""
     start, way = counts[:-1], np.diff(counts)
-    low, high = np.minimum(counts[:-1], counts[1:]), np.maximum(counts[:-1], counts[1:])
-    first = np.ceil(low - ROUNDING)
-    number = np.maximum(0, np.floor(high + ROUNDING) - first + 1).astype(np.int64)
+    least, most = np.minimum(counts[:-1], counts[1:]), np.maximum(counts[:-1], counts[1:])
+    first = np.ceil(least - ROUNDING)
+    number = np.maximum(0, np.floor(most + ROUNDING) - first + 1).astype(np.int64)
     number[way == 0.0] = 0
     interval = np.repeat(np.arange(len(way)), number)
     whole = (
         first[interval] + np.arange(len(interval)) - np.repeat(np.cumsum(number) - number, number)
     )
     share = np.clip((whole - start[interval]) / way[interval], 0.0, 1.0)
-    u = _inverse(share, trace.slopes[interval])
-    return trace.time_s[interval] + u * np.diff(trace.time_s)[interval]
-
-
-def _inverse(share: Floats, slopes: Floats) -> Floats:
-    """The share of the time at which a share of the way is done, by bisection."""
+    # The share of the time at which each share of the way is done, by bisection.
     low, high = np.zeros_like(share), np.ones_like(share)
+    slopes = trace.slopes[interval]
     for _ in range(BISECTIONS):
-        middle = (low + high) / 2
-        behind = share_of(middle, slopes[:, 0], slopes[:, 1]) < share
-        low, high = np.where(behind, middle, low), np.where(behind, high, middle)
-    return high
+        u = (low + high) / 2
+        behind = share_of(u, slopes[:, 0], slopes[:, 1]) < share
+        low, high = np.where(behind, u, low), np.where(behind, high, u)
+    passed: Floats = trace.time_s[interval] + high * np.diff(trace.time_s)[interval]
+    return passed
 
 
 def precision(trace: Trace, encoder: Encoder) -> Precision:
@@ -110,7 +105,8 @@ def precision(trace: Trace, encoder: Encoder) -> Precision:
     at = trace.positions[:, linear]
     ways = np.diff(at, axis=0)
     going = np.flatnonzero(np.any(np.abs(ways) > MIN_MOVE, axis=1))
-    turned = _turned(ways[going])
+    unit = ways[going] / np.sqrt(np.sum(ways[going] ** 2, axis=1))[:, None]
+    turned = np.sum(unit[:-1] * unit[1:], axis=1) < 1.0 - MIN_TURN
     blocks = trace.line[going]
     begins = np.flatnonzero(np.append(True, turned | (np.diff(blocks) != 0)))
     moves = np.add.reduceat(ways[going], begins) if len(going) else ways
@@ -125,9 +121,3 @@ def precision(trace: Trace, encoder: Encoder) -> Precision:
         int(trace.line[worst - 1]) if len(corners) else 0, float(trace.time_s[worst]),
         float(moved.min()) if len(moved) else 0.0, int((moved < encoder.count).sum()), len(moved),
     )  # fmt: skip
-
-
-def _turned(ways: Floats) -> np.ndarray[Any, np.dtype[np.bool_]]:
-    """Whether the path turns behind each of its moves but the last."""
-    unit = ways / np.sqrt(np.sum(ways**2, axis=1))[:, None]
-    return np.asarray(np.sum(unit[:-1] * unit[1:], axis=1) < 1.0 - MIN_TURN)

@@ -8,17 +8,14 @@ from msgspec import Struct
 
 from beamcam.checks.bars.stations import choices_of
 from beamcam.errors import Diagnostic, Source
-from beamcam.geometry.array_types import Counts, Floats
+from beamcam.geometry.array_types import Floats
 from beamcam.machine.machine import SECTION_NAMES, Machine, MachineBox, signed
-from beamcam.machine.stations import Saw
 from beamcam.model.part import Profile
 from beamcam.simulation import COLLISION, LIMIT, REACH, TIPS
 from beamcam.simulation.trace import Trace
 
-# --- collisions -----------------------------------------------------------------------------------
+# --- collisions between bodies of a machine while a program runs ----------------------------------
 
-# Collisions between bodies of a machine while a program runs.
-#
 # Bodies are boxes, upright and turned about the vertical at most. Two of them overlap if their
 # heights do and no side of either rectangle, seen from above, parts them (separating axes):
 #
@@ -76,14 +73,18 @@ def strikes(trace: Trace, machine: Machine, section: Mapping[str, float]) -> tup
         placed = {b.name: _placed(b, trace, at, values) for b in machine.bodies}
         for k, (one, other) in enumerate(pairs):
             depths[k, own] = _depth(placed[one.name], placed[other.name])
-    collisions = [
-        collision
-        for (one, other), depth in zip(pairs, depths, strict=True)
-        for collision in _runs(one.name, other.name, trace, times, depth)
-    ]
-    return tuple(
-        sorted(collisions, key=lambda collision: (collision.time_s, collision.one, collision.other))
-    )
+    collisions = []
+    for (one, other), depth in zip(pairs, depths, strict=True):
+        inside = np.flatnonzero(depth > MIN_DEPTH).tolist()
+        for _, run in groupby(enumerate(inside), key=lambda pair: pair[1] - pair[0]):
+            looked = [index for _, index in run]
+            first, last = looked[0], looked[-1]
+            line = int(trace.line[trace.interval([times[first]])[0]]) if len(trace.line) else 0
+            deepest, begin_s = float(depth[first : last + 1].max()), float(times[first])
+            collisions.append(
+                Collision(one.name, other.name, begin_s, line, deepest, float(times[last]))
+            )
+    return tuple(sorted(collisions, key=lambda one: (one.time_s, one.one, one.other)))
 
 
 def looks(trace: Trace) -> Floats:
@@ -131,8 +132,8 @@ def _depth(a: _Placed, b: _Placed) -> Floats:
             angle = turn + quarter
             between = np.abs(off[:, 0] * np.cos(angle) + off[:, 1] * np.sin(angle))
             depth = np.minimum(depth, _reach(a, angle) + _reach(b, angle) - between)
-    found: Floats = depth
-    return found
+    deepest: Floats = depth
+    return deepest
 
 
 def _reach(body: _Placed, angle: Floats) -> Floats:
@@ -140,17 +141,6 @@ def _reach(body: _Placed, angle: Floats) -> Floats:
     own = angle - body.turn_rad
     reach: Floats = body.half[0] * np.abs(np.cos(own)) + body.half[1] * np.abs(np.sin(own))
     return reach
-
-
-def _runs(one: str, other: str, trace: Trace, times: Floats, depth: Floats) -> Iterator[Collision]:
-    """The stretches of time in which a pair lies in each other."""
-    inside: Counts = np.flatnonzero(depth > MIN_DEPTH)
-    for _, run in groupby(enumerate(inside.tolist()), key=lambda pair: pair[1] - pair[0]):
-        own = [index for _, index in run]
-        first, last = own[0], own[-1]
-        line = int(trace.line[trace.interval([times[first]])[0]]) if len(trace.line) else 0
-        deepest = float(depth[first : last + 1].max())
-        yield Collision(one, other, float(times[first]), line, deepest, float(times[last]))
 
 
 SLACK = 1e-6  #: mm or degrees that rounding may put an axis beyond its limit
@@ -166,10 +156,20 @@ def run_warnings(
     diagnostics = [
         *_beyond_limits(trace, machine, name),
         *_beyond_reach(trace, machine, section, name),
-        *_struck(trace, machine, section, name),
+        *(
+            COLLISION.at(
+                Source(name, one.line),
+                one=one.one,
+                other=one.other,
+                time=f"{one.time_s:.2f}",
+                found=f"{one.depth:.1f}",
+                until=f"{one.until_s:.2f}",
+            )
+            for one in strikes(trace, machine, section)
+        ),
         *_met(trace, machine, section, name),
     ]
-    return tuple(sorted(diagnostics, key=lambda said: (said.source.line or 0, said.code)))
+    return tuple(sorted(diagnostics, key=lambda d: (d.source.line or 0, d.code)))
 
 
 def _beyond_limits(trace: Trace, machine: Machine, name: str) -> Iterator[Diagnostic]:
@@ -204,33 +204,16 @@ def _beyond_reach(
     sawing = np.array([state.sawing for state in trace.states])[trace.state]
     for k in np.flatnonzero(sawing & ~np.append(False, sawing[:-1])).tolist():
         angle = abs(float(trace.positions[k, turns[0]]) - saw.zero_angle)
-        most = _largest(saw, angle)
+        # Height and width that the blade reaches across at that angle off the square cut.
+        rows = [row for row in saw.max_sections if row.max_angle + SQUARE >= angle]
+        limit = min(rows, key=lambda row: row.max_angle, default=saw)
+        most = limit.max_height, limit.max_width
         if height > most[0] + SLACK or width > most[1] + SLACK:
             yield REACH.at(
                 Source(name, int(trace.line[k])), axis="saw", time=f"{trace.time_s[k]:.2f}",
                 found=f"{height:g} x {width:g}", unit="mm",
                 expected=f"at most {most[0]:g} x {most[1]:g} at {angle:.2f} deg",
             )  # fmt: skip
-
-
-def _largest(saw: Saw, angle: float) -> tuple[float, float]:
-    """Height and width that the blade reaches across at an angle off the square cut."""
-    rows = [row for row in saw.max_sections if row.max_angle + SQUARE >= angle]
-    if not rows:
-        return saw.max_height, saw.max_width
-    row = min(rows, key=lambda row: row.max_angle)
-    return row.max_height, row.max_width
-
-
-def _struck(
-    trace: Trace, machine: Machine, section: Mapping[str, float], name: str
-) -> Iterator[Diagnostic]:
-    for collision in strikes(trace, machine, section):
-        yield COLLISION.at(
-            Source(name, collision.line), one=collision.one, other=collision.other,
-            time=f"{collision.time_s:.2f}", found=f"{collision.depth:.1f}",
-            until=f"{collision.until_s:.2f}",
-        )  # fmt: skip
 
 
 def _met(

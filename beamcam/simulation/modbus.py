@@ -7,7 +7,7 @@ import asyncio
 import logging
 import struct
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import partial
 from typing import Any, Self
 
@@ -19,10 +19,8 @@ from beamcam.simulation import MODBUS, PORT, REGISTER
 from beamcam.simulation.trace import State, Trace, TraceRow
 from beamcam.system import LOOK_S, NEVER, EndRequest
 
-# --- registers ------------------------------------------------------------------------------------
+# --- registers: positions of axes as a controller shows them, and back ----------------------------
 
-# The positions of axes as registers of a controller, and back.
-#
 # Registers from `modbus.first` on, axis after axis; of two registers which comes first is
 # `word_order`:
 #
@@ -54,7 +52,15 @@ def register_count(modbus: Modbus, axes: int) -> int:
 
 def registers(row: TraceRow, modbus: Modbus) -> list[int]:
     """A row as 16-bit words. Raises OverflowError for a position beyond its register."""
-    words = [w for k, at in enumerate(row.positions) for w in _words(at, modbus, k)]
+    words: list[int] = []
+    for k, position in enumerate(row.positions):
+        if modbus.values == "float":
+            data = struct.pack(">f", position)
+        else:
+            counts = round(position / modbus.scale_of(k))
+            data = counts.to_bytes(2 * modbus.words, "big", signed=True)
+        own = struct.unpack(f">{len(data) // 2}H", data)
+        words += own[::-1] if modbus.word_order == "low-first" else own
     if not modbus.states:
         return words
     state = row.state
@@ -67,7 +73,15 @@ def registers(row: TraceRow, modbus: Modbus) -> list[int]:
 def shown(words: Sequence[int], modbus: Modbus, axes: int) -> Shown:
     """The register values of a number of axes."""
     each = modbus.words
-    positions = tuple(_position(words[k * each : (k + 1) * each], modbus, k) for k in range(axes))
+    positions: tuple[float, ...] = ()
+    for k in range(axes):
+        own = words[k * each : (k + 1) * each]
+        own = own[::-1] if modbus.word_order == "low-first" else own
+        data = struct.pack(f">{each}H", *own)
+        if modbus.values == "float":
+            positions += struct.unpack(">f", data)
+        else:
+            positions += (int.from_bytes(data, "big", signed=True) * modbus.scale_of(k),)
     if not modbus.states:
         return Shown(positions)
     spindle, diameter, turning, coolant, sawing, line = words[axes * each : axes * each + STATES]
@@ -93,25 +107,6 @@ def check_range(trace: Trace, modbus: Modbus, source: Source) -> None:
                     expected=f"at most {most * scale:g}", scale=f"{scale:g}",
                 )
             )  # fmt: skip
-
-
-def _words(position: float, modbus: Modbus, axis: int) -> list[int]:
-    if modbus.values == "float":
-        data = struct.pack(">f", position)
-    else:
-        counts = round(position / modbus.scale_of(axis))
-        data = counts.to_bytes(2 * modbus.words, "big", signed=True)
-    words = list(struct.unpack(f">{len(data) // 2}H", data))
-    return words[::-1] if modbus.word_order == "low-first" else words
-
-
-def _position(words: Sequence[int], modbus: Modbus, axis: int) -> float:
-    ordered = words[::-1] if modbus.word_order == "low-first" else words
-    data = struct.pack(f">{len(words)}H", *ordered)
-    if modbus.values == "float":
-        (value,) = struct.unpack(">f", data)
-        return float(value)
-    return int.from_bytes(data, "big", signed=True) * modbus.scale_of(axis)
 
 
 TIMEOUT_S = 0.8  #: that an answer may take, so that Ctrl-C ends a command within a second
@@ -192,15 +187,13 @@ def axes_shown(client: Client, modbus: Modbus, axes: int) -> Shown:
     return shown(client.read(modbus.first, register_count(modbus, axes)), modbus, axes)
 
 
-# --- controller -----------------------------------------------------------------------------------
+# --- a Modbus TCP server that shows a trace as the machine's controller would ---------------------
 
-# A Modbus TCP server that shows a trace as the machine's controller would.
-#
 # Which register has what: `registers`; the same stand as holding and as input registers. Needs
 # pymodbus: `pip install beamcam[modbus]`.
 
 
-ANY_DEVICE = 0  #: the server answers whatever unit it is asked as
+ANY_DEVICE = 0  #: the server answers whatever unit is addressed
 
 
 def serve(
@@ -214,19 +207,18 @@ def serve(
     the address when the server answers. Raises VerifyError if it cannot listen there, or if
     pymodbus is not installed.
     """
-    asyncio.run(_serve(rows, modbus, host, port, pace, ready, is_held, interrupt))
+    waiting = iter(rows)
+    first = next(waiting, None)
+    if first is not None:
+        words = registers(first, modbus)
+        asyncio.run(_serve(words, waiting, modbus, host, port, pace, ready, is_held, interrupt))
 
 
 async def _serve(
-    rows: Iterable[TraceRow], modbus: Modbus, host: str, port: int, pace: float,
+    words: list[int], rows: Iterator[TraceRow], modbus: Modbus, host: str, port: int, pace: float,
     ready: Callable[[str, int], None], is_held: bool, end: EndRequest,
 ) -> None:  # fmt: skip
     place = Source(f"{host}:{port}")
-    waiting = iter(rows)
-    first = next(waiting, None)
-    if first is None:
-        return
-    words = registers(first, modbus)
     server = _server(modbus, words, host, port, place)
     try:
         try:
@@ -238,7 +230,7 @@ async def _serve(
         ready(host, server.transport.sockets[0].getsockname()[1])
         loop = asyncio.get_running_loop()
         begun = loop.time()
-        for row in waiting:
+        for row in rows:
             due = begun + row.time_s * pace
             await asyncio.sleep(0)
             while not end and (left := due - loop.time()) > 0:

@@ -9,7 +9,6 @@ from math import hypot, inf, isfinite
 import numpy as np
 from msgspec import Struct
 
-from beamcam.checks.steps.velocities import TableRow
 from beamcam.controllers.simotion.axes import circle_points
 from beamcam.controllers.simotion.job import JobRead, TableOperation
 from beamcam.controllers.step_table import Rows
@@ -24,7 +23,7 @@ from beamcam.model.program import ArcTravel, LiftTorch, SwitchTool, Travel, Trig
 from beamcam.motion.speeds import SpeedSection
 from beamcam.motion.triggers import operation_seconds, place_behind
 from beamcam.simulation import ENDLESS
-from beamcam.simulation.course import ramp_intervals
+from beamcam.simulation.cell_trace import ramp_intervals
 from beamcam.simulation.trace import (
     UNIFORM,
     Chords,
@@ -62,7 +61,13 @@ def simulate_program(
     if machine.stock == "beam":
         return _bar(text, machine, name, parts)
     if machine.stock == "profile":
-        return _coper(text, machine, name)
+        from beamcam.controllers import cell_events
+        from beamcam.simulation.cell_trace import coper_trace
+
+        events, diagnostics = cell_events(text, machine, name)
+        if errors_in(diagnostics):
+            raise VerifyError(diagnostics)
+        return Simulated(coper_trace(events, machine), tuple(diagnostics))
     if machine.triggers is not None:
         return _triggers(text, machine, name)
     return _sheet(text, machine, name, parts)
@@ -70,26 +75,16 @@ def simulate_program(
 
 def _bar(text: str, machine: Machine, name: str, parts: Sequence[Part]) -> Simulated:
     from beamcam.checks.bars import run
-    from beamcam.simulation.course import bar_trace, stretches
+    from beamcam.simulation.cell_trace import bar_trace, motion_segments
 
     done = run(text, machine, parts[0].profile if parts else None, name)
     section = dict(done.made.section)
     seen = section or ({"width": parts[0].profile.width} if parts else {})
-    course = stretches(done.events, done.dialect, seen, machine)
-    endless = next((one for one in course if not isfinite(one.duration_s)), None)
+    segments = motion_segments(done.events, done.dialect, seen, machine)
+    endless = next((one for one in segments if not isfinite(one.duration_s)), None)
     if endless is not None:
         raise VerifyError((*done.diagnostics, ENDLESS.at(Source(name, endless.line))))
-    return Simulated(bar_trace(course, machine), done.diagnostics, section)
-
-
-def _coper(text: str, machine: Machine, name: str) -> Simulated:
-    from beamcam.controllers import cell_events
-    from beamcam.simulation.course import coper_trace
-
-    events, diagnostics = cell_events(text, machine, name)
-    if errors_in(diagnostics):
-        raise VerifyError(diagnostics)
-    return Simulated(coper_trace(events, machine), tuple(diagnostics))
+    return Simulated(bar_trace(segments, machine), done.diagnostics, section)
 
 
 def _sheet(text: str, machine: Machine, name: str, parts: Sequence[Part]) -> Simulated:
@@ -113,7 +108,7 @@ def _sheet(text: str, machine: Machine, name: str, parts: Sequence[Part]) -> Sim
 
 
 def _triggers(text: str, machine: Machine, name: str) -> Simulated:
-    from beamcam.controllers.simotion import read_program
+    from beamcam.controllers.simotion.job import read_program
     from beamcam.controllers.simotion.rules import SPEED
 
     job, diagnostics = read_program(text, machine, name)
@@ -131,30 +126,31 @@ def _triggers(text: str, machine: Machine, name: str) -> Simulated:
 def _steps(data: str | bytes, machine: Machine, name: str, style: str) -> Simulated:
     from beamcam.checks.steps import FORMS, VELOCITIES
     from beamcam.checks.steps.velocities import table_rows
-    from beamcam.controllers.step_table import (
-        Stream,
-        TableFault,
-        binary_rows,
-        header_rows,
-        text_rows,
-    )
+    from beamcam.controllers.step_table import Stream, binary_rows, header_rows, text_rows
 
     stepper = machine.needed(machine.stepper, "stepping motors")
     form = style if style in FORMS else machine.suffix
     stream = Stream((data.encode() if isinstance(data, str) else data,), name)
-    try:
-        if form == VELOCITIES:
-            return Simulated(velocity_trace(table_rows(stream, stepper.step), machine), ())
-        rows = {".steps": text_rows, ".bin": binary_rows, ".h": header_rows}[form]
-        return Simulated(step_trace(rows(stream, stepper), machine), ())
-    except TableFault as fault:
-        raise VerifyError(fault.diagnostic) from fault
+    builder = TraceBuilder(head_axes(machine), (0.0, 0.0))
+    if form == VELOCITIES:
+        for row in table_rows(stream, stepper.step):
+            way, speed = hypot(*row.way), hypot(*row.velocity)
+            if way > 0.0 and speed > 0.0:
+                state = LASER if row.laser else State()
+                builder.add([way / speed], [row.end], UNIFORM, row.line, state)
+        return Simulated(builder.trace(), ())
+    rows = {".steps": text_rows, ".bin": binary_rows, ".h": header_rows}[form]
+    clock_s = 0.0
+    for times, places, lines, laser in _strokes(rows(stream, stepper), stepper):
+        knots = _thinned(times, places, SLACK_STEPS * stepper.step)
+        seconds = np.diff(times[knots], prepend=clock_s)
+        builder.add(seconds, places[knots], UNIFORM, lines[knots], LASER if laser else State())
+        clock_s = float(times[-1])
+    return Simulated(builder.trace(), ())
 
 
-# --- triggers -------------------------------------------------------------------------------------
+# --- table run by triggers: each operation from rest to rest --------------------------------------
 
-# The trace of a table run by triggers: each operation from rest to rest.
-#
 # The next operation begins in the cycle behind the one that sees the arrival, as in
 # `motion.triggers`, whose times these are.
 
@@ -192,7 +188,6 @@ def trigger_trace(job: JobRead, machine: Machine) -> Trace:
 
 
 def _operation(op: TableOperation, job: JobRead) -> TriggerOp:
-    """An operation as it was read, in the words of the model."""
     if op.kind == 0:
         return Travel(op.x, op.y, op.speed)
     if op.kind == LIFT:
@@ -227,11 +222,9 @@ def _travel(
     return way
 
 
-# --- steps ----------------------------------------------------------------------------------------
+# --- table for stepping motors: its rows carry their own times ------------------------------------
 
-# The trace of a table for stepping motors: from its rows, which carry their own times.
-#
-# .csv                velocities: each stretch at the velocity that its row says
+# .csv                velocities: each row at the velocity that its row says
 # .steps .bin .h      steps one by one: sampled at equal times, then thinned out; the straight
 #                     lines that are left pass within a step of every row
 
@@ -240,31 +233,6 @@ SAMPLE_S = 0.005
 MICROSECONDS = 1e6
 SLACK_STEPS = 1.0  #: of the thinned lines from the samples; less keeps the jitter of whole steps
 LASER = State(process="cut")
-
-
-def velocity_trace(rows: Iterable[TableRow], machine: Machine) -> Trace:
-    """The head over time, stretch by stretch of a velocity table."""
-    builder = TraceBuilder(head_axes(machine), (0.0, 0.0))
-    for row in rows:
-        way, speed = hypot(*row.way), hypot(*row.velocity)
-        if way > 0.0 and speed > 0.0:
-            state = LASER if row.laser else State()
-            builder.add([way / speed], [row.end], UNIFORM, row.line, state)
-    return builder.trace()
-
-
-def step_trace(blocks: Iterable[Rows], machine: Machine) -> Trace:
-    """The head over time, from the rows of a step table."""
-    stepper = machine.needed(machine.stepper, "stepping motors")
-    builder = TraceBuilder(head_axes(machine), (0.0, 0.0))
-    clock_s = 0.0
-    for times, places, lines, laser in _strokes(blocks, stepper):
-        state = LASER if laser else State()
-        knots = _thinned(times, places, SLACK_STEPS * stepper.step)
-        seconds = np.diff(times[knots], prepend=clock_s)
-        builder.add(seconds, places[knots], UNIFORM, lines[knots], state)
-        clock_s = float(times[-1])
-    return builder.trace()
 
 
 def _strokes(

@@ -17,7 +17,7 @@ from beamcam.geometry.array_types import Counts
 from beamcam.geometry.curves import Arc, Bezier, Curve, EllipseArc, Line
 from beamcam.geometry.plane import Point
 from beamcam.geometry.polylines import polylines
-from beamcam.machine.machine import Machine, PathLimits, path_limits
+from beamcam.machine.machine import Machine, path_limits
 from beamcam.model.program import ArcFeed, EllipseFeed, Feed, Movement, ParabolaFeed
 from beamcam.motion.sheet_times import (
     SECONDS_PER_MINUTE,
@@ -64,34 +64,26 @@ def sheet_trace(
             if isinstance(event, Move):
                 head.follow([event])
             elif isinstance(event, Pause):
-                head.steps.append(_Wait(event.seconds, event.line, head.state))
+                head.steps.append(_Stand(event.seconds, event.line, head.state))
             elif isinstance(event, Lift | Touch):
                 head.lift(event)
             elif event.line in starts:
                 process, waits_s = starts[event.line]
                 head.state = State(process=process)
-                head.steps.append(_Wait(waits_s, event.line, head.state))
+                head.steps.append(_Stand(waits_s, event.line, head.state))
             elif event.line in stops:
                 head.state = State()
     head.follow(path)
     return head.trace()
 
 
-class _Wait(Struct, frozen=True):
-    """Standstill of the head."""
+class _Stand(Struct, frozen=True):
+    """The head where it is, the torch at rest or going up or down."""
 
     seconds: float
     line: int
     state: State
-
-
-class _Up(Struct, frozen=True):
-    """A move of the torch up or down, from rest to rest."""
-
-    seconds: float
-    height: float  #: where it ends
-    line: int
-    state: State
+    height: float | None = None  #: where the torch ends, if it moves
 
 
 class _Path(Struct, frozen=True):
@@ -116,7 +108,7 @@ class _HeadPath:
         self.moves: list[Movement] = []
         self.feeds_mm_s: list[float] = []
         self.lines: list[int] = []
-        self.steps: list[_Wait | _Path | _Up] = []
+        self.steps: list[_Stand | _Path] = []
         torch = machine.needed(machine.torch, "torch")
         self.lifts, self.clearance = torch.z == "program", torch.clearance
         self.lifting = LiftTimes(machine)
@@ -139,7 +131,7 @@ class _HeadPath:
     def lift(self, event: Lift | Touch) -> None:
         """The torch up or down, or to the sheet; one axis from rest to rest."""
         seconds = self.lifting.seconds(event)
-        self.steps.append(_Up(seconds, self.lifting.height, event.line, self.state))
+        self.steps.append(_Stand(seconds, event.line, self.state, self.lifting.height))
 
     def trace(self) -> Trace:
         """All of it."""
@@ -149,20 +141,30 @@ class _HeadPath:
         if not len(segments.places):
             return builder.trace()
         chords, firsts = self._chords(segments)
-        if self.limits is None:
-            run = _uniform(segments, chords, firsts)
+        if self.limits is None:  # each segment at its full speed
+            seconds = chords.lengths / np.repeat(segments.speeds_mm_s, np.diff(firsts))
+            count = len(seconds)
+            run = Phases(np.arange(count), seconds, chords.ends, np.ones((count, 2)))
         else:
-            run = _timed(segments, chords, firsts, self._paths()[segments.places], self.limits)
+            # The look-ahead over the segments of all paths; each move has the number of its path.
+            sizes = [step.last - step.first for step in self.steps if isinstance(step, _Path)]
+            paths = np.repeat(np.arange(len(sizes)), sizes)[segments.places]
+            moving, joints = speeds_along(segments, paths, self.limits)
+            sections = [
+                SpeedSection(s.limit, s.length, int(firsts[s.first]), int(firsts[s.last]),
+                             s.acceleration, s.jerk) for s in moving
+            ]  # fmt: skip
+            run = phases_of(chords, sections, joints)
         # Where the phases of each move begin; one that goes nowhere has none.
         edges = np.searchsorted(run.chord, firsts)
         edges = edges[np.searchsorted(segments.places, np.arange(len(self.moves) + 1))]
         for step in self.steps:
-            if isinstance(step, _Wait):
-                builder.wait(step.seconds, step.line, step.state)
-                continue
-            if isinstance(step, _Up):
-                end = [*builder.here[:2].tolist(), step.height]
-                builder.add([step.seconds], [end], UNIFORM, step.line, step.state)
+            if isinstance(step, _Stand):
+                if step.height is None:
+                    builder.wait(step.seconds, step.line, step.state)
+                else:
+                    end = [*builder.here[:2].tolist(), step.height]
+                    builder.add([step.seconds], [end], UNIFORM, step.line, step.state)
                 continue
             own = slice(int(edges[step.first]), int(edges[step.last]))
             if own.start == own.stop:
@@ -173,11 +175,6 @@ class _HeadPath:
                 ends = np.column_stack((ends, np.full(len(ends), builder.here[2])))
             builder.add(run.seconds[own], ends, run.slopes[own], lines, step.state)
         return builder.trace()
-
-    def _paths(self) -> Counts:
-        """The number of the path of each move."""
-        paths = [step for step in self.steps if isinstance(step, _Path)]
-        return np.repeat(np.arange(len(paths)), [path.last - path.first for path in paths])
 
     def _chords(self, segments: Segments) -> tuple[Chords, Counts]:
         """The chords of the curves of segments, and the number of the first one of each."""
@@ -195,27 +192,6 @@ class _HeadPath:
         lengths = lengths * (segments.lengths / np.bincount(owner, lengths, count))[owner]
         lines = np.array(self.lines, dtype=np.int64)[segments.places[owner]]
         return Chords(begins, ends, lengths, lines), np.concatenate(([0], np.cumsum(counts)))
-
-
-def _uniform(segments: Segments, chords: Chords, firsts: Counts) -> Phases:
-    """Each segment at its full speed, where the machine's file has no axes."""
-    speeds = np.repeat(segments.speeds_mm_s, np.diff(firsts))
-    count = len(chords.lengths)
-    return Phases(np.arange(count), chords.lengths / speeds, chords.ends, np.ones((count, 2)))
-
-
-def _timed(
-    segments: Segments, chords: Chords, firsts: Counts, paths: Counts, limits: PathLimits
-) -> Phases:
-    """The look-ahead over the segments of all paths, and their phases."""
-    moving, joints = speeds_along(segments, paths, limits)
-    sections = [
-        SpeedSection(
-            s.limit, s.length, int(firsts[s.first]), int(firsts[s.last]), s.acceleration, s.jerk
-        )
-        for s in moving
-    ]
-    return phases_of(chords, sections, joints)
 
 
 def _movement(leg: HeadMove, start: Point) -> Movement:

@@ -2,7 +2,7 @@
 
 A trace is a chain of intervals between knots. Within an interval all axes go straight from knot to
 knot, in step with each other; how much of the way is done is a cubic of the time, given by its
-slopes at both ends (Hermite). That is exact for each stretch of constant jerk, so that nothing
+slopes at both ends (Hermite). That is exact for each phase of constant jerk, so that nothing
 has to be sampled:
 
     share of the way  1 |        _.   slope b     h(u) = a (u^3 - 2u^2 + u) + b (u^3 - u^2)
@@ -11,6 +11,7 @@ has to be sampled:
 """
 
 from collections.abc import Iterator, Sequence
+from itertools import pairwise
 from typing import Literal
 
 import numpy as np
@@ -22,10 +23,7 @@ from beamcam.machine.machine import Machine
 from beamcam.motion.lookahead import cut_phases
 from beamcam.motion.speeds import SpeedSection
 
-# --- phases ---------------------------------------------------------------------------------------
-
-# Chords that are passed at planned speeds, as intervals of a trace.
-
+# --- phases: chords that are passed at planned speeds, as intervals of a trace --------------------
 
 MIN_SECONDS = 1e-9  #: what rounding leaves of a phase is dropped
 
@@ -51,7 +49,7 @@ class Phases(Struct, frozen=True):
 def phases_of(chords: Chords, sections: Sequence[SpeedSection], joints: Sequence[float]) -> Phases:
     """The phases of constant jerk of paths that begin and end at rest, one after the other.
 
-    `sections` are the stretches of the paths by their chords, `joints` the speeds between them.
+    `sections` are the segments of the paths by their chords, `joints` the speeds between them.
     """
     begins, ends, lengths = chords.begins, chords.ends, chords.lengths
     points = np.concatenate((begins[:1], ends))
@@ -71,9 +69,7 @@ def phases_of(chords: Chords, sections: Sequence[SpeedSection], joints: Sequence
     return Phases(chord, lasts, at, np.column_stack((v * scale, later * scale)))
 
 
-# --- state ----------------------------------------------------------------------------------------
-
-# Switching state while a program runs.
+# --- axes and their switching state ---------------------------------------------------------------
 
 
 class State(Struct, frozen=True):
@@ -81,13 +77,19 @@ class State(Struct, frozen=True):
 
     spindle: int = 0  #: number that the program chose, 0 before
     diameter: float = 0.0
-    turning: int = 0  #: 1 clockwise, -1 counter-clockwise, 0 standing
+    turning: int = 0  #: 1 clockwise, -1 counter-clockwise, 0 at rest
     coolant: bool = False
     sawing: bool = False
     process: str = ""  #: of the torch, laser or marker that is on
 
 
 UNIFORM = (1.0, 1.0)
+
+
+def runs(values: Counts) -> list[tuple[int, int]]:
+    """First and behind the last of each run of equal values."""
+    edges = [0, *(np.flatnonzero(np.diff(values)) + 1).tolist(), len(values)]
+    return [(a, b) for a, b in pairwise(edges) if b > a]
 
 
 class TraceAxis(Struct, frozen=True):

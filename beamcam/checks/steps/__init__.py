@@ -18,12 +18,11 @@ from beamcam.checks.steps.velocities import ROUND, Velocities, table_rows
 from beamcam.controllers.step_table import (
     Rows,
     Stream,
-    TableFault,
     binary_rows,
     header_rows,
     text_rows,
 )
-from beamcam.errors import Diagnostic, errors_in
+from beamcam.errors import Diagnostic, VerifyError, errors_in
 from beamcam.machine.machine import Machine
 from beamcam.machine.tables import Stepper
 from beamcam.model.part import Part
@@ -73,8 +72,8 @@ def verify_table(
     try:
         for row in rows:
             table.follow(row)
-    except TableFault as fault:  # what cannot be read ends a table
-        return (*table.diagnostics, fault.diagnostic)
+    except VerifyError as fault:  # what cannot be read ends a table
+        return (*table.diagnostics, *fault.diagnostics)
     table.finish()
     if errors_in(table.diagnostics):
         return (*table.diagnostics, *outline.diagnostics)

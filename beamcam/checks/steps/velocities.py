@@ -48,7 +48,7 @@ class TableRow(NamedTuple):
 
 
 def table_rows(stream: Stream, step: float) -> Iterator[TableRow]:
-    """The rows of a velocity table, from the corner on. Raises TableFault."""
+    """The rows of a velocity table, from the corner on. Raises VerifyError."""
     stream.take_head("velocities", COLUMNS, step)
     here = (0.0, 0.0)
     while first := stream.take(1):

@@ -71,32 +71,31 @@ class Lexer:
                 return CodesysFault(text.strip(), expected)
         command, number = "", 0
         words: dict[str, float] = {}
-        for index, said in enumerate(bare.split()):
-            word = self._known.get(said) or self._read_word(said)
+        for index, word_text in enumerate(bare.split()):
+            word = self._known.get(word_text) or self._read_word(word_text)
             if not isinstance(word, Word):
-                if not index and said.startswith("/"):
+                if not index and word_text.startswith("/"):
                     expected = "a block that always runs; `/` leaves that to a switch"
                     return CodesysFault(text.strip(), expected)
                 return word
             name = word.name
             if name not in "GMN":
                 if name in words:
-                    return CodesysFault(said, f"{name} once in a block")
+                    return CodesysFault(word_text, f"{name} once in a block")
                 words[name] = word.value
             elif name == "N":
                 if index:
-                    return CodesysFault(said, "the block number at the beginning")
+                    return CodesysFault(word_text, "the block number at the beginning")
             elif command:
                 stands = f"{command}{number} stands there already"
-                return CodesysFault(said, f"one command a block, {stands}")
+                return CodesysFault(word_text, f"one command a block, {stands}")
             elif words:
-                return CodesysFault(said, "the command before the other words")
+                return CodesysFault(word_text, "the command before the other words")
             else:
                 command, number = name, int(word.value)
         return CodesysBlock(command, number, words) if command or words else None
 
     def _read_word(self, text: str) -> Word | CodesysFault:
-        """A letter and a number."""
         match = _WORD.fullmatch(text)
         if match is None:
             return CodesysFault(text, "a letter and a number, set off by spaces")
@@ -112,25 +111,15 @@ class Lexer:
 
 # --- curves ---------------------------------------------------------------------------------------
 
-# The curves of CODESYS SoftMotion CNC: arcs, parabolas and ellipses.
-#
 #     G02 G03 X Y I J, or R  arc about a centre, or below 180 degrees with a radius
 #     G06 X Y I J            parabola, I and J its vertex: the tangent there runs as the chord does
 #     G08 G09 X Y I J K R    ellipse, K the direction of its main axis in degrees, R minor / major
 #
 # Both ends and the centre determine an ellipse; R counts where both ends are equally far from the
-# main axis. What cannot be becomes a straight line without a word, so it is checked here. Source:
-# CODESYS online help, "CNC: DIN 66025".
-
-
-# --- arcs -----------------------------------------------------------------------------------------
-
-# What CODESYS makes of an arc: the arc, another arc, or without a word a straight line.
-#
-# With I and J the centre has to lie on the bisector of the chord; up to 10 % beside it the
-# controller moves it there, beyond that it drives a line. With R it takes the arc below 180
-# degrees, and a line where R is less than half the chord. Start on end is a full circle. Source:
-# CODESYS online help, G2/G3. Lengths in mm, angles in degrees.
+# main axis. With I and J the centre of an arc has to lie on the bisector of the chord; up to 10 %
+# beside it the controller moves it there. With R it takes the arc below 180 degrees. Start on end
+# is a full circle. What cannot be becomes a straight line without a word, so it is checked here.
+# Source: CODESYS online help, "CNC: DIN 66025". Lengths in mm, angles in degrees.
 
 
 CENTRE_SHARE = 0.1  #: how far off the bisector the controller still mends a centre, by the radius
@@ -151,48 +140,12 @@ def arc_fault(start: Point, end: Point, centre: Point, resolution: float) -> str
     difference = abs(radius - dist(end, centre))
     if difference > 2 * sqrt(2) * resolution + 1e-9:
         return f"whose radii at start and end differ by {difference:.4g}"
-    off = _off_bisector(start, end, centre)
+    (x0, y0), (x1, y1), (cx, cy) = start, end, centre
+    along = (cx - (x0 + x1) / 2) * (x1 - x0) + (cy - (y0 + y1) / 2) * (y1 - y0)
+    off = abs(along) / hypot(x1 - x0, y1 - y0)  # from the perpendicular bisector of start and end
     if off > CENTRE_SHARE * radius:
         return f"whose centre lies {off:.4g} beside the bisector of its chord"
     return None
-
-
-def _off_bisector(start: Point, end: Point, centre: Point) -> float:
-    """Distance of a centre from the perpendicular bisector of start and end."""
-    (x0, y0), (x1, y1), (cx, cy) = start, end, centre
-    chord = hypot(x1 - x0, y1 - y0)
-    along = (cx - (x0 + x1) / 2) * (x1 - x0) + (cy - (y0 + y1) / 2) * (y1 - y0)
-    return abs(along) / chord
-
-
-def radius_fault(start: Point, end: Point, radius: float) -> str | None:
-    """The fault of an arc by R; None if there is none."""
-    chord = dist(start, end)
-    if radius <= 0:
-        return f"of radius {radius:.4g}"
-    if chord == 0:
-        return "by R whose end is its start"
-    if radius < chord / 2:
-        return f"of radius {radius:.4g} over a chord of {chord:.4g}"
-    return None
-
-
-def radius_centre(start: Point, end: Point, radius: float, clockwise: bool) -> Point:
-    """Centre of the arc below 180 degrees from start to end with `radius`.
-
-    Raises ValueError where `radius_fault` has something to say.
-    """
-    fault = radius_fault(start, end, radius)
-    if fault:
-        raise ValueError(f"an arc {fault}")
-    (x0, y0), (x1, y1) = start, end
-    chord = dist(start, end)
-    height = sqrt(max(0.0, radius * radius - chord * chord / 4))
-    side = -1.0 if clockwise else 1.0  # left of the chord for a counter-clockwise short arc
-    return (
-        (x0 + x1) / 2 - side * height * (y1 - y0) / chord,
-        (y0 + y1) / 2 + side * height * (x1 - x0) / chord,
-    )
 
 
 def curve_of(
@@ -218,12 +171,24 @@ def curve_of(
 
 
 def _arc_by_radius(start: Point, end: Point, words: dict[str, float], clockwise: bool) -> Arc | str:
+    """The arc below 180 degrees from start to end with the radius R."""
+    radius, chord = words["R"], dist(start, end)
     if "I" in words or "J" in words:
         return "with R as well as I and J"
-    fault = radius_fault(start, end, words["R"])
-    if fault:
-        return fault
-    return arc_of(start, end, radius_centre(start, end, words["R"], clockwise), clockwise)
+    if radius <= 0:
+        return f"of radius {radius:.4g}"
+    if chord == 0:
+        return "by R whose end is its start"
+    if radius < chord / 2:
+        return f"of radius {radius:.4g} over a chord of {chord:.4g}"
+    (x0, y0), (x1, y1) = start, end
+    height = sqrt(max(0.0, radius * radius - chord * chord / 4))
+    side = -1.0 if clockwise else 1.0  # left of the chord for a counter-clockwise short arc
+    centre = (
+        (x0 + x1) / 2 - side * height * (y1 - y0) / chord,
+        (y0 + y1) / 2 + side * height * (x1 - x0) / chord,
+    )
+    return arc_of(start, end, centre, clockwise)
 
 
 def _parabola(start: Point, end: Point, vertex: Point) -> Bezier | str:

@@ -122,10 +122,11 @@ class Codesys(Interpreter):
     def __init__(self, dialect: Dialect, name: str) -> None:
         super().__init__(dialect, name)
         self.arc_slack = 2 * sqrt(2) * dialect.resolution
+        self.arc_fault = lambda a, b, centre, _: arc_fault(a, b, centre, dialect.resolution)
         self._language = _language_of(dialect)
         self._begun = False  #: whether a block was carried out
         self._absolute_centre = False
-        self._shift: dict[str, float] = {}  #: of the places that are said, by axis; empty: none
+        self._shift: dict[str, float] = {}  #: of places that are programmed, by axis; empty: none
         self._cuts_corners = False
         #: A cell's programs may count on G90 as the default, those of a table have to say it.
         self._counting_said = dialect.stock == "beam"
@@ -135,11 +136,9 @@ class Codesys(Interpreter):
         return plain and super()._is_simple()
 
     def knows(self, code: str) -> bool:
-        """Whether a G word has a meaning here."""
         return code in self._dialect.codes or code in {f"G{number}" for number in _KNOWN_G}
 
     def vocabulary(self) -> dict[str, frozenset[str]]:
-        """All words that it gives a meaning, each with what it may carry."""
         words = {f"G{number}": frozenset[str]() for number in _KNOWN_G}
         words |= {f"G{number}": frozenset("D") for number in (*_SIDES, 51, 52)}
         words |= {f"G{number}": frozenset(self._dialect.axes) for number in (54, 55)}
@@ -154,7 +153,6 @@ class Codesys(Interpreter):
         return _LINE_BEGINS.split("\n" + text)[1:]
 
     def line(self, line: int, text: str) -> None:
-        """Carries out a line of the text."""
         instruction = self._language.known.get(text) or self._read(line, text)
         if instruction is None or (self._over and self.is_over(line)):
             return
@@ -213,7 +211,8 @@ class Codesys(Interpreter):
 
     def _last_block(self, line: int, number: int, words: Words) -> None:
         self._wait(line)
-        self._end(Switch(line, number, words))
+        self._over = True
+        self._event(Switch(line, number, words))
 
     def _subprogram(self, line: int, number: int, words: Words) -> None:
         """A call of a subprogram, or its end: neither stands in a program that is whole."""
@@ -228,19 +227,6 @@ class Codesys(Interpreter):
 
     def _setting(self, line: int, number: int, words: Words) -> None:
         unexpected = set(words)
-        if number in (50, 51, 52):
-            self._cut_corners(line, number, words)
-            return
-        if number in (53, 54, 55):
-            self._move_zero(line, number, words)
-            return
-        if number == 4:
-            self._wait(line)
-            if words.keys() == {"T"}:
-                self._event(Pause(line, words["T"]))
-            else:
-                self._wrong(line, "G04", "T with seconds")
-            return
         if number in _SIDES:
             unexpected -= {"D"}
             self._event(Compensation(line, _SIDES[number], words.get("D", 0.0)))
@@ -258,6 +244,13 @@ class Codesys(Interpreter):
             self._wrong(line, f"G{number:02}", _KNOWN)
         if unexpected:
             self._wrong(line, f"{min(unexpected)} behind G{number:02}", "no word there")
+
+    def _dwell(self, line: int, number: int, words: Words) -> None:
+        self._wait(line)
+        if words.keys() == {"T"}:
+            self._event(Pause(line, words["T"]))
+        else:
+            self._wrong(line, "G04", "T with seconds")
 
     def _cut_corners(self, line: int, number: int, words: Words) -> None:
         """Corners are cut D before and behind them (G51 by a spline, G52 by an arc), or no more.
@@ -297,7 +290,6 @@ class Codesys(Interpreter):
         return {letter: value + own.get(letter, 0.0) for letter, value in words.items()}
 
     def _go_on(self, line: int, _: int, words: Words) -> None:
-        """A block without a command."""
         if self._cycle is not None:
             self._drilled(line, words)
         else:
@@ -348,20 +340,14 @@ class Codesys(Interpreter):
         self._go(line, motion, self._shifted(words), fed)
 
     def curve(self, motion: int, start: Point, end: Point, words: Words) -> Curve | str:
-        """The curve of a block, or what is wrong with it."""
         zero = self._shift.get("X", 0.0), self._shift.get("Y", 0.0)
         origin = zero if self._absolute_centre else start
         return curve_of(motion, start, end, words, origin, self._dialect.resolution)
-
-    def arc_fault(self, start: Point, end: Point, centre: Point, clockwise: bool) -> str | None:
-        """The controller's deviation from an arc; None if it makes that arc."""
-        return arc_fault(start, end, centre, self._dialect.resolution)
 
 
 def _what_carries_out(
     block: CodesysBlock, language: _Language
 ) -> Callable[[Codesys, int, int, Words], None]:
-    """What carries out a block, by its command."""
     if block.command == "M":
         if block.number in language.m_words:
             return Codesys._own_m_word
@@ -372,4 +358,12 @@ def _what_carries_out(
         return Codesys._go_on
     if block.number in _TRAVEL:
         return Codesys._carry_out
-    return Codesys._own_code if block.number in language.g_words else Codesys._setting
+    if block.number in language.g_words:
+        return Codesys._own_code
+    return _SETTINGS.get(block.number, Codesys._setting)
+
+
+_SETTINGS = {
+    4: Codesys._dwell, **dict.fromkeys((50, 51, 52), Codesys._cut_corners),
+    **dict.fromkeys((53, 54, 55), Codesys._move_zero),
+}  # fmt: skip

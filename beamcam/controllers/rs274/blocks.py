@@ -12,7 +12,7 @@ from msgspec import Struct
 from beamcam.controllers.dialect import HEAD_ACTIONS, Dialect, carried, event_of, with_number
 from beamcam.controllers.events import Blending, Compensation, Other, Pause, Side, Switch
 from beamcam.geometry.plane import Point
-from beamcam.machine.machine import OTHER_LETTERS, CodeMeaning, key_for, meaning_of, shown_code
+from beamcam.machine.machine import OTHER_LETTERS, key_for, meaning_of, shown_code
 from beamcam.model.cycles import DRILLING, END
 
 _NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)"
@@ -80,7 +80,7 @@ class Block(Struct, frozen=True, gc=False):
     faults: tuple[tuple[str, str], ...] = ()  #: what is wrong with its words, found and expected
     unknown: tuple[tuple[str, str], ...] = ()  #: words without a meaning here, likewise
     feed: float | None = None
-    speed: float | None = None  #: of a table's tool, said apart from the word that starts it
+    speed: float | None = None  #: of a table's tool, apart from the word that starts it
     events: tuple[Other, ...] = ()  #: before its move; their lines are 0
     settings: tuple[str, ...] = ()
     actions: tuple[Action, ...] = ()  #: before its move
@@ -239,14 +239,24 @@ class _Words:
             self._wrong("G53 with X or Y", expected)
 
     def _m_events(self, number: int) -> Iterator[Other]:
-        """What an M word does."""
         grammar, values = self._grammar, self._values
         if number in ENDS:
             return
         known = meaning_of(grammar.dialect.codes, f"M{number}", values)
         letters = grammar.switches.get(number)
-        if known is not None:
-            yield from self._own_word(number, known[1])
+        if known is not None and known[1] == "none":
+            for letter in values.keys() - MOVING:
+                del values[letter]
+        elif known is not None:
+            own = carried(values, grammar.variant.switches.get(number, ()))
+            value = with_number(known[1], own)
+            if value is None:
+                expected = "P or Q, as codes says that it carries one"
+                self._wrong(f"M{number} without a number", expected)
+            elif known[1] in HEAD_ACTIONS:
+                self._actions.append((known[1], value))
+            else:
+                yield event_of(number, known[1], own, value)
         elif letters is not None:
             yield Switch(0, number, {k: values.pop(k) for k in sorted(letters & values.keys())})
         elif grammar.is_table:
@@ -254,21 +264,6 @@ class _Words:
             carried(values)
         else:
             self._unexplained(f"M{number}")
-
-    def _own_word(self, number: int, meaning: CodeMeaning) -> Iterator[Other]:
-        """What an M word of the machine's own does."""
-        if meaning == "none":
-            for letter in self._values.keys() - MOVING:
-                del self._values[letter]
-            return
-        values = carried(self._values, self._grammar.variant.switches.get(number, ()))
-        value = with_number(meaning, values)
-        if value is None:
-            self._wrong(f"M{number} without a number", "P or Q, as codes says that it carries one")
-        elif meaning in HEAD_ACTIONS:
-            self._actions.append((meaning, value))
-        else:
-            yield event_of(number, meaning, values, value)
 
     def _zero(self, code: str) -> bool:
         """Whether a G word calls the place of Z, or takes that back, and no other place."""

@@ -17,10 +17,10 @@ from math import isnan, nan
 
 from msgspec.structs import replace
 
-from beamcam.controllers.dialect import HEAD_ACTIONS, MAGIC, event_of
+from beamcam.controllers.dialect import HEAD_ACTIONS, MAGIC, Dialect, event_of
 from beamcam.controllers.events import Heights, Material, ToolOffset
 from beamcam.controllers.interpreter import Interpreter
-from beamcam.controllers.rs274.blocks import Block
+from beamcam.controllers.rs274.blocks import Block, Variant
 
 _NAME = re.compile(r"\s*(#<[^<>]+>)\s*=(.*)|\s*(o<[^<>]+>)\s*call\b(.*)", re.IGNORECASE)
 _HAL_FEED = re.compile(r"#<_hal\[plasmac\.cut-feed-rate\]>", re.IGNORECASE)
@@ -36,14 +36,23 @@ _NEEDED = ("ph", "pd", "ch", "fr")
 class HeadWords(Interpreter):
     """The words of a table's head; `Rs274` has those of all machines."""
 
-    _tools: list[float]
-    _knows_names: bool
-    _offset: str | None
+    _variant: Variant
     _material_feed = nan  #: mm/min of the material that the controller has taken
+    _offset: str | None = None  #: of the workpiece
+    _ready = False  #: whether a move has come
 
-    @abstractmethod
+    def __init__(self, dialect: Dialect, name: str) -> None:
+        super().__init__(dialect, name)
+        self._tools = [0.0, 0.0]  #: of a table's head: the one in it, the one that was prepared
+        self._seen: set[str] = set()  #: settings
+
     def _check_settings(self, line: int) -> None:
         """Says once what is not set when the first move comes."""
+        if not self._ready:
+            missing = [code for code in self._variant.needed if code not in self._seen]
+            if missing:
+                self._say(line, self._rules.setting, found=", ".join(missing))
+            self._ready = True
 
     @abstractmethod
     def _travel(self, line: int, block: Block) -> None:
@@ -62,7 +71,7 @@ class HeadWords(Interpreter):
                 self._wrong(line, "the feed of a material that is not chosen", expected)
             return _HAL_FEED.sub(f"{self._material_feed:.6f}", text)
         match = _NAME.fullmatch(text.partition(";")[0].split("(")[0])
-        if match is None or not self._knows_names:
+        if match is None or not self._variant.named:
             return text
         name = (match[1] or match[3]).casefold()
         codes = self._dialect.codes
@@ -111,7 +120,7 @@ class HeadWords(Interpreter):
             expected = 'torch.z = "program" in the machine file'
             self._wrong(line, f"a word for {action!r} where the controller moves Z", expected)
         elif action == "height":
-            self._event(heights.to(line, value))
+            self._event(heights.to(line, False, value, nan))
         elif action == "touch off":
             for event in heights.touch_off(line):
                 self._event(event)

@@ -38,7 +38,8 @@ class Rs274(HeadWords, Interpreter):
     def __init__(self, variant: Variant, dialect: Dialect, name: str) -> None:
         super().__init__(dialect, name)
         self.controller, self.longest_line = variant.name, variant.longest_line
-        self._variant, self._knows_names = variant, variant.named
+        self.arc_fault = variant.arc_fault
+        self._variant = variant
         self._known: dict[str, Block] = {}  # programs say the same thing over and over
         switches = {
             **variant.switches,
@@ -54,14 +55,10 @@ class Rs274(HeadWords, Interpreter):
         self._axes = frozenset(dialect.axes)
         self._tells = dialect.text_word is not None  #: whether lines may tell texts
         self._percents: list[int] = []  #: lines
-        self._seen: set[str] = set()
-        self._told: set[str] = set()  #: words without a meaning, each told once
-        self._offset: str | None = None  #: of the workpiece
-        self._speed: float | None = None  #: S of a table's tool, said apart from what starts it
+        self._reported: set[str] = set()  #: words without a meaning, each reported once
+        self._speed: float | None = None  #: S of a table's tool, apart from what starts it
         self._running = 0  #: M word that has started it
         self._lit: Switch | None = None  #: what it works with, in laser mode
-        self._tools = [0.0, 0.0]  #: of a table's head: the one in it, the one that was prepared
-        self._ready = False
 
     def begin(self, lines: int) -> None:
         """The beginning of a text of so many lines, behind what the controller runs by itself."""
@@ -73,7 +70,6 @@ class Rs274(HeadWords, Interpreter):
         return self._ready and super()._is_simple()
 
     def knows(self, code: str) -> bool:
-        """Whether a G word has a meaning here."""
         variant = self._variant
         known = code in self._dialect.codes or code in variant.g_words
         if self._flat:
@@ -82,7 +78,6 @@ class Rs274(HeadWords, Interpreter):
         return known or (lifts and (code in variant.probes or code in ("G10", "G92")))
 
     def vocabulary(self) -> dict[str, frozenset[str]]:
-        """All words that it gives a meaning, each with what it may carry."""
         variant, axes = self._variant, frozenset(self._dialect.axes)
         words = {code: frozenset[str]() for code in variant.g_words}
         words |= {"G0": axes, "G1": axes, "G2": axes | set("IJ"), "G3": axes | set("IJ")}
@@ -112,7 +107,6 @@ class Rs274(HeadWords, Interpreter):
         return words
 
     def line(self, line: int, text: str) -> None:
-        """Carries out a line of the text."""
         if len(text) > self.longest_line:
             self._syntax(line, text, f"at most {self.longest_line} characters")
         if self._flat:
@@ -123,18 +117,15 @@ class Rs274(HeadWords, Interpreter):
                 return
             self._known[text] = block = read_block(text, self._grammar)
         if block.percent:
-            self._percent(line, text)
+            self._percents.append(line)
+            if not self._variant.percent:
+                self._syntax(line, text, f"no %, {self.controller} does not know it")
+            elif line not in (1, self._last):
+                self._syntax(line, text, "% alone on the first and the last line only")
         elif block.syntax:
             self._syntax(line, text, block.syntax)
         elif not block.blank and not self.is_over(line):
             self._block(line, block)
-
-    def _percent(self, line: int, text: str) -> None:
-        self._percents.append(line)
-        if not self._variant.percent:
-            self._syntax(line, text, f"no %, {self.controller} does not know it")
-        elif line not in (1, self._last):
-            self._syntax(line, text, "% alone on the first and the last line only")
 
     def _syntax(self, line: int, found: str, expected: str) -> None:
         self._say(line, self._rules.syntax, found=found.strip(), expected=expected)
@@ -145,8 +136,8 @@ class Rs274(HeadWords, Interpreter):
         if block.feed is not None:
             self._feed = block.feed
         for found, expected in block.unknown:
-            if found not in self._told:
-                self._told.add(found)
+            if found not in self._reported:
+                self._reported.add(found)
                 self._wrong(line, found, expected)
         if self._flat:
             self._switch_tool(line, block)
@@ -173,7 +164,8 @@ class Rs274(HeadWords, Interpreter):
         elif block.motion is not None or block.values:
             self._travel(line, block)
         if block.end is not None:
-            self._end(Switch(line, block.end, {}))
+            self._over = True
+            self._event(Switch(line, block.end, {}))
 
     def _switch_tool(self, line: int, block: Block) -> None:
         """Carries out the M words of a table's block, with the S that holds."""
@@ -181,22 +173,22 @@ class Rs274(HeadWords, Interpreter):
             self._speed = block.speed
         laser = self._dialect.laser_mode
         for event in block.events:
-            said = event
+            switched = event
             if isinstance(event, Switch) and event.number in (3, 4, 5) and "$" not in event.words:
                 self._running = 0 if event.number == 5 else event.number
                 self._speed = event.words.get("S", self._speed)
                 if self._running and self._speed is not None:
-                    said = replace(event, words={**event.words, "S": self._speed})
+                    switched = replace(event, words={**event.words, "S": self._speed})
                 if laser:
                     continue
-            if isinstance(said, Switch) and said.number == _TOOL_CHANGE:
-                self._tools[0] = said.words.get("T", self._tools[1])
-            elif isinstance(said, FeedShare):
-                self._share = said.share
-            elif isinstance(said, Material):
-                number = said.values.get("number", 0.0)
+            if isinstance(switched, Switch) and switched.number == _TOOL_CHANGE:
+                self._tools[0] = switched.words.get("T", self._tools[1])
+            elif isinstance(switched, FeedShare):
+                self._share = switched.share
+            elif isinstance(switched, Material):
+                number = switched.values.get("number", 0.0)
                 self._material_feed = self._dialect.materials.get(number, nan)
-            self._event(on_line(line, said))
+            self._event(on_line(line, switched))
         if laser and not self._running:
             self._light(line, None)
         elif self._running and block.speed is not None and not laser and not block.events:
@@ -216,7 +208,6 @@ class Rs274(HeadWords, Interpreter):
         self._block(line, Block(feed=words.pop("F", None), motion=motion, values=words))
 
     def _travel(self, line: int, block: Block) -> None:
-        """The move of a block."""
         values = block.values
         motion = self._motion if block.motion is None else block.motion
         if motion > _LAST_TRAVEL:
@@ -258,24 +249,15 @@ class Rs274(HeadWords, Interpreter):
             if self._seen.isdisjoint(("G98", "G99")):  # versions differ in what holds without
                 self._say(line, self._rules.setting, found="G98 or G99")
                 self._seen.add("G98")
-            said = {**(self._cycle or {}), **values}
-            if said.get("R", 0.0) < said.get("Z", 0.0):
+            holding = {**(self._cycle or {}), **values}
+            if holding.get("R", 0.0) < holding.get("Z", 0.0):
                 self._wrong(line, "R below Z", "R above Z, or the controller stops")
                 return
             self._drill(line, motion, dict(values), own_feed)
         if unexpected:
             self._wrong(line, f"the letter {min(unexpected)} in that block", "no such word there")
 
-    def _check_settings(self, line: int) -> None:
-        """Says once what is not set when the first move comes."""
-        if not self._ready:
-            missing = [code for code in self._variant.needed if code not in self._seen]
-            if missing:
-                self._say(line, self._rules.setting, found=", ".join(missing))
-            self._ready = True
-
     def curve(self, motion: int, start: Point, end: Point, words: Words) -> Curve | str:
-        """The arc of a block, or what is wrong with it."""
         if "I" not in words and "J" not in words:
             return "without I and J"
         centre = (start[0] + words.get("I", 0.0), start[1] + words.get("J", 0.0))
@@ -283,12 +265,7 @@ class Rs274(HeadWords, Interpreter):
         fault = self.arc_fault(start, end, centre, clockwise)
         return fault or arc_of(start, end, centre, clockwise)
 
-    def arc_fault(self, start: Point, end: Point, centre: Point, clockwise: bool) -> str | None:
-        """The controller's deviation from an arc; None if it makes that arc."""
-        return self._variant.arc_fault(start, end, centre, clockwise)
-
     def finish(self) -> None:
-        """The end of the text."""
         super().finish()
         last = self._last
         if self._variant.percent and (1 in self._percents) != (last in self._percents):

@@ -1,9 +1,21 @@
 """What LinuxCNC, Mach3 and grbl take of RS274, as far as programs of cells and tables use it."""
 
+import re
 from math import atan2, dist, pi, sqrt
+
+from msgspec.structs import replace
 
 from beamcam.controllers.rs274.blocks import Variant
 from beamcam.geometry.plane import Point
+
+OFFSETS = frozenset(f"G{number}" for number in range(54, 60))  #: of the workpiece
+
+
+def _switches(words: str) -> dict[int, frozenset[str]]:
+    """M words, each with the letters that belong to it behind its number."""
+    pairs = re.findall(r"(\d+)(\S*)", words)
+    return {int(number): frozenset(letters) for number, letters in pairs}
+
 
 # --- LinuxCNC -------------------------------------------------------------------------------------
 
@@ -35,11 +47,7 @@ LINUXCNC = Variant(
     longest_line=255,
     settings=frozenset({"G17", "G21", "G61", "G61.1", "G64", "G90", "G91.1", "G94"}),
     needed=("G17", "G21", "G40", "G90", "G91.1", "G94"),
-    switches={
-        3: frozenset("S$"), 4: frozenset("S$"), 5: frozenset("$"), 6: frozenset("T"),
-        7: frozenset(), 8: frozenset(), 9: frozenset(), 62: frozenset("P"), 63: frozenset("P"),
-        64: frozenset("P"), 65: frozenset("P"),
-    },
+    switches=_switches("3S$ 4S$ 5$ 6T 7 8 9 62P 63P 64P 65P"),
     cycles=True,
     own_switches=range(100, 200),  # "User Defined Commands M100-M199"
     own_letters=frozenset("PQ"),
@@ -49,12 +57,8 @@ LINUXCNC = Variant(
         "G43": frozenset("HZ"), "G43.1": frozenset("Z"), "G49": frozenset(), "G53": frozenset(),
         "G92.1": frozenset(), "G92.2": frozenset(),
     },
-    offsets=frozenset({f"G{number}" for number in range(54, 60)} | {"G59.1", "G59.2", "G59.3"}),
-    idle_switches={
-        0: frozenset(), 1: frozenset(), 6: frozenset("T"), 48: frozenset(), 49: frozenset(),
-        50: frozenset("P"), 51: frozenset("P$"), 52: frozenset("P"), 53: frozenset("P"),
-        60: frozenset(),
-    },
+    offsets=OFFSETS | {"G59.1", "G59.2", "G59.3"},
+    idle_switches=_switches("0 1 6T 48 49 50P 51P$ 52P 53P 60"),
     probes=frozenset({"G38.2", "G38.3"}),
     named=True,
     arc_fault=arc_fault,
@@ -68,31 +72,22 @@ LINUXCNC = Variant(
 # as far as its own settings say: G64 has no P.
 # Source: Mach3 Mill, "G and M codes"; its arcs are those of RS274, as LinuxCNC's.
 
-MACH3 = Variant(
+MACH3 = replace(
+    LINUXCNC,
     name="Mach3",
-    percent=True,
-    longest_line=255,
     settings=frozenset({"G17", "G21", "G61", "G64", "G80", "G90", "G91.1", "G94"}),
-    needed=("G17", "G21", "G40", "G90", "G91.1", "G94"),
-    switches={
-        3: frozenset("S"), 4: frozenset("S"), 5: frozenset(), 6: frozenset("T"), 7: frozenset(),
-        8: frozenset(), 9: frozenset(), 10: frozenset("P"), 11: frozenset("P"),
-    },
+    switches=_switches("3S 4S 5 6T 7 8 9 10P 11P"),
     cycles=False,
     own_switches=range(12, 10000),  # macros, files M<number>.m1s of the machine
     own_letters=frozenset("PQS"),
     blends=False,
     sides={},
-    idle={"G49": frozenset(), "G53": frozenset(), "G92.1": frozenset(), "G92.2": frozenset()},
-    offsets=frozenset(f"G{number}" for number in range(54, 60)),
-    idle_switches={
-        0: frozenset(), 1: frozenset(), 6: frozenset("T"), 48: frozenset(), 49: frozenset(),
-        60: frozenset(),
-    },
+    idle=dict.fromkeys(("G49", "G53", "G92.1", "G92.2"), frozenset()),
+    offsets=OFFSETS,
+    idle_switches=_switches("0 1 6T 48 49 60"),
     probes=frozenset({"G31"}),
     named=False,
-    arc_fault=arc_fault,
-)  # fmt: skip
+)
 
 
 # --- grbl -----------------------------------------------------------------------------------------
@@ -124,28 +119,25 @@ def grbl_arc_fault(start: Point, end: Point, centre: Point, clockwise: bool) -> 
     return None
 
 
-GRBL = Variant(
+GRBL = replace(
+    LINUXCNC,
     name="grbl",
     percent=False,
     longest_line=79,
     settings=frozenset({"G17", "G21", "G61", "G80", "G90", "G91.1", "G94"}),
     needed=("G17", "G21", "G90", "G94"),
-    switches={
-        3: frozenset("S"), 4: frozenset("S"), 5: frozenset(), 7: frozenset(), 8: frozenset(),
-        9: frozenset(),
-    },
+    switches=_switches("3S 4S 5 7 8 9"),
     cycles=False,
     own_switches=range(0),
     own_letters=frozenset(),
     blends=False,
     sides={},
     idle={"G43.1": frozenset("Z"), "G49": frozenset(), "G53": frozenset(), "G92.1": frozenset()},
-    offsets=frozenset(f"G{number}" for number in range(54, 60)),
-    idle_switches={0: frozenset(), 1: frozenset()},
-    probes=frozenset({"G38.2", "G38.3"}),
+    offsets=OFFSETS,
+    idle_switches=_switches("0 1"),
     named=False,
     arc_fault=grbl_arc_fault,
-)  # fmt: skip
+)
 
 
 #: By `controller` of the machine file.

@@ -74,11 +74,6 @@ class Axis:
         self.enabled = not self.error
         return 0 if self.enabled else 1
 
-    def reset(self) -> int:
-        """An error is acknowledged."""
-        self.error = False
-        return 0
-
     def go(self, position: float, velocity: float, up: float, down: float) -> None:
         """To a position."""
         self._end = position + self.origin
@@ -148,27 +143,22 @@ class PathObject:
         if self.still:
             return
         self._drive.advance(seconds)
-        (x, y), (dx, dy) = self._at(self._drive.position)
-        self.x.put(x, dx * self._drive.velocity)
-        self.y.put(y, dy * self._drive.velocity)
-
-    def _at(self, way: float) -> tuple[tuple[float, float], tuple[float, float]]:
-        direction = (0.0, 0.0)
+        way, (x, y), dx, dy = self._drive.position, self._points[-1], 0.0, 0.0
         for a, b in pairwise(self._points):
             length = dist(a, b)
             if length == 0.0:
                 continue
-            direction = ((b[0] - a[0]) / length, (b[1] - a[1]) / length)
+            dx, dy = (b[0] - a[0]) / length, (b[1] - a[1]) / length
             if way <= length:
-                return (a[0] + way * direction[0], a[1] + way * direction[1]), direction
+                x, y = a[0] + way * dx, a[1] + way * dy
+                break
             way -= length
-        return self._points[-1], direction
+        self.x.put(x, dx * self._drive.velocity)
+        self.y.put(y, dy * self._drive.velocity)
 
 
-# --- library --------------------------------------------------------------------------------------
+# --- SIMOTION's library: types, commands with their parameters, enumerators, function blocks ------
 
-# SIMOTION's library: types, commands with their parameters, enumerators, function blocks.
-#
 # A command has to name what is `needed` here: what it leaves out would be a default of the project.
 # What the simulated axes do not know, such as blending, is no parameter here either.
 #
@@ -209,7 +199,12 @@ class Command(Struct, frozen=True):
     """A system function."""
 
     parameters: dict[str, Type]
-    needed: tuple[str, ...]
+    some: tuple[str, ...] = ()  #: those that a call has to name, if not all
+
+    @property
+    def needed(self) -> tuple[str, ...]:
+        """The parameters that a call has to name."""
+        return self.some or tuple(self.parameters)
 
 
 _DYNAMICS = {
@@ -224,37 +219,24 @@ _PLANE = {
 }  # fmt: skip
 
 COMMANDS = {
-    "_pos": Command(
-        {
-            "axis": AXIS, "direction": "enum:POSITIVE|NEGATIVE|BY_VALUE|SHORTEST_WAY",
-            "positioningMode": "enum:ABSOLUTE|RELATIVE", "position": "LREAL", **_DYNAMICS,
-        },
-        ("axis", "direction", "positioningMode", "position", *_DYNAMICS),
-    ),
+    "_pos": Command({
+        "axis": AXIS, "direction": "enum:POSITIVE|NEGATIVE|BY_VALUE|SHORTEST_WAY",
+        "positioningMode": "enum:ABSOLUTE|RELATIVE", "position": "LREAL", **_DYNAMICS,
+    }),
     "_move": Command(
         {"axis": AXIS, "direction": "enum:POSITIVE|NEGATIVE|BY_VALUE", **_DYNAMICS},
         ("axis", "direction", "velocityType", "velocity", "nextCommand"),
     ),
-    "_stop": Command(
-        {"axis": AXIS, "stopMode": _STOP, "nextCommand": _WHEN},
-        ("axis", "stopMode", "nextCommand"),
-    ),
-    "_stopPath": Command(
-        {"pathObject": PATH_OBJECT, "stopMode": _STOP, "nextCommand": _WHEN},
-        ("pathObject", "stopMode", "nextCommand"),
-    ),
-    "_enableAxis": Command({"axis": AXIS, "nextCommand": _WHEN}, ("axis", "nextCommand")),
+    "_stop": Command({"axis": AXIS, "stopMode": _STOP, "nextCommand": _WHEN}),
+    "_stopPath": Command({"pathObject": PATH_OBJECT, "stopMode": _STOP, "nextCommand": _WHEN}),
+    "_enableAxis": Command({"axis": AXIS, "nextCommand": _WHEN}),
     "_resetAxisError": Command(
-        {"axis": AXIS, "errorResetMode": "enum:ALL_ERRORS", "nextCommand": _WHEN},
-        ("axis", "errorResetMode", "nextCommand"),
+        {"axis": AXIS, "errorResetMode": "enum:ALL_ERRORS", "nextCommand": _WHEN}
     ),
-    "_homing": Command(
-        {
-            "axis": AXIS, "homingMode": "enum:DIRECT_HOMING|ACTIVE_HOMING|PASSIVE_HOMING",
-            "homePositionType": _DIRECT, "homePosition": "LREAL", "nextCommand": _WHEN,
-        },
-        ("axis", "homingMode", "homePositionType", "homePosition", "nextCommand"),
-    ),
+    "_homing": Command({
+        "axis": AXIS, "homingMode": "enum:DIRECT_HOMING|ACTIVE_HOMING|PASSIVE_HOMING",
+        "homePositionType": _DIRECT, "homePosition": "LREAL", "nextCommand": _WHEN,
+    }),
     "_movePathLinear": Command(
         {**_PLANE, **_DYNAMICS}, ("pathObject", "pathPlane", "pathMode", "x", "y", *_DYNAMICS)
     ),
@@ -307,11 +289,11 @@ ENUMERATORS = frozenset({"ACTIVE", "INACTIVE", "YES", "NO"}).union(
 )
 
 
-def fits(found: Type, expected: Type) -> bool:
+def fits(type_: Type, expected: Type) -> bool:
     """Whether a value of one type is assignable to another, without a conversion."""
-    if found == expected or expected in _WIDER.get(found, ()):
+    if type_ == expected or expected in _WIDER.get(type_, ()):
         return True
-    return bool(choices(found)) and set(choices(found)) <= set(choices(expected))
+    return bool(choices(type_)) and set(choices(type_)) <= set(choices(expected))
 
 
 def shown(type_: Type) -> str:
@@ -320,10 +302,7 @@ def shown(type_: Type) -> str:
     return {"integer": "a whole number", "real": "a number with a point"}.get(plain, plain)
 
 
-# --- circles --------------------------------------------------------------------------------------
-
-# Arcs of path objects, by a place that they go over.
-
+# --- arcs of path objects, by a place that they go over -------------------------------------------
 
 Place = tuple[float, float]
 

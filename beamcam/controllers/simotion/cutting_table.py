@@ -102,7 +102,8 @@ class CuttingTable:
         if name == "_ENABLEAXIS":
             return moved[0].enable()
         if name == "_RESETAXISERROR":
-            return moved[0].reset()
+            moved[0].error = False
+            return 0
         fit = all(axis.enabled and not axis.error for axis in moved)
         if not fit or not self._dynamics(values, line):
             return REFUSED
@@ -116,7 +117,11 @@ class CuttingTable:
             sign = -1.0 if values["DIRECTION"] == "NEGATIVE" else 1.0
             moved[0].run(sign * values["VELOCITY"], self.triggers.acceleration)
         elif name == "_POS":
-            self._pos(moved[0], values, line)
+            if values["POSITIONINGMODE"] != "ABSOLUTE" or values["MERGEMODE"] != "IMMEDIATELY":
+                mode = f"{values['POSITIONINGMODE']} with {values['MERGEMODE']}"
+                self._command(line, mode, "ABSOLUTE with IMMEDIATELY")
+            limits = (values[key] for key in ("VELOCITY", "POSITIVEACCEL", "NEGATIVEACCEL"))
+            moved[0].go(values["POSITION"], *limits)
         return 0
 
     def _command(self, line: int, found: str, expected: str) -> None:
@@ -148,16 +153,8 @@ class CuttingTable:
         axis.home(values["HOMEPOSITION"])
         return 0
 
-    def _pos(self, axis: Axis, values: dict[str, Any], line: int) -> None:
-        if values["POSITIONINGMODE"] != "ABSOLUTE" or values["MERGEMODE"] != "IMMEDIATELY":
-            mode = f"{values['POSITIONINGMODE']} with {values['MERGEMODE']}"
-            self._command(line, mode, "ABSOLUTE with IMMEDIATELY")
-        axis.go(
-            values["POSITION"], values["VELOCITY"], values["POSITIVEACCEL"], values["NEGATIVEACCEL"]
-        )
-
     def _path(self, name: str, values: dict[str, Any], line: int) -> int:
-        assert self.path is not None  # names that are not declared were said before
+        assert self.path is not None  # names that are not declared were reported before
         here = (self.axes[0].position, self.axes[1].position)
         points = [here, (values["X"], values["Y"])]
         if values["PATHPLANE"] != "X_Y" or values["PATHMODE"] != "ABSOLUTE":
@@ -176,7 +173,7 @@ class CuttingTable:
     # -- time -------------------------------------------------------------------------------
 
     def cycle(self) -> None:
-        """One scan of the program, and what the axes do until the next. Raises Fault."""
+        """One scan of the program, and what the axes do until the next. Raises VerifyError."""
         x, y, *z = self.axes
         low_and_high = [
             at for place, end in zip(self.head(), self.ends, strict=True)

@@ -1,8 +1,8 @@
 """Structured Text run: a syntax tree written as Python, one function for each block.
 
 Blocks are compiled once; the variables of an instance are a dictionary that its function is called
-with. Commands go to a `World`, which knows axes and time. AND and OR stop at the first value that
-decides, which makes no difference as expressions have no effects.
+with. Commands go to a `World`, which knows axes and time. AND and OR stop at the first value
+that decides, which makes no difference as expressions have no effects.
 """
 
 from collections.abc import Callable, Container, Iterable, Iterator, Sequence
@@ -12,12 +12,11 @@ from typing import Any, Protocol
 
 from beamcam.caches import cached
 from beamcam.controllers.simotion import rules, syntax
-from beamcam.errors import Diagnostic, Source
+from beamcam.errors import Rule, Source, VerifyError
 
 Values = dict[str, Any]
-Variables = dict[
-    str, syntax.Variable | None
-]  #: by their names in capitals; None: outside the units
+#: By their names in capitals; None: outside the units.
+Variables = dict[str, syntax.Variable | None]
 
 _FIRST: dict[str, Any] = {"BOOL": False, "REAL": 0.0, "LREAL": 0.0, "TIME": 0.0}
 
@@ -29,19 +28,11 @@ class World(Protocol):
     objects: dict[str, Any]  #: axes and path objects by their names in capitals
     natives: dict[str, Callable[[], "Native"]]  #: function blocks of a library, by their types
 
-    def command(self, name: str, values: dict[str, Any], line: int) -> int:
+    def command(self, name: str, values: Values, line: int) -> int:
         """Carry out a command; 0 if it was accepted."""
 
-    def system(self, base: Any, name: str) -> Any:
-        """A system variable of an object."""
-
-
-class ControllerFault(Exception):
-    """A fault that stops the controller."""
-
-    def __init__(self, diagnostic: Diagnostic) -> None:
-        super().__init__(str(diagnostic))
-        self.diagnostic = diagnostic
+    def say(self, rule: Rule, line: int | None, **values: object) -> None:
+        """Add a message."""
 
 
 class Native(Protocol):
@@ -91,8 +82,9 @@ class ProjectInterpreter:
     """The units of a project, loaded: global variables, and one instance of each program."""
 
     def __init__(
-        self, units: Sequence[syntax.Unit], world: World, name: str, outside: Sequence[str] = ()
-    ) -> None:
+        self, units: Sequence[syntax.Unit], world: World, name: str,
+        outside: Sequence[str] = (),
+    ) -> None:  # fmt: skip
         """`outside` are BOOL variables of the project that no unit here declares."""
         self.world, self.name = world, name
         self.globals: Values = dict.fromkeys((key.upper() for key in outside), False)
@@ -116,7 +108,7 @@ class ProjectInterpreter:
         }
 
     def run(self, program: str) -> None:
-        """One cycle of a program. Raises Fault; KeyError for a program that is not there."""
+        """One cycle of a program. Raises VerifyError; KeyError for a program that is not there."""
         self._programs[program.upper()].run({})
 
     def has(self, program: str) -> bool:
@@ -152,19 +144,17 @@ class ProjectInterpreter:
         return _Writer(own, self._known, self.world.objects, instances)
 
     def _at(self, index: int, low: int, high: int, name: str, line: int) -> int:
-        """The place of an element in its array; raises Fault beyond its bounds."""
+        """The place of an element in its array; raises VerifyError beyond its bounds."""
         if not low <= index <= high:
             source = Source(self.name, line)
-            raise ControllerFault(
-                rules.BOUNDS.at(source, found=index, name=name, low=low, high=high)
-            )
+            raise VerifyError(rules.BOUNDS.at(source, found=index, name=name, low=low, high=high))
         return index - low
 
     def _divide(self, operator: str, a: Any, b: Any, line: int) -> Any:
         """A quotient or the rest of one; of whole numbers a whole one, towards 0."""
         if b == 0:
             source = Source(self.name, line)
-            raise ControllerFault(rules.RUN.at(source, found="a division by 0", expected="none"))
+            raise VerifyError(rules.RUN.at(source, found="a division by 0", expected="none"))
         if operator == "MOD":
             return a - b * int(a / b)
         return int(a / b) if isinstance(a, int) else a / b

@@ -12,100 +12,15 @@ from typing import Any, NoReturn
 from msgspec import Struct
 
 from beamcam.controllers.simotion import rules
-from beamcam.errors import Diagnostic, Rule, Source
+from beamcam.errors import Diagnostic, Rule, Source, VerifyError
 from beamcam.machine.machine import Machine
 from beamcam.machine.runtime import PROCESSES, STYLES, dialect_of, runtime_of
 
-# --- frame ----------------------------------------------------------------------------------------
-
-# A trigger program taken apart: its fixed part, compared byte by byte, and what is the job's own.
-#
-# The fixed part is shipped and proved by itself, see `trial`; what differs from job to job is read
-# by `job`.
-
-
+END = "the end of the program"
 UNIT = re.compile(r"\(\* ===== UNIT (\w+) ===== \*\)")
 _REMARK = re.compile(r"\(\* (?:(?!\*\)|\(\*).)+ \*\)")
 _BOUNDARY = "(* ----- Runtime ----- *)"
 _ARRAY = "        triggerActive : ARRAY ["
-
-Line = tuple[int, str]  #: number in the program, and text
-
-
-class JobText(Struct, frozen=True):
-    """The lines of a program that are the job's own."""
-
-    style: str
-    declarations: tuple[Line, ...]
-    operations: tuple[Line, ...]
-    data: tuple[Line, ...]  #: of all units of set-points
-
-
-class UnreadableProgram(Exception):
-    """A deviation from the fixed part of every program."""
-
-    def __init__(self, diagnostic: Diagnostic) -> None:
-        super().__init__(str(diagnostic))
-        self.diagnostic = diagnostic
-
-
-def job_of(text: str, machine: Machine, name: str = "program") -> JobText:
-    """The job's own lines. Raises Unreadable where the fixed part differs."""
-    return _Frame(text.replace("\r\n", "\n").split("\n"), machine, name).read()
-
-
-class _Frame:
-    def __init__(self, lines: list[str], machine: Machine, name: str) -> None:
-        self.lines, self.machine, self.name, self.at = lines, machine, name, 0
-
-    def read(self) -> JobText:
-        if not UNIT.fullmatch(self.lines[0]):
-            raise self.syntax(self.lines[0], "(* ===== UNIT name ===== *)")
-        self.at = 1
-        head = runtime_of(self.machine, STYLES[0]).head
-        first = head.partition("\n")[0]
-        for line in self.lines[1:]:
-            if line == first or not _REMARK.fullmatch(line):
-                break
-            self.at += 1
-        self.fixed(head)
-        declarations = self.own()
-        chained = any(text.startswith(_ARRAY) for _, text in declarations)
-        runtime = runtime_of(self.machine, "chain" if chained else "table")
-        self.fixed(runtime.middle)
-        operations = self.own()
-        self.fixed(runtime.end)
-        data = tuple(enumerate(self.lines[self.at :], self.at + 1))
-        return JobText("chain" if chained else "table", declarations, operations, data)
-
-    def fixed(self, expected: str) -> None:
-        """Take the lines of a fixed piece. Raises Unreadable at the first that is another."""
-        for wanted in expected.split("\n")[:-1]:
-            ended = self.at + 1 >= len(self.lines)  # what follows its last line end is a line too
-            found = "the end of the program" if ended else self.lines[self.at]
-            if found != wanted:
-                source = Source(self.name, self.at + 1)
-                diagnostic = rules.RUNTIME.at(source, found=found.strip(), expected=wanted.strip())
-                raise UnreadableProgram(diagnostic)
-            self.at += 1
-
-    def own(self) -> tuple[Line, ...]:
-        """The lines up to the next fixed piece, which begins with a comment of its own."""
-        start = self.at
-        while self.at < len(self.lines) and self.lines[self.at].strip() != _BOUNDARY:
-            self.at += 1
-        if self.at == len(self.lines):
-            source = Source(self.name, self.at)
-            found = "the end of the program"
-            raise UnreadableProgram(rules.RUNTIME.at(source, found=found, expected=_BOUNDARY))
-        return tuple(enumerate(self.lines[start : self.at], start + 1))
-
-    def syntax(self, found: str, expected: str) -> UnreadableProgram:
-        source = Source(self.name, self.at + 1)
-        return UnreadableProgram(rules.SYNTAX.at(source, found=found, expected=expected))
-
-
-END = "the end of the program"
 _REAL = r"LREAL#(-?\d+\.\d+)"
 _KIND = r"USINT#(\d+)"
 _USES = re.compile(r"    USES (\w+(?:, \w+)*);")
@@ -145,13 +60,11 @@ class JobRead(Struct, frozen=True):
     thickness_line: int = 1  #: that says so
 
 
-def read_job(text: JobText, machine: Machine, name: str = "program") -> JobRead:
-    """The operations of a job. Raises Unreadable at the first thing that is wrong."""
-    return _Job(text, machine, name).read()
+Line = tuple[int, str]  #: number in the program, and text
 
 
 class _Lines:
-    """Lines taken one by one, each of a form."""
+    """Lines taken one by one, each of a form. Raises VerifyError at the first that is another."""
 
     def __init__(self, lines: Sequence[Line], name: str) -> None:
         self.lines, self.name, self.at = lines, name, 0
@@ -167,8 +80,26 @@ class _Lines:
     def left(self) -> bool:
         return self.at < len(self.lines)
 
-    def exact(self, *wanted: str) -> None:
-        for text in wanted:
+    def fixed(self, piece: str) -> None:
+        """The lines of a piece that is the same in every program, byte by byte."""
+        for expected in piece.split("\n")[:-1]:
+            ended = self.at + 1 >= len(self.lines)  # what follows its last line end is a line too
+            text = END if ended else self.here[1]
+            if text != expected:
+                self.wrong(rules.RUNTIME, found=text.strip(), expected=expected.strip())
+            self.at += 1
+
+    def own(self) -> "_Lines":
+        """The job's lines up to the next fixed piece, which begins with a comment of its own."""
+        start = self.at
+        while self.left and self.here[1].strip() != _BOUNDARY:
+            self.at += 1
+        if not self.left:
+            self.wrong(rules.RUNTIME, found=END, expected=_BOUNDARY)
+        return _Lines(self.lines[start : self.at], self.name)
+
+    def exact(self, *texts: str) -> None:
+        for text in texts:
             if not self.left or self.here[1] != text:
                 self.wrong(rules.SYNTAX, found=self.here[1].strip(), expected=text.strip())
             self.at += 1
@@ -180,14 +111,54 @@ class _Lines:
         self.at += 1
         return match
 
+    def end(self, expected: str = END) -> None:
+        if self.left:
+            self.wrong(rules.SYNTAX, found=self.here[1].strip(), expected=expected)
+
     def wrong(self, rule: Rule, line: int | None = None, **values: object) -> NoReturn:
         source = Source(self.name, self.here[0] if line is None else line)
-        raise UnreadableProgram(rule.at(source, **values))
+        raise VerifyError(rule.at(source, **values))
+
+
+def read_program(
+    text: str, machine: Machine, name: str = "program"
+) -> tuple[JobRead | None, list[Diagnostic]]:
+    """The job of a program; None and what is wrong where it cannot be read."""
+    try:
+        return _read_job(text, machine, name), []
+    except VerifyError as error:
+        return None, list(error.diagnostics)
+
+
+def _read_job(text: str, machine: Machine, name: str) -> JobRead:
+    """The operations of a program's job. Raises VerifyError at the first thing that is wrong.
+
+    The fixed part of a program is shipped and proved by itself, see `trial`.
+    """
+    numbered = list(enumerate(text.replace("\r\n", "\n").split("\n"), 1))
+    lines = _Lines(numbered, name)
+    if not UNIT.fullmatch(lines.here[1]):
+        lines.wrong(rules.SYNTAX, found=lines.here[1], expected="(* ===== UNIT name ===== *)")
+    lines.at = 1
+    head = runtime_of(machine, STYLES[0]).head
+    first = head.partition("\n")[0]
+    while lines.left and lines.here[1] != first and _REMARK.fullmatch(lines.here[1]):
+        lines.at += 1
+    lines.fixed(head)
+    declarations = lines.own()
+    chained = any(text.startswith(_ARRAY) for _, text in declarations.lines)
+    runtime = runtime_of(machine, "chain" if chained else "table")
+    lines.fixed(runtime.middle)
+    operations = lines.own()
+    lines.fixed(runtime.end)
+    data = _Lines(numbered[lines.at :], name)
+    return _Job(chained, operations, data, machine).read(declarations)
 
 
 class _Job:
-    def __init__(self, text: JobText, machine: Machine, name: str) -> None:
-        self.text, self.name = text, name
+    def __init__(self, chained: bool, lines: _Lines, data: _Lines, machine: Machine) -> None:
+        """`lines` hold the operations, `data` the units of set-points."""
+        self.chained, self.lines, self.data = chained, lines, data
         self.triggers = machine.needed(machine.triggers, "trigger program")
         self.paths, self.has_z = self.triggers.path_objects, self.triggers.z is not None
         self.dialect = dialect_of(machine)
@@ -196,8 +167,8 @@ class _Job:
         self.speed_form = re.compile(rf"                {height}speed := {_REAL}{end}")
         self.declared: list[TableOperation] = []  #: a table's, where it has no units for them
 
-    def read(self) -> JobRead:
-        lines = _Lines(self.text.declarations, self.name)
+    def read(self, lines: _Lines) -> JobRead:
+        """The job by its declarations and what they announce."""
         units: list[str] = []
         uses_line = lines.here[0]
         if lines.left and _USES.fullmatch(lines.here[1]):
@@ -207,66 +178,63 @@ class _Job:
         thickness, thickness_line = 0.0, lines.here[0]
         if self.has_z:
             thickness = float(lines.match(_THICKNESS, "SHEET_THICKNESS : LREAL := LREAL#...;")[1])
-        pierce_s = dict(self._pierces(lines))
+        pierce_s = {}
+        for process in PROCESSES:
+            form = re.compile(rf"        PIERCE_{process.upper()} : TIME := T#(\d+)ms;")
+            match = lines.match(form, f"PIERCE_{process.upper()} : TIME := T#...ms;")
+            pierce_s[process] = int(match[1]) / 1000
         lines.exact("    END_VAR")
-        if self.text.style == "chain":
+        if self.chained:
             lines.exact(f"    {self.dialect.variables}")
             latches = int(lines.match(_LATCHES, "triggerActive : ARRAY [0..n] OF BOOL;")[1])
             if latches != last:
-                found = latches
-                lines.wrong(rules.BOUNDS, lines.here[0] - 1, found=found, name="triggerActive",
+                lines.wrong(rules.BOUNDS, lines.here[0] - 1, found=latches, name="triggerActive",
                             low=0, high=last)  # fmt: skip
             lines.exact("    END_VAR")
         elif not self.dialect.has_units:
             lines.exact(f"    {self.dialect.variables}")
             self.declared = self._set_points(lines, 1, 1, last)
             lines.exact("    END_VAR")
-        if lines.left:
-            lines.wrong(rules.SYNTAX, found=lines.here[1].strip(), expected="the runtime")
+        lines.end("the runtime")
         own = list(self.triggers.uses)
         if units[: len(own)] != own:
             expected = ", ".join(own)
             lines.wrong(rules.NAME, uses_line, found=", ".join(units) or "no USES",
                         expected=expected)  # fmt: skip
-        read = self._chain if self.text.style == "chain" else self._table
+        read = self._chain if self.chained else self._table
         operations = read(last, units[len(own) :], uses_line)
         return JobRead(operations, pierce_s, thickness, thickness_line)
-
-    def _pierces(self, lines: _Lines) -> Iterator[tuple[str, float]]:
-        for process in PROCESSES:
-            form = re.compile(rf"        PIERCE_{process.upper()} : TIME := T#(\d+)ms;")
-            match = lines.match(form, f"PIERCE_{process.upper()} : TIME := T#...ms;")
-            yield process, int(match[1]) / 1000
 
     # -- chains -----------------------------------------------------------------------------
 
     def _chain(self, last: int, units: Sequence[str], uses_line: int) -> tuple[TableOperation, ...]:
-        lines = _Lines(self.text.operations, self.name)
         if units:
-            found = f"unit {units[0]}"
-            lines.wrong(rules.NAME, uses_line, found=found, expected="no unit of set-points")
-        operations = tuple(self._blocks(lines))
-        if len(operations) != last:
-            found = f"{len(operations)} operations"
-            lines.wrong(rules.TRIGGER, found=found, expected=f"{last}, as LAST_OPERATION")
-        data = _Lines(self.text.data, self.name)
-        data.exact("")
-        if data.left:
-            data.wrong(rules.SYNTAX, found=data.here[1].strip(), expected="the end of the program")
+            self.lines.wrong(rules.NAME, uses_line, found=f"unit {units[0]}",
+                             expected="no unit of set-points")  # fmt: skip
+        operations = tuple(self._blocks())
+        self._check_count(len(operations), last)
+        self.data.exact("")
+        self.data.end()
         return operations
 
-    def _blocks(self, lines: _Lines) -> Iterator[TableOperation]:
+    def _check_count(self, count: int, last: int) -> None:
+        if count != last:
+            expected = f"{last}, as LAST_OPERATION"
+            self.lines.wrong(rules.TRIGGER, found=f"{count} operations", expected=expected)
+
+    def _blocks(self) -> Iterator[TableOperation]:
+        lines = self.lines
         k = 0
         while lines.left:
             k += 1
             lines.match(_COMMENT, f"(* {k}: ... *)")
             line = lines.here[0]
             match = lines.match(_TRIGGER, "IF operationArrived AND ... THEN")
-            wanted, barred = int(match[1]), int(match[2])
+            before, barred = int(match[1]), int(match[2])
             sets = int(lines.match(_LATCH, f"triggerActive[{k}] := TRUE;")[1])
-            if (wanted, barred, sets) != (k - 1, k, k):
+            if (before, barred, sets) != (k - 1, k, k):
                 lines.wrong(
-                    rules.TRIGGER, line, found=f"trigger {sets} behind {wanted}, but not {barred}",
+                    rules.TRIGGER, line, found=f"trigger {sets} behind {before}, but not {barred}",
                     expected=f"trigger {k} behind {k - 1}, but not {k}",
                 )  # fmt: skip
             place = lines.match(_PLACE, "next(kind := USINT#..., x := LREAL#..., y := LREAL#...,")
@@ -283,19 +251,9 @@ class _Job:
 
     # -- tables -----------------------------------------------------------------------------
 
-    @property
-    def _columns(self) -> dict[str, str]:
-        """Names of the arrays with their types, in their order."""
-        names = ["pointX", "pointY", *["pointZ"] * self.has_z, "pointSpeed"]
-        if self.paths:
-            names += ["pointViaX", "pointViaY"]
-        return {**dict.fromkeys(names, "LREAL"), "pointKind": "USINT"}
-
     def _table(self, last: int, units: Sequence[str], uses_line: int) -> tuple[TableOperation, ...]:
-        lines = _Lines(self.text.operations, self.name)
-        data = _Lines(self.text.data, self.name)
+        lines, data, operations = self.lines, self.data, self.declared
         data.exact("")
-        operations = self.declared
         if operations and (rows := self._fetch(lines, 1)) != (1, last):
             lines.wrong(rules.BOUNDS, lines.here[0] - 4, found=f"{rows[0]} to {rows[1]}",
                         name="rows of the table", low=1, high=last)  # fmt: skip
@@ -304,14 +262,17 @@ class _Job:
             if low != len(operations) + 1 or high < low:
                 lines.wrong(rules.BOUNDS, lines.here[0] - 4, found=low, name=f"rows of {unit}",
                             low=len(operations) + 1, high="more")  # fmt: skip
-            operations += self._rows(data, unit, k, low, high, uses_line)
-        if lines.left:
-            lines.wrong(rules.SYNTAX, found=lines.here[1].strip(), expected="the runtime")
-        if data.left:
-            data.wrong(rules.SYNTAX, found=data.here[1].strip(), expected="the end of the program")
-        if len(operations) != last:
-            found = f"{len(operations)} operations"
-            lines.wrong(rules.TRIGGER, found=found, expected=f"{last}, as LAST_OPERATION")
+            mark = f"(* ===== UNIT {unit} ===== *)"
+            other = data.match(UNIT, f"{mark}; join the file of that unit behind this one")[1]
+            if other != unit:
+                data.wrong(rules.NAME, uses_line, found=f"unit {unit}", expected=other)
+            data.exact("INTERFACE", f"    {self.dialect.constants}")
+            operations += self._set_points(data, k, low, high)
+            data.exact("    END_VAR", "END_INTERFACE", "", "IMPLEMENTATION", "END_IMPLEMENTATION",
+                       "")  # fmt: skip
+        lines.end("the runtime")
+        data.end()
+        self._check_count(len(operations), last)
         return tuple(operations)
 
     def _fetch(self, lines: _Lines, k: int) -> tuple[int, int]:
@@ -330,27 +291,13 @@ class _Job:
         )
         return int(bounds[1]), int(bounds[2])
 
-    def _rows(
-        self, data: _Lines, unit: str, k: int, low: int, high: int, uses_line: int
-    ) -> list[TableOperation]:
-        """The operations of one unit."""
-        mark = f"(* ===== UNIT {unit} ===== *)"
-        other = data.match(UNIT, f"{mark}; join the file of that unit behind this one")[1]
-        if other != unit:
-            data.wrong(rules.NAME, uses_line, found=f"unit {unit}", expected=other)
-        data.exact("INTERFACE", f"    {self.dialect.constants}")
-        operations = self._set_points(data, k, low, high)
-        data.exact("    END_VAR", "END_INTERFACE", "", "IMPLEMENTATION", "END_IMPLEMENTATION", "")
-        return operations
-
     def _set_points(self, data: _Lines, k: int, low: int, high: int) -> list[TableOperation]:
         """The operations that the arrays of a number hold."""
         line = data.here[0]
-        columns = [
-            self._array(data, f"{name}_{k}", type_, low, high)
-            for name, type_ in self._columns.items()
-        ]
-        x, y, *more, kinds = columns
+        names = ["pointX", "pointY", *["pointZ"] * self.has_z, "pointSpeed"]
+        names += ["pointViaX", "pointViaY"] if self.paths else []
+        x, y, *more = (self._array(data, f"{name}_{k}", "LREAL", low, high) for name in names)
+        kinds = self._array(data, f"pointKind_{k}", "USINT", low, high)
         heights = more.pop(0) if self.has_z else [0.0] * len(x)
         speed, *via = more
         middles: Iterable[Any] = zip(*via, strict=True) if via else [None] * len(x)

@@ -1,37 +1,23 @@
 """Function blocks of PLCopen Motion Control, part 1, with simulated axes behind them.
 
 What Execute starts goes on when Execute falls; another command of the axis aborts it. Done, Error
-and CommandAborted stay as long as Execute, or are told for one call. An axis whose drive
+and CommandAborted stay as long as Execute, or are shown for one call. An axis whose drive
 drops out while MC_Power is called with Enable is in the state ErrorStop.
 """
 
 from abc import abstractmethod
 from collections.abc import Callable
 from functools import partial
-from typing import Any, Protocol
+from typing import Any
 
 from beamcam.controllers.simotion import rules
 from beamcam.controllers.simotion.axes import Axis
-from beamcam.controllers.simotion.interpreter import Native, Values
-from beamcam.errors import Rule
-from beamcam.machine.tables import Triggers
+from beamcam.controllers.simotion.interpreter import Native, Values, World
 
 COMMANDED_POSITION = 1  #: number of that parameter
 
 
-class AxisTable(Protocol):
-    """The table whose axes the blocks move."""
-
-    triggers: Triggers
-
-    def command(self, name: str, values: Values, line: int) -> int:
-        """Carry out a command; 0 if it was accepted."""
-
-    def say(self, rule: Rule, line: int | None, **values: object) -> None:
-        """Add a message."""
-
-
-def motion_blocks(table: AxisTable) -> dict[str, Callable[[], Native]]:
+def motion_blocks(table: World) -> dict[str, Callable[[], Native]]:
     """The blocks of a table, by their names in capitals."""
     kinds: tuple[type[_Block], ...] = (
         _Power, _Move, _Halt, _SetPosition, _Stop, _Reset, _Status, _Position, _Parameter,
@@ -39,11 +25,12 @@ def motion_blocks(table: AxisTable) -> dict[str, Callable[[], Native]]:
     return {kind.name: partial(kind, table) for kind in kinds}
 
 
-def start(table: AxisTable, name: str, values: Values) -> bool:
+def start(table: World, name: str, values: Values) -> bool:
     """Start what a block asks of its axis; False if the axis refuses it."""
     axis: Axis = values["AXIS"]
     if name == _Reset.name:
-        return axis.reset() == 0
+        axis.error = False
+        return True
     if axis.error or not axis.enabled or (axis.held_by is not None and name != _Stop.name):
         return False
     if name in (_Stop.name, _Halt.name):
@@ -56,9 +43,8 @@ def start(table: AxisTable, name: str, values: Values) -> bool:
     else:
         limits = [values[key] for key in ("VELOCITY", "ACCELERATION", "DECELERATION")]
         if min(limits) <= 0.0:
-            table.say(
-                rules.COMMAND, None, found=f"{name} with {min(limits):g}", expected="more than 0"
-            )
+            found = f"{name} with {min(limits):g}"
+            table.say(rules.COMMAND, None, found=found, expected="more than 0")
             return False
         axis.go(values["POSITION"], *limits)
     return True
@@ -68,7 +54,7 @@ class _Block(Native):
     name = ""
     outputs: tuple[str, ...] = ("ERROR",)
 
-    def __init__(self, table: AxisTable) -> None:
+    def __init__(self, table: World) -> None:
         self.table = table
         self.values: Values = dict.fromkeys(self.outputs, False)
         self.inputs: Values = {"ENABLE": False, "EXECUTE": False}
@@ -132,9 +118,9 @@ class _Command(_Block):
         elif self.arrived(axis):
             self.values.update(BUSY=False, DONE=True)
 
-    @abstractmethod
     def arrived(self, axis: Axis) -> bool:
-        """Whether the axis has done it; what is next to be done on the way is done."""
+        """Whether the axis has done it."""
+        return axis.still
 
 
 class _Move(_Command):
@@ -150,9 +136,6 @@ class _Move(_Command):
 
 class _Halt(_Command):
     name = "MC_HALT"
-
-    def arrived(self, axis: Axis) -> bool:
-        return axis.still
 
 
 class _SetPosition(_Command):
@@ -173,15 +156,9 @@ class _Stop(_Command):
         elif self.values["BUSY"] or self.values["DONE"]:
             axis.held_by = self
 
-    def arrived(self, axis: Axis) -> bool:
-        return axis.still
-
 
 class _Reset(_Command):
     name = "MC_RESET"
-
-    def arrived(self, axis: Axis) -> bool:
-        return not axis.error
 
     def _follow(self, axis: Axis) -> None:
         self.values.update(BUSY=axis.error, DONE=not axis.error)
@@ -214,7 +191,7 @@ class _Position(_Block):
     name = "MC_READACTUALPOSITION"
     outputs = ("VALID", "BUSY", "ERROR")
 
-    def __init__(self, table: AxisTable) -> None:
+    def __init__(self, table: World) -> None:
         super().__init__(table)
         self.values[self.value] = 0.0
 

@@ -35,11 +35,14 @@ class Names:
         self.diagnostics.append(rule.at(Source(self.name, line), **values))
         return UNKNOWN
 
-    def wrong_type(self, line: int, found: str, what: str, wanted: str) -> str:
+    def wrong_type(self, line: int, found: str, what: str, expected: str) -> str:
         """Note that something has another type than it should."""
-        return self.say(
-            rules.TYPE, line, found=axes.shown(found), what=what, expected=axes.shown(wanted)
-        )
+        expected = axes.shown(expected)
+        return self.say(rules.TYPE, line, found=axes.shown(found), what=what, expected=expected)
+
+    def unknown(self, line: int, found: str, name: str, known: Collection[str]) -> str:
+        """Note a name that is not among those that are known, with the nearest of them."""
+        return self.say(rules.NAME, line, found=found, expected=near(name, known))
 
     def twice(self, name: str, line: int) -> None:
         """Note a name that stands for two things."""
@@ -68,16 +71,10 @@ class Names:
         if (structure := self.structures.get(type_.upper())) is not None:
             return {f.name: self.canonical(f.type) for f in structure.fields
                     if isinstance(f.type, str)}  # fmt: skip
-        return self._of_block(type_, "output")
+        return self.of_block(type_, "output")
 
-    def inputs(self, name: str, *sections: syntax.Section) -> dict[str, str] | None:
-        """The inputs of the function block that a variable is an instance of, if it is one."""
-        variable = self.variable(name)
-        if variable is None or not isinstance(variable.type, str):
-            return None
-        return self._of_block(variable.type, *(sections or ("input", "inout")))
-
-    def _of_block(self, type_: str, *sections: syntax.Section) -> dict[str, str] | None:
+    def of_block(self, type_: str, *sections: syntax.Section) -> dict[str, str] | None:
+        """The variables in some sections of a type's function block; None if it has none."""
         block = self.blocks.get(type_.upper())
         if block is None:
             return None
@@ -92,8 +89,8 @@ class Names:
         variable = self.variable(value.name)
         if variable is not None:
             if isinstance(variable.type, syntax.Array):
-                found = f"the array {value.name}"
-                return self.wrong_type(value.line, found, "a value", "one of its elements")
+                array = f"the array {value.name}"
+                return self.wrong_type(value.line, array, "a value", "one of its elements")
             return self.canonical(variable.type)
         key = value.name.upper()
         if key in self.objects:
@@ -104,7 +101,7 @@ class Names:
             *(v.name for v in self.locals.values()), *(v.name for v in self.globals.values()),
             *self.objects, *self.enumerators,
         )  # fmt: skip
-        return self.say(rules.NAME, value.line, found=value.name, expected=near(value.name, known))
+        return self.unknown(value.line, value.name, value.name, known)
 
 
 def spelled(word: str, known: Iterable[str]) -> str | None:

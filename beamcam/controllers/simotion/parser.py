@@ -49,8 +49,62 @@ class Stop(Exception):
         self.token, self.expected = token, expected
 
 
-class TokenStream:
-    """Tokens that are taken one by one."""
+def _literal(token: Token) -> syntax.Constant:
+    word, _, text = token.text.upper().partition("#")
+    if word in ("TRUE", "FALSE"):
+        return syntax.Constant(token.line, "BOOL", word == "TRUE")
+    if token.kind == "number":
+        plain = float(word) if "." in word else int(word)
+        return syntax.Constant(token.line, "real" if "." in word else "integer", plain)
+    if word in ("T", "TIME"):
+        pieces = _TIME.findall(text)
+        if "".join(a + b for a, b in pieces) != text or not pieces:
+            raise Stop(token, "a time such as T#300ms")
+        value = sum(float(a) * _TIME_S[b.lower()] for a, b in pieces)
+        return syntax.Constant(token.line, "TIME", value)
+    try:
+        if word in ("LREAL", "REAL"):
+            if "." not in text:
+                raise ValueError(text)
+            return syntax.Constant(token.line, word, float(text))
+        if word == "BOOL":
+            return syntax.Constant(token.line, word, bool(int(text)))
+        low, high = axes.INTEGERS[word]
+        if not low <= int(text) <= high:
+            raise ValueError(text)
+        return syntax.Constant(token.line, word, int(text))
+    except ValueError:
+        raise Stop(token, f"a value of {word}") from None
+
+
+_SECTIONS: dict[str, Section] = {
+    "VAR_INPUT": "input", "VAR_OUTPUT": "output", "VAR_IN_OUT": "inout", "VAR": "local",
+}  # fmt: skip
+
+
+def parse(text: str, name: str) -> tuple[list[syntax.Unit], list[Diagnostic]]:
+    """The units of a text, and what is wrong with it."""
+    words, diagnostics = tokens(text, name)
+    return parsed_by(Parser(words), diagnostics, name)
+
+
+def parsed_by(
+    parser: Parser, diagnostics: list[Diagnostic], name: str
+) -> tuple[list[syntax.Unit], list[Diagnostic]]:
+    """The units that a parser takes, unless its words are wrong; and what is wrong."""
+    if diagnostics:
+        return [], diagnostics
+    try:
+        return parser.units(), []
+    except Stop as stop:
+        source = Source(name, stop.token.line)
+        shown = stop.token.text or "the end of the text"
+        return [], [rules.SYNTAX.at(source, found=shown, expected=stop.expected)]
+
+
+class Parser:
+    """Takes units of SIMOTION, a function a construct; what stands in a block is the same in every
+    dialect."""
 
     def __init__(self, tokens: list[Token]) -> None:
         self.tokens, self.at = tokens, 0
@@ -69,6 +123,10 @@ class TokenStream:
             raise Stop(self.here, " or ".join(words))
         self.at += 1
         return self.tokens[self.at - 1]
+
+    def take_each(self, *words: str) -> None:
+        for word in words:
+            self.take(word)
 
     def accept(self, *words: str) -> bool:
         if self.is_word(*words):
@@ -95,9 +153,7 @@ class TokenStream:
             items.append(item())
         return items
 
-
-class Expressions(TokenStream):
-    """Takes expressions, one function a construct."""
+    # -- expressions ------------------------------------------------------------------------
 
     def expression(self, level: int = 0) -> Expression:
         """Values with operators of a level or tighter ones between them."""
@@ -152,60 +208,6 @@ class Expressions(TokenStream):
                 break
         self.take(")")
         return syntax.Call(callee.line, callee.text, tuple(named), tuple(placed))
-
-
-def _literal(token: Token) -> syntax.Constant:
-    word, _, text = token.text.upper().partition("#")
-    if word in ("TRUE", "FALSE"):
-        return syntax.Constant(token.line, "BOOL", word == "TRUE")
-    if token.kind == "number":
-        plain = float(word) if "." in word else int(word)
-        return syntax.Constant(token.line, "real" if "." in word else "integer", plain)
-    if word in ("T", "TIME"):
-        pieces = _TIME.findall(text)
-        if "".join(a + b for a, b in pieces) != text or not pieces:
-            raise Stop(token, "a time such as T#300ms")
-        value = sum(float(a) * _TIME_S[b.lower()] for a, b in pieces)
-        return syntax.Constant(token.line, "TIME", value)
-    try:
-        if word in ("LREAL", "REAL"):
-            if "." not in text:
-                raise ValueError(text)
-            return syntax.Constant(token.line, word, float(text))
-        if word == "BOOL":
-            return syntax.Constant(token.line, word, bool(int(text)))
-        low, high = axes.INTEGERS[word]
-        if not low <= int(text) <= high:
-            raise ValueError(text)
-        return syntax.Constant(token.line, word, int(text))
-    except ValueError:
-        raise Stop(token, f"a value of {word}") from None
-
-
-# --- statements and units -------------------------------------------------------------------------
-
-
-_SECTIONS: dict[str, Section] = {
-    "VAR_INPUT": "input", "VAR_OUTPUT": "output", "VAR_IN_OUT": "inout", "VAR": "local",
-}  # fmt: skip
-
-
-def parse(text: str, name: str) -> tuple[list[syntax.Unit], list[Diagnostic]]:
-    """The units of a text, and what is wrong with it."""
-    found, diagnostics = tokens(text, name)
-    if diagnostics:
-        return [], diagnostics
-    parser = Parser(found)
-    try:
-        return parser.units(), []
-    except Stop as stop:
-        source = Source(name, stop.token.line)
-        shown = stop.token.text or "the end of the text"
-        return [], [rules.SYNTAX.at(source, found=shown, expected=stop.expected)]
-
-
-class Parser(Expressions):
-    """Takes units of SIMOTION; what stands in a block is the same in every dialect."""
 
     # -- units ------------------------------------------------------------------------------
 
@@ -273,7 +275,11 @@ class Parser(Expressions):
             type_ = self.type()
             initial: Expression | tuple[Expression, ...] | None = None
             if self.accept(":="):
-                initial = self.array_values() if self.is_word("[") else self.expression()
+                if self.accept("["):
+                    initial = tuple(self.separated(self.expression))
+                    self.take("]")
+                else:
+                    initial = self.expression()
             self.take(";")
             variables.append(
                 syntax.Variable(token.line, token.text, section, type_, initial, address)
@@ -286,8 +292,7 @@ class Parser(Expressions):
             low = self.whole()
             self.take("..")
             high = self.whole()
-            self.take("]")
-            self.take("OF")
+            self.take_each("]", "OF")
             return syntax.Array(low, high, self.type_name())
         return self.type_name()
 
@@ -301,12 +306,6 @@ class Parser(Expressions):
             raise Stop(token, "a whole number")
         self.at += 1
         return sign * int(token.text)
-
-    def array_values(self) -> tuple[Expression, ...]:
-        self.take("[")
-        values = self.separated(self.expression)
-        self.take("]")
-        return tuple(values)
 
     # -- statements -------------------------------------------------------------------------
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
 from typing import Literal, NamedTuple
 
 from msgspec import Struct
@@ -40,10 +39,7 @@ _TOKEN = re.compile(
 def tokens(text: str, name: str) -> tuple[list[Token], list[Diagnostic]]:
     """The tokens of a text, an `end` behind them, and what is not a token or not ASCII."""
     diagnostics: list[Diagnostic] = []
-    return list(_tokens(text, name, diagnostics)), diagnostics
-
-
-def _tokens(text: str, name: str, diagnostics: list[Diagnostic]) -> Iterator[Token]:
+    words: list[Token] = []
     line = 1
     for match in _TOKEN.finditer(text):
         kind = match.lastgroup or ""
@@ -52,66 +48,65 @@ def _tokens(text: str, name: str, diagnostics: list[Diagnostic]) -> Iterator[Tok
             expected = "ASCII letters, numbers and characters of Structured Text"
             diagnostics.append(rules.SYNTAX.at(Source(name, line), found=shown, expected=expected))
         elif kind not in ("space", "comment", "newline"):
-            yield Token(kind, match[0], line)
+            words.append(Token(kind, match[0], line))
         line += match[0].count("\n")
-    yield Token("end", "", line)
+    return [*words, Token("end", "", line)], diagnostics
 
 
 Section = Literal["const", "global", "external", "input", "output", "inout", "local"]
 
 
-class Constant(Struct, frozen=True):
-    """A literal: its value, and its type; "integer" and "real" where none is written."""
+class Node(Struct, frozen=True):
+    """What begins on a line of the text."""
 
     line: int
+
+
+class Constant(Node, frozen=True):
+    """A literal: its value, and its type; "integer" and "real" where none is written."""
+
     type: str
     value: float | int | bool
 
 
-class Name(Struct, frozen=True):
+class Name(Node, frozen=True):
     """A variable, constant, axis or enumerator."""
 
-    line: int
     name: str
 
 
-class Member(Struct, frozen=True):
+class Member(Node, frozen=True):
     """A component of a function block's instance or of an axis."""
 
-    line: int
     base: Expression
     name: str
 
 
-class ArrayElement(Struct, frozen=True):
+class ArrayElement(Node, frozen=True):
     """An element of an array."""
 
-    line: int
     base: Expression
     index: Expression
 
 
-class Unary(Struct, frozen=True):
+class Unary(Node, frozen=True):
     """`-` or NOT."""
 
-    line: int
     operator: str
     value: Expression
 
 
-class Binary(Struct, frozen=True):
+class Binary(Node, frozen=True):
     """Two values and an operator."""
 
-    line: int
     operator: str
     left: Expression
     right: Expression
 
 
-class Call(Struct, frozen=True):
+class Call(Node, frozen=True):
     """A function, or an instance of a function block; parameters by name or by place."""
 
-    line: int
     callee: str
     named: tuple[tuple[str, Expression, int], ...]
     placed: tuple[Expression, ...]
@@ -120,42 +115,35 @@ class Call(Struct, frozen=True):
 Expression = Constant | Name | Member | ArrayElement | Unary | Binary | Call
 
 
-class Assign(Struct, frozen=True):
-    line: int
+class Assign(Node, frozen=True):
     target: Expression
     value: Expression
 
 
-class Invoke(Struct, frozen=True):
-    line: int
+class Invoke(Node, frozen=True):
     call: Call
 
 
-class If(Struct, frozen=True):
-    line: int
+class If(Node, frozen=True):
     branches: tuple[tuple[Expression, tuple[Statement, ...]], ...]
     otherwise: tuple[Statement, ...]
 
 
-class Case(Struct, frozen=True):
-    line: int
+class Case(Node, frozen=True):
     selector: Expression
     branches: tuple[tuple[tuple[int, ...], tuple[Statement, ...]], ...]
     otherwise: tuple[Statement, ...]
 
 
-class For(Struct, frozen=True):
-    line: int
+class For(Node, frozen=True):
     variable: str
     first: Expression
     last: Expression
     body: tuple[Statement, ...]
 
 
-class Leave(Struct, frozen=True):
+class Leave(Node, frozen=True):
     """RETURN."""
-
-    line: int
 
 
 Statement = Assign | Invoke | If | Case | For | Leave
@@ -167,8 +155,7 @@ class Array(Struct, frozen=True):
     of: str
 
 
-class Variable(Struct, frozen=True):
-    line: int
+class Variable(Node, frozen=True):
     name: str
     section: Section
     type: str | Array
@@ -176,20 +163,18 @@ class Variable(Struct, frozen=True):
     address: str = ""
 
 
-class ProgramBlock(Struct, frozen=True):
+class ProgramBlock(Node, frozen=True):
     """A PROGRAM or FUNCTION_BLOCK."""
 
-    line: int
     kind: Literal["PROGRAM", "FUNCTION_BLOCK"]
     name: str
     variables: tuple[Variable, ...]
     body: tuple[Statement, ...]
 
 
-class Structure(Struct, frozen=True):
+class Structure(Node, frozen=True):
     """A type with components."""
 
-    line: int
     name: str
     fields: tuple[Variable, ...]
 

@@ -6,7 +6,7 @@ from typing import Literal, cast
 
 from beamcam.controllers.simotion import axes, rules, syntax
 from beamcam.controllers.simotion.names import UNKNOWN, Names, near, spelled, text_of
-from beamcam.controllers.simotion.parser import RESERVED, Parser, Stop
+from beamcam.controllers.simotion.parser import RESERVED, Parser, Stop, parsed_by
 from beamcam.controllers.simotion.syntax import Section, Statement, Token, tokens
 from beamcam.errors import Diagnostic, Source
 
@@ -34,15 +34,20 @@ class Types:
             case syntax.Call():
                 return self.call(value, as_statement=False)
             case syntax.Unary():
-                return self._unary(value)
+                type_ = self.of(value.value)
+                allowed = ("BOOL",) if value.operator == "NOT" else _NUMERIC
+                if type_ in (*allowed, UNKNOWN):
+                    return type_
+                expected = " or ".join(allowed)
+                return self.names.wrong_type(value.line, type_, value.operator, expected)
             case syntax.Binary():
                 return self._binary(value)
 
     def check(self, value: syntax.Expression, expected: str, what: str) -> None:
         """Say so if a value does not fit where a type is wanted."""
-        found = self.of(value)
-        if UNKNOWN not in (found, expected) and not axes.fits(found, expected):
-            self.names.wrong_type(value.line, found, what, expected)
+        type_ = self.of(value)
+        if UNKNOWN not in (type_, expected) and not axes.fits(type_, expected):
+            self.names.wrong_type(value.line, type_, what, expected)
         if isinstance(value, syntax.Constant) and value.type == "integer":
             low, high = axes.INTEGERS.get(expected, (value.value, value.value))
             if not low <= value.value <= high:
@@ -54,14 +59,11 @@ class Types:
             return UNKNOWN
         known = self.names.components(base)
         if known is None:
-            return self.names.wrong_type(
-                value.line, base, f".{value.name}", "something with components"
-            )
+            expected = "something with components"
+            return self.names.wrong_type(value.line, base, f".{value.name}", expected)
         if (name := spelled(value.name, known)) is not None:
             return known[name]
-        return self.names.say(
-            rules.NAME, value.line, found=f".{value.name}", expected=near(value.name, known)
-        )
+        return self.names.unknown(value.line, f".{value.name}", value.name, known)
 
     def _element(self, value: syntax.ArrayElement) -> str:
         if not isinstance(value.base, syntax.Name):
@@ -83,17 +85,9 @@ class Types:
                 at = variable.type.low
         low, high = variable.type.low, variable.type.high
         if index != UNKNOWN and not low <= at <= high:
-            self.names.say(
-                rules.BOUNDS, value.line, found=at, name=variable.name, low=low, high=high
-            )
+            name = variable.name
+            self.names.say(rules.BOUNDS, value.line, found=at, name=name, low=low, high=high)
         return self.names.canonical(variable.type.of)
-
-    def _unary(self, value: syntax.Unary) -> str:
-        found = self.of(value.value)
-        allowed = ("BOOL",) if value.operator == "NOT" else _NUMERIC
-        if found not in (*allowed, UNKNOWN):
-            return self.names.wrong_type(value.line, found, value.operator, " or ".join(allowed))
-        return found
 
     def _binary(self, value: syntax.Binary) -> str:
         left, right = self.of(value.left), self.of(value.right)
@@ -110,14 +104,12 @@ class Types:
             shared = set(axes.choices(left)) & set(axes.choices(right))
             together = bool(shared) and value.operator in ("=", "<>")
         if not together:
-            self.names.wrong_type(
-                value.line, right, f"{value.operator} with {axes.shown(left)}", left
-            )
+            what = f"{value.operator} with {axes.shown(left)}"
+            self.names.wrong_type(value.line, right, what, left)
         elif value.operator in ("=", "<>") and common in _WITH_A_POINT:
-            self.names.wrong_type(
-                value.line, "an equality of numbers with a point", "a test",
-                "a difference within a tolerance",
-            )  # fmt: skip
+            expected = "a difference within a tolerance"
+            equality = "an equality of numbers with a point"
+            self.names.wrong_type(value.line, equality, "a test", expected)
         elif value.operator not in ("=", "<>") and common not in (*_NUMERIC, "TIME"):
             self.names.wrong_type(value.line, common, value.operator, "numbers")
         return "BOOL" if value.operator in axes.GIVES_BOOL else common
@@ -132,19 +124,20 @@ class Types:
         command = spelled(name, self.names.commands)
         if command is not None:
             if as_statement:
-                self.names.wrong_type(
-                    call.line, f"{command} without its answer", "a command",
-                    "a variable for it, as a dropped command says so only there",
-                )  # fmt: skip
+                expected = "a variable for it, as a dropped command says so only there"
+                dropped = f"{command} without its answer"
+                self.names.wrong_type(call.line, dropped, "a command", expected)
             declared = axes.COMMANDS[command]
             self._parameters(call, declared.parameters, declared.needed)
             return axes.ANSWER
-        inputs = self.names.inputs(name)
-        if inputs is None:
+        variable = self.names.variable(name)
+        type_ = variable.type if variable is not None else ""
+        inputs = isinstance(type_, str) and self.names.of_block(type_, "input", "inout")
+        if not isinstance(type_, str) or not isinstance(inputs, dict):
             own = (v.name for v in self.names.locals.values())
-            expected = near(name, [*self.names.commands, *axes.FUNCTIONS, *own])
-            return self.names.say(rules.NAME, call.line, found=f"{name}()", expected=expected)
-        passed = self.names.inputs(name, "inout") or {}
+            known = [*self.names.commands, *axes.FUNCTIONS, *own]
+            return self.names.unknown(call.line, f"{name}()", name, known)
+        passed = self.names.of_block(type_, "inout") or {}
         self._parameters(call, inputs, tuple(inputs if self.names.needs_all else passed))
         for word, value, line in call.named:
             if spelled(word, passed) and not isinstance(value, syntax.Name):
@@ -155,52 +148,41 @@ class Types:
 
     def _numeric(self, call: syntax.Call) -> str:
         if len(call.placed) != 1 or call.named:
-            found = f"{len(call.placed) + len(call.named)} values"
-            self.names.say(
-                rules.PARAMETER, call.line, found=found, callee=call.callee, expected="one"
-            )
-            return UNKNOWN
-        found = self.of(call.placed[0])
+            count = len(call.placed) + len(call.named)
+            return self._wrong_call(call, call.line, f"{count} values", "one")
+        type_ = self.of(call.placed[0])
         allowed = _NUMERIC if call.callee.upper() == "ABS" else _WITH_A_POINT
-        if found not in (*allowed, UNKNOWN):
-            return self.names.wrong_type(call.line, found, call.callee, " or ".join(allowed))
-        return found
+        if type_ not in (*allowed, UNKNOWN):
+            return self.names.wrong_type(call.line, type_, call.callee, " or ".join(allowed))
+        return type_
+
+    def _wrong_call(self, call: syntax.Call, line: int, found: str, expected: str) -> str:
+        return self.names.say(
+            rules.PARAMETER, line, found=found, callee=call.callee, expected=expected
+        )
 
     def _parameters(self, call: syntax.Call, known: dict[str, str], needed: Sequence[str]) -> None:
-        given: set[str] = set()
+        named: set[str] = set()
         if call.placed:
-            self.names.say(
-                rules.PARAMETER, call.line, found="a value without its name", callee=call.callee,
-                expected="names, as in position := ...",
-            )  # fmt: skip
+            expected = "names, as in position := ..."
+            self._wrong_call(call, call.line, "a value without its name", expected)
         for name, value, line in call.named:
             real = spelled(name, known)
             if real is None:
-                self.names.say(
-                    rules.PARAMETER, line, found=name, callee=call.callee,
-                    expected=near(name, known),
-                )  # fmt: skip
+                self._wrong_call(call, line, name, near(name, known))
                 self.of(value)
                 continue
-            if real in given:
-                self.names.say(
-                    rules.PARAMETER, line, found=f"{name} twice", callee=call.callee,
-                    expected="it once",
-                )  # fmt: skip
-            given.add(real)
+            if real in named:
+                self._wrong_call(call, line, f"{name} twice", "it once")
+            named.add(real)
             self.check(value, known[real], f"{real} of {call.callee}")
         for name in needed:
-            if name not in given and not call.placed:
-                self.names.say(
-                    rules.PARAMETER, call.line, found=f"no {name}", callee=call.callee,
-                    expected=f"{name} := ...",
-                )  # fmt: skip
+            if name not in named and not call.placed:
+                self._wrong_call(call, call.line, f"no {name}", f"{name} := ...")
 
 
-# --- plain ----------------------------------------------------------------------------------------
+# --- plain Structured Text: IEC 61131-3, edition 2, as strictly as a compiler of it ---------------
 
-# Plain Structured Text to a syntax tree: IEC 61131-3, edition 2, as strictly as a compiler of it.
-#
 # Types, function blocks, programs and a configuration in one text, each declared before it is used;
 # no comments to the end of a line, no empty lists of statements, no initial values where edition 2
 # has none, addresses for global variables alone.
@@ -219,21 +201,13 @@ _FOREIGN = re.compile(r"//[^\n]*")
 
 def parse_plain(text: str, name: str) -> tuple[list[syntax.Unit], list[Diagnostic]]:
     """The one unit of a text, and what is wrong with it."""
-    found, diagnostics = tokens(text, name)
+    words, diagnostics = tokens(text, name)
     code = _COMMENT.sub(lambda comment: re.sub(r"[^\n]", " ", comment[0]), text)
     if (foreign := _FOREIGN.search(code)) is not None:
         line = code.count("\n", 0, foreign.start()) + 1
-        diagnostics.append(
-            rules.SYNTAX.at(Source(name, line), found=foreign[0], expected="(* ... *)")
-        )
-    if diagnostics:
-        return [], diagnostics
-    try:
-        return [_PlainParser(found).program()], []
-    except Stop as stop:
-        source = Source(name, stop.token.line)
-        shown = stop.token.text or "the end of the text"
-        return [], [rules.SYNTAX.at(source, found=shown, expected=stop.expected)]
+        source = Source(name, line)
+        diagnostics.append(rules.SYNTAX.at(source, found=foreign[0], expected="(* ... *)"))
+    return parsed_by(_PlainParser(words), diagnostics, name)
 
 
 class _PlainParser(Parser):
@@ -241,7 +215,7 @@ class _PlainParser(Parser):
         super().__init__([token for token in tokens if token.kind != "unit"])
         self.types = {name.upper() for name in (*axes.PLAIN_TYPES, *axes.BLOCKS)}
 
-    def program(self) -> syntax.Unit:
+    def units(self) -> list[syntax.Unit]:
         structures: list[syntax.Structure] = []
         blocks: list[syntax.ProgramBlock] = []
         variables: list[syntax.Variable] = []
@@ -256,15 +230,13 @@ class _PlainParser(Parser):
                 blocks.append(self.block())
         if not run:
             raise Stop(self.here, "CONFIGURATION, with a task that runs a program")
-        return syntax.Unit(
-            "program", (), tuple(run), tuple(variables), tuple(blocks), tuple(structures), True
-        )
+        return [syntax.Unit("program", (), tuple(run), tuple(variables), tuple(blocks),
+                            tuple(structures), True)]  # fmt: skip
 
     def structure(self) -> syntax.Structure:
         # name : STRUCT a : INT; END_STRUCT;
         token = self.identifier("the name of a type")
-        for word in (":", "STRUCT"):
-            self.take(word)
+        self.take_each(":", "STRUCT")
         fields = []
         while not self.accept("END_STRUCT"):
             field = self.identifier("a name or END_STRUCT")
@@ -342,25 +314,19 @@ class _PlainParser(Parser):
             token = self.identifier("a program")
             run.append(("PROGRAM", token.text, token.line))
             self.take(";")
-        self.take("END_RESOURCE")
-        self.take("END_CONFIGURATION")
+        self.take_each("END_RESOURCE", "END_CONFIGURATION")
         return variables, run
 
     def task(self) -> str:
         # TASK name(INTERVAL := T#25ms, PRIORITY := 1);
         name = self.identifier("a name").text.upper()
-        self.take("(")
-        self.take("INTERVAL")
-        self.take(":=")
+        self.take_each("(", "INTERVAL", ":=")
         interval = self.unary()
         if not isinstance(interval, syntax.Constant) or interval.type != "TIME":
             raise Stop(self.tokens[self.at - 1], "a time such as T#25ms")
-        self.take(",")
-        self.take("PRIORITY")
-        self.take(":=")
+        self.take_each(",", "PRIORITY", ":=")
         self.whole()
-        self.take(")")
-        self.take(";")
+        self.take_each(")", ";")
         return name
 
     # -- statements -------------------------------------------------------------------------
@@ -368,7 +334,7 @@ class _PlainParser(Parser):
     def statements(self, *ends: str) -> tuple[Statement, ...]:
         if self.is_word(";"):
             raise Stop(self.here, "a statement")
-        found = super().statements(*ends)
-        if not found:
+        statements = super().statements(*ends)
+        if not statements:
             raise Stop(self.here, "a statement")
-        return found
+        return statements

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from beamcam.controllers import cell_events
-from beamcam.controllers.codesys import arc_fault, radius_centre
+from beamcam.controllers.codesys import arc_fault, curve_of
 from beamcam.controllers.events import BarEvent, Blending, Compensation, Move, Pause, Switch
 from beamcam.controllers.interpreter import sweep_of
 from beamcam.geometry.curves import Arc
@@ -177,7 +177,9 @@ def test_the_centre_of_an_arc_by_its_radius(
 ) -> None:
     turn = -sweep if clockwise else sweep
     first, last = ends((7.0, -3.0), radius, start, turn)
-    assert radius_centre(first, last, radius, clockwise) == pytest.approx((7.0, -3.0), abs=1e-6)
+    arc = curve_of(2 if clockwise else 3, first, last, {"R": radius}, first, 0.001)
+    assert isinstance(arc, Arc)
+    assert arc.centre == pytest.approx((7.0, -3.0), abs=1e-6)
 
 
 def test_a_centre_off_the_bisector() -> None:
@@ -193,5 +195,5 @@ def test_a_centre_off_the_bisector() -> None:
 
 
 def test_no_centre_for_an_arc_that_is_none() -> None:
-    with pytest.raises(ValueError, match="of radius 4 over a chord of 10"):
-        radius_centre((0, 0), (10, 0), 4, True)
+    arc = curve_of(2, (0, 0), (10, 0), {"R": 4.0}, (0, 0), 0.001)
+    assert arc == "of radius 4 over a chord of 10"

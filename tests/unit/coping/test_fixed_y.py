@@ -7,7 +7,7 @@ import pytest
 from beamcam.arguments import load_tested
 from beamcam.errors import MachineError
 from beamcam.machine import Machine, load
-from beamcam.pictures.program import ReadProgram
+from beamcam.pictures import ReadProgram
 from beamcam.pipeline import post
 from beamcam.recovery import recover
 from beamcam.setup_sheet.content import SheetSources, content_of

@@ -19,7 +19,7 @@ from beamcam.machine import load
 from beamcam.machine.overlay import with_section
 from beamcam.model.part import Hole, Part
 from beamcam.model.request import Request
-from beamcam.pictures.program import ReadProgram
+from beamcam.pictures import ReadProgram
 from beamcam.planning.coping.plan import plan_coping
 from beamcam.recovery import recover
 from beamcam.setup_sheet.content import SheetSources, content_of

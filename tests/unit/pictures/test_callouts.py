@@ -26,7 +26,7 @@ from beamcam.model.part import (
 from beamcam.pictures.callouts import size_letters, sizes_on
 from beamcam.pictures.formats import to_svg
 from beamcam.pictures.part import part_scene
-from beamcam.pictures.scene import CAPITAL, LETTER, Labels, Scene, Text, said
+from beamcam.pictures.scene import CAPITAL, LETTER, Labels, Scene, Text, as_text
 from beamcam.pipeline import read_file
 from tests.conftest import SAMPLES, examples
 from tests.unit.pictures.drawings import NAMESPACE, Drawing, corners
@@ -121,7 +121,7 @@ def test_each_hole_is_counted_and_none_is_counted_twice(holes: list[Hole]) -> No
     beside = [s.text for s in scene.shapes if isinstance(s, Text) and "letter" in s.classes]
     sizes = size_letters([sizes_on([h for h in holes if h.face == f]) for f in "ovu"])
     for words, letter in sizes.items():
-        places = [h for h in holes if said(("Ø", h.diameter)) == said(words)]
+        places = [h for h in holes if as_text(("Ø", h.diameter)) == as_text(words)]
         assert beside.count(letter) == len(places) - len({h.face for h in places})
 
 

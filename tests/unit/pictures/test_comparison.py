@@ -8,10 +8,10 @@ from msgspec.structs import replace
 
 from beamcam.machine import load
 from beamcam.model.part import Hole, Part, TextMark
+from beamcam.pictures import ReadProgram
 from beamcam.pictures.comparison import compared_parts, compared_programs
 from beamcam.pictures.formats import to_svg
 from beamcam.pictures.overlay import Overlay
-from beamcam.pictures.program import ReadProgram
 from beamcam.pipeline import post, read_file
 from tests.conftest import SAMPLES
 from tests.runs import call

@@ -8,10 +8,11 @@ from msgspec.structs import replace
 from beamcam.errors import VerifyError
 from beamcam.machine import Machine, load
 from beamcam.model.part import Feature, Hole, Part, Profile, Slot
+from beamcam.pictures import ReadProgram
 from beamcam.pictures.comparison import compared_programs
 from beamcam.pictures.formats import to_svg
 from beamcam.pictures.overlay import Overlay
-from beamcam.pictures.program import ReadProgram, program_scene
+from beamcam.pictures.program import program_scene
 from beamcam.pictures.scene import Circle, Polyline, Scene, Text
 from beamcam.pipeline import post, read_file
 from tests.conftest import GOLDEN, SAMPLES

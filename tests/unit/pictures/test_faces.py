@@ -15,18 +15,20 @@ import pytest
 from beamcam.errors import Source
 from beamcam.machine import load
 from beamcam.model.part import Hole, Part, Profile
+from beamcam.pictures import ReadProgram
 from beamcam.pictures.comparison import compared_parts
-from beamcam.pictures.faces import DIAMETER, EXAMPLE, HOLES, LENGTH
 from beamcam.pictures.formats import to_svg
 from beamcam.pictures.part import part_scene
-from beamcam.pictures.program import ReadProgram, program_scene
+from beamcam.pictures.program import program_scene
 from beamcam.pictures.scene import Scene
 from beamcam.pipeline import post
 from beamcam.solid.kernel import kernel
 from beamcam.solid.part_solid import part_solid
 from beamcam.writers.faces_dxf import write
+from tests.test_pictures_of_docs import DRAW
 from tests.unit.pictures.drawings import Drawing, corners
 
+DIAMETER, EXAMPLE, HOLES, LENGTH = DRAW.DIAMETER, DRAW.EXAMPLE, DRAW.HOLES, DRAW.LENGTH
 PAGE = Path(__file__).resolve().parents[3] / "docs" / "pictures" / "faces.svg"
 HERE = Source("chiral.nc1", 1)
 SECTIONS = (

@@ -15,9 +15,10 @@ from beamcam.checks.bars.stations import Bore, MachinedPath
 from beamcam.errors import VerifyError
 from beamcam.machine import Machine, load
 from beamcam.model.part import Part, Profile
+from beamcam.pictures import ReadProgram
 from beamcam.pictures.features import SteelDepths
 from beamcam.pictures.formats import to_svg
-from beamcam.pictures.program import ReadProgram, bar_made, program_scene
+from beamcam.pictures.program import bar_made, program_scene
 from beamcam.pipeline import post, read_file
 from beamcam.simulation.program import simulate_program
 from tests.conftest import SAMPLES

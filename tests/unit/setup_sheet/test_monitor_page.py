@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from beamcam.machine import load
-from beamcam.pictures.program import ReadProgram
+from beamcam.pictures import ReadProgram
 from beamcam.pipeline import post, read_file
 from beamcam.setup_sheet.study_page import KnownWork, monitor_data, monitor_page
 from tests.runs import call

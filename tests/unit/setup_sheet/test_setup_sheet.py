@@ -14,7 +14,7 @@ from msgspec.structs import replace
 from beamcam.checks.bars import run
 from beamcam.machine import load
 from beamcam.model.part import Part
-from beamcam.pictures.program import ReadProgram
+from beamcam.pictures import ReadProgram
 from beamcam.pipeline import Posted, post, read_file
 from beamcam.setup_sheet.content import SheetContent, SheetSources, content_of
 from beamcam.setup_sheet.page import setup_page

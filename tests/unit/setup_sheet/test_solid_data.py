@@ -13,7 +13,8 @@ import pytest
 from beamcam.errors import Source
 from beamcam.machine import load
 from beamcam.model.part import Hole, Part, Profile
-from beamcam.pictures.program import ReadProgram, bar_made, table_made
+from beamcam.pictures import ReadProgram
+from beamcam.pictures.program import bar_made, table_made
 from beamcam.pipeline import post, read_file
 from beamcam.setup_sheet import solid_data
 from beamcam.setup_sheet.content import SheetSources, content_of

@@ -10,7 +10,8 @@ import pytest
 from beamcam.errors import Source
 from beamcam.machine import load
 from beamcam.model.part import Hole, Part, Profile
-from beamcam.pictures.program import ReadProgram, bar_made
+from beamcam.pictures import ReadProgram
+from beamcam.pictures.program import bar_made
 from beamcam.pipeline import post
 from beamcam.setup_sheet.content import SheetSources, content_of
 from beamcam.setup_sheet.paper import setup_pdf

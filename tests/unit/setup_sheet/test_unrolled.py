@@ -9,7 +9,7 @@ from msgspec.structs import replace
 
 from beamcam.machine import load
 from beamcam.model.request import Request
-from beamcam.pictures.program import ReadProgram
+from beamcam.pictures import ReadProgram
 from beamcam.pipeline import post, read_back, read_file
 from beamcam.setup_sheet.content import SheetContent, SheetSources, content_of
 from beamcam.setup_sheet.page import setup_page
@@ -151,6 +151,6 @@ def test_a_program_and_its_part_alone_claim_no_more_than_is_known() -> None:
     for name, machine in (("leg", "tube-linuxcnc"), ("trimmer", "coper-linuxcnc")):
         content, _ = sheet(name, machine)
         found = read_back(content.program.text, Request(content.program.parts, load(machine)))
-        page = setup_page(content_of(SheetSources(content.program, found=found)))
+        page = setup_page(content_of(SheetSources(content.program, read_back=found)))
         assert "exactly these parts" not in page
         assert ("manual work and corners that are cut round." in page) == (name == "leg")

@@ -3,7 +3,7 @@
 from beamcam.checks.bars import run
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Profile
-from beamcam.simulation.course import MotionSegment, stretches
+from beamcam.simulation.cell_trace import MotionSegment, motion_segments
 
 
 def course_of(
@@ -11,4 +11,4 @@ def course_of(
 ) -> tuple[MotionSegment, ...]:
     """What the axes do over time while a program runs."""
     done = run(text, machine, profile)
-    return stretches(done.events, done.dialect, dict(done.made.section), machine)
+    return motion_segments(done.events, done.dialect, dict(done.made.section), machine)

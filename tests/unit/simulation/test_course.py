@@ -19,7 +19,7 @@ from beamcam.errors import MachineError
 from beamcam.machine import Machine, load
 from beamcam.model.cell_motion import ramp
 from beamcam.pipeline import post, read_file
-from beamcam.simulation.course import MotionSegment, bar_trace
+from beamcam.simulation.cell_trace import MotionSegment, bar_trace
 from beamcam.simulation.program import simulate_program
 from beamcam.simulation.text import csv_text, json_data
 from beamcam.simulation.trace import trace_rows

@@ -18,7 +18,7 @@ from beamcam.errors import MachineError
 from beamcam.machine import load
 from beamcam.machine.machine import MachineBox
 from beamcam.machine.stations import Formula
-from beamcam.simulation.course import bar_trace, cell_axes
+from beamcam.simulation.cell_trace import bar_trace, cell_axes
 from beamcam.simulation.encoder import Encoder, precision, stair_times
 from beamcam.simulation.limits import run_warnings, strikes
 from beamcam.simulation.program import simulate_program

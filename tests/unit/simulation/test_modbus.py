@@ -15,7 +15,7 @@ from msgspec.structs import replace
 
 from beamcam.errors import Source, VerifyError
 from beamcam.machine.machine import Modbus
-from beamcam.simulation.course import bar_trace
+from beamcam.simulation.cell_trace import bar_trace
 from beamcam.simulation.modbus import check_range, register_count, registers, shown
 from beamcam.simulation.trace import State, Trace, TraceAxis, TraceBuilder, TraceRow, trace_rows
 from beamcam.system import EndRequest

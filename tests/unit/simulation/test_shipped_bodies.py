@@ -15,7 +15,7 @@ from beamcam.machine.load import shipped
 from beamcam.machine.machine import MachineBox
 from beamcam.machine.stations import Formula
 from beamcam.pipeline import post, read_file
-from beamcam.simulation.course import cell_axes
+from beamcam.simulation.cell_trace import cell_axes
 from beamcam.simulation.limits import strikes
 from beamcam.simulation.trace import State, TraceBuilder
 from tests.conftest import examples

@@ -12,7 +12,7 @@ from beamcam.controllers.step_table import Stream, binary_rows
 from beamcam.errors import VerifyError
 from beamcam.machine import Machine, load
 from beamcam.pipeline import Posted, post, read_file
-from beamcam.simulation.course import bar_trace
+from beamcam.simulation.cell_trace import bar_trace
 from beamcam.simulation.program import simulate_program
 from beamcam.simulation.trace import Trace, share_of, trace_rows
 from tests.conftest import SAMPLES

@@ -13,7 +13,8 @@ from beamcam.controllers import table_events
 from beamcam.errors import BeamcamError
 from beamcam.machine import load
 from beamcam.model.part import Part
-from beamcam.pictures.program import ReadProgram, bar_made
+from beamcam.pictures import ReadProgram
+from beamcam.pictures.program import bar_made
 from beamcam.pipeline import post, read_file
 from beamcam.setup_sheet.solid_data import Mesh, bar_meshes, sheet_meshes
 from beamcam.solid.sheet_solid import rows_for, strokes_of

@@ -15,10 +15,9 @@ import pytest
 from msgspec.structs import replace
 
 from beamcam.controllers.simotion.axes import Axis
-from beamcam.controllers.simotion.checker import check
 from beamcam.controllers.simotion.cutting_table import CuttingTable
 from beamcam.controllers.simotion.syntax import Unit
-from beamcam.controllers.simotion.trial import parsed, project_objects
+from beamcam.controllers.simotion.trial import check, parsed, project_objects
 from beamcam.emitters import simotion
 from beamcam.machine.machine import Machine
 from beamcam.machine.tables import HeightAxis

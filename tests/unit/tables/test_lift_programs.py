@@ -8,7 +8,7 @@ import pytest
 from msgspec.structs import replace
 
 from beamcam.checks.st import verify_triggers
-from beamcam.controllers.simotion import read_program
+from beamcam.controllers.simotion.job import read_program
 from beamcam.emitters import simotion
 from beamcam.errors import PlanError
 from beamcam.machine import load

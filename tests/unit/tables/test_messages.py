@@ -10,13 +10,11 @@ from beamcam.checks.steps import rules as steps_rules
 from beamcam.checks.steps import verify_table
 from beamcam.controllers import step_table as row_rules
 from beamcam.controllers.simotion import rules as st_rules
-from beamcam.controllers.simotion.checker import check
 from beamcam.controllers.simotion.cutting_table import CuttingTable
-from beamcam.controllers.simotion.interpreter import ControllerFault
 from beamcam.controllers.simotion.parser import parse
-from beamcam.controllers.simotion.trial import project_objects
+from beamcam.controllers.simotion.trial import check, project_objects
 from beamcam.emitters import step_table as forms
-from beamcam.errors import Diagnostic
+from beamcam.errors import Diagnostic, VerifyError
 from beamcam.machine import load
 from beamcam.machine.faults import with_found
 from beamcam.machine.machine import Machine
@@ -157,8 +155,8 @@ def said_of(text: str) -> list[Diagnostic]:
         while not cell.diagnostics and cell.clock_s < 20:
             cell.start = cell.clock_s > 0.0
             cell.cycle()
-    except ControllerFault as fault:
-        return [fault.diagnostic]
+    except VerifyError as fault:
+        return [*fault.diagnostics]
     return cell.diagnostics
 
 

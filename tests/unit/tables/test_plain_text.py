@@ -5,7 +5,7 @@ from functools import cache
 
 import pytest
 
-from beamcam.controllers.simotion.checker import check
+from beamcam.controllers.simotion.trial import check
 from beamcam.controllers.simotion.types import parse_plain
 from beamcam.machine.runtime import shipped
 

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from beamcam.checks.st import verify_triggers
-from beamcam.controllers.simotion import read_program
+from beamcam.controllers.simotion.job import read_program
 from beamcam.emitters import simotion
 from beamcam.machine.runtime import runtime_of
 from beamcam.machine.torch_faults import table_faults

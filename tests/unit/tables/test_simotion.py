@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from beamcam.checks.st import Execution, verify_triggers
-from beamcam.controllers.simotion import read_program
 from beamcam.controllers.simotion import trial as trials
+from beamcam.controllers.simotion.job import read_program
 from beamcam.controllers.simotion.trial import trial
 from beamcam.emitters import simotion
 from beamcam.geometry.curves import Line

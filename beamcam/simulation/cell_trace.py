@@ -10,7 +10,7 @@ from math import dist, hypot, isfinite, isnan
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.controllers.dialect import Dialect
+from beamcam.controllers.dialect import Dialect, MWord
 from beamcam.controllers.events import BarEvent, Lettering, Move, Pause, Place, Switch
 from beamcam.errors import MachineError, Source
 from beamcam.geometry.curves import Arc, Bezier, EllipseArc
@@ -21,7 +21,7 @@ from beamcam.simulation.trace import UNIFORM, State, Trace, TraceAxis, TraceBuil
 
 
 class MotionSegment(Struct, frozen=True):
-    """A stretch of time in which axes move or something is switched."""
+    """A span of time in which axes move or something is switched."""
 
     line: int
     begin_s: float
@@ -32,15 +32,15 @@ class MotionSegment(Struct, frozen=True):
     state: State
 
     def at(self, time_s: float) -> Positions:
-        """Axis positions at a time within the stretch."""
+        """Axis positions at a time within the segment."""
         share = self.ramp.share(max(time_s - self.begin_s, 0.0))
         return tuple(a + share * (b - a) for a, b in zip(self.start, self.end, strict=True))
 
 
-def stretches(
+def motion_segments(
     events: Sequence[BarEvent], dialect: Dialect, section: Mapping[str, float], machine: Machine
 ) -> tuple[MotionSegment, ...]:
-    """The stretches of a program, one after another.
+    """The segments of a program, one after another.
 
     `section` is what the program says about the bar, by field name. Raises MachineError without
     `[[axes]]`.
@@ -82,13 +82,13 @@ class _Simulation:
     def _move(self, event: Move[Place], way: float) -> MotionSegment:
         feed_mm_min = None if event.rapid else event.feed_mm_min
         to = {k: v for k, v in zip("XYZ", event.end, strict=True) if not isnan(v)}
-        return self._stretch(event.line, self.cell.move(to, way, feed_mm_min))
+        return self._segment(event.line, self.cell.move(to, way, feed_mm_min))
 
     def _stand(self, line: int, seconds: float) -> MotionSegment:
         here = self.cell.positions
-        return self._stretch(line, Leg(seconds, here, here))
+        return self._segment(line, Leg(seconds, here, here))
 
-    def _stretch(self, line: int, leg: Leg) -> MotionSegment:
+    def _segment(self, line: int, leg: Leg) -> MotionSegment:
         done = MotionSegment(
             line, self.clock_s, leg.duration_s, leg.start, leg.end, leg.along, self.state
         )
@@ -96,19 +96,16 @@ class _Simulation:
         return done
 
     def _switch(self, event: Switch) -> Iterator[MotionSegment]:
-        word = self.dialect.m_words.get(event.number)
-        role = word.role if word else "other"
-        takes_s = 0.0
-        values = {}
-        if word is not None:
-            values = {field: event.words[at] for at, field in word.fields if at in event.words}
-        if word is not None and role == "choose":
+        word = self.dialect.m_words.get(event.number, MWord("other", ()))
+        role, takes_s = word.role, 0.0
+        values = {field: event.words[at] for at, field in word.fields if at in event.words}
+        if role == "choose":
             number = int(values.get("spindle", self.dialect.only_spindle or 0))
             kind = word.cycle.kind if word.cycle else "drill"
             diameter = values.get("diameter", 0.0)
             if "tool" in values:
-                known = self.dialect.numbered.get(int(values["tool"]), (kind, diameter))
-                kind, diameter = known
+                tool = int(values["tool"])
+                kind, diameter = self.dialect.numbered.get(tool, (kind, diameter))
             takes_s = self.cell.choose(number, kind, diameter)
             self.state = replace(self.state, spindle=number, diameter=diameter)
         elif role == "on":
@@ -127,15 +124,15 @@ class _Simulation:
             legs = self.cell.cut(values.get("angle", 0.0), values.get("tilt", 0.0), feed)
             for leg, sawing in legs:
                 self.state = replace(self.state, sawing=sawing)
-                yield self._stretch(event.line, leg)
+                yield self._segment(event.line, leg)
             return
         yield self._stand(event.line, takes_s)
 
 
-def bar_trace(course: Sequence[MotionSegment], machine: Machine) -> Trace:
+def bar_trace(segments: Sequence[MotionSegment], machine: Machine) -> Trace:
     """The axes of a cell over time."""
     builder = TraceBuilder(cell_axes(machine), [axis.park for axis in machine.axes])
-    for part in course:
+    for part in segments:
         if part.duration_s == 0.0 and part.start == part.end:
             continue
         if part.start == part.end or not part.ramp.duration_s:
@@ -179,16 +176,13 @@ def ramp_intervals(ramp: Ramp) -> Iterator[tuple[float, float, float, float]]:
         before = speed
 
 
-# --- copers ---------------------------------------------------------------------------------------
+# --- copers: a torch round a profile, or over a tube that turns -----------------------------------
 
-# A torch round a profile, or over a tube that turns.
-#
 # Each move takes what `post` says of it: in rapid as long as the axis that needs longest, at its
 # feed or in its inverse time else. Neither says how axes get up to speed: LinuxCNC runs one move
 # into the next.
 
 
-AxisPlaces = tuple[float, ...]  #: of X, Y unless it is fixed, Z, A and, where the torch tilts, B
 LETTERS = "XYZA"
 _M_WORD = re.compile(r"M(\d+)")
 
@@ -216,7 +210,11 @@ def coper_trace(events: Sequence[BarEvent], machine: Machine) -> Trace:
         for lines in (machine.words.cut_on, machine.words.cut_off)
     )
     moves = [event for event in events if isinstance(event, Move)]
-    here = tuple(_first(moves, letter) for letter in letters)
+    # The first place that the program names of each axis; 0 where it names none.
+    here = tuple(
+        next((end for move in moves if isfinite(end := _places(move)[letter])), 0.0)
+        for letter in letters
+    )
     builder, state = TraceBuilder(rows, here), State()
     for event in events:
         match event:
@@ -225,7 +223,13 @@ def coper_trace(events: Sequence[BarEvent], machine: Machine) -> Trace:
                     b if isfinite(b) else a
                     for a, b in zip(here, map(_places(event).__getitem__, letters), strict=True)
                 )
-                seconds = _seconds(event, here, to, [axis.speed for axis in used])
+                if event.minutes > 0.0:
+                    seconds = 60.0 * event.minutes
+                elif not event.rapid and event.feed_mm_min > 0.0:  # of a torch with Y: else by time
+                    seconds = 60.0 * dist(here[:3], to[:3]) / event.feed_mm_min
+                else:
+                    ways = zip(here, to, used, strict=True)
+                    seconds = max(abs(b - a) / axis.speed for a, b, axis in ways)
                 if seconds > 0.0:  # the first one only says where everything is
                     builder.add([seconds], [to], UNIFORM, event.line, state)
                 here = to
@@ -240,19 +244,5 @@ def coper_trace(events: Sequence[BarEvent], machine: Machine) -> Trace:
     return builder.trace()
 
 
-def _first(moves: Sequence[Move[Place]], letter: str) -> float:
-    """The first place that a program names of an axis; 0 where it names none."""
-    ends = (_places(move)[letter] for move in moves)
-    return next((end for end in ends if isfinite(end)), 0.0)
-
-
 def _places(move: Move[Place]) -> dict[str, float]:
     return dict(zip("XYZAB", (*move.end, move.a_deg[1], move.b_deg[1]), strict=True))
-
-
-def _seconds(move: Move[Place], here: AxisPlaces, to: AxisPlaces, speeds: Sequence[float]) -> float:
-    if move.minutes > 0.0:
-        return 60.0 * move.minutes
-    if not move.rapid and move.feed_mm_min > 0.0:
-        return 60.0 * dist(here[:3], to[:3]) / move.feed_mm_min  # of a torch with Y: else by time
-    return max(abs(b - a) / speed for a, b, speed in zip(here, to, speeds, strict=True))
