@@ -21,7 +21,7 @@ from beamcam.model.part import Contour, EndPlane, Feature, Hole, Part, Slot
 from beamcam.solid import EXTRA, HAND, LEFT_OUT, MISSING, SIZE
 from beamcam.solid.kernel import Frame, kernel, minus, outline, walls
 from beamcam.solid.part_solid import part_solid, voids
-from beamcam.solid.stock_solid import Margins, stock_solid
+from beamcam.solid.stock_solid import AS_DRAWN, Margins, stock_solid
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
@@ -41,9 +41,7 @@ KINDS: dict[type, tuple[str, ...]] = {
     Contour: ("cope", "cutout", "bevel", "other"),
     EndPlane: ("other", "axis"),
 }
-KIND_NAMES: dict[type, str] = {
-    Hole: "hole", Slot: "slot", Contour: "contour", EndPlane: "end plane",
-}  # fmt: skip
+KIND_NAMES = {Hole: "hole", Slot: "slot", Contour: "contour", EndPlane: "end plane"}
 
 
 class Bodies(Struct, frozen=True):
@@ -61,10 +59,8 @@ class Bodies(Struct, frozen=True):
 
 def bodies_of(part: Part, wide: Margins, narrow: Margins, end: float, place: float) -> Bodies:
     """A part with its voids as drawn, as large as they may be, and as small."""
-    return Bodies(
-        part, part_solid(part), part_solid(part, wide), part_solid(part, narrow), wide, narrow,
-        end, place,
-    )  # fmt: skip
+    drawn, least, most = (part_solid(part, margins) for margins in (AS_DRAWN, wide, narrow))
+    return Bodies(part, drawn, least, most, wide, narrow, end, place)
 
 
 class FittedPiece(Struct, frozen=True):
@@ -227,7 +223,7 @@ def _by_feature(part: Part, margins: Margins) -> "dict[int, tuple[Feature, Manif
 
 def left_out(feature: Feature, volume: float, name: str) -> Diagnostic:
     """The note on the steel of a feature that may be left out."""
-    kind = KIND_NAMES[type(feature)]
+    kind = next(name for kind, name in KIND_NAMES.items() if isinstance(feature, kind))
     face = getattr(feature, "face", "")
     where = f"of a {kind}" + (f" on face {face}" if face else "")
     return LEFT_OUT.at(

@@ -16,12 +16,12 @@ from msgspec import Struct
 
 from beamcam.geometry.curves import signed_area
 from beamcam.geometry.plane import Point
-from beamcam.model.part import Contour, Face, Feature, Hole, Part, Slot
-from beamcam.solid.cutters import slot_shape, through_wall
-from beamcam.solid.kernel import CHORD, FREE, Wall, circle, facets, kernel, walls
+from beamcam.model.part import Contour, Face, Part
+from beamcam.solid.cutters import taken, through_wall
+from beamcam.solid.kernel import CHORD, FREE, Wall, facets, kernel, walls
 from beamcam.solid.part_solid import part_solid
-from beamcam.solid.stock_solid import Margins, Shape, is_cut, shape_of, stock_solid
-from beamcam.solid.wrapped import all_round, outline_gone, skin_of, wrapped
+from beamcam.solid.stock_solid import Margins, Shape, is_cut, stock_solid
+from beamcam.solid.wrapped import all_round, drawn_steel, outline_gone, skin_of, wrapped
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
@@ -37,25 +37,31 @@ def rounded_corners(
 ) -> "tuple[Manifold, list[tuple[str, Shape]], dict[tuple[str, float, float], float]]":
     """The steel that the re-entrant corners of contours keep, what they keep of each wall of a
     profile, by its face, and the radius of each."""
+    from shapely import box, union_all
+
     m = kernel()
-    taken: list[Manifold] = []
+    kept: list[Manifold] = []
     rounds: list[tuple[str, Shape]] = []
     corners: dict[tuple[str, float, float], float] = {}
     if part.profile.code == "RO":
         skin, wall = skin_of(part)
-        turn = skin.turn
-        for (x, u), room, one in _rounds(_steel_of_tube(part, turn), part.contours, radius):
-            taken.append(wrapped(one, skin, -FREE, wall + FREE))
+        turn = skin.turn  # drawn on three turns
+        gone = union_all([outline_gone(part), *(taken(f) for f in part.features)])
+        steel = box(0.0, -turn, part.length, 2 * turn).difference(all_round(gone, turn))
+        for (x, u), room, one in _rounds(steel, part.contours, radius):
+            kept.append(wrapped(one, skin, -FREE, wall + FREE))
             corners["v", round(x, 2), round(u % turn, 2) % round(turn, 2)] = room
     sides = walls(part.profile)
     for face in ("v", "o", "u", "h") if part.profile.code != "RO" else ():
         if face in sides:
-            own = [c for c in part.contours if _wall_of(c.face, part) == face]
-            for (x, q), room, one in _rounds(_steel_of(part, face, sides[face]), own, radius):
-                taken += _rounds_on(face, (x, q), one, room, sides[face], part)
+            own = [f for f in part.features if _wall_of(getattr(f, "face", ""), part) == face]
+            steel = drawn_steel(own, part.length, sides[face].width)
+            contours = [f for f in own if isinstance(f, Contour)]
+            for (x, q), room, one in _rounds(steel, contours, radius):
+                kept += _rounds_on(face, (x, q), one, room, sides[face], part)
                 rounds.append((face, one))
                 corners[face, x, q] = room
-    whole = m.Manifold.batch_boolean([m.Manifold(), *taken], m.OpType.Add)
+    whole = m.Manifold.batch_boolean([m.Manifold(), *kept], m.OpType.Add)
     return (whole ^ stock_solid(part, margins)) - part_solid(part), rounds, corners
 
 
@@ -64,39 +70,6 @@ def _wall_of(face: str, part: Part) -> str:
     if part.profile.code == "M":
         return face
     return {"h": "v", "o": "u" if part.profile.code == "T" else "o"}.get(face, face)
-
-
-def _steel_of(part: Part, face: str, wall: Wall) -> Shape:
-    """What is drawn of a wall, in (x, q) of its face."""
-    from shapely import box, union_all
-
-    own = [f for f in part.features if _wall_of(getattr(f, "face", ""), part) == face]
-    outer = [f for f in own if isinstance(f, Contour) and f.kind == "outer" and is_cut(f)]
-    whole = box(0.0, 0.0, part.length, wall.width)
-    if outer:
-        whole = whole.intersection(union_all([shape_of(f.curves) for f in outer]))
-    return whole.difference(union_all([_taken(f) for f in own]))
-
-
-def _steel_of_tube(part: Part, turn: float) -> Shape:
-    """What is drawn of a tube, on three turns."""
-    from shapely import box, union_all
-
-    gone = union_all([outline_gone(part), *(_taken(f) for f in part.features)])
-    return box(0.0, -turn, part.length, 2 * turn).difference(all_round(gone, turn))
-
-
-def _taken(feature: Feature) -> Shape:
-    """What a hole, a slot or a cut-out takes of its wall."""
-    from shapely import Polygon
-
-    if isinstance(feature, Hole) and feature.kind != "mark":
-        return Polygon(circle(feature.x, feature.y, feature.diameter / 2))
-    if isinstance(feature, Slot):
-        return slot_shape(feature)
-    if isinstance(feature, Contour) and feature.kind == "inner" and is_cut(feature):
-        return shape_of(feature.curves)
-    return Polygon()
 
 
 def _rounds(

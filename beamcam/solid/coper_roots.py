@@ -93,17 +93,15 @@ def _walls_beyond(
 
     for face, wall in walls(profile).items():
         if face in ("v", "o", "u"):
-            slab = (wall.surface, wall.surface + wall.inward * wall.thickness)
+            slab, flat = (wall.surface, wall.surface + wall.inward * wall.thickness), (0.0, 0.0)
             fillet = profile.radius if (wall.normal == "y") == (profile.code == "T") else 0.0
             low, high = min(slab) - fillet - FREE / 100, max(slab) + fillet + FREE / 100
-            if wall.normal == "y":
-                own = section.intersection(box(low, -FREE, high, profile.width + FREE))
-                reach = end.reach(slab, (0.0, 0.0)) + slack * hypot(1.0, end.by_z)
-                yield end.within(own, reach, by_z=end.by_z)
-            else:
-                own = section.intersection(box(-FREE, low, profile.height + FREE, high))
-                reach = end.reach((0.0, 0.0), slab) + slack * hypot(1.0, end.by_y)
-                yield end.within(own, reach, by_y=end.by_y)
+            across, by_y, by_z = box(low, -FREE, high, profile.width + FREE), 0.0, end.by_z
+            if wall.normal == "z":
+                across, by_y, by_z = box(-FREE, low, profile.height + FREE, high), end.by_y, 0.0
+            reach = end.reach(slab, flat) if wall.normal == "y" else end.reach(flat, slab)
+            reach += slack * hypot(1.0, by_y, by_z)
+            yield end.within(section.intersection(across), reach, by_y, by_z)
 
 
 def _at_one_x(
@@ -174,17 +172,13 @@ def ledges_of(
         strips.append((high - flange, high - deep, high - flange))
     for low, first, last in strips:
         first, last = sorted((first, last))
-        slabs = [(low, low + flange), (first, last)]
-        boxes = [
-            m.Manifold.cube((2 * part.length, b - a, 2 * wide)).translate(
-                (-part.length / 2, a, -wide / 2)
-            )
-            if profile.code != "T"
-            else m.Manifold.cube((2 * part.length, 2 * high, b - a)).translate(
-                (-part.length / 2, -high / 2, a)
-            )
-            for a, b in slabs
-        ]
+        boxes = []
+        for a, b in ((low, low + flange), (first, last)):
+            size, at = (b - a, 2 * wide), (a, -wide / 2)
+            if profile.code == "T":
+                size, at = (2 * high, b - a), (-high / 2, a)
+            cube = m.Manifold.cube((2 * part.length, *size))
+            boxes.append(cube.translate((-part.length / 2, *at)))
         stays = (drawn ^ boxes[0]).bounding_box()
         # At a skew end the web may go on farther than its flange.
         more = deep * max(abs(normal[1]) for _, normal in ends)
@@ -238,19 +232,14 @@ def _stretch(edge: Curve | Shape, band: tuple[float, float]) -> tuple[float, flo
     from shapely import LineString, box
 
     if isinstance(edge, Line):
-        return _crossing(edge, band)
+        (xa, ya), (xb, yb) = sorted((edge.start, edge.end), key=lambda place: place[1])
+        low, high = max(band[0], ya), min(band[1], yb)
+        if high - low < (band[1] - band[0]) / 2:
+            return None
+        first, last = (xa + (xb - xa) * (y - ya) / (yb - ya) for y in (low, high))
+        return min(first, last), max(first, last)
     if isinstance(edge, Curve):
         edge = LineString([edge.point(k / POINTS) for k in range(POINTS + 1)])
     there = edge.intersection(box(-1e6, band[0], 1e6, band[1]))
     first, _, last, _ = there.bounds
     return None if there.is_empty else (first, last)
-
-
-def _crossing(line: Line, band: tuple[float, float]) -> tuple[float, float] | None:
-    """The least and the greatest x of a line on a band that it crosses; None if it does not."""
-    (xa, ya), (xb, yb) = sorted((line.start, line.end), key=lambda place: place[1])
-    low, high = max(band[0], ya), min(band[1], yb)
-    if high - low < (band[1] - band[0]) / 2:
-        return None
-    first, last = (xa + (xb - xa) * (y - ya) / (yb - ya) for y in (low, high))
-    return min(first, last), max(first, last)

@@ -5,14 +5,14 @@ other walls; what is cut of a web takes the fillets on it, and so does what is c
 along the web.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from itertools import pairwise
 from math import atan2, cos, hypot, radians, sin, tan
 from typing import TYPE_CHECKING
 
-from beamcam.geometry.curves import Line, signed_area
+from beamcam.geometry.curves import Line, Point, signed_area
 from beamcam.geometry.polylines import polylines
-from beamcam.model.part import Bevel, Contour, Hole, Part, Profile, Slot
+from beamcam.model.part import Bevel, Contour, Feature, Hole, Part, Slot
 from beamcam.solid.kernel import (
     CHORD,
     FLAT_DEG,
@@ -60,7 +60,7 @@ def slot_shape(slot: Slot, larger: float = 0.0) -> Shape:
     return MultiPoint([p for at in slot_corners(slot) for p in circle(*at, radius)]).convex_hull
 
 
-def slot_corners(slot: Slot) -> list[tuple[float, float]]:
+def slot_corners(slot: Slot) -> list[Point]:
     """The centres of the circles at its corners."""
     c, s = cos(radians(slot.angle)), sin(radians(slot.angle))
     return [
@@ -68,6 +68,19 @@ def slot_corners(slot: Slot) -> list[tuple[float, float]]:
         for a in (-slot.length / 2, slot.length / 2)
         for b in (-slot.height / 2, slot.height / 2)
     ]
+
+
+def taken(feature: Feature) -> Shape:
+    """What a hole, a slot or a cut-out takes of its face, in (x, q); nothing of any other."""
+    from shapely import Polygon
+
+    if isinstance(feature, Hole) and feature.kind != "mark":
+        return Polygon(circle(feature.x, feature.y, feature.diameter / 2))
+    if isinstance(feature, Slot):
+        return slot_shape(feature)
+    if isinstance(feature, Contour) and feature.kind == "inner" and is_cut(feature):
+        return shape_of(feature.curves)
+    return Polygon()
 
 
 def contour_cutters(
@@ -97,10 +110,12 @@ def contour_cutters(
         yield from through_wall(shape, wall)  # that the others stand on, with their fillets
     else:
         yield prism(shape, 0.0, wall.thickness, wall.frame)
-        if part.profile.code == "C":
-            yield from _through_lip(shape, wall, part.profile)
-        else:
+        if part.profile.code != "C":
             yield from through_wall(_along_web(shape, wall), wall)
+        elif part.profile.lip is not None:  # all of the lip that stands there
+            bend = wall.width - (part.profile.web_thickness or 0.0) - part.profile.radius
+            over = shape.intersection(box(-FAR, bend, FAR, FAR))
+            yield prism(over, 0.0, part.profile.lip + FREE, wall.frame)
 
 
 def _along_web(shape: Shape, wall: Wall) -> Shape:
@@ -117,16 +132,6 @@ def _along_web(shape: Shape, wall: Wall) -> Shape:
     return shape
 
 
-def _through_lip(shape: Shape, wall: Wall, profile: Profile) -> Iterator["Manifold"]:
-    """What a contour of a flange takes of the lip at its edge: all of it that stands there."""
-    from shapely import box
-
-    if profile.code == "C" and profile.lip is not None and wall.normal == "y":
-        inside = wall.width - (profile.web_thickness or 0.0) - profile.radius
-        over = shape.intersection(box(-FAR, inside, FAR, FAR))
-        yield prism(over, 0.0, profile.lip + FREE, wall.frame)
-
-
 def _beside_ends(gone: Shape, wall: Wall, part: Part, noise: float) -> Shape:
     """What an outline leaves out, without what the end planes cut off anyway.
 
@@ -137,7 +142,7 @@ def _beside_ends(gone: Shape, wall: Wall, part: Part, noise: float) -> Shape:
     from shapely import LineString, Polygon, box, make_valid, union_all
 
     gone = make_valid(gone)
-    ends: list[list[tuple[float, float]]] = []  # of the start and the end, (x, q) at both edges
+    ends: list[list[Point]] = []  # of the start and the end, (x, q) at both edges
     skew: list[bool] = []
     leans: list[bool] = []  # through the thickness of the wall
     for (x, _, _), (side, along_y, along_z) in end_planes(part, drawn=True):
@@ -315,7 +320,8 @@ def _bevels(contour: Contour, wall: Wall, part: Part, margins: Margins) -> Itera
 
 def _bevel(contour: Contour, inside: Shape, bevel: Bevel, wall: Wall, margin: float) -> "Manifold":
     """What a bevel takes: a wedge along its edge, from a surface to its land."""
-    from shapely import Point, Polygon
+    from shapely import Point as Place
+    from shapely import Polygon
 
     body = prism(Polygon(), 0.0, 0.0, wall.frame)
     if not bevel.curve < len(contour.curves):
@@ -334,10 +340,15 @@ def _bevel(contour: Contour, inside: Shape, bevel: Bevel, wall: Wall, margin: fl
         return body
     (ax, aq), (bx, bq) = chain[:2]
     off = 0.01 / hypot(bx - ax, bq - aq)
-    beside = Point((ax + bx) / 2 + (aq - bq) * off, (aq + bq) / 2 + (bx - ax) * off)
+    beside = Place((ax + bx) / 2 + (aq - bq) * off, (aq + bq) / 2 + (bx - ax) * off)
     # The steel is outside of a cut-out.
     side = 1.0 if inside.contains(beside) == (contour.kind == "outer") else -1.0
-    hollow = _hollow(chain, side)
+    hollow = []  # how far wedges beside one another inside of the chain go on, to meet
+    for (ax, aq), (bx, bq), (cx, cq) in zip(chain, chain[1:], chain[2:], strict=False):
+        turn = atan2((bx - ax) * (cq - bq) - (bq - aq) * (cx - bx),
+                     (bx - ax) * (cx - bx) + (bq - aq) * (cq - bq))  # fmt: skip
+        hollow.append(tan(max(0.0, -turn * side) / 2))
+    hollow = hollow or [0.0]
     first, last = _beyond(contour, bevel, (hollow[0], hollow[-1]))
     by = [first, *hollow, last] if len(chain) > 2 else [first, last]
     for k, ((ax, aq), (bx, bq)) in enumerate(pairwise(chain)):
@@ -345,28 +356,14 @@ def _bevel(contour: Contour, inside: Shape, bevel: Bevel, wall: Wall, margin: fl
         ex, eq = (bx - ax) / long, (bq - aq) / long
         low, high = -wide * by[k], long + wide * by[k + 1]
         nx, nq = -eq * side, ex * side
-        # (across the edge, depth, along) to (x, q, depth)
-        to_face = wall.frame
-        rows = []
-        for a, b, c, d in to_face:
-            across, along = a * nx + b * nq, a * ex + b * eq
-            rows.append((across, c, along, d + a * ax + b * aq))
+        rows = [  # (across the edge, depth, along) to (x, q, depth)
+            (a * nx + b * nq, c, a * ex + b * eq, d + a * ax + b * aq) for a, b, c, d in wall.frame
+        ]
         grown = wide * FREE / deep
         top, foot = (-FREE, deep) if near else (wall.thickness + FREE, wall.thickness - deep)
         wedge = Polygon([(-FREE, top), (wide + grown + margin, top), (margin, foot), (-FREE, foot)])
         body += prism(wedge, low, high, (rows[0], rows[1], rows[2]))
     return body
-
-
-def _hollow(chain: Sequence[tuple[float, float]], side: float) -> list[float]:
-    """How far wedges beside one another at each place between the ends of a curve go on, to meet,
-    by mm that they reach inside: 0 where it bulges. The steel is on its left where `side` is 1."""
-    found = []
-    for (ax, aq), (bx, bq), (cx, cq) in zip(chain, chain[1:], chain[2:], strict=False):
-        turn = atan2((bx - ax) * (cq - bq) - (bq - aq) * (cx - bx),
-                     (bx - ax) * (cx - bx) + (bq - aq) * (cq - bq))  # fmt: skip
-        found.append(tan(max(0.0, -turn * side) / 2))
-    return found or [0.0]
 
 
 def _beyond(contour: Contour, bevel: Bevel, hollow: tuple[float, float]) -> Iterator[float]:

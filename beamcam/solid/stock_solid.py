@@ -99,32 +99,19 @@ def plate_shape(part: Part, outline_margin: float = 0.0) -> Shape | None:
     return whole
 
 
-def _plate(part: Part, margins: Margins) -> "Manifold | None":
-    shape = plate_shape(part, margins.outline)
-    if shape is None:
-        return None
-    outline(part)  # for its thickness
-    wall = walls(part.profile)["v"]
-    body = prism(shape, margins.skin, wall.thickness - margins.skin, wall.frame)
-    cut = part.cuts
-    if max(abs(cut.flange_start), abs(cut.flange_end)) < 0.2:
-        return body
-    for point, normal in end_planes(part, margins):
-        body = behind(body, point, normal)
-    return body
-
-
 def stock_solid(part: Part, margins: Margins = AS_DRAWN) -> "Manifold":
     """The part before its features, between its two end planes; a plate within its outline."""
-    if part.profile.code == "B":
-        body = _plate(part, margins)
-        if body is not None:
+    section, skin = outline(part) if margins.section is None else margins.section, margins.skin
+    shape = plate_shape(part, margins.outline) if part.profile.code == "B" else None
+    if shape is not None:
+        wall = walls(part.profile)["v"]
+        body = prism(shape, skin, wall.thickness - skin, wall.frame)
+        if max(abs(part.cuts.flange_start), abs(part.cuts.flange_end)) < 0.2:
             return body
-    over = part.profile.height + part.profile.width + FREE
-    section = margins.section if margins.section is not None else outline(part)
-    if margins.skin:
-        section = section.buffer(-margins.skin, join_style="mitre")
-    body = prism(section, -over, part.length + over, ALONG)
+    else:
+        over = part.profile.height + part.profile.width + FREE
+        section = section.buffer(-skin, join_style="mitre") if skin else section
+        body = prism(section, -over, part.length + over, ALONG)
     for point, normal in end_planes(part, margins):
         body = behind(body, point, normal)
     return body

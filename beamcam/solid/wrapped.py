@@ -25,17 +25,9 @@ from msgspec.structs import replace
 
 from beamcam.geometry.array_types import Floats
 from beamcam.geometry.curves import Curve, Line
-from beamcam.model.part import Contour, EndPlane, Face, Hole, Part, Slot
-from beamcam.solid.cutters import OUTLINE_NOISE, slot_shape
-from beamcam.solid.kernel import (
-    CHORD,
-    FREE,
-    circle,
-    extruded,
-    kernel,
-    minus,
-    no_solid,
-)
+from beamcam.model.part import Contour, EndPlane, Face, Feature, Part, Slot
+from beamcam.solid.cutters import OUTLINE_NOISE, slot_shape, taken
+from beamcam.solid.kernel import CHORD, FREE, extruded, kernel, minus, no_solid
 from beamcam.solid.stock_solid import Margins, Shape, end_planes, is_cut, shape_of, stock_solid
 
 if TYPE_CHECKING:
@@ -285,7 +277,11 @@ def _leaning(part: Part, skin: Skin) -> Iterator[tuple[float, float, Shape, tupl
     from shapely import Polygon, union_all
 
     r = skin.radius
-    steel = {face: _steel(part, face) for face in ("u", "v", "o", "h")}
+    steel = {
+        face: drawn_steel([f for f in part.features if getattr(f, "face", "") == face],
+                          part.length, part.profile.face_width(face))
+        for face in ("u", "v", "o", "h")
+    }  # fmt: skip
     turns = np.linspace(0.0, pi / 2, LEVELS)
     planes = [*end_planes(part, drawn=True)]
     for k, (a, a_high, b, b_high) in enumerate(CORNERS):
@@ -301,7 +297,11 @@ def _leaning(part: Part, skin: Skin) -> Iterator[tuple[float, float, Shape, tupl
             for x in (at - (n[1] * edge[0] + n[2] * edge[1]) / n[0],)
         ]
         inner = slice(1 if is_plane[0] else 0, -1 if is_plane[1] else None)
-        if max(_most_bent(one[:, inner]) for one in (of_a, of_b)) < CHORD:
+        bent = 0.0
+        for lines in (of_a[:, inner], of_b[:, inner]):
+            jumps = (np.abs(np.diff(lines, axis=0)) > OUTLINE_NOISE).any(axis=0)
+            bent = max(bent, float(np.ptp(lines[:, ~jumps], axis=0).max(initial=0.0)))
+        if bent < CHORD:
             continue
         share = (turns / (pi / 2))[:, None]
         lines = of_a + of_b - ((1 - share) * of_b[0] + share * of_a[-1])
@@ -342,31 +342,16 @@ def edges_on_rounds(part: Part, slack: float) -> "Iterator[Manifold]":
                 yield wrapped(area, skin, -FREE, wall + FREE)
 
 
-def _most_bent(lines: Floats) -> float:
-    """mm along the part that lines beside an edge lean, but those that jump along the part."""
-    jumps = (np.abs(np.diff(lines, axis=0)) > OUTLINE_NOISE).any(axis=0)
-    return float(np.ptp(lines[:, ~jumps], axis=0).max(initial=0.0))
+def drawn_steel(features: Sequence[Feature], length: float, wide: float) -> Shape:
+    """What features leave of a wall, in (x, q) of its face."""
+    from shapely import box, union_all
 
-
-def _steel(part: Part, face: Face) -> Shape:
-    """What is drawn of a face."""
-    from shapely import Polygon, box, union_all
-
-    own = [f for f in part.features if getattr(f, "face", "") == face]
-    outer = [f for f in own if isinstance(f, Contour) and f.kind == "outer" and is_cut(f)]
-    wide = part.profile.face_width(face)
-    steel: Shape = box(0.0, 0.0, part.length, wide)
+    outer = [f for f in features if isinstance(f, Contour) and f.kind == "outer" and is_cut(f)]
+    steel: Shape = box(0.0, 0.0, length, wide)
     if outer:
         strip = box(-FAR, 0.0, FAR, wide)
         steel = union_all([shape_of(f.curves) for f in outer]).intersection(strip)
-    for f in own:
-        if isinstance(f, Contour) and f.kind == "inner" and is_cut(f):
-            steel = steel.difference(shape_of(f.curves))
-        elif isinstance(f, Slot):
-            steel = steel.difference(slot_shape(f))
-        elif isinstance(f, Hole) and f.kind != "mark":
-            steel = steel.difference(Polygon(circle(f.x, f.y, f.diameter / 2)))
-    return steel
+    return steel.difference(union_all([taken(f) for f in features]))
 
 
 def _lines(steel: Shape, wide: float, at_high: bool, offs: Floats) -> Floats | None:
