@@ -4,18 +4,18 @@ A face counts within its outlines, v and h also within that of the other one; wi
 from 0 to the length of the part, and of a piece that comes cut into the air before its ends.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from math import isnan
 from typing import Any
 
 from msgspec import Struct
 
 from beamcam.checks.coping.section import TubeSection
-from beamcam.checks.coping.stock import outline_ring, ring_of, slot_ring
+from beamcam.checks.coping.stock import outline_ring, ring_of, taken
 from beamcam.checks.coping.tube_piece import AIR, PieceAsked, short_by, with_air
 from beamcam.checks.coping.tube_planes import FAR
 from beamcam.geometry.plane import Point
-from beamcam.model.part import Contour, Hole, Part, Slot
+from beamcam.model.part import Contour, Part
 
 Shape = Any  #: of shapely
 
@@ -52,13 +52,6 @@ def outlines_of(face: str, features: Sequence[Any]) -> list[Contour]:
     outer = [f for f in features if isinstance(f, Contour) and f.kind == "outer"]
     own = [f for f in outer if f.face == face]
     return own or [f for f in outer if face in "vh" and f.face in "vh"]
-
-
-def voids_of(face: str, features: Sequence[Any]) -> Iterator[Any]:
-    """All else of a face."""
-    for feature in features:
-        if getattr(feature, "face", "") == face and getattr(feature, "kind", "") != "outer":
-            yield feature
 
 
 def outlined(
@@ -124,13 +117,10 @@ def _gone_on(ring: list[Point], wide: float, radius: float) -> list[Point]:
 
 def void_of(feature: Any, piece: PieceAsked | None = None) -> Shape:
     """What a feature takes of its face; nothing where it is an outline."""
-    from shapely import MultiPoint, Polygon
-    from shapely import Point as Place
+    from shapely import Polygon
 
-    if isinstance(feature, Hole):
-        return Place(feature.x, feature.y).buffer(feature.diameter / 2, 64)
-    if isinstance(feature, Slot):
-        return MultiPoint(list(slot_ring(feature))).convex_hull
-    if isinstance(feature, Contour) and feature.kind == "inner":
+    if not isinstance(feature, Contour):
+        return taken(feature)
+    if feature.kind == "inner":
         return with_air(ring_of(feature.curves), piece.faces[feature.face] if piece else None)
     return Polygon()

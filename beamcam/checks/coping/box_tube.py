@@ -19,7 +19,6 @@ from beamcam.checks.coping.box_faces import (
     outlines_of,
     short_face,
     void_of,
-    voids_of,
 )
 from beamcam.checks.coping.section import TubeSection, areas_of, pieces_of
 from beamcam.checks.coping.stock import FINE
@@ -86,7 +85,9 @@ def box_wanted(
     ending: dict[str, list[Shape]] = {face: [] for face in walls}
     for face, wall in walls.items():
         steel = _ended(wall, ends, section)
-        for feature in [*outlines_of(face, features), *voids_of(face, features)]:
+        others = [f for f in features if getattr(f, "face", "") == face
+                  and getattr(f, "kind", "") != "outer"]  # fmt: skip
+        for feature in [*outlines_of(face, features), *others]:
             void = void_of(feature, piece)
             if _into_corner(void, wall.wide, section.radius):
                 ending[face].append(void)

@@ -9,9 +9,8 @@ torch over the web keeps off the flange, or as deep as the pass cuts that takes 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import Any
 
-from msgspec import Struct
-
-from beamcam.checks.coping.bevels import BevelPass, passes_of
+from beamcam.checks.coping.bevels import passes_of
+from beamcam.checks.coping.chart import CoperJob
 from beamcam.checks.coping.section import CoperSection, areas_of, pieces_of
 from beamcam.checks.coping.skew import (
     EndOnWall,
@@ -24,12 +23,10 @@ from beamcam.checks.coping.skew import (
 )
 from beamcam.checks.coping.slants import with_square_roots
 from beamcam.checks.coping.stock import WallStock
-from beamcam.checks.coping.strokes import TorchStroke
-from beamcam.checks.coping.wanted import RequiredWall, wanted_on, with_round_corners
+from beamcam.checks.coping.strokes import TorchStroke, through_root
+from beamcam.checks.coping.wanted import RequiredWall, required_on
 from beamcam.geometry.plane import Point
-from beamcam.machine.coper import Coper
-from beamcam.machine.torch import TorchRow
-from beamcam.model.part import Contour, Feature, Part
+from beamcam.model.part import Contour, Feature
 
 Shape = Any  #: of shapely
 
@@ -69,7 +66,7 @@ def _ledges_at(
     for one in pieces_of(stays):
         first, _, last, _ = one.bounds
         if end is not None:  # the web ends elsewhere than the outside of the flange
-            at = end.at + end.more * inner
+            at = end.x(inner)
             first, last = (first, at) if side > 0 else (at, last)
         over = line.intersection(box(first, inner - 1.0, last, inner + 1.0))
         for gap in pieces_of(over.difference(web)):
@@ -97,182 +94,130 @@ def _ledges_at(
 LEAST_OFF = 0.5  #: mm that a square cut is off at a skew end and that are manual work
 
 
-class WallsAsked(Struct, frozen=True):
-    """What has to stay, by face and by mm below it."""
+class RequiredWalls:
+    """What has to stay of a part: of each wall, so far below its face."""
 
-    wanted: Mapping[tuple[str, float], RequiredWall]
-    ends: Mapping[str, Sequence[EndOnWall]]  #: skew ends by the faces that they end
-    made: Sequence[SkewEnd]  #: those that a tilted torch makes as they are
-    off: Mapping[str, float]  #: mm too much by the walls that are cut square
-    passes: Sequence[BevelPass] = ()  #: bevels, with the strokes that make them
+    def __init__(
+        self, job: CoperJob, section: CoperSection, stock: WallStock, left: Collection[int],
+        strokes: Sequence[TorchStroke],
+    ) -> None:  # fmt: skip
+        """`left` are features that are not made."""
+        self._job, self._section, self._strokes = job, section, strokes
+        self._off: dict[str, float] = {}
+        rows, faces = job.rows, section.faces
+        self._widest = max((row.kerf for row in rows), default=0.0)
+        self._ends = (None, None) if stock.is_piece else skew_ends(job.part, section)
 
-    def has_bevels_left(self, k: int, feature: Feature, coper: Coper) -> bool:
-        """Whether the feature k of a part has bevels that neither an end nor a pass makes."""
+        def surface(face: str, depth: float, tilted: Sequence[bool]) -> RequiredWall:
+            there = ends_on(self._ends, tilted, face, section, depth)
+            return required_on(job, face, section, left, stock, there)
+
+        upper = {face: surface(face, 0.0, (True, True)) for face in faces}
+        drawn = {face: one.drawn for face, one in upper.items()}
+        self._near = section.near(job.coper, min((row.cut_height for row in rows), default=0.0))
+        self._tilted = [
+            end is not None and is_tilted(end, drawn, section, job.coper, self._near)
+            for end in self._ends
+        ]
+        #: by face and mm below it
+        self.walls = {(face, 0.0): one for face, one in upper.items()}
+        if any(self._tilted):
+            self.walls = {
+                (face, depth): surface(face, depth, self._tilted) if depth else upper[face]
+                for face in faces for depth in (0.0, section.thickness(face))
+            }  # fmt: skip
+        if not stock.is_piece:
+            self._add_ledges()
+        for end, is_tilted_to in zip(self._ends, self._tilted, strict=True):
+            if end is not None and not is_tilted_to:
+                self._square(end)
+        #: skew ends by the faces that they end
+        self.ends = {face: ends_on(self._ends, (True, True), face, section, 0.0) for face in faces}
+        known = stock.ends if stock.is_piece else self.ends
+        radius = job.coper.corner_radius
+        self._grow(with_square_roots(self.walls, known, section, strokes, self._widest, radius))
+        #: those that a tilted torch makes as they are
+        self.made = [e for e, yes in zip(self._ends, self._tilted, strict=True) if e and yes]
+        #: bevels, with the strokes that make them
+        self.passes = passes_of(job.part, section, job.coper, strokes, self.made)
+        self._take_bevels()
+        #: mm too much by the walls that are cut square
+        self.off = {face: mm for face, mm in self._off.items() if mm >= LEAST_OFF}
+
+    def is_left(self, k: int, feature: Feature) -> bool:
+        """Whether the feature k of a part is the outline of a wall whose skew end is cut square, or
+        has bevels that neither an end nor a pass makes."""
+        face = getattr(feature, "face", "").replace("h", "v")
+        if isinstance(feature, Contour) and feature.kind == "outer" and face in self.off:
+            return True
         there = [bevel for one in self.passes if one.feature == k for bevel in one.drawn]
-        return any(one not in there for one in own_bevels(feature, self.made, coper.min_bevel))
+        own = own_bevels(feature, self.made, self._job.coper.min_bevel)
+        return any(one not in there for one in own)
 
+    def _grow(self, off: Mapping[str, float]) -> None:
+        for face, mm in off.items():
+            self._off[face] = max(mm, self._off.get(face, 0.0))
 
-def walls_asked(
-    part: Part,
-    section: CoperSection,
-    coper: Coper,
-    rows: Sequence[TorchRow],
-    left: Collection[int],
-    stock: WallStock,
-    strokes: Sequence[TorchStroke],
-) -> WallsAsked:
-    """What has to stay of a part; `left` are features that are not made."""
-    ends = (None, None) if stock.is_piece else skew_ends(part, section)
+    def _take_bevels(self) -> None:
+        """Walls at both surfaces and at the lands of their bevels, without what the bevels take."""
+        from shapely import union_all
 
-    def surface(face: str, depth: float, tilted: Sequence[bool]) -> RequiredWall:
-        there = ends_on(ends, tilted, face, section, depth)
-        return wanted_on(part, face, section, coper, left, stock, there)
-
-    faces = section.faces
-    upper = {face: surface(face, 0.0, (True, True)) for face in faces}
-    drawn = {face: one.drawn for face, one in upper.items()}
-    height = min((row.cut_height for row in rows), default=0.0)
-    near = section.near(coper, height)
-    tilted = [end is not None and is_tilted(end, drawn, section, coper, near) for end in ends]
-    wanted = {(face, 0.0): one for face, one in upper.items()}
-    if any(tilted):
-        wanted = {
-            (face, depth): surface(face, depth, tilted) if depth else upper[face]
-            for face in faces for depth in (0.0, section.thickness(face))
-        }  # fmt: skip
-    off: dict[str, float] = {}
-    if not stock.is_piece:
-        off |= _with_ledges(wanted, section, rows, near, strokes, ends, tilted)
-    widest = max((row.kerf for row in rows), default=0.0)
-    for end, is_tilted_to in zip(ends, tilted, strict=True):
-        if end is not None and not is_tilted_to:
-            by_face = _with_square_end(wanted, end, section, coper, strokes, widest)
-            off |= {face: max(mm, off.get(face, 0.0)) for face, mm in by_face.items()}
-    on_walls = {face: ends_on(ends, (True, True), face, section, 0.0) for face in faces}
-    known = {
-        face: [(at, then - at) for at, then, _ in stock.ends[face]] if stock.is_piece
-        else [(one.at, one.more) for one in on_walls[face]]
-        for face in faces
-    }  # fmt: skip
-    steps = with_square_roots(wanted, known, section, strokes, widest, coper.corner_radius)
-    for face, mm in steps.items():
-        off[face] = max(mm, off.get(face, 0.0))
-    made = [end for end, yes in zip(ends, tilted, strict=True) if end is not None and yes]
-    passes = passes_of(part, section, coper, strokes, made)
-    _with_passes(wanted, passes, section)
-    told = {face: mm for face, mm in off.items() if mm >= LEAST_OFF}
-    return WallsAsked(wanted, on_walls, made, told, passes)
-
-
-def _with_passes(
-    wanted: dict[tuple[str, float], RequiredWall], passes: Sequence[BevelPass],
-    section: CoperSection,
-) -> None:  # fmt: skip
-    """Walls at both surfaces and at the lands of their bevels, without what the bevels take."""
-    from shapely import union_all
-
-    for face in {one.stroke.face for one in passes}:
-        own = [one for one in passes if one.stroke.face == face]
-        outer, thick = wanted[face, 0.0], section.thickness(face)
-        inner = wanted.get((face, thick), outer)
-        for down in {0.0, thick, *(p.thickness - p.bevel.land for p in own)}:
-            # Between both surfaces a skew end lies between where it is at them.
-            over, under = outer if down < thick else inner, inner if down > 0.0 else outer
-            gone = union_all([bevel.strip(down) for bevel in own])
-            drawn, cut, most = (
-                areas_of(shape.difference(gone))
-                for shape in (
-                    over.drawn.intersection(under.drawn),
-                    over.cut.intersection(under.cut),
-                    over.most.union(under.most),
+        for face in {one.stroke.face for one in self.passes}:
+            own = [one for one in self.passes if one.stroke.face == face]
+            outer, thick = self.walls[face, 0.0], self._section.thickness(face)
+            inner = self.walls.get((face, thick), outer)
+            for down in {0.0, thick, *(p.thickness - p.bevel.land for p in own)}:
+                # Between both surfaces a skew end lies between where it is at them.
+                over, under = outer if down < thick else inner, inner if down > 0.0 else outer
+                gone = union_all([bevel.strip(down) for bevel in own])
+                drawn, cut, most = (
+                    areas_of(shape.difference(gone))
+                    for shape in (
+                        over.drawn.intersection(under.drawn),
+                        over.cut.intersection(under.cut),
+                        over.most.union(under.most),
+                    )
                 )
-            )
-            wanted[face, down] = RequiredWall(drawn, cut, outer.short, most)
+                self.walls[face, down] = RequiredWall(drawn, cut, outer.short, most)
 
+    def _square(self, end: SkewEnd) -> None:
+        """Adds what stays at a skew end that is cut square, on all surfaces."""
+        section, depths = self._section, dict[str, float]()
+        for face in section.faces[1:]:
+            line = end.on_wall(face, section, 0.0)
+            depths[face] = max(
+                (one.row.up_to for one in through_root(face, section, self._strokes)
+                 if any(end.side * (x - line.x(y)) > 0.0 for x, y in one.points)),
+                default=0.0,
+            )  # fmt: skip
+        for inner in sorted({depth > 0.0 for _, depth in self.walls}):
+            some = {face: (face, section.thickness(face) * inner) for face in section.faces}
+            shapes = {face: self.walls[key].drawn for face, key in some.items()}
+            more, off, steps = as_square(end, shapes, section, self._job.coper, depths)
+            for face, key in some.items():
+                self.walls[key] = self.walls[key].grown(more[face], steps[face], self._widest)
+            self._grow(off)
 
-def _with_square_end(
-    wanted: dict[tuple[str, float], RequiredWall], end: SkewEnd, section: CoperSection,
-    coper: Coper, strokes: Sequence[TorchStroke], widest: float,
-) -> dict[str, float]:  # fmt: skip
-    """Puts what stays at a skew end that is cut square into `wanted`, on all surfaces that it has;
-    gives the mm that are too much, by face. `widest` is the widest kerf."""
-    faces, off = section.faces, dict[str, float]()
-    depths = {face: _depth(face, end, section, strokes) for face in faces[1:]}
-    has_inner = any(depth for _, depth in wanted)
-    for inner in (False, True) if has_inner else (False,):
-        some = {face: (face, section.thickness(face) if inner else 0.0) for face in faces}
-        shapes = {face: wanted[key].drawn for face, key in some.items()}
-        more, by_face, steps = as_square(end, shapes, section, coper, depths)
-        for face, key in some.items():
-            one = wanted[key]
-            cut = one.cut.union(more[face])
-            most = with_round_corners(one.most.union(cut), steps[face], widest / 2)
-            wanted[key] = RequiredWall(more[face], cut, one.short, most)
-        off |= {face: max(mm, off.get(face, 0.0)) for face, mm in by_face.items()}
-    return off
-
-
-def _with_ledges(
-    wanted: dict[tuple[str, float], RequiredWall],
-    section: CoperSection,
-    rows: Sequence[TorchRow],
-    near: float,
-    strokes: Sequence[TorchStroke],
-    ends: Sequence[SkewEnd | None],
-    tilted: Sequence[bool],
-) -> dict[str, float]:
-    """Adds the ledges of the web to what is wanted of it; how high they are, by wall.
-
-    At a skew end there are some only where the torch is tilted to it.
-    """
-    off: dict[str, float] = {}
-    widest = max((row.kerf for row in rows), default=0.0)
-    for face in section.faces[1:]:
-        flange = wanted[face, 0.0].drawn
-        deep = _depths_of_roots(face, flange, section, section.flange + near, strokes)
-        heights = [deep[k] if end is None or tilted[k] else None for k, end in enumerate(ends)]
-        for (one, depth), asked in [*wanted.items()]:
-            if one != "v":
-                continue
-            there = ends_on(ends, tilted, "v", section, depth)
-            for ledge, places in ledges_of(asked.drawn, flange, face, section, heights, there):
-                asked = wanted[one, depth]
-                cut = asked.cut.union(ledge)
-                most = with_round_corners(asked.most.union(ledge), places, widest / 2)
-                wanted[one, depth] = RequiredWall(asked.drawn.union(ledge), cut, asked.short, most)
-                off["v"] = max(*deep) - section.flange
-    return off
-
-
-def _depths_of_roots(
-    face: str, flange: Shape, section: CoperSection, least: float, strokes: Sequence[TorchStroke]
-) -> tuple[float, float]:
-    """How deep passes through a root cut at the start and at the end, square to the flange."""
-    back, front = section.root(face)
-    bounds = flange.bounds or (0.0,) * 4
-    deep = [least, least]
-    for stroke in strokes:
-        ys = [y for _, y in stroke.points]
-        if stroke.face == face and min(ys) <= back and max(ys) >= front:
-            k = stroke.points[-1][0] > (bounds[0] + bounds[2]) / 2
-            deep[k] = max(deep[k], stroke.row.up_to * stroke.share)
-    return deep[0], deep[1]
-
-
-def _depth(face: str, end: SkewEnd, section: CoperSection, strokes: Sequence[TorchStroke]) -> float:
-    """How deep the passes through a root cut near an end, square to the flange."""
-    back, front = section.root(face)
-    at, more = end.on(face, section, 0.0)
-    depth = 0.0
-    for stroke in strokes:
-        ys = [y for _, y in stroke.points]
-        beyond = any(end.side * (x - at - more * y) > 0.0 for x, y in stroke.points)
-        if stroke.face == face and beyond and min(ys) <= back and max(ys) >= front:
-            depth = max(depth, stroke.row.up_to)
-    return depth
-
-
-def is_outline_of(feature: Feature, off: Mapping[str, float]) -> bool:
-    """Whether a feature is an outline of a wall whose skew end is cut square."""
-    face = {"h": "v"}.get(getattr(feature, "face", ""), getattr(feature, "face", ""))
-    return isinstance(feature, Contour) and feature.kind == "outer" and face in off
+    def _add_ledges(self) -> None:
+        """Adds the ledges of the web. At a skew end there are some only where the torch is tilted
+        to it."""
+        section = self._section
+        for face in section.faces[1:]:
+            flange = self.walls[face, 0.0].drawn
+            bounds = flange.bounds or (0.0,) * 4
+            deep = [section.flange + self._near] * 2  # square to the flange, at start and end
+            for one in through_root(face, section, self._strokes):
+                k = one.points[-1][0] > (bounds[0] + bounds[2]) / 2
+                deep[k] = max(deep[k], one.row.up_to * one.share)
+            heights = [
+                deep[k] if end is None or self._tilted[k] else None
+                for k, end in enumerate(self._ends)
+            ]
+            for depth in [depth for one, depth in self.walls if one == "v"]:
+                drawn = self.walls["v", depth].drawn
+                there = ends_on(self._ends, self._tilted, "v", section, depth)
+                for ledge, places in ledges_of(drawn, flange, face, section, heights, there):
+                    self.walls["v", depth] = self.walls["v", depth].grown(
+                        ledge, places, self._widest
+                    )
+                    self._off["v"] = max(*deep) - section.flange

@@ -6,16 +6,16 @@ root cut, of the flange as wide as web and fillets are.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from itertools import pairwise
+from itertools import pairwise, product
 from math import radians, tan
 from typing import Any
 
 from msgspec import Struct
 
-from beamcam.checks.coping.section import CoperSection, areas_of, pieces_of
-from beamcam.checks.coping.skew import AT_EDGE, ON_PLANE, Shape, step_of
-from beamcam.checks.coping.strokes import TorchStroke
-from beamcam.checks.coping.wanted import RequiredWall, with_round_corners
+from beamcam.checks.coping.section import CoperSection, pieces_of
+from beamcam.checks.coping.skew import AT_EDGE, ON_PLANE, EndOnWall, Shape
+from beamcam.checks.coping.strokes import TorchStroke, through_root
+from beamcam.checks.coping.wanted import RequiredWall
 from beamcam.geometry.plane import Point
 
 #: mm along the bar by mm across it of a cut through a root that is made square
@@ -26,31 +26,32 @@ FAR = 1e5
 
 
 class Crossing(Struct, frozen=True):
-    """An edge of a wall through the whole of a root: x = at + more y, or round."""
+    """An edge of a wall through the whole of a root, straight or round."""
 
-    at: float
-    more: float
+    line: EndOnWall  #: it, or of a round edge its side alone: 1 where the scrap lies at greater x
     xs: tuple[float, float]  #: where it meets the other wall
-    side: int  #: 1 where the scrap lies at greater x
     round: Any = None  #: the edge itself, of shapely
+
+    @property
+    def side(self) -> int:
+        return self.line.side
 
     def over(self, band: tuple[float, float]) -> list[float]:
         """x at both sides of a band; of a round one the least and the greatest."""
         if self.round is not None:
-            least, _, most, _ = self.round.bounds
-            return [least, most]
-        return [self.at + self.more * y for y in band]
+            return [*self.round.bounds[::2]]
+        return [self.line.x(y) for y in band]
 
     def corners(self, band: tuple[float, float]) -> list[Point]:
         """Where it is at both sides of a band."""
         if self.round is not None:
             return [(x, y) for x, y in self.round.coords]
-        return [(self.at + self.more * y, y) for y in band]
+        return [(self.line.x(y), y) for y in band]
 
     def step(self, drawn: Shape, band: tuple[float, float], x: float) -> Shape:
         """What is more of a wall that goes to x on a band of it."""
         if self.round is None:
-            return step_of(self.side, self.at, self.more, *band, x)
+            return self.line.step(*band, x)
         from shapely import box, union_all
 
         inside = min(self.over(band), key=lambda at: self.side * at) - self.side * AT_EDGE
@@ -60,22 +61,22 @@ class Crossing(Struct, frozen=True):
 
 def crossings_of(
     shape: Shape, band: tuple[float, float], wider: Sequence[tuple[float, float]],
-    surface: float | None, ends: Sequence[Point], radius: float,
+    surface: float | None, ends: Sequence[EndOnWall], radius: float,
 ) -> Iterator[Crossing]:  # fmt: skip
     """The edges from side to side of a band of a wall, but for its ends: straight ones, and on the
     first of some wider bands round ones, of `radius` mm along the bar or as steep at most.
 
-    Of an end `ends` has x at y 0, and how much more at y 1. The inner surface of a flange lies at y
-    `surface` of a web: it meets a round edge there, or in its own thickness where that goes back.
+    The inner surface of a flange lies at y `surface` of a web: it meets a round edge there, or in
+    its own thickness where that goes back.
     """
     from shapely import LineString, box
 
     for edge in _across(shape, band):
         (xa, ya), (xb, yb) = edge.coords[0], edge.coords[-1]
         more = (xb - xa) / (yb - ya)
-        at = xa - more * ya
         if _is_straight(edge) and not _is_end(edge, ends) and abs(more) <= STEEPEST:
-            yield Crossing(at, more, (xa, xb), _side(shape, edge))
+            line = EndOnWall(_side(shape, edge), xa - more * ya, more, 0.0)
+            yield Crossing(line, (xa, xb))
     known: list[Any] = []
     for edge in (edge for one in wider for edge in _across(shape, one)):
         least, _, most, _ = edge.bounds
@@ -94,7 +95,7 @@ def crossings_of(
             flange = sorted((surface, FAR if surface > (ys[0] + ys[-1]) / 2 else -FAR))
             least, _, most, _ = edge.intersection(box(-FAR, flange[0], FAR, flange[1])).bounds
             least, most = (least, there) if side > 0 else (there, most)
-        yield Crossing(0.0, 0.0, (least, most), side, edge)
+        yield Crossing(EndOnWall(side, 0.0, 0.0, 0.0), (least, most), edge)
 
 
 def _across(shape: Shape, band: tuple[float, float]) -> Iterator[Any]:
@@ -120,11 +121,10 @@ def _is_straight(edge: Any) -> bool:
     return bool(edge.hausdorff_distance(chord) <= ON_PLANE / 2)
 
 
-def _is_end(edge: Any, ends: Sequence[Point]) -> bool:
+def _is_end(edge: Any, ends: Sequence[EndOnWall]) -> bool:
     """Whether an edge lies on an end, by its middle."""
     (xa, ya), (xb, yb) = edge.coords[0], edge.coords[-1]
-    x, y = (xa + xb) / 2, (ya + yb) / 2
-    return any(abs(x - there - rise * y) <= ON_PLANE for there, rise in ends)
+    return any(abs((xa + xb) / 2 - end.x((ya + yb) / 2)) <= ON_PLANE for end in ends)
 
 
 def _side(shape: Shape, edge: Any) -> int:
@@ -136,16 +136,17 @@ def _side(shape: Shape, edge: Any) -> int:
 
 
 def with_square_roots(
-    wanted: dict[tuple[str, float], RequiredWall], ends: Mapping[str, Sequence[Point]],
+    required: dict[tuple[str, float], RequiredWall], ends: Mapping[str, Sequence[EndOnWall]],
     section: CoperSection, strokes: Sequence[TorchStroke], widest: float, radius: float,
 ) -> dict[str, float]:  # fmt: skip
-    """Puts what stays where a cut is not square at a root into `wanted`, on all surfaces that it
+    """Puts what stays where a cut is not square at a root into `required`, on all surfaces that it
     has; gives the mm that are too much, by face. `widest` is the widest kerf, `radius` that of a
     corner that is drawn sharp."""
     off: dict[str, float] = {}
-    cut = {face: wanted[face, 0.0].cut for face in section.faces}
+    cut = {face: required[face, 0.0].cut for face in section.faces}
     for face in section.faces[1:]:
-        deep = _depth(face, section, strokes)
+        passes = through_root(face, section, strokes)
+        deep = max((one.row.up_to for one in passes if not one.b_deg), default=0.0)
         if not deep:
             continue
         back, front = section.root(face)
@@ -159,45 +160,20 @@ def with_square_roots(
         across = zs[0] + 2 * ON_PLANE, zs[1] - 2 * ON_PLANE
         beside = max(zs[0], ON_PLANE), min(zs[1], section.wide - ON_PLANE)
         at = inner[1] if face == "o" else inner[0]
-        for web in [*crossings_of(cut["v"], inner, wider, at, ends["v"], radius)]:
-            for flange in [*crossings_of(cut[face], across, [beside], None, ends[face], radius)]:
-                if not _meet(web, flange):
-                    continue
-                x = web.side * max(web.side * at for at in (*web.over(ys), *flange.over(zs)))
-                for one, edge, band in (("v", web, ys), (face, flange, zs)):
-                    far = [abs(x - at) for at in edge.over(band)]
-                    off[one] = max(off.get(one, 0.0), *far)
-                    _add(wanted, one, edge, band, x, widest)
+        on_web = [*crossings_of(cut["v"], inner, wider, at, ends["v"], radius)]
+        on_flange = [*crossings_of(cut[face], across, [beside], None, ends[face], radius)]
+        for web, flange in product(on_web, on_flange):
+            # Both are one cut, of which either is not square at its root.
+            apart = max(min(web.xs) - max(flange.xs), min(flange.xs) - max(web.xs))
+            slanted = max(abs(xa - xb) for xa, xb in (web.xs, flange.xs)) > SQUARE
+            is_square = not slanted and web.round is None and flange.round is None
+            if is_square or web.side != flange.side or apart > APART:
+                continue
+            x = web.side * max(web.side * at for at in (*web.over(ys), *flange.over(zs)))
+            for one, edge, band in (("v", web, ys), (face, flange, zs)):
+                off[one] = max(off.get(one, 0.0), *(abs(x - at) for at in edge.over(band)))
+                step = edge.step(required[one, 0.0].drawn, band, x)
+                for key, wall in [*required.items()]:
+                    if key[0] == one:
+                        required[key] = wall.grown(step, edge.corners(band), widest)
     return off
-
-
-def _meet(web: Crossing, flange: Crossing) -> bool:
-    """Whether both are one cut, of which either is not square at its root."""
-    apart = max(min(web.xs) - max(flange.xs), min(flange.xs) - max(web.xs))
-    slanted = max(abs(xa - xb) for xa, xb in (web.xs, flange.xs)) > SQUARE
-    is_round = web.round is not None or flange.round is not None
-    return (slanted or is_round) and web.side == flange.side and apart <= APART
-
-
-def _add(
-    wanted: dict[tuple[str, float], RequiredWall], face: str, edge: Crossing,
-    band: tuple[float, float], x: float, widest: float,
-) -> None:  # fmt: skip
-    """Adds a step of a wall on all surfaces that it has."""
-    step = edge.step(wanted[face, 0.0].drawn, band, x)
-    for key, one in [*wanted.items()]:
-        if key[0] == face:
-            cut = one.cut.union(step)
-            most = with_round_corners(one.most.union(cut), edge.corners(band), widest / 2)
-            wanted[key] = RequiredWall(areas_of(one.drawn.union(step)), cut, one.short, most)
-
-
-def _depth(face: str, section: CoperSection, strokes: Sequence[TorchStroke]) -> float:
-    """How deep the passes through a root cut, square to the flange; 0 without one."""
-    back, front = section.root(face)
-    deep = 0.0
-    for stroke in strokes:
-        ys = [y for _, y in stroke.points]
-        if stroke.face == face and not stroke.b_deg and min(ys) <= back and max(ys) >= front:
-            deep = max(deep, stroke.row.up_to)
-    return deep

@@ -8,7 +8,8 @@ from typing import Any
 from msgspec import Struct
 
 from beamcam.checks.coping import rules
-from beamcam.checks.coping.section import ARC, jet_of, kerf_of, narrowed
+from beamcam.checks.coping.chart import CoperJob
+from beamcam.checks.coping.section import ARC, CoperSection, jet_of, kerf_of, narrowed
 from beamcam.controllers import cell_events
 from beamcam.controllers.events import (
     BarEvent,
@@ -21,7 +22,7 @@ from beamcam.controllers.events import (
     Switch,
 )
 from beamcam.errors import Diagnostic, Source, add_few
-from beamcam.machine.coper import Coper
+from beamcam.geometry.plane import Point
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import TorchRow
 
@@ -45,15 +46,15 @@ class TorchStroke(Struct, frozen=True):
     line: int
     face: str
     #: x of the part and y of the face, where the torch points at
-    points: tuple[tuple[float, float], ...]
-    places: tuple[tuple[float, float], ...]  #: Y and Z of the tip
+    points: tuple[Point, ...]
+    places: tuple[Point, ...]  #: Y and Z of the tip
     row: TorchRow
     b_deg: float = 0.0  #: tilt of the torch towards X, where it starts
     #: how far the head is over along x and y of the face, by mm of height, at each of `points`;
     #: empty where the torch looks square at the face but for a tilt that stands still
-    leans: tuple[tuple[float, float], ...] = ()
+    leans: tuple[Point, ...] = ()
 
-    def at(self, depth: float) -> tuple[tuple[float, float], ...]:
+    def at(self, depth: float) -> tuple[Point, ...]:
         """Where it goes through a plane so far below the face."""
         if self.leans:
             return tuple(
@@ -66,6 +67,12 @@ class TorchStroke(Struct, frozen=True):
     @property
     def is_tilted(self) -> bool:
         return bool(self.b_deg or self.leans)
+
+    @property
+    def across(self) -> tuple[float, float]:
+        """Its least and its greatest y."""
+        ys = [y for _, y in self.points]
+        return min(ys), max(ys)
 
     @property
     def share(self) -> float:
@@ -98,24 +105,26 @@ class TorchStroke(Struct, frozen=True):
 
     def pierced(self, depth: float) -> Any:
         """What piercing takes there."""
-        from shapely import Point, Polygon
+        from shapely import Point as Place
+        from shapely import Polygon
 
         (x, y), radius = self.at(depth)[0], self.row.pierce_radius
         if self.leans:
-            return Polygon([(x + dx, y + dy) for dx, dy in ellipse(radius, self.leans[0])])
+            turns = (2 * pi * k / (4 * ARC) for k in range(4 * ARC))
+            round_it = ((radius * cos(t), radius * sin(t)) for t in turns)
+            oval = (stretched(place, self.leans[0], True) for place in round_it)
+            return Polygon([(x + dx, y + dy) for dx, dy in oval])
         share = self.share
-        return narrowed(Point(x * share, y).buffer(radius, ARC), 1.0 / share)
+        return narrowed(Place(x * share, y).buffer(radius, ARC), 1.0 / share)
 
 
-def stretched(
-    place: tuple[float, float], lean: tuple[float, float], longer: bool
-) -> tuple[float, float]:
+def stretched(place: Point, lean: Point, longer: bool) -> Point:
     """A place as long along a lean as a surface cuts a round jet that leans so; or back again."""
     (x, y), (xx, xy, yx, yy) = place, _stretch(lean, longer)
     return x * xx + y * xy, x * yx + y * yy
 
 
-def _stretch(lean: tuple[float, float], longer: bool) -> tuple[float, float, float, float]:
+def _stretch(lean: Point, longer: bool) -> tuple[float, float, float, float]:
     """The matrix of `stretched`, row by row."""
     lx, ly = lean
     long = hypot(1.0, lx, ly)
@@ -123,10 +132,13 @@ def _stretch(lean: tuple[float, float], longer: bool) -> tuple[float, float, flo
     return 1.0 + by * lx * lx, by * lx * ly, by * lx * ly, 1.0 + by * ly * ly
 
 
-def ellipse(radius: float, lean: tuple[float, float]) -> list[tuple[float, float]]:
-    """How a surface cuts a round jet that leans so."""
-    turns = (2 * pi * k / (4 * ARC) for k in range(4 * ARC))
-    return [stretched((radius * cos(t), radius * sin(t)), lean, True) for t in turns]
+def through_root(
+    face: str, section: CoperSection, strokes: Sequence[TorchStroke]
+) -> list[TorchStroke]:
+    """The strokes on a flange that go through the whole of its root."""
+    back, front = section.root(face)
+    there = (stroke for stroke in strokes if stroke.face == face)
+    return [one for one in there if one.across[0] <= back and one.across[1] >= front]
 
 
 class TipMove(Struct, frozen=True, gc=False):
@@ -144,16 +156,13 @@ class TorchFollower(ABC):
 
     turning = False  #: whether A may turn with the torch on, which is upright then
 
-    def __init__(self, machine: Machine, coper: Coper, rows: Sequence[TorchRow], name: str) -> None:
+    def __init__(self, job: CoperJob) -> None:
         self.diagnostics: list[Diagnostic] = []
         self.strokes: list[TorchStroke] = []
         self.ways: list[TipMove] = []
-        self._machine, self._coper = machine, coper
-        self._rows, self._name = rows, name
-        self._on_words, self._off_words = (
-            _switches(machine, "cut_on"),
-            _switches(machine, "cut_off"),
-        )
+        machine, coper = job.machine, job.coper
+        self._job, self._coper = job, coper
+        self._on_words, self._off_words = (_switches(machine, w) for w in ("cut_on", "cut_off"))
         self._on_at: int | None = None  #: line of the word that started it
         self._waited = 0.0
         self._moves: list[Move[Place]] = []  #: since it was started
@@ -163,7 +172,12 @@ class TorchFollower(ABC):
                          for axis in machine.axes if axis.moves in "XYZAB"]  # fmt: skip
         self._a_deg: float | None = None
         self._tilts = coper.tilt > 0.0
-        self._measuring = {name: _carriers(machine, name) for name in ("height", "width")}
+        #: the M words that say a measured height or width, each by its number and its letters
+        self._measuring = {
+            name: [(number, *(letter for letter, _ in said))
+                   for number, said in _switches(machine, f"measured_{name}")]
+            for name in ("height", "width")
+        }  # fmt: skip
         self._measured: dict[str, list[float]] = {name: [] for name in self._measuring}
 
     def follow(self, events: Sequence[BarEvent]) -> None:
@@ -193,11 +207,11 @@ class TorchFollower(ABC):
             if self._measuring[name] and len(figures) != 1:
                 found = f"{len(figures)} figures of the bar's {name}"
                 expected = "one, by the words of the machine file"
-                self._say(rules.MEASURED.at(Source(self._name), found=found, expected=expected))
+                self._say(rules.MEASURED.at(self._job.at(), found=found, expected=expected))
             for figure in figures:
                 if abs(figure - size) > self._coper.rolled:
                     self._say(rules.MEASURED.at(
-                        Source(self._name), found=f"a {name} of {figure:g} mm",
+                        self._job.at(), found=f"a {name} of {figure:g} mm",
                         expected=f"{size:g} mm, {self._coper.rolled:g} mm more or less",
                     ))  # fmt: skip
 
@@ -207,7 +221,7 @@ class TorchFollower(ABC):
         """The height and the width of the bar by its section."""
 
     def _wrong(self, line: int, found: str, expected: str) -> None:
-        self._say(rules.TORCH.at(Source(self._name, line), found=found, expected=expected))
+        self._say(rules.TORCH.at(self._job.at(line), found=found, expected=expected))
 
     def _say(self, diagnostic: Diagnostic) -> None:
         add_few(self.diagnostics, diagnostic)
@@ -262,12 +276,10 @@ class TorchFollower(ABC):
             return
         may_turn = self.turning or (self._tilts and move.minutes > 0.0)
         if is_on and not may_turn and a_before != a_deg:
-            self._say(rules.ANGLE.at(Source(self._name, move.line), found=f"{a_deg:g}, turning"))
+            self._say(rules.ANGLE.at(self._job.at(move.line), found=f"{a_deg:g}, turning"))
         if is_on and not may_turn and tilts[0] != tilts[1]:
-            found = f"{tilts[1]:g}, turning"
-            self._say(rules.TILT.at(
-                Source(self._name, move.line), found=found, expected=f"{self._coper.tilt:g}"
-            ))  # fmt: skip
+            found, expected = f"{tilts[1]:g}, turning", f"{self._coper.tilt:g}"
+            self._say(rules.TILT.at(self._job.at(move.line), found=found, expected=expected))
         if self._is_placed and isfinite(sum(move.start) + a_before + tilts[0]):
             self.ways.append(TipMove(move.line, move.start, move.end, move.a_deg, tilts))
         if is_on:
@@ -288,7 +300,7 @@ class TorchFollower(ABC):
             found = figures[place]
             if not least <= found <= most and isfinite(found):
                 self._say(rules.LIMIT.at(
-                    Source(self._name, move.line), axis=axis, found=f"{found:g}",
+                    self._job.at(move.line), axis=axis, found=f"{found:g}",
                     least=f"{least:g}", most=f"{most:g}",
                 ))  # fmt: skip
 
@@ -338,12 +350,6 @@ def _switches(machine: Machine, word: str) -> frozenset[Said]:
     text = "\n".join(line.format_map(_Filled(_FIGURES)) for line in getattr(machine.words, word))
     events, _ = cell_events(text + "\n", machine, "")
     return frozenset(event.said for event in events if isinstance(event, Switch))
-
-
-def _carriers(machine: Machine, name: str) -> list[tuple[int | str, ...]]:
-    """The M words that say a measured height or width, each by its number and its letter."""
-    words = _switches(machine, f"measured_{name}")
-    return [(number, *(letter for letter, _ in said)) for number, said in words]
 
 
 class _Filled(dict[str, str]):

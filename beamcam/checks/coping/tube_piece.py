@@ -8,18 +8,20 @@ on beyond it: from where its sides meet the end straight on, and along the tube 
 """
 
 from collections.abc import Callable, Sequence
-from math import cos, hypot, radians, sin, tan
+from itertools import pairwise
+from math import cos, hypot, sin
 from typing import Any
 
 from msgspec import Struct
 
 from beamcam.checks.coping.section import TubeSection, line_of, pieces_of
-from beamcam.checks.coping.stock import DRAWN, FINE, inside_of
-from beamcam.checks.coping.tube_planes import SQUARE_DEG, planes_of
+from beamcam.checks.coping.skew import DRAWN
+from beamcam.checks.coping.stock import FINE, inside_of
+from beamcam.checks.coping.tube_planes import End, header_planes, planes_of
 from beamcam.geometry.plane import Point
 from beamcam.machine.coper import Coper
 from beamcam.machine.torch import TorchRow
-from beamcam.model.part import Contour, EndPlane, Feature, Hole, Part, Slot
+from beamcam.model.part import Contour, EndPlane, Feature, Part
 
 Shape = Any  #: of shapely
 Xs = Callable[[float], tuple[float, ...]]  #: x of an end at a place across, on each surface
@@ -64,15 +66,6 @@ def is_end(feature: Feature) -> bool:
     )
 
 
-def goes_through(feature: Feature) -> bool:
-    """Whether what is made goes through the wall, or ends it."""
-    if isinstance(feature, Hole | Slot):
-        return feature.kind != "mark" and feature.depth is None
-    return is_end(feature) or (
-        isinstance(feature, Contour) and feature.kind == "inner" and feature.process == "cut"
-    )
-
-
 class FaceEnds(Struct, frozen=True):
     """The ends of a face that are there, or of a round tube all round."""
 
@@ -108,7 +101,15 @@ def with_air(ring: Sequence[Point], ends: FaceEnds | None) -> Shape:
         return shape
     count, more = len(ring), []
     for side, xs, air in ends.sides:
-        on = [_is_on(ring[k], ring[(k + 1) % count], xs) for k in range(count)]
+        # A side of a ring may lie on an end at either surface of the wall.
+        on = [
+            any(
+                max(abs(xa - at_a), abs(xb - at_b)) <= DRAWN
+                and abs((xb - at_b) - (xa - at_a)) <= PARALLEL * abs(yb - ya)
+                for at_a, at_b in zip(xs(ya), xs(yb), strict=True)
+            )
+            for (xa, ya), (xb, yb) in pairwise((*ring, ring[0]))
+        ]
         for k in range(count):
             if not on[k] or on[k - 1]:
                 continue
@@ -122,27 +123,18 @@ def with_air(ring: Sequence[Point], ends: FaceEnds | None) -> Shape:
     return union_all([shape, *more]) if more else shape
 
 
-def _is_on(a: Point, b: Point, xs: Xs) -> bool:
-    """Whether a side lies on an end, where it may be drawn on either surface of the wall."""
-    return any(
-        max(abs(a[0] - at_a), abs(b[0] - at_b)) <= DRAWN
-        and abs((b[0] - at_b) - (a[0] - at_a)) <= PARALLEL * abs(b[1] - a[1])
-        for at_a, at_b in zip(xs(a[1]), xs(b[1]), strict=True)
-    )
-
-
-def _straight_on(before: Point, last: Point, side: int, xs: Xs) -> Point:
+def _straight_on(first: Point, last: Point, side: int, xs: Xs) -> Point:
     """Where a side that ends at `last` leaves the steel, as it goes straight on."""
-    dx, dy = last[0] - before[0], last[1] - before[1]
+    dx, dy = last[0] - first[0], last[1] - first[1]
 
-    def lacks(place: Point) -> float:
+    def before(place: Point) -> float:
         return max(side * x for x in xs(place[1])) - side * place[0]
 
-    if lacks(last) <= SAME or side * dx <= PARALLEL * abs(dy):
+    if before(last) <= SAME or side * dx <= PARALLEL * abs(dy):
         return last
     place, long = last, hypot(dx, dy)
     for _ in range(8):
-        by = lacks(place) * long / abs(dx)
+        by = before(place) * long / abs(dx)
         place = place[0] + by * dx / long, place[1] + by * dy / long
     return place
 
@@ -178,20 +170,13 @@ def ends_of_shape(shape: Shape, low: float, high: float) -> tuple[Xs, Xs]:
 
 def round_ends(part: Part, bare: Shape, section: TubeSection) -> tuple[dict[str, FaceEnds], float]:
     """Where a round piece ends, all round, and how far apart both surfaces of its wall end."""
-    cuts, radius = part.cuts, part.profile.height / 2
+    radius, planes = section.radius, [*header_planes(part, section), *planes_of(part, (), section)]
     farthest, rows, apart = ends_of_shape(bare, 0.0, section.turn), [], 0.0
-    for k, side, degs in (
-        (0, -1, (cuts.web_start, cuts.flange_start)), (1, 1, (cuts.web_end, cuts.flange_end))
-    ):  # fmt: skip
-        rise, lean = (tan(radians(a)) if abs(a) > SQUARE_DEG else 0.0 for a in degs)
-        middle = (part.length if side > 0 else 0.0) - side * radius * hypot(rise, lean)
-        ends = [(middle, rise, lean)] if rise or lean else []
-        ends += [end for at, end in planes_of(part, (), section) if at == side]
+    for k, side in enumerate((-1, 1)):
+        ends = [end for at, end in planes if at == side]
         apart = max(apart, *(section.wall * hypot(*end[1:]) for end in ends), 0.0)
 
-        def xs(
-            u: float, k: int = k, ends: Sequence[tuple[float, float, float]] = tuple(ends)
-        ) -> tuple[float, ...]:
+        def xs(u: float, k: int = k, ends: Sequence[End] = tuple(ends)) -> tuple[float, ...]:
             y, z = -radius * cos(u / radius), radius * sin(u / radius)
             return (*farthest[k](u), *(x - by_y * y - by_z * z for x, by_y, by_z in ends))
 

@@ -4,7 +4,7 @@ A torch square to the surface cuts where the wall reaches farthest, at its outsi
 """
 
 from collections.abc import Collection, Iterator
-from math import atan, cos, degrees, hypot, pi, radians, sin, tan
+from math import atan, degrees, hypot, pi, radians, tan
 from typing import Any
 
 from beamcam.checks.coping.section import TubeSection
@@ -17,7 +17,6 @@ PLACES = 240  #: of a plane across a corner, or a quarter of a round tube
 SAME_DEG = 0.2  #: by which a plane and the header may differ and mean the same end
 FAR = 1e5
 SAME = 1e-6  #: mm
-END_STEPS = 1440  #: of a skew end of a round tube
 SQUARE_DEG = 0.2  #: of an end; less is noise
 
 
@@ -83,38 +82,21 @@ def kept(shape: Shape, side: int, end: End, section: TubeSection) -> Shape:
     ss = [section.corner(k) + section.radius * turns for k in range(4)]
     x = np.tile(np.concatenate(xs), 5)
     s = np.concatenate([one + k * section.turn for k in range(-2, 3) for one in ss])
-    apart = (
-        np.diff(s, prepend=-np.inf) > SAME
-    )  # of a round tube one corner ends where another begins
+    # Of a round tube one corner ends where another begins.
+    apart, away = np.diff(s, prepend=-np.inf) > SAME, -side * FAR
     x, s = x[apart], s[apart]
-    away = -side * FAR
-    return shape.intersection(
-        Polygon([(away, s[0]), *zip(x, s, strict=True), (away, s[-1])]).buffer(0)
-    )
+    behind = Polygon([(away, s[0]), *zip(x, s, strict=True), (away, s[-1])])
+    return shape.intersection(behind.buffer(0))
 
 
-def between_planes(part: Part) -> Shape:
-    """A tube without an outline on one turn, its ends where their planes meet the wall farthest."""
-    from shapely import Polygon
-
-    radius = part.profile.height / 2
-    inner = radius - max(part.profile.flange_thickness, part.profile.web_thickness or 0.0)
-    steps = [2 * pi * k / END_STEPS for k in range(END_STEPS + 1)]
-    ends = []
-    for side, web, flange in (
-        (-1, part.cuts.web_start, part.cuts.flange_start),
-        (1, part.cuts.web_end, part.cuts.flange_end),
+def header_planes(part: Part, section: TubeSection) -> Iterator[tuple[int, End]]:
+    """The skew ends of a round tube by its header, as `planes_of`: they touch x 0 or the length at
+    its outside."""
+    cuts = part.cuts
+    for side, x, web, flange in (
+        (-1, 0.0, cuts.web_start, cuts.flange_start),
+        (1, part.length, cuts.web_end, cuts.flange_end),
     ):
         rise, lean = (tan(radians(a)) if abs(a) > SQUARE_DEG else 0.0 for a in (web, flange))
-        # The plane touches x 0 or the length at the outside; Y is -cos, Z sin of the way round.
-        if not (rise or lean):
-            x = part.length if side > 0 else 0.0
-            ends.append([(x, 0.0), (x, 2 * pi * radius)])
-            continue
-        middle = (part.length if side > 0 else 0.0) - side * radius * hypot(rise, lean)
-        xs = [[r * (rise * cos(t) - lean * sin(t)) for r in (radius, inner)] for t in steps]
-        ends.append([
-            (middle + (max(pair) if side > 0 else min(pair)), radius * t)
-            for pair, t in zip(xs, steps, strict=True)
-        ])  # fmt: skip
-    return Polygon([*ends[0], *reversed(ends[1])])
+        if rise or lean:
+            yield side, (x - side * section.radius * hypot(rise, lean), rise, lean)

@@ -8,18 +8,10 @@ from typing import Any
 
 from msgspec import Struct
 
+from beamcam.checks.coping.chart import CoperJob
 from beamcam.checks.coping.section import CoperSection, areas_of, pieces_of
-from beamcam.checks.coping.skew import EndOnWall
-from beamcam.checks.coping.stock import (
-    DRAWN,
-    FINE,
-    WallStock,
-    inside_of,
-    outline_ring,
-    ring_of,
-    round_ring,
-    slot_ring,
-)
+from beamcam.checks.coping.skew import DRAWN, EndOnWall
+from beamcam.checks.coping.stock import FINE, WallStock, inside_of, outline_ring, taken
 from beamcam.checks.job import is_manual_work
 from beamcam.geometry.curves import Curve
 from beamcam.geometry.plane import Point
@@ -55,21 +47,28 @@ class RequiredWall(Struct, frozen=True):
         """What may stay at most."""
         return self.cut if self.steps is None else self.steps
 
+    def grown(self, more: Shape, corners: list[Point], widest: float) -> "RequiredWall":
+        """With steel that ends in such corners, which a jet of the widest kerf leaves round."""
+        most, half = self.most.union(more), widest / 2
+        most = _joined(most, _at_corners(left_at(most, corners, half), corners, half))
+        drawn = areas_of(self.drawn.union(more))
+        return RequiredWall(drawn, self.cut.union(more), self.short, most)
 
-def wanted_on(
-    part: Part, face: str, section: CoperSection, coper: Coper, left: Collection[int],
-    stock: WallStock, ends: Sequence[EndOnWall] = (),
+
+def required_on(
+    job: CoperJob, face: str, section: CoperSection, left: Collection[int], stock: WallStock,
+    ends: Sequence[EndOnWall] = (),
 ) -> RequiredWall:  # fmt: skip
     """What has to stay of a wall; `left` are features that are not made, `ends` skew ends."""
     from shapely import Point as Place
     from shapely import Polygon, box, get_coordinates, union_all
 
-    wide = section.high if face == "v" else section.wide
+    part, wide = job.part, section.high if face == "v" else section.wide
     features = [
-        f for k, f in enumerate(part.features)
-        if k not in left and (getattr(f, "face", "") == face or (face, getattr(f, "face", "")) ==
-                              ("v", "h"))
-    ]  # fmt: skip
+        f
+        for k, f in enumerate(part.features)
+        if k not in left and getattr(f, "face", "").replace("h", "v") == face
+    ]
     outlines = [f for f in features if isinstance(f, Contour) and f.kind == "outer"]
     whole, short = stock.wall(face), 0.0
     # A plane through a round edge of the section ends a wall beyond that edge.
@@ -77,7 +76,7 @@ def wanted_on(
     first, last = (-FAR if -1 in sides else 0.0), (FAR if 1 in sides else part.length)
     drawn: Shape = whole if stock.is_piece else box(first, 0.0, last, wide)
     if outlines:
-        at_end = partial(_at_ends, ends) if ends else partial(stock.at_end, face)
+        at_end = partial(_at_ends, ends or (stock.ends[face] if stock.is_piece else ()))
         rings = [outline_ring(one.curves, (0.0, wide), at_end) for one in outlines]
         drawn = union_all([inside_of(ring) for ring in rings])
         drawn = drawn.intersection(box(-1e6, 0.0, 1e6, wide))
@@ -95,16 +94,9 @@ def wanted_on(
     corners = [p for one in outlines for p in corners_of(one.curves, drawn)]
     bored = list[Shape]()  #: which have no corners, and take those that lie in them
     for feature in features:
-        if isinstance(feature, Hole):
-            ring = list(round_ring(feature.x, feature.y, feature.diameter / 2))
-        elif isinstance(feature, Slot):
-            ring = list(slot_ring(feature))
-        elif isinstance(feature, Contour) and feature.kind != "outer":
-            ring = ring_of(feature.curves)
-        else:
+        if isinstance(feature, Contour) and feature.kind == "outer":
             continue
-        gone = inside_of(ring)
-        gone = gone.convex_hull if isinstance(feature, Slot) else gone
+        gone = taken(feature)
         drawn = drawn.difference(gone)
         if isinstance(feature, Contour):
             corners += corners_of(feature.curves, drawn)
@@ -117,7 +109,7 @@ def wanted_on(
         (x, y) for x, y in corners
         if near[0] <= y <= near[1] and not holes.dwithin(Place(x, y), FINE)
     ]  # fmt: skip
-    cut = with_corners_cut(drawn, corners, coper.corner_radius)
+    cut = with_corners_cut(drawn, corners, job.coper.corner_radius)
     if corners and bored:
         cut = areas_of(cut.difference(holes))
     return RequiredWall(drawn, cut, short if short > DRAWN else 0.0)
@@ -229,11 +221,6 @@ def left_at(drawn: Shape, corners: list[Point], radius: float) -> list[Shape]:
     ]
 
 
-def with_round_corners(drawn: Shape, corners: list[Point], radius: float) -> Shape:
-    """A region and the steel that a disc of a radius, rolled through the air, leaves at corners."""
-    return _joined(drawn, _at_corners(left_at(drawn, corners, radius), corners, radius))
-
-
 def _at_corners(left: Sequence[Shape], corners: list[Point], radius: float) -> list[Shape]:
     """What of the pieces that a disc leaves is at corners.
 
@@ -270,7 +257,7 @@ def corners_of(curves: tuple[Curve, ...], steel: Shape) -> list[Point]:
     long = [curve for curve in curves if curve.length > FINE]
     points: list[Point] = []
     for k, after in enumerate(long):
-        (ax, ay), (bx, by) = _way(long[k - 1], 1.0), _way(after, 0.0)
+        (ax, ay), (bx, by) = long[k - 1].tangent(1.0), after.tangent(0.0)
         cross, dot = ax * by - ay * bx, ax * bx + ay * by
         if dot > 0.0 and degrees(abs(cross) / hypot(ax, ay) / hypot(bx, by)) <= CORNER_DEG:
             continue
@@ -281,22 +268,13 @@ def corners_of(curves: tuple[Curve, ...], steel: Shape) -> list[Point]:
     return points
 
 
-def _way(curve: Curve, t: float) -> Point:
-    a, b = (curve.point(t), curve.point(t + 1e-4)) if t == 0.0 else (
-        curve.point(t - 1e-4), curve.point(t))  # fmt: skip
-    return b[0] - a[0], b[1] - a[1]
-
-
 def may_be_left(part: Part, machine: Machine, coper: Coper, skips: Collection[str]) -> set[int]:
     """Features that the torch cannot make and that are allowed to be missing."""
-    found: set[int] = set()
-    for index, feature in enumerate(part.features):
-        if is_manual_work(feature, machine):
-            continue
-        kind = _kind(feature, part, coper)
-        if kind and kind in skips:
-            found.add(index)
-    return found
+    kinds = {
+        k: _kind(feature, part, coper) for k, feature in enumerate(part.features)
+        if not is_manual_work(feature, machine)
+    }  # fmt: skip
+    return {k for k, kind in kinds.items() if kind and kind in skips}
 
 
 def _kind(feature: object, part: Part, coper: Coper) -> str:
