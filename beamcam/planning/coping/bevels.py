@@ -32,7 +32,7 @@ from beamcam.model.part import Bevel, Contour, Face, Part
 from beamcam.model.plan import CopeCut
 from beamcam.planning.coping import rules
 from beamcam.planning.coping.chart import Chart
-from beamcam.planning.coping.cuts import CutChain, led
+from beamcam.planning.coping.cuts import CutChain, Leads
 from beamcam.planning.coping.edges import BevelEdge, bevel_edges
 from beamcam.planning.coping.ends import own_bevels
 from beamcam.planning.coping.passes import NoPass, Passes
@@ -133,10 +133,10 @@ def _replace(
     for chain in _beside(edge, square[cut], cut.row.kerf / 2, wall):
         if cut.thickness > wall.thickness and not is_rooted(chain, wall):
             raise NoPass("the square cut beside it would be cut as its root is")
-        way = led(chain, wall, region.shape, cut.row, coper)
-        if way is None:
+        path = Leads(region, cut.row, coper).path(chain)
+        if path is None:
             raise NoPass("the square cut beside it has no scrap to be pierced in")
-        found[replace(cut, path=way.path, lead=way.lead)] = chain
+        found[replace(cut, path=path)] = chain
     del square[cut]
     square |= found
 

@@ -16,7 +16,7 @@ from beamcam.geometry.curves import Arc, Curve, Line, Point, signed_area
 from beamcam.geometry.plane import unit_vector
 from beamcam.geometry.polylines import polylines
 from beamcam.machine.coper import Coper
-from beamcam.model.part import Contour, Face, Hole, Part, Slot
+from beamcam.model.part import Contour, Face, Feature, Hole, Part, Slot
 from beamcam.planning.coping import rules
 from beamcam.planning.coping.chart import Chart
 from beamcam.planning.coping.walls import EndLine, PlannedWall
@@ -385,12 +385,12 @@ def open_on(face: Face, part: Part) -> Shape:
     """The holes, slots and cut-outs of a wall that another machine has made."""
     from shapely import union_all
 
-    made = replace(part, features=part.made or ())
-    own = [made.features[k] for k in features_on(made, range(len(made.features))).get(face, [])]
-    return union_all(
-        [
-            shape_of(curves_of(one)) for one in own
-            if (isinstance(one, Hole | Slot) and one.kind != "mark" and one.depth is None)
-            or (isinstance(one, Contour) and one.kind == "inner" and one.process == "cut")
-        ]
-    )  # fmt: skip
+    own = [f for f in part.made or () if getattr(f, "face", "").replace("h", "v") == face]
+    return union_all([shape_of(curves_of(f)) for f in own if isinstance(f, Cut) and is_through(f)])
+
+
+def is_through(feature: Feature) -> bool:
+    """Whether what another machine has made goes through its wall, but for its ends."""
+    if isinstance(feature, Hole | Slot):
+        return feature.kind != "mark" and feature.depth is None
+    return isinstance(feature, Contour) and feature.kind == "inner" and feature.process == "cut"

@@ -21,21 +21,21 @@ from beamcam.geometry.array_types import Floats
 from beamcam.geometry.curves import Point
 from beamcam.machine.coper import Coper
 from beamcam.machine.torch import TorchRow
-from beamcam.model.part import Contour, EndCuts, EndPlane, Feature, Hole, Part, Slot
+from beamcam.model.part import Contour, EndCuts, EndPlane, Feature, Part
 from beamcam.planning.coping import rules
 from beamcam.planning.coping.cuts import (
-    CHORDS,
     LEADS,
     MITRE,
     OF_PIECE,
     ROUND,
     SHARE_OVER,
-    SLACK,
     CutChain,
-    LeadPath,
+    Path,
+    gone_on,
+    is_clear,
     rings_of,
 )
-from beamcam.planning.coping.regions import ALONG, OUTLINE_NOISE, Shape
+from beamcam.planning.coping.regions import ALONG, OUTLINE_NOISE, Shape, is_through
 
 BEYOND = 100.0  #: mm that an outline goes on beyond an end that is there
 LEAST_RUN = 3.0  #: mm of an end that a border lies on, at least; what is shorter is a curve
@@ -75,14 +75,13 @@ def opened(shape: Shape, ends: Sequence[EndLine]) -> Shape:
 
     if shape.is_empty or not ends:
         return shape
-    polygons = [one for one in getattr(shape, "geoms", (shape,)) if one.geom_type == "Polygon"]
-    found = []
-    for one in polygons:
-        outer, *holes = (
-            _opened(np.array(ring.coords)[:-1], ends) for ring in (one.exterior, *one.interiors)
-        )
-        found.append(make_valid(Polygon(outer, holes)))
-    return union_all(found)
+    longer = []
+    for one in getattr(shape, "geoms", (shape,)):
+        if one.geom_type == "Polygon":
+            rings = (np.array(ring.coords)[:-1] for ring in (one.exterior, *one.interiors))
+            outer, *holes = (_opened(ring, ends) for ring in rings)
+            longer.append(make_valid(Polygon(outer, holes)))
+    return union_all(longer)
 
 
 def _opened(ring: Floats, ends: Sequence[EndLine]) -> list[Point]:
@@ -167,12 +166,9 @@ def _is_end(feature: Feature) -> bool:
 def holes_there(part: Part) -> tuple[Part, Sequence[int]]:
     """A tube with what is made of it as its features, and which of them go through its wall."""
     made = part.made or ()
-    through = [
-        k for k, f in enumerate(made)
-        if _is_end(f) or (isinstance(f, Hole | Slot) and f.kind != "mark" and f.depth is None)
-        or (isinstance(f, Contour) and f.kind == "inner" and f.process == "cut")
-    ]  # fmt: skip
-    return replace(part, features=made), through
+    return replace(part, features=made), [
+        k for k, f in enumerate(made) if _is_end(f) or is_through(f)
+    ]
 
 
 def without_ends(part: Part) -> Part:
@@ -204,6 +200,7 @@ def open_paths(
 ) -> tuple[list[CutChain], list[Diagnostic]]:
     """The paths that begin and end beyond the ends of a piece, each once, and what is wrong with
     those that stay beside an end."""
+    from shapely import Point as Place
     from shapely import line_merge
 
     half = row.kerf / 2
@@ -230,7 +227,14 @@ def open_paths(
                     continue
                 start, end = (OF_PIECE[2 * x > low + high] for x, _ in (places[0], places[-1]))
                 chain = CutChain(tuple(places), start, end)
-                chains.append(chain if _is_left(places, region) else chain.reversed())
+                # The region lies on the left of a path round it.
+                (xa, ya), (xb, yb) = max(pairwise(places), key=lambda pair: dist(*pair))
+                long, x, y = dist((xa, ya), (xb, yb)), (xa + xb) / 2, (ya + yb) / 2
+                nx, ny = (ya - yb) / long / 2, (xb - xa) / long / 2
+                left, right = (
+                    region.distance(Place(x + side * nx, y + side * ny)) for side in (1.0, -1.0)
+                )
+                chains.append(chain if left < right else chain.reversed())
     return chains, [*dict.fromkeys(wrong)]
 
 
@@ -244,26 +248,13 @@ def _in_air(path: Shape, steel: Shape, kerf: float) -> float | None:
     return None
 
 
-def _is_left(places: Sequence[Point], region: Shape) -> bool:
-    """Whether a region lies on the left of a path round it."""
-    from shapely import Point as Place
-
-    (xa, ya), (xb, yb) = max(pairwise(places), key=lambda pair: dist(*pair))
-    x, y, nx, ny = (xa + xb) / 2, (ya + yb) / 2, (ya - yb) / 2, (xb - xa) / 2
-    long = dist((xa, ya), (xb, yb)) / 2
-    off = [region.distance(Place(x + s * nx / long, y + s * ny / long)) for s in (0.5, -0.5)]
-    return bool(off[0] < off[1])
-
-
 def led_from_air(
     chain: CutChain, region: Shape, piece: TubePiece, row: TorchRow, coper: Coper
-) -> LeadPath | None:
+) -> Path | None:
     """A path with its lead, from the end of the scrap beside it, where all of the wall is; None if
     there is no room for one."""
     from shapely import LineString
-    from shapely import Point as Place
 
-    half = row.kerf / 2
     low, _, high, _ = piece.steel.bounds
     for one in (chain, chain.reversed()):
         first, side = one.points[0], -1 if one.start == "near" else 1
@@ -274,15 +265,8 @@ def led_from_air(
                 if across.is_empty:
                     continue
                 x = across.bounds[0 if side < 0 else 2] - side * piece.slant
-                lead = LineString([(x, u), first])
-                if (
-                    lead.length <= coper.lead + piece.slant
-                    and region.distance(Place(x, u)) >= row.pierce_radius
-                    and region.distance(lead) >= CHORDS * half - SLACK
-                    and not piece.open.dwithin(lead, half)
+                if dist((x, u), first) <= coper.lead + piece.slant and is_clear(
+                    (x, u), first, region, row, piece.open
                 ):
-                    (xa, ya), (xb, yb) = one.points[-2:]
-                    longer = coper.over / (dist((xa, ya), (xb, yb)) or 1.0)
-                    beyond = xb + (xb - xa) * longer, yb + (yb - ya) * longer
-                    return LeadPath(((x, u), *one.points[:-1], beyond), 1)
+                    return gone_on(((x, u), *one.points), coper.over)
     return None
