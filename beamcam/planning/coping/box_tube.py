@@ -9,9 +9,9 @@ An end that is a plane is skew through the wall. It is cut square to the surface
 reaches farthest, so that no steel is missing; the rest is manual work.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from math import radians, tan
-from typing import Any, Literal, TypeGuard
+from typing import Any, TypeGuard
 
 import numpy as np
 from msgspec import Struct
@@ -20,9 +20,7 @@ from beamcam.errors import Diagnostic
 from beamcam.geometry.array_types import Floats
 from beamcam.geometry.curves import Point
 from beamcam.model.part import Contour, Face, Part
-from beamcam.model.section import corners
 from beamcam.model.surface import Around, SurfacePatch
-from beamcam.planning import rules as bar_rules
 from beamcam.planning.coping import rules
 from beamcam.planning.coping.box_corners import (
     MEET,
@@ -32,6 +30,7 @@ from beamcam.planning.coping.box_corners import (
     on_surface,
     to_edges,
 )
+from beamcam.planning.coping.ends import SectionEnd, plane_at
 from beamcam.planning.coping.regions import (
     CHORD,
     OUTLINE_NOISE,
@@ -45,9 +44,9 @@ from beamcam.planning.coping.regions import (
 from beamcam.planning.coping.tube_ends import (
     OVERLAP,
     SKEW_DEG,
-    Plane,
+    denied,
     header_slopes,
-    planes_of,
+    own_planes,
     within,
 )
 from beamcam.planning.coping.tube_pieces import (
@@ -88,13 +87,15 @@ def unrolled(
         face: _face(part, face, own, way.on_face(face), diagnostics, there[face] if there else None)
         for face in FACES
     }
-    diagnostics += [d for side in (-1, 1) for d in _denied(part, faces, side)]
     ends = [_end(part, faces, side) for side in (-1, 1)]
-    planes = [*filter(None, ends), *planes_of(part, features)]
+    for side, plane in zip((-1, 1), ends, strict=True):
+        if plane is None and any(slopes := header_slopes(part, side)):
+            diagnostics.append(denied(part, (side, slopes[0])))
+    planes = [*filter(None, ends), *own_planes(part, features)]
     slant = {
-        face: max((plane.slant(one.leg.patch.outward, part.profile.thickness(face))
+        face: max((part.profile.thickness(face) * abs(plane.by_y * y + plane.by_z * z)
                    for plane in planes), default=0.0)
-        for face, one in faces.items()
+        for face, one in faces.items() for y, z in (one.leg.patch.outward,)
     }  # fmt: skip
     points: list[Point] = []
     for face, one in faces.items():
@@ -201,7 +202,7 @@ def face_ends(part: Part, features: Sequence[int], way: Around) -> dict[Face, Fa
             other = 0.0 if side < 0 else part.length
             drawn = np.array([row[k] if len(row) else other for row in one.crossings(ys, False)])
             rows = [drawn, drawn] if plane is None else [*_traces(plane, part, face, ys)]
-            for own_plane in planes_of(part, features):
+            for own_plane in own_planes(part, features):
                 if own_plane.side == side:
                     traces = _traces(own_plane, part, face, ys)
                     rows = [side * np.minimum(side * a, side * b)
@@ -215,33 +216,23 @@ def face_ends(part: Part, features: Sequence[int], way: Around) -> dict[Face, Fa
     return found
 
 
-def _lines(faces: Mapping[Face, BoxFace], side: int) -> dict[Face, tuple[Floats, Floats]]:
-    """y and x along the end of each face that is drawn."""
-    lines: dict[Face, tuple[Floats, Floats]] = {}
-    for face, one in faces.items():
-        if one.drawn:
-            ys = np.linspace(2 * CHORD, one.size - 2 * CHORD, 9)
-            rows = one.crossings(ys, False)
-            if all(len(row) for row in rows):
-                lines[face] = ys, np.array([row[0] if side < 0 else row[-1] for row in rows])
-    return lines
-
-
-def _end(part: Part, faces: Mapping[Face, BoxFace], side: int) -> Plane | None:
+def _end(part: Part, faces: Mapping[Face, BoxFace], side: int) -> SectionEnd | None:
     """The plane of an end; None where its faces are drawn square or as no plane has them."""
     by_y, by_z = header_slopes(part, side)
-    lines = _lines(faces, side)
+    lines: dict[Face, tuple[Floats, Floats]] = {}  # y and x along each that is drawn
+    for face, one in faces.items():
+        ys = np.linspace(2 * CHORD, one.size - 2 * CHORD, 9)
+        rows = one.crossings(ys, False) if one.drawn else []
+        if rows and all(len(row) for row in rows):
+            lines[face] = ys, np.array([row[0] if side < 0 else row[-1] for row in rows])
     if not lines:
-        if not (by_y or by_z):
-            return None
-        reach = [by_y * y + by_z * z for y, z in corners(part.profile)]
-        return Plane(side, max(reach) if side < 0 else part.length + min(reach), by_y, by_z)
+        return plane_at(part, side, by_y, by_z) if by_y or by_z else None
     slopes = {face: (x[0] - x[-1]) / (y[-1] - y[0]) for face, (y, x) in lines.items()}
     by_y = by_y or next((slopes[f] for f in ("v", "h") if f in slopes), 0.0)
     by_z = by_z or next((slopes[f] for f in ("o", "u") if f in slopes), 0.0)
     if max(abs(by_y), abs(by_z)) <= tan(radians(SKEW_DEG)):
         return None
-    plane, best = Plane(side, 0.0, by_y, by_z), (MEET, 0.0)
+    plane, best = SectionEnd(side, 0.0, by_y, by_z), (MEET, 0.0)
     for farthest in (True, False):  # outlines show where the wall reaches farthest, or the outside
         at = []
         for face, (ys, xs) in lines.items():
@@ -252,22 +243,10 @@ def _end(part: Part, faces: Mapping[Face, BoxFace], side: int) -> Plane | None:
             at.append(off[side * off >= min(side * off[0], side * off[-1]) - SLOT])
         every = np.concatenate(at)
         best = min(best, (float(np.ptp(every)), float(np.median(every))))
-    return Plane(side, best[1], by_y, by_z) if best[0] < MEET else None
+    return SectionEnd(side, best[1], by_y, by_z) if best[0] < MEET else None
 
 
-def _denied(part: Part, faces: Mapping[Face, BoxFace], side: int) -> Iterator[Diagnostic]:
-    """An error where the header has an end skew and the outlines have it otherwise."""
-    if any(header_slopes(part, side)) and _end(part, faces, side) is None:
-        at: Literal["start", "end"] = "start" if side < 0 else "end"
-        kind: Literal["web", "flange"] = "web" if header_slopes(part, side)[0] else "flange"
-        angle = getattr(part.cuts, f"{kind}_{at}")
-        yield bar_rules.CUT_DENIED.at(
-            part.cut_source(kind, at), kind=kind, found=f"{angle:g}", end=at,
-            expected="another line",
-        )  # fmt: skip
-
-
-def _traces(plane: Plane, part: Part, face: Face, ys: Any) -> tuple[Any, Any]:
+def _traces(plane: SectionEnd, part: Part, face: Face, ys: Any) -> tuple[Any, Any]:
     """x of a plane on the outside of a wall, and on its inside."""
     p = part.profile
     thick = p.thickness(face)
@@ -278,7 +257,7 @@ def _traces(plane: Plane, part: Part, face: Face, ys: Any) -> tuple[Any, Any]:
     return plane.x(outside, ys), plane.x(inside, ys)
 
 
-def _beyond_ends(one: BoxFace, part: Part, ends: Sequence[Plane | None]) -> Shape:
+def _beyond_ends(one: BoxFace, part: Part, ends: Sequence[SectionEnd | None]) -> Shape:
     """A face that goes on beyond its ends where planes are to be cut."""
     from shapely import transform
 

@@ -39,12 +39,12 @@ Pair = tuple[bool, bool]
 class SectionEnd(Struct, frozen=True):
     """The plane of one end in the section's axes."""
 
-    side: float  #: -1 at the start, 1 at the end
+    side: int  #: -1 at the start, 1 at the end
     at: float  #: x at y 0, z 0
     by_y: float
     by_z: float
 
-    def x(self, y: float, z: float) -> float:
+    def x(self, y: Any, z: Any) -> Any:
         return self.at - self.by_y * y - self.by_z * z
 
     @property
@@ -53,21 +53,21 @@ class SectionEnd(Struct, frozen=True):
 
     def farthest(self, ys: Sequence[float], zs: Sequence[float]) -> float:
         """The outermost x over some places."""
-        return self.side * max(self.side * self.x(y, z) for y in ys for z in zs)
+        return float(self.side * max(self.side * self.x(y, z) for y in ys for z in zs))
+
+
+def plane_at(part: Part, side: int, by_y: float, by_z: float) -> SectionEnd:
+    """The plane of an end of a part as it lies, through its outermost corner at x 0 or L."""
+    leans = [side * (y * by_y + z * by_z) for y, z in _corners(part)]
+    at = (0.0 if side < 0 else part.length) + side * min(leans)
+    return SectionEnd(side, at, by_y, by_z)
 
 
 def planes_of(part: Part) -> tuple[SectionEnd, SectionEnd]:
-    """The start and the end of a part as it lies, each through its outermost corner at x 0 or L."""
-    cuts, outermost = part.cuts, _corners(part)
-    planes = []
-    for side, web_deg, flange_deg in (
-        (-1.0, cuts.web_start, cuts.flange_start), (1.0, cuts.web_end, cuts.flange_end)
-    ):  # fmt: skip
-        by_y, by_z = tan(radians(web_deg)), tan(radians(flange_deg))
-        leans = [side * (y * by_y + z * by_z) for y, z in outermost]
-        at = (0.0 if side < 0.0 else part.length) + side * min(leans)
-        planes.append(SectionEnd(side, at, by_y, by_z))
-    return planes[0], planes[1]
+    """The start and the end of a part as it lies by its header."""
+    cuts = part.cuts
+    start = plane_at(part, -1, tan(radians(cuts.web_start)), tan(radians(cuts.flange_start)))
+    return start, plane_at(part, 1, tan(radians(cuts.web_end)), tan(radians(cuts.flange_end)))
 
 
 def _corners(part: Part) -> Sequence[Point]:
@@ -97,41 +97,33 @@ def outermost(part: Part) -> Iterator[tuple[float, float, float]]:
 def ends_on(face: Face, part: Part) -> tuple[EndLine, EndLine]:
     """Where a wall ends, at its outermost."""
     start, end = planes_of(part)
-    return _outermost(start, face, part), _outermost(end, face, part)
+    return _on_wall(start, face, part), _on_wall(end, face, part)
 
 
-def _outermost(plane: SectionEnd, face: Face, part: Part) -> EndLine:
-    web, profile = part.profile.web_thickness or 0.0, part.profile
-    back = web_back(profile)
+def _on_wall(plane: SectionEnd, face: Face, part: Part, is_tilted: bool = False) -> EndLine:
+    """Where a plane ends a wall at its outermost, or meets the surface that the torch looks at as
+    it is tilted to lie in the plane."""
+    profile, back = part.profile, web_back(part.profile)
     edge = profile.height - profile.flange_thickness if face == "o" else 0.0
     slope, across = (plane.by_y, plane.by_z) if face == "v" else (plane.by_z, plane.by_y)
-    near, thick = (back, web) if face == "v" else (edge, profile.flange_thickness)
-    surfaces = [plane.at - across * (near + k * thick) for k in (0.0, 1.0)]
-    at = min(surfaces) if plane.side < 0.0 else max(surfaces)
-    return EndLine(at, -slope, abs(across) * thick)
-
-
-def _tilted(plane: SectionEnd, face: Face, part: Part) -> EndLine:
-    """Where a plane meets the surface that the torch looks at, and the tilt that lies in it."""
-    web, profile = part.profile.web_thickness or 0.0, part.profile
-    line = _outermost(plane, face, part)
-    if face == "v":
-        front = web + web_back(profile)
-        return replace(line, at=plane.x(0.0, front), b_deg=-degrees(atan(plane.by_z)))
-    if face == "o":
-        return replace(line, at=plane.x(profile.height, 0.0), b_deg=-degrees(atan(plane.by_y)))
-    return replace(line, at=plane.x(0.0, 0.0), b_deg=degrees(atan(plane.by_y)))
+    thick = profile.web_thickness or 0.0 if face == "v" else profile.flange_thickness
+    low = back if face == "v" else edge
+    surfaces = [plane.at - across * (low + k * thick) for k in (0.0, 1.0)]
+    outermost = min(surfaces) if plane.side < 0 else max(surfaces)
+    line = EndLine(outermost, -slope, abs(across) * thick)
+    if not is_tilted:
+        return line
+    b_deg = degrees(atan(across)) if face == "u" else -degrees(atan(across))
+    return replace(line, at=surfaces[0 if face == "u" else 1], b_deg=b_deg)
 
 
 def with_skew(wall: PlannedWall, part: Part, tilts: Pair) -> PlannedWall:
     """A wall of a bar with its skew ends; `tilts` says at which of them the torch is tilted."""
-    lines = [
-        None if not plane.is_skew
-        else _tilted(plane, wall.face, part) if tilt
-        else _outermost(plane, wall.face, part)
+    start, end = (
+        _on_wall(plane, wall.face, part, tilt) if plane.is_skew else None
         for plane, tilt in zip(planes_of(part), tilts, strict=True)
-    ]  # fmt: skip
-    return replace(wall, skew=(lines[0], lines[1]))
+    )
+    return replace(wall, skew=(start, end))
 
 
 def agreed_ends(part: Part) -> tuple[Part, list[Diagnostic]]:
@@ -161,11 +153,11 @@ def agreed_ends(part: Part) -> tuple[Part, list[Diagnostic]]:
                     diagnostics.append(bar_rules.CUT_FROM_CONTOUR.at(
                         source, kind=kind, found=f"{angle:.3f}", end=at))  # fmt: skip
             else:
-                reaching = [
+                denied = [
                     _leaning(side) for face, side in sides
-                    if not _is_within(side, planes[k], face, part)
+                    if abs(_leaning(side) - angle) > NOISE_DEG
+                    and not _is_within(side, planes[k], face, part)
                 ]  # fmt: skip
-                denied = [one for one in reaching if abs(one - angle) > NOISE_DEG]
                 if denied:
                     diagnostics.append(bar_rules.CUT_DENIED.at(
                         source, kind=kind, found=f"{angle:g}", end=at,
@@ -185,7 +177,7 @@ def _leaning(side: Side) -> float:
 
 def _is_within(side: Side, plane: SectionEnd, face: Face, part: Part) -> bool:
     """Whether a side lies on the steel's side of an end, clear of it."""
-    end = _outermost(plane, "v" if face == "h" else face, part)
+    end = _on_wall(plane, "v" if face == "h" else face, part)
     return all(plane.side * (end.x(y) - x) > OUTLINE_NOISE + end.play for x, y in side)
 
 

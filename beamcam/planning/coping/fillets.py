@@ -47,7 +47,13 @@ def beside_web(points: Sequence[Point], wall: PlannedWall, half: float) -> Besid
         # Farther off the web the fillet is less than a pass through the root is deep anyway.
         near = root.radius / 2 - BESIDE
         ways = _within(points, max(back - near, EDGE), min(front + near, wall.width - EDGE))
-        return None if all(map(_is_through, ways)) else BesideWeb(0.0, True)
+        is_through = all(  # straight from side to side
+            way[0][1] != way[-1][1] and all(
+                dist((x, y), (_x_at(way[0], way[-1], y), y)) <= STRAIGHT for x, y in way
+            )
+            for way in ways
+        )  # fmt: skip
+        return None if is_through else BesideWeb(0.0, True)
     gap = back - max(ys) - half if max(ys) <= middle else min(ys) - half - front
     return BesideWeb(max(gap, 0.0), False) if gap < root.radius else None
 
@@ -82,14 +88,13 @@ def ways_beside(region: WallRegion) -> list[tuple[CutChain, BesideWeb]]:
 def _within(points: Sequence[Point], low: float, high: float) -> Iterator[list[Point]]:
     """The stretches of a path between two y."""
     way: list[Point] = []
-    for (xa, ya), (xb, yb) in pairwise(points):
-        if max(ya, yb) < low or min(ya, yb) > high:
+    for a, b in pairwise(points):
+        if max(a[1], b[1]) < low or min(a[1], b[1]) > high:
             continue
         ends = [
-            (x, y) if low <= y <= high
-            else (xa + (xb - xa) * (to - ya) / (yb - ya), to)
-            for x, y, to in ((x, y, min(max(y, low), high)) for x, y in ((xa, ya), (xb, yb)))
-        ]  # fmt: skip
+            (x, y) if low <= y <= high else (_x_at(a, b, to), to)
+            for x, y, to in ((x, y, min(max(y, low), high)) for x, y in (a, b))
+        ]
         if way and way[-1] != ends[0]:
             yield way
             way = []
@@ -98,12 +103,9 @@ def _within(points: Sequence[Point], low: float, high: float) -> Iterator[list[P
         yield way
 
 
-def _is_through(way: Sequence[Point]) -> bool:
-    """Whether a stretch goes straight from side to side."""
-    (xa, ya), (xb, yb) = way[0], way[-1]
-    return ya != yb and all(
-        dist((x, y), (xa + (xb - xa) * (y - ya) / (yb - ya), y)) <= STRAIGHT for x, y in way
-    )
+def _x_at(a: Point, b: Point, y: float) -> float:
+    """x of a line through two places."""
+    return a[0] + (b[0] - a[0]) * (y - a[1]) / (b[1] - a[1])
 
 
 # --- openings of a web ---------------------------------------------------------------------------

@@ -208,16 +208,17 @@ class Passes:
         """Raises NoPass where a pass hurts the part at any depth of its wall, or pierces it."""
         from shapely import LineString
         from shapely import Point as Place
-        from shapely.affinity import translate
+        from shapely.affinity import affine_transform, translate
 
         share, shape = cos(radians(edge.angle)), self._region.shape
         (nx, ny) = edge.rulings(())[0].inside
         long = hypot(nx, ny)
         leans = [_lean(cut, k) for k in range(len(cut.path))]
         # What piercing burns is longer where the torch leans, square to the edge.
-        burnt = _stretched(
-            Place(cut.path[0]).buffer(cut.row.pierce_radius), (nx / long, ny / long), 1 / share
-        )
+        (x, y), (c, s), more = cut.path[0], (nx / long, ny / long), 1 / share - 1.0
+        a, b, d = 1 + more * c * c, more * c * s, 1 + more * s * s
+        matrix = [a, b, b, d, x - a * x - b * y, y - b * x - d * y]
+        burnt = affine_transform(Place(x, y).buffer(cut.row.pierce_radius), matrix)
         for depth in dict.fromkeys((0.0, edge.thickness - edge.land, edge.thickness)):
             stays = shape.difference(edge.strip(depth)).buffer(-SLIVER)
             run = LineString(_below(cut, depth)[1:])
@@ -241,16 +242,6 @@ def _lean(cut: CopeCut, k: int) -> Point:
     x, y, z = torch_way(A_OF_FACE[cut.face] + off, b_deg)
     out, along = {"v": (z, y), "o": (y, z), "u": (-y, z)}[cut.face]
     return x / out, along / out
-
-
-def _stretched(shape: Shape, way: Point, by: float) -> Shape:
-    """A shape that is so many times as long along a way, about its middle."""
-    from shapely.affinity import affine_transform
-
-    (c, s), more = way, by - 1.0
-    x, y = shape.centroid.x, shape.centroid.y
-    a, b, d = 1 + more * c * c, more * c * s, 1 + more * s * s
-    return affine_transform(shape, [a, b, b, d, x - a * x - b * y, y - b * x - d * y])
 
 
 def _section(profile: Profile) -> Shape:

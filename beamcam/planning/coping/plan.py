@@ -13,7 +13,7 @@ from beamcam.machine.machine import Machine
 from beamcam.model.part import Contour, Face, Feature, Part
 from beamcam.model.plan import CopeCut, CopeKind, CopePlan
 from beamcam.planning.coping import rules
-from beamcam.planning.coping.bevels import bevel_cuts, edges_of
+from beamcam.planning.coping.bevels import bevel_cuts
 from beamcam.planning.coping.chart import Chart
 from beamcam.planning.coping.cuts import CutChain, Leads, no_room, over_hole
 from beamcam.planning.coping.ends import (
@@ -174,7 +174,8 @@ class ProfilePlan:
         self._diagnostics += told_slant(self._part, slant)
         self._stop()
         # Cuts in order of work; a bevel follows its wall, and not the one that parts the piece.
-        last, order = [*edges_of(bevels.cuts)], dict(ORDER)
+        last = dict.fromkeys(c.face for c in bevels.cuts if c.bevel and c.kind == "far")
+        order = dict(ORDER)
         order["far"] = (*last, *(face for face in ORDER["far"] if face not in last))
         cuts = sorted(bevels.cuts, key=lambda cut: (
             tuple(order).index(cut.kind), order[cut.kind].index(cut.face),

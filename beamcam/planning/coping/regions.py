@@ -81,21 +81,18 @@ def region_of(
         (x, y)
         for c in (*outer, *taken) if isinstance(c, Contour)
         for x, y in sharp_corners(c)
-        if not _is_at_root(y, wall, part.profile.radius) and not reliefs.dwithin(Place(x, y), CHORD)
+        if not reliefs.dwithin(Place(x, y), CHORD) and not (wall.face == "v" and any(
+            y < root.inner + part.profile.radius if root.low == 0.0
+            else y > root.inner - part.profile.radius
+            for root in wall.roots
+        ))
     ]  # fmt: skip
-    region, diagnostics = rounded(wall, shape, corners, part, coper, diagnostics)
+    region, more = rounded(WallRegion(wall, shape, {}), corners, part, coper)
+    diagnostics += more
     # What rounds a corner may lie in a hole beside it.
     if region.rounded and round_ones and region.shape.intersection(reliefs).area > CHORD * CHORD:
         region = replace(region, shape=region.shape.difference(reliefs))
     return region, diagnostics
-
-
-def _is_at_root(y: float, wall: PlannedWall, radius: float) -> bool:
-    """Whether a place of a web lies on a flange or its fillet."""
-    return wall.face == "v" and any(
-        y < root.inner + radius if root.low == 0.0 else y > root.inner - radius
-        for root in wall.roots
-    )
 
 
 def _between(wall: PlannedWall, square: tuple[EndLine, EndLine]) -> Shape:
@@ -113,32 +110,20 @@ def _beyond(
     drawn: Shape, piece: Shape, wall: PlannedWall, outline: Contour
 ) -> Iterator[Diagnostic]:
     """An error where an outline goes on beyond the ends of a piece that comes cut, or skew ones."""
-    from shapely import box
+    from shapely import box, distance, get_coordinates, points
 
     if wall.ends is None and wall.skew == (None, None):
         return
     within = drawn.intersection(box(-BEYOND, 0.0, BEYOND, wall.width))
     over = within.difference(piece.buffer(OUTLINE_NOISE))
     if not over.is_empty:
-        far = max(piece.distance(place) for place in _corners_of(over))
+        far = distance(piece, points(get_coordinates(over))).max()
         rule = rules.BEYOND if wall.ends is None else rules.SHORT
         yield rule.at(outline.source, face=wall.face, found=f"{far:.3g}")
 
 
-def _corners_of(shape: Shape) -> Iterator[Any]:
-    from shapely import Point as Place
-    from shapely import get_coordinates
-
-    return map(Place, get_coordinates(shape))
-
-
 def rounded(
-    wall: PlannedWall,
-    shape: Shape,
-    corners: Sequence[Point],
-    part: Part,
-    coper: Coper,
-    diagnostics: list[Diagnostic],
+    region: WallRegion, corners: Sequence[Point], part: Part, coper: Coper
 ) -> tuple[WallRegion, list[Diagnostic]]:
     """A region whose re-entrant corners at the given places have the machine's radius, or the
     largest for which there is room.
@@ -148,16 +133,22 @@ def rounded(
     """
     from shapely import GEOSException, box, union_all
 
+    diagnostics: list[Diagnostic] = []
     if not corners:
-        return WallRegion(wall, shape, {}), diagnostics
-    radius = coper.corner_radius
+        return region, diagnostics
+    wall, shape, radius = region.wall, region.shape, coper.corner_radius
     row = Chart(part, coper).row(wall.thickness)
     least = min(radius, row.kerf) if row else radius
     added, found, narrow = _filled(shape, corners, radius)
     for x, y in dict.fromkeys(narrow):
         far = AROUND * radius
         near = shape.intersection(box(x - far, y - far, x + far, y + far))
-        room = _room(near, (x, y), radius)
+        low, high = 0, round(radius / STEP)  # the largest radius that has room, in steps
+        while high - low > 1:
+            middle = (low + high) // 2
+            has_room = not _filled(near, [(x, y)], middle * STEP)[2]
+            low, high = (middle, high) if has_room else (low, middle)
+        room = low * STEP if low * STEP > SLIVER else 0.0
         if room < least:
             what, expected = "sharper than 60 degrees", "one less sharp, or a drawn radius"
             if room:
@@ -182,16 +173,6 @@ def rounded(
     return WallRegion(wall, whole, found), diagnostics
 
 
-def _room(shape: Shape, corner: Point, radius: float) -> float:
-    """The largest radius below another one that a corner has room for, in steps of STEP; 0 for
-    none."""
-    low, high = 0, round(radius / STEP)
-    while high - low > 1:
-        middle = (low + high) // 2
-        low, high = (low, middle) if _filled(shape, [corner], middle * STEP)[2] else (middle, high)
-    return low * STEP if low * STEP > SLIVER else 0.0
-
-
 def _filled(
     shape: Shape, corners: Sequence[Point], radius: float
 ) -> tuple[list[Shape], dict[Point, float], list[Point]]:
@@ -204,12 +185,17 @@ def _filled(
     """
     import numpy as np
     from shapely import MultiPoint, distance, get_coordinates, points, segmentize
+    from shapely.geometry.polygon import orient
 
     places = MultiPoint(corners)
     closed = shape.buffer(radius, ROUND).buffer(-radius, ROUND)
-    filled = [one for one in _polygons(closed.difference(shape)) if one.distance(places) <= CHORD]
+    filled = [one for one in polygons_of(closed.difference(shape)) if one.distance(places) <= CHORD]
     each = np.array(places.geoms)
-    added, found, narrow, rings = [], dict[Point, float](), list[Point](), _rings(shape)
+    added, found, narrow = [], dict[Point, float](), list[Point]()
+    turned = (orient(polygon) for polygon in polygons_of(shape))  # the steel on the left
+    rings = [
+        np.array(ring.coords)[:-1] for one in turned for ring in (one.exterior, *one.interiors)
+    ]
     border = closed.boundary
     tip = (2 * THIN) ** 0.5 * radius  # from where a disc touches a side to where it is THIN off it
     for piece, core in _pieces(filled, THIN * radius / 2, tip):
@@ -234,21 +220,11 @@ def _pieces(joined: Sequence[Shape], half: float, tip: float) -> Iterator[tuple[
     from shapely import union_all
 
     for piece in joined:
-        cores = [*_polygons(piece.buffer(-half).buffer(half))] or [piece]
+        cores = [*polygons_of(piece.buffer(-half).buffer(half))] or [piece]
         for core in cores:
             others = [one.buffer(tip) for one in cores if one is not core]
             own = union_all([piece.difference(union_all(others)), core]) if others else piece
-            yield next((one for one in _polygons(own) if one.intersects(core)), own), core
-
-
-def _rings(shape: Shape) -> list[Any]:
-    """The places of each ring of a region, with the steel on their left."""
-    import numpy as np
-    from shapely.geometry.polygon import orient
-
-    turned = [orient(polygon) for polygon in _polygons(shape)]
-    rings = (ring for one in turned for ring in (one.exterior, *one.interiors))
-    return [np.array(ring.coords)[:-1] for ring in rings]
+            yield next((one for one in polygons_of(own) if one.intersects(core)), own), core
 
 
 def _turn_in(piece: Shape, rings: Sequence[Any], border: Shape) -> float:
@@ -278,10 +254,10 @@ def told_rounded(region: WallRegion, source: Source) -> Iterator[Diagnostic]:
         yield rules.ROUNDED.at(source, count=count, face=region.wall.face, radius=f"{radius:.4g}")
 
 
-def _polygons(shape: Shape) -> Iterator[Shape]:
-    for one in getattr(shape, "geoms", (shape,)):
-        if one.geom_type == "Polygon" and one.area > CHORD * CHORD:
-            yield one
+def polygons_of(shape: Shape, least: float = CHORD * CHORD) -> list[Shape]:
+    """The polygons of a shape with more than the least area."""
+    many = getattr(shape, "geoms", (shape,))
+    return [one for one in many if one.geom_type == "Polygon" and one.area > least]
 
 
 def outline_on(wall: PlannedWall, curves: Sequence[Curve], seam_from: float = inf) -> Shape:
@@ -344,9 +320,8 @@ def curves_of(feature: Cut) -> tuple[Curve, ...]:
 
 def _slot_arcs(slot: Slot) -> Iterator[Curve]:
     (c, s), radius = unit_vector(slot.angle), slot.diameter / 2
-    corners = [(1, 1), (-1, 1), (-1, -1), (1, -1)]
     arcs = []
-    for k, (a, b) in enumerate(corners):
+    for k, (a, b) in enumerate(((1, 1), (-1, 1), (-1, -1), (1, -1))):
         along, across = a * slot.length / 2, b * slot.height / 2
         middle = slot.x + along * c - across * s, slot.y + along * s + across * c
         arcs.append(Arc(middle, radius, slot.angle + 90.0 * k, 90.0))

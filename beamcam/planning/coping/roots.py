@@ -29,10 +29,11 @@ from beamcam.planning.coping import rules
 from beamcam.planning.coping.cuts import borders_of, chains_of
 from beamcam.planning.coping.ends import STEEPEST_DEG, is_on
 from beamcam.planning.coping.fillets import ways_beside
-from beamcam.planning.coping.regions import OUTLINE_NOISE, Shape, WallRegion
+from beamcam.planning.coping.regions import OUTLINE_NOISE, Shape, WallRegion, polygons_of
 from beamcam.planning.coping.walls import EDGE, EndLine, PlannedWall, Root
 
 SHARE = 0.5  #: of the tolerance, that web and flange may differ by at a root
+FAR = 1e5  #: mm beyond any bar
 ALONG_LIP = 4.0  #: mm along the bar by mm across it that a cut through a lip goes, at most
 
 
@@ -115,15 +116,17 @@ def root_faults(
                 wrong += [((one.x, 0.0),) for one in before]
         deep = max(root.high if root.low == 0.0 else web.wall.width - root.low, depth)
         clear = f"{deep + 2 * EDGE:.1f} mm off the outside of face {root.face} at least"
-        on_flange, astray, band = through_flange(flange, coper)
-        there = [one.x for one in on_flange] + [x for way in astray for x, _ in way]
+        on_flange, others, band = through_flange(flange, coper)
+        there = [one.x for one in on_flange] + [x for way in others for x, _ in way]
         alone = [way for way in wrong
                  if all(abs(x - way[0][0]) > flange.wall.width for x in there)]  # fmt: skip
-        yield from _said(wrong, web.wall, across, clear, root.face, source, alone)
+        yield from _otherwise(wrong, web.wall, across, clear, root.face, source, alone)
         over = f"clear of y {band[0]:.1f} to {band[1]:.1f}, where the web stands"
-        yield from _said(astray, flange.wall, band, over, "v", source)
-        if not (wrong or astray):
-            yield from _unpaired(on_web, on_flange, web.wall, flange.wall, coper, source)
+        yield from _otherwise(others, flange.wall, band, over, "v", source)
+        if not (wrong or others):
+            both = (on_web, web.wall), (on_flange, flange.wall)
+            yield from _unpaired(both[0], both[1], coper, source)
+            yield from _unpaired(both[1], both[0], coper, source)
         if coper.k_area == "refuse":
             beside = (chain.points[0][0] for chain, _ in ways_beside(flange))
             for x in [*(one.x for one in on_web), *beside][:1]:
@@ -152,7 +155,7 @@ def _band(root: Root, depth: float, web: PlannedWall) -> tuple[float, float]:
     return min(root.low, web.width - depth + EDGE), root.inner - EDGE
 
 
-def _said(
+def _otherwise(
     wrong: Sequence[Sequence[Point]], wall: PlannedWall, band: tuple[float, float], clear: str,
     other: Face, source: Source, alone: Sequence[Sequence[Point]] = (),
 ) -> Iterator[Diagnostic]:  # fmt: skip
@@ -178,37 +181,26 @@ def _said(
         )  # fmt: skip
 
 
-def _unpaired(
-    on_web: Sequence[Crossing],
-    on_flange: Sequence[Crossing],
-    web: PlannedWall,
-    flange: PlannedWall,
-    coper: Coper,
-    source: Source,
-) -> Iterator[Diagnostic]:
+CutWall = tuple[Sequence[Crossing], PlannedWall]  #: cuts through a root, and whose they are
+
+
+def _unpaired(mine: CutWall, others: CutWall, coper: Coper, source: Source) -> Iterator[Diagnostic]:
     """Cuts through a root of one wall without one of the other at the same x and side."""
-
-    def has(one: Crossing, others: Sequence[Crossing]) -> bool:
-        return any(
-            one.right == other.right
-            and (
-                (one.end is not None and one.end == other.end)
-                or (one.square and other.square and abs(one.x - other.x) <= SHARE * coper.tolerance)
-            )
-            for other in others
+    (cuts, wall), (there, other), near = mine, others, SHARE * coper.tolerance
+    for one in cuts:
+        if any(
+            one.right == two.right
+            and ((one.end is not None and one.end == two.end)
+                 or (one.square and two.square and abs(one.x - two.x) <= near))
+            for two in there
+        ):  # fmt: skip
+            continue
+        expected = f"one of face {other.face} at that x, which the root goes with"
+        if other.face == "v":
+            expected += f", or a strip of the flange {other.thickness:g} mm wide on the web"
+        yield rules.ROOT.at(
+            source, what="a cut to the root", x=f"{one.x:g}", face=wall.face, expected=expected
         )
-
-    both = (on_web, on_flange, web, flange), (on_flange, on_web, flange, web)
-    for mine, others, wall, other in both:
-        for one in mine:
-            if not has(one, others):
-                expected = f"one of face {other.face} at that x, which the root goes with"
-                if wall is flange:
-                    expected += f", or a strip of the flange {web.thickness:g} mm wide on the web"
-                yield rules.ROOT.at(
-                    source, what="a cut to the root", x=f"{one.x:g}", face=wall.face,
-                    expected=expected,
-                )  # fmt: skip
 
 
 class _Approach(Struct, frozen=True):
@@ -246,7 +238,9 @@ def with_steps(
     `depths` are those to which passes through a root cut. What is more than drawn reaches as far as
     either of the walls does there, so that no steel is missing.
     """
-    found, said, off = dict(regions), list[Diagnostic](), dict[Face, float]()
+    from shapely import Polygon
+
+    found, steps, off = dict(regions), list[Diagnostic](), dict[Face, float]()
     for root in regions["v"].wall.roots:
         web, flange = regions["v"].wall, regions[root.face].wall
         (behind,) = flange.roots
@@ -269,21 +263,14 @@ def with_steps(
             ways: dict[Face, list[Point]] = {"v": one.within(ys), root.face: other.within(zs)}
             x = side * max(side * at for way in ways.values() for at, _ in way)
             for face, way in ways.items():
-                more = _up_to(x, side, way)
+                inside = [(at - side * OUTLINE_NOISE, y) for at, y in way]
+                more = Polygon([*inside, (x, way[-1][1]), (x, way[0][1])])
                 found[face] = replace(found[face], shape=found[face].shape.union(more))
                 off[face] = max(off.get(face, 0.0), *(abs(x - at) for at, _ in way))
-            said.append(rules.STEP.at(
+            steps.append(rules.STEP.at(
                 source, x=f"{x:g}", face=root.face, found=f"{max(off['v'], off[root.face]):.1f}",
             ))  # fmt: skip
-    return found, said, off
-
-
-def _up_to(x: float, side: float, way: Sequence[Point]) -> Shape:
-    """What a wall has more that ends square at x instead of along a way."""
-    from shapely import Polygon
-
-    inside = [(at - side * OUTLINE_NOISE, y) for at, y in way]
-    return Polygon([*inside, (x, way[-1][1]), (x, way[0][1])])
+    return found, steps, off
 
 
 def _approaches(
@@ -324,9 +311,6 @@ def _approaches(
                     there = met[-1 if inner == band[0] else 0]
                     one = replace(one, xs=(there, side * min(side * x for x in met)))
                 yield one
-
-
-FAR = 1e5
 
 
 def with_ledges(
@@ -392,17 +376,10 @@ def _ledge(
     edges = (0.0, top) if low else (top, wide)
     strip = inside(*edges).difference(web.shape)
     over = inside(top, wide) if low else inside(0.0, top)
-    open_above = [
-        one for one in _polygons(over.difference(web.shape).buffer(-kerf)) if one.length < FAR
-    ]
-    ledges = [one for one in _polygons(strip) if one.intersects(gap)]
+    voids = polygons_of(over.difference(web.shape).buffer(-kerf), 0.0)
+    open_above = [one for one in voids if one.length < FAR]
+    ledges = [one for one in polygons_of(strip, 0.0) if one.intersects(gap)]
     near = [one for one in open_above if any(one.distance(ledge) <= 2 * kerf for ledge in ledges)]
     if near and all(one.length < FAR for one in ledges):
         for one in ledges:
             yield one.buffer(EDGE / 10, join_style="mitre"), abs(top - root.inner)
-
-
-def _polygons(shape: Shape) -> Iterator[Shape]:
-    for one in getattr(shape, "geoms", (shape,)):
-        if one.geom_type == "Polygon" and not one.is_empty:
-            yield one

@@ -6,7 +6,6 @@ cut-outs count on the outside; a hole is drawn as a drill through the axis makes
 
 from collections.abc import Iterator, Sequence
 from math import asin, cos, hypot, inf, pi, sin
-from typing import Literal
 
 import numpy as np
 
@@ -14,10 +13,10 @@ from beamcam.errors import Diagnostic
 from beamcam.geometry.curves import Line, Point
 from beamcam.model.part import Contour, Hole, Part
 from beamcam.model.surface import Around
-from beamcam.planning import rules as bar_rules
 from beamcam.planning.coping import rules
 from beamcam.planning.coping.box_corners import MEET
 from beamcam.planning.coping.box_tube import Unrolled
+from beamcam.planning.coping.ends import SectionEnd
 from beamcam.planning.coping.regions import (
     OUTLINE_NOISE,
     Cut,
@@ -29,10 +28,10 @@ from beamcam.planning.coping.regions import (
     sharp_corners,
 )
 from beamcam.planning.coping.tube_ends import (
-    Plane,
+    denied,
     header_slopes,
     line_of,
-    planes_of,
+    own_planes,
     several,
     within,
 )
@@ -49,14 +48,16 @@ STEPS = 96  #: places round a hole
 ROUND_STEPS = 721  #: places once round an end that is there
 
 
-def header_planes(part: Part) -> Iterator[Plane]:
+def header_planes(part: Part) -> Iterator[SectionEnd]:
     """The skew ends of a round tube by its header: planes that touch x 0 or the length outside."""
     radius = part.profile.height / 2
     for side in (-1, 1):
         web, flange = header_slopes(part, side)
         if web or flange:
             x = 0.0 if side < 0 else part.length
-            yield Plane(side, x + radius * (web + flange - side * hypot(web, flange)), web, flange)
+            yield SectionEnd(
+                side, x + radius * (web + flange - side * hypot(web, flange)), web, flange
+            )
 
 
 def once_round(
@@ -75,7 +76,7 @@ def once_round(
     outer = [c for c in own if isinstance(c, Contour) and c.kind == "outer"]
     beyond = BEYOND if there else 0.0
     whole: Shape = box(-beyond, 0.0, part.length + beyond, round_it)
-    planes = planes_of(part, features)
+    planes = own_planes(part, features)
     skew = [wall * hypot(plane.by_y, plane.by_z) for plane in (*header_planes(part), *planes)]
     diagnostics: list[Diagnostic] = []
     if outer:
@@ -145,13 +146,7 @@ def denied_ends(part: Part, outline: Shape, way: Around) -> Iterator[Diagnostic]
                 seen.append((across.bounds[0 if side < 0 else 2], x))
         off = max((abs(drawn - x) for drawn, x in seen), default=0.0)
         if off > MEET + way.legs[0].patch.thickness * hypot(plane.by_y, plane.by_z):
-            at: Literal["start", "end"] = "start" if side < 0 else "end"
-            kind: Literal["web", "flange"] = "web" if plane.by_y else "flange"
-            angle = getattr(part.cuts, f"{kind}_{at}")
-            yield bar_rules.CUT_DENIED.at(
-                part.cut_source(kind, at), kind=kind, found=f"{angle:g}", end=at,
-                expected="another line",
-            )  # fmt: skip
+            yield denied(part, (side, plane.by_y))
 
 
 def end_round(part: Part, bare: Shape, side: int, way: Around) -> EndLine:
@@ -162,7 +157,7 @@ def end_round(part: Part, bare: Shape, side: int, way: Around) -> EndLine:
     across = [LineString([(-part.length, u), (2 * part.length, u)]) for u in us.tolist()]
     rows = [bounds(intersection(across, bare))[:, 0 if side < 0 else 2]]
     patch = way.legs[0].patch
-    for plane in (*header_planes(part), *planes_of(part, range(len(part.features)))):
+    for plane in (*header_planes(part), *own_planes(part, range(len(part.features)))):
         if plane.side == side:
             _, ys, zs = np.array([patch.point(0.0, u) for u in us.tolist()]).T
             rows.append(plane.x(ys, zs))

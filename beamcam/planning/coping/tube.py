@@ -83,7 +83,8 @@ def plan_tube(part: Part, machine: Machine, coper: Coper, skips: Collection[str]
         once, piece, diagnostics = _left_of_piece(part, found.cut, way)
         surface = replace(surface, open=piece.open)
     slant = {face: off for face, off in once.slant.items() if off >= LEAST_SLANT}
-    region, diagnostics = _laid_out(surface, once, part, coper, diagnostics)
+    region, more = _laid_out(surface, once, part, coper)
+    diagnostics += more
     cuts: list[CopeCut] = []
     if not errors_in(diagnostics):
         cuts, more = _cuts(part, region, found, row, coper, way, piece)
@@ -133,7 +134,7 @@ def _slow_axes(part: Part, machine: Machine, row: TorchRow, way: Around) -> Iter
 
 
 def _laid_out(
-    surface: PlannedWall, once: Unrolled, part: Part, coper: Coper, diagnostics: list[Diagnostic]
+    surface: PlannedWall, once: Unrolled, part: Part, coper: Coper
 ) -> tuple[WallRegion, list[Diagnostic]]:
     """What stays of the surface, its corners rounded, three times above itself.
 
@@ -151,7 +152,7 @@ def _laid_out(
         (x, u + k * turn) for x, u in on_turn for k in (-1, 0, 1)
         if -beside < u + k * turn < turn + beside
     ]  # fmt: skip
-    region, diagnostics = rounded(surface, near, there, part, coper, diagnostics)
+    region, diagnostics = rounded(WallRegion(surface, near, {}), there, part, coper)
     whole = region.shape.intersection(box(low, 0.0, high, turn))
     # Without places of a straight line at u 0.
     shape = several(whole, turn, range(3)).simplify(LEAST)
