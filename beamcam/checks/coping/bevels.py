@@ -106,15 +106,11 @@ class BevelledEdge(Struct, frozen=True):
         return whole.buffer(HAIR, join_style="mitre")
 
 
-class BevelPass(BevelledEdge, frozen=True):
+class BevelPass(Struct, frozen=True):
     """A bevelled edge of a part, and the stroke that makes it."""
 
+    edge: BevelledEdge
     stroke: TorchStroke
-
-    @property
-    def is_lower(self) -> bool:
-        """Whether it is of the far side of its wall."""
-        return self.bevel.angle < 0.0
 
     def beside(self, strokes: Sequence[TorchStroke], section: CoperSection) -> list[int]:
         """The lines of the square strokes along it, in their order, but where the bar has the edge;
@@ -122,7 +118,7 @@ class BevelPass(BevelledEdge, frozen=True):
         from shapely import LineString
         from shapely import Point as Place
 
-        middles = [Place(curve.point(share)) for curve in self._cut(section)
+        middles = [Place(curve.point(share)) for curve in self.cut(section)
                    for share in (0.3, 0.5, 0.7)]  # fmt: skip
         return [] if not middles else [
             s.line for s in strokes
@@ -131,15 +127,11 @@ class BevelPass(BevelledEdge, frozen=True):
                     for place in middles)
         ]  # fmt: skip
 
-    def is_rolled(self, section: CoperSection) -> bool:
-        """Whether it is all an edge that the bar has."""
-        return not self._cut(section)
-
-    def _cut(self, section: CoperSection) -> list[Curve]:
+    def cut(self, section: CoperSection) -> list[Curve]:
         """Its curves that do not lie on an edge of the bar."""
         wide = section.high if self.stroke.face == "v" else section.wide
         return [
-            curve for curve in self.curves
+            curve for curve in self.edge.curves
             if not isinstance(curve, Line)
             or (curve.start[1], curve.end[1]) not in ((0.0, 0.0), (wide, wide))
         ]  # fmt: skip
@@ -167,8 +159,7 @@ def passes_of(
                 None,
             )  # fmt: skip
             if one is not None:
-                passes.append(BevelPass(f, edge.bevel, edge.curves, edge.thickness, edge.drawn,
-                                        edge.turns, edge.is_ring, one))  # fmt: skip
+                passes.append(BevelPass(edge, one))
     return passes
 
 
@@ -285,7 +276,7 @@ def ends_of_passes(
     """Whether passes are of the far end, by their lines, as the square cuts along them are; those
     through all of the wall and the cuts that end in their kerfs are of one end."""
     found = dict(far)
-    whole = [one.stroke for one in passes if one.is_whole]
+    whole = [one.stroke for one in passes if one.edge.is_whole]
     square = [s for s in strokes if all(s is not one.stroke for one in passes)]
     for stroke in whole * len(whole):
         own = _ending_in(stroke, square)
@@ -293,7 +284,7 @@ def ends_of_passes(
         found |= dict.fromkeys((stroke.line, *own), is_far)
     for one in passes:
         beside = [found[line] for line in one.beside(strokes, section)]
-        if not one.is_whole:
+        if not one.edge.is_whole:
             found[one.stroke.line] = bool(beside) and beside[0]
     return found
 
@@ -320,40 +311,28 @@ def pass_faults(
 
     of_pass = {one.stroke.line for one in passes}
     square = [s for s in strokes if s.line not in of_pass]
-    whole = [one.stroke for one in passes if one.is_whole]
+    whole = [one.stroke for one in passes if one.edge.is_whole]
     parted = max((s.line for s in (*square, *whole) if far.get(s.line)), default=0)
     for one in passes:
-        along = one.beside(square, section)
-        is_rolled = one.is_rolled(section)
-        if one.is_whole:
+        edge, line, along = one.edge, one.stroke.line, one.beside(square, section)
+        x, y = one.stroke.points[0]
+        expected = ""
+        if edge.is_whole:
+            if any(other < line for other in _ending_in(one.stroke, square)):
+                expected = "before the square cuts beside it, whose kerfs its arc would cross"
             if along:
+                whole_of = "no square cut along its edge, which goes through all of the wall"
                 yield rules.PASSES.at(
-                    Source(name, along[0]), face=one.stroke.face,
-                    expected="no square cut along its edge, which goes through all of the wall",
-                )  # fmt: skip
-            if any(line < one.stroke.line for line in _ending_in(one.stroke, square)):
-                yield rules.PASSES.at(
-                    Source(name, one.stroke.line), face=one.stroke.face,
-                    expected="before the square cuts beside it, whose kerfs its arc would cross",
-                )  # fmt: skip
-        elif one.is_lower:
-            if not along or min(along) < one.stroke.line:
-                yield rules.PASSES.at(
-                    Source(name, one.stroke.line), face=one.stroke.face,
-                    expected="before the square cut along its edge, through all of the wall",
-                )  # fmt: skip
-        elif one.strip(0.0).distance(Place(one.stroke.points[0])) > BESIDE:
-            x, y = one.stroke.points[0]
-            yield rules.AIR.at(
-                Source(name, one.stroke.line), x=f"{x:.1f}", y=f"{y:.1f}", face=one.stroke.face
-            )
-        elif not is_rolled and (not along or min(along) > one.stroke.line):
-            yield rules.PASSES.at(
-                Source(name, one.stroke.line), face=one.stroke.face,
-                expected="after the square cut along its edge, which leaves the land",
-            )  # fmt: skip
-        elif far.get(one.stroke.line) and one.stroke.line > parted:
-            yield rules.PASSES.at(
-                Source(name, one.stroke.line), face=one.stroke.face,
-                expected="before the cut that parts the piece from its bar",
-            )  # fmt: skip
+                    Source(name, along[0]), face=one.stroke.face, expected=whole_of
+                )
+        elif edge.bevel.angle < 0.0:
+            if not along or min(along) < line:
+                expected = "before the square cut along its edge, through all of the wall"
+        elif edge.strip(0.0).distance(Place(x, y)) > BESIDE:
+            yield rules.AIR.at(Source(name, line), x=f"{x:.1f}", y=f"{y:.1f}", face=one.stroke.face)
+        elif one.cut(section) and (not along or min(along) > line):
+            expected = "after the square cut along its edge, which leaves the land"
+        elif far.get(line) and line > parted:
+            expected = "before the cut that parts the piece from its bar"
+        if expected:
+            yield rules.PASSES.at(Source(name, line), face=one.stroke.face, expected=expected)

@@ -36,24 +36,11 @@ FAR = 1e5
 
 
 def ledges_of(
-    web: Shape, flange: Shape, face: str, section: CoperSection, heights: Sequence[float | None],
-    ends: Sequence[EndOnWall],
-) -> Iterator[tuple[Shape, list[Point]]]:  # fmt: skip
-    """The ledges of a web along a flange, and where they end in the web's contour.
-
-    At the start and the end they are so high from the flange's outside, or None where there is
-    none. `ends` are skew ones of the web.
-    """
-    for side, height in zip((-1, 1), heights, strict=True):
-        if height is not None:
-            end = next((one for one in ends if one.side == side), None)
-            yield from _ledges_at(web, flange, face, section, height, side, end)
-
-
-def _ledges_at(
     web: Shape, flange: Shape, face: str, section: CoperSection, height: float, side: int,
     end: EndOnWall | None,
 ) -> Iterator[tuple[Shape, list[Point]]]:  # fmt: skip
+    """The ledges of a web along a flange at one of its ends, -1 the start, so high from the
+    flange's outside, and where they end in the web's contour. `end` is a skew one of the web."""
     from shapely import LineString, box, get_coordinates
 
     low, high = section.web_ends
@@ -150,7 +137,7 @@ class RequiredWalls:
         face = getattr(feature, "face", "").replace("h", "v")
         if isinstance(feature, Contour) and feature.kind == "outer" and face in self.off:
             return True
-        there = [bevel for one in self.passes if one.feature == k for bevel in one.drawn]
+        there = [bevel for one in self.passes if one.edge.feature == k for bevel in one.edge.drawn]
         own = own_bevels(feature, self.made, self._job.coper.min_bevel)
         return any(one not in there for one in own)
 
@@ -166,10 +153,10 @@ class RequiredWalls:
             own = [one for one in self.passes if one.stroke.face == face]
             outer, thick = self.walls[face, 0.0], self._section.thickness(face)
             inner = self.walls.get((face, thick), outer)
-            for down in {0.0, thick, *(p.thickness - p.bevel.land for p in own)}:
+            for down in {0.0, thick, *(p.edge.thickness - p.edge.bevel.land for p in own)}:
                 # Between both surfaces a skew end lies between where it is at them.
                 over, under = outer if down < thick else inner, inner if down > 0.0 else outer
-                gone = union_all([bevel.strip(down) for bevel in own])
+                gone = union_all([one.edge.strip(down) for one in own])
                 drawn, cut, most = (
                     areas_of(shape.difference(gone))
                     for shape in (
@@ -207,17 +194,17 @@ class RequiredWalls:
             bounds = flange.bounds or (0.0,) * 4
             deep = [section.flange + self._near] * 2  # square to the flange, at start and end
             for one in through_root(face, section, self._strokes):
-                k = one.points[-1][0] > (bounds[0] + bounds[2]) / 2
-                deep[k] = max(deep[k], one.row.up_to * one.share)
-            heights = [
-                deep[k] if end is None or self._tilted[k] else None
-                for k, end in enumerate(self._ends)
-            ]
+                at_end = one.points[-1][0] > (bounds[0] + bounds[2]) / 2
+                deep[at_end] = max(deep[at_end], one.row.up_to * one.share)
             for depth in [depth for one, depth in self.walls if one == "v"]:
-                drawn = self.walls["v", depth].drawn
-                there = ends_on(self._ends, self._tilted, "v", section, depth)
-                for ledge, places in ledges_of(drawn, flange, face, section, heights, there):
-                    self.walls["v", depth] = self.walls["v", depth].grown(
-                        ledge, places, self._widest
-                    )
-                    self._off["v"] = max(*deep) - section.flange
+                drawn, wall = self.walls["v", depth].drawn, self.walls["v", depth]
+                for k, end in enumerate(self._ends):
+                    if end is not None and not self._tilted[k]:
+                        continue
+                    line = None if end is None else end.on_wall("v", section, depth)
+                    for ledge, places in ledges_of(
+                        drawn, flange, face, section, deep[k], 2 * k - 1, line
+                    ):
+                        wall = wall.grown(ledge, places, self._widest)
+                        self._off["v"] = max(*deep) - section.flange
+                self.walls["v", depth] = wall
