@@ -12,8 +12,7 @@ from msgspec import Struct
 
 from beamcam.checks.coping.section import TubeSection
 from beamcam.checks.coping.stock import outline_ring, ring_of, taken
-from beamcam.checks.coping.tube_piece import AIR, PieceAsked, short_by, with_air
-from beamcam.checks.coping.tube_planes import FAR
+from beamcam.checks.coping.tube_ends import AIR, FAR, PieceAsked, short_by, with_air
 from beamcam.geometry.plane import Point
 from beamcam.model.part import Contour, Part
 

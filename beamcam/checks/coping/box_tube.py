@@ -22,16 +22,14 @@ from beamcam.checks.coping.box_faces import (
 )
 from beamcam.checks.coping.section import TubeSection, areas_of, pieces_of
 from beamcam.checks.coping.stock import FINE
-from beamcam.checks.coping.tube_piece import (
+from beamcam.checks.coping.tube_ends import (
+    FAR,
+    SQUARE_DEG,
+    End,
     FaceEnds,
     PieceAsked,
     Xs,
     ends_of_shape,
-)
-from beamcam.checks.coping.tube_planes import (
-    FAR,
-    SQUARE_DEG,
-    End,
     is_stated,
     kept,
     planes_of,

@@ -27,19 +27,21 @@ from beamcam.checks.coping.stock import (
     taken,
 )
 from beamcam.checks.coping.strokes import HEIGHT_SLACK, TipMove, TorchFollower, TorchStroke
-from beamcam.checks.coping.tube_piece import (
+from beamcam.checks.coping.tube_ends import (
     AIR,
     PieceAsked,
     TubeStock,
     bar_of,
     goes_out,
+    header_planes,
     is_end,
+    kept,
     piece_of,
+    planes_of,
     round_ends,
     short_by,
     with_air,
 )
-from beamcam.checks.coping.tube_planes import header_planes, kept, planes_of
 from beamcam.checks.coping.wanted import corners_of, with_corners_cut
 from beamcam.checks.coping.zones import chuck_faults, seam_faults, support_faults
 from beamcam.checks.job import manual_work

@@ -36,10 +36,9 @@ from beamcam.planning.coping.regions import (
     OUTLINE_NOISE,
     Cut,
     Shape,
-    curves_of,
     outline_on,
-    shape_of,
     sharp_corners,
+    taken,
 )
 from beamcam.planning.coping.tube_ends import (
     OVERLAP,
@@ -100,16 +99,16 @@ def unrolled(
     points: list[Point] = []
     for face, one in faces.items():
         shape = _beyond_ends(one, part, ends)
-        taken = [f for f in own if f.face == face and not _is_outline(f)]
-        of_face = [*_outlines(face, own), *taken]
+        inner = [f for f in own if f.face == face and not _is_outline(f)]
+        of_face = [*_outlines(face, own), *inner]
         points += [
             (x, s) for contour in of_face if isinstance(contour, Contour)
             for x, y in sharp_corners(contour) if CHORD < y < one.size - CHORD
             for s in on_surface(one, y, part.profile.thickness(face))
         ]  # fmt: skip
-        for feature in taken:
+        for feature in inner:
             lines = there[face].lines if there else ()
-            drawn = shape_of(curves_of(feature))
+            drawn = taken(feature)
             gone = opened(drawn, lines)
             if not gone.intersects(shape) or lies_beyond(drawn, lines):
                 diagnostics.append(

@@ -20,7 +20,7 @@ from beamcam.model.part import Contour, Feature
 from beamcam.planning.coping import rules
 from beamcam.planning.coping.chart import Chart
 from beamcam.planning.coping.cuts import CutChain, borders_of, chains_of
-from beamcam.planning.coping.regions import Cut, Shape, WallRegion, curves_of, shape_of
+from beamcam.planning.coping.regions import Cut, Shape, WallRegion, taken
 from beamcam.planning.coping.walls import EDGE, PlannedWall, Root
 
 BESIDE = 1.0  #: mm that a path may turn beside a place where its contour does
@@ -128,7 +128,7 @@ def without_openings(
         is_outer = isinstance(feature, Contour) and feature.kind != "inner"
         if is_outer or not isinstance(feature, Cut):
             continue
-        gone: Shape = shape_of(curves_of(feature))
+        gone: Shape = taken(feature)
         x0, y0, x1, y1 = gone.bounds
         for root in web.wall.roots:
             low = root.low == 0.0

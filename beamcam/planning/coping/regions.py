@@ -12,11 +12,11 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, Source
-from beamcam.geometry.curves import Arc, Curve, Line, Point, signed_area
-from beamcam.geometry.plane import unit_vector
+from beamcam.geometry.curves import Curve, Line, Point, signed_area
 from beamcam.geometry.polylines import polylines
 from beamcam.machine.coper import Coper
 from beamcam.model.part import Contour, Face, Feature, Hole, Part, Slot
+from beamcam.planning.contours.outline import curves_of
 from beamcam.planning.coping import rules
 from beamcam.planning.coping.chart import Chart
 from beamcam.planning.coping.walls import EndLine, PlannedWall
@@ -57,7 +57,7 @@ def region_of(
 
     own = [f for f in map(part.features.__getitem__, features) if isinstance(f, Cut)]
     outer = [c for c in own if isinstance(c, Contour) and c.kind == "outer"]
-    taken = [c for c in own if not (isinstance(c, Contour) and c.kind == "outer")]
+    inner = [c for c in own if not (isinstance(c, Contour) and c.kind == "outer")]
     diagnostics: list[Diagnostic] = []
     whole = _between(wall, (EndLine(0.0, 0.0), EndLine(part.length, 0.0)))
     strip = _between(wall, (EndLine(-BEYOND, 0.0), EndLine(part.length + BEYOND, 0.0)))
@@ -66,8 +66,8 @@ def region_of(
         diagnostics += _beyond(drawn, strip, wall, outer[0])
         whole = drawn.intersection(strip)
     shape, round_ones = whole, list[Shape]()
-    for feature in taken:
-        gone = shape_of(curves_of(feature))
+    for feature in inner:
+        gone = taken(feature)
         if not isinstance(feature, Contour):
             round_ones.append(gone)
         if not gone.intersects(whole):
@@ -79,7 +79,7 @@ def region_of(
     reliefs = union_all(round_ones)
     corners = [  # what is at a root is cut with it, or stays there; a hole may be its relief
         (x, y)
-        for c in (*outer, *taken) if isinstance(c, Contour)
+        for c in (*outer, *inner) if isinstance(c, Contour)
         for x, y in sharp_corners(c)
         if not reliefs.dwithin(Place(x, y), CHORD) and not (wall.face == "v" and any(
             y < root.inner + part.profile.radius if root.low == 0.0
@@ -309,27 +309,9 @@ def shape_of(
     return whole if whole.is_valid else make_valid(whole)
 
 
-def curves_of(feature: Cut) -> tuple[Curve, ...]:
-    """The closed chain that a feature is cut along."""
-    if isinstance(feature, Contour):
-        return feature.curves
-    if isinstance(feature, Hole):
-        return (Arc((feature.x, feature.y), feature.diameter / 2, 0.0, 360.0),)
-    return tuple(_slot_arcs(feature))
-
-
-def _slot_arcs(slot: Slot) -> Iterator[Curve]:
-    (c, s), radius = unit_vector(slot.angle), slot.diameter / 2
-    arcs = []
-    for k, (a, b) in enumerate(((1, 1), (-1, 1), (-1, -1), (1, -1))):
-        along, across = a * slot.length / 2, b * slot.height / 2
-        middle = slot.x + along * c - across * s, slot.y + along * s + across * c
-        arcs.append(Arc(middle, radius, slot.angle + 90.0 * k, 90.0))
-    for k, arc in enumerate(arcs):
-        yield arc
-        after = arcs[(k + 1) % 4]
-        if arc.end != after.start:
-            yield Line(arc.end, after.start)
+def taken(feature: Cut) -> Shape:
+    """What a hole, a slot or a cut-out takes of its wall."""
+    return shape_of(feature.curves if isinstance(feature, Contour) else curves_of(feature, 0.0))
 
 
 def sharp_corners(contour: Contour) -> Iterator[Point]:
@@ -361,7 +343,7 @@ def open_on(face: Face, part: Part) -> Shape:
     from shapely import union_all
 
     own = [f for f in part.made or () if getattr(f, "face", "").replace("h", "v") == face]
-    return union_all([shape_of(curves_of(f)) for f in own if isinstance(f, Cut) and is_through(f)])
+    return union_all([taken(f) for f in own if isinstance(f, Cut) and is_through(f)])
 
 
 def is_through(feature: Feature) -> bool:

@@ -21,11 +21,10 @@ from beamcam.planning.coping.regions import (
     OUTLINE_NOISE,
     Cut,
     Shape,
-    curves_of,
     off_edge,
     outline_on,
-    shape_of,
     sharp_corners,
+    taken,
 )
 from beamcam.planning.coping.tube_ends import (
     denied,
@@ -123,7 +122,7 @@ def taken_round(feature: Cut, part: Part) -> Shape:
 
     radius = part.profile.height / 2
     if not isinstance(feature, Hole):
-        return shape_of(curves_of(feature))
+        return taken(feature)
     r = min(feature.diameter / 2, radius)
     turns = [2 * pi * k / STEPS for k in range(STEPS)]
     return Polygon(
