@@ -126,9 +126,7 @@ class CoperSection:
 
     def plates(self) -> list[Box]:
         """The boxes of web and flanges."""
-        found = [
-            (0.0, self.back, self.high, self.front), (0.0, 0.0, self.flange, self.wide),
-        ]  # fmt: skip
+        found = [(0.0, self.back, self.high, self.front), (0.0, 0.0, self.flange, self.wide)]
         if self.has_upper:
             found.append((self.high - self.flange, 0.0, self.high, self.wide))
         if self.lip:

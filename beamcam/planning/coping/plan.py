@@ -201,9 +201,7 @@ class ProfilePlan:
 
     def _at_roots(self) -> None:
         """Adds what stays at the roots, and what is told and wrong of them."""
-        regions, chart, coper, source = (
-            self._regions, self._chart, self._coper, self._part.source
-        )  # fmt: skip
+        regions, chart, coper, source = (self._regions, self._chart, self._coper, self._part.source)
         web, flange = regions["v"].wall, regions["u"].wall
         # How deep a pass through a root cuts square to the flange, and at each end it is tilted to.
         depths: dict[int | None, float] = {None: chart.depth(flange.root_depth)}

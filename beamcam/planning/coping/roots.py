@@ -118,8 +118,7 @@ def root_faults(
         clear = f"{deep + 2 * EDGE:.1f} mm off the outside of face {root.face} at least"
         on_flange, others, band = through_flange(flange, coper)
         there = [one.x for one in on_flange] + [x for way in others for x, _ in way]
-        alone = [way for way in wrong
-                 if all(abs(x - way[0][0]) > flange.wall.width for x in there)]  # fmt: skip
+        alone = [way for way in wrong if all(abs(x - way[0][0]) > flange.wall.width for x in there)]
         yield from _otherwise(wrong, web.wall, across, clear, root.face, source, alone)
         over = f"clear of y {band[0]:.1f} to {band[1]:.1f}, where the web stands"
         yield from _otherwise(others, flange.wall, band, over, "v", source)
@@ -178,7 +177,7 @@ def _otherwise(
             )
         yield rules.ROOT.at(
             source, x=f"{way[0][0]:g}", face=wall.face, what=what, expected=expected
-        )  # fmt: skip
+        )
 
 
 CutWall = tuple[Sequence[Crossing], PlannedWall]  #: cuts through a root, and whose they are
