@@ -133,8 +133,7 @@ def without_openings(
         for root in web.wall.roots:
             low = root.low == 0.0
             off = y0 if low else width - y1
-            # How far off the outside the flange's inner surface is, and where the torch comes to.
-            thick, high = (root.inner, root.high) if low else (width - root.inner, width - root.low)
+            thick, high = root.thick, root.high - root.low  # to where the torch comes
             if off >= chart.depth(high + coper.root_over) + EDGE:
                 continue
             band = (0.0, off + half + high) if low else (y0 - half - high, width)

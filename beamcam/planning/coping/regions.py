@@ -81,11 +81,9 @@ def region_of(
         (x, y)
         for c in (*outer, *inner) if isinstance(c, Contour)
         for x, y in sharp_corners(c)
-        if not reliefs.dwithin(Place(x, y), CHORD) and not (wall.face == "v" and any(
-            y < root.inner + part.profile.radius if root.low == 0.0
-            else y > root.inner - part.profile.radius
-            for root in wall.roots
-        ))
+        if not reliefs.dwithin(Place(x, y), CHORD) and not (
+            wall.face == "v" and any(abs(y - root.y(0.0)) < root.thick + part.profile.radius
+                                     for root in wall.roots))
     ]  # fmt: skip
     region, more = rounded(WallRegion(wall, shape, {}), corners, part, coper)
     diagnostics += more

@@ -102,10 +102,10 @@ def root_faults(
     for root in web.wall.roots:
         flange = regions[root.face]
         depth = max(depths[None], deeper.get(root.face, 0.0))
-        across = _band(root, depth, web.wall)
+        across = root.inside(depth)
         on_web, wrong = crossings(web, across, coper)
         for end in depths.keys() - {None}:  # which counts there, be it more or less
-            own = [one for one in crossings(web, _band(root, depths[end], web.wall), coper)[0]
+            own = [one for one in crossings(web, root.inside(depths[end]), coper)[0]
                    if one.end == end]  # fmt: skip
             before = [one for one in on_web if one.end == end]
             on_web = [one for one in on_web if one.end != end] + own
@@ -114,7 +114,7 @@ def root_faults(
                 wrong = [way for way in wrong if not any(is_on(line, (at,)) for at in way)]
             elif before:
                 wrong += [((one.x, 0.0),) for one in before]
-        deep = max(root.high if root.low == 0.0 else web.wall.width - root.low, depth)
+        deep = max(root.high - root.low, depth)
         clear = f"{deep + 2 * EDGE:.1f} mm off the outside of face {root.face} at least"
         on_flange, others, band = through_flange(flange, coper)
         there = [one.x for one in on_flange] + [x for way in others for x, _ in way]
@@ -145,13 +145,6 @@ def lip_faults(regions: Mapping[Face, WallRegion], source: Source) -> Iterator[D
                 if along or {chain.start, chain.end} != {"low", "high"}:
                     what = "a cut into or along a lip" if chain.start else "a hole over a lip"
                     yield rules.INTO_LIP.at(source, what=what, x=f"{xs[0]:g}", face=face)
-
-
-def _band(root: Root, depth: float, web: PlannedWall) -> tuple[float, float]:
-    """The y of the web between the flange's inner surface and where a pass through it ends."""
-    if root.low == 0.0:
-        return root.inner + EDGE, max(root.high, depth - EDGE)
-    return min(root.low, web.width - depth + EDGE), root.inner - EDGE
 
 
 def _otherwise(
@@ -241,18 +234,15 @@ def with_steps(
 
     found, steps, off = dict(regions), list[Diagnostic](), dict[Face, float]()
     for root in regions["v"].wall.roots:
-        web, flange = regions["v"].wall, regions[root.face].wall
+        flange, depth = regions[root.face].wall, depths[root.face]
         (behind,) = flange.roots
-        low, depth = root.low == 0.0, depths[root.face]
-        ys = (0.0, depth + EDGE) if low else (web.width - depth - EDGE, web.width)
+        ys, inner = root.band(0.0, depth + EDGE), root.inside(depth)
         zs = max(behind.low - EDGE, 0.0), min(behind.high + EDGE, flange.width)
-        inner = _band(root, depth, web)
         across = max(EDGE, behind.low), min(flange.width - EDGE, behind.high)
-        beyond = (inner[0], ys[1] + EDGE) if low else (ys[0] - EDGE, inner[1])
-        outer = (EDGE, beyond[1]) if low else (beyond[0], web.width - EDGE)
+        wider = [root.band(near, depth + 2 * EDGE) for near in (EDGE, root.thick + EDGE)]
         beside = max(EDGE, zs[0] - EDGE), min(flange.width - EDGE, zs[1] + EDGE)
         pairs = product(
-            _approaches(regions["v"], inner, (outer, beyond), inner[not low], coper),
+            _approaches(regions["v"], inner, wider, root.y(root.thick + EDGE), coper),
             _approaches(regions[root.face], across, (beside,), None, coper),
         )
         for one, other in pairs:
@@ -353,9 +343,7 @@ def _ledge(
         far = -FAR if right else FAR
         return Polygon([(far, low), (end.x(low), low), (end.x(high), high), (far, high)])
 
-    wide, low = web.wall.width, root.low == 0.0
-    top = max(root.high, depth) + 2 * EDGE if low else min(root.low, wide - depth) - 2 * EDGE
-    beside = root.inner + (EDGE if low else -EDGE)
+    deep, beside = max(root.high - root.low, depth) + 2 * EDGE, root.y(root.thick + EDGE)
     x = end.x(beside)
     inwards = (-FAR, x) if right else (x, FAR)
     gap = LineString([(at, beside) for at in inwards]).difference(web.shape)
@@ -368,17 +356,15 @@ def _ledge(
         return
     # An outline of the web without the flange's own thickness means that the flange goes too.
     least, _, most, _ = gap.bounds
-    middle = root.inner / 2 if low else (root.inner + wide) / 2
+    middle = root.y(root.thick / 2)
     within = (least, end.x(middle)) if right else (end.x(middle), most)
     if LineString([(at, middle) for at in within]).difference(web.shape).length > OUTLINE_NOISE:
         return
-    edges = (0.0, top) if low else (top, wide)
-    strip = inside(*edges).difference(web.shape)
-    over = inside(top, wide) if low else inside(0.0, top)
+    strip, over = inside(*root.band(0.0, deep)), inside(*root.band(deep, web.wall.width))
     voids = polygons_of(over.difference(web.shape).buffer(-kerf), 0.0)
     open_above = [one for one in voids if one.length < FAR]
-    ledges = [one for one in polygons_of(strip, 0.0) if one.intersects(gap)]
+    ledges = [p for p in polygons_of(strip.difference(web.shape), 0.0) if p.intersects(gap)]
     near = [one for one in open_above if any(one.distance(ledge) <= 2 * kerf for ledge in ledges)]
     if near and all(one.length < FAR for one in ledges):
         for one in ledges:
-            yield one.buffer(EDGE / 10, join_style="mitre"), abs(top - root.inner)
+            yield one.buffer(EDGE / 10, join_style="mitre"), deep - root.thick

@@ -47,6 +47,23 @@ class Root(Struct, frozen=True):
     stands: Point | None = None  #: on a flange the y between which the web itself does; not of a C
     radius: float = 0.0  #: on a flange that of the fillets
 
+    @property
+    def thick(self) -> float:
+        """Of a web, how thick the flange is."""
+        return self.inner - self.low if self.low == 0.0 else self.high - self.inner
+
+    def y(self, depth: float) -> float:
+        """Of a web, its y so far below the outside of the flange."""
+        return depth if self.low == 0.0 else self.high - depth
+
+    def band(self, near: float, far: float) -> tuple[float, float]:
+        """Of a web, its y from one depth to another."""
+        return min(self.y(near), self.y(far)), max(self.y(near), self.y(far))
+
+    def inside(self, depth: float) -> tuple[float, float]:
+        """The y of a web from the flange's inner surface to where a pass that is so deep ends."""
+        return self.band(self.thick + EDGE, max(self.high - self.low, depth - EDGE))
+
 
 class EndLine(Struct, frozen=True):
     """Where a wall ends: x = at + slope y."""
