@@ -170,7 +170,14 @@ def _edges(f: int, contour: Contour, section: CoperSection, coper: Coper) -> Ite
     face = "v" if contour.face == "h" else contour.face
     thick, wide = section.thickness(face), section.high if face == "v" else section.wide
     which = [k for k, curve in enumerate(contour.curves) if curve.length > SAME]
-    curves = [_at_edge(contour.curves[k], wide) for k in which]
+    curves: list[Curve] = []
+    for curve in (contour.curves[k] for k in which):
+        if isinstance(curve, Line):  # near an edge of its wall on that
+            (xa, ya), (xb, yb) = curve.start, curve.end
+            ya, yb = (0.0 if abs(y) <= AT_EDGE else wide if abs(y - wide) <= AT_EDGE else y
+                      for y in (ya, yb))  # fmt: skip
+            curve = Line((xa, ya), (xb, yb)) if hypot(xb - xa, yb - ya) > SAME else curve
+        curves.append(curve)
     there = [[b for b in contour.bevels if b.curve == k and abs(b.angle) >= coper.min_bevel]
              for k in which]  # fmt: skip
     ring = Polygon([c.point(share) for c in curves for share in (0.0, 0.25, 0.5, 0.75)])
@@ -235,16 +242,6 @@ def _crossing(before: Sequence[Point], after: Sequence[Point]) -> Point:
         return bx, by
     share = ((cx - ax) * vy - (cy - ay) * vx) / across
     return ax + share * ux, ay + share * uy
-
-
-def _at_edge(curve: Curve, wide: float) -> Curve:
-    """A curve; the ends of a straight one near an edge of its wall on that."""
-    if not isinstance(curve, Line):
-        return curve
-    (xa, ya), (xb, yb) = curve.start, curve.end
-    ya, yb = (0.0 if abs(y) <= AT_EDGE else wide if abs(y - wide) <= AT_EDGE else y
-              for y in (ya, yb))  # fmt: skip
-    return Line((xa, ya), (xb, yb)) if hypot(xb - xa, yb - ya) > SAME else curve
 
 
 def _makes(stroke: TorchStroke, edge: BevelledEdge, over: float) -> bool:

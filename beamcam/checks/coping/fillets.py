@@ -31,15 +31,12 @@ def beside_web(stroke: TorchStroke, section: CoperSection) -> tuple[float, float
         reached = side < front
     if not reached:
         return None
-    least, most = (_through(stroke.face, side + z, section) for z in zs)
+    least, most = (  # of flange and fillet; at the web all of the fillet
+        section.flange + section.radius if section.back <= side + z <= section.front
+        else section.steel_through(stroke.face, side + z)
+        for z in zs
+    )  # fmt: skip
     return least, most
-
-
-def _through(face: str, z: float, section: CoperSection) -> float:
-    """The steel of flange and fillet at a z of the section; at the web all of the fillet."""
-    if section.back <= z <= section.front:
-        return section.flange + section.radius
-    return section.steel_through(face, z)
 
 
 def _is_straight(stroke: TorchStroke, section: CoperSection) -> bool:

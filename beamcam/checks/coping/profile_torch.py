@@ -33,7 +33,6 @@ from beamcam.errors import Source
 from beamcam.geometry.plane import Point
 from beamcam.machine.torch import TorchRow
 
-MIDDLE_SLACK = 0.05  #: mm of height on the way of a block on which the torch turns
 SHARES = (0.25, 0.5, 0.75)  #: of such a block, where the torch is looked at besides its ends
 SPEED_SHARE = 0.01  #: of its way that its time may be off by, besides how it is written
 #: by which the speed of a whole cut may be off by its figures, where there are speeds between rows
@@ -82,17 +81,12 @@ class ProfileTorch(TorchFollower):
         row = self._row(source, moves, [feet[k] for k in ends])
         if row is None:
             return
-        self._pierce_time(source, row)
         # The tip is wide; its lower edge keeps the height of the row.
         lowest = [
             height - coper.torch_width / 2 * sin(angle)
             for height, angle in zip(over, leaning, strict=True)
         ]
-        self._height(source, face, lowest[:1], row.pierce_height, "pierces")
-        self._height(source, face, [lowest[k] for k in ends[1:]], row.cut_height, "cuts")
-        off = max(lowest[ends[1] :], key=lambda one: abs(one - row.cut_height))
-        if abs(off - row.cut_height) > MIDDLE_SLACK:
-            self._height(source, face, (off,), row.cut_height, "cuts on its way")
+        self._heights(source, face, row, [lowest[k] for k in ends], lowest[ends[1] :])
         if dist(feet[0], feet[ends[1]]) > HEIGHT_SLACK or poses[0].turned != poses[ends[1]].turned:
             self._wrong(line, "a slanting way down to the steel", "one straight along the torch")
         places = tuple(pose.tip[1:] for pose in poses)

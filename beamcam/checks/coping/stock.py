@@ -95,18 +95,14 @@ def taken(feature: Feature) -> Any:
 
     if isinstance(feature, Hole):
         return Polygon(round_ring(feature.x, feature.y, feature.diameter / 2))
-    if isinstance(feature, Slot):
-        return MultiPoint([*_slot_ring(feature)]).convex_hull
+    if isinstance(feature, Slot):  # the hull of its round corners
+        c, s, rounds = cos(radians(feature.angle)), sin(radians(feature.angle)), list[Point]()
+        for k, (a, b) in enumerate(((0.5, 0.5), (-0.5, 0.5), (-0.5, -0.5), (0.5, -0.5))):
+            x = feature.x + a * feature.length * c - b * feature.height * s
+            y = feature.y + a * feature.length * s + b * feature.height * c
+            rounds += round_ring(x, y, feature.diameter / 2, feature.angle + 90.0 * k, 90.0)
+        return MultiPoint(rounds).convex_hull
     return inside_of(ring_of(feature.curves)) if isinstance(feature, Contour) else Polygon()
-
-
-def _slot_ring(slot: Slot) -> Iterator[Point]:
-    """Points of the round corners of a slot, whose hull it is."""
-    c, s = cos(radians(slot.angle)), sin(radians(slot.angle))
-    for k, (a, b) in enumerate(((0.5, 0.5), (-0.5, 0.5), (-0.5, -0.5), (0.5, -0.5))):
-        x = slot.x + a * slot.length * c - b * slot.height * s
-        y = slot.y + a * slot.length * s + b * slot.height * c
-        yield from round_ring(x, y, slot.diameter / 2, slot.angle + 90.0 * k, 90.0)
 
 
 def is_through(feature: Feature) -> bool:

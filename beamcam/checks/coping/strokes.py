@@ -1,7 +1,7 @@
 """What the torch of a coper does: each stroke from pierce to end, and what is wrong on its way."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from math import cos, hypot, isfinite, pi, radians, sin, tan
 from typing import Any
 
@@ -30,6 +30,7 @@ ANGLES = {-90.0: "o", 0.0: "v", 90.0: "u"}  #: what the torch looks at, by A
 ANGLE_SLACK_DEG = 0.01
 TINY = 1e-12  #: of the square of a lean
 HEIGHT_SLACK = 0.02  #: mm
+MIDDLE_SLACK = 0.05  #: mm of height on the way of a block on which the torch or the bar turns
 TIME_SLACK_S = 0.0006
 LONGEST_PAUSE_S = 60.0  #: with the torch off
 ENDS = (2, 30)
@@ -316,23 +317,26 @@ class TorchFollower(ABC):
     def _take(self, line: int, moves: Sequence[Move[Place]]) -> None:
         """Adds the stroke of some moves, and says what is wrong with it."""
 
-    def _pierce_time(self, source: Source, row: TorchRow) -> None:
+    def _heights(
+        self, source: Source, face: str, row: TorchRow, ends: Sequence[float],
+        between: Sequence[float],
+    ) -> None:  # fmt: skip
+        """Says where the torch does not wait as long as its row asks for, and where its tip is not
+        as high over the steel: at the `ends` of moves, the first of which is where it pierces, and
+        `between` them as it cuts."""
         if abs(self._waited - row.pierce_s) > TIME_SLACK_S:
             found = f"{self._waited:g}"
             self._say(rules.PIERCE.at(source, found=found, expected=f"{row.pierce_s:g}"))
-
-    def _height(
-        self, source: Source, face: str, over: Iterable[float], wanted: float, does: str
-    ) -> None:
-        """Says where the tip is not as high over the steel as wanted."""
-        for found in over:
-            if abs(found - wanted) > HEIGHT_SLACK:
-                self._say(
-                    rules.HEIGHT.at(
-                        source, found=f"{found:.3f}", face=face, does=does, expected=f"{wanted:g}"
-                    )
-                )
-                return
+        off = max(between, key=lambda one: abs(one - row.cut_height), default=row.cut_height)
+        for over, height, most, does in (
+            (ends[:1], row.pierce_height, HEIGHT_SLACK, "pierces"),
+            (ends[1:], row.cut_height, HEIGHT_SLACK, "cuts"),
+            ((off,), row.cut_height, MIDDLE_SLACK, "cuts on its way"),
+        ):
+            if (found_at := next((h for h in over if abs(h - height) > most), None)) is not None:
+                self._say(rules.HEIGHT.at(
+                    source, found=f"{found_at:.3f}", face=face, does=does, expected=f"{height:g}"
+                ))  # fmt: skip
 
 
 def below(place: Place, far: float, a_deg: float, b_deg: float) -> Place:

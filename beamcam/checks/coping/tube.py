@@ -26,7 +26,13 @@ from beamcam.checks.coping.stock import (
     ring_of,
     taken,
 )
-from beamcam.checks.coping.strokes import HEIGHT_SLACK, TipMove, TorchFollower, TorchStroke
+from beamcam.checks.coping.strokes import (
+    HEIGHT_SLACK,
+    MIDDLE_SLACK,
+    TipMove,
+    TorchFollower,
+    TorchStroke,
+)
 from beamcam.checks.coping.tube_ends import (
     AIR,
     PieceAsked,
@@ -55,7 +61,6 @@ from beamcam.model.part import Contour, EndCuts, EndPlane, Hole, Part, Slot
 Shape = Any  #: of shapely
 
 SHARES = (0.25, 0.5, 0.75)  #: of a block, where the torch is looked at besides its ends
-MIDDLE_SLACK = 0.05  #: mm there, as on a corner the tip goes straight between two places
 SPEED_SHARE = 0.01  #: of a block's way that its time may be off by, besides how it is written
 HOLE_STEPS = 121
 TWICE = 0.1  #: share of a stroke that is new at least, or it is cut twice
@@ -113,15 +118,9 @@ class TubeTorch(TorchFollower):
                 rules.FEED.at(source, found=f"{shown:.0f}", thickness="steel", expected=of_chart)
             )
             return
-        self._pierce_time(source, row)
         face = self._section.face_at(points[1][1])
-        self._height(source, face, over[:1].tolist(), row.pierce_height, "pierces")
-        self._height(source, face, over[1:].tolist(), row.cut_height, "cuts")
-        cutting = over_ways[:, 1:].ravel()
-        off = np.abs(cutting - row.cut_height)
-        if off.max(initial=0.0) > MIDDLE_SLACK:
-            highest = float(cutting[off.argmax()])
-            self._height(source, face, (highest,), row.cut_height, "cuts on its way")
+        between = over_ways[:, 1:].ravel().tolist()
+        self._heights(source, face, row, over.tolist(), between)
         if dist(points[0], points[1]) > HEIGHT_SLACK:
             self._wrong(line, "a slanting way down to the steel", "one straight along the torch")
         places = tuple((m.end[1], m.end[2]) for m in moves)

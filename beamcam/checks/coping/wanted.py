@@ -1,7 +1,6 @@
 """What has to stay of each wall of a part, worked out for the read-back alone."""
 
 from collections.abc import Collection, Sequence
-from functools import partial
 from itertools import pairwise
 from math import atan2, degrees, dist, hypot, inf, pi
 from typing import Any
@@ -76,7 +75,13 @@ def required_on(
     first, last = (-FAR if -1 in sides else 0.0), (FAR if 1 in sides else part.length)
     drawn: Shape = whole if stock.is_piece else box(first, 0.0, last, wide)
     if outlines:
-        at_end = partial(_at_ends, ends or (stock.ends[face] if stock.is_piece else ()))
+        known = ends or (stock.ends[face] if stock.is_piece else ())
+
+        def at_end(place: Point) -> Point:
+            for end in known:
+                place = end.moved(place)
+            return place
+
         rings = [outline_ring(one.curves, (0.0, wide), at_end) for one in outlines]
         drawn = union_all([inside_of(ring) for ring in rings])
         drawn = drawn.intersection(box(-1e6, 0.0, 1e6, wide))
@@ -115,12 +120,6 @@ def required_on(
     return RequiredWall(drawn, cut, short if short > DRAWN else 0.0)
 
 
-def _at_ends(ends: Sequence[EndOnWall], place: Point) -> Point:
-    for end in ends:
-        place = end.moved(place)
-    return place
-
-
 def with_corners_cut(drawn: Shape, corners: list[Point], radius: float, turn: float = 0.0) -> Shape:
     """A region whose corners are as round as a machine cuts them: by its radius, or where a disc of
     that does not come to both sides of one, by the largest that does.
@@ -145,26 +144,23 @@ def with_corners_cut(drawn: Shape, corners: list[Point], radius: float, turn: fl
             seen.add(place)
             far = 5 * radius
             near = areas_of(drawn.intersection(box(x - far, y - far, x + far, y + far)))
-            room = _room(near, (x, y), radius)
+            least, room = (
+                0.0,
+                radius,
+            )  # between sides that lean a disc comes to lie much farther off
+            while room - least > FINE / 10:
+                middle = (least + room) / 2
+                if _cramped(near, left_at(near, [(x, y)], middle), [(x, y)], middle):
+                    room = middle
+                else:
+                    least = middle
+            room = least if least > FINE else radius
             added += _at_corners(left_at(near, [(x, y)], room), [(x, y)], room)
     if not turn:
         return _joined(drawn, added)
     # On a grid GEOS does not join what is there again a turn farther.
     grown = [one.buffer(OVERLAP, join_style="mitre") for one in added]
     return areas_of(union_all([drawn, *(translate(one, 0.0, by) for one in grown for by in turns)]))
-
-
-def _room(near: Shape, corner: Point, radius: float) -> float:
-    """The largest radius below another one with which a disc comes to both sides of a corner; that
-    itself where there is none."""
-    least, most = 0.0, radius
-    while most - least > FINE / 10:  # between sides that lean a disc comes to lie much farther off
-        middle = (least + most) / 2
-        if _cramped(near, left_at(near, [corner], middle), [corner], middle):
-            most = middle
-        else:
-            least = middle
-    return least if least > FINE else radius
 
 
 def _cramped(

@@ -153,11 +153,14 @@ def agreed_ends(part: Part) -> tuple[Part, list[Diagnostic]]:
                     diagnostics.append(bar_rules.CUT_FROM_CONTOUR.at(
                         source, kind=kind, found=f"{angle:.3f}", end=at))  # fmt: skip
             else:
-                denied = [
-                    _leaning(side) for face, side in sides
-                    if abs(_leaning(side) - angle) > NOISE_DEG
-                    and not _is_within(side, planes[k], face, part)
-                ]  # fmt: skip
+                denied = []
+                for face, side in sides:
+                    end = _on_wall(planes[k], "v" if face == "h" else face, part)
+                    is_within = all(  # on the steel's side of the end, clear of it
+                        planes[k].side * (end.x(y) - x) > OUTLINE_NOISE + end.play for x, y in side
+                    )
+                    if not is_within and abs(_leaning(side) - angle) > NOISE_DEG:
+                        denied.append(_leaning(side))
                 if denied:
                     diagnostics.append(bar_rules.CUT_DENIED.at(
                         source, kind=kind, found=f"{angle:g}", end=at,
@@ -173,12 +176,6 @@ def _leaning(side: Side) -> float:
     """The angle of a side in degrees, with DSTV's sign."""
     (xa, ya), (xb, yb) = side
     return degrees(atan((xa - xb) / (yb - ya)))
-
-
-def _is_within(side: Side, plane: SectionEnd, face: Face, part: Part) -> bool:
-    """Whether a side lies on the steel's side of an end, clear of it."""
-    end = _on_wall(plane, "v" if face == "h" else face, part)
-    return all(plane.side * (end.x(y) - x) > OUTLINE_NOISE + end.play for x, y in side)
 
 
 def _drawn(part: Part, face: Face) -> list[Any]:

@@ -81,30 +81,25 @@ def plan_coping(
         plan = plan_tube(part, machine, coper, skips)
     else:
         plan = ProfilePlan(part, machine, coper, skips).planned()
-    off = [*_before_bar(plan), *_over_supports(plan, coper), *_over_chuck(plan, coper)]
-    if off:
+    if off := [*_out_of_reach(plan, coper)]:
         raise PlanError(off)
     if any(said.code == rules.TABLE_RADIUS.code for said in diagnostics):
         plan = replace(plan, usual_corners=True)
     return replace(plan, remarks=(*diagnostics, *plan.remarks)) if diagnostics else plan
 
 
-def _before_bar(plan: CopePlan) -> Iterator[Diagnostic]:
-    """An error where the steel of a part begins before the bar that it is cut from."""
-    (piece,) = plan.pieces
-    if piece.part.made is not None:
-        return
+def _out_of_reach(plan: CopePlan, coper: Coper) -> Iterator[Diagnostic]:
+    """Errors for steel of a part before the bar that it is cut from, and for cuts along which the
+    torch would come to a support, or to the chuck that holds a piece by its end.
+
+    A bar is held behind the part and the scrap.
+    """
+    (piece,), half = plan.pieces, coper.torch_width / 2
     x, cut = min(((x, cut) for cut in plan.operations for x, _ in cut.path), key=itemgetter(0))
-    if x < -piece.start:
+    if piece.part.made is None and x < -piece.start:
         yield rules.ORIGIN.at(cut.source, x=f"{x:.1f}", face=cut.face, trim=f"{piece.start:g}")
-
-
-def _over_supports(plan: CopePlan, coper: Coper) -> Iterator[Diagnostic]:
-    """Errors for cuts along which the torch would come to a support of the bar."""
-    half = coper.torch_width / 2
     for cut in plan.operations:
-        xs = [x + plan.pieces[0].start for x, _ in cut.path]
-        ways = [sorted(pair) for pair in pairwise(xs)]
+        ways = [sorted(pair) for pair in pairwise(x + piece.start for x, _ in cut.path)]
         for zone in coper.supports:
             there = [low for low, high in ways if low < zone.max + half and high > zone.min - half]
             if there:
@@ -112,17 +107,9 @@ def _over_supports(plan: CopePlan, coper: Coper) -> Iterator[Diagnostic]:
                     cut.source, x=f"{there[0]:.1f}", face=cut.face, least=f"{zone.min:g}",
                     most=f"{zone.max:g}",
                 )  # fmt: skip
-
-
-def _over_chuck(plan: CopePlan, coper: Coper) -> Iterator[Diagnostic]:
-    """Errors for cuts along which the torch would come to the chuck that holds a piece by its end.
-
-    It holds a bar behind the part and the scrap.
-    """
-    (piece,) = plan.pieces
     if coper.turns == "torch" or piece.part.made is None:
         return
-    most = piece.part.length - coper.chuck - coper.torch_width / 2
+    most = piece.part.length - coper.chuck - half
     for cut in plan.operations:
         if (x := max(x for x, _ in cut.path)) > most:
             yield rules.CHUCK.at(

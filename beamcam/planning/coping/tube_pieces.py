@@ -221,7 +221,13 @@ def open_paths(
             if max(us) - min(us) > 1.5 * turn:
                 wrong.append(rules.TUBE_END.at(source, what="an outline that takes all of an end"))
             elif turn <= min(us) < 2 * turn:
-                if (air := _in_air(one, piece.steel, row.kerf)) is not None:
+                off, ends = one.difference(piece.steel), one.boundary
+                air = next(  # where it goes on in the air for longer than an arc does
+                    (p.centroid.x for p in getattr(off, "geoms", (off,)) if p.length > (
+                        IN_AIR * row.kerf if p.distance(ends) <= ON else row.kerf / 2)),
+                    None,
+                )  # fmt: skip
+                if air is not None:
                     what = f"an outline that leaves too little to cut along the end at x {air:.1f}"
                     wrong.append(rules.TUBE_END.at(source, what=what))
                     continue
@@ -236,16 +242,6 @@ def open_paths(
                 )
                 chains.append(chain if left < right else chain.reversed())
     return chains, [*dict.fromkeys(wrong)]
-
-
-def _in_air(path: Shape, steel: Shape, kerf: float) -> float | None:
-    """The x at which a path goes on in the air for longer than an arc does; None if nowhere."""
-    off = path.difference(steel)
-    ends = path.boundary
-    for one in getattr(off, "geoms", (off,)):
-        if one.length > (IN_AIR * kerf if one.distance(ends) <= ON else kerf / 2):
-            return float(one.centroid.x)
-    return None
 
 
 def led_from_air(
