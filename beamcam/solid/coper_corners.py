@@ -75,8 +75,7 @@ def _wall_of(face: str, part: Part) -> str:
 def _rounds(
     steel: Shape, contours: Iterable[Contour], radius: float
 ) -> Iterator[tuple[Point, float, Shape]]:
-    """The re-entrant corners of contours, the radius for which each has room, and what it keeps of
-    the air beside some steel."""
+    """The re-entrant corners of contours, the radius that each has room for, its steel."""
     from shapely import Point as Place
     from shapely import box
 
@@ -143,8 +142,7 @@ def _filled(steel: Shape, turns: Sequence[_Turn], radius: float) -> list[tuple[S
 
 
 def _thick(shape: Shape, half: float) -> Iterator[tuple[Shape, Shape]]:
-    """The pieces of a shape, each with what of it is thicker; slivers along sides that lean may
-    join some."""
+    """The pieces of a shape that slivers may join, each with what of it is thicker."""
     from shapely import union_all
 
     for piece in getattr(shape, "geoms", [shape]):

@@ -48,8 +48,7 @@ class _End(Struct, frozen=True):
     def within(
         self, shape: Shape, reach: float, by_y: float = 0.0, by_z: float = 0.0
     ) -> "Manifold":
-        """What of a section lies behind side X = reach - by_y Y - by_z Z, from before all of the
-        end on."""
+        """What of a section lies behind side X = reach - by_y Y - by_z Z."""
         _, _, high, wide = shape.bounds if not shape.is_empty else (0.0,) * 4
         far = abs(self.by_y) * high + abs(self.by_z) * wide + FREE
         low, most = sorted((self.side * (self.at - 3 * far), self.side * (self.at + 3 * far)))

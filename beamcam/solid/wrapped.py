@@ -174,8 +174,7 @@ def unrolled(body: "Manifold", skin: Skin, deep: float) -> Shape:
 
 
 def outline_gone(part: Part, margin: float = 0.0) -> Shape:
-    """What the outlines of a tube leave out of its surface, in (x, u) of one turn; all of it stays
-    without one."""
+    """What outlines of a tube leave out of its surface, in (x, u) of one turn; or nothing."""
     from shapely import Polygon, box, transform
 
     turn = skin_of(part)[0].turn
@@ -192,8 +191,7 @@ def outline_gone(part: Part, margin: float = 0.0) -> Shape:
 
 
 def _on_seam(curves: Sequence[Curve], turn: float, long: float, points: Any) -> Any:
-    """Corners of an outline, the ends of its sides along the seam on it; those of long sides may be
-    off by more."""
+    """Corners of an outline, the ends of its sides along the seam on it."""
     points = points.copy()
     for side in curves:
         if isinstance(side, Line):

@@ -92,8 +92,7 @@ def codes_read(coper: Coper) -> tuple[str, ...]:
 def _profile_faults(
     events: Sequence[BarEvent], job: "CoperJob", left: Collection[int]
 ) -> list[Diagnostic]:
-    """What is wrong with a torch that goes round a profile, or over one that turns, and what it
-    leaves for manual work."""
+    """What is wrong with the program of a profile, and what it leaves for manual work."""
     from beamcam.checks.coping.collisions import collision_faults, turned_unseen
     from beamcam.checks.coping.compare import WallComparison
     from beamcam.checks.coping.profile_torch import ProfileTorch, TurnedTorch

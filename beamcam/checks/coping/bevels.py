@@ -141,8 +141,7 @@ def passes_of(
     part: Part, section: CoperSection, coper: Coper, strokes: Sequence[TorchStroke],
     ends: Sequence[SkewEnd],
 ) -> list[BevelPass]:  # fmt: skip
-    """The bevelled edges of a part that strokes make, each stroke once; not the bevels that tilted
-    `ends` show."""
+    """The bevelled edges that strokes make; not the bevels that tilted `ends` show."""
     passes: list[BevelPass] = []
     if section.lip:  # a pass would go on into a lip
         return passes

@@ -29,8 +29,7 @@ class BoxWall(Struct, frozen=True):
     is_drawn: bool
 
     def ends(self) -> tuple[list[Point], list[Point]]:
-        """x and y of places along both ends; FAR of what has no steel, but none of a slot's
-        floor."""
+        """x and y of places along both ends, but a slot's floor; FAR where there is no steel."""
         from shapely import bounds, intersection, linestrings
 
         ys = [self.wide * k / 20 for k in range(1, 20)]
@@ -77,7 +76,7 @@ def _rings_of(
     """The outlines of a face; that of the other web is not asked of one whose own is there."""
     wide = part.profile.height if face in "vh" else part.profile.width
     return [
-        _gone_on(outline_ring(f.curves, (0.0, wide), lambda place: place), wide, section.radius)
+        _gone_on(outline_ring(f.curves, (0.0, wide)), wide, section.radius)
         for f in outlines_of(face, features)
         if f.face == face or piece is None or not piece.faces[face].has_outline
     ]

@@ -68,8 +68,7 @@ class TubeWanted(Struct, frozen=True):
 def box_wanted(
     part: Part, coper: Coper, left: set[int], section: TubeSection, piece: PieceAsked | None = None
 ) -> TubeWanted:
-    """What has to stay of a part, or of a piece that comes cut; `left` are features that are not
-    made."""
+    """What has to stay of a part or a piece; `left` are features that are not made."""
     from shapely import union_all
     from shapely.affinity import translate
 
@@ -260,8 +259,7 @@ def _ended(wall: BoxWall, ends: Sequence[End | None], section: TubeSection) -> S
 
 
 def _into_corner(void: Shape, wide: float, radius: float) -> float:
-    """How far a cut-out goes beyond the flat of its face, where it ends before the middle of the
-    corner; 0 of any other."""
+    """How far a cut-out goes into a corner where it ends before its middle, or 0."""
     if void.is_empty:
         return 0.0
     _, low, _, high = void.bounds
@@ -294,8 +292,7 @@ def _in_corner(
 
 
 def _on_surface(face: str, y: float, wide: float, section: TubeSection) -> set[float]:
-    """s of a place of a face; over the corner beside it where its outside is seen, and its
-    inside."""
+    """s of a place of a face; over the corner beside it those of outside and inside."""
     r = section.radius
     flat = min(max(y, r), wide - r)
     into, rises = abs(y - flat), (y > flat) == (face in "uv")

@@ -30,8 +30,7 @@ class CoperJob(Struct, frozen=True):
         return Source(self.name, line)
 
     def row_for(self, thickness: float) -> TorchRow | None:
-        """The row for so much steel, at a feed between two where the file says so; None for more
-        than any cuts."""
+        """The row for so much steel, or at a feed between two; None for more than any cuts."""
         fits = [row for row in self.rows if row.up_to >= thickness - SAME]
         if not fits:
             return None
@@ -56,8 +55,7 @@ class CoperJob(Struct, frozen=True):
         return None
 
     def _neighbours(self) -> Iterator[tuple[TorchRow, TorchRow]]:
-        """Rows of one chart that differ in their thickness, each with the next one; none where each
-        stands for all thinner steel."""
+        """Rows of one chart, each with the next one; none where feeds are not interpolated."""
         if self.coper.between_rows == "interpolate":
             alike = {(r.process, r.material, r.amps, r.nozzle) for r in self.rows}
             for key in alike:

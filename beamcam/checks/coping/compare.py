@@ -17,7 +17,7 @@ from beamcam.checks.coping import rules
 from beamcam.checks.coping.bevels import ends_of_passes, pass_faults
 from beamcam.checks.coping.chart import SAME_FEED, CoperJob
 from beamcam.checks.coping.fillets import FLUSH, beside_web
-from beamcam.checks.coping.left import WallPieces, holding_faults, kept_faults, outline_of, parted
+from beamcam.checks.coping.left import WallPieces, holding_faults, hurt_fault, kept_faults, parted
 from beamcam.checks.coping.required import RequiredWalls
 from beamcam.checks.coping.section import CoperSection, jet_of, line_of, narrowed, pieces_of
 from beamcam.checks.coping.stock import FINE, WallStock
@@ -34,8 +34,7 @@ SURE = 0.01  #: mm that figures of a thickness may be off
 
 
 class ContourBand:
-    """Where a stroke runs that keeps half a kerf off the contour of a surface, as the torch sees
-    it."""
+    """Where strokes run half a kerf off the contour of a surface, as the torch sees it."""
 
     def __init__(self, kept: Shape, depth: float, kerf: float, share: float, slack: float) -> None:
         from shapely import prepare
@@ -151,12 +150,7 @@ class WallComparison:
                 continue
             hurt = union_all(taken).intersection(inner)
             if hurt.area > SLIVER:
-                x, y = hurt.representative_point().coords[0]
-                off = max(inner.boundary.distance(line_of([p])) for p in outline_of(hurt))
-                yield rules.HURT.at(
-                    self._job.at(), found=f"{self._slack + off:.2f}", face=face, x=f"{x:.1f}",
-                    y=f"{y:.1f}", expected=f"{self._slack:.2f}",
-                )  # fmt: skip
+                yield hurt_fault(hurt, inner, self._slack, self._job.at(), face)
                 return
 
     def _stroke_faults(
@@ -203,8 +197,7 @@ class WallComparison:
     def _extra(
         self, stroke: TorchStroke, bands: Sequence[ContourBand], steel: Shape
     ) -> Point | None:
-        """A place of a stroke that runs along the contour of no surface; None where it does of
-        one."""
+        """A place of a stroke that runs along the contour of no surface; None of any other."""
         first: Point | None = None
         for band in bands:
             if band.view == (stroke.row.kerf, stroke.share):
@@ -256,8 +249,7 @@ class WallComparison:
         return deep - SURE, deep + SURE
 
     def _is_far(self, stroke: TorchStroke) -> bool:
-        """Whether a stroke is of the far end; of a flange with a lip by where that part of it
-        ends."""
+        """Whether a stroke is of the far end; of a flange with a lip by that part of it."""
         from shapely import box
 
         section, drawn = self._section, self._required.walls[stroke.face, 0.0].drawn

@@ -54,6 +54,18 @@ def kept_faults(
             return
 
 
+def hurt_fault(
+    hurt: Shape, kept: Shape, slack: float, source: Source, face: str | TubeSection
+) -> Diagnostic:
+    """That a stroke takes of what is kept, at one place and as deep as anywhere."""
+    x, y = hurt.representative_point().coords[0]
+    deep = slack + max(kept.boundary.distance(line_of([p])) for p in outline_of(hurt))
+    return rules.HURT.at(
+        source, found=f"{deep:.2f}", face=face if isinstance(face, str) else face.face_at(y),
+        x=f"{x:.1f}", y=f"{y:.1f}", expected=f"{slack:.2f}",
+    )  # fmt: skip
+
+
 def holding_faults(
     face: str,
     web: WallPieces,
@@ -63,8 +75,7 @@ def holding_faults(
     slack: float,
     name: str,
 ) -> Iterator[Diagnostic]:
-    """Scrap of the web that a flange of the part holds at a surface z of the web, or the other way
-    round."""
+    """Scrap of the web that a flange holds at a surface z of it, or the other way round."""
     from shapely import LineString, force_2d, transform
 
     y = section.web_ends[1] - 1e-3 if face == "o" else section.web_ends[0] + 1e-3

@@ -162,8 +162,7 @@ class TurnedTorch(ProfileTorch):
     def _row(
         self, source: Source, moves: Sequence[Move[Place]], feet: Sequence[Point]
     ) -> TorchRow | None:
-        """The row at whose feed every block goes; where each has its own time, within what its
-        figures leave open."""
+        """The row at whose feed every block goes, within what its figures leave open."""
         ways = [dist(move.start, move.end) for move in moves]
         minutes = [
             move.minutes or (way / move.feed_mm_min if move.feed_mm_min > 0.0 else 0.0)

@@ -359,8 +359,7 @@ class RequiredWalls:
             self._grow(off)
 
     def _add_ledges(self) -> None:
-        """Adds the ledges of the web. At a skew end there are some only where the torch is tilted
-        to it."""
+        """Adds the ledges of the web; at a skew end only where the torch is tilted to it."""
         section = self._section
         for face in section.faces[1:]:
             flange = self.walls[face, 0.0].drawn

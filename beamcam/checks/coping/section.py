@@ -150,8 +150,7 @@ class CoperSection:
         return coper.reach_beside(self.radius, height)
 
     def beside_lip(self, coper: Coper) -> float:
-        """The y of a flange up to which it is cut as its lip is: 1 mm more than its bend, and half
-        of the widest kerf."""
+        """The y of a flange up to which it is cut as its lip is, 1 mm beyond its bend."""
         return self.bend + 1.0 + max(row.kerf for row in coper.rows) / 2 if self.lip else 0.0
 
     @cached_property

@@ -43,8 +43,7 @@ class SkewEnd(Struct, frozen=True):
         return self.c - y * self.by_y - z * self.by_z
 
     def on(self, face: str, section: CoperSection, depth: float) -> tuple[float, float]:
-        """x on a surface of a wall, `depth` below the one that the torch looks at: at y 0, and how
-        much more at y 1."""
+        """x on a surface so far below that of a wall: at y 0, and how much more at y 1."""
         if face == "v":
             return self.x(0.0, section.front - depth), -self.by_y
         return self.x(section.high - depth if face == "o" else depth, 0.0), -self.by_z

@@ -5,7 +5,7 @@ through the outermost corner of the section. A wall ends where either of its sur
 farthest; a drawing may have the other one.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from math import ceil, cos, inf, pi, radians, sin
 from typing import Any
 
@@ -39,15 +39,15 @@ def inside_of(ring: Sequence[Point]) -> Any:
 
 
 def outline_ring(
-    curves: tuple[Curve, ...], edges: Sequence[float], at_end: Callable[[Point], Point],
+    curves: tuple[Curve, ...], edges: Sequence[float], ends: Sequence[EndOnWall] = (),
     seam_from: float = inf,
 ) -> list[Point]:  # fmt: skip
     """Points along an outline, its sides near one of some edges on that edge.
 
     A side of a tube that is as long as `seam_from` may be its seam.
 
-    Only ends of straight sides are moved, to an edge and then by `at_end`; those of an arc that
-    runs into an edge are steel that is asked for.
+    Only ends of straight sides are moved, to an edge and then to one of the wall's `ends`; those of
+    an arc that runs into an edge are steel that is asked for.
     """
     points: list[Point] = []
     for k, curve in enumerate(curves):
@@ -56,7 +56,9 @@ def outline_ring(
         x, y = first
         on = [edge for edge in edges if any(_is_edge(side, edge, seam_from) for side in sides)]
         first = (x, on[0] if on else y)
-        points += [at_end(first) if sides else first, *rest]
+        for end in ends if sides else ():
+            first = end.moved(first)
+        points += [first, *rest]
     return points
 
 

@@ -16,7 +16,7 @@ from beamcam.checks.coping import rules
 from beamcam.checks.coping.box_tube import LEAST_OFF, TubeWanted, box_ends, box_wanted
 from beamcam.checks.coping.chart import CoperJob
 from beamcam.checks.coping.collisions import collision_faults, turned_unseen
-from beamcam.checks.coping.left import kept_faults, outline_of, parted
+from beamcam.checks.coping.left import hurt_fault, kept_faults, parted
 from beamcam.checks.coping.section import TubeSection, areas_of, kerf_of, line_of
 from beamcam.checks.coping.stock import (
     FINE,
@@ -218,12 +218,7 @@ def _compared(
         run, kerf = line_of(points), kerf_of(points, half)
         burnt = union_all([kerf, Point(points[0]).buffer(stroke.row.pierce_radius)])
         if kept.intersects(burnt) and (hurt := burnt.intersection(kept)).area > 0.0:
-            x, u = hurt.representative_point().coords[0]
-            deep = slack + max(kept.boundary.distance(Point(p)) for p in outline_of(hurt))
-            yield rules.HURT.at(
-                source, found=f"{deep:.2f}", face=section.face_at(u), x=f"{x:.1f}", y=f"{u:.1f}",
-                expected=f"{slack:.2f}",
-            )  # fmt: skip
+            yield hurt_fault(hurt, kept, slack, source, section)
             return
         lead = _lead_of(points, coper.lead + half + stock.apart, slack)
         cut, near = line_of(points[lead:]), edges[stroke.row.kerf]
@@ -274,8 +269,7 @@ def _lead_of(points: Sequence[Point], most: float, slack: float) -> int:
 def _piece_wanted(
     part: Part, coper: Coper, left: set[int], section: TubeSection
 ) -> tuple[TubeWanted, TubeStock]:
-    """What has to stay of a piece whose ends are there, as its header and what is made of it say,
-    and the piece."""
+    """What has to stay of a piece, by its header and what is made of it, and the piece."""
     made = replace(part, features=tuple(filter(is_end, part.made or ())))
     through = tuple(f for f in part.made or () if is_end(f) or is_through(f))
     there = replace(part, features=through)
@@ -313,10 +307,7 @@ def _wanted(
     ends, short, air = piece.faces["v"] if piece else None, 0.0, AIR if piece else 0.0
     one: Shape = box(-air, 0.0, part.length + air, turn)
     if outlines:
-        rings = [
-            outline_ring(c.curves, (0.0, turn), lambda place: place, part.length / 2)
-            for c in outlines
-        ]
+        rings = [outline_ring(c.curves, (0.0, turn), (), part.length / 2) for c in outlines]
         short = max(short_by(ring, ends) for ring in rings)
         one = union_all([with_air(ring, ends) for ring in rings])
         one = areas_of(one.intersection(box(-1e6, 0.0, 1e6, turn)))

@@ -41,8 +41,7 @@ SHORTEST = 3.0  #: mm across, of what lies on an end; less is where a curve come
 
 
 def planes_of(part: Part, left: Collection[int], section: TubeSection) -> Iterator[tuple[int, End]]:
-    """The planes of a part, -1 before those of its start and 1 before the others; `left` are
-    features that are not made."""
+    """The planes that end a part, with -1 or 1; `left` are features that are not made."""
     for index, feature in enumerate(part.features):
         if isinstance(feature, EndPlane) and feature.normal[0] and index not in left:
             (x, y, z), (a, b, c) = feature.point, feature.normal
@@ -110,8 +109,7 @@ def kept(shape: Shape, side: int, end: End, section: TubeSection) -> Shape:
 
 
 def header_planes(part: Part, section: TubeSection) -> Iterator[tuple[int, End]]:
-    """The skew ends of a round tube by its header, as `planes_of`: they touch x 0 or the length at
-    its outside."""
+    """The skew ends of a round tube by its header: they touch x 0 or L at its outside."""
     cuts = part.cuts
     for side, x, web, flange in (
         (-1, 0.0, cuts.web_start, cuts.flange_start),

@@ -76,13 +76,7 @@ def required_on(
     drawn: Shape = whole if stock.is_piece else box(first, 0.0, last, wide)
     if outlines:
         known = ends or (stock.ends[face] if stock.is_piece else ())
-
-        def at_end(place: Point) -> Point:
-            for end in known:
-                place = end.moved(place)
-            return place
-
-        rings = [outline_ring(one.curves, (0.0, wide), at_end) for one in outlines]
+        rings = (outline_ring(one.curves, (0.0, wide), known) for one in outlines)
         drawn = union_all([inside_of(ring) for ring in rings])
         drawn = drawn.intersection(box(-1e6, 0.0, 1e6, wide))
         if stock.is_piece:

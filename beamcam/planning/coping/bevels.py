@@ -117,8 +117,7 @@ def _replace(
     square: dict[CopeCut, CutChain], cut: CopeCut | None, edge: BevelEdge, region: WallRegion,
     coper: Coper,
 ) -> None:  # fmt: skip
-    """Puts what is left of a square cut beside an edge that one cut makes in its place. Raises
-    NoPass where that has no room."""
+    """Leaves of a square cut what an edge that one cut makes leaves it. Raises NoPass."""
     assert cut is not None
     wall, found = region.wall, dict[CopeCut, CutChain]()
     for chain in _beside(edge, square[cut], cut.row.kerf / 2, wall):

@@ -180,8 +180,7 @@ def to_edges(shape: Shape, size: float, radius: float) -> Shape:
 
 
 def on_surface(one: BoxFace, y: float, wall: float) -> Iterator[float]:
-    """The s of a place of a face; on a corner beside it as it is seen from there, where outside of
-    the wall and where inside."""
+    """The s of a place of a face; on a corner beside it outside of the wall and inside."""
     low, high = one.leg.patch.low, one.leg.patch.high
     into, r = max(low - y, y - high), min(low, one.size - high)
     if into <= CHORD:

@@ -15,6 +15,7 @@ from typing import Any, TypeGuard
 
 import numpy as np
 from msgspec import Struct
+from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic
 from beamcam.geometry.array_types import Floats
@@ -78,7 +79,7 @@ def unrolled(
 
     `there` are the ends of a piece that comes cut, beyond which its faces go on.
     """
-    from shapely import box, transform, union_all
+    from shapely import union_all
 
     own = [f for f in map(part.features.__getitem__, features) if isinstance(f, Cut)]
     diagnostics: list[Diagnostic] = []
@@ -115,24 +116,14 @@ def unrolled(
                     rules.OFF.at(feature.source, what=f"a hole or cut-out of face {face}")
                 )
             shape = shape.difference(gone)
-        faces[face] = BoxFace(one.leg, one.size, shape, one.drawn)
+        faces[face] = replace(one, shape=shape)
         r, wall = way.legs[1].patch.radius, part.profile.thickness(face)
         reaches = [into for high in (True, False) for _, into in ending_in(faces[face], high, r)[1]]
         if reaches:
             into = max(reaches)
             diagnostics.append(rules.REACHES.at(of_face[0].source, face=face, into=f"{into:.2f}",
                                          found=f"{wall * into / r:.2f}"))  # fmt: skip
-    shapes = []
-    for one in faces.values():
-        leg, (x0, _, x1, _) = one.leg, one.shape.bounds
-        flat = one.shape.intersection(
-            box(x0, leg.patch.low - OVERLAP, x1, leg.patch.high + OVERLAP)
-        )
-
-        def on_leg(places: Floats, leg: SurfacePatch = leg) -> Floats:
-            return np.column_stack([places[:, 0], [leg.s(y) for y in places[:, 1].tolist()]])
-
-        shapes.append(transform(flat, on_leg))
+    shapes = [_flat(one) for one in faces.values()]
     for corner in way.legs[1::2]:
         shape, left, more = corner_of(part, faces, corner)
         diagnostics += more
@@ -141,6 +132,19 @@ def unrolled(
         for face, off in left.items():
             slant[face] = max(slant[face], off)
     return Unrolled(within(union_all(shapes), planes, way), tuple(points), slant), diagnostics
+
+
+def _flat(one: BoxFace) -> Shape:
+    """What of a face lies between its corners, on the surface."""
+    from shapely import box, transform
+
+    leg, (x0, _, x1, _) = one.leg, one.shape.bounds
+    flat = one.shape.intersection(box(x0, leg.patch.low - OVERLAP, x1, leg.patch.high + OVERLAP))
+
+    def on_leg(places: Floats) -> Floats:
+        return np.column_stack([places[:, 0], [leg.s(y) for y in places[:, 1].tolist()]])
+
+    return transform(flat, on_leg)
 
 
 def _face(

@@ -32,8 +32,7 @@ class Chart:
         return min((row.cut_height for row in self._rows), default=self.coper.rows[0].cut_height)
 
     def row(self, thickness: float) -> TorchRow | None:
-        """The first row that is deep enough; between two, where the file interpolates, one that is
-        just as deep."""
+        """The first row that is deep enough; where the file interpolates, just as deep."""
         row = next((row for row in self._rows if thickness <= row.up_to + 1e-9), None)
         if row is None:
             return None

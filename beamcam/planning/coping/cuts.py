@@ -108,8 +108,7 @@ def paths_of(shape: Shape, half_kerf: float, wall: PlannedWall) -> Shape:
 
 
 def rings_of(shape: Shape) -> Any:
-    """The rings of a region, of shapely, with the region on their left, each without repeating a
-    place."""
+    """The rings of a region, of shapely, each once round with the region on its left."""
     import numpy as np
     from shapely import get_parts, get_rings, is_ccw, remove_repeated_points, reverse
 
@@ -345,8 +344,7 @@ def over_hole(
     wall: PlannedWall, path: Sequence[Point], row: TorchRow, face: Face, source: Source,
     turn: float = inf,
 ) -> Iterator[Diagnostic]:  # fmt: skip
-    """A warning where a path goes over a hole that is there for more than a kerf; of a tube `turn`
-    is once round it."""
+    """A warning where a path goes over a hole for more than a kerf; a tube has a `turn`."""
     from shapely import LineString
 
     over = None if wall.open is None else wall.open.intersection(LineString(path))

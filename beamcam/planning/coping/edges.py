@@ -131,8 +131,7 @@ class BevelEdge(Struct, frozen=True):
         return [*self._between(a, middle, deep), *self._between(middle, b, deep)]
 
     def fits(self, offs: Sequence[float], least: float) -> bool:
-        """Whether arcs keep so much radius at all lines so far inside, and straight edges of a
-        curve some length."""
+        """Whether all lines so far inside keep a least radius, and some length."""
         arcs = [curve for curve in self.curves if isinstance(curve, Arc)]
         if any(_radius(arc, off) < least for arc in arcs for off in offs):
             return False
@@ -182,8 +181,7 @@ class _Segment(Struct, frozen=True):
 
 
 def bevel_edges(contour: Contour, wall: PlannedWall, least: float) -> Iterator[BevelEdge]:
-    """The bevelled edges of a contour, bevels below `least` left out; other curves than lines and
-    arcs as arcs."""
+    """The edges of a contour with bevels of `least` degrees, as lines and arcs."""
     drawn = _segments(contour, wall, least)
     for lower in (False, True):
         own = [next((b for b in one.bevels if (b.angle < 0.0) == lower), None) for one in drawn]

@@ -179,8 +179,7 @@ def _leaning(side: Side) -> float:
 
 
 def _drawn(part: Part, face: Face) -> list[Any]:
-    """The sides of a face's outline that go from edge to edge, at start and end; None without
-    one."""
+    """The sides of a face's outline from edge to edge, at start and end; or None."""
     wide = part.profile.face_width(face)
     sides: list[Side | None] = [None, None]
     for contour in part.contours:
@@ -212,8 +211,7 @@ def crossed(wall: PlannedWall, length: float) -> bool:
 
 
 def edges_at(region: WallRegion, k: int) -> Iterator[tuple[tuple[float, float], ...]]:
-    """The stretches of a wall's edge, from one side of what is cut to the other, that lie on an end
-    at least in part."""
+    """The segments of a wall's edge between its sides that lie on an end in part."""
     wall, line = region.wall, region.wall.skew[k]
     if line is None:
         return

@@ -34,8 +34,7 @@ def sorted_features(
     part: Part, machine: Machine, coper: Coper, skips: Collection[str],
     idle: Mapping[int, Diagnostic] = {},
 ) -> Sorted:  # fmt: skip
-    """What becomes of each feature; `skips` are the kinds that may be left out, `idle` planes that
-    take nothing."""
+    """What becomes of each feature; `skips` may be left out, `idle` planes take nothing."""
     cut: list[int] = []
     listed: dict[int, str] = {}
     skipped: dict[int, Diagnostic] = {}

@@ -74,8 +74,7 @@ def depth_beside(wall: PlannedWall, beside: BesideWeb) -> float:
 
 
 def ways_beside(region: WallRegion) -> list[tuple[CutChain, BesideWeb]]:
-    """The stretches of a flange's contour that come to its web other than straight through the
-    root."""
+    """The chains of a flange's contour that are not straight through its root."""
     wall = region.wall
     root = root_of(wall)
     if root is None or root.stands is None:

@@ -161,8 +161,7 @@ class Passes:
         return beside.kind
 
     def _look_at_room(self, cut: CopeCut, turns: Turns, over: float) -> None:
-        """Raises NoPass where the tilted torch does not come to an edge: beyond the axes, or not
-        clear of other walls."""
+        """Raises NoPass where the tilted torch would leave its axes or meet other walls."""
         wall, coper, profile = self._wall, self._coper, self._part.profile
         patch = patch_of(surface_of(profile), wall.face)
         assert patch is not None

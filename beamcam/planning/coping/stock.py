@@ -42,8 +42,7 @@ def as_pipe(part: Part) -> tuple[Part, Diagnostic | None]:
 
 
 def with_corners(part: Part, coper: Coper) -> tuple[Part, Diagnostic | None]:
-    """A rectangular tube whose corners are as round as the machine has them, if it does not say;
-    that is told."""
+    """A rectangular tube with corners as the machine has them, if it says none; and why."""
     profile = part.profile
     wall = max(profile.flange_thickness, profile.web_thickness or 0.0)
     radius = coper.outer_radius(profile.radius, wall)

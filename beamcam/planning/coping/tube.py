@@ -105,8 +105,7 @@ def plan_tube(part: Part, machine: Machine, coper: Coper, skips: Collection[str]
     found = replace(found, told=(*found.told, *dict(idle_planes(part, outermost(part))).values()))
 
     def left(_: int, feature: Feature) -> str:
-        """Why a feature that is cut is manual work too: bevels, an outline that a square cut leaves
-        skew, a plane."""
+        """Why what is cut is manual work too: bevels, a skew outline, a plane."""
         is_left = has_bevels(feature, coper.min_bevel)
         if isinstance(feature, EndPlane):
             is_left = bool(slant)

@@ -247,8 +247,7 @@ def open_paths(
 def led_from_air(
     chain: CutChain, region: Shape, piece: TubePiece, row: TorchRow, coper: Coper
 ) -> Path | None:
-    """A path with its lead, from the end of the scrap beside it, where all of the wall is; None if
-    there is no room for one."""
+    """A path with its lead, from the end of the scrap beside it; None without room."""
     from shapely import LineString
 
     low, _, high, _ = piece.steel.bounds
