@@ -51,16 +51,16 @@ class Bodies(Struct, frozen=True):
     drawn: "Manifold"
     least: "Manifold"
     most: "Manifold"
-    wide: Margins  #: of the voids of `least`
-    narrow: Margins  #: of those of `most`
+    largest: Margins  #: of the voids of `least`
+    smallest: Margins  #: of those of `most`
     end: float  #: that its length may differ by
     tolerance: float  #: of places, for messages
 
 
-def bodies_of(part: Part, wide: Margins, narrow: Margins, end: float, place: float) -> Bodies:
+def bodies_of(part: Part, largest: Margins, smallest: Margins, end: float, place: float) -> Bodies:
     """A part with its voids as drawn, as large as they may be, and as small."""
-    drawn, least, most = (part_solid(part, margins) for margins in (AS_DRAWN, wide, narrow))
-    return Bodies(part, drawn, least, most, wide, narrow, end, place)
+    drawn, least, most = (part_solid(part, margins) for margins in (AS_DRAWN, largest, smallest))
+    return Bodies(part, drawn, least, most, largest, smallest, end, place)
 
 
 class FittedPiece(Struct, frozen=True):
@@ -186,20 +186,20 @@ def without_left_out(
     }
     if not fit.extra or not allowed:
         return fit, []
-    wide = _by_feature(bodies.part, bodies.wide)
-    narrow = _by_feature(bodies.part, bodies.narrow)
+    largest = _by_feature(bodies.part, bodies.largest)
+    smallest = _by_feature(bodies.part, bodies.smallest)
     diagnostics: list[Diagnostic] = []
     extra = fit.extra
     x0, y0, z0, x1, y1, z1 = fit.laid.bounding_box()
     within = kernel().Manifold.cube((x1 - x0, y1 - y0, z1 - z0)).translate((x0, y0, z0))
     stock = stock_solid(bodies.part) ^ within  # a sound end may be off by the width of a hair
-    for at, (feature, taken) in wide.items():
+    for at, (feature, taken) in largest.items():
         if type(feature) not in allowed or not any(
             (one ^ taken).volume() >= NOISE for one in extra
         ):
             continue
-        others = [body for other, (_, body) in wide.items() if other != at]
-        own = minus(narrow[at][1] ^ stock, others)
+        others = [body for other, (_, body) in largest.items() if other != at]
+        own = minus(smallest[at][1] ^ stock, others)
         partly = (own - fit.laid).volume() > UNTOUCHED * own.volume() + NOISE
         is_sink = isinstance(feature, Hole) and feature.kind == "countersink"
         if partly and not (is_sink and "sink-depth" in skips):

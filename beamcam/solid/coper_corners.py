@@ -86,14 +86,14 @@ def _rounds(
     whole = _filled(steel, turns, radius)
     for one in (turn for turn in turns if turn.deg > 0.0):
         room, filled = radius, whole
-        if any(is_narrow for _, is_narrow in _at(one, filled)):
+        if any(is_tight for _, is_tight in _at(one, filled)):
             (x, y), far = one.place, 5 * radius
             near = steel.intersection(box(x - far, y - far, x + far, y + far))
             least, room = 0.0, radius
             while room - least > CHORD / 5:  # a disc between sides that lean lies farther off
                 middle = (least + room) / 2
                 filled = _filled(near, turns, middle)
-                if any(is_narrow for _, is_narrow in _at(one, filled)):
+                if any(is_tight for _, is_tight in _at(one, filled)):
                     room = middle
                 else:
                     least = middle
@@ -135,9 +135,9 @@ def _filled(steel: Shape, turns: Sequence[_Turn], radius: float) -> list[tuple[S
                and closed.boundary.distance(Place(turn.place)) > 2 * CHORD]  # fmt: skip
         around = MultiPoint([turn.place for turn in own])
         far = max((around.distance(Place(p)) for p in get_coordinates(core)), default=0.0)
-        is_narrow = sum(turn.deg for turn in own) > FACING_DEG or far > 2 * radius
-        if is_narrow or piece.distance(air) < CHORD:
-            filled.append((piece, is_narrow))
+        is_tight = sum(turn.deg for turn in own) > FACING_DEG or far > 2 * radius
+        if is_tight or piece.distance(air) < CHORD:
+            filled.append((piece, is_tight))
     return filled
 
 

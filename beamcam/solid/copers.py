@@ -89,7 +89,7 @@ def coper_faults(
     events = in_degrees(events, coper, part.profile.height)
     burns = list(burns_of(events, machine, coper, part, name))
     pieces = pieces_of(stock_of(part, coper, bar), burns, coper, part)
-    one = _asked(part, machine, coper, burns)
+    one = _allowed(part, machine, coper, burns)
     costs = likely(pieces, one.bodies)
     if not costs:
         return [PIECES.at(source, found="no piece", expected=part.mark or "a part")]
@@ -163,7 +163,9 @@ def _to_edges(contour: Contour, size: Profile) -> Contour:
     return replace(contour, curves=tuple(curves))
 
 
-def _asked(part: Part, machine: Machine, coper: Coper, burns: Sequence[Burn]) -> PartWithAllowance:
+def _allowed(
+    part: Part, machine: Machine, coper: Coper, burns: Sequence[Burn]
+) -> PartWithAllowance:
     """A part with the steel that a sound program leaves of it at least and at most."""
     form = machine.format
     slack = coper.tolerance + 2 * form.resolution + 3 * CHORD
@@ -173,24 +175,24 @@ def _asked(part: Part, machine: Machine, coper: Coper, burns: Sequence[Burn]) ->
         slack += step if coper.a_unit == "mm" else reach * radians(step)
     whole = replace(part, features=(*part.features, *(part.made or ())), made=None)
     # A saw does not follow an outline next to an end, a torch does.
-    wide = Margins(lambda _: slack, 0.0, slack, slack, skin=SKIN, noise=0.0)
-    narrow = Margins(lambda _: -slack, 0.0, -slack, -slack, skin=-SKIN)
-    bodies = bodies_of(whole, wide, narrow, 2 * slack, slack)
+    largest = Margins(lambda _: slack, 0.0, slack, slack, skin=SKIN, noise=0.0)
+    smallest = Margins(lambda _: -slack, 0.0, -slack, -slack, skin=-SKIN)
+    bodies = bodies_of(whole, largest, smallest, 2 * slack, slack)
     cut = part
     if part.made is not None:  # of a tube its ends are all there; outlines of others go with them
         round_there = part.profile.code == "RO"
         cut = replace(part, made=None, cuts=EndCuts() if round_there else part.cuts)
     as_cut, square = _cut_square(cut)
-    corners, rounds, radii = rounded_corners(cut, narrow, coper.corner_radius)
-    least = bodies.least if cut is part else part_solid(cut, wide)
-    most = (bodies.most if as_cut == whole else part_solid(as_cut, narrow)) + corners
+    corners, rounds, radii = rounded_corners(cut, smallest, coper.corner_radius)
+    least = bodies.least if cut is part else part_solid(cut, largest)
+    most = (bodies.most if as_cut == whole else part_solid(as_cut, smallest)) + corners
     if part.profile.code == "M" or (part.profile.code == "RO" and skew_ends(cut)):
-        least, most = square_to_surface(least, most, cut, narrow)
-        most += corners ^ stock_solid(cut, replace(narrow, end=-FREE))
+        least, most = square_to_surface(least, most, cut, smallest)
+        most += corners ^ stock_solid(cut, replace(smallest, end=-FREE))
     if cut is not part:  # what is there was drawn so, whatever cut it
         there = replace(part, features=part.made or (), made=None)
-        most_there = part_solid(there, narrow)
-        least, most = least ^ part_solid(there, wide), most ^ most_there
+        most_there = part_solid(there, smallest)
+        least, most = least ^ part_solid(there, largest), most ^ most_there
         if part.profile.code == "RO" and skew_ends(there):
             most += _beside_ends(cut, there, slack) ^ most_there
     drawn = part_solid(as_cut) if square else bodies.drawn
@@ -208,7 +210,7 @@ def _asked(part: Part, machine: Machine, coper: Coper, burns: Sequence[Burn]) ->
             square = f"{square}, {many} {what}" if square else f"{many} {what}"
     if ends or ledges or steps or on_rounds:
         m = kernel()
-        on_tube = [one ^ stock_solid(part, replace(narrow, end=-FREE)) for one in on_rounds]
+        on_tube = [one ^ stock_solid(part, replace(smallest, end=-FREE)) for one in on_rounds]
         more = [*ends, *ledges, *steps, *on_tube]
         most = m.Manifold.batch_boolean([most, *more], m.OpType.Add)
     allowed = replace(bodies, least=least, most=most)

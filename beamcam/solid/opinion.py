@@ -71,9 +71,9 @@ def bar_bodies(part: Part, machine: Machine) -> Bodies:
         return -(_fit_of_drills(diameter, machine)[1] / 2 + place + path + CHORD)
 
     sharpest = min((t.point_deg for t in machine.tools if t.kind == "drill"), default=180.0)
-    wide = Margins(larger, step, end, 0.0, sharpest, minor=0.0, run_out=inf, sink=sink)
-    narrow = Margins(smaller, -step, -end, 0.0, square_below=least_mitre, sink=-sink)
-    return bodies_of(part, wide, narrow, 2 * end, place)
+    largest = Margins(larger, step, end, 0.0, sharpest, minor=0.0, run_out=inf, sink=sink)
+    smallest = Margins(smaller, -step, -end, 0.0, square_below=least_mitre, sink=-sink)
+    return bodies_of(part, largest, smallest, 2 * end, place)
 
 
 def _fit_of_drills(diameter: float, machine: Machine) -> tuple[float, float]:
@@ -104,13 +104,13 @@ def solid_faults(
             return tuple(coper_faults(text, request.parts, request, bar))
         has_words = request.machine.controller in ("codesys", "linuxcnc", "grbl", "mach3")
         if request.machine.stock == "sheet" and has_words:
-            return tuple(sheet_faults(text, pieces_asked(request), request))
+            return tuple(sheet_faults(text, expected_parts(request), request))
         raise BeamcamError(NO_MACHINE.at(Source(request.name), found=request.machine.name))
     except BeamcamError as error:
         return error.diagnostics
 
 
-def pieces_asked(request: Request) -> list[Part]:
+def expected_parts(request: Request) -> list[Part]:
     """The part of each piece: as often as the request or the part's file says, or once."""
     quantity = request.quantity
     is_bar = request.machine.stock == "beam"
@@ -123,7 +123,7 @@ def pieces_asked(request: Request) -> list[Part]:
 
 
 def _of_bar(text: str, request: Request, bar: float | None) -> list[Diagnostic]:
-    parts, machine, name = pieces_asked(request), request.machine, request.name
+    parts, machine, name = expected_parts(request), request.machine, request.name
     events, _ = cell_events(text, machine, name)
     stock = lying(parts[0], said_of_section(events, machine))
     work = work_of(events, machine, stock)

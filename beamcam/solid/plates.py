@@ -71,10 +71,10 @@ def plate_of(part: Part, torch: Torch, skips: tuple[str, ...]) -> Plate:
     thickness = thickness_of(part, torch)
     rows = rows_for(torch, thickness, material_said(part.grade, torch.material))
     torch = torch.by(next((row for row in rows if row.process == "cut"), None))
-    may_lack = torch.drilled != "refuse" or "all" in skips or not {*SKIPS}.isdisjoint(skips)
+    may_leave = torch.drilled != "refuse" or "all" in skips or not {*SKIPS}.isdisjoint(skips)
     least = max(torch.min_hole, torch.min_hole_share * thickness)
     left: list[tuple[Feature, Shape]] = []
-    whole, slits = _outlines(part, torch, least if may_lack else 0.0, left)
+    whole, slits = _outlines(part, torch, least if may_leave else 0.0, left)
     for feature in part.features:
         if not isinstance(feature, Hole | Slot) or feature.kind == "mark":
             continue
@@ -82,7 +82,7 @@ def plate_of(part: Part, torch: Torch, skips: tuple[str, ...]) -> Plate:
         if isinstance(feature, Slot):
             width += min(feature.length, feature.height)
         made = feature.kind == "through" and feature.depth is None and width >= least
-        if made or not may_lack:
+        if made or not may_leave:
             whole = whole.difference(shape)
         elif not any(shape.within(other) for _, other in left):
             left.append((feature, shape.intersection(whole)))

@@ -241,14 +241,14 @@ CORNERS: tuple[tuple[Face, bool, Face, bool], ...] = (
 
 
 def square_to_surface(
-    least: "Manifold", most: "Manifold", part: Part, narrow: Margins
+    least: "Manifold", most: "Manifold", part: Part, smallest: Margins
 ) -> "tuple[Manifold, Manifold]":
     """The least and the most steel of a part whose walls are cut square to their surface."""
     from shapely import box
 
     skin, wall = skin_of(part)
     shape = unrolled(most, skin, wall + FREE)
-    slack = -narrow.end
+    slack = -smallest.end
     gone = []
     leaning = _leaning(part, skin) if part.profile.code == "M" else ()
     for first, last, steel, middle in leaning:
@@ -256,7 +256,7 @@ def square_to_surface(
         grown = steel.buffer(slack, join_style="mitre").intersection(band)
         shape = shape.difference(band).union(grown)
         gone.append(band.difference(steel.buffer(-slack, join_style="mitre")))
-    endless = replace(narrow, end=-FAR)
+    endless = replace(smallest, end=-FAR)
     most = wrapped(shape, skin, -FREE, wall + FREE) ^ stock_solid(part, endless)
     return minus(least, [wrapped(one, skin, -FREE, wall + FREE) for one in gone]), most
 

@@ -38,8 +38,8 @@ def verify_coping(
     from beamcam.checks.coping import rules
     from beamcam.checks.coping.chart import job_of
     from beamcam.checks.coping.lying import lying
+    from beamcam.checks.coping.required_wall import may_be_left
     from beamcam.checks.coping.tube import tube_faults, tube_section
-    from beamcam.checks.coping.wanted import may_be_left
     from beamcam.model.rounds import rolled
 
     coper = machine.needed(machine.coper, "coper")

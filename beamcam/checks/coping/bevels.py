@@ -63,15 +63,15 @@ class BevelledEdge(Struct, frozen=True):
 
     def _lines(self, mm: float) -> list[list[Point]]:
         """The line so far inside of each of its curves."""
-        found: list[list[Point]] = []
+        lines: list[list[Point]] = []
         for curve in self.curves:
             count = 1 if isinstance(curve, Line) else ceil(curve.length / STEP)
             line = []
             for k in range(count + 1):
                 (x, y), (dx, dy) = curve.point(k / count), curve.tangent(k / count)
                 line.append((x - mm * dy, y + mm * dx))
-            found.append(line)
-        return found
+            lines.append(line)
+        return lines
 
     def inside(self, mm: float, longer: float = 0.0, wide: float = 0.0) -> list[Point]:
         """The line so far inside of it, longer at both ends, and at a blunt corner as far as a
@@ -184,35 +184,35 @@ def _edges(f: int, contour: Contour, section: CoperSection, coper: Coper) -> Ite
         curves, there = [c.reversed() for c in reversed(curves)], there[::-1]
     for side in (1.0, -1.0):
         own = [next((b for b in some if b.angle * side > 0.0), None) for some in there]
-        found: list[list[int]] = []
+        chains: list[list[int]] = []
         for k, bevel in enumerate(own):
             if bevel is None:
                 continue
-            goes_on = found and found[-1][-1] == k - 1
+            goes_on = chains and chains[-1][-1] == k - 1
             if goes_on and _is_one(own[k - 1], bevel, curves[k - 1 : k + 1]):
-                found[-1].append(k)
+                chains[-1].append(k)
             else:
-                found.append([k])
+                chains.append([k])
         first, last = own[0], own[-1]
-        if len(found) > 1 and found[0][0] == 0 and found[-1][-1] == len(own) - 1 and _is_one(
+        if len(chains) > 1 and chains[0][0] == 0 and chains[-1][-1] == len(own) - 1 and _is_one(
             last, first, (curves[-1], curves[0])
         ):  # fmt: skip
-            found[0] = [*found.pop(), *found[0]]
-        is_ring = len(found) == 1 and len(found[0]) == len(own) and _is_one(
+            chains[0] = [*chains.pop(), *chains[0]]
+        is_ring = len(chains) == 1 and len(chains[0]) == len(own) and _is_one(
             last, first, (curves[-1], curves[0])
         )  # fmt: skip
-        for chain in found:
+        for chain in chains:
             bevel = own[chain[0]]
             assert bevel is not None
             land = bevel.land or (thick if bevel.angle < 0.0 else 0.0)
-            asked = Bevel(bevel.curve, bevel.angle, land)
+            seen = Bevel(bevel.curve, bevel.angle, land)
             if contour.face == "h":  # seen through the web
-                asked = other_side(bevel, section.web)
+                seen = other_side(bevel, section.web)
             drawn = tuple(b for k in chain if (b := own[k]) is not None)
             some = tuple(curves[k] for k in chain)
             after = curves[(chain[-1] + 1) % len(curves)]
             turns = _blunt(curves[chain[0] - 1], some[0]), _blunt(some[-1], after)
-            yield BevelledEdge(f, asked, some, thick, drawn, turns, is_ring)
+            yield BevelledEdge(f, seen, some, thick, drawn, turns, is_ring)
 
 
 def _blunt(before: Curve, after: Curve) -> float:
@@ -271,18 +271,18 @@ def ends_of_passes(
 ) -> dict[int, bool]:  # fmt: skip
     """Whether passes are of the far end, by their lines, as the square cuts along them are; those
     through all of the wall and the cuts that end in their kerfs are of one end."""
-    found = dict(far)
+    ends = dict(far)
     whole = [one.stroke for one in passes if one.edge.is_whole]
     square = [s for s in strokes if all(s is not one.stroke for one in passes)]
     for stroke in whole * len(whole):
         own = _ending_in(stroke, square)
-        is_far = any(found[line] for line in (stroke.line, *own))
-        found |= dict.fromkeys((stroke.line, *own), is_far)
+        is_far = any(ends[line] for line in (stroke.line, *own))
+        ends |= dict.fromkeys((stroke.line, *own), is_far)
     for one in passes:
-        beside = [found[line] for line in one.beside(strokes, section)]
+        beside = [ends[line] for line in one.beside(strokes, section)]
         if not one.edge.is_whole:
-            found[one.stroke.line] = bool(beside) and beside[0]
-    return found
+            ends[one.stroke.line] = bool(beside) and beside[0]
+    return ends
 
 
 def _ending_in(stroke: TorchStroke, others: Sequence[TorchStroke]) -> list[int]:

@@ -35,14 +35,14 @@ class BoxWall(Struct, frozen=True):
         ys = [self.wide * k / 20 for k in range(1, 20)]
         across = linestrings([((-FAR, y), (FAR, y)) for y in ys])
         start, _, end, _ = bounds(intersection(across, self.steel)).T.tolist()
-        found: tuple[list[Point], list[Point]] = [], []
-        for side, xs, places in zip((-1, 1), (start, end), found, strict=True):
+        ends: tuple[list[Point], list[Point]] = [], []
+        for side, xs, places in zip((-1, 1), (start, end), ends, strict=True):
             first, last = xs[0], xs[-1]
             for y, x in zip(ys, xs, strict=True):
                 chord = first + (last - first) * (y - ys[0]) / (ys[-1] - ys[0])
                 if isnan(x) or side * (x - chord) >= -DEEP:
                     places.append((FAR if isnan(x) else x, y))
-        return found
+        return ends
 
 
 def outlines_of(face: str, features: Sequence[Any]) -> list[Contour]:
@@ -86,12 +86,12 @@ def short_face(
     part: Part, features: Sequence[Any], section: TubeSection, piece: PieceAsked | None
 ) -> tuple[str, float]:
     """The face on which an outline goes on farthest beyond a piece that comes cut, and how far."""
-    found = [
+    rings = [
         (short_by(ring, piece.faces[face]), face)
         for face in (piece.faces if piece else ()) if piece
         for ring in _rings_of(part, face, features, section, piece)
     ]  # fmt: skip
-    far, face = max(found, default=(0.0, ""))
+    far, face = max(rings, default=(0.0, ""))
     return face, far
 
 
@@ -100,7 +100,7 @@ def _gone_on(ring: list[Point], wide: float, radius: float) -> list[Point]:
     ys = [y for _, y in ring]
     sides = [(0.0, radius)] if abs(min(ys) - radius) <= APART else []
     sides += [(wide, wide - radius)] if abs(max(ys) - wide + radius) <= APART else []
-    found: list[Point] = []
+    longer: list[Point] = []
     for k, (x, y) in enumerate(ring):
         before, after = ring[k - 1], ring[(k + 1) % len(ring)]
         for edge, tangent in sides:
@@ -109,8 +109,8 @@ def _gone_on(ring: list[Point], wide: float, radius: float) -> list[Point]:
                 xb, yb = before if off[2] else after
                 x, y = x + (edge - y) * (xb - x) / (yb - y), edge
                 break
-        found.append((x, y))
-    return found
+        longer.append((x, y))
+    return longer
 
 
 def void_of(feature: Any, piece: PieceAsked | None = None) -> Shape:

@@ -20,6 +20,7 @@ from beamcam.checks.coping.box_faces import (
     short_face,
     void_of,
 )
+from beamcam.checks.coping.required_wall import corners_of, with_corners_cut
 from beamcam.checks.coping.section import TubeSection, areas_of, pieces_of
 from beamcam.checks.coping.stock import FINE
 from beamcam.checks.coping.tube_ends import (
@@ -37,7 +38,6 @@ from beamcam.checks.coping.tube_ends import (
     surfaces_of,
     x_on,
 )
-from beamcam.checks.coping.wanted import corners_of, with_corners_cut
 from beamcam.geometry.plane import Point
 from beamcam.machine.coper import Coper
 from beamcam.model.part import Contour, Part
@@ -54,7 +54,7 @@ CORNERS = (("u", True, "v", False), ("v", True, "o", True), ("o", False, "h", Tr
            ("h", False, "u", False))  # fmt: skip
 
 
-class TubeWanted(Struct, frozen=True):
+class RequiredTube(Struct, frozen=True):
     """What has to stay of three turns of the surface, and how skew a square cut leaves walls."""
 
     drawn: Shape
@@ -65,9 +65,9 @@ class TubeWanted(Struct, frozen=True):
     short: tuple[str, float] = "", 0.0
 
 
-def box_wanted(
+def required_box(
     part: Part, coper: Coper, left: set[int], section: TubeSection, piece: PieceAsked | None = None
-) -> TubeWanted:
+) -> RequiredTube:
     """What has to stay of a part or a piece; `left` are features that are not made."""
     from shapely import union_all
     from shapely.affinity import translate
@@ -104,7 +104,7 @@ def box_wanted(
     for k, corner in enumerate(CORNERS):
         shape = _rounded(k, walls, ends, section, off)
         if shape is None:
-            return TubeWanted(shapes[0], shapes[0], off, f"{corner[0]} and {corner[2]}")
+            return RequiredTube(shapes[0], shapes[0], off, f"{corner[0]} and {corner[2]}")
         seen = [
             _in_corner(void, walls[face].wide, at_high, is_first, k, section)
             for face, at_high, is_first in ((*corner[:2], True), (*corner[2:], False))
@@ -117,15 +117,15 @@ def box_wanted(
         drawn = kept(drawn, side, end, section)
     drawn = areas_of(drawn.intersection(piece.steel) if piece else drawn)
     cut = with_corners_cut(drawn, corners, coper.corner_radius, turn)
-    told = {f: mm for f, mm in off.items() if mm >= LEAST_OFF}
-    return TubeWanted(drawn, cut, told, short=short_face(part, features, section, piece))
+    skew_walls = {f: mm for f, mm in off.items() if mm >= LEAST_OFF}
+    return RequiredTube(drawn, cut, skew_walls, short=short_face(part, features, section, piece))
 
 
 def box_outlines(part: Part, coper: Coper, section: TubeSection) -> Iterator[list[Point]]:
     """The outlines of what is drawn on one turn of the surface, for pictures."""
     from shapely import box
 
-    drawn = box_wanted(part, coper, set(), section).drawn
+    drawn = required_box(part, coper, set(), section).drawn
     for one in pieces_of(drawn.intersection(box(-FAR, 0.0, FAR, section.turn))):
         for ring in (one.exterior, *one.interiors):
             yield [(x, s) for x, s in ring.coords[:-1]]
@@ -139,7 +139,7 @@ def box_ends(part: Part, section: TubeSection) -> tuple[dict[str, FaceEnds], flo
     the two surfaces of a wall end at most."""
     walls = {face: outlined(part, face, part.features, section) for face in "uvoh"}
     own, skew = [*planes_of(part, (), section)], _ends(part, walls, section)
-    found: dict[str, FaceEnds] = {}
+    ends: dict[str, FaceEnds] = {}
     apart = 0.0
     for face, wall in walls.items():
         rows = []
@@ -160,8 +160,8 @@ def box_ends(part: Part, section: TubeSection) -> tuple[dict[str, FaceEnds], flo
 
             rows.append(xs)
         outlines = any(f.face == face for f in outlines_of(face, part.features))
-        found[face] = FaceEnds(rows[0], rows[1], part.length, outlines)
-    return found, apart
+        ends[face] = FaceEnds(rows[0], rows[1], part.length, outlines)
+    return ends, apart
 
 
 def _ends(
@@ -206,18 +206,18 @@ def _end(
         matrix, values = np.array(rows), np.array(xs)
         if web or flange:
             given = matrix[:, 1] * web + matrix[:, 2] * flange
-            found = np.array([np.mean(values - given), web, flange])
+            solution = np.array([np.mean(values - given), web, flange])
         else:
             # Round the means, so that a slope of which no face says anything is none.
             around = matrix[:, 1:] - matrix[:, 1:].mean(axis=0)
             slopes = np.linalg.lstsq(around, values - values.mean(), rcond=None)[0]
-            found = np.array([np.mean(values - matrix[:, 1:] @ slopes), *slopes])
-        worst = float(np.max(np.abs(matrix @ found - values)))
-        by_y, by_z = float(found[1]), float(found[2])
+            solution = np.array([np.mean(values - matrix[:, 1:] @ slopes), *slopes])
+        worst = float(np.max(np.abs(matrix @ solution - values)))
+        by_y, by_z = float(solution[1]), float(solution[2])
         if worst > APART / 2 or min(signs[0] * by_y, signs[1] * by_z) < -LEVEL:
             continue
         if best is None or worst < best[0]:
-            best = worst, (float(found[0]), by_y, by_z)
+            best = worst, (float(solution[0]), by_y, by_z)
     if best is None or max(map(abs, best[1][1:])) <= LEVEL:
         return None
     return best[1]
@@ -327,15 +327,15 @@ def _lines(wall: BoxWall, at_high: bool, radius: float) -> list[Any]:
 
     low, high = (wall.wide - radius, wall.wide) if at_high else (0.0, radius)
     band = wall.steel.boundary.intersection(box(-FAR, low + INSIDE, FAR, high - INSIDE))
-    found = []
+    lines = []
     for piece in pieces_of(line_merge(band) if band.geom_type == "MultiLineString" else band):
         x, y = get_coordinates(piece).T
         off = wall.wide - y if at_high else y
         if off[0] > off[-1]:  # places at one distance stay in their order from the edge on
             off, x = off[::-1], x[::-1]
         order = np.argsort(off, kind="stable")
-        found.append((off[order], x[order]))
-    return sorted(found, key=lambda line: float(line[1][0]))
+        lines.append((off[order], x[order]))
+    return sorted(lines, key=lambda line: float(line[1][0]))
 
 
 def _rounded(

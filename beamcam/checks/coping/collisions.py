@@ -49,11 +49,11 @@ def collision_faults(
     near = np.full(close.shape, np.inf)
     near[close] = distance(section.steel, hulls)
     gaps = near.min(axis=1)
-    told: set[int] = set()
+    lines: set[int] = set()
     for step in np.flatnonzero(gaps < least).tolist():
         line = ways[numbers[step]].line
-        if line not in told and len(told) < MAX_OF_A_PROGRAM:
-            told.add(line)
+        if line not in lines and len(lines) < MAX_OF_A_PROGRAM:
+            lines.add(line)
             y, z, a, _ = after[step].tolist()
             yield rules.COLLISION.at(
                 Source(name, line), found=f"{gaps[step]:.2f}", a=f"{a:g}", y=f"{y:.1f}",

@@ -306,10 +306,10 @@ def taken_of(
 
     `own` are those on its face.
     """
-    found = [(stroke.jet(depth), stroke.pierced(depth)) for stroke in own]
+    taken = [(stroke.jet(depth), stroke.pierced(depth)) for stroke in own]
     if face == "v":
-        found += [cut for stroke in strokes for cut in _below(stroke, section, depth)]
-    return found
+        taken += [cut for stroke in strokes for cut in _below(stroke, section, depth)]
+    return taken
 
 
 def _below(

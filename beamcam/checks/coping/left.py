@@ -33,19 +33,19 @@ def parted(bar: Shape, gone: Sequence[Shape], drawn: Shape, slack: float) -> Wal
 
 
 def kept_faults(
-    face: str, left: WallPieces, wanted: Shape, slack: float, name: str,
+    face: str, left: WallPieces, required: Shape, slack: float, name: str,
     tube: TubeSection | None = None,
 ) -> Iterator[Diagnostic]:  # fmt: skip
     """Scrap that holds to the part, on a face or on the whole surface of a tube."""
     if left.part.is_empty:
         yield rules.GONE.at(Source(name), face=face)
         return
-    around = wanted.buffer(slack, join_style="mitre")
+    around = required.buffer(slack, join_style="mitre")
     if around.covers(left.part):
         return
     for piece in pieces_of(left.part.difference(around)):
         if piece.area > SPECK:
-            far = max(wanted.distance(line_of([p])) for p in outline_of(piece))
+            far = max(required.distance(line_of([p])) for p in outline_of(piece))
             x, y = piece.representative_point().coords[0]
             yield rules.LEFT.at(
                 Source(name), found=f"{far:.2f}", face=tube.face_at(y) if tube else face,

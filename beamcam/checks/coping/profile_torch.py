@@ -100,16 +100,16 @@ class ProfileTorch(TorchFollower):
     def _poses(self, moves: Sequence[Move[Place]]) -> "tuple[list[_Pose], list[int]]":
         """The torch at the start of some moves and at the end of each, and on the way of those on
         which it turns; and which of them are at ends of moves."""
-        found = [self._pose(moves[0], 0.0)]
+        poses = [self._pose(moves[0], 0.0)]
         ends = [0]
         for move in moves:
             is_steady = move.a_deg[0] == move.a_deg[1] and (
                 not self._tilts or move.b_deg[0] == move.b_deg[1]
             )
-            found += [self._pose(move, share) for share in (() if is_steady else SHARES)]
-            found.append(self._pose(move, 1.0))
-            ends.append(len(found) - 1)
-        return found, ends
+            poses += [self._pose(move, share) for share in (() if is_steady else SHARES)]
+            poses.append(self._pose(move, 1.0))
+            ends.append(len(poses) - 1)
+        return poses, ends
 
     def _pose(self, move: Move[Place], share: float) -> "_Pose":
         """The torch on the way of a move, which turns and goes evenly."""
@@ -139,8 +139,8 @@ class ProfileTorch(TorchFollower):
         slack = 2 * self._job.machine.format.resolution + TURNED
         speeds = []
         for move, way in zip(moves, map(dist, feet, feet[1:]), strict=True):
-            wanted = row.feed_mm_min * move.minutes if row is not None else 0.0
-            if move.minutes and abs(way - wanted) > SPEED_SHARE * way + slack:
+            expected = row.feed_mm_min * move.minutes if row is not None else 0.0
+            if move.minutes and abs(way - expected) > SPEED_SHARE * way + slack:
                 speeds.append(way / move.minutes)
         if len(feeds) > 1 or row is None or speeds:
             shown = ", ".join(f"{feed:g}" for feed in sorted({*feeds, *speeds[:1]}))

@@ -15,6 +15,7 @@ from msgspec import Struct
 
 from beamcam.checks.coping.bevels import passes_of
 from beamcam.checks.coping.chart import CoperJob
+from beamcam.checks.coping.required_wall import RequiredWall, required_on
 from beamcam.checks.coping.section import CoperSection, areas_of, pieces_of
 from beamcam.checks.coping.skew import (
     AT_EDGE,
@@ -29,7 +30,6 @@ from beamcam.checks.coping.skew import (
 )
 from beamcam.checks.coping.stock import WallStock
 from beamcam.checks.coping.strokes import TorchStroke, through_root
-from beamcam.checks.coping.wanted import RequiredWall, required_on
 from beamcam.geometry.plane import Point
 from beamcam.model.part import Contour, Feature
 

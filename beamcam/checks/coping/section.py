@@ -126,15 +126,15 @@ class CoperSection:
 
     def plates(self) -> list[Box]:
         """The boxes of web and flanges."""
-        found = [(0.0, self.back, self.high, self.front), (0.0, 0.0, self.flange, self.wide)]
+        boxes = [(0.0, self.back, self.high, self.front), (0.0, 0.0, self.flange, self.wide)]
         if self.has_upper:
-            found.append((self.high - self.flange, 0.0, self.high, self.wide))
+            boxes.append((self.high - self.flange, 0.0, self.high, self.wide))
         if self.lip:
-            found += [
+            boxes += [
                 (0.0, 0.0, self.lip, self.web),
                 (self.high - self.lip, 0.0, self.high, self.web),
             ]
-        return found
+        return boxes
 
     @cached_property
     def outermost(self) -> list[tuple[float, float]]:

@@ -231,20 +231,20 @@ def as_square(
 
     `depths` are those to which the passes through the roots cut.
     """
-    found, off = dict(drawn), dict[str, float]()
+    walls, off = dict(drawn), dict[str, float]()
     steps: dict[str, list[Point]] = {face: [] for face in drawn}
     for face, shape in drawn.items():
         band = section.extent(face)
         if _edge_on(end, face, shape, section, (band[0] + 2.0, band[1] - 2.0))[0] >= BARELY:
             thick = section.thickness(face)
             off[face] = thick * tan(radians(end.leans(face)))
-            found[face] = areas_of(shape.union(_up_to(end, face, shape, section)))
+            walls[face] = areas_of(shape.union(_up_to(end, face, shape, section)))
     for face in off if section.lip else ():
         if face != "v":
             band = 0.0, section.beside_lip(coper)
             more, at_lip = _as_long_as_lip(end, face, section, band)
             if at_lip:
-                found[face] = areas_of(found[face].union(more))
+                walls[face] = areas_of(walls[face].union(more))
                 off[face] = max(off[face], at_lip[0])
                 steps[face] += at_lip[1]
     for face in drawn:
@@ -267,8 +267,8 @@ def as_square(
                 if end.side * line.more > 0.0 and high < wide - ON_PLANE:
                     high = min(wide, max(high, meets))
             steps[one] += [(line.x(y), y) for y in (low, high)]
-            found[one] = areas_of(found[one].union(line.step(low, high, x)))
-    return found, off, steps
+            walls[one] = areas_of(walls[one].union(line.step(low, high, x)))
+    return walls, off, steps
 
 
 def _as_long_as_lip(
@@ -301,16 +301,16 @@ def _up_to(end: SkewEnd, face: str, shape: Shape, section: CoperSection) -> Shap
     ys = -1.0, (section.high if face == "v" else section.wide) + 1.0
     line = LineString([(own.x(y), y) for y in ys])
     edge = shape.boundary.intersection(line.buffer(ON_PLANE))
-    found = []
+    areas = []
     for one in getattr(edge, "geoms", (edge,)):
         _, y0, _, y1 = one.bounds if not one.is_empty else (0.0, 0.0, 0.0, 0.0)
         if y1 - y0 > 2 * ON_PLANE:
             inside = end.side * -ON_PLANE
-            found.append(Polygon([
+            areas.append(Polygon([
                 (own.x(y0) + inside, y0), (there.x(y0), y0), (there.x(y1), y1),
                 (own.x(y1) + inside, y1),
             ]))  # fmt: skip
-    return union_all(found)
+    return union_all(areas)
 
 
 def own_bevels(feature: Feature, ends: Sequence[SkewEnd | None], least: float) -> Iterator[Bevel]:

@@ -13,10 +13,11 @@ import numpy as np
 from msgspec.structs import replace
 
 from beamcam.checks.coping import rules
-from beamcam.checks.coping.box_tube import LEAST_OFF, TubeWanted, box_ends, box_wanted
+from beamcam.checks.coping.box_tube import LEAST_OFF, RequiredTube, box_ends, required_box
 from beamcam.checks.coping.chart import CoperJob
 from beamcam.checks.coping.collisions import collision_faults, turned_unseen
 from beamcam.checks.coping.left import hurt_fault, kept_faults, parted
+from beamcam.checks.coping.required_wall import corners_of, with_corners_cut
 from beamcam.checks.coping.section import TubeSection, areas_of, kerf_of, line_of
 from beamcam.checks.coping.stock import (
     FINE,
@@ -48,7 +49,6 @@ from beamcam.checks.coping.tube_ends import (
     short_by,
     with_air,
 )
-from beamcam.checks.coping.wanted import corners_of, with_corners_cut
 from beamcam.checks.coping.zones import chuck_faults, seam_faults, support_faults
 from beamcam.checks.job import manual_work
 from beamcam.controllers.events import BarEvent, Move, Place
@@ -170,9 +170,9 @@ def tube_faults(events: Sequence[BarEvent], job: CoperJob, left: set[int]) -> li
     slack = coper.tolerance + 2 * written_step(job.machine, section) + FINE
     stock = bar_of(coper.trim, part, section.turn)
     if part.made is None:
-        whole = _wanted(part, coper, left, section)
+        whole = _required(part, coper, left, section)
     else:
-        whole, stock = _piece_wanted(part, coper, left, section)
+        whole, stock = _required_of_piece(part, coper, left, section)
     if whole.lost:
         return [*diagnostics, rules.LOST.at(part.source, found=whole.lost)]
     if whole.short[1]:
@@ -193,7 +193,7 @@ def tube_faults(events: Sequence[BarEvent], job: CoperJob, left: set[int]) -> li
 
 
 def _compared(
-    strokes: Sequence[TorchStroke], whole: TubeWanted, stock: TubeStock, section: TubeSection,
+    strokes: Sequence[TorchStroke], whole: RequiredTube, stock: TubeStock, section: TubeSection,
     slack: float, job: CoperJob,
 ) -> Iterator[Diagnostic]:  # fmt: skip
     """What is left of the unrolled surface, on three turns one above the other."""
@@ -266,28 +266,28 @@ def _lead_of(points: Sequence[Point], most: float, slack: float) -> int:
     return lead
 
 
-def _piece_wanted(
+def _required_of_piece(
     part: Part, coper: Coper, left: set[int], section: TubeSection
-) -> tuple[TubeWanted, TubeStock]:
+) -> tuple[RequiredTube, TubeStock]:
     """What has to stay of a piece, by its header and what is made of it, and the piece."""
     made = replace(part, features=tuple(filter(is_end, part.made or ())))
     through = tuple(f for f in part.made or () if is_end(f) or is_through(f))
     there = replace(part, features=through)
-    bare, worn = (_wanted(one, coper, set(), section) for one in (made, there))
+    bare, worn = (_required(one, coper, set(), section) for one in (made, there))
     if worn.lost:
         return worn, bar_of(coper.trim, part, section.turn)
     if part.profile.code == "M":
         faces, apart = box_ends(made, section)
     else:
         faces, apart = round_ends(made, bare.drawn, section)
-    asked = replace(part, cuts=EndCuts())
-    whole = _wanted(asked, coper, left, section, PieceAsked(bare.drawn, faces))
+    alone = replace(part, cuts=EndCuts())
+    whole = _required(alone, coper, left, section, PieceAsked(bare.drawn, faces))
     return whole, piece_of(bare.drawn, worn.drawn, apart)
 
 
-def _wanted(
+def _required(
     part: Part, coper: Coper, left: set[int], section: TubeSection, piece: PieceAsked | None = None
-) -> TubeWanted:
+) -> RequiredTube:
     """What has to stay of the surface on three turns, without and with its corners rounded.
 
     `piece` is one that comes cut, whose features are asked of it.
@@ -296,7 +296,7 @@ def _wanted(
     from shapely.affinity import translate
 
     if part.profile.code == "M":
-        return box_wanted(part, coper, left, section, piece)
+        return required_box(part, coper, left, section, piece)
     by_header, planes = [*header_planes(part, section)], [*planes_of(part, left, section)]
     deep = section.wall * max((hypot(*e[1:]) for _, e in (*by_header, *planes)), default=0.0)
     off, turn = {"v": deep} if deep >= LEAST_OFF else {}, section.turn
@@ -338,4 +338,4 @@ def _wanted(
     drawn = areas_of(drawn)
     inner = [one for one in corners if ends is None or not ends.is_mouth(one)]
     cut = with_corners_cut(drawn, inner, coper.corner_radius, turn)
-    return TubeWanted(drawn, cut, off, short=("v", short))
+    return RequiredTube(drawn, cut, off, short=("v", short))

@@ -247,14 +247,14 @@ def ends_of_shape(shape: Shape, low: float, high: float) -> tuple[Xs, Xs]:
 
     places = np.linspace(low, high, 721)
     lines = [LineString([(-1e5, at), (1e5, at)]) for at in places.tolist()]
-    found = bounds(intersection(lines, shape))
-    found = np.where(np.isnan(found), (-1e5, 0.0, 1e5, 0.0), found)
+    bounds_of = bounds(intersection(lines, shape))
+    bounds_of = np.where(np.isnan(bounds_of), (-1e5, 0.0, 1e5, 0.0), bounds_of)
 
     def start(at: float) -> tuple[float, ...]:
-        return (float(np.interp(at, places, found[:, 0])),)
+        return (float(np.interp(at, places, bounds_of[:, 0])),)
 
     def end(at: float) -> tuple[float, ...]:
-        return (float(np.interp(at, places, found[:, 2])),)
+        return (float(np.interp(at, places, bounds_of[:, 2])),)
 
     return start, end
 

@@ -95,7 +95,7 @@ def corner_of(
     if isinstance(over, str):
         return None, {}, [rules.CORNER.at(source, found=over, a=a, b=b)]
     turns, lines, leaning, reaches = over
-    said = [
+    reached = [
         rules.REACHES.at(source, face=face, into=f"{into:.2f}",
                          found=f"{r * (asin(into / (r - wall)) - asin(into / r)):.2f}")
         for face, into in zip((a, b), reaches, strict=True) if into
@@ -107,7 +107,7 @@ def corner_of(
         for low, high in zip(sides[::2], sides[1::2], strict=True)
     ]
     left = dict(zip((b, a), leaning, strict=True))
-    return union_all(shapes).difference(union_all(gone)), left, said
+    return union_all(shapes).difference(union_all(gone)), left, reached
 
 
 def _lines_over(

@@ -195,7 +195,7 @@ def face_ends(part: Part, features: Sequence[int], way: Around) -> dict[Face, Fa
     """Where a piece that comes cut ends on each of its faces, by some of its features."""
     own = [f for f in map(part.features.__getitem__, features) if isinstance(f, Cut)]
     faces = {face: _face(part, face, own, way.on_face(face), [], None) for face in FACES}
-    found: dict[Face, FaceEnds] = {}
+    ends: dict[Face, FaceEnds] = {}
     for face, one in faces.items():
         ys = np.linspace(0.0, one.size, PLACES)
         lines = []
@@ -213,10 +213,10 @@ def face_ends(part: Part, features: Sequence[int], way: Around) -> dict[Face, Fa
             far = -BEYOND if side < 0 else part.length + BEYOND
             surfaces = tuple(np.broadcast_to(row, ys.shape) for row in rows)
             lines.append(EndLine(side, ys, surfaces, far))
-        found[face] = FaceEnds(
+        ends[face] = FaceEnds(
             (lines[0], lines[1]), any(c.face == face for c in _outlines(face, own))
         )
-    return found
+    return ends
 
 
 def _end(part: Part, faces: Mapping[Face, BoxFace], side: int) -> SectionEnd | None:

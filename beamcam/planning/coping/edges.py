@@ -87,7 +87,7 @@ class BevelEdge(Struct, frozen=True):
     def rulings(self, offs: Sequence[float], deep: float = 0.0) -> list[Ruling]:
         """Places along the edge, such that lines so far inside of it have chords within CHORD, and
         so has what a torch sweeps between them that is `deep` mm long."""
-        found: list[Ruling] = []
+        rulings: list[Ruling] = []
         for curve in self.curves:
             count = 1
             if isinstance(curve, Arc):
@@ -97,14 +97,14 @@ class BevelEdge(Struct, frozen=True):
             for k in range(count + 1):
                 dx, dy = curve.tangent(k / count)
                 one = Ruling(curve.point(k / count), (-dy, dx))
-                if found and dist(found[-1].place, one.place) <= SAME_PLACE:
-                    found[-1] = found[-1].joined(one)
+                if rulings and dist(rulings[-1].place, one.place) <= SAME_PLACE:
+                    rulings[-1] = rulings[-1].joined(one)
                 else:
-                    found.append(one)
+                    rulings.append(one)
         if self.is_ring:
-            found[0] = found[-1] = found[-1].joined(found[0])
-        steady = [found[0]]
-        for one in found[1:]:
+            rulings[0] = rulings[-1] = rulings[-1].joined(rulings[0])
+        steady = [rulings[0]]
+        for one in rulings[1:]:
             steady += self._between(steady[-1], one, deep)
         return steady
 
@@ -220,7 +220,7 @@ def _segments(contour: Contour, wall: PlannedWall, least: float) -> list[_Segmen
     if (signed_area(tuple(curves)) > 0.0) != (contour.kind == "outer"):  # the steel on the left
         curves = [curve.reversed() for curve in reversed(curves)]
         there = there[::-1]
-    found: list[_Segment] = []
+    segments: list[_Segment] = []
     for curve, bevels in zip(curves, there, strict=True):
         pieces: list[Line | Arc] = [curve] if isinstance(curve, Line | Arc) else []
         if not isinstance(curve, Line | Arc):
@@ -228,8 +228,8 @@ def _segments(contour: Contour, wall: PlannedWall, least: float) -> list[_Segmen
 
             (chain,) = fit_chains([[curve]], FITTED)
             pieces = [one for one in chain if one.length > SAME_PLACE]
-        found += [_Segment(_on_wall(one, wall), bevels, j == 0) for j, one in enumerate(pieces)]
-    return found
+        segments += [_Segment(_on_wall(one, wall), bevels, j == 0) for j, one in enumerate(pieces)]
+    return segments
 
 
 def _radius(arc: Arc, off: float) -> float:

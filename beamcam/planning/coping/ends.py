@@ -135,7 +135,7 @@ def agreed_ends(part: Part) -> tuple[Part, list[Diagnostic]]:
     """
     planes = planes_of(part)
     diagnostics: list[Diagnostic] = []
-    found: dict[str, float] = {}
+    angles: dict[str, float] = {}
     kinds: tuple[tuple[Literal["web", "flange"], tuple[Face, ...]], ...] = (
         ("web", ("v", "h")), ("flange", ("u",) if part.profile.code in ("L", "T") else ("o", "u"))
     )  # fmt: skip
@@ -165,8 +165,8 @@ def agreed_ends(part: Part) -> tuple[Part, list[Diagnostic]]:
                     diagnostics.append(bar_rules.CUT_DENIED.at(
                         source, kind=kind, found=f"{angle:g}", end=at,
                         expected=f"{denied[0]:.3f}"))  # fmt: skip
-            found[f"{kind}_{at}"] = angle
-    return replace(part, cuts=EndCuts(**found)), diagnostics
+            angles[f"{kind}_{at}"] = angle
+    return replace(part, cuts=EndCuts(**angles)), diagnostics
 
 
 Side = tuple[Point, Point]  #: of an outline, from the lower edge of its face to the upper one
@@ -260,7 +260,7 @@ def squared(
 
     `depth` is that to which a pass through a root cuts.
     """
-    found, plane = dict(regions), planes_of(part)[k]
+    walls, plane = dict(regions), planes_of(part)[k]
     lines = {face: region.wall.skew[k] for face, region in regions.items()}
     there = {face: [*edges_at(region, k)] for face, region in regions.items()}
     off = {face: line.play for face, line in lines.items() if line is not None and there[face]}
@@ -269,7 +269,7 @@ def squared(
             continue
         line, web_line = lines[face], lines["v"]
         if line is not None and there[face] and regions[face].wall.lip:
-            found[face], mm = _as_long_as_lip(found[face], line, part.profile, plane)
+            walls[face], mm = _as_long_as_lip(walls[face], line, part.profile, plane)
             off[face] = max(off[face], mm)
         if line is None or web_line is None or not (there[face] and there["v"]):
             continue
@@ -280,9 +280,9 @@ def squared(
         x = plane.farthest(ys, zs)
         for one, edge, band in ((face, line, zs), ("v", web_line, ys)):
             more = stepped(edge, band, x, plane.side, regions[one].wall.width)
-            found[one] = replace(found[one], shape=found[one].shape.union(more))
+            walls[one] = replace(walls[one], shape=walls[one].shape.union(more))
             off[one] = max(off[one], *(abs(x - edge.x(y)) for y in band))
-    return found, off
+    return walls, off
 
 
 def _as_long_as_lip(

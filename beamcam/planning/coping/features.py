@@ -12,14 +12,14 @@ from beamcam.model.plan import CopeCut, CopePlan, Outcome, Piece
 from beamcam.model.request import policy_on
 from beamcam.planning import rules as bar_rules
 from beamcam.planning.coping import rules
-from beamcam.planning.coping.stock import length_needed, told_of_stock
+from beamcam.planning.coping.stock import length_needed, stock_notes
 from beamcam.planning.left_out import listed_by, refuse_mark
 from beamcam.planning.within import overlapping, within_larger
 
 LEAST_SLANT = 0.5  #: mm that a square cut is off inside of a wall, and that are manual work
 
 
-class Sorted(Struct, frozen=True):
+class FeatureLedger(Struct, frozen=True):
     """Features by their indices in the part."""
 
     cut: tuple[int, ...]
@@ -27,13 +27,13 @@ class Sorted(Struct, frozen=True):
     skipped: dict[int, Diagnostic]  #: why they are left out, which is allowed
     refusals: tuple[Diagnostic, ...]
     within: dict[int, Diagnostic]  #: in larger openings
-    told: tuple[Diagnostic, ...]  #: of openings in and over others
+    notes: tuple[Diagnostic, ...]  #: of openings in and over others
 
 
 def sorted_features(
     part: Part, machine: Machine, coper: Coper, skips: Collection[str],
     idle: Mapping[int, Diagnostic] = {},
-) -> Sorted:  # fmt: skip
+) -> FeatureLedger:  # fmt: skip
     """What becomes of each feature; `skips` may be left out, `idle` planes take nothing."""
     cut: list[int] = []
     listed: dict[int, str] = {}
@@ -63,8 +63,8 @@ def sorted_features(
             skipped[f] = diagnostic
         else:
             refusals.append(diagnostic)
-    told = (*idle.values(), *within.values(), *overlapping(part, within))
-    return Sorted(tuple(cut), listed, skipped, tuple(refusals), within, told)
+    notes = (*idle.values(), *within.values(), *overlapping(part, within))
+    return FeatureLedger(tuple(cut), listed, skipped, tuple(refusals), within, notes)
 
 
 def _refusal(feature: Feature, profile: Profile, coper: Coper) -> Diagnostic | None:
@@ -109,7 +109,7 @@ def _refusal(feature: Feature, profile: Profile, coper: Coper) -> Diagnostic | N
 
 
 def plan_of(
-    part: Part, given: Part, machine: Machine, found: Sorted, cuts: Sequence[CopeCut],
+    part: Part, given: Part, machine: Machine, ledger: FeatureLedger, cuts: Sequence[CopeCut],
     diagnostics: Sequence[Diagnostic], left: Callable[[int, Feature], str],
 ) -> CopePlan:  # fmt: skip
     """The plan of some cuts, with the outcome of each feature; `left` says why one that is cut is
@@ -119,17 +119,17 @@ def plan_of(
         raise PlanError(bar_rules.NO_WORK.at(part.source, machine=machine.name))
     outcomes = []
     for k, feature in enumerate(part.features):
-        if k in found.listed:
-            outcomes.append(Outcome((0, k), "listed", found.listed[k]))
-        elif k in found.skipped:
-            outcomes.append(Outcome((0, k), "skipped", found.skipped[k].code))
-        elif k in found.within:
-            outcomes.append(Outcome((0, k), "duplicate", found.within[k].code))
+        if k in ledger.listed:
+            outcomes.append(Outcome((0, k), "listed", ledger.listed[k]))
+        elif k in ledger.skipped:
+            outcomes.append(Outcome((0, k), "skipped", ledger.skipped[k].code))
+        elif k in ledger.within:
+            outcomes.append(Outcome((0, k), "duplicate", ledger.within[k].code))
         else:
             outcomes.append(Outcome((0, k), "made", "cut", left(k, feature)))
     return CopePlan(
         part.profile, (Piece(given, coper.trim),), length_needed(part, coper), tuple(cuts),
-        tuple(outcomes), (*diagnostics, *told_of_stock(part, given, coper), *found.told),
+        tuple(outcomes), (*diagnostics, *stock_notes(part, given, coper), *ledger.notes),
         min_bevel=coper.min_bevel,
     )  # fmt: skip
 
@@ -139,7 +139,7 @@ def has_bevels(feature: Feature, least: float) -> bool:
     return isinstance(feature, Contour) and any(abs(b.angle) >= least for b in feature.bevels)
 
 
-def told_slant(part: Part, slant: Mapping[Face, float]) -> Iterator[Diagnostic]:
+def slant_notes(part: Part, slant: Mapping[Face, float]) -> Iterator[Diagnostic]:
     """A warning of the walls that a square cut leaves skew, by how many mm."""
     if slant:
         yield rules.SLANT.at(

@@ -80,8 +80,8 @@ def ways_beside(region: WallRegion) -> list[tuple[CutChain, BesideWeb]]:
     if root is None or root.stands is None:
         return []
     chains = chains_of(region.shape, borders_of(wall, EDGE, wall.width - EDGE, -EDGE))
-    found = ((chain, beside_web(chain.points, wall, 0.0)) for chain in chains)
-    return [(chain, one) for chain, one in found if one is not None]
+    beside = ((chain, beside_web(chain.points, wall, 0.0)) for chain in chains)
+    return [(chain, one) for chain, one in beside if one is not None]
 
 
 def _within(points: Sequence[Point], low: float, high: float) -> Iterator[list[Point]]:

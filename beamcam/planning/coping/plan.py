@@ -30,8 +30,8 @@ from beamcam.planning.coping.features import (
     LEAST_SLANT,
     has_bevels,
     plan_of,
+    slant_notes,
     sorted_features,
-    told_slant,
 )
 from beamcam.planning.coping.fillets import depth_beside, ways_beside, without_openings
 from beamcam.planning.coping.regions import (
@@ -39,7 +39,7 @@ from beamcam.planning.coping.regions import (
     features_on,
     open_on,
     region_of,
-    told_rounded,
+    rounded_notes,
 )
 from beamcam.planning.coping.roots import lip_faults, root_faults, with_ledges, with_steps
 from beamcam.planning.coping.stock import as_pipe, stock_faults, with_corners, with_lip
@@ -70,7 +70,7 @@ def plan_coping(
     turned = [with_corners(part, coper) for part, _ in pipes]
     given = [with_lip(part, coper) for part, _ in turned]
     parts = [part for part, _ in given]
-    diagnostics = tuple(said for _, said in (*pipes, *turned, *given) if said)
+    diagnostics = tuple(note for _, note in (*pipes, *turned, *given) if note)
     if errors_in(diagnostics):
         raise PlanError(diagnostics)
     refusals = [*stock_faults(parts, machine, coper, bar)]
@@ -83,7 +83,7 @@ def plan_coping(
         plan = ProfilePlan(part, machine, coper, skips).planned()
     if off := [*_out_of_reach(plan, coper)]:
         raise PlanError(off)
-    if any(said.code == rules.TABLE_RADIUS.code for said in diagnostics):
+    if any(note.code == rules.TABLE_RADIUS.code for note in diagnostics):
         plan = replace(plan, usual_corners=True)
     return replace(plan, remarks=(*diagnostics, *plan.remarks)) if diagnostics else plan
 
@@ -125,11 +125,11 @@ class ProfilePlan:
         self._given, self._machine, self._coper = given, machine, coper
         self._part = part = laid(given)
         idle = dict(idle_planes(part, outermost(part)))
-        self._found = sorted_features(part, machine, coper, skips, idle)
-        if self._found.refusals:
-            raise PlanError(self._found.refusals)
+        self._ledger = sorted_features(part, machine, coper, skips, idle)
+        if self._ledger.refusals:
+            raise PlanError(self._ledger.refusals)
         self._chart = Chart(part, coper)
-        self._on = features_on(part, self._found.cut)
+        self._on = features_on(part, self._ledger.cut)
         self._diagnostics: list[Diagnostic] = []
         self._regions: dict[Face, WallRegion] = {}
         self._slant: dict[Face, float] = {}  #: mm that a square cut leaves too much, by wall
@@ -158,7 +158,7 @@ class ProfilePlan:
         )
         self._diagnostics += bevels.notes
         slant = {face: mm for face, mm in self._slant.items() if mm >= LEAST_SLANT}
-        self._diagnostics += told_slant(self._part, slant)
+        self._diagnostics += slant_notes(self._part, slant)
         self._stop()
         # Cuts in order of work; a bevel follows its wall, and not the one that parts the piece.
         last = dict.fromkeys(c.face for c in bevels.cuts if c.bevel and c.kind == "far")
@@ -178,7 +178,7 @@ class ProfilePlan:
             face: Face = "v" if feature.face == "h" else feature.face
             return BEVEL if face in slant else ROOT if face in self._at_root else ""
 
-        return plan_of(self._part, self._given, self._machine, self._found, cuts,
+        return plan_of(self._part, self._given, self._machine, self._ledger, cuts,
                        self._diagnostics, left)  # fmt: skip
 
     def _stop(self) -> None:
@@ -254,7 +254,7 @@ class ProfilePlan:
                 what = f"all of face {face} cut away"
                 self._diagnostics.append(rules.OFF.at(part.source, what=what))
             else:
-                self._diagnostics += told_rounded(regions[face], part.source)
+                self._diagnostics += rounded_notes(regions[face], part.source)
         self._regions = regions
         if errors_in(self._diagnostics):
             return

@@ -137,8 +137,8 @@ def rounded(
     wall, shape, radius = region.wall, region.shape, coper.corner_radius
     row = Chart(part, coper).row(wall.thickness)
     least = min(radius, row.kerf) if row else radius
-    added, found, narrow = _filled(shape, corners, radius)
-    for x, y in dict.fromkeys(narrow):
+    added, found, tight = _filled(shape, corners, radius)
+    for x, y in dict.fromkeys(tight):
         far = AROUND * radius
         near = shape.intersection(box(x - far, y - far, x + far, y + far))
         low, high = 0, round(radius / STEP)  # the largest radius that has room, in steps
@@ -189,7 +189,7 @@ def _filled(
     closed = shape.buffer(radius, ROUND).buffer(-radius, ROUND)
     filled = [one for one in polygons_of(closed.difference(shape)) if one.distance(places) <= CHORD]
     each = np.array(places.geoms)
-    added, found, narrow = [], dict[Point, float](), list[Point]()
+    added, found, tight = [], dict[Point, float](), list[Point]()
     turned = (orient(polygon) for polygon in polygons_of(shape))  # the steel on the left
     rings = [
         np.array(ring.coords)[:-1] for one in turned for ring in (one.exterior, *one.interiors)
@@ -205,11 +205,11 @@ def _filled(
         if deep <= 2 * CHORD:
             continue
         if deep > MOST_ROUNDED * radius or _turn_in(piece, rings, border) > MOST_TURN_DEG:
-            narrow += [(one.x, one.y) for one in mine]
+            tight += [(one.x, one.y) for one in mine]
             continue
         added.append(piece)
         found |= {(one.x, one.y): radius for one in mine}
-    return added, found, narrow
+    return added, found, tight
 
 
 def _pieces(joined: Sequence[Shape], half: float, tip: float) -> Iterator[tuple[Shape, Shape]]:
@@ -245,7 +245,7 @@ def _turn_in(piece: Shape, rings: Sequence[Any], border: Shape) -> float:
     return total
 
 
-def told_rounded(region: WallRegion, source: Source) -> Iterator[Diagnostic]:
+def rounded_notes(region: WallRegion, source: Source) -> Iterator[Diagnostic]:
     """How many corners of a region are rounded, by their radius."""
     for radius in sorted({*region.rounded.values()}, reverse=True):
         count = sum(one == radius for one in region.rounded.values())

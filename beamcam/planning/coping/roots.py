@@ -232,7 +232,7 @@ def with_steps(
     """
     from shapely import Polygon
 
-    found, steps, off = dict(regions), list[Diagnostic](), dict[Face, float]()
+    walls, steps, off = dict(regions), list[Diagnostic](), dict[Face, float]()
     for root in regions["v"].wall.roots:
         flange, depth = regions[root.face].wall, depths[root.face]
         (behind,) = flange.roots
@@ -254,12 +254,12 @@ def with_steps(
             for face, way in ways.items():
                 inside = [(at - side * OUTLINE_NOISE, y) for at, y in way]
                 more = Polygon([*inside, (x, way[-1][1]), (x, way[0][1])])
-                found[face] = replace(found[face], shape=found[face].shape.union(more))
+                walls[face] = replace(walls[face], shape=walls[face].shape.union(more))
                 off[face] = max(off.get(face, 0.0), *(abs(x - at) for at, _ in way))
             steps.append(rules.STEP.at(
                 source, x=f"{x:g}", face=root.face, found=f"{max(off['v'], off[root.face]):.1f}",
             ))  # fmt: skip
-    return found, steps, off
+    return walls, steps, off
 
 
 def _approaches(

@@ -71,7 +71,7 @@ def length_needed(part: Part, coper: Coper) -> float:
     return part.length + (0.0 if part.made is not None else 2 * coper.trim + coper.chuck)
 
 
-def told_of_stock(part: Part, given: Part, coper: Coper) -> Iterator[Diagnostic]:
+def stock_notes(part: Part, given: Part, coper: Coper) -> Iterator[Diagnostic]:
     """What is to be known of the bar that a part is cut from, or of the piece that comes cut."""
     code, turns = given.profile.code, coper.turns == "bar"
     at = "to Y-" if turns else "at Y 0"

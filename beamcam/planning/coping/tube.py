@@ -32,18 +32,18 @@ from beamcam.planning.coping.cuts import (
 from beamcam.planning.coping.ends import outermost
 from beamcam.planning.coping.features import (
     LEAST_SLANT,
-    Sorted,
+    FeatureLedger,
     has_bevels,
     plan_of,
+    slant_notes,
     sorted_features,
-    told_slant,
 )
 from beamcam.planning.coping.regions import (
     AROUND,
     CHORD,
     WallRegion,
     rounded,
-    told_rounded,
+    rounded_notes,
 )
 from beamcam.planning.coping.round_tube import end_round, once_round
 from beamcam.planning.coping.tube_ends import several
@@ -51,10 +51,10 @@ from beamcam.planning.coping.tube_pieces import (
     TubePiece,
     ends_there,
     holes_there,
-    led_from_air,
     open_paths,
+    path_from_air,
     paths_round,
-    planes_asked,
+    planes_refused,
     without_ends,
 )
 from beamcam.planning.coping.walls import PlannedWall
@@ -66,9 +66,9 @@ LEAST = 1e-6  #: mm that a place may lie off a straight line and say nothing
 
 def plan_tube(part: Part, machine: Machine, coper: Coper, skips: Collection[str]) -> CopePlan:
     """The work that cuts a tube from a bar. Raises PlanError as `plan_coping` does."""
-    found = sorted_features(part, machine, coper, skips)
-    if found.refusals:
-        raise PlanError(found.refusals)
+    ledger = sorted_features(part, machine, coper, skips)
+    if ledger.refusals:
+        raise PlanError(ledger.refusals)
     chart, profile = Chart(part, coper), part.profile
     wall = max(profile.thickness("v"), profile.flange_thickness)
     row = chart.row(wall)
@@ -78,21 +78,21 @@ def plan_tube(part: Part, machine: Machine, coper: Coper, skips: Collection[str]
     surface = PlannedWall("v", way.turn, wall, -inf, inf, ())
     piece = None
     if part.made is None:
-        once, diagnostics = _once_round(part, found.cut, way)
+        once, diagnostics = _once_round(part, ledger.cut, way)
     else:
-        once, piece, diagnostics = _left_of_piece(part, found.cut, way)
+        once, piece, diagnostics = _left_of_piece(part, ledger.cut, way)
         surface = replace(surface, open=piece.open)
     slant = {face: off for face, off in once.slant.items() if off >= LEAST_SLANT}
     region, more = _laid_out(surface, once, part, coper)
     diagnostics += more
     cuts: list[CopeCut] = []
     if not errors_in(diagnostics):
-        cuts, more = _cuts(part, region, found, row, coper, way, piece)
+        cuts, more = _cuts(part, region, ledger, row, coper, way, piece)
         diagnostics += more
     if errors_in(diagnostics):
         raise PlanError(errors_in(diagnostics))
-    diagnostics += told_rounded(region, part.source)
-    diagnostics += told_slant(part, slant)
+    diagnostics += rounded_notes(region, part.source)
+    diagnostics += slant_notes(part, slant)
     # What a square cut leaves before the farther surface of a bevelled edge.
     wedges = [
         (max(0.0, wall - b.land) * tan(radians(min(abs(b.angle), 89.0))), c.source)
@@ -102,7 +102,9 @@ def plan_tube(part: Part, machine: Machine, coper: Coper, skips: Collection[str]
     if deepest >= LEAST_SLANT:
         diagnostics.append(rules.WEDGE.at(source, found=f"{deepest:.2f}", wall=f"{wall:g}"))
     diagnostics += _slow_axes(part, machine, row, way)
-    found = replace(found, told=(*found.told, *dict(idle_planes(part, outermost(part))).values()))
+    ledger = replace(
+        ledger, notes=(*ledger.notes, *dict(idle_planes(part, outermost(part))).values())
+    )
 
     def left(_: int, feature: Feature) -> str:
         """Why what is cut is manual work too: bevels, a skew outline, a plane."""
@@ -113,7 +115,7 @@ def plan_tube(part: Part, machine: Machine, coper: Coper, skips: Collection[str]
             is_left = is_left or feature.face in slant
         return BEVEL if is_left else ""
 
-    return plan_of(part, part, machine, found, cuts, diagnostics, left)
+    return plan_of(part, part, machine, ledger, cuts, diagnostics, left)
 
 
 def _slow_axes(part: Part, machine: Machine, row: TorchRow, way: Around) -> Iterator[Diagnostic]:
@@ -172,21 +174,21 @@ def _left_of_piece(
     ends = range(len(made.features))
     bare, wrong = _once_round(made, ends, way)
     worn, more = _once_round(*holes_there(part), way)
-    if found := errors_in((*wrong, *more)):
-        raise PlanError([*dict.fromkeys(found)])
+    if ledger := errors_in((*wrong, *more)):
+        raise PlanError([*dict.fromkeys(ledger)])
     slant = hypot(*(max(bare.slant.get(f, 0.0) for f in pair) for pair in ("vh", "ou")))
-    asked = without_ends(part)
+    alone = without_ends(part)
     if part.profile.code == "M":
-        once, diagnostics = unrolled(asked, features, way, face_ends(made, ends, way))
+        once, diagnostics = unrolled(alone, features, way, face_ends(made, ends, way))
     else:
         lines = [end_round(made, bare.shape, side, way) for side in (-1, 1)]
-        once, diagnostics = once_round(asked, features, way, lines)
+        once, diagnostics = once_round(alone, features, way, lines)
     stays = replace(once, shape=once.shape.intersection(bare.shape))
     low, _, high, _ = bare.shape.bounds
     three = box(low, 0.0, high, 3 * way.turn)
     steel = several(bare.shape, way.turn, range(-1, 4)).intersection(three)
     gone = several(bare.shape.difference(worn.shape), way.turn, range(-1, 4))
-    return stays, TubePiece(steel, gone, slant), [*planes_asked(part), *diagnostics]
+    return stays, TubePiece(steel, gone, slant), [*planes_refused(part), *diagnostics]
 
 
 def _once_round(
@@ -198,8 +200,8 @@ def _once_round(
 
 
 def _cuts(
-    part: Part, region: WallRegion, found: Sorted, row: TorchRow, coper: Coper, tube: Around,
-    piece: TubePiece | None,
+    part: Part, region: WallRegion, ledger: FeatureLedger, row: TorchRow, coper: Coper,
+    tube: Around, piece: TubePiece | None,
 ) -> tuple[list[CopeCut], list[Diagnostic]]:  # fmt: skip
     """The cuts in order: what lies in the surface, the near end, the far end.
 
@@ -210,8 +212,8 @@ def _cuts(
     seam = wall.width + coper.seam * wall.width / 360.0
     cuts: list[CopeCut] = []
     faults: list[Diagnostic] = []
-    features = tuple((0, f) for f in found.cut)
-    source = part.features[found.cut[0]].source if found.cut else part.source
+    features = tuple((0, f) for f in ledger.cut)
+    source = part.features[ledger.cut[0]].source if ledger.cut else part.source
     inside = replace(region, wall=replace(wall, low=0.0, high=3 * wall.width))
     # The rings of cut-outs, each once: those that begin in the second turn.
     chains = [
@@ -230,7 +232,7 @@ def _cuts(
             is_far = max(x for x, _ in chain.points) >= region.shape.bounds[2]
             kind = "far" if is_far else "near"
         if piece is not None and chain.start:
-            path = led_from_air(chain, region.shape, piece, row, coper)
+            path = path_from_air(chain, region.shape, piece, row, coper)
         else:
             path = Leads(inside, row, coper).path(chain)
         if path is None:

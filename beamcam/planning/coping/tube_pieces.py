@@ -176,7 +176,7 @@ def without_ends(part: Part) -> Part:
     return replace(part, cuts=EndCuts())
 
 
-def planes_asked(part: Part) -> Iterator[Diagnostic]:
+def planes_refused(part: Part) -> Iterator[Diagnostic]:
     """Errors for planes that are to end a tube that comes cut."""
     for feature in part.features:
         if isinstance(feature, EndPlane):
@@ -244,7 +244,7 @@ def open_paths(
     return chains, [*dict.fromkeys(wrong)]
 
 
-def led_from_air(
+def path_from_air(
     chain: CutChain, region: Shape, piece: TubePiece, row: TorchRow, coper: Coper
 ) -> Path | None:
     """A path with its lead, from the end of the scrap beside it; None without room."""

@@ -12,9 +12,9 @@ from shapely import Point
 import beamcam
 from beamcam.checks.coping import verify_coping
 from beamcam.checks.coping.chart import job_of
+from beamcam.checks.coping.required_wall import required_on
 from beamcam.checks.coping.section import CoperSection, TubeSection
 from beamcam.checks.coping.stock import stock_of
-from beamcam.checks.coping.wanted import required_on
 from beamcam.errors import errors_in
 from beamcam.geometry.curves import Arc
 from beamcam.machine import Machine, load

@@ -164,7 +164,7 @@ def _cramped(
     or lies between two sides that face each other."""
     from shapely import MultiPoint, distance, get_coordinates, points
 
-    found, slim, places = list[Point](), SLIM * radius / 2, points(corners)
+    cramped, slim, places = list[Point](), SLIM * radius / 2, points(corners)
     border = drawn.boundary
     for piece in left:
         for core in pieces_of(piece.buffer(-slim).buffer(slim)):  # thin stretches join some
@@ -174,8 +174,8 @@ def _cramped(
                 round_it = points(get_coordinates(core.segmentize(radius / 4)))
                 far = distance(MultiPoint(mine), round_it).max()
                 if far > SHARPEST * radius or _turns_beside(core.buffer(slim), border) > FACING_DEG:
-                    found += mine
-    return found
+                    cramped += mine
+    return cramped
 
 
 def _turns_beside(piece: Shape, border: Shape) -> float:
@@ -219,13 +219,13 @@ def _at_corners(left: Sequence[Shape], corners: list[Point], radius: float) -> l
     """
     from shapely import MultiPoint, union_all
 
-    found, thin, places = list[Shape](), TOUCH * radius, MultiPoint(corners)
+    kept, thin, places = list[Shape](), TOUCH * radius, MultiPoint(corners)
     for piece in left:
         cores = pieces_of(piece.buffer(-thin).buffer(thin))
         beyond = [one.buffer(2 * thin) for one in cores if one.distance(places) > 4 * thin]
         is_split = len(beyond) < len(cores)
-        found.append(areas_of(piece.difference(union_all(beyond))) if is_split else piece)
-    return found
+        kept.append(areas_of(piece.difference(union_all(beyond))) if is_split else piece)
+    return kept
 
 
 def _joined(drawn: Shape, added: Sequence[Shape]) -> Shape:
