@@ -267,18 +267,15 @@ def _cut_square(part: Part) -> tuple[Part, str]:
             feature = replace(feature, bevels=())
         elif isinstance(feature, Hole) and feature.kind == "through" and part.profile.code == "RO":
             holes += 1
-            feature = Contour("v", "inner", tuple(_drilled(feature, part)), feature.source)
+            # A drill through the axis meets the outside so, unrolled.
+            radius, x, y = part.profile.height / 2, feature.x, feature.y
+            ring = circle(0.0, 0.0, min(feature.diameter / 2, radius))
+            ring = [(x + along, y + radius * asin(across / radius)) for along, across in ring]
+            curves = tuple(Line(a, b) for a, b in pairwise([*ring, ring[0]]))
+            feature = Contour("v", "inner", curves, feature.source)
         features.append(feature)
     texts = [f"{bevels} edge(s) with a bevel"] if bevels else []
     skew = skew_ends(part) if part.profile.code in ("M", "RO") else 0
     texts += [f"{skew} end(s) skew through the wall"] if skew else []
     texts += [f"{holes} hole(s) round its axis"] if holes else []
     return replace(part, features=tuple(features)), ", ".join(texts)
-
-
-def _drilled(hole: Hole, part: Part) -> Iterator[Line]:
-    """Where a drill through the axis of a tube meets its outside, unrolled."""
-    radius = part.profile.height / 2
-    ring = circle(0.0, 0.0, min(hole.diameter / 2, radius))
-    places = [(hole.x + x, hole.y + radius * asin(across / radius)) for x, across in ring]
-    yield from (Line(a, b) for a, b in pairwise([*places, places[0]]))

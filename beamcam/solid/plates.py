@@ -236,7 +236,14 @@ def sheet_faults(text: str, parts: Sequence[Part], request: Request) -> list[Dia
     copies = torch.copies[0] * torch.copies[1]
     tolerance = torch.tolerance + torch.gap + torch.corner + 2 * CHORD
     tolerance += hypot(machine.format.resolution, machine.format.resolution)
-    pieces_of = {part: [*_expected(plates[part], tolerance, kerf)] for part in plates}
+    pieces_of: dict[Part, list[Expected]] = {part: [] for part in plates}
+    for part, plate in plates.items():
+        for drawn in plate.pieces:
+            least = drawn.buffer(-tolerance, join_style="mitre")
+            least = least.difference(plate.slits.buffer(kerf / 2 + 2 * tolerance))
+            most = drawn.buffer(kerf / 2 + tolerance, quad_segs=32)
+            most = most.buffer(-kerf / 2, quad_segs=32)
+            pieces_of[part].append(Expected(plate, drawn, least, most, tolerance))
     expected = [one for part in parts for one in pieces_of[part] * copies]
     return [
         *_compared(pieces, expected, torch.rotate, request),
@@ -245,15 +252,6 @@ def sheet_faults(text: str, parts: Sequence[Part], request: Request) -> list[Dia
             for part in parts for feature, shape in plates[part].left
         ),
     ]  # fmt: skip
-
-
-def _expected(plate: Plate, tolerance: float, kerf: float) -> Iterator[Expected]:
-    for drawn in plate.pieces:
-        least = drawn.buffer(-tolerance, join_style="mitre")
-        if not plate.slits.is_empty:
-            least = least.difference(plate.slits.buffer(kerf / 2 + 2 * tolerance))
-        most = drawn.buffer(kerf / 2 + tolerance, quad_segs=32).buffer(-kerf / 2, quad_segs=32)
-        yield Expected(plate, drawn, least, most, tolerance)
 
 
 def _compared(
@@ -270,7 +268,12 @@ def _compared(
         if any(other.contains(one) for j, other in enumerate(filled) if j != k)
     }  # fmt: skip
     for number, one in enumerate(expected, 1):
-        costs = sorted((_unlike(pieces[k], one.drawn), k) for k in free)
+        # How much two shapes differ, in mm of their outlines.
+        area, long = one.drawn.area, one.drawn.length
+        costs = sorted(
+            (round(abs(pieces[k].area - area) / max(long, 1e-9)
+                   + abs(pieces[k].length - long) / 4, 3), k) for k in free
+        )  # fmt: skip
         if not costs:
             found = f"{len(pieces)} piece(s) that come free"
             yield PIECES.at(source, found=found, expected=f"{len(expected)}, and their cut-outs")
@@ -290,13 +293,6 @@ def _compared(
                     mark = one.plate.part.mark or "part"
                     yield PIECES.at(source, found=f"one more {mark}", expected="only those asked")
                     break
-
-
-def _unlike(piece: Shape, drawn: Shape) -> float:
-    """How much two shapes differ, in mm of their outlines."""
-    length = max(drawn.length, 1e-9)
-    off = abs(piece.area - drawn.area) / length + abs(piece.length - drawn.length) / 4
-    return round(float(off), 3)
 
 
 def _laid(piece: Shape, drawn: Shape, turn: float, mirrored: bool) -> Iterator[Shape]:

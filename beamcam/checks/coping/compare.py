@@ -21,7 +21,7 @@ from beamcam.checks.coping.left import WallPieces, holding_faults, hurt_fault, k
 from beamcam.checks.coping.required import RequiredWalls
 from beamcam.checks.coping.section import CoperSection, jet_of, line_of, narrowed, pieces_of
 from beamcam.checks.coping.stock import FINE, WallStock
-from beamcam.checks.coping.strokes import TorchStroke
+from beamcam.checks.coping.strokes import TorchStroke, in_air
 from beamcam.errors import Diagnostic
 from beamcam.geometry.plane import Point
 
@@ -177,7 +177,7 @@ class WallComparison:
         if not has_edge and (off := self._extra(stroke, bands, steel)) is not None:
             x, y = off
             yield rules.EXTRA.at(source, x=f"{x:.1f}", y=f"{y:.1f}", face=stroke.face)
-        lost = self._in_air(stroke, steel)
+        lost = in_air(stroke.points[1:], steel, stroke.row, coper)
         if solid.distance(line_of(stroke.points[:1])) > self._slack or lost is not None:
             x, y = lost or stroke.points[0]
             yield rules.AIR.at(source, x=f"{x:.1f}", y=f"{y:.1f}", face=stroke.face)
@@ -205,20 +205,6 @@ class WallComparison:
                     return None
                 first = first or off
         return first
-
-    def _in_air(self, stroke: TorchStroke, steel: Shape) -> Point | None:
-        """A place of a stroke in air, but just beyond the edges where it begins and ends; or None.
-
-        Where its lead begins on an edge it goes on beside that edge to the contour.
-        """
-        run, kerf = line_of(stroke.points[1:]), stroke.row.kerf
-        ends = [line_of([stroke.points[k]]) for k in (1, -1)]
-        for air in pieces_of(run.difference(steel.buffer(kerf / 4))):
-            at_end = any(air.distance(end) <= SURE for end in ends)
-            if air.length > (self._job.coper.over + 3 * kerf if at_end else kerf):
-                x, y = air.representative_point().coords[0]
-                return x, y
-        return None
 
     def _thickness(self, stroke: TorchStroke) -> tuple[float, float]:
         """The steel that a stroke has to go through, with what it may be off.

@@ -9,7 +9,15 @@ from msgspec import Struct
 
 from beamcam.checks.coping import rules
 from beamcam.checks.coping.chart import CoperJob
-from beamcam.checks.coping.section import ARC, CoperSection, jet_of, kerf_of, narrowed
+from beamcam.checks.coping.section import (
+    ARC,
+    CoperSection,
+    jet_of,
+    kerf_of,
+    line_of,
+    narrowed,
+    pieces_of,
+)
 from beamcam.controllers import cell_events
 from beamcam.controllers.events import (
     BarEvent,
@@ -23,6 +31,7 @@ from beamcam.controllers.events import (
 )
 from beamcam.errors import Diagnostic, Source, add_few
 from beamcam.geometry.plane import Point
+from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import TorchRow
 
@@ -31,6 +40,7 @@ ANGLE_SLACK_DEG = 0.01
 TINY = 1e-12  #: of the square of a lean
 HEIGHT_SLACK = 0.02  #: mm
 MIDDLE_SLACK = 0.05  #: mm of height on the way of a block on which the torch or the bar turns
+AT_END = 0.01  #: mm from the ends of a path
 TIME_SLACK_S = 0.0006
 LONGEST_PAUSE_S = 60.0  #: with the torch off
 ENDS = (2, 30)
@@ -140,6 +150,21 @@ def through_root(
     back, front = section.root(face)
     there = (stroke for stroke in strokes if stroke.face == face)
     return [one for one in there if one.across[0] <= back and one.across[1] >= front]
+
+
+def in_air(points: Sequence[Point], steel: Any, row: TorchRow, coper: Coper) -> Point | None:
+    """A place of a path in air, but just beyond the edges where it begins and ends; or None.
+
+    Where its lead begins on an edge it goes on beside that edge to the contour.
+    """
+    path = line_of(points)
+    ends = [line_of([points[k]]) for k in (0, -1)]
+    for air in pieces_of(path.difference(steel.buffer(row.kerf / 4))):
+        at_end = any(air.distance(end) <= AT_END for end in ends)
+        if air.length > (coper.over + 3 * row.kerf if at_end else row.kerf):
+            x, y = air.representative_point().coords[0]
+            return x, y
+    return None
 
 
 class TipMove(Struct, frozen=True, gc=False):

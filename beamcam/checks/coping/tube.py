@@ -33,13 +33,13 @@ from beamcam.checks.coping.strokes import (
     TipMove,
     TorchFollower,
     TorchStroke,
+    in_air,
 )
 from beamcam.checks.coping.tube_ends import (
     AIR,
     PieceAsked,
     TubeStock,
     bar_of,
-    goes_out,
     header_planes,
     is_end,
     kept,
@@ -233,9 +233,11 @@ def _compared(
             x, u = points[0]
             yield rules.EXTRA.at(source, x=f"{x:.1f}", y=f"{u:.1f}", face=stroke.face)
         # No arc starts over a hole that is there, nor lives in the air beside an end that is there.
-        if stock.solid.distance(Point(points[0])) > slack or (
-            stock.is_piece and goes_out(points, lead, stock, stroke.row, coper)
-        ):
+        lost = stock.is_piece and (
+            line_of(points[: lead + 1]).difference(stock.steel.buffer(half)).length > 0.0
+            or in_air(points[lead:], stock.steel, stroke.row, coper) is not None
+        )
+        if lost or stock.solid.distance(Point(points[0])) > slack:
             yield rules.AIR.at(source, x=f"{points[0][0]:.1f}", y=f"{us[0]:.1f}", face=stroke.face)
         if fits is None or stroke.row.feed_mm_min != fits.feed_mm_min:
             yield rules.FEED.at(

@@ -17,12 +17,10 @@ from typing import Any
 
 from msgspec import Struct
 
-from beamcam.checks.coping.section import TubeSection, line_of, pieces_of
+from beamcam.checks.coping.section import TubeSection
 from beamcam.checks.coping.skew import DRAWN
-from beamcam.checks.coping.stock import FINE, inside_of
+from beamcam.checks.coping.stock import inside_of
 from beamcam.geometry.plane import Point
-from beamcam.machine.coper import Coper
-from beamcam.machine.torch import TorchRow
 from beamcam.model.part import Contour, EndPlane, Feature, Part
 
 Shape = Any  #: of shapely
@@ -273,18 +271,3 @@ def round_ends(part: Part, bare: Shape, section: TubeSection) -> tuple[dict[str,
 
         rows.append(xs)
     return {"v": FaceEnds(rows[0], rows[1], part.length)}, apart
-
-
-def goes_out(
-    points: Sequence[Point], begin: int, stock: TubeStock, row: TorchRow, coper: Coper
-) -> bool:
-    """Whether an arc over a piece that comes cut has no steel for longer than it takes to be clear
-    of its end; its lead has `begin` blocks."""
-    lead, path = line_of(points[: begin + 1]), line_of(points[begin:])
-    if lead.difference(stock.steel.buffer(row.kerf / 2)).length > 0.0:
-        return True
-    air = path.difference(stock.steel.buffer(row.kerf / 4))
-    return any(
-        one.length > (coper.over + 3 * row.kerf if one.distance(path.boundary) < FINE else row.kerf)
-        for one in pieces_of(air)
-    )

@@ -53,8 +53,7 @@ from beamcam.planning.coping.tube_pieces import (
     BEYOND,
     EndLine,
     FaceEnds,
-    farthest_beyond,
-    lies_beyond,
+    beyond_ends,
     opened,
 )
 from beamcam.planning.coping.walls import PlannedWall
@@ -111,7 +110,7 @@ def unrolled(
             lines = there[face].lines if there else ()
             drawn = taken(feature)
             gone = opened(drawn, lines)
-            if not gone.intersects(shape) or lies_beyond(drawn, lines):
+            if not gone.intersects(shape) or beyond_ends(drawn, lines)[0] >= 0.0:
                 diagnostics.append(
                     rules.OFF.at(feature.source, what=f"a hole or cut-out of face {face}")
                 )
@@ -168,7 +167,7 @@ def _face(
     if shape.area > drawn.area + CHORD:
         diagnostics.append(rules.TANGENTS.at(mine[0].source, face=face))
     if there:
-        if (far := farthest_beyond(shape, there.lines)) > OUTLINE_NOISE:
+        if (far := beyond_ends(shape, there.lines)[1]) > OUTLINE_NOISE:
             diagnostics.append(rules.SHORT.at(mine[0].source, face=face, found=f"{far:.3g}"))
         shape = opened(shape, there.lines).intersection(strip)
     return BoxFace(leg, size, shape, True)

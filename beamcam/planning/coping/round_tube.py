@@ -37,8 +37,7 @@ from beamcam.planning.coping.tube_ends import (
 from beamcam.planning.coping.tube_pieces import (
     BEYOND,
     EndLine,
-    farthest_beyond,
-    lies_beyond,
+    beyond_ends,
     opened,
 )
 from beamcam.planning.coping.walls import PlannedWall
@@ -91,7 +90,7 @@ def once_round(
         if open_seams:
             diagnostics.append(rules.SEAM.at(outer[0].source, found=f"{max(open_seams):.2f}"))
         whole = union_all(drawn)
-        if (far := farthest_beyond(whole, there)) > OUTLINE_NOISE:
+        if (far := beyond_ends(whole, there)[1]) > OUTLINE_NOISE:
             diagnostics.append(rules.SHORT.at(outer[0].source, face="v", found=f"{far:.3g}"))
         whole = opened(whole, there).intersection(strip)
         diagnostics += denied_ends(part, whole, way)
@@ -106,7 +105,7 @@ def once_round(
                 continue
         drawn_once = taken_round(feature, part)
         gone = several(opened(drawn_once, there), round_it, (-1, 0, 1))
-        if not gone.intersects(whole) or lies_beyond(drawn_once, there):
+        if not gone.intersects(whole) or beyond_ends(drawn_once, there)[0] >= 0.0:
             diagnostics.append(rules.OFF.at(feature.source, what="a hole or cut-out"))
         shape = shape.difference(gone)
     return Unrolled(shape, tuple(corners), {"v": max(skew, default=0.0)}), diagnostics

@@ -10,7 +10,7 @@ u  |  ______              outline on the end of the piece is that end, and no cu
 
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
-from math import dist
+from math import dist, inf
 
 import numpy as np
 from msgspec import Struct
@@ -126,20 +126,15 @@ def _gone_on(before: Floats, last: Floats, end: EndLine) -> Point:
     return x, y
 
 
-def farthest_beyond(shape: Shape, ends: Sequence[EndLine]) -> float:
-    """mm that a shape goes on beyond the ends of the piece that it is drawn on."""
+def beyond_ends(shape: Shape, ends: Sequence[EndLine]) -> tuple[float, float]:
+    """mm that all of a shape lies beyond one of the ends that it is drawn on, and that any of it
+    does; below 0 on the piece."""
     from shapely import get_coordinates
 
     places = get_coordinates(shape)
-    return max((float(np.min(end.off(places), axis=0).max()) for end in ends), default=0.0)
-
-
-def lies_beyond(shape: Shape, ends: Sequence[EndLine]) -> bool:
-    """Whether all of a shape lies beyond one of the ends."""
-    from shapely import get_coordinates
-
-    places = get_coordinates(shape)
-    return any(float(np.min(end.off(places), axis=0).min()) >= 0.0 for end in ends)
+    offs = [np.min(end.off(places), axis=0) for end in ends]
+    least = max((float(off.min()) for off in offs), default=-inf)
+    return least, max((float(off.max()) for off in offs), default=0.0)
 
 
 # --- the piece ------------------------------------------------------------------------------------
