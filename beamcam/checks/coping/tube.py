@@ -19,14 +19,7 @@ from beamcam.checks.coping.collisions import collision_faults, turned_unseen
 from beamcam.checks.coping.left import hurt_fault, kept_faults, parted
 from beamcam.checks.coping.required_wall import corners_of, with_corners_cut
 from beamcam.checks.coping.section import TubeSection, areas_of, kerf_of, line_of
-from beamcam.checks.coping.stock import (
-    FINE,
-    inside_of,
-    is_through,
-    outline_ring,
-    ring_of,
-    taken,
-)
+from beamcam.checks.coping.stock import FINE, inside_of, is_through, outline_ring, ring_of, taken
 from beamcam.checks.coping.strokes import (
     HEIGHT_SLACK,
     MIDDLE_SLACK,

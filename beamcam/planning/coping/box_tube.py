@@ -49,13 +49,7 @@ from beamcam.planning.coping.tube_ends import (
     own_planes,
     within,
 )
-from beamcam.planning.coping.tube_pieces import (
-    BEYOND,
-    EndLine,
-    FaceEnds,
-    beyond_ends,
-    opened,
-)
+from beamcam.planning.coping.tube_pieces import BEYOND, EndLine, FaceEnds, beyond_ends, opened
 from beamcam.planning.coping.walls import PlannedWall
 
 FACES: tuple[Face, ...] = ("u", "v", "o", "h")  #: on the way round

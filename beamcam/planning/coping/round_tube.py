@@ -34,12 +34,7 @@ from beamcam.planning.coping.tube_ends import (
     several,
     within,
 )
-from beamcam.planning.coping.tube_pieces import (
-    BEYOND,
-    EndLine,
-    beyond_ends,
-    opened,
-)
+from beamcam.planning.coping.tube_pieces import BEYOND, EndLine, beyond_ends, opened
 from beamcam.planning.coping.walls import PlannedWall
 
 STEPS = 96  #: places round a hole

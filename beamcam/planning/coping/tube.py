@@ -21,14 +21,7 @@ from beamcam.model.surface import Around, around
 from beamcam.planning.coping import rules
 from beamcam.planning.coping.box_tube import Unrolled, face_ends, unrolled
 from beamcam.planning.coping.chart import Chart
-from beamcam.planning.coping.cuts import (
-    ROUND,
-    Leads,
-    borders_of,
-    chains_of,
-    no_room,
-    over_hole,
-)
+from beamcam.planning.coping.cuts import ROUND, Leads, borders_of, chains_of, no_room, over_hole
 from beamcam.planning.coping.ends import outermost
 from beamcam.planning.coping.features import (
     LEAST_SLANT,
@@ -38,13 +31,7 @@ from beamcam.planning.coping.features import (
     slant_notes,
     sorted_features,
 )
-from beamcam.planning.coping.regions import (
-    AROUND,
-    CHORD,
-    WallRegion,
-    rounded,
-    rounded_notes,
-)
+from beamcam.planning.coping.regions import AROUND, CHORD, WallRegion, rounded, rounded_notes
 from beamcam.planning.coping.round_tube import end_round, once_round
 from beamcam.planning.coping.tube_ends import several
 from beamcam.planning.coping.tube_pieces import (
