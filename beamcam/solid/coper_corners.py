@@ -13,6 +13,8 @@ from math import atan2, degrees
 from typing import TYPE_CHECKING
 
 from msgspec import Struct
+from shapely import MultiPoint, box, get_coordinates, union_all
+from shapely import Point as Place
 
 from beamcam.geometry.curves import signed_area
 from beamcam.geometry.plane import Point
@@ -37,8 +39,6 @@ def rounded_corners(
 ) -> "tuple[Manifold, list[tuple[str, Shape]], dict[tuple[str, float, float], float]]":
     """The steel that the re-entrant corners of contours keep, what they keep of each wall of a
     profile, by its face, and the radius of each."""
-    from shapely import box, union_all
-
     m = kernel()
     kept: list[Manifold] = []
     rounds: list[tuple[str, Shape]] = []
@@ -76,9 +76,6 @@ def _rounds(
     steel: Shape, contours: Iterable[Contour], radius: float
 ) -> Iterator[tuple[Point, float, Shape]]:
     """The re-entrant corners of contours, the radius that each has room for, its steel."""
-    from shapely import Point as Place
-    from shapely import box
-
     # A window that is drawn on both sides of a web has each of its corners twice.
     every = [turn for contour in contours if is_cut(contour) for turn in _turns(contour)]
     by_place = {(*(round(xy, 2) for xy in turn.place), turn.deg > 0.0): turn for turn in every}
@@ -113,17 +110,12 @@ class _Turn(Struct, frozen=True):
 
 def _at(corner: _Turn, filled: Sequence[tuple[Shape, bool]]) -> Iterator[tuple[Shape, bool]]:
     """What of it is at a corner."""
-    from shapely import Point as Place
-
     return (one for one in filled if one[0].distance(Place(corner.place)) < 2 * CHORD)
 
 
 def _filled(steel: Shape, turns: Sequence[_Turn], radius: float) -> list[tuple[Shape, bool]]:
     """What a disc that is rolled through the air does not reach, and whether that is a narrow
     place: with sides that face each other, or that goes on far off its corners."""
-    from shapely import MultiPoint, get_coordinates
-    from shapely import Point as Place
-
     quarter = facets(radius) // 4
     closed = steel.buffer(radius, quad_segs=quarter).buffer(-radius, quad_segs=quarter)
     air, more = steel.envelope.buffer(2 * radius).difference(closed), closed.difference(steel)
@@ -143,8 +135,6 @@ def _filled(steel: Shape, turns: Sequence[_Turn], radius: float) -> list[tuple[S
 
 def _thick(shape: Shape, half: float) -> Iterator[tuple[Shape, Shape]]:
     """The pieces of a shape that slivers may join, each with what of it is thicker."""
-    from shapely import union_all
-
     for piece in getattr(shape, "geoms", [shape]):
         cores = piece.buffer(-half).buffer(half)
         thick = [one for one in getattr(cores, "geoms", [cores]) if not one.is_empty]
@@ -171,9 +161,6 @@ def _rounds_on(
 ) -> "Iterator[Manifold]":
     """What a re-entrant corner keeps: `flat` of its wall, or on the round of a rectangular tube
     that of 90 degrees on the surface, whatever way it is open."""
-    from shapely import Point as Place
-    from shapely import box, union_all
-
     if part.profile.code == "M":
         skin, thick = skin_of(part)
         seen = [skin.seen(face, at[1], deep) for deep in (0.0, thick)]

@@ -10,6 +10,7 @@ from math import hypot, radians, tan
 from typing import TYPE_CHECKING
 
 from msgspec import Struct
+from shapely import LineString, box, union_all
 
 from beamcam.geometry.curves import Curve, Line
 from beamcam.machine.coper import Coper
@@ -88,8 +89,6 @@ def _walls_beyond(
     end: _End, profile: Profile, section: Shape, slack: float
 ) -> "Iterator[Manifold]":
     """Each wall as far as it reaches at either of its surfaces, with the fillets beside a web."""
-    from shapely import box
-
     for face, wall in walls(profile).items():
         if face in ("v", "o", "u"):
             slab, flat = (wall.surface, wall.surface + wall.inward * wall.thickness), (0.0, 0.0)
@@ -139,8 +138,6 @@ def _stepped(
 ) -> "Manifold":
     """The walls through a box of the section up to one x, and beyond it while a steep end lies
     before that."""
-    from shapely import box, union_all
-
     (y0, y1), (z0, z1) = (
         (-FAR if by > STEEP else low - step, FAR if by < -STEEP else high + step)
         for (low, high), by in ((ys, end.by_y), (zs, end.by_z))
@@ -228,8 +225,6 @@ def steps_of(
 def _stretch(edge: Curve | Shape, band: tuple[float, float]) -> tuple[float, float] | None:
     """The least and the greatest x of what of a band lies on an edge or in a round; None if nothing
     does, or if a straight edge ends in the band."""
-    from shapely import LineString, box
-
     if isinstance(edge, Line):
         (xa, ya), (xb, yb) = sorted((edge.start, edge.end), key=lambda place: place[1])
         low, high = max(band[0], ya), min(band[1], yb)

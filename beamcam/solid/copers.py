@@ -20,6 +20,8 @@ from typing import TYPE_CHECKING
 
 from msgspec import Struct
 from msgspec.structs import replace
+from shapely import intersection_all, union_all
+from shapely.affinity import translate
 
 from beamcam.controllers import cell_events
 from beamcam.controllers.events import in_degrees
@@ -220,9 +222,6 @@ def _allowed(
 def _beside_ends(part: Part, there: Part, slack: float) -> "Manifold":
     """What the outline of a round piece leaves out beside a skew end that is there, and that end
     has: it is drawn on one surface of the wall, which ends elsewhere on the other."""
-    from shapely import intersection_all, union_all
-    from shapely.affinity import translate
-
     skin, wall = skin_of(part)
     piece = unrolled(part_solid(there), skin, wall + FREE)
     deep = OFF_TANGENT + wall * max(

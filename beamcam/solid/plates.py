@@ -13,6 +13,8 @@ from math import dist, hypot, pi
 from typing import TYPE_CHECKING, Any, cast
 
 from msgspec import Struct
+from shapely import LineString, Polygon, polygonize, set_precision, union_all
+from shapely.affinity import rotate, scale, translate
 
 from beamcam.controllers import table_events
 from beamcam.errors import BeamcamError, Diagnostic, Source
@@ -65,9 +67,6 @@ def thickness_of(part: Part, torch: Torch) -> float:
 
 def plate_of(part: Part, torch: Torch, skips: tuple[str, ...]) -> Plate:
     """The pieces of a part as a torch cuts them, mirrored where it is asked to."""
-    from shapely import Polygon, union_all
-    from shapely.affinity import scale
-
     thickness = thickness_of(part, torch)
     rows = rows_for(torch, thickness, material_said(part.grade, torch.material))
     torch = torch.by(next((row for row in rows if row.process == "cut"), None))
@@ -101,8 +100,6 @@ def _outlines(
     part: Part, torch: Torch, least: float, left: list[tuple[Feature, Shape]]
 ) -> tuple[Shape, Shape]:
     """What a part's contours enclose, and its slits; round openings below `least` are `left`."""
-    from shapely import LineString, Polygon, polygonize, set_precision, union_all
-
     colours = cast("dict[str, Process]", torch.colours)
     cut = [
         c for c in part.contours if c.face in ("v", "h")
@@ -154,8 +151,6 @@ def _is_drilled(
     `contour` draws it, or a stretch of it. One as wide as the least, but for chords, is measured
     by its curves.
     """
-    from shapely import Polygon
-
     if shape.area < CHORD:  # a slit, which the torch follows
         return False
     width, long = _sides(shape)
@@ -258,8 +253,6 @@ def _compared(
     pieces: Sequence[Shape], expected: Sequence[Expected], turn: float, request: Request
 ) -> Iterator[Diagnostic]:
     """Each piece that is wanted beside the likeliest one that is free."""
-    from shapely import Polygon
-
     source = Source(request.name)
     free = {*range(len(pieces))}
     filled = [Polygon(one.exterior) for one in pieces]
@@ -297,8 +290,6 @@ def _compared(
 
 def _laid(piece: Shape, drawn: Shape, turn: float, mirrored: bool) -> Iterator[Shape]:
     """A piece in the axes of its part: in quarter turns, by the middles of the boxes."""
-    from shapely.affinity import rotate, scale
-
     if mirrored:
         piece = scale(piece, -1.0, 1.0, origin=(0.0, 0.0))
     for angle in QUARTERS:
@@ -307,8 +298,6 @@ def _laid(piece: Shape, drawn: Shape, turn: float, mirrored: bool) -> Iterator[S
 
 def _onto(piece: Shape, drawn: Shape, share: float) -> Shape:
     """A piece moved so that its box has its middle, or a corner, where the drawn one's is."""
-    from shapely.affinity import translate
-
     a, b = piece.bounds, drawn.bounds
     dx, dy = ((b[k] - a[k]) * (1 - share) + (b[k + 2] - a[k + 2]) * share for k in (0, 1))
     return translate(piece, dx, dy)

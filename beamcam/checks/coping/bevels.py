@@ -18,6 +18,8 @@ from typing import Any
 
 from msgspec import Struct
 from msgspec.structs import replace
+from shapely import LineString, Polygon, make_valid
+from shapely import Point as Place
 
 from beamcam.checks.coping import rules
 from beamcam.checks.coping.lying import other_side
@@ -92,8 +94,6 @@ class BevelledEdge(Struct, frozen=True):
 
     def strip(self, depth: float) -> Shape:
         """What the bevel takes of its wall, so far below the face."""
-        from shapely import Polygon, make_valid
-
         over_land = self.thickness - self.bevel.land - depth
         wide = max(0.0, over_land * tan(radians(self.bevel.angle)))
         if not wide:
@@ -115,9 +115,6 @@ class BevelPass(Struct, frozen=True):
     def beside(self, strokes: Sequence[TorchStroke], section: CoperSection) -> list[int]:
         """The lines of the square strokes along it, in their order, but where the bar has the edge;
         none where it has all of it."""
-        from shapely import LineString
-        from shapely import Point as Place
-
         middles = [Place(curve.point(share)) for curve in self.cut(section)
                    for share in (0.3, 0.5, 0.7)]  # fmt: skip
         return [] if not middles else [
@@ -164,8 +161,6 @@ def passes_of(
 
 def _edges(f: int, contour: Contour, section: CoperSection, coper: Coper) -> Iterator[BevelledEdge]:
     """The bevelled edges of a contour."""
-    from shapely import Polygon
-
     face = "v" if contour.face == "h" else contour.face
     thick, wide = section.thickness(face), section.high if face == "v" else section.wide
     which = [k for k, curve in enumerate(contour.curves) if curve.length > SAME]
@@ -245,8 +240,6 @@ def _crossing(before: Sequence[Point], after: Sequence[Point]) -> Point:
 
 def _makes(stroke: TorchStroke, edge: BevelledEdge, over: float) -> bool:
     """Whether a stroke is the pass of a bevel, `over` mm longer than its edge and half a kerf."""
-    from shapely import LineString
-
     bevel, half = edge.bevel, stroke.row.kerf / 2
     if not stroke.is_tilted or len(stroke.points) < 3:
         return False
@@ -287,9 +280,6 @@ def ends_of_passes(
 
 def _ending_in(stroke: TorchStroke, others: Sequence[TorchStroke]) -> list[int]:
     """The lines of the strokes on its wall that end in the kerf of a stroke."""
-    from shapely import LineString
-    from shapely import Point as Place
-
     way, reach = LineString(stroke.points), stroke.row.kerf / 2 / stroke.share
     return [s.line for s in others
             if s.face == stroke.face and way.distance(Place(s.points[-1])) <= reach]  # fmt: skip
@@ -303,8 +293,6 @@ def pass_faults(
 
     `far` says of each stroke by its line whether it is of the far end of a bar.
     """
-    from shapely import Point as Place
-
     of_pass = {one.stroke.line for one in passes}
     square = [s for s in strokes if s.line not in of_pass]
     whole = [one.stroke for one in passes if one.edge.is_whole]

@@ -13,6 +13,8 @@ from itertools import dropwhile
 from math import atan, cos, radians, tan
 from typing import Any
 
+from shapely import LineString, MultiPoint, Polygon, box, intersects, prepare, union_all
+
 from beamcam.checks.coping import rules
 from beamcam.checks.coping.bevels import ends_of_passes, pass_faults
 from beamcam.checks.coping.chart import SAME_FEED, CoperJob
@@ -37,8 +39,6 @@ class ContourBand:
     """Where strokes run half a kerf off the contour of a surface, as the torch sees it."""
 
     def __init__(self, kept: Shape, depth: float, kerf: float, share: float, slack: float) -> None:
-        from shapely import prepare
-
         self.view, self._depth, self._slack = (kerf, share), depth, slack
         self._seen, self._off = narrowed(kept, share).simplify(FINE / 2), kerf / 2 + slack
         self._along = self._seen.boundary.buffer(self._off)
@@ -74,8 +74,6 @@ class WallComparison:
 
     def faults(self) -> Iterator[Diagnostic]:
         """All that strokes make otherwise than required."""
-        from shapely import box
-
         section, stock, slack, name = self._section, self._stock, self._slack, self._job.name
         left: dict[tuple[str, float], WallPieces] = {}
         for (face, depth), wall in self._required.walls.items():
@@ -139,8 +137,6 @@ class WallComparison:
         self, face: str, gone: Sequence[tuple[Shape, Shape]], cut: Shape
     ) -> Iterator[Diagnostic]:
         """Steel that has to stay and that a kerf or a pierce takes."""
-        from shapely import box, intersects, prepare, union_all
-
         low, high = self._section.extent(face)
         kept = cut.intersection(box(-1e6, low, 1e6, high))
         inner = kept.buffer(-self._slack, join_style="mitre")
@@ -236,8 +232,6 @@ class WallComparison:
 
     def _is_far(self, stroke: TorchStroke) -> bool:
         """Whether a stroke is of the far end; of a flange with a lip by that part of it."""
-        from shapely import box
-
         section, drawn = self._section, self._required.walls[stroke.face, 0.0].drawn
         if section.lip and stroke.face != "v":
             at_lip = stroke.across[0] < 0.0
@@ -252,8 +246,6 @@ class WallComparison:
     def _through_lip(self, stroke: TorchStroke) -> Iterator[Diagnostic]:
         """A stroke on a flange that, behind its lead, does not go through a lip from side to side,
         or whose torch does not lie in the plane of its end all along the lip."""
-        from shapely import box
-
         section, source, bend = self._section, self._job.at(stroke.line), self._section.bend
         run = line_of(stroke.points[1:]).intersection(box(-1e6, 0.0, 1e6, bend - SURE))
         crossing = [one.bounds for one in pieces_of(run)]
@@ -305,8 +297,6 @@ def _below(
 
     It goes on along the torch. What does not go through all of the web may take all that it meets.
     """
-    from shapely import LineString, Polygon, box
-
     half, low, high = stroke.row.kerf / 2, section.back, section.front
     deep = stroke.row.up_to * stroke.share
     if stroke.face == "v" or deep <= section.flange:
@@ -340,8 +330,6 @@ def _met_off(
 ) -> Shape:  # fmt: skip
     """What a stroke whose A is off its face may take of the web below it at most, at z of it; all
     that it meets of the web where it does not go across it."""
-    from shapely import LineString, MultiPoint, Polygon, box
-
     places = []
     for down, y in zip(downs, ys, strict=True):
         jet = stroke.jet(down)

@@ -12,6 +12,8 @@ from math import radians, tan
 from typing import Any
 
 from msgspec import Struct
+from shapely import LineString, box, get_coordinates, line_merge, union_all
+from shapely import Point as Place
 
 from beamcam.checks.coping.bevels import passes_of
 from beamcam.checks.coping.chart import CoperJob
@@ -50,8 +52,6 @@ def ledges_of(
 ) -> Iterator[tuple[Shape, list[Point]]]:  # fmt: skip
     """The ledges of a web along a flange at one of its ends, -1 the start, so high from the
     flange's outside, and where they end in the web's contour. `end` is a skew one of the web."""
-    from shapely import LineString, box, get_coordinates
-
     low, high = section.web_ends
     top = section.high - height - ABOVE if face == "o" else height + ABOVE
     inner = high - 0.05 if face == "o" else low + 0.05
@@ -122,8 +122,6 @@ class Crossing(Struct, frozen=True):
         """What is more of a wall that goes to x on a band of it."""
         if self.round is None:
             return self.line.step(*band, x)
-        from shapely import box, union_all
-
         inside = min(self.over(band), key=lambda at: self.side * at) - self.side * AT_EDGE
         air = box(min(inside, x), band[0], max(inside, x), band[1]).difference(drawn)
         return union_all([one for one in pieces_of(air) if one.intersects(self.round)])
@@ -139,8 +137,6 @@ def crossings_of(
     The inner surface of a flange lies at y `surface` of a web: it meets a round edge there, or in
     its own thickness where that goes back.
     """
-    from shapely import LineString, box
-
     for edge in _across(shape, band):
         (xa, ya), (xb, yb) = edge.coords[0], edge.coords[-1]
         more = (xb - xa) / (yb - ya)
@@ -170,8 +166,6 @@ def crossings_of(
 
 def _across(shape: Shape, band: tuple[float, float]) -> Iterator[Any]:
     """The edges of a shape from the lower side of a band to the upper one."""
-    from shapely import LineString, box, line_merge
-
     low, high = band
     edges = shape.boundary.intersection(box(-FAR, low, FAR, high))
     if edges.geom_type == "MultiLineString":
@@ -185,8 +179,6 @@ def _across(shape: Shape, band: tuple[float, float]) -> Iterator[Any]:
 
 
 def _is_straight(edge: Any) -> bool:
-    from shapely import LineString
-
     chord = LineString([edge.coords[0], edge.coords[-1]])
     return bool(edge.hausdorff_distance(chord) <= ON_PLANE / 2)
 
@@ -199,8 +191,6 @@ def _is_end(edge: Any, ends: Sequence[EndOnWall]) -> bool:
 
 def _side(shape: Shape, edge: Any) -> int:
     """1 where the scrap lies at greater x of an edge."""
-    from shapely import Point as Place
-
     middle = edge.interpolate(0.5, normalized=True)
     return -1 if shape.covers(Place(middle.x + 2 * ON_PLANE, middle.y)) else 1
 
@@ -320,8 +310,6 @@ class RequiredWalls:
 
     def _take_bevels(self) -> None:
         """Walls at both surfaces and at the lands of their bevels, without what the bevels take."""
-        from shapely import union_all
-
         for face in {one.stroke.face for one in self.passes}:
             own = [one for one in self.passes if one.stroke.face == face]
             outer, thick = self.walls[face, 0.0], self._section.thickness(face)

@@ -16,6 +16,7 @@ from typing import Any, TypeGuard
 import numpy as np
 from msgspec import Struct
 from msgspec.structs import replace
+from shapely import box, transform, union_all
 
 from beamcam.errors import Diagnostic
 from beamcam.geometry.array_types import Floats
@@ -72,8 +73,6 @@ def unrolled(
 
     `there` are the ends of a piece that comes cut, beyond which its faces go on.
     """
-    from shapely import union_all
-
     own = [f for f in map(part.features.__getitem__, features) if isinstance(f, Cut)]
     diagnostics: list[Diagnostic] = []
     faces = {
@@ -129,8 +128,6 @@ def unrolled(
 
 def _flat(one: BoxFace) -> Shape:
     """What of a face lies between its corners, on the surface."""
-    from shapely import box, transform
-
     leg, (x0, _, x1, _) = one.leg, one.shape.bounds
     flat = one.shape.intersection(box(x0, leg.patch.low - OVERLAP, x1, leg.patch.high + OVERLAP))
 
@@ -145,8 +142,6 @@ def _face(
     there: FaceEnds | None,
 ) -> BoxFace:  # fmt: skip
     """A face within its outlines; of a piece that comes cut it goes on beyond its ends."""
-    from shapely import box, union_all
-
     size = part.profile.face_width(face)
     wall = PlannedWall(face, size, 0.0, 0.0, size, ())
     mine = _outlines(face, own)
@@ -255,8 +250,6 @@ def _traces(plane: SectionEnd, part: Part, face: Face, ys: Any) -> tuple[Any, An
 
 def _beyond_ends(one: BoxFace, part: Part, ends: Sequence[SectionEnd | None]) -> Shape:
     """A face that goes on beyond its ends where planes are to be cut."""
-    from shapely import transform
-
     face: Face = one.leg.patch.name
 
     def moved(places: Floats) -> Floats:

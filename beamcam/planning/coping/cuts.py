@@ -13,6 +13,19 @@ from math import cos, dist, hypot, inf, pi
 from typing import Any, Literal
 
 from msgspec import Struct
+from shapely import (
+    LineString,
+    Polygon,
+    box,
+    get_coordinates,
+    get_parts,
+    get_rings,
+    is_ccw,
+    remove_repeated_points,
+    reverse,
+    union_all,
+)
+from shapely import Point as Place
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Point
@@ -82,8 +95,6 @@ def paths_of(shape: Shape, half_kerf: float, wall: PlannedWall) -> Shape:
     Where a contour ends at a free edge, or at the end of a piece, the path goes straight on beyond
     that edge.
     """
-    from shapely import Polygon, box, union_all
-
     round_corners = next(
         (found for sides in (ROUND, ROUND + 1, ROUND + 3)
          if (found := shape.buffer(half_kerf, sides)).is_valid),
@@ -110,7 +121,6 @@ def paths_of(shape: Shape, half_kerf: float, wall: PlannedWall) -> Shape:
 def rings_of(shape: Shape) -> Any:
     """The rings of a region, of shapely, each once round with the region on its left."""
     import numpy as np
-    from shapely import get_parts, get_rings, is_ccw, remove_repeated_points, reverse
 
     polygons = get_parts(remove_repeated_points(shape, SAME_PLACE))
     rings, polygon = get_rings(polygons, return_index=True)
@@ -121,7 +131,6 @@ def rings_of(shape: Shape) -> Any:
 def chains_of(shape: Shape, borders: Sequence[CutBorder]) -> Iterator[CutChain]:
     """The stretches of a region's rings within borders; whole rings where they lie so."""
     import numpy as np
-    from shapely import get_coordinates
 
     places, ring = get_coordinates(rings_of(shape), return_index=True)
     nx, ny, limits = np.array([(one.nx, one.ny, one.limit) for one in borders]).T
@@ -261,8 +270,6 @@ class Leads:
 
     def _from_root(self, chain: CutChain) -> Path | None:
         """A path that begins over the web, pierced along it beside its start."""
-        from shapely import Point as Place
-
         (x, y), shape = chain.points[0], self._shape
         for side in (1.0, -1.0):
             beside = Place(x + side * self._row.kerf / 4, y)
@@ -314,9 +321,6 @@ class Leads:
 def is_clear(start: Point, first: Point, shape: Shape, row: TorchRow, holes: Shape | None) -> bool:
     """Whether a lead from a start to the first place of a path, and what piercing burns, are clear
     of the part, and not over a hole that is there, where no arc starts."""
-    from shapely import LineString
-    from shapely import Point as Place
-
     lead, half = LineString((start, first)), row.kerf / 2
     return bool(
         shape.distance(Place(start)) >= row.pierce_radius
@@ -345,8 +349,6 @@ def over_hole(
     turn: float = inf,
 ) -> Iterator[Diagnostic]:  # fmt: skip
     """A warning where a path goes over a hole for more than a kerf; a tube has a `turn`."""
-    from shapely import LineString
-
     over = None if wall.open is None else wall.open.intersection(LineString(path))
     if over is not None and over.length > row.kerf:
         x, y = over.centroid.x, over.centroid.y % turn

@@ -15,6 +15,7 @@ from itertools import pairwise
 from math import acos, atan2, ceil, cos, degrees, dist, pi, radians, tan
 
 from msgspec import Struct
+from shapely import Polygon, make_valid
 
 from beamcam.geometry.curves import Arc, Curve, Line, Point, signed_area
 from beamcam.machine.coper import torch_angles, torch_way
@@ -146,8 +147,6 @@ class BevelEdge(Struct, frozen=True):
 
     def strip(self, depth: float) -> Shape:
         """What the bevel takes of the wall, so far below its surface."""
-        from shapely import Polygon, make_valid
-
         wide = max(0.0, self.beside(depth))
         if not wide:
             return Polygon()

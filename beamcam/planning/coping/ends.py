@@ -18,6 +18,7 @@ from typing import Any, Literal
 
 from msgspec import Struct
 from msgspec.structs import replace
+from shapely import Polygon
 
 from beamcam.errors import Diagnostic
 from beamcam.geometry.curves import Line, Point
@@ -306,8 +307,6 @@ def stepped(line: EndLine, band: tuple[float, float], x: float, side: float, wid
 
     Off the band it goes on until it meets the line where that is steep and reaches farther.
     """
-    from shapely import Polygon
-
     ys = list(band)
     for j, (y, edge, way) in enumerate(zip(band, (0.0, wide), (-1.0, 1.0), strict=True)):
         if abs(y - edge) <= EDGE:

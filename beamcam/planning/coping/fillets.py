@@ -13,6 +13,7 @@ from itertools import pairwise
 from math import dist, sqrt
 
 from msgspec import Struct
+from shapely import box
 
 from beamcam.errors import Diagnostic
 from beamcam.geometry.curves import Point
@@ -118,8 +119,6 @@ def without_openings(
     `features` are those on the web, `radius` is that of the fillets. Openings that go on beyond an
     end or meet another cut there stay.
     """
-    from shapely import box
-
     coper, width, shape, faults = chart.coper, web.wall.width, web.shape, list[Diagnostic]()
     row, widest = chart.row(web.wall.thickness), max(row.kerf for row in coper.rows)
     half = row.kerf / 2 if row else 0.0

@@ -9,6 +9,9 @@ from math import cos, dist, hypot, inf, radians, sin
 from typing import Literal
 
 from msgspec.structs import replace
+from shapely import LineString, Polygon, box, union_all
+from shapely import Point as Place
+from shapely.affinity import affine_transform, translate
 
 from beamcam.geometry.curves import Point
 from beamcam.machine.coper import A_OF_FACE, Coper, torch_angles, torch_way
@@ -130,9 +133,6 @@ class Passes:
 
     def square_beside(self, edge: BevelEdge) -> CopeCut | None:
         """The square cut that goes along an edge; None where there is none."""
-        from shapely import LineString
-        from shapely import Point as Place
-
         own = [curve for curve in edge.curves if not is_rolled(curve, self._wall)]
         middles = [Place(curve.point(share)) for curve in own for share in (0.3, 0.5, 0.7)]
         for cut in self._cuts if middles else ():
@@ -190,8 +190,6 @@ class Passes:
 
     def _look_at_roots(self, cut: CopeCut) -> None:
         """Raises NoPass where a pass along a flange goes along a root, or on the far side to it."""
-        from shapely import LineString, box
-
         half = cut.row.kerf / 2
         for root in self._wall.roots:
             band = box(-FAR, root.low, FAR, root.high)
@@ -205,10 +203,6 @@ class Passes:
 
     def _look_at_part(self, cut: CopeCut, edge: BevelEdge) -> None:
         """Raises NoPass where a pass hurts the part at any depth of its wall, or pierces it."""
-        from shapely import LineString
-        from shapely import Point as Place
-        from shapely.affinity import affine_transform, translate
-
         share, shape = cos(radians(edge.angle)), self._region.shape
         (nx, ny) = edge.rulings(())[0].inside
         long = hypot(nx, ny)
@@ -245,9 +239,6 @@ def _lean(cut: CopeCut, k: int) -> Point:
 
 def _section(profile: Profile) -> Shape:
     """The section in Y and Z, with its root fillets."""
-    from shapely import Point as Place
-    from shapely import box, union_all
-
     high, wide, r = profile.height, profile.width, profile.radius
     flange, web = profile.flange_thickness, profile.web_thickness or 0.0
     back = (wide - web) / 2 if profile.code in WEB_AMID else 0.0
@@ -265,8 +256,6 @@ def _section(profile: Profile) -> Shape:
 
 def _torch(tip: Point, a_deg: float, b_deg: float, coper: Coper) -> tuple[Shape, Shape]:
     """The torch and its holder as they are seen along the bar, from its tip on."""
-    from shapely import Polygon
-
     a, lean = radians(a_deg), abs(radians(b_deg))
     long, half, head = coper.torch_length * cos(lean), coper.torch_width / 2, coper.head_width / 2
 

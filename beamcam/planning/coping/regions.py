@@ -10,6 +10,20 @@ from typing import Any
 
 from msgspec import Struct
 from msgspec.structs import replace
+from shapely import (
+    GEOSException,
+    MultiPoint,
+    Polygon,
+    box,
+    distance,
+    get_coordinates,
+    make_valid,
+    points,
+    segmentize,
+    union_all,
+)
+from shapely import Point as Place
+from shapely.geometry.polygon import orient
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Curve, Line, Point, signed_area
@@ -52,9 +66,6 @@ def region_of(
     wall: PlannedWall, part: Part, features: Sequence[int], coper: Coper
 ) -> tuple[WallRegion, list[Diagnostic]]:
     """The region of a wall by those of a part's features that lie on it, and what is wrong."""
-    from shapely import Point as Place
-    from shapely import union_all
-
     own = [f for f in map(part.features.__getitem__, features) if isinstance(f, Cut)]
     outer = [c for c in own if isinstance(c, Contour) and c.kind == "outer"]
     inner = [c for c in own if not (isinstance(c, Contour) and c.kind == "outer")]
@@ -95,8 +106,6 @@ def region_of(
 
 def _between(wall: PlannedWall, square: tuple[EndLine, EndLine]) -> Shape:
     """A wall between the ends of its piece, or between skew ones and, where it has none, others."""
-    from shapely import Polygon
-
     start, end = wall.ends or (s or other for s, other in zip(wall.skew, square, strict=True))
     return Polygon(
         [(start.x(0.0), 0.0), (end.x(0.0), 0.0), (end.x(wall.width), wall.width),
@@ -108,8 +117,6 @@ def _beyond(
     drawn: Shape, piece: Shape, wall: PlannedWall, outline: Contour
 ) -> Iterator[Diagnostic]:
     """An error where an outline goes on beyond the ends of a piece that comes cut, or skew ones."""
-    from shapely import box, distance, get_coordinates, points
-
     if wall.ends is None and wall.skew == (None, None):
         return
     within = drawn.intersection(box(-BEYOND, 0.0, BEYOND, wall.width))
@@ -129,8 +136,6 @@ def rounded(
     What a ball of that radius does not reach from the scrap is added at each of them. A radius is a
     kerf at least, so that the torch turns with half a kerf about its path.
     """
-    from shapely import GEOSException, box, union_all
-
     diagnostics: list[Diagnostic] = []
     if not corners:
         return region, diagnostics
@@ -182,8 +187,6 @@ def _filled(
     other.
     """
     import numpy as np
-    from shapely import MultiPoint, distance, get_coordinates, points, segmentize
-    from shapely.geometry.polygon import orient
 
     places = MultiPoint(corners)
     closed = shape.buffer(radius, ROUND).buffer(-radius, ROUND)
@@ -215,8 +218,6 @@ def _filled(
 def _pieces(joined: Sequence[Shape], half: float, tip: float) -> Iterator[tuple[Shape, Shape]]:
     """Pieces, also those that slivers join, each with what of it is thicker than twice `half`;
     beyond that they go on for `tip`."""
-    from shapely import union_all
-
     for piece in joined:
         cores = [*polygons_of(piece.buffer(-half).buffer(half))] or [piece]
         for core in cores:
@@ -230,7 +231,6 @@ def _turn_in(piece: Shape, rings: Sequence[Any], border: Shape) -> float:
     0; 180 where two sides face each other. `rings` are those of the region, `border` is that which
     it has with its corners rounded."""
     import numpy as np
-    from shapely import distance, points
 
     total, bounds = 0.0, np.reshape(piece.bounds, (2, 2))
     for xy in rings:
@@ -293,8 +293,6 @@ def shape_of(
 
     `moved` says where the ends of a curve lie, by the straight ones that meet there.
     """
-    from shapely import Polygon, make_valid
-
     drawn = polylines(curves, CHORD)
     ring: list[Point] = []
     for k, curve in enumerate(curves):
@@ -338,8 +336,6 @@ def features_on(part: Part, made: Sequence[int]) -> dict[Face, list[int]]:
 
 def open_on(face: Face, part: Part) -> Shape:
     """The holes, slots and cut-outs of a wall that another machine has made."""
-    from shapely import union_all
-
     own = [f for f in part.made or () if getattr(f, "face", "").replace("h", "v") == face]
     return union_all([taken(f) for f in own if isinstance(f, Cut) and is_through(f)])
 

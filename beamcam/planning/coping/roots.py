@@ -20,6 +20,7 @@ from math import atan, degrees, radians, tan
 
 from msgspec import Struct
 from msgspec.structs import replace
+from shapely import LineString, Polygon
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Point
@@ -230,8 +231,6 @@ def with_steps(
     `depths` are those to which passes through a root cut. What is more than drawn reaches as far as
     either of the walls does there, so that no steel is missing.
     """
-    from shapely import Polygon
-
     walls, steps, off = dict(regions), list[Diagnostic](), dict[Face, float]()
     for root in regions["v"].wall.roots:
         flange, depth = regions[root.face].wall, depths[root.face]
@@ -336,7 +335,6 @@ def _ledge(
 ) -> Iterator[tuple[Shape, float]]:
     """What a web keeps at a root up to the end of its flange, and how high; nothing where the web
     ends there too, where it has no hole, or one that is all within reach of none."""
-    from shapely import LineString, Polygon
 
     def inside(low: float, high: float) -> Shape:
         """A band of the web up to its end."""

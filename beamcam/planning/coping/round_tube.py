@@ -8,6 +8,7 @@ from collections.abc import Iterator, Sequence
 from math import asin, cos, hypot, inf, pi, sin
 
 import numpy as np
+from shapely import LineString, Polygon, bounds, box, intersection, union_all
 
 from beamcam.errors import Diagnostic
 from beamcam.geometry.curves import Line, Point
@@ -60,8 +61,6 @@ def once_round(
 
     `there` are the ends of a round piece that comes cut, beyond which it goes on.
     """
-    from shapely import box, union_all
-
     round_it = way.turn
     wall = max(part.profile.thickness("v"), part.profile.flange_thickness)
     surface = PlannedWall("v", round_it, wall, -inf, inf, ())
@@ -112,8 +111,6 @@ def taken_round(feature: Cut, part: Part) -> Shape:
     A hole is drawn as a drill makes it, square to the axis of the tube: at y from its middle along
     the section it meets the outside at R asin(y / R) of arc.
     """
-    from shapely import Polygon
-
     radius = part.profile.height / 2
     if not isinstance(feature, Hole):
         return taken(feature)
@@ -129,8 +126,6 @@ def taken_round(feature: Cut, part: Part) -> Shape:
 
 def denied_ends(part: Part, outline: Shape, way: Around) -> Iterator[Diagnostic]:
     """Errors for ends that the header has otherwise than the outline, on one turn."""
-    from shapely import LineString
-
     for plane in header_planes(part):
         side, seen = plane.side, list[Point]()
         for x, u in line_of(plane, way)[1:-1].tolist():
@@ -144,8 +139,6 @@ def denied_ends(part: Part, outline: Shape, way: Around) -> Iterator[Diagnostic]
 
 def end_round(part: Part, bare: Shape, side: int, way: Around) -> EndLine:
     """An end that is there once round: where the wall reaches farthest, and outside."""
-    from shapely import LineString, bounds, intersection
-
     us = np.linspace(0.0, way.turn, ROUND_STEPS)
     across = [LineString([(-part.length, u), (2 * part.length, u)]) for u in us.tolist()]
     rows = [bounds(intersection(across, bare))[:, 0 if side < 0 else 2]]

@@ -10,6 +10,7 @@ from collections.abc import Collection, Iterator, Sequence
 from math import degrees, hypot, inf, radians, tan
 
 from msgspec.structs import replace
+from shapely import box
 
 from beamcam.errors import Diagnostic, PlanError, errors_in
 from beamcam.machine.coper import Coper
@@ -128,8 +129,6 @@ def _laid_out(
 
     They are rounded on the turn from u 0 on, with as much beside it as their radius looks at.
     """
-    from shapely import box
-
     turn = surface.width
     beside = min(AROUND * coper.corner_radius, turn)
     low, _, high, _ = once.shape.bounds
@@ -155,8 +154,6 @@ def _left_of_piece(
 
     Raises PlanError where what is there of it is not known.
     """
-    from shapely import box
-
     made = replace(part, features=ends_there(part))
     ends = range(len(made.features))
     bare, wrong = _once_round(made, ends, way)

@@ -12,6 +12,8 @@ from math import atan2, ceil, hypot, pi, radians, sqrt, tan
 from typing import Literal
 
 import numpy as np
+from shapely import Polygon, union_all
+from shapely.affinity import translate
 
 from beamcam.errors import Diagnostic
 from beamcam.geometry.array_types import Floats
@@ -59,8 +61,6 @@ def line_of(plane: SectionEnd, way: Around) -> Floats:
 
 def within(shape: Shape, planes: Sequence[SectionEnd], way: Around) -> Shape:
     """What stays of a surface on one turn between its ends."""
-    from shapely import Polygon
-
     for plane in planes:
         xs, ss = line_of(plane, way).T
         x0, _, x1, _ = shape.bounds if not shape.is_empty else (0.0,) * 4
@@ -100,7 +100,4 @@ def denied(part: Part, plane: tuple[int, float]) -> Diagnostic:
 
 def several(once: Shape, turn: float, which: Iterable[int]) -> Shape:
     """What lies on one turn of the surface, on several."""
-    from shapely import union_all
-    from shapely.affinity import translate
-
     return union_all([translate(once, 0.0, k * turn) for k in which])

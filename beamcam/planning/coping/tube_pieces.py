@@ -15,6 +15,17 @@ from math import dist, inf
 import numpy as np
 from msgspec import Struct
 from msgspec.structs import replace
+from shapely import (
+    LineString,
+    Polygon,
+    get_coordinates,
+    intersection_all,
+    line_merge,
+    make_valid,
+    union_all,
+)
+from shapely import Point as Place
+from shapely.affinity import translate
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.array_types import Floats
@@ -71,8 +82,6 @@ class FaceEnds(Struct, frozen=True):
 
 def opened(shape: Shape, ends: Sequence[EndLine]) -> Shape:
     """A shape that goes on straight beyond the ends where its border lies on one of them."""
-    from shapely import Polygon, make_valid, union_all
-
     if shape.is_empty or not ends:
         return shape
     longer = []
@@ -129,8 +138,6 @@ def _gone_on(before: Floats, last: Floats, end: EndLine) -> Point:
 def beyond_ends(shape: Shape, ends: Sequence[EndLine]) -> tuple[float, float]:
     """mm that all of a shape lies beyond one of the ends that it is drawn on, and that any of it
     does; below 0 on the piece."""
-    from shapely import get_coordinates
-
     places = get_coordinates(shape)
     offs = [np.min(end.off(places), axis=0) for end in ends]
     least = max((float(off.min()) for off in offs), default=-inf)
@@ -181,9 +188,6 @@ def planes_refused(part: Part) -> Iterator[Diagnostic]:
 def paths_round(shape: Shape, half_kerf: float, piece: TubePiece) -> Shape:
     """The region whose border a torch follows: round the part's corners at half a kerf; where an
     outline ends at the end of the piece it goes straight on beyond that."""
-    from shapely import intersection_all, union_all
-    from shapely.affinity import translate
-
     straight = shape.buffer(half_kerf, join_style="mitre", mitre_limit=MITRE)
     ways = half_kerf, -half_kerf
     inner = intersection_all([piece.steel, *(translate(piece.steel, way, 0.0) for way in ways)])
@@ -195,9 +199,6 @@ def open_paths(
 ) -> tuple[list[CutChain], list[Diagnostic]]:
     """The paths that begin and end beyond the ends of a piece, each once, and what is wrong with
     those that stay beside an end."""
-    from shapely import Point as Place
-    from shapely import line_merge
-
     half = row.kerf / 2
     window = piece.steel.buffer(SHARE_OVER * half)
     low, _, high, _ = piece.steel.bounds
@@ -243,8 +244,6 @@ def path_from_air(
     chain: CutChain, region: Shape, piece: TubePiece, row: TorchRow, coper: Coper
 ) -> Path | None:
     """A path with its lead, from the end of the scrap beside it; None without room."""
-    from shapely import LineString
-
     low, _, high, _ = piece.steel.bounds
     for one in (chain, chain.reversed()):
         first, side = one.points[0], -1 if one.start == "near" else 1

@@ -9,6 +9,8 @@ from math import cos, inf, radians
 
 from msgspec import Struct
 from msgspec.structs import replace
+from shapely import box
+from shapely.affinity import scale
 
 from beamcam.machine.torch import TorchRow
 from beamcam.model.plan import CopeKind
@@ -45,8 +47,6 @@ def paths_seen(region: WallRegion, chart: Chart) -> Iterator[SeenPath]:
 
 
 def _paths_on(region: WallRegion, b_deg: float, chart: Chart) -> Iterator[SeenPath]:
-    from shapely.affinity import scale
-
     share, wall = cos(radians(b_deg)), region.wall
     if b_deg:
         start, end = (
@@ -95,8 +95,6 @@ def is_rooted(chain: CutChain, wall: PlannedWall) -> bool:
 
 def kind_of(chain: CutChain, region: WallRegion, kerf: float) -> CopeKind:
     """What a path makes: what is inside, or at which end of its wall it is."""
-    from shapely import box
-
     if not chain.start:
         return "inner"
     shape, wall = region.shape, region.wall
