@@ -15,6 +15,7 @@ from math import atan2, inf, pi
 from typing import TYPE_CHECKING
 
 from msgspec import Struct
+from shapely.affinity import affine_transform
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.model.part import Contour, EndPlane, Feature, Hole, Part, Slot
@@ -107,8 +108,6 @@ def ways_to_lie(
     Across it lies where the bar's section does, along it begins or ends where the part does. A turn
     that lays the section on another one is none.
     """
-    from shapely.affinity import affine_transform
-
     size, own = lying.profile, bodies.part.profile
     bar, section = outline(lying), outline(bodies.part)
     low, high = bodies.drawn.bounding_box()[0], bodies.drawn.bounding_box()[3]

@@ -13,6 +13,7 @@ from itertools import pairwise
 from math import acos, cos, degrees, dist, isfinite, pi, radians, sin
 from typing import TYPE_CHECKING
 
+import shapely
 from msgspec import Struct
 from msgspec.structs import replace
 
@@ -222,8 +223,6 @@ def _across_bar(place: Place, a_deg: float, coper: Coper, b_deg: float, part: Pa
 
 def taken_by(burn: Burn, coper: Coper, part: Part) -> "Manifold":
     """What a cut takes: the hole that is pierced, and the kerf behind the way down to the steel."""
-    import shapely
-
     size = part.profile
     along_x: Row = (1.0, 0.0, 0.0, 0.0)
     lies: Frame = (along_x, (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0))

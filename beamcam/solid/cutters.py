@@ -10,6 +10,9 @@ from itertools import pairwise
 from math import atan2, cos, hypot, radians, sin, tan
 from typing import TYPE_CHECKING
 
+from shapely import LineString, MultiPoint, Polygon, box, make_valid, union_all
+from shapely import Point as Place
+
 from beamcam.geometry.curves import Line, Point, signed_area
 from beamcam.geometry.polylines import polylines
 from beamcam.model.part import Bevel, Contour, Feature, Hole, Part, Slot
@@ -54,8 +57,6 @@ COARSE_PITCH = {
 
 def slot_shape(slot: Slot, larger: float = 0.0) -> Shape:
     """A slot or a rectangle with round corners, in (x, q) of its face."""
-    from shapely import MultiPoint
-
     radius = slot.diameter / 2 + larger
     return MultiPoint([p for at in slot_corners(slot) for p in circle(*at, radius)]).convex_hull
 
@@ -72,8 +73,6 @@ def slot_corners(slot: Slot) -> list[Point]:
 
 def taken(feature: Feature) -> Shape:
     """What a hole, a slot or a cut-out takes of its face, in (x, q); nothing of any other."""
-    from shapely import Polygon
-
     if isinstance(feature, Hole) and feature.kind != "mark":
         return Polygon(circle(feature.x, feature.y, feature.diameter / 2))
     if isinstance(feature, Slot):
@@ -87,8 +86,6 @@ def contour_cutters(
     contour: Contour, wall: Wall, part: Part, margins: Margins
 ) -> Iterator["Manifold"]:
     """What a contour takes of its wall: outside an outer one, inside an inner one; its bevels."""
-    from shapely import box
-
     yield from _bevels(contour, wall, part, margins)
     if part.profile.code == "B" and has_outline(part):
         return
@@ -121,8 +118,6 @@ def contour_cutters(
 def _along_web(shape: Shape, wall: Wall) -> Shape:
     """What a contour of a flange takes beside its web alone; across the web, what goes of that and
     of its fillets is for the web's contour to say."""
-    from shapely import LineString, box
-
     for low, high in wall.others:
         middle = (low + high) / 2
         over = shape.intersection(LineString([(-FAR, middle), (FAR, middle)]))
@@ -139,8 +134,6 @@ def _beside_ends(gone: Shape, wall: Wall, part: Part, noise: float) -> Shape:
     surface; exporters round outlines by up to `noise`. A cut that comes to such an end goes
     on as it is drawn and along x there, and the rest of the end is the plane's.
     """
-    from shapely import LineString, Polygon, box, make_valid, union_all
-
     gone = make_valid(gone)
     ends: list[list[Point]] = []  # of the start and the end, (x, q) at both edges
     skew: list[bool] = []
@@ -185,8 +178,6 @@ def _beside_ends(gone: Shape, wall: Wall, part: Part, noise: float) -> Shape:
 
 def _beside(shape: Shape, wall: Wall) -> Shape:
     """A shape on a wall where no other wall stands on it."""
-    from shapely import box
-
     if shape.is_empty:
         return shape
     x0, q0, x1, q1 = shape.bounds
@@ -216,8 +207,6 @@ def _blind(shape: Shape, wall: Wall, depth: float) -> Iterator["Manifold"]:
 def hole_cutters(
     hole: Hole, wall: Wall, part: Part, margins: Margins, pilot: float
 ) -> Iterator["Manifold"]:
-    from shapely import Polygon
-
     diameter = hole.diameter
     if hole.kind in ("thread", "left-thread"):
         diameter -= margins.minor * COARSE_PITCH.get(diameter, diameter / 8)
@@ -243,8 +232,6 @@ def hole_cutters(
 
 def _within(wall: Wall, hole: Hole, radius: float) -> "Manifold":
     """The wall round a hole, beyond which a point does not go."""
-    from shapely import box
-
     x, y = hole.x, hole.y
     square = box(x - radius - 1, y - radius - 1, x + radius + 1, y + radius + 1)
     return prism(square, -FREE, wall.thickness, wall.frame)
@@ -256,8 +243,6 @@ def _sink(hole: Hole, wall: Wall, margins: Margins, pilot: float) -> Iterator["M
     A cone that goes deeper than it would alone has a cylinder above it and meets the hole that it
     sinks at its depth.
     """
-    from shapely import Polygon
-
     radius = hole.diameter / 2 + margins.radius(hole.diameter)
     depth = (hole.depth or 0.0) + margins.depth + margins.sink
     if hole.angle is None or hole.angle >= FLAT_DEG:
@@ -320,9 +305,6 @@ def _bevels(contour: Contour, wall: Wall, part: Part, margins: Margins) -> Itera
 
 def _bevel(contour: Contour, inside: Shape, bevel: Bevel, wall: Wall, margin: float) -> "Manifold":
     """What a bevel takes: a wedge along its edge, from a surface to its land."""
-    from shapely import Point as Place
-    from shapely import Polygon
-
     body = prism(Polygon(), 0.0, 0.0, wall.frame)
     if not bevel.curve < len(contour.curves):
         return body

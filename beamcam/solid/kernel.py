@@ -12,6 +12,7 @@ from math import acos, ceil, cos, pi, radians, sin, tan
 from typing import TYPE_CHECKING, Any, Literal
 
 from msgspec import Struct
+from shapely import MultiPoint, Polygon, box, union_all
 
 from beamcam.errors import BeamcamError, Source
 from beamcam.model.part import Part, Profile
@@ -244,8 +245,6 @@ def walls(profile: Profile) -> dict[str, Wall]:
 
 def outline(part: Part) -> Any:
     """The section in (Y, Z), as a shape of shapely. Raises BeamcamError where it is not known."""
-    from shapely import Polygon, box, union_all
-
     profile = part.profile
     h, b = profile.height, profile.width
     t, s = profile.flange_thickness, profile.web_thickness or 0.0
@@ -308,8 +307,6 @@ def _needed(part: Part, **figures: float) -> None:
 
 def _fillets(profile: Profile) -> Iterator[Any]:
     """The root fillets: spandrels between a corner of two plates and the arc that touches both."""
-    from shapely import Polygon
-
     n = facets(profile.radius) // 4
     turns = [pi / 2 * k / n for k in range(n + 1)]
     web, *flanges = _plates(profile)
@@ -322,8 +319,6 @@ def _fillets(profile: Profile) -> Iterator[Any]:
 
 def _rounded(y0: float, z0: float, y1: float, z1: float, r: float) -> Any:
     """A rectangle with round corners."""
-    from shapely import MultiPoint, box
-
     r = min(r, (y1 - y0) / 2, (z1 - z0) / 2)
     if r <= 0.0:
         return box(y0, z0, y1, z1)

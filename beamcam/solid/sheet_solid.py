@@ -13,6 +13,8 @@ from itertools import pairwise
 from typing import Any
 
 from msgspec import Struct
+from shapely import LineString, Polygon, box, union_all
+from shapely import Point as Place
 
 from beamcam.controllers.events import Compensation, HeadMove, Move, Switch, TableEvent
 from beamcam.errors import BeamcamError, Source
@@ -152,8 +154,6 @@ def pieces_cut(strokes: Sequence[SweptStroke], kerf: float) -> list[Shape]:
 
 def left_of(taken: Sequence[Shape]) -> list[Shape]:
     """The pieces that come free where something is taken out of a sheet that is larger."""
-    from shapely import box, union_all
-
     gone = union_all(taken)
     if gone.is_empty:
         return []
@@ -166,9 +166,6 @@ def left_of(taken: Sequence[Shape]) -> list[Shape]:
 
 def taken_by(stroke: SweptStroke, kerf: float) -> Iterator[Shape]:
     """What the torch sweeps on a stroke: its path, as the controller keeps it off, by the kerf."""
-    from shapely import LineString
-    from shapely import Point as Place
-
     half = max(kerf, HAIR) / 2
     quarter = facets(half) // 4
     curves: list[Curve] = [m.curve or Line(m.start, m.end) for m in stroke.moves]
@@ -195,8 +192,6 @@ def _kept_off(path: list[Point], left: float) -> list[Shape]:
     Round corners that it passes outside, and no farther than it gets into those inside. A path that
     closes is a loop, with a lead before it and one behind it.
     """
-    from shapely import LineString, Polygon
-
     quarter = 4 * facets(abs(left))
     # The longest stretch that comes back to where it began, at the end of the path without one.
     begin = end = len(path) - 1

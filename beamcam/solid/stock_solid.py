@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from msgspec import Struct
 from msgspec.structs import replace
+from shapely import Polygon
 
 from beamcam.geometry.curves import Curve, Line
 from beamcam.geometry.polylines import polylines
@@ -60,8 +61,6 @@ ALONG: Frame = ((0.0, 0.0, 1.0, 0.0), (1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0)
 
 def shape_of(curves: tuple[Curve, ...]) -> Shape:
     """The inside of a closed chain of curves, chords within CHORD of it."""
-    from shapely import Polygon
-
     outline = polylines(curves, CHORD)
     ring = [
         tuple(point)
@@ -85,8 +84,6 @@ def plate_shape(part: Part, outline_margin: float = 0.0) -> Shape | None:
 
     The largest contours count first, so that what lies within a cut-out is steel again.
     """
-    from shapely import Polygon
-
     if not has_outline(part):
         return None
     cut = [c for c in part.contours if is_cut(c) and c.face in ("v", "h")]

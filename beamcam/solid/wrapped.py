@@ -22,6 +22,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from msgspec.structs import replace
+from shapely import LineString, Polygon, box, clip_by_rect, transform, union_all
+from shapely.affinity import translate
 
 from beamcam.geometry.array_types import Floats
 from beamcam.geometry.curves import Curve, Line
@@ -143,8 +145,6 @@ def wrapped(shape: Shape, skin: Skin, low: float, high: float) -> "Manifold":
     their angle's third power, 0.003 mm at 136 mm. They begin in the air in front of the surface, so
     that their chords do not come below it. At a corner they go no deeper than its middle.
     """
-    from shapely import clip_by_rect
-
     m, radius = kernel(), skin.radius
     if shape.is_empty:
         return m.Manifold()
@@ -160,8 +160,6 @@ def wrapped(shape: Shape, skin: Skin, low: float, high: float) -> "Manifold":
 
 def unrolled(body: "Manifold", skin: Skin, deep: float) -> Shape:
     """A wall `deep` at most as it is seen square to the surface, in (x, u) of one turn."""
-    from shapely import Polygon, box, union_all
-
     low, high = body.bounding_box()[0] - FREE, body.bounding_box()[3] + FREE
     seen = []
     for first, last in skin.strips(0.0, skin.turn, STRIP_RAD):
@@ -175,8 +173,6 @@ def unrolled(body: "Manifold", skin: Skin, deep: float) -> Shape:
 
 def outline_gone(part: Part, margin: float = 0.0) -> Shape:
     """What outlines of a tube leave out of its surface, in (x, u) of one turn; or nothing."""
-    from shapely import Polygon, box, transform
-
     turn = skin_of(part)[0].turn
     outlines = [one for one in part.contours if one.kind == "outer" and is_cut(one)]
     gone = box(-FREE, 0.0, part.length + FREE, turn) if outlines else Polygon()
@@ -207,9 +203,6 @@ def _on_seam(curves: Sequence[Curve], turn: float, long: float, points: Any) -> 
 
 def all_round(shape: Shape, turn: float) -> Shape:
     """A shape of one turn on that turn, the one before it and the one behind it."""
-    from shapely import union_all
-    from shapely.affinity import translate
-
     return union_all([translate(shape, 0.0, k * turn) for k in (-1, 0, 1)])
 
 
@@ -244,8 +237,6 @@ def square_to_surface(
     least: "Manifold", most: "Manifold", part: Part, smallest: Margins
 ) -> "tuple[Manifold, Manifold]":
     """The least and the most steel of a part whose walls are cut square to their surface."""
-    from shapely import box
-
     skin, wall = skin_of(part)
     shape = unrolled(most, skin, wall + FREE)
     slack = -smallest.end
@@ -272,8 +263,6 @@ def skew_ends(part: Part) -> int:
 def _leaning(part: Part, skin: Skin) -> Iterator[tuple[float, float, Shape, tuple[float, float]]]:
     """Corners with lines that lean on a face beside them: u from and to, the steel in (x, u) with a
     margin of u, and from which x to which it counts, as planes of ends are no lines of faces."""
-    from shapely import Polygon, union_all
-
     r = skin.radius
     steel = {
         face: drawn_steel([f for f in part.features if getattr(f, "face", "") == face],
@@ -322,8 +311,6 @@ def _leaning(part: Part, skin: Skin) -> Iterator[tuple[float, float, Shape, tupl
 def edges_on_rounds(part: Part, slack: float) -> "Iterator[Manifold]":
     """What may stay of a rectangular tube at lines of its contours that go along it in the round of
     a corner: they are cut square to the surface where the wall reaches farthest."""
-    from shapely import box
-
     if part.profile.code != "M":
         return
     skin, wall = skin_of(part)
@@ -342,8 +329,6 @@ def edges_on_rounds(part: Part, slack: float) -> "Iterator[Manifold]":
 
 def drawn_steel(features: Sequence[Feature], length: float, wide: float) -> Shape:
     """What features leave of a wall, in (x, q) of its face."""
-    from shapely import box, union_all
-
     outer = [f for f in features if isinstance(f, Contour) and f.kind == "outer" and is_cut(f)]
     steel: Shape = box(0.0, 0.0, length, wide)
     if outer:
@@ -354,8 +339,6 @@ def drawn_steel(features: Sequence[Feature], length: float, wide: float) -> Shap
 
 def _lines(steel: Shape, wide: float, at_high: bool, offs: Floats) -> Floats | None:
     """x of the lines of a face at places off its edge, along the part; None where one ends."""
-    from shapely import LineString
-
     rows = []
     for off in np.clip(offs, CHORD / 2, wide - CHORD / 2):
         y = wide - off if at_high else off

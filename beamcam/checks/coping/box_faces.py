@@ -9,6 +9,7 @@ from math import isnan
 from typing import Any
 
 from msgspec import Struct
+from shapely import Polygon, bounds, box, intersection, linestrings, union_all
 
 from beamcam.checks.coping.section import TubeSection
 from beamcam.checks.coping.stock import outline_ring, ring_of, taken
@@ -30,8 +31,6 @@ class BoxWall(Struct, frozen=True):
 
     def ends(self) -> tuple[list[Point], list[Point]]:
         """x and y of places along both ends, but a slot's floor; FAR where there is no steel."""
-        from shapely import bounds, intersection, linestrings
-
         ys = [self.wide * k / 20 for k in range(1, 20)]
         across = linestrings([((-FAR, y), (FAR, y)) for y in ys])
         start, _, end, _ = bounds(intersection(across, self.steel)).T.tolist()
@@ -57,8 +56,6 @@ def outlined(
     piece: PieceAsked | None = None,
 ) -> BoxWall:  # fmt: skip
     """A face within its outline; of a piece that comes cut with the air before its ends."""
-    from shapely import box, union_all
-
     wide = part.profile.height if face in "vh" else part.profile.width
     rings = _rings_of(part, face, features, section, piece)
     there = piece.faces[face] if piece else None
@@ -115,8 +112,6 @@ def _gone_on(ring: list[Point], wide: float, radius: float) -> list[Point]:
 
 def void_of(feature: Any, piece: PieceAsked | None = None) -> Shape:
     """What a feature takes of its face; nothing where it is an outline."""
-    from shapely import Polygon
-
     if not isinstance(feature, Contour):
         return taken(feature)
     if feature.kind == "inner":

@@ -11,6 +11,8 @@ from math import asin, hypot, pi, radians, sin, tan
 from typing import Any
 
 from msgspec import Struct
+from shapely import Polygon, box, get_coordinates, line_merge, transform, union_all
+from shapely.affinity import translate
 
 from beamcam.checks.coping.box_faces import (
     APART,
@@ -69,9 +71,6 @@ def required_box(
     part: Part, coper: Coper, left: set[int], section: TubeSection, piece: PieceAsked | None = None
 ) -> RequiredTube:
     """What has to stay of a part or a piece; `left` are features that are not made."""
-    from shapely import union_all
-    from shapely.affinity import translate
-
     features = [f for k, f in enumerate(part.features) if k not in left]
     walls = {face: outlined(part, face, features, section, piece) for face in "uvoh"}
     ends = _ends(part, walls, section)
@@ -123,8 +122,6 @@ def required_box(
 
 def box_outlines(part: Part, coper: Coper, section: TubeSection) -> Iterator[list[Point]]:
     """The outlines of what is drawn on one turn of the surface, for pictures."""
-    from shapely import box
-
     drawn = required_box(part, coper, set(), section).drawn
     for one in pieces_of(drawn.intersection(box(-FAR, 0.0, FAR, section.turn))):
         for ring in (one.exterior, *one.interiors):
@@ -231,9 +228,6 @@ def _skew(end: End | None, section: TubeSection, face: str) -> float:
 
 def _ended(wall: BoxWall, ends: Sequence[End | None], section: TubeSection) -> Shape:
     """A face whose ends are where planes are to be cut."""
-    from shapely import Polygon, box, union_all
-    from shapely.affinity import translate
-
     low, _, high, _ = wall.steel.bounds
     steel = wall.steel if wall.is_drawn else box(
         -FAR if ends[0] else low, 0.0, FAR if ends[1] else high, wall.wide
@@ -271,8 +265,6 @@ def _in_corner(
     void: Shape, wide: float, at_high: bool, is_first: bool, k: int, section: TubeSection
 ) -> Shape:
     """A cut-out seen square to its face, where it lies on the corner behind or before that."""
-    from shapely import Polygon, box, transform
-
     r, first = section.radius, section.corner(k)
     zone = box(-FAR, wide - r, FAR, wide) if at_high else box(-FAR, 0.0, FAR, r)
     part = void.intersection(zone)
@@ -307,8 +299,6 @@ def _on_surface(face: str, y: float, wide: float, section: TubeSection) -> set[f
 
 def _flat(wall: BoxWall, section: TubeSection) -> Shape:
     """The flat stretch of a face on the unrolled surface."""
-    from shapely import box, transform
-
     r = section.radius
     flat = wall.steel.intersection(box(-FAR, r - 1e-4, FAR, wall.wide - r + 1e-4))
 
@@ -323,7 +313,6 @@ def _flat(wall: BoxWall, section: TubeSection) -> Shape:
 def _lines(wall: BoxWall, at_high: bool, radius: float) -> list[Any]:
     """The lines of a face beside an edge by their x there, each as distances from it and x."""
     import numpy as np
-    from shapely import box, get_coordinates, line_merge
 
     low, high = (wall.wide - radius, wall.wide) if at_high else (0.0, radius)
     band = wall.steel.boundary.intersection(box(-FAR, low + INSIDE, FAR, high - INSIDE))
@@ -347,7 +336,6 @@ def _rounded(
 ) -> Shape | None:
     """What has to stay of a corner, or None; `off` gets what a square cut leaves beside it."""
     import numpy as np
-    from shapely import Polygon, union_all
 
     a, a_high, b, b_high = CORNERS[k]
     r = section.radius

@@ -12,6 +12,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from math import isfinite
 
 import numpy as np
+from shapely import convex_hull, distance, multipoints
 
 from beamcam.checks.coping import rules
 from beamcam.checks.coping.section import CoperSection, TubeSection
@@ -30,8 +31,6 @@ def collision_faults(
     ways: Sequence[TipMove], section: CoperSection | TubeSection, coper: Coper, name: str
 ) -> Iterator[Diagnostic]:
     """The first place of each move at which the torch comes nearer to the bar than it may."""
-    from shapely import convex_hull, distance, multipoints
-
     if not ways:
         return
     numbers, before, after = _steps(ways, coper, section.axis)

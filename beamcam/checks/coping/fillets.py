@@ -4,6 +4,8 @@ A jet that stays beside the web goes through flange and fillet, and behind them 
 much steel that is, is measured on the section itself, at the side of the kerf towards the web.
 """
 
+from shapely import LineString, box
+
 from beamcam.checks.coping.section import CoperSection, line_of, pieces_of
 from beamcam.checks.coping.strokes import TorchStroke
 
@@ -42,8 +44,6 @@ def beside_web(stroke: TorchStroke, section: CoperSection) -> tuple[float, float
 def _is_straight(stroke: TorchStroke, section: CoperSection) -> bool:
     """Whether a stroke goes on straight lines alone over the web and the half of its fillets that
     is thick, but for where a contour turns beside that."""
-    from shapely import LineString, box
-
     thick = section.radius / 2 - 1.0
     low = max(section.back - thick, STRAIGHT)
     high = min(section.front + thick, section.wide - STRAIGHT)

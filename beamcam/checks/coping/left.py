@@ -4,6 +4,15 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from msgspec import Struct
+from shapely import (
+    LineString,
+    MultiPolygon,
+    force_2d,
+    get_coordinates,
+    prepare,
+    transform,
+    union_all,
+)
 
 from beamcam.checks.coping import rules
 from beamcam.checks.coping.section import CoperSection, TubeSection, line_of, pieces_of
@@ -22,8 +31,6 @@ class WallPieces(Struct, frozen=True):
 
 def parted(bar: Shape, gone: Sequence[Shape], drawn: Shape, slack: float) -> WallPieces:
     """The pieces of a surface that is cut; those of the part have steel well within it."""
-    from shapely import MultiPolygon, prepare, union_all
-
     pieces = [p for p in pieces_of(bar.difference(union_all(gone))) if p.area > SPECK]
     core = drawn.intersection(bar).buffer(-2 * slack, join_style="mitre")
     prepare(core)  # whose border most pieces lie off
@@ -76,8 +83,6 @@ def holding_faults(
     name: str,
 ) -> Iterator[Diagnostic]:
     """Scrap of the web that a flange holds at a surface z of it, or the other way round."""
-    from shapely import LineString, force_2d, transform
-
     y = section.web_ends[1] - 1e-3 if face == "o" else section.web_ends[0] + 1e-3
     along = LineString([(-1e6, y), (1e6, y)])
     beside = LineString([(-1e6, z), (1e6, z)])
@@ -105,6 +110,4 @@ def holding_faults(
 
 
 def outline_of(shape: Shape) -> list[tuple[float, float]]:
-    from shapely import get_coordinates
-
     return [tuple(p) for p in get_coordinates(shape).tolist()]

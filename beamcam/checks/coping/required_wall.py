@@ -6,6 +6,20 @@ from math import atan2, degrees, dist, hypot, inf, pi
 from typing import Any
 
 from msgspec import Struct
+from shapely import (
+    GEOSException,
+    MultiPoint,
+    Polygon,
+    box,
+    distance,
+    get_coordinates,
+    line_merge,
+    points,
+    union_all,
+)
+from shapely import Point as Place
+from shapely.affinity import translate
+from shapely.ops import substring
 
 from beamcam.checks.coping.chart import CoperJob
 from beamcam.checks.coping.section import CoperSection, areas_of, pieces_of
@@ -59,9 +73,6 @@ def required_on(
     ends: Sequence[EndOnWall] = (),
 ) -> RequiredWall:  # fmt: skip
     """What has to stay of a wall; `left` are features that are not made, `ends` skew ends."""
-    from shapely import Point as Place
-    from shapely import Polygon, box, get_coordinates, union_all
-
     part, wide = job.part, section.high if face == "v" else section.wide
     features = [
         f
@@ -120,9 +131,6 @@ def with_corners_cut(drawn: Shape, corners: list[Point], radius: float, turn: fl
 
     That of a tube goes on for a turn behind its own and before it; `corners` are those of one turn.
     """
-    from shapely import box, union_all
-    from shapely.affinity import translate
-
     turns = (-turn, 0.0, turn) if turn else (0.0,)
     beside = 2 * radius if turn else inf  # of its own turn; so far what a disc leaves reaches
     there = [(x, y + by) for x, y in corners for by in turns if -beside <= y + by <= turn + beside]
@@ -162,8 +170,6 @@ def _cramped(
 ) -> list[Point]:
     """The corners at which what a disc leaves reaches farther than a corner of 60 degrees has it,
     or lies between two sides that face each other."""
-    from shapely import MultiPoint, distance, get_coordinates, points
-
     cramped, slim, places = list[Point](), SLIM * radius / 2, points(corners)
     border = drawn.boundary
     for piece in left:
@@ -180,9 +186,6 @@ def _cramped(
 
 def _turns_beside(piece: Shape, border: Shape) -> float:
     """Degrees that a border turns at most beside a piece, from where that begins on."""
-    from shapely import get_coordinates, line_merge
-    from shapely.ops import substring
-
     beside, most = border.intersection(piece.buffer(FINE)), 0.0
     for line in pieces_of(line_merge(beside) if beside.geom_type == "MultiLineString" else beside):
         # Without its ends, where it goes on round the corners on which the disc rests.
@@ -196,8 +199,6 @@ def _turns_beside(piece: Shape, border: Shape) -> float:
 
 def left_at(drawn: Shape, corners: list[Point], radius: float) -> list[Shape]:
     """What a disc of a radius, rolled through the air, leaves at corners."""
-    from shapely import MultiPoint
-
     if drawn.is_empty or not corners:
         return []
     places = MultiPoint(corners)
@@ -217,8 +218,6 @@ def _at_corners(left: Sequence[Shape], corners: list[Point], radius: float) -> l
     In a slot that narrows to its mouth the disc touches both sides and leaves steel beyond it too,
     joined where it touches to that at the floor.
     """
-    from shapely import MultiPoint, union_all
-
     kept, thin, places = list[Shape](), TOUCH * radius, MultiPoint(corners)
     for piece in left:
         cores = pieces_of(piece.buffer(-thin).buffer(thin))
@@ -230,8 +229,6 @@ def _at_corners(left: Sequence[Shape], corners: list[Point], radius: float) -> l
 
 def _joined(drawn: Shape, added: Sequence[Shape]) -> Shape:
     """A region and what is added to it, without cracks between them."""
-    from shapely import GEOSException, union_all
-
     if not added:
         return drawn
     try:
@@ -242,8 +239,6 @@ def _joined(drawn: Shape, added: Sequence[Shape]) -> Shape:
 
 def corners_of(curves: tuple[Curve, ...], steel: Shape) -> list[Point]:
     """Where a closed chain turns by more than CORNER_DEG with more steel than air round it."""
-    from shapely import box
-
     long = [curve for curve in curves if curve.length > FINE]
     points: list[Point] = []
     for k, after in enumerate(long):

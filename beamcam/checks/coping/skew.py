@@ -10,6 +10,7 @@ from math import atan, cos, degrees, hypot, inf, radians, sin, tan
 from typing import Any
 
 from msgspec import Struct
+from shapely import LineString, Polygon, box, union_all
 
 from beamcam.checks.coping import rules
 from beamcam.checks.coping.section import CoperSection, areas_of
@@ -159,8 +160,6 @@ class EndOnWall(Struct, frozen=True):
 
     def step(self, low: float, high: float, x: float) -> Shape:
         """What lies between it and an x beyond it, of a band from low to high."""
-        from shapely import Polygon
-
         a, b = ((self.x(y) - self.side * AT_EDGE, y) for y in (low, high))
         c, d = ((self.side * max(self.side * x, self.side * self.x(y)), y) for y in (low, high))
         return Polygon([a, c, d, b])
@@ -168,8 +167,6 @@ class EndOnWall(Struct, frozen=True):
     @property
     def beyond(self) -> Shape:
         """What lies beyond it."""
-        from shapely import Polygon
-
         low, high = -FAR / 100, FAR / 100
         return Polygon([
             (self.x(low), low), (self.x(high), high),
@@ -192,8 +189,6 @@ def _edge_on(
     end: SkewEnd, face: str, drawn: Shape, section: CoperSection, band: tuple[float, float]
 ) -> tuple[float, float]:
     """How much of a wall's edge lies on an end, within a band of it, and how much could; in mm."""
-    from shapely import LineString, box
-
     own = end.on_wall(face, section, 0.0)
     line = LineString([(own.x(y), y) for y in band])
     edge = drawn.boundary.intersection(box(-FAR, band[0], FAR, band[1]))
@@ -276,8 +271,6 @@ def _as_long_as_lip(
 ) -> tuple[Shape, tuple[float, list[Point]] | None]:
     """What a flange keeps beyond an end that is cut square to it, where a pass takes its lip too
     and the lip reaches farther; by how many mm, and where that ends."""
-    from shapely import Polygon
-
     ys = (section.high - section.lip, section.high) if face == "o" else (0.0, section.lip)
     x = end.farthest(ys, (0.0, section.bend))
     line = end.on_wall(face, section)
@@ -295,8 +288,6 @@ def _as_long_as_lip(
 
 def _up_to(end: SkewEnd, face: str, shape: Shape, section: CoperSection) -> Shape:
     """What a wall has more of where it is cut square at the outermost of its end."""
-    from shapely import LineString, Polygon, union_all
-
     there, own = end.on_wall(face, section), end.on_wall(face, section, 0.0)
     ys = -1.0, (section.high if face == "v" else section.wide) + 1.0
     line = LineString([(own.x(y), y) for y in ys])

@@ -10,6 +10,7 @@ from math import ceil, cos, inf, pi, radians, sin
 from typing import Any
 
 from msgspec import Struct
+from shapely import MultiPoint, Polygon, make_valid, union_all
 
 from beamcam.checks.coping.section import CoperSection
 from beamcam.checks.coping.skew import EndOnWall, end_of
@@ -32,8 +33,6 @@ def ring_of(curves: tuple[Curve, ...]) -> list[Point]:
 
 def inside_of(ring: Sequence[Point]) -> Any:
     """The inside of a ring, also of one that crosses itself."""
-    from shapely import Polygon, make_valid
-
     whole = Polygon(ring)
     return whole if whole.is_valid else make_valid(whole)
 
@@ -93,8 +92,6 @@ def round_ring(
 
 def taken(feature: Feature) -> Any:
     """What a hole, a slot or a contour takes of its wall."""
-    from shapely import MultiPoint, Polygon
-
     if isinstance(feature, Hole):
         return Polygon(round_ring(feature.x, feature.y, feature.diameter / 2))
     if isinstance(feature, Slot):  # the hull of its round corners
@@ -124,8 +121,6 @@ class WallStock(Struct, frozen=True):
 
     def wall(self, face: str) -> Any:
         """All steel of a wall, (x, y) of its face, with that where its holes are."""
-        from shapely import Polygon
-
         (start, end), wide = self.ends[face], self.widths[face]
         return Polygon(
             [(start.x(0.0), 0.0), (end.x(0.0), 0.0), (end.x(wide), wide), (start.x(wide), wide)]
@@ -134,8 +129,6 @@ class WallStock(Struct, frozen=True):
 
 def stock_of(part: Part, section: CoperSection, coper: Coper) -> WallStock:
     """The bar that a part is cut from, or the piece that comes cut."""
-    from shapely import union_all
-
     faces = section.faces
     widths = {face: section.high if face == "v" else section.wide for face in faces}
     if part.made is None:

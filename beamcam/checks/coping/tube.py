@@ -11,6 +11,9 @@ from typing import Any
 
 import numpy as np
 from msgspec.structs import replace
+from shapely import LineString, MultiPoint, box, prepare, union_all
+from shapely import Point as PointShape
+from shapely.affinity import translate
 
 from beamcam.checks.coping import rules
 from beamcam.checks.coping.box_tube import LEAST_OFF, RequiredTube, box_ends, required_box
@@ -190,8 +193,6 @@ def _compared(
     slack: float, job: CoperJob,
 ) -> Iterator[Diagnostic]:  # fmt: skip
     """What is left of the unrolled surface, on three turns one above the other."""
-    from shapely import Point, box, prepare, union_all
-    from shapely.affinity import translate
 
     drawn, expected, coper = whole.drawn, whole.cut, job.coper
     turn, wall = section.turn, section.wall
@@ -209,7 +210,7 @@ def _compared(
         back = -turn * ((min(us) + slack) // turn)  # of its start into the first turn
         points = [(x, u + back) for x, u in stroke.points]
         run, kerf = line_of(points), kerf_of(points, half)
-        burnt = union_all([kerf, Point(points[0]).buffer(stroke.row.pierce_radius)])
+        burnt = union_all([kerf, PointShape(points[0]).buffer(stroke.row.pierce_radius)])
         if kept.intersects(burnt) and (hurt := burnt.intersection(kept)).area > 0.0:
             yield hurt_fault(hurt, kept, slack, source, section)
             return
@@ -230,7 +231,7 @@ def _compared(
             line_of(points[: lead + 1]).difference(stock.steel.buffer(half)).length > 0.0
             or in_air(points[lead:], stock.steel, stroke.row, coper) is not None
         )
-        if lost or stock.solid.distance(Point(points[0])) > slack:
+        if lost or stock.solid.distance(PointShape(points[0])) > slack:
             yield rules.AIR.at(source, x=f"{points[0][0]:.1f}", y=f"{us[0]:.1f}", face=stroke.face)
         if fits is None or stroke.row.feed_mm_min != fits.feed_mm_min:
             yield rules.FEED.at(
@@ -249,8 +250,6 @@ def _compared(
 
 def _lead_of(points: Sequence[Point], most: float, slack: float) -> int:
     """How many blocks the lead has: one, or over a corner those that go straight on, so far."""
-    from shapely import LineString, MultiPoint
-
     lead = 1
     while (
         lead + 1 < len(points) and dist(points[0], points[lead + 1]) <= most
@@ -287,9 +286,6 @@ def _required(
 
     `piece` is one that comes cut, whose features are asked of it.
     """
-    from shapely import box, union_all
-    from shapely.affinity import translate
-
     if part.profile.code == "M":
         return required_box(part, coper, left, section, piece)
     by_header, planes = [*header_planes(part, section)], [*planes_of(part, left, section)]

@@ -16,6 +16,8 @@ from math import atan, cos, degrees, hypot, pi, radians, sin, tan
 from typing import Any
 
 from msgspec import Struct
+from shapely import LineString, Polygon, bounds, box, intersection, intersection_all, union_all
+from shapely.affinity import translate
 
 from beamcam.checks.coping.section import TubeSection
 from beamcam.checks.coping.skew import DRAWN
@@ -92,7 +94,6 @@ def kept(shape: Shape, side: int, end: End, section: TubeSection) -> Shape:
     Between two corners it is cut along a straight line.
     """
     import numpy as np
-    from shapely import Polygon
 
     turns = np.linspace(0.0, pi / 2, PLACES)
     xs = [round_corner(end, k, turns, section, side < 0) for k in range(4)]
@@ -132,8 +133,6 @@ class TubeStock(Struct, frozen=True):
 
 def bar_of(trim: float, part: Part, turn: float) -> TubeStock:
     """The bar that a tube is cut from, of which once round is `turn` mm."""
-    from shapely import box
-
     bar = box(-trim, -2 * turn, part.length + trim, 3 * turn)
     return TubeStock(bar, bar, False)
 
@@ -141,9 +140,6 @@ def bar_of(trim: float, part: Part, turn: float) -> TubeStock:
 def piece_of(bare: Shape, worn: Shape, apart: float) -> TubeStock:
     """A piece whose ends are there, and its holes; an arc starts where all of its wall is, which at
     a skew end is so far from where the last of it is."""
-    from shapely import intersection_all
-    from shapely.affinity import translate
-
     whole = [bare, translate(bare, apart, 0.0), translate(bare, -apart, 0.0)] if apart else [bare]
     return TubeStock(bare, worn.intersection(intersection_all(whole)), True, apart)
 
@@ -183,8 +179,6 @@ class PieceAsked(Struct, frozen=True):
 
 def with_air(ring: Sequence[Point], ends: FaceEnds | None) -> Shape:
     """The inside of a ring, and the air before what of it lies on an end that is there."""
-    from shapely import union_all
-
     shape = inside_of(ring)
     if ends is None:
         return shape
@@ -241,7 +235,6 @@ def short_by(ring: Sequence[Point], ends: FaceEnds | None) -> float:
 def ends_of_shape(shape: Shape, low: float, high: float) -> tuple[Xs, Xs]:
     """Where a shape of one turn, or of a face, ends across it."""
     import numpy as np
-    from shapely import LineString, bounds, intersection
 
     places = np.linspace(low, high, 721)
     lines = [LineString([(-1e5, at), (1e5, at)]) for at in places.tolist()]
