@@ -310,7 +310,7 @@ class RequiredWalls:
 
     def _take_bevels(self) -> None:
         """Walls at both surfaces and at the lands of their bevels, without what the bevels take."""
-        for face in {one.stroke.face for one in self.passes}:
+        for face in dict.fromkeys(one.stroke.face for one in self.passes):
             own = [one for one in self.passes if one.stroke.face == face]
             outer, thick = self.walls[face, 0.0], self._section.thickness(face)
             inner = self.walls.get((face, thick), outer)
