@@ -228,7 +228,7 @@ def _is_one(a: Bevel | None, b: Bevel | None, curves: Sequence[Curve]) -> bool:
 
 
 def _crossing(before: Sequence[Point], after: Sequence[Point]) -> Point:
-    """Where two stretches, gone on straight, cross; the end of the first where they are one."""
+    """Where two segments, gone on straight, cross; the end of the first where they are one."""
     ((ax, ay), (bx, by)), ((cx, cy), (dx, dy)) = before, after
     (ux, uy), (vx, vy) = (bx - ax, by - ay), (dx - cx, dy - cy)
     across = ux * vy - uy * vx

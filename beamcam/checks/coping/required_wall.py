@@ -173,7 +173,7 @@ def _cramped(
     cramped, slim, places = list[Point](), SLIM * radius / 2, points(corners)
     border = drawn.boundary
     for piece in left:
-        for core in pieces_of(piece.buffer(-slim).buffer(slim)):  # thin stretches join some
+        for core in pieces_of(piece.buffer(-slim).buffer(slim)):  # thin necks join some
             near = distance(core, places) <= 4 * slim
             mine = [corner for corner, is_near in zip(corners, near, strict=True) if is_near]
             if mine:

@@ -47,7 +47,7 @@ def kerf_of(points: Sequence[tuple[float, float]], half_kerf: float) -> Any:
     """All that lies within half a kerf of a path.
 
     That of a connected path is one polygon. GEOS fails at it now and then where a path comes back
-    to its start; then it is put together of its stretches, and so is that of a path which repeats
+    to its start; then it is put together of its segments, and so is that of a path which repeats
     them many times.
     """
     from shapely import LineString, union_all

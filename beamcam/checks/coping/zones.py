@@ -10,7 +10,7 @@ from beamcam.checks.coping.section import CoperSection, TubeSection
 from beamcam.checks.coping.strokes import TipMove, TorchStroke
 from beamcam.errors import Diagnostic
 
-ALL_ROUND = 1e-3  #: mm that a stroke once round may lack
+ALL_ROUND = 1e-3  #: mm that a stroke once round may be short
 
 
 def root_faults(

@@ -40,7 +40,7 @@ MITRE = 5.0  #: half kerfs from the end of a contour at which its path leaves a 
 ROUND = 8  #: sides of a quarter of a path round a corner
 SHARE_OVER = 0.98  #: of half a kerf, by which a path is followed beyond a free edge
 LEADS = (1.0, 0.75, 0.5, 0.25, 0.0)  #: shares of the lead that are tried
-STARTS = 12  #: stretches of a closed path on which a start is looked for
+STARTS = 12  #: segments of a closed path on which a start is looked for
 #: Of half a kerf, how near a path comes that goes round a corner along chords: as at a peak of the
 #: end of a tube, which lies on the seam.
 CHORDS = cos(pi / (4 * ROUND))
@@ -129,7 +129,7 @@ def rings_of(shape: Shape) -> Any:
 
 
 def chains_of(shape: Shape, borders: Sequence[CutBorder]) -> Iterator[CutChain]:
-    """The stretches of a region's rings within borders; whole rings where they lie so."""
+    """The segments of a region's rings within borders; whole rings where they lie so."""
     import numpy as np
 
     places, ring = get_coordinates(rings_of(shape), return_index=True)

@@ -86,7 +86,7 @@ def ways_beside(region: WallRegion) -> list[tuple[CutChain, BesideWeb]]:
 
 
 def _within(points: Sequence[Point], low: float, high: float) -> Iterator[list[Point]]:
-    """The stretches of a path between two y."""
+    """The segments of a path between two y."""
     way: list[Point] = []
     for a, b in pairwise(points):
         if max(a[1], b[1]) < low or min(a[1], b[1]) > high:
